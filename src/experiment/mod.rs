@@ -1,0 +1,1 @@
+//! Experiments: a scenario becomes a scene, is run, and gives an outcome.

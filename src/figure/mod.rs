@@ -1,0 +1,1 @@
+//! Pictures of plain curves and rows.

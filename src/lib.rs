@@ -1,0 +1,30 @@
+//! `rodlab`: a laboratory for slender elastic rods.
+//!
+//! A scenario file (TOML) goes in; the implicit rod engine runs it; a results directory comes out.
+//! The rooms, and who may import whom (an arrow means "may import"):
+//!
+//! ```text
+//! cli ──> experiment ──> mechanics ──> linalg
+//!  └──────────┴──> scenario, results, figure
+//! ```
+//!
+//! | room | what lives there |
+//! |---|---|
+//! | [`cli`] | one file per subcommand: parse, call one library function, print |
+//! | [`scenario`] | the TOML schema as Rust types, units, validation with source positions |
+//! | [`experiment`] | scenario → scene, the run loop, `verify` |
+//! | [`mechanics`] | rods, contact, fluid, time stepping, equilibria |
+//! | [`linalg`] | banded and sparse factorisations |
+//! | [`results`] | results directories, checkpoints, VTK |
+//! | [`figure`] | pictures of plain curves and rows |
+//!
+//! The time step loop is [`mechanics::dynamics`]; the elastic energies are [`mechanics::rod`].
+//! All quantities are in SI units unless a name says otherwise.
+
+pub mod cli;
+pub mod experiment;
+pub mod figure;
+pub mod linalg;
+pub mod mechanics;
+pub mod results;
+pub mod scenario;

@@ -1,0 +1,1 @@
+//! Small linear algebra: banded and sparse factorisations behind one interface.

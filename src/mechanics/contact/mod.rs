@@ -1,0 +1,5 @@
+//! Contact between rods and with planes: broad phase, distances, the implicit contact model, friction.
+
+mod parameters;
+
+pub use parameters::ContactParameters;

@@ -1,0 +1,18 @@
+//! Which fluid surrounds the rods.
+
+/// A fluid model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FluidModel {
+    /// Regularized Stokeslet segments (thesis 2.4.1): every node feels every edge.
+    RegularizedStokeslets {
+        /// Dynamic viscosity η, Pa s.
+        viscosity: f64,
+        /// Regularisation ε as a multiple of the rod radius h; the thesis uses 1.02.
+        regularization: f64,
+    },
+    /// Resistive force theory: drag by local coefficients along and across the rod.
+    Resistive {
+        /// Dynamic viscosity η, Pa s.
+        viscosity: f64,
+    },
+}

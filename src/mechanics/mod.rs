@@ -1,0 +1,16 @@
+//! The mechanics of slender rods.
+//!
+//! [`rod`], [`contact`] and [`fluid`] do not import each other; [`dynamics`] and [`statics`] join them.
+//! [`scene`] describes what is to be simulated, in SI units and plain types.
+
+pub mod contact;
+pub mod dynamics;
+pub mod fluid;
+pub mod rod;
+pub mod scene;
+pub mod statics;
+
+/// A vector in space.
+pub type Vector3 = nalgebra::Vector3<f64>;
+/// A 3×3 matrix.
+pub type Matrix3 = nalgebra::Matrix3<f64>;

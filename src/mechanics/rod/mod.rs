@@ -1,0 +1,1 @@
+//! The discrete elastic rod: topology, frames, strains, energies and their derivatives.

@@ -1,0 +1,205 @@
+//! What is to be simulated: rods, clamps, loads, planes and models, in SI units.
+//!
+//! A [`Scene`] is plain data. Experiments build it; [`super::dynamics::Simulation`] and
+//! [`super::statics`] run it. Node indices inside a scene count along their own rod.
+
+use super::Vector3;
+use super::contact::ContactParameters;
+use super::fluid::FluidModel;
+
+/// A complete mechanical scene.
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    /// The rods, in the order of the scenario file.
+    pub rods: Vec<RodDescription>,
+    /// Held or driven nodes.
+    pub clamps: Vec<Clamp>,
+    /// External loads.
+    pub loads: Vec<Load>,
+    /// Rigid half spaces that rods may touch.
+    pub planes: Vec<Plane>,
+    /// Contact model between rods and with planes; `None` lets everything pass through.
+    pub contact: Option<ContactParameters>,
+    /// Surrounding fluid; `None` is a vacuum.
+    pub fluid: Option<FluidModel>,
+}
+
+/// One rod as placed at time zero.
+#[derive(Clone, Debug)]
+pub struct RodDescription {
+    /// Name by which scenarios and results call it.
+    pub name: String,
+    /// Nodes of the centreline, m: N + 1 for an open rod of N edges, N for a closed one.
+    pub centreline: Vec<Vector3>,
+    /// Whether the last node is joined to the first.
+    pub closed: bool,
+    /// Unit tangents of the smooth curve at its two ends; clamps use them. `None` extrapolates the edges.
+    pub end_tangents: [Option<Vector3>; 2],
+    /// Direction of the first material director on the first edge (its part normal to the edge counts);
+    /// `None` takes any normal. The other edges' frames follow by parallel transport.
+    pub first_director: Option<Vector3>,
+    /// Total twist put into the placed rod from first to last edge, rad, evenly spread.
+    pub twist: f64,
+    /// The shape without stress.
+    pub natural_shape: NaturalShape,
+    /// Elastic stiffness of the cross-section.
+    pub stiffness: Stiffness,
+    /// Radius of the contact and fluid surface, m.
+    pub radius: f64,
+    /// Mass per length ρA, kg/m.
+    pub mass_per_length: f64,
+    /// Moment of inertia about the centreline per length, ρ(I₁ + I₂), kg m.
+    pub rotational_inertia_per_length: f64,
+    /// Velocity of every node at time zero, m/s.
+    pub velocity: Vector3,
+    /// Angular velocity about the rod's centroid at time zero, rad/s (nodes' velocities only).
+    pub angular_velocity: Vector3,
+    /// A rigid obstacle: every node and edge stays where it was placed.
+    pub held: bool,
+}
+
+/// The shape of a rod without stress.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NaturalShape {
+    /// Curvature, twist and lengths as placed.
+    AsPlaced,
+    /// Straight and untwisted, edge lengths as placed.
+    Straight,
+    /// Constant material curvatures (1/m) and twist (rad/m), edge lengths as placed.
+    Curved {
+        /// Natural curvatures κ̃¹, κ̃² about the two material directors, 1/m.
+        curvature: [f64; 2],
+        /// Natural twist, rad/m.
+        twist: f64,
+    },
+    /// Curvature, twist and lengths of another polyline with the same number of nodes.
+    Centreline(Vec<Vector3>),
+}
+
+/// Stiffness of a cross-section.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stiffness {
+    /// Stretching stiffness EA, N.
+    pub stretching: f64,
+    /// Bending stiffnesses EI₁ (of κ¹) and EI₂ (of κ²), N m².
+    pub bending: [f64; 2],
+    /// Twisting stiffness GJ, N m².
+    pub twisting: f64,
+}
+
+/// A held or driven node.
+///
+/// Holding the frame adds a ghost half edge at the node: an edge of prescribed direction and material
+/// frame with a Voronoi length of half an edge, so that the wall stands at the node itself. At an inner
+/// node there is one on either side.
+#[derive(Clone, Debug)]
+pub struct Clamp {
+    /// Index of the rod.
+    pub rod: usize,
+    /// Index of the node along the rod.
+    pub node: usize,
+    /// Whether the position of the node is held.
+    pub holds_position: bool,
+    /// Whether tangent and material frame at the node are held.
+    pub holds_frame: bool,
+    /// How the clamp moves.
+    pub motion: Motion,
+}
+
+/// Prescribed motion: x(t) = pivot + R(t)(x(0) − pivot) + translation(t), frame(t) = R(t) frame(0),
+/// where R(t) turns by `angle(t) + angular_velocity · t` about `axis`.
+#[derive(Clone, Debug, Default)]
+pub struct Motion {
+    /// Displacement in m at given times in s.
+    pub translation: Vec<(f64, Vector3)>,
+    /// Unit vector about which the clamp turns; `None` is the tangent of the clamp at time zero.
+    pub axis: Option<Vector3>,
+    /// Angle in rad at given times in s.
+    pub angle: Vec<(f64, f64)>,
+    /// Steady rate of turning, rad/s.
+    pub angular_velocity: f64,
+    /// Fixed point of the rotation; `None` is the node.
+    pub pivot: Option<Vector3>,
+}
+
+/// An external load. `schedule` multiplies it: factor at given times, piecewise linear, 1 where empty.
+#[derive(Clone, Debug)]
+pub struct Load {
+    /// What acts.
+    pub kind: LoadKind,
+    /// Factor at given times in s.
+    pub schedule: Vec<(f64, f64)>,
+}
+
+/// Kinds of external load.
+#[derive(Clone, Debug)]
+pub enum LoadKind {
+    /// Weight of every rod, acceleration in m/s².
+    Gravity {
+        /// Acceleration of free fall.
+        acceleration: Vector3,
+    },
+    /// A dead force on a node, N.
+    Force {
+        /// Index of the rod.
+        rod: usize,
+        /// Index of the node along the rod.
+        node: usize,
+        /// The force.
+        force: Vector3,
+    },
+    /// A moment of fixed direction on an edge, N m.
+    Moment {
+        /// Index of the rod.
+        rod: usize,
+        /// Index of the edge along the rod.
+        edge: usize,
+        /// The moment.
+        moment: Vector3,
+    },
+    /// A dead force per natural length, N/m, on one rod or on all.
+    Distributed {
+        /// Index of the rod; `None` means all rods.
+        rod: Option<usize>,
+        /// Force per length.
+        force_per_length: Vector3,
+    },
+    /// Linear drag −c v per length, with c in N s/m², on nodes, and −c_θ θ̇ per length on edges.
+    Drag {
+        /// Index of the rod; `None` means all rods.
+        rod: Option<usize>,
+        /// Coefficient of the velocity per length, N s/m².
+        translation: f64,
+        /// Coefficient of the spin per length, N s.
+        rotation: f64,
+    },
+}
+
+/// A rigid half space: the side that `normal` points to is free.
+#[derive(Clone, Debug)]
+pub struct Plane {
+    /// Any point of the surface.
+    pub point: Vector3,
+    /// Unit normal.
+    pub normal: Vector3,
+    /// Friction coefficient between plane and rods; overrides that of the contact model.
+    pub friction: Option<f64>,
+}
+
+/// Value at time `t` of a piecewise linear function given by its corners, constant outside them.
+pub fn piecewise_linear<T>(corners: &[(f64, T)], t: f64) -> Option<T>
+where
+    T: Copy + std::ops::Mul<f64, Output = T> + std::ops::Add<Output = T>,
+{
+    let (first, last) = (corners.first()?, corners.last()?);
+    if t <= first.0 {
+        return Some(first.1);
+    }
+    if t >= last.0 {
+        return Some(last.1);
+    }
+    let after = corners.partition_point(|corner| corner.0 <= t);
+    let ((t0, a), (t1, b)) = (corners[after - 1], corners[after]);
+    let fraction = (t - t0) / (t1 - t0);
+    Some(a * (1.0 - fraction) + b * fraction)
+}

@@ -1,0 +1,1 @@
+//! Equilibria: Newton without inertia.

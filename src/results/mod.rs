@@ -1,0 +1,1 @@
+//! Results directories: manifests, series, node files, checkpoints, VTK.
