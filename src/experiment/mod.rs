@@ -1,1 +1,5 @@
 //! Experiments: a scenario becomes a scene, is run, and gives an outcome.
+
+mod prepared;
+
+pub use prepared::{Mode, OutputPlan, PreparedRun};

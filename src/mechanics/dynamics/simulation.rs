@@ -90,6 +90,10 @@ impl Simulation {
     pub fn advance(&mut self, _until: f64) -> Result<StepReport, SimulationError> {
         todo!()
     }
+    /// Finds the equilibrium at the present time: Newton's method without inertia.
+    pub fn find_equilibrium(&mut self) -> Result<StepReport, SimulationError> {
+        todo!()
+    }
     /// Time, s.
     pub fn time(&self) -> f64 {
         todo!()
