@@ -23,7 +23,7 @@ pub struct CaseOutcome {
     pub first_contact: Option<f64>,
     /// Smallest distance between centrelines that may touch over all output times, m.
     pub minimum_distance: Option<f64>,
-    /// That distance over the sum of the two largest radii of the scene.
+    /// That distance over twice the largest radius of the scene.
     pub minimum_distance_ratio: Option<f64>,
 }
 
@@ -36,6 +36,11 @@ impl CaseOutcome {
     /// Newton iterations per step with contact; `None` where there was none.
     pub fn newton_iterations_mean_with_contact(&self) -> Option<f64> {
         mean(self.newton_iterations_with_contact, self.steps_with_contact)
+    }
+
+    /// Krylov iterations of the fluid solves per step; `None` before the first step.
+    pub fn fluid_iterations_mean(&self) -> Option<f64> {
+        mean(self.fluid_iterations, self.steps)
     }
 }
 
