@@ -1,11 +1,25 @@
 //! The run loop: a prepared run goes in, a results directory comes out.
 
+mod advance;
 mod error;
+mod interruption;
+mod output_times;
+mod progress;
+mod records;
+mod session;
+mod stop;
+mod tally;
+#[cfg(test)]
+mod tests;
 
 pub use error::RunError;
 
 use super::PreparedRun;
-use crate::results::CaseOutcome;
+use crate::mechanics::dynamics::Simulation;
+use crate::results::{CaseOutcome, MAIN_CASE, Manifest, Opened, ResultsDirectory, scenario_hash};
+use advance::Advance;
+use interruption::Interruption;
+use session::Session;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -74,6 +88,46 @@ pub enum RunStatus {
 ///
 /// # Errors
 /// See [`RunError`]; its [`exit_code`](RunError::exit_code) is that of the program.
-pub fn run(_prepared: &PreparedRun, _options: &RunOptions) -> Result<RunOutcome, RunError> {
-    todo!()
+pub fn run(prepared: &PreparedRun, options: &RunOptions) -> Result<RunOutcome, RunError> {
+    let mut simulation =
+        Simulation::new(&prepared.scene, &prepared.integration).map_err(RunError::Scene)?;
+    let interruption = Interruption::install().unwrap_or_else(|error| {
+        tracing::warn!("Ctrl-C will end the run without a checkpoint: {error}");
+        Interruption::default()
+    });
+    run_simulation(&mut simulation, prepared, options, &|| {
+        interruption.requested()
+    })
+}
+
+/// Runs a simulation at time zero to the end of the prepared run, or until `stop_requested`, asked between steps.
+fn run_simulation(
+    simulation: &mut impl Advance,
+    prepared: &PreparedRun,
+    options: &RunOptions,
+    stop_requested: &dyn Fn() -> bool,
+) -> Result<RunOutcome, RunError> {
+    let hash = scenario_hash(&prepared.scenario_toml);
+    match ResultsDirectory::open(&options.directory, &hash, options.force)? {
+        Opened::Finished(manifest) => Ok(RunOutcome::already_finished(&manifest, options)),
+        Opened::Ready(directory) => {
+            let mut session = Session::begin(directory, simulation, prepared, options)?;
+            let result = session.proceed(simulation, prepared.mode, stop_requested);
+            session.conclude(simulation, result)
+        }
+    }
+}
+
+impl RunOutcome {
+    fn already_finished(manifest: &Manifest, options: &RunOptions) -> Self {
+        let case = manifest.cases.get(MAIN_CASE);
+        Self {
+            directory: options.directory.clone(),
+            status: RunStatus::AlreadyFinished,
+            case: case.map(|case| case.outcome).unwrap_or_default(),
+            wall_time: case
+                .map(|case| Duration::from_secs_f64(case.wall_time))
+                .unwrap_or_default(),
+        }
+    }
 }

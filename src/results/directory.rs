@@ -42,7 +42,7 @@ const FILES: [&str; 8] = [
 /// What was found at the place of a results directory.
 pub enum Opened {
     /// The same scenario ran here to its end; there is nothing to do and nothing was touched.
-    Finished(Box<Manifest>),
+    Finished(Manifest),
     /// The directory is ready to be written.
     Ready(ResultsDirectory),
 }
@@ -69,13 +69,13 @@ impl ResultsDirectory {
         if let Some(manifest) = recognise(path, scenario_hash, force)?
             && manifest.is_finished()
         {
-            return Ok(Opened::Finished(Box::new(manifest)));
+            return Ok(Opened::Finished(manifest));
         }
         fs::create_dir_all(path).map_err(not_writable(path))?;
         let lock = lock(path)?;
         let unfinished = match recognise(path, scenario_hash, force)? {
             Some(manifest) if manifest.is_finished() => {
-                return Ok(Opened::Finished(Box::new(manifest)));
+                return Ok(Opened::Finished(manifest));
             }
             found => found,
         };

@@ -106,7 +106,7 @@ mod tests {
         Row {
             time_s: k as f64 / 10.0,
             rod: "a, \"quoted\" name".into(),
-            theta_rad: (k % 2 == 0).then_some(0.1 * k as f64),
+            theta_rad: k.is_multiple_of(2).then_some(0.1 * k as f64),
         }
     }
 

@@ -43,11 +43,16 @@ impl UsageMeter {
         }
     }
 
+    /// Time on the clock since the start.
+    pub fn wall_time(&self) -> Duration {
+        self.start.elapsed()
+    }
+
     /// Cost since the start; the peak of memory is that of the whole life of the process.
     pub fn usage(&self) -> Usage {
         let cpu_time = process_cpu_time().zip(self.cpu_time_before);
         Usage {
-            wall_time: self.start.elapsed(),
+            wall_time: self.wall_time(),
             cpu_time: cpu_time.map(|(now, before)| now.saturating_sub(before)),
             peak_memory: peak_memory(),
         }

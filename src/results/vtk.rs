@@ -127,7 +127,7 @@ fn push_array<T: std::fmt::Debug>(
         "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"ascii\">\n"
     );
     for (index, value) in values.enumerate() {
-        let separator = if (index + 1) % components == 0 {
+        let separator = if (index + 1).is_multiple_of(components) {
             '\n'
         } else {
             ' '

@@ -7,11 +7,11 @@ use std::path::PathBuf;
 /// Why a run did not reach its end.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
-    /// The scene is wrong, before anything was written (exit code 2).
-    #[error("{0}")]
-    BadScene(String),
+    /// The scene cannot be set up; nothing was written (exit code 2).
+    #[error(transparent)]
+    Scene(SimulationError),
     /// The mechanics stopped: no convergence (exit code 3) or a physics check failed (4).
-    #[error("{source}\nresults so far are in `{}`", directory.display())]
+    #[error("{source}\nresults up to there are in `{}`", directory.display())]
     Simulation {
         /// What the simulation said.
         source: SimulationError,
@@ -49,7 +49,7 @@ impl RunError {
     /// Exit code of the program.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::BadScene(_) => 2,
+            Self::Scene(_) => 2,
             Self::Simulation { source, .. } => match source {
                 SimulationError::BadScene(_) => 2,
                 SimulationError::NoConvergence { .. } => 3,
