@@ -1,7 +1,9 @@
 //! Experiments: a scenario becomes a scene, is run, and gives an outcome.
 
+mod plot;
 mod prepared;
 mod run;
 
+pub use plot::plot_results;
 pub use prepared::{Mode, OutputPlan, PreparedRun};
 pub use run::{RunError, RunOptions, RunOutcome, RunStatus, run};
