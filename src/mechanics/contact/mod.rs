@@ -13,9 +13,17 @@
 //! | `stiffness` | the adaptive contact stiffness (Eqs. 2.18, 2.19) |
 //! | `implicit_contact` | all contacts of a scene |
 
+mod closest_points;
+mod distance;
+mod edge_contact;
+mod friction;
 mod implicit_contact;
 mod parameters;
+mod plane_contact;
+mod potential;
 mod surface;
+#[cfg(test)]
+mod test_support;
 
 pub use implicit_contact::{
     ActiveContact, CandidatePair, ContactMemory, ContactPair, EdgeJacobian, ImplicitContact,

@@ -154,11 +154,8 @@ mod tests {
         assert_eq!(surface.edges().len(), 40);
         assert_eq!(surface.edges()[39].nodes, [46, 7]);
         assert!(!surface.may_touch(0, 39), "they share a node");
-        assert!(
-            !surface.may_touch(0, 38),
-            "one edge of length 0.157 between them"
-        );
-        assert!(surface.may_touch(0, 37));
+        assert!(!surface.may_touch(0, 37), "gap 0.3138 < 0.1 π");
+        assert!(surface.may_touch(0, 36), "gap 0.4708 > 0.1 π");
         assert!(surface.may_touch(0, 20));
     }
 
