@@ -15,9 +15,9 @@
 //! Without friction the Jacobian is −k∇²E, symmetric to rounding error.
 
 use super::closest_points::ClosestPoints;
+use super::contacts::EdgeJacobian;
 use super::distance::{DistanceDerivatives, WEIGHT_RATES};
 use super::friction::FrictionLaw;
-use super::implicit_contact::EdgeJacobian;
 use super::potential::NormalResponse;
 use crate::mechanics::Vector3;
 

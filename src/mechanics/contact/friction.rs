@@ -159,10 +159,7 @@ mod tests {
                 // Turns of the normal: two directions in the tangent plane.
                 let fixed = [velocity.x, velocity.y, velocity.z];
                 let (_, expected) = jacobian(
-                    |n| {
-                        let unit = scale(n.into(), norm(n.into()).recip());
-                        SVector::from(printed_traction(unit, fixed.map(From::from)))
-                    },
+                    |n| SVector::from(printed_traction(unit(n.into()), fixed.map(From::from))),
                     &normal,
                 );
                 let tangent = Matrix3::identity() - normal * normal.transpose();

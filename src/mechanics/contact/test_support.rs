@@ -103,6 +103,10 @@ pub fn norm<D: Dual>(a: DualVector<D>) -> D {
     dot(a, a).sqrt()
 }
 
+pub fn unit<D: Dual>(a: DualVector<D>) -> DualVector<D> {
+    scale(a, norm(a).recip())
+}
+
 pub fn cross<D: Dual>(a: DualVector<D>, b: DualVector<D>) -> DualVector<D> {
     [
         a[1] * b[2] - a[2] * b[1],
