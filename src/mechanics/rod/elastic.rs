@@ -41,6 +41,8 @@ pub struct Vertex {
     pub natural: VertexStrains,
     /// Stiffness over Voronoi length.
     pub stiffness: VertexStiffness,
+    /// Twist at which the frames of a ring are glued at its joint, rad; zero elsewhere.
+    pub joint_twist: f64,
     /// Where its derivatives go.
     pub unknowns: VertexUnknowns,
 }
@@ -171,8 +173,10 @@ impl ElasticRods {
                 }
             }
             VertexUnknowns::Closing { element } => {
-                for (k, &unknown) in self.elements[element].iter().take(11).enumerate() {
-                    gradient[unknown] += expanded[k];
+                for (k, &unknown) in self.elements[element].iter().enumerate() {
+                    if unknown != usize::MAX {
+                        gradient[unknown] += expanded[k];
+                    }
                 }
             }
         }
@@ -212,13 +216,21 @@ impl ElasticRods {
     }
 }
 
+/// ∇c over the edge vector, 1/m²: [κb⊗(t̃ + t) − 2/χ s×]/2l², where κb, t̃ and χ are those of the source
+/// tangent s and the present tangent t; see [`super::vertex`].
+pub fn holonomy_jacobian(source: &Vector3, frame: &vertex::EdgeFrame) -> Matrix3 {
+    let tangent = &frame.tangent;
+    let inverse_chi = 1.0 / (1.0 + source.dot(tangent));
+    let binormal = curvature_binormal(source, tangent);
+    let sum = (source + tangent) * inverse_chi + tangent;
+    (binormal * sum.transpose() - source.cross_matrix() * (2.0 * inverse_chi))
+        * (0.5 / (frame.length * frame.length))
+}
+
 /// Symmetric part of (∂E/∂φ) ∇c of one edge; see [`super::vertex`].
 pub(super) fn holonomy_hessian(source: &Vector3, frame: &vertex::EdgeFrame, moment: f64) -> Matrix3 {
-    let tangent = &frame.tangent;
-    let binormal = curvature_binormal(source, tangent);
-    let sum = (source + tangent) / (1.0 + source.dot(tangent)) + tangent;
-    let product = binormal * sum.transpose();
-    (product + product.transpose()) * (moment / (4.0 * frame.length * frame.length))
+    let jacobian = holonomy_jacobian(source, frame);
+    (jacobian + jacobian.transpose()) * (0.5 * moment)
 }
 
 /// Gradient over (x₋, θ⁰, x, θ¹, x₊) from that over (e⁰, φ⁰, e¹, φ¹).

@@ -99,7 +99,7 @@ impl RodGeometry {
             self.reference_twist[v] = reference_twist;
             self.strains[v] = VertexStrains {
                 curvature: curvatures(before, after),
-                twist: angle(vertex.after) - angle(vertex.before) + reference_twist,
+                twist: angle(vertex.after) - angle(vertex.before) + reference_twist - vertex.joint_twist,
             };
         }
     }

@@ -90,6 +90,13 @@ impl Placement {
         GhostEdge { tangent, director: rotated(&carried, &tangent, turn) }
     }
 
+    /// Reference twist from the last edge of a ring to its first, rad: what transport once around leaves.
+    pub fn joint_reference_twist(&self) -> f64 {
+        let last = self.tangents.len() - 1;
+        let carried = parallel_transport(&self.directors[last], &self.tangents[last], &self.tangents[0]);
+        signed_angle(&carried, &self.directors[0], &self.tangents[0])
+    }
+
     /// Strains at the inner vertex between edges `before` and `after`.
     pub fn strains(&self, before: usize, after: usize) -> VertexStrains {
         VertexStrains {
