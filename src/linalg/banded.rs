@@ -186,7 +186,11 @@ mod tests {
     }
 
     /// A band with the given entries, made diagonally dominant; `signs` picks the signs of the diagonal.
-    fn dominant_band(n: usize, entries: &[f64], negative: impl Fn(usize) -> bool) -> BandedSymmetric {
+    fn dominant_band(
+        n: usize,
+        entries: &[f64],
+        negative: impl Fn(usize) -> bool,
+    ) -> BandedSymmetric {
         let mut matrix = BandedSymmetric::new(n);
         let mut values = entries.iter().cycle();
         for j in 0..n {
@@ -264,7 +268,13 @@ mod tests {
             matrix.add(i + 1, i, -1.0);
         }
         let error = BandedFactor::new(n).factor(&matrix).unwrap_err();
-        assert_eq!(error, SingularMatrix { unknown: 11, pivot: 0.0 });
+        assert_eq!(
+            error,
+            SingularMatrix {
+                unknown: 11,
+                pivot: 0.0
+            }
+        );
     }
 
     #[test]

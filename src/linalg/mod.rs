@@ -10,7 +10,14 @@
 //! operations without fused multiply-adds, so the same matrix gives the same bytes on every machine.
 
 mod banded;
+mod block_factor;
+mod coupled;
+mod coupled_matrix;
 mod error;
+mod node_block;
+mod node_graph;
+mod symbolic;
 
 pub use banded::{BandedFactor, BandedSymmetric, HALF_BANDWIDTH};
+pub use coupled::{CoupledSystem, Element, ElementMatrix, UNUSED};
 pub use error::{Inertia, SingularMatrix};
