@@ -37,13 +37,7 @@ impl SymbolicFactor {
                 (block, row < column)
             })
             .collect();
-        Self {
-            order,
-            starts,
-            rows,
-            targets,
-            places,
-        }
+        Self { order, starts, rows, targets, places }
     }
 
     /// Blocks of column k.
@@ -111,8 +105,7 @@ fn update_targets(starts: &[u32], rows: &[u32]) -> Vec<u32> {
 /// Index of block (row, column), row > column.
 fn find(starts: &[u32], rows: &[u32], row: u32, column: u32) -> u32 {
     let range = starts[column as usize] as usize..starts[column as usize + 1] as usize;
-    let place = rows[range]
-        .binary_search(&row)
-        .expect("the pattern of the factor contains that of the matrix");
+    let place =
+        rows[range].binary_search(&row).expect("the pattern of the factor contains that of the matrix");
     starts[column as usize] + place as u32
 }

@@ -21,10 +21,6 @@ impl Filament {
 
     /// Number of edges.
     pub(super) fn edges(&self) -> usize {
-        if self.closed {
-            self.nodes
-        } else {
-            self.nodes - 1
-        }
+        if self.closed { self.nodes } else { self.nodes - 1 }
     }
 }

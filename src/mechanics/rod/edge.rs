@@ -34,7 +34,11 @@ mod tests {
     use super::*;
     use num_dual::{DualNum, hessian};
 
-    fn energy<D: DualNum<Primitive = f64> + Copy>(edge: nalgebra::SVector<D, 3>, stiffness: f64, natural: f64) -> D {
+    fn energy<D: DualNum<Primitive = f64> + Copy>(
+        edge: nalgebra::SVector<D, 3>,
+        stiffness: f64,
+        natural: f64,
+    ) -> D {
         let length = (edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2]).sqrt();
         let strain = length / natural - 1.0;
         strain * strain * (0.5 * stiffness * natural)

@@ -1,10 +1,10 @@
 //! The elastic energy of all rods: E = E_s + E_b + E_t (thesis Eq. 1.6), its gradient and Hessian.
 
+use super::ReferenceFrames;
 use super::edge::{stretching_energy, stretching_gradient, stretching_hessian};
 use super::geometry::RodGeometry;
 use super::topology::{RodRange, STRIDE, add_to_node};
 use super::vertex::{self, VertexDerivatives, VertexStiffness, VertexStrains, curvature_binormal};
-use super::ReferenceFrames;
 use crate::linalg::{BandedSymmetric, Element};
 use crate::mechanics::{Matrix3, Vector3};
 
@@ -121,7 +121,8 @@ impl ElasticRods {
     pub fn add_gradient(&self, geometry: &RodGeometry, gradient: &mut [f64]) {
         for edge in &self.edges {
             let frame = &geometry.edges[edge.start];
-            let force = stretching_gradient(edge.stretching, &frame.tangent, frame.length, edge.natural_length);
+            let force =
+                stretching_gradient(edge.stretching, &frame.tangent, frame.length, edge.natural_length);
             add_to_node(gradient, edge.end, &force);
             add_to_node(gradient, edge.start, &-force);
         }
@@ -155,11 +156,13 @@ impl ElasticRods {
         }
         for edge in &self.edges {
             let frame = &geometry.edges[edge.start];
-            let force = stretching_gradient(edge.stretching, &frame.tangent, frame.length, edge.natural_length);
+            let force =
+                stretching_gradient(edge.stretching, &frame.tangent, frame.length, edge.natural_length);
             add_to_node(gradient, edge.end, &force);
             add_to_node(gradient, edge.start, &-force);
-            let hessian = stretching_hessian(edge.stretching, &frame.tangent, frame.length, edge.natural_length)
-                + holonomy_hessian(&reference.tangent[edge.start], frame, spin_moment[edge.start]);
+            let hessian =
+                stretching_hessian(edge.stretching, &frame.tangent, frame.length, edge.natural_length)
+                    + holonomy_hessian(&reference.tangent[edge.start], frame, spin_moment[edge.start]);
             self.scatter_edge_hessian(edge, &hessian, band, elements);
         }
     }
@@ -202,7 +205,8 @@ impl ElasticRods {
                 }
             }
         } else {
-            let closing = self.elements.iter().position(|e| e[0] == STRIDE * edge.start && e[4] == STRIDE * edge.end);
+            let closing =
+                self.elements.iter().position(|e| e[0] == STRIDE * edge.start && e[4] == STRIDE * edge.end);
             let matrix = &mut elements[closing.expect("every ring has a closing vertex")];
             for i in 0..3 {
                 for j in 0..3 {

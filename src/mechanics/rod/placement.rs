@@ -74,7 +74,8 @@ impl Placement {
     pub fn frame_at_node(&self, node: usize) -> GhostEdge {
         let last = self.tangents.len() - 1;
         let (edge, tangent, turn) = if !self.closed && node == 0 {
-            let tangent = self.end_tangents[0].unwrap_or_else(|| extrapolated(&self.tangents[0], self.tangents.get(1)));
+            let tangent =
+                self.end_tangents[0].unwrap_or_else(|| extrapolated(&self.tangents[0], self.tangents.get(1)));
             (0, tangent, -0.5 * self.vertex_twist)
         } else if !self.closed && node == last + 1 {
             let before = last.checked_sub(1).map(|k| &self.tangents[k]);

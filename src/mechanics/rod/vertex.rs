@@ -115,14 +115,19 @@ impl StrainGradients {
     fn new(before: &EdgeFrame, after: &EdgeFrame, common: &Common, strains: &VertexStrains) -> Self {
         let mut rows = [[0.0; 8]; 5];
         let kappa = &strains.curvature;
-        let directors =
-            [before.director_2, -before.director_1, after.director_2, -after.director_1];
+        let directors = [before.director_2, -before.director_1, after.director_2, -after.director_1];
         // κ¹ turns into κ² and κ² into −κ¹ when the frame spins.
         let spins = [kappa[1], -kappa[0], kappa[3], -kappa[2]];
         for k in 0..4 {
             let (g0, g1) = common.natural_gradient(kappa[k], &(directors[k] * common.two_over_chi));
             let spin = [if k < 2 { spins[k] } else { 0.0 }, if k < 2 { 0.0 } else { spins[k] }];
-            store(&mut rows[k], &(g0 + before.holonomy * spin[0]), spin[0], &(g1 + after.holonomy * spin[1]), spin[1]);
+            store(
+                &mut rows[k],
+                &(g0 + before.holonomy * spin[0]),
+                spin[0],
+                &(g1 + after.holonomy * spin[1]),
+                spin[1],
+            );
         }
         let half = common.binormal * 0.5;
         store(
@@ -258,8 +263,15 @@ pub fn derivatives(
     let moments = Moments::new(strains, natural, stiffness);
     let first = StrainGradients::new(before, after, &common, strains);
 
-    let weights = [stiffness.bending[0], stiffness.bending[1], stiffness.bending[0], stiffness.bending[1], stiffness.twisting];
-    let slopes = [moments.bending[0], moments.bending[1], moments.bending[2], moments.bending[3], moments.twisting];
+    let weights = [
+        stiffness.bending[0],
+        stiffness.bending[1],
+        stiffness.bending[0],
+        stiffness.bending[1],
+        stiffness.twisting,
+    ];
+    let slopes =
+        [moments.bending[0], moments.bending[1], moments.bending[2], moments.bending[3], moments.twisting];
     let mut gradient = [0.0; 8];
     let mut hessian = [[0.0; 8]; 8];
     for k in 0..5 {
@@ -323,7 +335,8 @@ impl SecondDerivatives {
             + outer_symmetric(binormal, &(m1 - (mean + t1) * twist)) * (0.5 * l1 * l1);
         let mut e0e1 = mean * g1.transpose() * -l0
             - g0 * mean.transpose() * l1
-            - ((identity + t0 * t1.transpose()) * s_chi + cross_matrix(&(sigma - t0 * (twist * common.two_over_chi)))
+            - ((identity + t0 * t1.transpose()) * s_chi
+                + cross_matrix(&(sigma - t0 * (twist * common.two_over_chi)))
                 + binormal * mean.transpose() * twist)
                 * (l0 * l1);
         e0e0 += outer_symmetric(&g0_phi0, c0) + c0 * c0.transpose() * phi0phi0;

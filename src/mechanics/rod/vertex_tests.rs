@@ -47,10 +47,8 @@ fn energy<D: DualNum<Primitive = f64> + Copy>(x: SVector<D, 8>, setup: &Setup) -
         let d = transported(&constant(&setup.director[j]), &constant(&setup.source[j]), &t);
         let normal = cross(&t, &d);
         let theta = x[4 * j + 3];
-        directors[j] = [
-            combine(&d, theta.cos(), &normal, theta.sin()),
-            combine(&normal, theta.cos(), &d, -theta.sin()),
-        ];
+        directors[j] =
+            [combine(&d, theta.cos(), &normal, theta.sin()), combine(&normal, theta.cos(), &d, -theta.sin())];
         tangents[j] = t;
         references[j] = d;
     }
@@ -110,12 +108,15 @@ fn derivatives_match_dual_numbers() {
             director,
             reference_twist_near: theta_0 - theta_1,
             natural: VertexStrains { curvature: [random(), random(), random(), random()], twist: random() },
-            stiffness: VertexStiffness { bending: [1.0 + random(), 1.3 + random()], twisting: 0.9 + 0.5 * random() },
+            stiffness: VertexStiffness {
+                bending: [1.0 + random(), 1.3 + random()],
+                twisting: 0.9 + 0.5 * random(),
+            },
         };
         let carried = parallel_transport(&reference_0, &before.tangent, &after.tangent);
         let raw = signed_angle(&carried, &reference_1, &after.tangent);
-        let twist = theta_1 - theta_0
-            + crate::mechanics::rod::transport::unwrapped(raw, setup.reference_twist_near);
+        let twist =
+            theta_1 - theta_0 + crate::mechanics::rod::transport::unwrapped(raw, setup.reference_twist_near);
         let strains = VertexStrains { curvature: curvatures(&before, &after), twist };
 
         let x = SVector::<f64, 8>::from([e0.x, e0.y, e0.z, theta_0, e1.x, e1.y, e1.z, theta_1]);
@@ -141,7 +142,10 @@ fn derivatives_match_dual_numbers() {
         for i in 0..8 {
             for j in 0..=i {
                 let error = (ours[i][j] - expected_hessian[(i, j)]) * unit(i) * unit(j);
-                assert!(error.abs() < 1e-9 * size, "trial {trial}: Hessian ({i}, {j}) is off by {error:e} of {size:e}");
+                assert!(
+                    error.abs() < 1e-9 * size,
+                    "trial {trial}: Hessian ({i}, {j}) is off by {error:e} of {size:e}"
+                );
             }
         }
     }
@@ -151,7 +155,8 @@ fn derivatives_match_dual_numbers() {
 fn with_holonomy(both: &VertexDerivatives, source: &[Vector3; 2], edges: &[EdgeFrame; 2]) -> [[f64; 8]; 8] {
     let mut full = both.hessian;
     for j in 0..2 {
-        let block = crate::mechanics::rod::elastic::holonomy_hessian(&source[j], &edges[j], both.gradient[4 * j + 3]);
+        let block =
+            crate::mechanics::rod::elastic::holonomy_hessian(&source[j], &edges[j], both.gradient[4 * j + 3]);
         for a in 0..3 {
             for b in 0..=a {
                 full[4 * j + a][4 * j + b] += block[(a, b)];

@@ -202,20 +202,27 @@ impl Assembly {
             drive_of_node[clamp.node] = Some((self.drives.len(), clamp.holds_frame));
             self.drives.push(Drive::new(clamp, node, rod.centreline[clamp.node], frame));
         }
-        let natural = |placed_strains: VertexStrains, of_shape: &dyn Fn(&Placement) -> VertexStrains, voronoi: f64| {
-            match &rod.natural_shape {
-                NaturalShape::AsPlaced => placed_strains,
-                NaturalShape::Straight => VertexStrains::default(),
-                NaturalShape::Curved { curvature: [a, b], twist } => VertexStrains {
-                    curvature: [a * voronoi, b * voronoi, a * voronoi, b * voronoi],
-                    twist: twist * voronoi,
-                },
-                NaturalShape::Centreline(_) => of_shape(natural_placement.expect("placed above")),
-            }
-        };
+        let natural =
+            |placed_strains: VertexStrains, of_shape: &dyn Fn(&Placement) -> VertexStrains, voronoi: f64| {
+                match &rod.natural_shape {
+                    NaturalShape::AsPlaced => placed_strains,
+                    NaturalShape::Straight => VertexStrains::default(),
+                    NaturalShape::Curved { curvature: [a, b], twist } => VertexStrains {
+                        curvature: [a * voronoi, b * voronoi, a * voronoi, b * voronoi],
+                        twist: twist * voronoi,
+                    },
+                    NaturalShape::Centreline(_) => of_shape(natural_placement.expect("placed above")),
+                }
+            };
         let edges = range.edges();
         for k in 0..range.nodes {
-            let before = if k > 0 { Some(k - 1) } else if rod.closed { Some(edges - 1) } else { None };
+            let before = if k > 0 {
+                Some(k - 1)
+            } else if rod.closed {
+                Some(edges - 1)
+            } else {
+                None
+            };
             let after = (k < edges).then_some(k);
             let ghost_drive = drive_of_node[k].and_then(|(drive, frame)| frame.then_some(drive));
             if let Some(drive) = ghost_drive {
@@ -234,13 +241,14 @@ impl Assembly {
                     let (before, after, from, to, change) =
                         if ghost_first { (ghost, real, 4, 11, angle) } else { (real, ghost, 0, 7, -angle) };
                     self.reference.twist.push(placed_strains.twist - change);
+                    let unknowns = self.unknowns_of(range, k, from, to);
                     self.rods.vertices.push(Vertex {
                         before,
                         after,
                         natural: natural(placed_strains, &of_shape, voronoi),
                         stiffness: stiffness(rod, voronoi),
                         joint_twist: 0.0,
-                        unknowns: self.unknowns_of(range, k, from, to),
+                        unknowns,
                     });
                 }
             } else if let (Some(before), Some(after)) = (before, after) {
@@ -257,13 +265,14 @@ impl Assembly {
                     reference_twist = around;
                 }
                 self.reference.twist.push(reference_twist);
+                let unknowns = self.unknowns_of(range, k, 0, 11);
                 self.rods.vertices.push(Vertex {
                     before: range.first_node + before,
                     after: range.first_node + after,
                     natural: natural(placed_strains, &of_shape, voronoi),
                     stiffness: stiffness(rod, voronoi),
                     joint_twist,
-                    unknowns: self.unknowns_of(range, k, 0, 11),
+                    unknowns,
                 });
             }
         }
@@ -276,7 +285,11 @@ impl Assembly {
         let next = if k + 1 == range.nodes { 0 } else { k + 1 };
         let consecutive = (k > 0 || from >= 4) && (k + 1 < range.nodes || to <= 7);
         if consecutive {
-            return VertexUnknowns::Consecutive { first: STRIDE * (range.first_node + k) + from - 4, from, to };
+            return VertexUnknowns::Consecutive {
+                first: STRIDE * (range.first_node + k) + from - 4,
+                from,
+                to,
+            };
         }
         let mut element = [usize::MAX; 12];
         for local in from..to {

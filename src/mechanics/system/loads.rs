@@ -51,7 +51,8 @@ impl Loads {
         let range = |rod: usize| -> Result<RodRange, String> {
             assembly.rods.rods.get(rod).copied().ok_or_else(|| format!("a load asks for rod {rod}"))
         };
-        let along = |rod: Option<usize>, range: &RodRange| rod.is_none_or(|r| assembly.rods.rods[r] == *range);
+        let along =
+            |rod: Option<usize>, range: &RodRange| rod.is_none_or(|r| assembly.rods.rods[r] == *range);
         for load in &scene.loads {
             let mut entries = Vec::new();
             match &load.kind {
@@ -115,7 +116,8 @@ impl Loads {
                         }
                         for node in [edge.start, edge.end] {
                             for axis in 0..3 {
-                                loads.damping[STRIDE * node + axis] += 0.5 * edge.natural_length * translation;
+                                loads.damping[STRIDE * node + axis] +=
+                                    0.5 * edge.natural_length * translation;
                             }
                         }
                         loads.damping[STRIDE * edge.start + 3] += edge.natural_length * rotation;
@@ -141,7 +143,13 @@ impl Loads {
     }
 
     /// Potential energy of gravity, −Σ m g·x, J.
-    pub fn gravitational_energy(&self, time: f64, masses: &[f64], obstacle: &[bool], unknowns: &[f64]) -> f64 {
+    pub fn gravitational_energy(
+        &self,
+        time: f64,
+        masses: &[f64],
+        obstacle: &[bool],
+        unknowns: &[f64],
+    ) -> f64 {
         let mut energy = 0.0;
         for (acceleration, schedule) in &self.gravity {
             let factor = factor(schedule, time);
