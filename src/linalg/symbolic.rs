@@ -11,11 +11,21 @@ pub(super) struct SymbolicFactor {
     pub(super) starts: Vec<u32>,
     /// Row, in the order of elimination, of each block below the diagonal; ascending in each column.
     pub(super) rows: Vec<u32>,
-    /// Block that each pair (a, b), a > b, of rows of a column updates: block (row a, row b), in the order
-    /// in which the elimination meets the pairs: by column, then b, then a.
-    pub(super) targets: Vec<u32>,
+    /// Blocks left of the diagonal in row k are `row_blocks[row_starts[k]..row_starts[k + 1]]`.
+    pub(super) row_starts: Vec<u32>,
+    /// Each of them by columns, with the end of its column.
+    pub(super) row_blocks: Vec<RowBlock>,
     /// Block of each pair of the node graph, and whether it lies there transposed.
     pub(super) places: Vec<(u32, bool)>,
+}
+
+/// A block of the factor as seen from its row.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct RowBlock {
+    /// The block.
+    pub(super) block: u32,
+    /// End of the blocks of the same column.
+    pub(super) end: u32,
 }
 
 impl SymbolicFactor {
@@ -27,7 +37,7 @@ impl SymbolicFactor {
             position[node] = k as u32;
         }
         let (starts, rows) = fill(graph, &position);
-        let targets = update_targets(&starts, &rows);
+        let (row_starts, row_blocks) = by_rows(&starts, &rows);
         let places = graph
             .pairs()
             .iter()
@@ -37,7 +47,20 @@ impl SymbolicFactor {
                 (block, row < column)
             })
             .collect();
-        Self { order, starts, rows, targets, places }
+        Self {
+            order,
+            starts,
+            rows,
+            row_starts,
+            row_blocks,
+            places,
+        }
+    }
+
+    /// Blocks left of the diagonal in row k.
+    #[inline(always)]
+    pub(super) fn row(&self, k: usize) -> &[RowBlock] {
+        &self.row_blocks[self.row_starts[k] as usize..self.row_starts[k + 1] as usize]
     }
 
     /// Blocks of column k.
@@ -83,29 +106,35 @@ fn fill(graph: &NodeGraph, position: &[u32]) -> (Vec<u32>, Vec<u32>) {
     (starts, rows)
 }
 
-/// For each column and each pair of its rows, the block that the pair's outer product updates.
-fn update_targets(starts: &[u32], rows: &[u32]) -> Vec<u32> {
-    let mut targets = Vec::new();
+/// The same pattern by rows.
+fn by_rows(starts: &[u32], rows: &[u32]) -> (Vec<u32>, Vec<RowBlock>) {
+    let mut row_starts = vec![0u32; starts.len()];
+    for &row in rows {
+        row_starts[row as usize + 1] += 1;
+    }
+    for k in 1..row_starts.len() {
+        row_starts[k] += row_starts[k - 1];
+    }
+    let mut next = row_starts.clone();
+    let mut row_blocks = vec![RowBlock::default(); rows.len()];
     for column in starts.windows(2) {
-        let own = &rows[column[0] as usize..column[1] as usize];
-        for (b, &row_b) in own.iter().enumerate() {
-            // The rows after b all occur in column `row_b`, in the same ascending order.
-            let mut block = starts[row_b as usize];
-            for &row_a in &own[b + 1..] {
-                while rows[block as usize] != row_a {
-                    block += 1;
-                }
-                targets.push(block);
-            }
+        for block in column[0]..column[1] {
+            let place = &mut next[rows[block as usize] as usize];
+            row_blocks[*place as usize] = RowBlock {
+                block,
+                end: column[1],
+            };
+            *place += 1;
         }
     }
-    targets
+    (row_starts, row_blocks)
 }
 
 /// Index of block (row, column), row > column.
 fn find(starts: &[u32], rows: &[u32], row: u32, column: u32) -> u32 {
     let range = starts[column as usize] as usize..starts[column as usize + 1] as usize;
-    let place =
-        rows[range].binary_search(&row).expect("the pattern of the factor contains that of the matrix");
+    let place = rows[range]
+        .binary_search(&row)
+        .expect("the pattern of the factor contains that of the matrix");
     starts[column as usize] + place as u32
 }
