@@ -44,7 +44,12 @@ fn contacts(rods: usize, count: usize) -> Vec<Element> {
             let rod = k % rods;
             let other = (rod + 1 + (k / rods) % 2) % rods;
             let edge = (7 * k / rods) % 66;
-            let nodes = [0, 1, 68 * (other as i64 - rod as i64), 68 * (other as i64 - rod as i64) + 1];
+            let nodes = [
+                0,
+                1,
+                68 * (other as i64 - rod as i64),
+                68 * (other as i64 - rod as i64) + 1,
+            ];
             let first = (68 * rod + edge) as i64;
             std::array::from_fn(|i| 4 * (first + nodes[i / 3]) as usize + i % 3)
         })

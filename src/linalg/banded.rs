@@ -22,7 +22,9 @@ pub struct BandedSymmetric {
 impl BandedSymmetric {
     /// The zero matrix of the given dimension.
     pub fn new(dimension: usize) -> Self {
-        Self { columns: vec![[0.0; WIDTH]; dimension] }
+        Self {
+            columns: vec![[0.0; WIDTH]; dimension],
+        }
     }
 
     /// Number of rows.
@@ -45,7 +47,10 @@ impl BandedSymmetric {
     /// Entry (i, j) of either triangle; zero outside the band.
     pub fn get(&self, i: usize, j: usize) -> f64 {
         let (row, column) = (i.max(j), i.min(j));
-        self.columns[column].get(row - column).copied().unwrap_or(0.0)
+        self.columns[column]
+            .get(row - column)
+            .copied()
+            .unwrap_or(0.0)
     }
 
     /// The columns of the lower band.
@@ -98,7 +103,10 @@ pub struct BandedFactor {
 impl BandedFactor {
     /// Storage for the factors of a matrix of the given dimension.
     pub fn new(dimension: usize) -> Self {
-        Self { columns: vec![[0.0; WIDTH]; dimension + HALF_BANDWIDTH], dimension }
+        Self {
+            columns: vec![[0.0; WIDTH]; dimension + HALF_BANDWIDTH],
+            dimension,
+        }
     }
 
     /// Factors `matrix` and reports the signs of the pivots.
@@ -111,9 +119,11 @@ impl BandedFactor {
         self.columns[self.dimension..].fill([0.0; WIDTH]);
         let mut inertia = Inertia::EMPTY;
         for j in 0..self.dimension {
-            let (column, following) =
-                self.columns[j..=j + HALF_BANDWIDTH].split_first_mut().expect("a column and its padding");
-            let following: &mut [Column; HALF_BANDWIDTH] = following.try_into().expect("ten columns follow");
+            let (column, following) = self.columns[j..=j + HALF_BANDWIDTH]
+                .split_first_mut()
+                .expect("a column and its padding");
+            let following: &mut [Column; HALF_BANDWIDTH] =
+                following.try_into().expect("ten columns follow");
             inertia.count(column[0], j)?;
             eliminate(column, following);
         }
@@ -176,7 +186,11 @@ mod tests {
     }
 
     /// A band with the given entries, made diagonally dominant; `signs` picks the signs of the diagonal.
-    fn dominant_band(n: usize, entries: &[f64], negative: impl Fn(usize) -> bool) -> BandedSymmetric {
+    fn dominant_band(
+        n: usize,
+        entries: &[f64],
+        negative: impl Fn(usize) -> bool,
+    ) -> BandedSymmetric {
         let mut matrix = BandedSymmetric::new(n);
         let mut values = entries.iter().cycle();
         for j in 0..n {
@@ -254,7 +268,13 @@ mod tests {
             matrix.add(i + 1, i, -1.0);
         }
         let error = BandedFactor::new(n).factor(&matrix).unwrap_err();
-        assert_eq!(error, SingularMatrix { unknown: 11, pivot: 0.0 });
+        assert_eq!(
+            error,
+            SingularMatrix {
+                unknown: 11,
+                pivot: 0.0
+            }
+        );
     }
 
     #[test]

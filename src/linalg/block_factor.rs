@@ -97,7 +97,11 @@ impl BlockFactor {
         for (pair, &(place, transposed)) in self.symbolic.places.iter().enumerate() {
             let place = place as usize;
             if self.symmetric {
-                self.lower[place] = if transposed { lower[pair].transposed() } else { lower[pair] };
+                self.lower[place] = if transposed {
+                    lower[pair].transposed()
+                } else {
+                    lower[pair]
+                };
             } else if transposed {
                 self.lower[place] = upper[pair].transposed();
                 self.upper[place] = lower[pair].transposed();
@@ -116,8 +120,11 @@ impl BlockFactor {
                 inertia.count(pivot, NODE * node + row)?;
             }
         }
-        self.diagonal[k] = DiagonalFactor::new(&self.pivots[k])
-            .map_err(|(row, pivot)| SingularMatrix { unknown: NODE * node + row, pivot })?;
+        self.diagonal[k] =
+            DiagonalFactor::new(&self.pivots[k]).map_err(|(row, pivot)| SingularMatrix {
+                unknown: NODE * node + row,
+                pivot,
+            })?;
         Ok(())
     }
 
@@ -160,7 +167,9 @@ impl BlockFactor {
 
     /// Solves A x = b in place.
     pub(super) fn solve(&mut self, x: &mut [NodeVector]) {
-        let Self { symbolic, vector, .. } = self;
+        let Self {
+            symbolic, vector, ..
+        } = self;
         for (own, &node) in vector.iter_mut().zip(&symbolic.order) {
             *own = x[node];
         }

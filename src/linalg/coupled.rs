@@ -118,7 +118,10 @@ impl CoupledSystem {
             self.refine();
             let (unknown, residual) = self.worst_residual();
             if residual > LARGEST_RESIDUAL {
-                return Err(SingularMatrix { unknown, pivot: residual });
+                return Err(SingularMatrix {
+                    unknown,
+                    pivot: residual,
+                });
             }
         }
         right_hand_side.copy_from_slice(&self.solution.as_flattened()[..self.dimension]);
@@ -137,11 +140,18 @@ impl CoupledSystem {
 
     /// Computes the residual; returns the unknown whose relative residual is largest, and that residual.
     fn worst_residual(&mut self) -> (usize, f64) {
-        self.matrix.residual(&self.solution, &self.right_hand_side, &mut self.residual, &mut self.scale);
+        self.matrix.residual(
+            &self.solution,
+            &self.right_hand_side,
+            &mut self.residual,
+            &mut self.scale,
+        );
         let scale = self.scale.as_flattened();
         let floor = NEGLIGIBLE_SCALE * scale.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
         let mut worst = (0, 0.0);
-        for (unknown, (residual, scale)) in self.residual.as_flattened().iter().zip(scale).enumerate() {
+        for (unknown, (residual, scale)) in
+            self.residual.as_flattened().iter().zip(scale).enumerate()
+        {
             let relative = residual.abs() / (scale + floor);
             if relative.is_nan() {
                 return (unknown, f64::INFINITY);
@@ -165,7 +175,10 @@ mod tests {
 
     impl Numbers {
         fn next(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            self.0 = self
+                .0
+                .wrapping_mul(6364136223846793005)
+                .wrapping_add(1442695040888963407);
             (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
         }
 
@@ -209,7 +222,10 @@ mod tests {
             elements[0][place] = (dimension - 4 + place) % dimension;
         }
         for _ in 0..count {
-            elements.push(edge_pair(numbers.below(nodes - 1), numbers.below(nodes - 1)));
+            elements.push(edge_pair(
+                numbers.below(nodes - 1),
+                numbers.below(nodes - 1),
+            ));
         }
         elements.retain(|element| {
             let used: Vec<_> = element.iter().filter(|&&i| i != UNUSED).collect();
@@ -222,7 +238,11 @@ mod tests {
                 for i in 0..12 {
                     for j in 0..=i {
                         matrix[i][j] = numbers.next();
-                        matrix[j][i] = if symmetric { matrix[i][j] } else { numbers.next() };
+                        matrix[j][i] = if symmetric {
+                            matrix[i][j]
+                        } else {
+                            numbers.next()
+                        };
                     }
                     matrix[i][i] += dominance;
                 }
@@ -244,7 +264,12 @@ mod tests {
             dense[(i, i)] = 1.0;
         }
         let system = CoupledSystem::new(dimension, &elements, &held, symmetric);
-        Example { system, dense, band, matrices }
+        Example {
+            system,
+            dense,
+            band,
+            matrices,
+        }
     }
 
     impl Example {
@@ -267,9 +292,13 @@ mod tests {
     #[test]
     fn agrees_with_the_dense_matrix() {
         for symmetric in [true, false] {
-            for (dimension, count, dominance) in
-                [(40, 0, 20.0), (40, 8, 20.0), (122, 30, 20.0), (271, 60, 20.0), (122, 30, 0.0)]
-            {
+            for (dimension, count, dominance) in [
+                (40, 0, 20.0),
+                (40, 8, 20.0),
+                (122, 30, 20.0),
+                (271, 60, 20.0),
+                (122, 30, 0.0),
+            ] {
                 let mut example = example(dimension, count, symmetric, dominance);
                 // The second assembly must not see the first.
                 for _ in 0..2 {
@@ -312,7 +341,10 @@ mod tests {
         let mut factor = crate::linalg::BandedFactor::new(120);
         let mut system = CoupledSystem::new(120, &[], &[false; 120], true);
         system.assemble(&band);
-        assert_eq!(factor.factor(&band).unwrap().positive, system.factor().unwrap().unwrap().positive);
+        assert_eq!(
+            factor.factor(&band).unwrap().positive,
+            system.factor().unwrap().unwrap().positive
+        );
         let mut x = vec![1.0; 120];
         let mut y = x.clone();
         factor.solve(&mut x);
@@ -363,7 +395,12 @@ mod tests {
                 example.solve().0
             };
             let (first, second) = (solve(), solve());
-            assert!(first.iter().zip(&second).all(|(a, b)| a.to_bits() == b.to_bits()));
+            assert!(
+                first
+                    .iter()
+                    .zip(&second)
+                    .all(|(a, b)| a.to_bits() == b.to_bits())
+            );
         }
     }
 }

@@ -34,7 +34,12 @@ struct Move {
 
 impl CoupledMatrix {
     /// The zero matrix of the given pattern; `held` fills whole nodes.
-    pub(super) fn new(graph: NodeGraph, elements: &[Element], held: &[bool], symmetric: bool) -> Self {
+    pub(super) fn new(
+        graph: NodeGraph,
+        elements: &[Element],
+        held: &[bool],
+        symmetric: bool,
+    ) -> Self {
         let (nodes, pairs) = (graph.nodes, graph.pairs().len());
         let mut matrix = Self {
             symmetric,
@@ -81,7 +86,9 @@ impl CoupledMatrix {
                 }
             }
             debug_assert!(
-                column[(3 * NODE - c).min(HALF_BANDWIDTH + 1)..].iter().all(|&value| value == 0.0),
+                column[(3 * NODE - c).min(HALF_BANDWIDTH + 1)..]
+                    .iter()
+                    .all(|&value| value == 0.0),
                 "the band couples nodes three apart"
             );
         }
@@ -180,15 +187,22 @@ impl CoupledMatrix {
             }
             for apart in 1..=2 {
                 let after = self.band_places[p][apart - 1];
-                let before = p.checked_sub(apart).and_then(|q| self.band_places[q][apart - 1]);
-                for copy in if self.symmetric { vec![0] } else { vec![0, pairs] } {
+                let before = p
+                    .checked_sub(apart)
+                    .and_then(|q| self.band_places[q][apart - 1]);
+                for copy in if self.symmetric {
+                    vec![0]
+                } else {
+                    vec![0, pairs]
+                } {
                     for k in 0..NODE {
                         after.inspect(|block| drop(block + copy, in_column(k)));
                         before.inspect(|block| drop(block + copy, in_row(k)));
                     }
                 }
             }
-            self.held_diagonals.push((NODE * NODE * p + NODE * r + r) as u32);
+            self.held_diagonals
+                .push((NODE * NODE * p + NODE * r + r) as u32);
         }
     }
 }

@@ -18,8 +18,12 @@ pub struct Inertia {
 
 impl Inertia {
     /// The inertia of an empty matrix, to which [`Inertia::count`] adds pivots.
-    pub(super) const EMPTY: Self =
-        Self { positive: 0, negative: 0, smallest_pivot: f64::INFINITY, largest_pivot: 0.0 };
+    pub(super) const EMPTY: Self = Self {
+        positive: 0,
+        negative: 0,
+        smallest_pivot: f64::INFINITY,
+        largest_pivot: 0.0,
+    };
 
     /// Adds one pivot; a pivot that is zero or not finite is an error.
     #[inline(always)]

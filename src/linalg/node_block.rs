@@ -104,7 +104,10 @@ pub(super) struct DiagonalFactor {
 }
 
 impl DiagonalFactor {
-    pub(super) const EMPTY: Self = Self { factors: Block::ZERO, rows: [0; NODE] };
+    pub(super) const EMPTY: Self = Self {
+        factors: Block::ZERO,
+        rows: [0; NODE],
+    };
 
     /// Factors a block by Gaussian elimination with partial pivoting. The error holds the row at which
     /// no pivot was left, and that pivot.

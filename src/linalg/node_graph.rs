@@ -23,7 +23,10 @@ impl NodeGraph {
     /// free unknown in it.
     pub(super) fn new(elements: &[Element], held: &[bool]) -> Self {
         let nodes = held.len().div_ceil(NODE);
-        let has_free: Vec<bool> = held.chunks(NODE).map(|node| node.contains(&false)).collect();
+        let has_free: Vec<bool> = held
+            .chunks(NODE)
+            .map(|node| node.contains(&false))
+            .collect();
         let mut keys = Vec::with_capacity(2 * nodes + 6 * elements.len());
         for q in 0..nodes {
             for p in q + 1..nodes.min(q + 3) {
@@ -43,7 +46,10 @@ impl NodeGraph {
         }
         keys.sort_unstable();
         keys.dedup();
-        let pairs = keys.iter().map(|&key| (key as u32, (key >> 32) as u32)).collect();
+        let pairs = keys
+            .iter()
+            .map(|&key| (key as u32, (key >> 32) as u32))
+            .collect();
         Self { nodes, pairs }
     }
 
@@ -54,7 +60,9 @@ impl NodeGraph {
 
     /// Place of a pair in [`Self::pairs`].
     pub(super) fn pair(&self, p: usize, q: usize) -> Option<usize> {
-        self.pairs.binary_search_by_key(&(q as u32, p as u32), |&(p, q)| (q, p)).ok()
+        self.pairs
+            .binary_search_by_key(&(q as u32, p as u32), |&(p, q)| (q, p))
+            .ok()
     }
 
     /// The approximate minimum degree order (Amestoy, Davis & Duff 1996): entry k is the node to be
@@ -74,12 +82,19 @@ impl NodeGraph {
             rows[next[p as usize]] = q as usize;
             next[p as usize] += 1;
         }
-        let pattern = SymbolicSparseColMatRef::new_checked(self.nodes, self.nodes, &starts, None, &rows);
+        let pattern =
+            SymbolicSparseColMatRef::new_checked(self.nodes, self.nodes, &starts, None, &rows);
         let mut order = vec![0; self.nodes];
         let mut inverse = vec![0; self.nodes];
         let mut buffer = MemBuffer::new(amd::order_scratch::<usize>(self.nodes, rows.len()));
-        amd::order(&mut order, &mut inverse, pattern, amd::Control::default(), MemStack::new(&mut buffer))
-            .expect("the number of coupled nodes fits an index");
+        amd::order(
+            &mut order,
+            &mut inverse,
+            pattern,
+            amd::Control::default(),
+            MemStack::new(&mut buffer),
+        )
+        .expect("the number of coupled nodes fits an index");
         order
     }
 }

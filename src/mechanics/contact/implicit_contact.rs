@@ -139,7 +139,12 @@ impl ImplicitContact {
     }
 
     /// The same without Jacobians, for line searches; [`Self::jacobians`] are empty afterwards.
-    pub fn evaluate_forces(&mut self, _positions: &[Vector3], _previous: &[Vector3], _time_step: f64) {
+    pub fn evaluate_forces(
+        &mut self,
+        _positions: &[Vector3],
+        _previous: &[Vector3],
+        _time_step: f64,
+    ) {
         todo!()
     }
 

@@ -55,7 +55,11 @@ impl ContactSurface {
     ) {
         let rod = self.closed_lengths.len();
         let nodes = centreline.len();
-        let edges = if closed { nodes } else { nodes.saturating_sub(1) };
+        let edges = if closed {
+            nodes
+        } else {
+            nodes.saturating_sub(1)
+        };
         let mut length = 0.0;
         for edge in 0..edges {
             let next = (edge + 1) % nodes;
@@ -79,7 +83,9 @@ impl ContactSurface {
 
     /// Largest radius of all rods, m; zero without rods.
     pub fn largest_radius(&self) -> f64 {
-        self.edges.iter().fold(0.0, |largest, edge| edge.radius.max(largest))
+        self.edges
+            .iter()
+            .fold(0.0, |largest, edge| edge.radius.max(largest))
     }
 
     /// Whether two edges can touch at all.
@@ -101,7 +107,11 @@ impl ContactSurface {
 
     /// Arc length between the nearest ends of two edges of one rod, m.
     fn gap_along_rod(&self, a: &ContactEdge, b: &ContactEdge) -> f64 {
-        let (before, after) = if a.arc_length[0] <= b.arc_length[0] { (a, b) } else { (b, a) };
+        let (before, after) = if a.arc_length[0] <= b.arc_length[0] {
+            (a, b)
+        } else {
+            (b, a)
+        };
         let gap = after.arc_length[0] - before.arc_length[1];
         match self.closed_lengths[a.rod] {
             Some(length) => gap.min(length - after.arc_length[1] + before.arc_length[0]),
@@ -115,7 +125,9 @@ mod tests {
     use super::*;
 
     fn line(nodes: usize, spacing: f64) -> Vec<Vector3> {
-        (0..nodes).map(|k| Vector3::new(k as f64 * spacing, 0.0, 0.0)).collect()
+        (0..nodes)
+            .map(|k| Vector3::new(k as f64 * spacing, 0.0, 0.0))
+            .collect()
     }
 
     #[test]
@@ -142,7 +154,10 @@ mod tests {
         assert_eq!(surface.edges().len(), 40);
         assert_eq!(surface.edges()[39].nodes, [46, 7]);
         assert!(!surface.may_touch(0, 39), "they share a node");
-        assert!(!surface.may_touch(0, 38), "one edge of length 0.157 between them");
+        assert!(
+            !surface.may_touch(0, 38),
+            "one edge of length 0.157 between them"
+        );
         assert!(surface.may_touch(0, 37));
         assert!(surface.may_touch(0, 20));
     }

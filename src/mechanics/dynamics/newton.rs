@@ -29,7 +29,10 @@ const SUFFICIENT_REDUCTION: f64 = 0.9;
 impl Newton {
     /// Scratch for so many unknowns.
     pub fn new(unknowns: usize) -> Self {
-        Self { direction: vec![0.0; unknowns], trial: vec![0.0; unknowns] }
+        Self {
+            direction: vec![0.0; unknowns],
+            trial: vec![0.0; unknowns],
+        }
     }
 
     /// Solves R(q) = 0, starting from `unknowns` and leaving the solution there; returns the number of
@@ -51,13 +54,22 @@ impl Newton {
             if residual <= stopping.force && last_move <= stopping.displacement {
                 return Ok(iteration);
             }
-            let failed = Divergence { iterations: iteration, residual, unknown };
+            let failed = Divergence {
+                iterations: iteration,
+                residual,
+                unknown,
+            };
             if !residual.is_finite() || iteration == stopping.iterations {
                 return Err(failed);
             }
-            let solved = system.factor().and_then(|_| system.direction(&mut self.direction));
+            let solved = system
+                .factor()
+                .and_then(|_| system.direction(&mut self.direction));
             if solved.is_err() || self.direction.iter().any(|d| !d.is_finite()) {
-                return Err(Divergence { residual: f64::NAN, ..failed });
+                return Err(Divergence {
+                    residual: f64::NAN,
+                    ..failed
+                });
             }
             let length = self.line_search(system, stage, unknowns);
             last_move = 0.0;
@@ -77,7 +89,11 @@ impl Newton {
     fn line_search(&mut self, system: &mut System, stage: &Stage, unknowns: &[f64]) -> f64 {
         let before = system.squared_residual();
         let slope = |system: &System, direction: &[f64]| -> f64 {
-            direction.iter().zip(&system.residual).map(|(d, r)| d * r).sum()
+            direction
+                .iter()
+                .zip(&system.residual)
+                .map(|(d, r)| d * r)
+                .sum()
         };
         let initial = slope(system, &self.direction);
         let (mut low, mut high) = ((0.0, initial), None);

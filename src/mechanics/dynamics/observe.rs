@@ -28,7 +28,10 @@ impl Simulation {
 
     /// First material director of the edge that starts at each node; zero where no edge starts.
     pub fn material_directors(&self) -> Vec<Vector3> {
-        self.system.geometry.edges[..self.positions.len()].iter().map(|edge| edge.director_1).collect()
+        self.system.geometry.edges[..self.positions.len()]
+            .iter()
+            .map(|edge| edge.director_1)
+            .collect()
     }
 
     /// Force of the fluid on each node in the last step, N; empty without fluid.
@@ -38,7 +41,9 @@ impl Simulation {
 
     /// Contact force on each node in the last step, N; empty without contact.
     pub fn contact_forces(&self) -> Vec<Vector3> {
-        let Some(contact) = &self.system.contact else { return Vec::new() };
+        let Some(contact) = &self.system.contact else {
+            return Vec::new();
+        };
         let mut forces = vec![Vector3::zeros(); self.positions.len()];
         for pair in contact.contacts() {
             for (corner, &node) in pair.nodes.iter().enumerate() {
@@ -60,13 +65,22 @@ impl Simulation {
     pub fn energies(&self) -> Energies {
         let elastic = self.system.elastic_energy();
         let assembly = &self.system.assembly;
-        let kinetic = self.velocity.iter().zip(&assembly.masses).map(|(v, m)| 0.5 * m * v * v).sum();
+        let kinetic = self
+            .velocity
+            .iter()
+            .zip(&assembly.masses)
+            .map(|(v, m)| 0.5 * m * v * v)
+            .sum();
         Energies {
             kinetic,
             stretching: elastic.stretching,
             bending: elastic.bending,
             twisting: elastic.twisting,
-            contact: self.system.contact.as_ref().map_or(0.0, |contact| contact.energy()),
+            contact: self
+                .system
+                .contact
+                .as_ref()
+                .map_or(0.0, |contact| contact.energy()),
             gravitational: assembly.loads.gravitational_energy(
                 self.time,
                 &assembly.masses,
@@ -81,23 +95,36 @@ impl Simulation {
         self.system
             .contact
             .as_ref()
-            .map_or(f64::INFINITY, |contact| contact.minimum_distance(&self.positions))
+            .map_or(f64::INFINITY, |contact| {
+                contact.minimum_distance(&self.positions)
+            })
     }
 
     /// Smallest ratio of a distance to the distance at which surfaces touch; infinite if none is near.
     pub fn minimum_distance_ratio(&self) -> f64 {
-        let nearest = self.system.contact.as_ref().and_then(|contact| contact.nearest(&self.positions));
-        nearest.map_or(f64::INFINITY, |nearest| nearest.distance / nearest.threshold)
+        let nearest = self
+            .system
+            .contact
+            .as_ref()
+            .and_then(|contact| contact.nearest(&self.positions));
+        nearest.map_or(f64::INFINITY, |nearest| {
+            nearest.distance / nearest.threshold
+        })
     }
 
     /// Numbers of the unknowns that are not held: node k has x, y, z at 4k..4k+2, its edge's angle at 4k+3.
     pub fn free_unknowns(&self) -> Vec<usize> {
-        (0..self.unknowns.len()).filter(|&k| !self.system.assembly.held[k]).collect()
+        (0..self.unknowns.len())
+            .filter(|&k| !self.system.assembly.held[k])
+            .collect()
     }
 
     /// Masses (kg) and moments of inertia (kg m²) of the free unknowns.
     pub fn masses(&self) -> Vec<f64> {
-        self.free_unknowns().into_iter().map(|k| self.system.assembly.masses[k]).collect()
+        self.free_unknowns()
+            .into_iter()
+            .map(|k| self.system.assembly.masses[k])
+            .collect()
     }
 
     /// Hessian of the elastic energy, less the derivative of loads and contact forces, over the free
@@ -129,20 +156,25 @@ impl Simulation {
     /// # Errors
     /// [`SimulationError::BadScene`] where the checkpoint does not fit the scene.
     pub fn restore(&mut self, state: SimulationState) -> Result<(), SimulationError> {
-        let foreign =
-            |what: String| SimulationError::BadScene(format!("the checkpoint does not fit: {what}"));
+        let foreign = |what: String| {
+            SimulationError::BadScene(format!("the checkpoint does not fit: {what}"))
+        };
         if state.unknowns.len() != self.unknowns.len()
             || state.reference.twist.len() != self.system.reference.twist.len()
         {
             return Err(foreign("other numbers of nodes or vertices".into()));
         }
         match (&mut self.system.contact, &state.contact) {
-            (Some(contact), Some(memory)) => contact.restore(memory).map_err(|e| foreign(e.to_string()))?,
+            (Some(contact), Some(memory)) => contact
+                .restore(memory)
+                .map_err(|e| foreign(e.to_string()))?,
             (None, None) => {}
             _ => return Err(foreign("contact".into())),
         }
         match (&mut self.fluid, state.fluid) {
-            (Some(fluid), Some(memory)) => fluid.restore(memory).map_err(|e| foreign(e.to_string()))?,
+            (Some(fluid), Some(memory)) => {
+                fluid.restore(memory).map_err(|e| foreign(e.to_string()))?
+            }
             (None, None) => {}
             _ => return Err(foreign("fluid".into())),
         }

@@ -83,10 +83,17 @@ impl Simulation {
                 radius: rod.radius,
             })
             .collect();
-        let fluid = scene.fluid.map(|model| Fluid::new(&model, &filaments)).transpose();
+        let fluid = scene
+            .fluid
+            .map(|model| Fluid::new(&model, &filaments))
+            .transpose();
         let fluid = fluid.map_err(|error| SimulationError::BadScene(error.to_string()))?;
         let wet = if fluid.is_some() { nodes } else { 0 };
-        let free_radii = scene.rods.iter().filter(|rod| !rod.held).map(|rod| rod.radius);
+        let free_radii = scene
+            .rods
+            .iter()
+            .filter(|rod| !rod.held)
+            .map(|rod| rod.radius);
         let mut simulation = Self {
             fluid,
             parameters: *parameters,
@@ -127,7 +134,10 @@ impl Simulation {
     /// [`SimulationError::NoConvergence`] and [`SimulationError::Unphysical`]; the state is then that of
     /// the last accepted step.
     pub fn advance(&mut self, until: f64) -> Result<StepReport, SimulationError> {
-        let mut report = StepReport { fluid_iterations: self.compute_drag()?, ..StepReport::default() };
+        let mut report = StepReport {
+            fluid_iterations: self.compute_drag()?,
+            ..StepReport::default()
+        };
         self.system.update_candidates(&self.unknowns);
         let mut goal = self.control.goal(&self.parameters.step, self.time, until);
         let mut stiffenings = 0;
@@ -163,7 +173,11 @@ impl Simulation {
         report.step = goal - self.time;
         self.accept(goal);
         report.time = self.time;
-        report.contacts = self.system.contact.as_ref().map_or(0, ImplicitContact::contact_count);
+        report.contacts = self
+            .system
+            .contact
+            .as_ref()
+            .map_or(0, ImplicitContact::contact_count);
         Ok(report)
     }
 
@@ -180,7 +194,11 @@ impl Simulation {
                 self.velocity.fill(0.0);
                 self.earlier_velocity.fill(0.0);
                 self.publish();
-                let contacts = self.system.contact.as_ref().map_or(0, ImplicitContact::contact_count);
+                let contacts = self
+                    .system
+                    .contact
+                    .as_ref()
+                    .map_or(0, ImplicitContact::contact_count);
                 Ok(StepReport {
                     time: self.time,
                     newton_iterations: iterations,
@@ -194,11 +212,16 @@ impl Simulation {
 
     /// Drag and local resistance at the start of a step; returns the Krylov iterations.
     fn compute_drag(&mut self) -> Result<usize, SimulationError> {
-        let Some(fluid) = &mut self.fluid else { return Ok(0) };
+        let Some(fluid) = &mut self.fluid else {
+            return Ok(0);
+        };
         let (drag, resistance) = (&mut self.stage.drag, &mut self.stage.resistance);
         match fluid.drag(&self.positions, &self.velocities, drag, resistance) {
             Ok(report) => Ok(report.iterations),
-            Err(error) => Err(SimulationError::Unphysical(format!("at t = {:.6e} s {error}", self.time))),
+            Err(error) => Err(SimulationError::Unphysical(format!(
+                "at t = {:.6e} s {error}",
+                self.time
+            ))),
         }
     }
 
@@ -215,7 +238,8 @@ impl Simulation {
         self.stage.positions.copy_from_slice(&self.positions);
         self.predict(stage_step);
         self.system.drive(stage_time, &mut self.trial);
-        self.system.adapt_contact_stiffness(&self.trial, &self.stage);
+        self.system
+            .adapt_contact_stiffness(&self.trial, &self.stage);
         let stopping = Stopping {
             force: self.system.force_tolerance(self.parameters.force_tolerance),
             displacement: self.parameters.displacement_tolerance * self.radius,
@@ -239,7 +263,10 @@ impl Simulation {
             self.system.drive(goal, &mut self.trial);
             self.system.update_geometry(&self.trial);
         }
-        Ok(Attempt { iterations, error: self.velocity_after(step) })
+        Ok(Attempt {
+            iterations,
+            error: self.velocity_after(step),
+        })
     }
 
     /// Extrapolates positions and angles to the implicit stage with the acceleration of the last step.
@@ -248,7 +275,11 @@ impl Simulation {
             Scheme::ImplicitEuler => 1.0,
             Scheme::ImplicitMidpoint => 0.5,
         };
-        let growth = if self.earlier_step > 0.0 { fraction * stage_step / self.earlier_step } else { 0.0 };
+        let growth = if self.earlier_step > 0.0 {
+            fraction * stage_step / self.earlier_step
+        } else {
+            0.0
+        };
         for k in 0..self.trial.len() {
             let change = self.velocity[k] - self.earlier_velocity[k];
             self.trial[k] = self.unknowns[k] + stage_step * (self.velocity[k] + growth * change);
@@ -259,7 +290,11 @@ impl Simulation {
     /// ½ h |v₁ − v₀| for implicit Euler; h/12 times the second difference of the velocity for the
     /// midpoint rule.
     fn velocity_after(&mut self, step: f64) -> f64 {
-        let growth = if self.earlier_step > 0.0 { step / self.earlier_step } else { 0.0 };
+        let growth = if self.earlier_step > 0.0 {
+            step / self.earlier_step
+        } else {
+            0.0
+        };
         let mut error = 0.0;
         for k in 0..self.trial.len() {
             let mean = (self.trial[k] - self.unknowns[k]) / step;
@@ -268,9 +303,16 @@ impl Simulation {
                 Scheme::ImplicitMidpoint => {
                     // A prescribed motion has corners, across which reflection would ring.
                     let held = self.system.assembly.held[k];
-                    let after = if held { mean } else { 2.0 * mean - self.velocity[k] };
+                    let after = if held {
+                        mean
+                    } else {
+                        2.0 * mean - self.velocity[k]
+                    };
                     let earlier_change = growth * (self.velocity[k] - self.earlier_velocity[k]);
-                    (after, step / 12.0 * (after - self.velocity[k] - earlier_change))
+                    (
+                        after,
+                        step / 12.0 * (after - self.velocity[k] - earlier_change),
+                    )
                 }
             };
             self.next_velocity[k] = after;
@@ -282,7 +324,9 @@ impl Simulation {
     }
 
     fn judge(&mut self, step: f64, attempt: &Attempt) -> Verdict {
-        let StepSize::Auto { tolerance, .. } = self.parameters.step else { return Verdict::Accepted };
+        let StepSize::Auto { tolerance, .. } = self.parameters.step else {
+            return Verdict::Accepted;
+        };
         let order = match self.parameters.scheme {
             Scheme::ImplicitEuler => 2,
             Scheme::ImplicitMidpoint => 3,
@@ -290,14 +334,21 @@ impl Simulation {
         if step <= self.parameters.minimum_step {
             return Verdict::Accepted;
         }
-        self.control.judge(tolerance * self.radius, step, attempt.error, order, attempt.iterations)
+        self.control.judge(
+            tolerance * self.radius,
+            step,
+            attempt.error,
+            order,
+            attempt.iterations,
+        )
     }
 
     fn accept(&mut self, goal: f64) {
         if self.fluid.is_some() {
             for node in 0..self.stage.drag.len() {
                 let change = position(&self.next_velocity, node) - position(&self.velocity, node);
-                self.fluid_forces[node] = self.stage.drag[node] - self.stage.resistance[node] * change;
+                self.fluid_forces[node] =
+                    self.stage.drag[node] - self.stage.resistance[node] * change;
             }
         }
         self.earlier_step = goal - self.time;
@@ -340,7 +391,9 @@ impl Simulation {
 
     fn no_convergence(&mut self, step: f64, divergence: &Divergence) -> SimulationError {
         let stage = (step > 0.0).then_some(&self.stage);
-        let term = self.system.largest_term(&self.trial, stage, divergence.unknown);
+        let term = self
+            .system
+            .largest_term(&self.trial, stage, divergence.unknown);
         let (rod, node) = self.system.assembly.locate(divergence.unknown / STRIDE);
         SimulationError::NoConvergence {
             time: self.time,

@@ -40,7 +40,10 @@ impl StepControl {
             // The first steps find the true scale within a few growths.
             StepSize::Auto { maximum, .. } => 1e-3 * maximum,
         };
-        Self { grid_steps: 0, proposal }
+        Self {
+            grid_steps: 0,
+            proposal,
+        }
     }
 
     /// End of the next step from `time`, no later than `until`.
@@ -55,7 +58,11 @@ impl StepControl {
                 (time + step, step)
             }
         };
-        if goal >= until - SNAP * step { until } else { goal }
+        if goal >= until - SNAP * step {
+            until
+        } else {
+            goal
+        }
     }
 
     /// Takes note of a step that ended at `time`.
@@ -69,7 +76,14 @@ impl StepControl {
 
     /// Judges a step of automatic control by its local error (m) and sets the next proposal. `order` is
     /// the power of the step with which the local error falls.
-    pub fn judge(&mut self, tolerance: f64, step: f64, error: f64, order: i32, iterations: usize) -> Verdict {
+    pub fn judge(
+        &mut self,
+        tolerance: f64,
+        step: f64,
+        error: f64,
+        order: i32,
+        iterations: usize,
+    ) -> Verdict {
         let ratio = (tolerance / error.max(1e-300)).powf(1.0 / f64::from(order));
         let mut factor = (SAFETY * ratio).clamp(GROWTH[0], GROWTH[1]);
         if iterations > MANY_ITERATIONS {
@@ -80,8 +94,11 @@ impl StepControl {
             return Verdict::Refused(self.proposal);
         }
         // A step cut short by an output time says nothing against the proposal that stood before.
-        self.proposal =
-            if step < 0.99 * self.proposal && factor >= 1.0 { self.proposal } else { step * factor };
+        self.proposal = if step < 0.99 * self.proposal && factor >= 1.0 {
+            self.proposal
+        } else {
+            step * factor
+        };
         Verdict::Accepted
     }
 
@@ -118,7 +135,10 @@ mod tests {
 
     #[test]
     fn automatic_steps_follow_the_error() {
-        let size = StepSize::Auto { tolerance: 1e-2, maximum: 1.0 };
+        let size = StepSize::Auto {
+            tolerance: 1e-2,
+            maximum: 1.0,
+        };
         let mut control = StepControl::new(&size);
         // Local error 0.05 h²: the step that meets 1e-6 is √(1e-6/0.05).
         let (tolerance, mut step) = (1e-6, 1e-3);

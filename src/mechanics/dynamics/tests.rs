@@ -13,7 +13,9 @@ pub(crate) fn straight_rod(edges: usize, length: f64) -> RodDescription {
     let second_moment = 0.25 * area * radius * radius;
     RodDescription {
         name: "rod".into(),
-        centreline: (0..=edges).map(|k| Vector3::x() * (length * k as f64 / edges as f64)).collect(),
+        centreline: (0..=edges)
+            .map(|k| Vector3::x() * (length * k as f64 / edges as f64))
+            .collect(),
         closed: false,
         end_tangents: [None, None],
         first_director: Some(Vector3::y()),
@@ -34,7 +36,13 @@ pub(crate) fn straight_rod(edges: usize, length: f64) -> RodDescription {
 }
 
 pub(crate) fn clamp(node: usize) -> Clamp {
-    Clamp { rod: 0, node, holds_position: true, holds_frame: true, motion: Motion::default() }
+    Clamp {
+        rod: 0,
+        node,
+        holds_position: true,
+        holds_frame: true,
+        motion: Motion::default(),
+    }
 }
 
 fn heavy_cantilever(edges: usize) -> Scene {
@@ -42,7 +50,9 @@ fn heavy_cantilever(edges: usize) -> Scene {
         rods: vec![straight_rod(edges, 1.0)],
         clamps: vec![clamp(0)],
         loads: vec![Load {
-            kind: LoadKind::Gravity { acceleration: Vector3::new(0.0, 0.0, -9.81) },
+            kind: LoadKind::Gravity {
+                acceleration: Vector3::new(0.0, 0.0, -9.81),
+            },
             schedule: Vec::new(),
         }],
         ..Scene::default()
@@ -59,11 +69,17 @@ fn heavy_cantilever_converges_to_the_elastica_with_second_order() {
             Simulation::new(&heavy_cantilever(edges), &IntegrationParameters::default()).unwrap();
         let report = simulation.find_equilibrium().unwrap();
         let error = (simulation.positions()[edges] - exact).norm();
-        println!("{edges} edges: {error:.3e} of L in {} iterations", report.newton_iterations);
+        println!(
+            "{edges} edges: {error:.3e} of L in {} iterations",
+            report.newton_iterations
+        );
         errors.push(error);
     }
     assert!(errors[1] < 3e-4, "{errors:?}");
-    assert!(errors[0] / errors[1] > 3.0 && errors[1] / errors[2] > 3.0, "{errors:?}");
+    assert!(
+        errors[0] / errors[1] > 3.0 && errors[1] / errors[2] > 3.0,
+        "{errors:?}"
+    );
 }
 
 #[test]
@@ -71,7 +87,10 @@ fn a_free_rod_conserves_energy_and_momentum_with_the_midpoint_rule() {
     let mut rod = straight_rod(20, 1.0);
     rod.angular_velocity = Vector3::new(0.3, 1.0, 2.0);
     rod.velocity = Vector3::new(0.1, -0.2, 0.05);
-    let scene = Scene { rods: vec![rod], ..Scene::default() };
+    let scene = Scene {
+        rods: vec![rod],
+        ..Scene::default()
+    };
     let parameters = IntegrationParameters {
         scheme: Scheme::ImplicitMidpoint,
         step: StepSize::Fixed(2e-3),
@@ -93,8 +112,10 @@ fn a_free_rod_conserves_energy_and_momentum_with_the_midpoint_rule() {
 
 #[test]
 fn a_restored_simulation_continues_bit_for_bit() {
-    let parameters =
-        IntegrationParameters { step: StepSize::Fixed(1e-2), ..IntegrationParameters::default() };
+    let parameters = IntegrationParameters {
+        step: StepSize::Fixed(1e-2),
+        ..IntegrationParameters::default()
+    };
     let scene = heavy_cantilever(20);
     let mut through = Simulation::new(&scene, &parameters).unwrap();
     let mut first = Simulation::new(&scene, &parameters).unwrap();
@@ -116,6 +137,8 @@ fn a_restored_simulation_continues_bit_for_bit() {
 fn a_clamp_that_cannot_be_is_named() {
     let mut scene = heavy_cantilever(5);
     scene.clamps[0].node = 9;
-    let error = Simulation::new(&scene, &IntegrationParameters::default()).err().unwrap();
+    let error = Simulation::new(&scene, &IntegrationParameters::default())
+        .err()
+        .unwrap();
     assert_eq!(error.to_string(), "rod `rod`: a clamp asks for node 9 of 6");
 }

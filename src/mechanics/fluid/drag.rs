@@ -32,7 +32,10 @@ impl Fluid {
     /// [`FluidError::BadInput`] for a viscosity, regularisation or radius that is not positive and
     /// finite, for filaments of less than two nodes and for filaments that overlap.
     pub fn new(model: &FluidModel, filaments: &[Filament]) -> Result<Self, FluidError> {
-        Ok(Self { model: *model, filaments: filaments.to_vec() })
+        Ok(Self {
+            model: *model,
+            filaments: filaments.to_vec(),
+        })
     }
 
     /// Force of the fluid on every node (N) and its local resistance D (N s/m, symmetric positive
@@ -64,9 +67,17 @@ impl Fluid {
                 )?;
                 Ok(FluidReport::default())
             }
-            FluidModel::RegularizedStokeslets { viscosity, regularization } => {
-                self.stokeslet_drag(viscosity, regularization, positions, velocities, forces, resistance)
-            }
+            FluidModel::RegularizedStokeslets {
+                viscosity,
+                regularization,
+            } => self.stokeslet_drag(
+                viscosity,
+                regularization,
+                positions,
+                velocities,
+                forces,
+                resistance,
+            ),
         }
     }
 
@@ -147,16 +158,32 @@ mod tests {
                 Vector3::new(radius * angle.cos(), radius * angle.sin(), z)
             })
             .collect();
-        let velocities: Vec<Vector3> =
-            positions.iter().map(|x| Vector3::new(0.0, 0.0, 15.0).cross(x)).collect();
-        let model = FluidModel::RegularizedStokeslets { viscosity: 0.1, regularization: 1.02 };
-        let filament = Filament { first_node: 0, nodes, closed: false, radius: 1e-3 };
+        let velocities: Vec<Vector3> = positions
+            .iter()
+            .map(|x| Vector3::new(0.0, 0.0, 15.0).cross(x))
+            .collect();
+        let model = FluidModel::RegularizedStokeslets {
+            viscosity: 0.1,
+            regularization: 1.02,
+        };
+        let filament = Filament {
+            first_node: 0,
+            nodes,
+            closed: false,
+            radius: 1e-3,
+        };
         let mut fluid = Fluid::new(&model, &[filament]).unwrap();
         let mut forces = vec![Vector3::zeros(); nodes];
         let mut resistance = vec![Matrix3::zeros(); nodes];
-        fluid.drag(&positions, &velocities, &mut forces, &mut resistance).unwrap();
+        fluid
+            .drag(&positions, &velocities, &mut forces, &mut resistance)
+            .unwrap();
         let force: Vector3 = -forces.iter().sum::<Vector3>();
-        let torque: Vector3 = -positions.iter().zip(&forces).map(|(x, f)| x.cross(f)).sum::<Vector3>();
+        let torque: Vector3 = -positions
+            .iter()
+            .zip(&forces)
+            .map(|(x, f)| x.cross(f))
+            .sum::<Vector3>();
         println!("{} {}", force.z, torque.z);
         assert!((force.z / -1.52455428e-3 - 1.0).abs() < 1e-6);
         assert!((torque.z / 1.244818746e-4 - 1.0).abs() < 1e-6);

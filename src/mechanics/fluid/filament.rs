@@ -21,6 +21,10 @@ impl Filament {
 
     /// Number of edges.
     pub(super) fn edges(&self) -> usize {
-        if self.closed { self.nodes } else { self.nodes - 1 }
+        if self.closed {
+            self.nodes
+        } else {
+            self.nodes - 1
+        }
     }
 }

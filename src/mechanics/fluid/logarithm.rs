@@ -17,7 +17,9 @@ pub(super) fn logarithm_of_ratio(n: f64, d: f64) -> f64 {
     let s = (n - scaled) / (n + scaled);
     let s2 = s * s;
     let mut series = 1.0 / 23.0;
-    for odd in [21.0, 19.0, 17.0, 15.0, 13.0, 11.0, 9.0, 7.0, 5.0, 3.0, 1.0_f64] {
+    for odd in [
+        21.0, 19.0, 17.0, 15.0, 13.0, 11.0, 9.0, 7.0, 5.0, 3.0, 1.0_f64,
+    ] {
         series = s2.mul_add(series, 1.0 / odd);
     }
     k.mul_add(std::f64::consts::LN_2, 2.0 * s * series)

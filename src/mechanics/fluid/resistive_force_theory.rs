@@ -35,7 +35,12 @@ impl DragCoefficients {
     /// [`FluidError::NotSlender`] where the first denominator is not positive (λ/h ≤ 0.82).
     pub fn gray_hancock(viscosity: f64, wavelength: f64, radius: f64) -> Result<Self, FluidError> {
         let logarithm = (2.0 * wavelength / radius).ln();
-        Self::from_denominators(viscosity, wavelength / radius, logarithm - 0.5, logarithm + 0.5)
+        Self::from_denominators(
+            viscosity,
+            wavelength / radius,
+            logarithm - 0.5,
+            logarithm + 0.5,
+        )
     }
 
     /// A helical filament (Lighthill 1976): ξ_∥ = 2πη/ln(0.18 Λ/h), ξ_⊥ = 4πη/(ln(0.18 Λ/h) + 1/2) with
@@ -43,9 +48,18 @@ impl DragCoefficients {
     ///
     /// # Errors
     /// [`FluidError::NotSlender`] where the first denominator is not positive (Λ/h ≤ 5.56).
-    pub fn lighthill(viscosity: f64, length_of_a_turn: f64, radius: f64) -> Result<Self, FluidError> {
+    pub fn lighthill(
+        viscosity: f64,
+        length_of_a_turn: f64,
+        radius: f64,
+    ) -> Result<Self, FluidError> {
         let logarithm = (0.18 * length_of_a_turn / radius).ln();
-        Self::from_denominators(viscosity, length_of_a_turn / radius, logarithm, logarithm + 0.5)
+        Self::from_denominators(
+            viscosity,
+            length_of_a_turn / radius,
+            logarithm,
+            logarithm + 0.5,
+        )
     }
 
     fn from_denominators(
@@ -58,12 +72,16 @@ impl DragCoefficients {
         if !(along > 0.0) {
             return Err(FluidError::NotSlender(slenderness));
         }
-        Ok(Self { along: 2.0 * PI * viscosity / along, across: 4.0 * PI * viscosity / across })
+        Ok(Self {
+            along: 2.0 * PI * viscosity / along,
+            across: 4.0 * PI * viscosity / across,
+        })
     }
 
     /// Ξ = ξ_⊥ (1 − t tᵀ) + ξ_∥ t tᵀ for a unit tangent, N s/m².
     pub fn resistance_per_length(&self, tangent: &Vector3) -> Matrix3 {
-        Matrix3::identity() * self.across + tangent * tangent.transpose() * (self.along - self.across)
+        Matrix3::identity() * self.across
+            + tangent * tangent.transpose() * (self.along - self.across)
     }
 }
 

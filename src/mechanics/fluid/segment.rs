@@ -45,7 +45,12 @@ pub(super) type Symmetric = [f64; 6];
 /// `regularization` is ε, m. The relative error is a few rounding errors times 1 + |x − start|/L,
 /// also on the segment's axis, at its nodes and for ε much smaller or larger than L. A segment without
 /// length gives zero.
-pub fn segment_integral(x: &Vector3, start: &Vector3, end: &Vector3, regularization: f64) -> [Matrix3; 2] {
+pub fn segment_integral(
+    x: &Vector3,
+    start: &Vector3,
+    end: &Vector3,
+    regularization: f64,
+) -> [Matrix3; 2] {
     let edge = end - start;
     let length = edge.norm();
     let inverse_length = if length > 0.0 { 1.0 / length } else { 0.0 };
@@ -86,9 +91,17 @@ impl Segment {
         let t = self.tangent;
         let length = self.length;
         let epsilon2 = self.regularization_squared;
-        let r = [x[0] - self.start[0], x[1] - self.start[1], x[2] - self.start[2]];
+        let r = [
+            x[0] - self.start[0],
+            x[1] - self.start[1],
+            x[2] - self.start[2],
+        ];
         let a = r[2].mul_add(t[2], r[1].mul_add(t[1], r[0] * t[0]));
-        let p = [(-a).mul_add(t[0], r[0]), (-a).mul_add(t[1], r[1]), (-a).mul_add(t[2], r[2])];
+        let p = [
+            (-a).mul_add(t[0], r[0]),
+            (-a).mul_add(t[1], r[1]),
+            (-a).mul_add(t[2], r[2]),
+        ];
         let rho2 = p[2].mul_add(p[2], p[1].mul_add(p[1], p[0].mul_add(p[0], epsilon2)));
         let z0 = -a;
         let z1 = length - a;

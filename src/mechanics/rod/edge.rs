@@ -17,13 +17,23 @@ pub fn stretching_energy(stiffness: f64, length: f64, natural_length: f64) -> f6
 
 /// Force EA ε t, N: the gradient over the edge vector.
 #[inline(always)]
-pub fn stretching_gradient(stiffness: f64, tangent: &Vector3, length: f64, natural_length: f64) -> Vector3 {
+pub fn stretching_gradient(
+    stiffness: f64,
+    tangent: &Vector3,
+    length: f64,
+    natural_length: f64,
+) -> Vector3 {
     tangent * (stiffness * (length / natural_length - 1.0))
 }
 
 /// Hessian over the edge vector, N/m.
 #[inline(always)]
-pub fn stretching_hessian(stiffness: f64, tangent: &Vector3, length: f64, natural_length: f64) -> Matrix3 {
+pub fn stretching_hessian(
+    stiffness: f64,
+    tangent: &Vector3,
+    length: f64,
+    natural_length: f64,
+) -> Matrix3 {
     let transverse = stiffness * (1.0 / natural_length - 1.0 / length);
     let along = stiffness / natural_length - transverse;
     Matrix3::from_diagonal_element(transverse) + tangent * tangent.transpose() * along

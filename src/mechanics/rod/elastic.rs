@@ -106,8 +106,11 @@ impl ElasticRods {
     pub fn energy(&self, geometry: &RodGeometry) -> ElasticEnergy {
         let mut energy = ElasticEnergy::default();
         for edge in &self.edges {
-            energy.stretching +=
-                stretching_energy(edge.stretching, geometry.edges[edge.start].length, edge.natural_length);
+            energy.stretching += stretching_energy(
+                edge.stretching,
+                geometry.edges[edge.start].length,
+                edge.natural_length,
+            );
         }
         for (vertex, strains) in self.vertices.iter().zip(&geometry.strains) {
             let (bending, twisting) = vertex::energies(strains, &vertex.natural, &vertex.stiffness);
@@ -121,14 +124,22 @@ impl ElasticRods {
     pub fn add_gradient(&self, geometry: &RodGeometry, gradient: &mut [f64]) {
         for edge in &self.edges {
             let frame = &geometry.edges[edge.start];
-            let force =
-                stretching_gradient(edge.stretching, &frame.tangent, frame.length, edge.natural_length);
+            let force = stretching_gradient(
+                edge.stretching,
+                &frame.tangent,
+                frame.length,
+                edge.natural_length,
+            );
             add_to_node(gradient, edge.end, &force);
             add_to_node(gradient, edge.start, &-force);
         }
         for (vertex, strains) in self.vertices.iter().zip(&geometry.strains) {
-            let (before, after) = (&geometry.edges[vertex.before], &geometry.edges[vertex.after]);
-            let local = vertex::gradient(before, after, strains, &vertex.natural, &vertex.stiffness);
+            let (before, after) = (
+                &geometry.edges[vertex.before],
+                &geometry.edges[vertex.after],
+            );
+            let local =
+                vertex::gradient(before, after, strains, &vertex.natural, &vertex.stiffness);
             self.scatter_gradient(vertex, &local, gradient);
         }
     }
@@ -147,8 +158,12 @@ impl ElasticRods {
         spin_moment.fill(0.0);
         for vertex in self.vertices.iter().zip(&geometry.strains) {
             let (vertex, strains) = vertex;
-            let (before, after) = (&geometry.edges[vertex.before], &geometry.edges[vertex.after]);
-            let local = vertex::derivatives(before, after, strains, &vertex.natural, &vertex.stiffness);
+            let (before, after) = (
+                &geometry.edges[vertex.before],
+                &geometry.edges[vertex.after],
+            );
+            let local =
+                vertex::derivatives(before, after, strains, &vertex.natural, &vertex.stiffness);
             self.scatter_gradient(vertex, &local.gradient, gradient);
             spin_moment[vertex.before] += local.gradient[3];
             spin_moment[vertex.after] += local.gradient[7];
@@ -156,13 +171,24 @@ impl ElasticRods {
         }
         for edge in &self.edges {
             let frame = &geometry.edges[edge.start];
-            let force =
-                stretching_gradient(edge.stretching, &frame.tangent, frame.length, edge.natural_length);
+            let force = stretching_gradient(
+                edge.stretching,
+                &frame.tangent,
+                frame.length,
+                edge.natural_length,
+            );
             add_to_node(gradient, edge.end, &force);
             add_to_node(gradient, edge.start, &-force);
-            let hessian =
-                stretching_hessian(edge.stretching, &frame.tangent, frame.length, edge.natural_length)
-                    + holonomy_hessian(&reference.tangent[edge.start], frame, spin_moment[edge.start]);
+            let hessian = stretching_hessian(
+                edge.stretching,
+                &frame.tangent,
+                frame.length,
+                edge.natural_length,
+            ) + holonomy_hessian(
+                &reference.tangent[edge.start],
+                frame,
+                spin_moment[edge.start],
+            );
             self.scatter_edge_hessian(edge, &hessian, band, elements);
         }
     }
@@ -205,8 +231,10 @@ impl ElasticRods {
                 }
             }
         } else {
-            let closing =
-                self.elements.iter().position(|e| e[0] == STRIDE * edge.start && e[4] == STRIDE * edge.end);
+            let closing = self
+                .elements
+                .iter()
+                .position(|e| e[0] == STRIDE * edge.start && e[4] == STRIDE * edge.end);
             let matrix = &mut elements[closing.expect("every ring has a closing vertex")];
             for i in 0..3 {
                 for j in 0..3 {
@@ -232,7 +260,11 @@ pub fn holonomy_jacobian(source: &Vector3, frame: &vertex::EdgeFrame) -> Matrix3
 }
 
 /// Symmetric part of (∂E/∂φ) ∇c of one edge; see [`super::vertex`].
-pub(super) fn holonomy_hessian(source: &Vector3, frame: &vertex::EdgeFrame, moment: f64) -> Matrix3 {
+pub(super) fn holonomy_hessian(
+    source: &Vector3,
+    frame: &vertex::EdgeFrame,
+    moment: f64,
+) -> Matrix3 {
     let jacobian = holonomy_jacobian(source, frame);
     (jacobian + jacobian.transpose()) * (0.5 * moment)
 }

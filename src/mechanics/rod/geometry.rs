@@ -89,17 +89,31 @@ impl RodGeometry {
                 holonomy: Vector3::zeros(),
             };
         }
-        let angle = |edge: usize| if edge < rods.nodes { unknowns[STRIDE * edge + 3] } else { 0.0 };
+        let angle = |edge: usize| {
+            if edge < rods.nodes {
+                unknowns[STRIDE * edge + 3]
+            } else {
+                0.0
+            }
+        };
         for (v, vertex) in rods.vertices.iter().enumerate() {
             let (before, after) = (&self.edges[vertex.before], &self.edges[vertex.after]);
-            let carried =
-                parallel_transport(&self.reference_director[vertex.before], &before.tangent, &after.tangent);
-            let raw = signed_angle(&carried, &self.reference_director[vertex.after], &after.tangent);
+            let carried = parallel_transport(
+                &self.reference_director[vertex.before],
+                &before.tangent,
+                &after.tangent,
+            );
+            let raw = signed_angle(
+                &carried,
+                &self.reference_director[vertex.after],
+                &after.tangent,
+            );
             let reference_twist = unwrapped(raw, reference.twist[v]);
             self.reference_twist[v] = reference_twist;
             self.strains[v] = VertexStrains {
                 curvature: curvatures(before, after),
-                twist: angle(vertex.after) - angle(vertex.before) + reference_twist - vertex.joint_twist,
+                twist: angle(vertex.after) - angle(vertex.before) + reference_twist
+                    - vertex.joint_twist,
             };
         }
     }

@@ -14,7 +14,9 @@ pub mod topology;
 pub mod transport;
 pub mod vertex;
 
-pub use elastic::{Edge, ElasticEnergy, ElasticRods, GhostEdge, Vertex, VertexUnknowns, holonomy_jacobian};
+pub use elastic::{
+    Edge, ElasticEnergy, ElasticRods, GhostEdge, Vertex, VertexUnknowns, holonomy_jacobian,
+};
 pub use geometry::{ReferenceFrames, RodGeometry};
 pub use placement::Placement;
 pub use topology::{RodRange, STRIDE};

@@ -35,7 +35,11 @@ impl Placement {
         twist: f64,
         end_tangents: [Option<Vector3>; 2],
     ) -> Result<Self, String> {
-        let range = RodRange { first_node: 0, nodes: nodes.len(), closed };
+        let range = RodRange {
+            first_node: 0,
+            nodes: nodes.len(),
+            closed,
+        };
         let edges = range.edges();
         let mut tangents = Vec::with_capacity(edges);
         let mut lengths = Vec::with_capacity(edges);
@@ -51,35 +55,56 @@ impl Placement {
         let vertices = if closed { edges } else { edges - 1 };
         for k in 0..vertices {
             if 1.0 + tangents[k].dot(&tangents[(k + 1) % edges]) < 1e-6 {
-                return Err(format!("the rod turns back on itself at node {}", range.end_of(k)));
+                return Err(format!(
+                    "the rod turns back on itself at node {}",
+                    range.end_of(k)
+                ));
             }
         }
         let hint = first_director.and_then(|hint| normal_part(&hint, &tangents[0]));
         let mut directors = vec![hint.unwrap_or_else(|| any_normal(&tangents[0]))];
         for k in 1..edges {
             let carried = parallel_transport(&directors[k - 1], &tangents[k - 1], &tangents[k]);
-            directors.push(normal_part(&carried, &tangents[k]).expect("transport keeps directors normal"));
+            directors.push(
+                normal_part(&carried, &tangents[k]).expect("transport keeps directors normal"),
+            );
         }
-        let vertex_twist = if vertices == 0 { 0.0 } else { twist / vertices as f64 };
+        let vertex_twist = if vertices == 0 {
+            0.0
+        } else {
+            twist / vertices as f64
+        };
         let angles = (0..edges).map(|k| k as f64 * vertex_twist).collect();
-        Ok(Self { tangents, lengths, directors, angles, vertex_twist, closed, end_tangents })
+        Ok(Self {
+            tangents,
+            lengths,
+            directors,
+            angles,
+            vertex_twist,
+            closed,
+            end_tangents,
+        })
     }
 
     /// Material frame of edge `k`.
     fn framed(&self, k: usize) -> EdgeFrame {
-        frame(&self.tangents[k], rotated(&self.directors[k], &self.tangents[k], self.angles[k]))
+        frame(
+            &self.tangents[k],
+            rotated(&self.directors[k], &self.tangents[k], self.angles[k]),
+        )
     }
 
     /// Tangent and material frame of the smooth rod at `node`: that of a clamp there.
     pub fn frame_at_node(&self, node: usize) -> GhostEdge {
         let last = self.tangents.len() - 1;
         let (edge, tangent, turn) = if !self.closed && node == 0 {
-            let tangent =
-                self.end_tangents[0].unwrap_or_else(|| extrapolated(&self.tangents[0], self.tangents.get(1)));
+            let tangent = self.end_tangents[0]
+                .unwrap_or_else(|| extrapolated(&self.tangents[0], self.tangents.get(1)));
             (0, tangent, -0.5 * self.vertex_twist)
         } else if !self.closed && node == last + 1 {
             let before = last.checked_sub(1).map(|k| &self.tangents[k]);
-            let tangent = self.end_tangents[1].unwrap_or_else(|| extrapolated(&self.tangents[last], before));
+            let tangent =
+                self.end_tangents[1].unwrap_or_else(|| extrapolated(&self.tangents[last], before));
             (last, tangent, 0.5 * self.vertex_twist)
         } else {
             let before = if node == 0 { last } else { node - 1 };
@@ -88,13 +113,20 @@ impl Placement {
         };
         let material = self.framed(edge);
         let carried = parallel_transport(&material.director_1, &material.tangent, &tangent);
-        GhostEdge { tangent, director: rotated(&carried, &tangent, turn) }
+        GhostEdge {
+            tangent,
+            director: rotated(&carried, &tangent, turn),
+        }
     }
 
     /// Reference twist from the last edge of a ring to its first, rad: what transport once around leaves.
     pub fn joint_reference_twist(&self) -> f64 {
         let last = self.tangents.len() - 1;
-        let carried = parallel_transport(&self.directors[last], &self.tangents[last], &self.tangents[0]);
+        let carried = parallel_transport(
+            &self.directors[last],
+            &self.tangents[last],
+            &self.tangents[0],
+        );
         signed_angle(&carried, &self.directors[0], &self.tangents[0])
     }
 
@@ -110,7 +142,11 @@ impl Placement {
     pub fn ghost_strains(&self, node: usize, k: usize, ghost_first: bool) -> VertexStrains {
         let ghost = self.frame_at_node(node);
         let (ghost, edge) = (frame(&ghost.tangent, ghost.director), self.framed(k));
-        let (before, after) = if ghost_first { (ghost, edge) } else { (edge, ghost) };
+        let (before, after) = if ghost_first {
+            (ghost, edge)
+        } else {
+            (edge, ghost)
+        };
         let carried = parallel_transport(&before.director_1, &before.tangent, &after.tangent);
         VertexStrains {
             curvature: curvatures(&before, &after),

@@ -24,7 +24,11 @@ pub struct RodRange {
 impl RodRange {
     /// Number of edges.
     pub fn edges(&self) -> usize {
-        if self.closed { self.nodes } else { self.nodes - 1 }
+        if self.closed {
+            self.nodes
+        } else {
+            self.nodes - 1
+        }
     }
 
     /// Indices of the edges, which are those of their first nodes.
@@ -39,14 +43,22 @@ impl RodRange {
 
     /// Node at the end of `edge`.
     pub fn end_of(&self, edge: usize) -> usize {
-        if edge + 1 == self.first_node + self.nodes { self.first_node } else { edge + 1 }
+        if edge + 1 == self.first_node + self.nodes {
+            self.first_node
+        } else {
+            edge + 1
+        }
     }
 }
 
 /// Position of node `k` in the vector of unknowns.
 #[inline(always)]
 pub fn position(unknowns: &[f64], node: usize) -> Vector3 {
-    Vector3::new(unknowns[STRIDE * node], unknowns[STRIDE * node + 1], unknowns[STRIDE * node + 2])
+    Vector3::new(
+        unknowns[STRIDE * node],
+        unknowns[STRIDE * node + 1],
+        unknowns[STRIDE * node + 2],
+    )
 }
 
 /// Adds `value` to the three entries of node `k`.

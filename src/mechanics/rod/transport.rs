@@ -55,7 +55,11 @@ mod tests {
         let director = any_normal(&from);
         let moved = parallel_transport(&director, &from, &to);
         let axis = from.cross(&to);
-        let expected = rotated(&director, &axis.normalize(), axis.norm().atan2(from.dot(&to)));
+        let expected = rotated(
+            &director,
+            &axis.normalize(),
+            axis.norm().atan2(from.dot(&to)),
+        );
         assert!((moved - expected).norm() < 1e-15);
         assert!(moved.dot(&to).abs() < 1e-15);
         assert!((moved.norm() - 1.0).abs() < 1e-15);

@@ -95,7 +95,11 @@ pub fn curvatures(before: &EdgeFrame, after: &EdgeFrame) -> [f64; 4] {
 
 /// Bending energy and twisting energy of a vertex, J.
 #[inline(always)]
-pub fn energies(strains: &VertexStrains, natural: &VertexStrains, stiffness: &VertexStiffness) -> (f64, f64) {
+pub fn energies(
+    strains: &VertexStrains,
+    natural: &VertexStrains,
+    stiffness: &VertexStiffness,
+) -> (f64, f64) {
     let mut bending = 0.0;
     for k in 0..4 {
         let difference = strains.curvature[k] - natural.curvature[k];
@@ -112,15 +116,28 @@ struct StrainGradients {
 
 impl StrainGradients {
     #[inline(always)]
-    fn new(before: &EdgeFrame, after: &EdgeFrame, common: &Common, strains: &VertexStrains) -> Self {
+    fn new(
+        before: &EdgeFrame,
+        after: &EdgeFrame,
+        common: &Common,
+        strains: &VertexStrains,
+    ) -> Self {
         let mut rows = [[0.0; 8]; 5];
         let kappa = &strains.curvature;
-        let directors = [before.director_2, -before.director_1, after.director_2, -after.director_1];
+        let directors = [
+            before.director_2,
+            -before.director_1,
+            after.director_2,
+            -after.director_1,
+        ];
         // κ¹ turns into κ² and κ² into −κ¹ when the frame spins.
         let spins = [kappa[1], -kappa[0], kappa[3], -kappa[2]];
         for k in 0..4 {
             let (g0, g1) = common.natural_gradient(kappa[k], &(directors[k] * common.two_over_chi));
-            let spin = [if k < 2 { spins[k] } else { 0.0 }, if k < 2 { 0.0 } else { spins[k] }];
+            let spin = [
+                if k < 2 { spins[k] } else { 0.0 },
+                if k < 2 { 0.0 } else { spins[k] },
+            ];
             store(
                 &mut rows[k],
                 &(g0 + before.holonomy * spin[0]),
@@ -237,7 +254,10 @@ impl Moments {
         for k in 0..4 {
             bending[k] = stiffness.bending[k % 2] * (strains.curvature[k] - natural.curvature[k]);
         }
-        Self { bending, twisting: stiffness.twisting * (strains.twist - natural.twist) }
+        Self {
+            bending,
+            twisting: stiffness.twisting * (strains.twist - natural.twist),
+        }
     }
 
     /// M⁰ and M¹: the directors weighted with the bending moments.
@@ -270,8 +290,13 @@ pub fn derivatives(
         stiffness.bending[1],
         stiffness.twisting,
     ];
-    let slopes =
-        [moments.bending[0], moments.bending[1], moments.bending[2], moments.bending[3], moments.twisting];
+    let slopes = [
+        moments.bending[0],
+        moments.bending[1],
+        moments.bending[2],
+        moments.bending[3],
+        moments.twisting,
+    ];
     let mut gradient = [0.0; 8];
     let mut hessian = [[0.0; 8]; 8];
     for k in 0..5 {

@@ -22,7 +22,11 @@ const REDUCTIONS: usize = 20;
 ///
 /// # Errors
 /// [`Divergence`] with the largest residual after the last iteration.
-pub fn find_equilibrium(system: &mut System, unknowns: &mut [f64], force: f64) -> Result<usize, Divergence> {
+pub fn find_equilibrium(
+    system: &mut System,
+    unknowns: &mut [f64],
+    force: f64,
+) -> Result<usize, Divergence> {
     let time = system.time;
     system.drive(time, unknowns);
     let extent = extent(unknowns);
@@ -40,7 +44,11 @@ pub fn find_equilibrium(system: &mut System, unknowns: &mut [f64], force: f64) -
             system.commit_frames();
             return Ok(iteration);
         }
-        let failed = Divergence { iterations: iteration, residual, unknown };
+        let failed = Divergence {
+            iterations: iteration,
+            residual,
+            unknown,
+        };
         if !residual.is_finite() || iteration == ITERATIONS {
             return Err(failed);
         }
@@ -70,7 +78,13 @@ pub fn find_equilibrium(system: &mut System, unknowns: &mut [f64], force: f64) -
 }
 
 /// Factors the Jacobian, shifted until no pivot is negative; returns the shift in units of EI/L³.
-fn stabilise(system: &mut System, unknowns: &[f64], start: f64, unit: f64, spin_unit: f64) -> Option<f64> {
+fn stabilise(
+    system: &mut System,
+    unknowns: &[f64],
+    start: f64,
+    unit: f64,
+    spin_unit: f64,
+) -> Option<f64> {
     let mut shift = if start < 1e-3 { 0.0 } else { start };
     for _ in 0..60 {
         if shift > 0.0 {
@@ -82,14 +96,22 @@ fn stabilise(system: &mut System, unknowns: &[f64], start: f64, unit: f64, spin_
             Ok(_) => return Some(shift),
             Err(_) => {}
         }
-        shift = if shift == 0.0 { 1.0 } else { shift * SHIFT_GROWTH };
+        shift = if shift == 0.0 {
+            1.0
+        } else {
+            shift * SHIFT_GROWTH
+        };
     }
     None
 }
 
 /// Scales `direction` so that no position moves farther than `largest`.
 fn limit(direction: &mut [f64], largest: f64) {
-    let moved = direction.iter().enumerate().filter(|(k, _)| k % STRIDE != 3).map(|(_, d)| d.abs());
+    let moved = direction
+        .iter()
+        .enumerate()
+        .filter(|(k, _)| k % STRIDE != 3)
+        .map(|(_, d)| d.abs());
     let most = moved.fold(0.0, f64::max);
     if most > largest {
         let factor = largest / most;
@@ -101,7 +123,9 @@ fn extent(unknowns: &[f64]) -> f64 {
     let mut extent = 0.0_f64;
     for axis in 0..3 {
         let values = unknowns.iter().skip(axis).step_by(STRIDE);
-        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &x| (l.min(x), h.max(x)));
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &x| {
+            (l.min(x), h.max(x))
+        });
         extent = extent.max(high - low);
     }
     extent

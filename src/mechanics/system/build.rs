@@ -5,7 +5,8 @@ use super::loads::Loads;
 use crate::mechanics::Vector3;
 use crate::mechanics::rod::vertex::{VertexStiffness, VertexStrains};
 use crate::mechanics::rod::{
-    Edge, ElasticRods, GhostEdge, Placement, ReferenceFrames, RodRange, STRIDE, Vertex, VertexUnknowns,
+    Edge, ElasticRods, GhostEdge, Placement, ReferenceFrames, RodRange, STRIDE, Vertex,
+    VertexUnknowns,
 };
 use crate::mechanics::scene::{NaturalShape, RodDescription, Scene};
 
@@ -55,7 +56,10 @@ impl Assembly {
         }
         let nodes = scene.rods.iter().map(|rod| rod.centreline.len()).sum();
         let mut assembly = Self {
-            rods: ElasticRods { nodes, ..ElasticRods::default() },
+            rods: ElasticRods {
+                nodes,
+                ..ElasticRods::default()
+            },
             names: Vec::new(),
             radii: Vec::new(),
             unknowns: vec![0.0; STRIDE * nodes],
@@ -99,9 +103,16 @@ impl Assembly {
     ) -> Result<(), String> {
         let least = if rod.closed { 3 } else { 2 };
         if rod.centreline.len() < least {
-            return Err(format!("needs at least {least} nodes, has {}", rod.centreline.len()));
+            return Err(format!(
+                "needs at least {least} nodes, has {}",
+                rod.centreline.len()
+            ));
         }
-        let range = RodRange { first_node, nodes: rod.centreline.len(), closed: rod.closed };
+        let range = RodRange {
+            first_node,
+            nodes: rod.centreline.len(),
+            closed: rod.closed,
+        };
         let place = |nodes: &[Vector3], twist: f64, tangents| {
             Placement::new(nodes, rod.closed, rod.first_director, twist, tangents)
         };
@@ -117,19 +128,39 @@ impl Assembly {
             NaturalShape::Centreline(points) => Some(place(points, 0.0, [None, None])?),
             _ => None,
         };
-        let natural_lengths = natural_placement.as_ref().map_or(&placed.lengths, |p| &p.lengths).clone();
+        let natural_lengths = natural_placement
+            .as_ref()
+            .map_or(&placed.lengths, |p| &p.lengths)
+            .clone();
         self.place_nodes(rod, &range, &placed);
         self.add_edges_and_masses(rod, &range, &natural_lengths);
-        self.add_vertices(index, rod, &range, scene, &placed, natural_placement.as_ref(), &natural_lengths)?;
+        self.add_vertices(
+            index,
+            rod,
+            &range,
+            scene,
+            &placed,
+            natural_placement.as_ref(),
+            &natural_lengths,
+        )?;
         if !rod.held {
             let length: f64 = natural_lengths.iter().sum();
             let bending = rod.stiffness.bending[0].max(rod.stiffness.bending[1]);
             self.force_scale = self.force_scale.max(bending / (length * length));
-            let shortest = natural_lengths.iter().copied().fold(f64::INFINITY, f64::min);
+            let shortest = natural_lengths
+                .iter()
+                .copied()
+                .fold(f64::INFINITY, f64::min);
             self.shortest_edge = self.shortest_edge.min(shortest);
-            let farthest = rod.centreline.iter().map(|x| x.amax()).fold(0.0, f64::max).max(length);
-            self.rounding_force =
-                self.rounding_force.max(rod.stiffness.stretching * f64::EPSILON * farthest / shortest);
+            let farthest = rod
+                .centreline
+                .iter()
+                .map(|x| x.amax())
+                .fold(0.0, f64::max)
+                .max(length);
+            self.rounding_force = self
+                .rounding_force
+                .max(rod.stiffness.stretching * f64::EPSILON * farthest / shortest);
         }
         self.rods.rods.push(range);
         self.names.push(rod.name.clone());
@@ -143,7 +174,8 @@ impl Assembly {
             self.unknowns[STRIDE * node..STRIDE * node + 3].copy_from_slice(x.as_slice());
             if !rod.held {
                 let velocity = rod.velocity + rod.angular_velocity.cross(&(x - centroid));
-                self.velocity[STRIDE * node..STRIDE * node + 3].copy_from_slice(velocity.as_slice());
+                self.velocity[STRIDE * node..STRIDE * node + 3]
+                    .copy_from_slice(velocity.as_slice());
             }
             if k < range.edges() {
                 self.reference.tangent[node] = placed.tangents[k];
@@ -158,7 +190,12 @@ impl Assembly {
         }
     }
 
-    fn add_edges_and_masses(&mut self, rod: &RodDescription, range: &RodRange, natural_lengths: &[f64]) {
+    fn add_edges_and_masses(
+        &mut self,
+        rod: &RodDescription,
+        range: &RodRange,
+        natural_lengths: &[f64],
+    ) {
         for (k, edge) in range.edge_indices().enumerate() {
             let (end, length) = (range.end_of(edge), natural_lengths[k]);
             self.rods.edges.push(Edge {
@@ -189,7 +226,10 @@ impl Assembly {
         let mut drive_of_node = vec![None; range.nodes];
         for clamp in scene.clamps.iter().filter(|clamp| clamp.rod == index) {
             if clamp.node >= range.nodes {
-                return Err(format!("a clamp asks for node {} of {}", clamp.node, range.nodes));
+                return Err(format!(
+                    "a clamp asks for node {} of {}",
+                    clamp.node, range.nodes
+                ));
             }
             if drive_of_node[clamp.node].is_some() {
                 return Err(format!("two clamps hold node {}", clamp.node));
@@ -200,20 +240,25 @@ impl Assembly {
                 self.held[STRIDE * node..STRIDE * node + 3].fill(true);
             }
             drive_of_node[clamp.node] = Some((self.drives.len(), clamp.holds_frame));
-            self.drives.push(Drive::new(clamp, node, rod.centreline[clamp.node], frame));
+            self.drives
+                .push(Drive::new(clamp, node, rod.centreline[clamp.node], frame));
         }
-        let natural =
-            |placed_strains: VertexStrains, of_shape: &dyn Fn(&Placement) -> VertexStrains, voronoi: f64| {
-                match &rod.natural_shape {
-                    NaturalShape::AsPlaced => placed_strains,
-                    NaturalShape::Straight => VertexStrains::default(),
-                    NaturalShape::Curved { curvature: [a, b], twist } => VertexStrains {
-                        curvature: [a * voronoi, b * voronoi, a * voronoi, b * voronoi],
-                        twist: twist * voronoi,
-                    },
-                    NaturalShape::Centreline(_) => of_shape(natural_placement.expect("placed above")),
-                }
-            };
+        let natural = |placed_strains: VertexStrains,
+                       of_shape: &dyn Fn(&Placement) -> VertexStrains,
+                       voronoi: f64| {
+            match &rod.natural_shape {
+                NaturalShape::AsPlaced => placed_strains,
+                NaturalShape::Straight => VertexStrains::default(),
+                NaturalShape::Curved {
+                    curvature: [a, b],
+                    twist,
+                } => VertexStrains {
+                    curvature: [a * voronoi, b * voronoi, a * voronoi, b * voronoi],
+                    twist: twist * voronoi,
+                },
+                NaturalShape::Centreline(_) => of_shape(natural_placement.expect("placed above")),
+            }
+        };
         let edges = range.edges();
         for k in 0..range.nodes {
             let before = if k > 0 {
@@ -238,8 +283,11 @@ impl Assembly {
                     self.drives[drive].ghosts.push(ghost - self.rods.nodes);
                     let real = range.first_node + edge;
                     let angle = placed.angles[edge];
-                    let (before, after, from, to, change) =
-                        if ghost_first { (ghost, real, 4, 11, angle) } else { (real, ghost, 0, 7, -angle) };
+                    let (before, after, from, to, change) = if ghost_first {
+                        (ghost, real, 4, 11, angle)
+                    } else {
+                        (real, ghost, 0, 7, -angle)
+                    };
                     self.reference.twist.push(placed_strains.twist - change);
                     let unknowns = self.unknowns_of(range, k, from, to);
                     self.rods.vertices.push(Vertex {
@@ -280,7 +328,13 @@ impl Assembly {
     }
 
     /// Where the local unknowns `from..to` of the vertex at node `k` of a rod are.
-    fn unknowns_of(&mut self, range: &RodRange, k: usize, from: usize, to: usize) -> VertexUnknowns {
+    fn unknowns_of(
+        &mut self,
+        range: &RodRange,
+        k: usize,
+        from: usize,
+        to: usize,
+    ) -> VertexUnknowns {
         let previous = if k == 0 { range.nodes - 1 } else { k - 1 };
         let next = if k + 1 == range.nodes { 0 } else { k + 1 };
         let consecutive = (k > 0 || from >= 4) && (k + 1 < range.nodes || to <= 7);
@@ -297,12 +351,18 @@ impl Assembly {
             element[local] = STRIDE * (range.first_node + node) + local % STRIDE;
         }
         self.rods.elements.push(element);
-        VertexUnknowns::Closing { element: self.rods.elements.len() - 1 }
+        VertexUnknowns::Closing {
+            element: self.rods.elements.len() - 1,
+        }
     }
 
     /// Rod and node along it of a node of the whole scene.
     pub fn locate(&self, node: usize) -> (usize, usize) {
-        let rod = self.rods.rods.partition_point(|range| range.first_node <= node) - 1;
+        let rod = self
+            .rods
+            .rods
+            .partition_point(|range| range.first_node <= node)
+            - 1;
         (rod, node - self.rods.rods[rod].first_node)
     }
 }

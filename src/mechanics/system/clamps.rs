@@ -39,7 +39,8 @@ impl Drive {
     }
 
     fn angle(&self, time: f64) -> f64 {
-        piecewise_linear(&self.motion.angle, time).unwrap_or(0.0) + self.motion.angular_velocity * time
+        piecewise_linear(&self.motion.angle, time).unwrap_or(0.0)
+            + self.motion.angular_velocity * time
     }
 
     /// Writes the prescribed position and frames at `time`.
@@ -47,9 +48,11 @@ impl Drive {
         let angle = self.angle(time);
         if self.holds_position {
             let arm = self.position - self.pivot;
-            let translation = piecewise_linear(&self.motion.translation, time).unwrap_or_else(Vector3::zeros);
+            let translation =
+                piecewise_linear(&self.motion.translation, time).unwrap_or_else(Vector3::zeros);
             let position = self.pivot + rotated(&arm, &self.axis, angle) + translation;
-            unknowns[STRIDE * self.node..STRIDE * self.node + 3].copy_from_slice(position.as_slice());
+            unknowns[STRIDE * self.node..STRIDE * self.node + 3]
+                .copy_from_slice(position.as_slice());
         }
         for &ghost in &self.ghosts {
             let tangent = rotated(&self.frame.tangent, &self.axis, angle).normalize();

@@ -49,10 +49,16 @@ impl Loads {
     pub fn new(scene: &Scene, assembly: &Assembly) -> Result<Self, String> {
         let mut loads = Self::default();
         let range = |rod: usize| -> Result<RodRange, String> {
-            assembly.rods.rods.get(rod).copied().ok_or_else(|| format!("a load asks for rod {rod}"))
+            assembly
+                .rods
+                .rods
+                .get(rod)
+                .copied()
+                .ok_or_else(|| format!("a load asks for rod {rod}"))
         };
-        let along =
-            |rod: Option<usize>, range: &RodRange| rod.is_none_or(|r| assembly.rods.rods[r] == *range);
+        let along = |rod: Option<usize>, range: &RodRange| {
+            rod.is_none_or(|r| assembly.rods.rods[r] == *range)
+        };
         for load in &scene.loads {
             let mut entries = Vec::new();
             match &load.kind {
@@ -77,7 +83,10 @@ impl Loads {
                 LoadKind::Moment { rod, edge, moment } => {
                     let range = range(*rod)?;
                     if *edge >= range.edges() {
-                        return Err(format!("a moment asks for edge {edge} of {}", range.edges()));
+                        return Err(format!(
+                            "a moment asks for edge {edge} of {}",
+                            range.edges()
+                        ));
                     }
                     let start = range.first_node + edge;
                     loads.moments.push(EdgeMoment {
@@ -87,7 +96,10 @@ impl Loads {
                         schedule: load.schedule.clone(),
                     });
                 }
-                LoadKind::Distributed { rod, force_per_length } => {
+                LoadKind::Distributed {
+                    rod,
+                    force_per_length,
+                } => {
                     if let Some(rod) = rod {
                         range(*rod)?;
                     }
@@ -104,7 +116,11 @@ impl Loads {
                         }
                     }
                 }
-                LoadKind::Drag { rod, translation, rotation } => {
+                LoadKind::Drag {
+                    rod,
+                    translation,
+                    rotation,
+                } => {
                     if let Some(rod) = rod {
                         range(*rod)?;
                     }
@@ -125,7 +141,10 @@ impl Loads {
                 }
             }
             if !entries.is_empty() {
-                loads.dead.push(DeadLoad { entries, schedule: load.schedule.clone() });
+                loads.dead.push(DeadLoad {
+                    entries,
+                    schedule: load.schedule.clone(),
+                });
             }
         }
         Ok(loads)
@@ -171,7 +190,10 @@ impl EdgeMoment {
     pub fn force(&self, time: f64, frame: &EdgeFrame) -> (Vector3, f64) {
         let moment = self.moment * factor(&self.schedule, time);
         let spin = moment.dot(&frame.tangent);
-        (moment.cross(&frame.tangent) / frame.length + frame.holonomy * spin, spin)
+        (
+            moment.cross(&frame.tangent) / frame.length + frame.holonomy * spin,
+            spin,
+        )
     }
 
     /// Derivatives over the edge vector of the force on the end node and of the spin moment; `source` is
@@ -182,7 +204,8 @@ impl EdgeMoment {
         let projector = Matrix3::identity() - tangent * tangent.transpose();
         let inverse_length = 1.0 / frame.length;
         let spin = projector * moment * inverse_length;
-        let turning = moment.cross_matrix() * projector - moment.cross(tangent) * tangent.transpose();
+        let turning =
+            moment.cross_matrix() * projector - moment.cross(tangent) * tangent.transpose();
         let force = turning * (inverse_length * inverse_length)
             + frame.holonomy * spin.transpose()
             + holonomy_jacobian(source, frame) * moment.dot(tangent);

@@ -20,7 +20,9 @@ pub use clamps::Drive;
 use newton_matrix::NewtonMatrix;
 
 use super::contact::{ContactPlane, ContactSurface, ImplicitContact};
-use super::rod::{ElasticEnergy, GhostEdge, ReferenceFrames, RodGeometry, STRIDE, topology::position};
+use super::rod::{
+    ElasticEnergy, GhostEdge, ReferenceFrames, RodGeometry, STRIDE, topology::position,
+};
 use super::scene::Scene;
 use super::{Matrix3, Vector3};
 use crate::linalg::{Inertia, SingularMatrix};
@@ -89,8 +91,11 @@ impl System {
         let contact = contact_of(scene, &assembly)?;
         let friction = scene.contact.map_or(0.0, |parameters| parameters.friction);
         let rods_rub = friction > 0.0;
-        let planes_rub =
-            contact.is_some() && scene.planes.iter().any(|plane| plane.friction.unwrap_or(friction) > 0.0);
+        let planes_rub = contact.is_some()
+            && scene
+                .planes
+                .iter()
+                .any(|plane| plane.friction.unwrap_or(friction) > 0.0);
         let mut system = Self {
             geometry: RodGeometry::new(&assembly.rods),
             reference: assembly.reference.clone(),
@@ -122,7 +127,8 @@ impl System {
 
     /// Computes frames and strains at `unknowns`.
     pub fn update_geometry(&mut self, unknowns: &[f64]) {
-        self.geometry.update(&self.assembly.rods, unknowns, &self.reference, &self.ghosts);
+        self.geometry
+            .update(&self.assembly.rods, unknowns, &self.reference, &self.ghosts);
     }
 
     /// Makes the frames of the last evaluation the source of the next step.
@@ -139,7 +145,9 @@ impl System {
     pub fn evaluate(&mut self, unknowns: &[f64], stage: Option<&Stage>) {
         self.update_geometry(unknowns);
         self.residual.fill(0.0);
-        self.assembly.rods.add_gradient(&self.geometry, &mut self.residual);
+        self.assembly
+            .rods
+            .add_gradient(&self.geometry, &mut self.residual);
         self.add_simple_terms(unknowns, stage);
         if let Some(contact) = &mut self.contact {
             copy_positions(unknowns, &mut self.positions);
@@ -154,12 +162,18 @@ impl System {
         self.update_geometry(unknowns);
         self.residual.fill(0.0);
         self.matrix.clear();
-        self.matrix.add_elastic(&self.assembly.rods, &self.geometry, &self.reference, &mut self.residual);
+        self.matrix.add_elastic(
+            &self.assembly.rods,
+            &self.geometry,
+            &self.reference,
+            &mut self.residual,
+        );
         self.add_simple_terms(unknowns, stage);
         if let Some(stage) = stage {
             self.matrix.add_inertia(&self.assembly, stage);
         }
-        self.matrix.add_moments(&self.assembly, self.time, &self.reference, &self.geometry);
+        self.matrix
+            .add_moments(&self.assembly, self.time, &self.reference, &self.geometry);
         if let Some(contact) = &mut self.contact {
             copy_positions(unknowns, &mut self.positions);
             let (previous, step) = start_of(stage, &self.positions);
@@ -206,7 +220,11 @@ impl System {
     /// A system that is singular to working precision.
     pub fn direction(&mut self, direction: &mut [f64]) -> Result<(), SingularMatrix> {
         for k in 0..direction.len() {
-            direction[k] = if self.assembly.held[k] { 0.0 } else { -self.residual[k] };
+            direction[k] = if self.assembly.held[k] {
+                0.0
+            } else {
+                -self.residual[k]
+            };
         }
         self.matrix.solve(direction)
     }
@@ -228,13 +246,18 @@ impl System {
 
     /// Adapts the contact stiffness to the forces without contact at `unknowns` (thesis Eqs. 2.18, 2.19).
     pub fn adapt_contact_stiffness(&mut self, unknowns: &[f64], stage: &Stage) {
-        let Some(mut contact) = self.contact.take() else { return };
+        let Some(mut contact) = self.contact.take() else {
+            return;
+        };
         if !contact.candidates().is_empty() || self.has_planes {
             self.evaluate(unknowns, Some(stage));
             for node in 0..self.nodal_forces.len() {
                 let held = self.assembly.held[STRIDE * node];
-                self.nodal_forces[node] =
-                    if held { Vector3::zeros() } else { position(&self.residual, node) };
+                self.nodal_forces[node] = if held {
+                    Vector3::zeros()
+                } else {
+                    position(&self.residual, node)
+                };
             }
             copy_positions(unknowns, &mut self.positions);
             contact.adapt_stiffness(&self.positions, &self.nodal_forces);
@@ -250,7 +273,11 @@ impl System {
             if held {
                 continue;
             }
-            let size = if k % STRIDE == 3 { value.abs() * per_length } else { value.abs() };
+            let size = if k % STRIDE == 3 {
+                value.abs() * per_length
+            } else {
+                value.abs()
+            };
             if size > worst.0 || size.is_nan() {
                 worst = (size, k);
             }
@@ -264,7 +291,11 @@ impl System {
         let mut sum = 0.0;
         for (k, (&value, &held)) in self.residual.iter().zip(&self.assembly.held).enumerate() {
             if !held {
-                let value = if k % STRIDE == 3 { value * per_length } else { value };
+                let value = if k % STRIDE == 3 {
+                    value * per_length
+                } else {
+                    value
+                };
                 sum += value * value;
             }
         }
@@ -272,11 +303,18 @@ impl System {
     }
 
     /// Name of the term that is largest at one unknown.
-    pub fn largest_term(&mut self, unknowns: &[f64], stage: Option<&Stage>, unknown: usize) -> &'static str {
+    pub fn largest_term(
+        &mut self,
+        unknowns: &[f64],
+        stage: Option<&Stage>,
+        unknown: usize,
+    ) -> &'static str {
         let total = self.residual[unknown];
         let mut elastic = vec![0.0; self.residual.len()];
         self.update_geometry(unknowns);
-        self.assembly.rods.add_gradient(&self.geometry, &mut elastic);
+        self.assembly
+            .rods
+            .add_gradient(&self.geometry, &mut elastic);
         let mut inertia = vec![0.0; self.residual.len()];
         if let Some(stage) = stage {
             add_inertia(&self.assembly, stage, unknowns, &mut inertia);
@@ -292,7 +330,10 @@ impl System {
     /// Tolerance for the residual: `relative` times the larger of EI/L² and the largest nodal load, but
     /// no less than what rounding leaves, N.
     pub fn force_tolerance(&self, relative: f64) -> f64 {
-        let largest_load = self.dead_forces.iter().fold(0.0_f64, |largest, f| largest.max(f.abs()));
+        let largest_load = self
+            .dead_forces
+            .iter()
+            .fold(0.0_f64, |largest, f| largest.max(f.abs()));
         let scale = self.assembly.force_scale.max(largest_load);
         (relative * scale).max(8.0 * self.assembly.rounding_force)
     }
@@ -305,10 +346,18 @@ impl System {
 }
 
 fn contact_of(scene: &Scene, assembly: &Assembly) -> Result<Option<ImplicitContact>, String> {
-    let Some(parameters) = scene.contact else { return Ok(None) };
+    let Some(parameters) = scene.contact else {
+        return Ok(None);
+    };
     let mut surface = ContactSurface::new();
     for (range, rod) in assembly.rods.rods.iter().zip(&scene.rods) {
-        surface.add_rod(range.first_node, &rod.centreline, rod.closed, rod.radius, rod.held);
+        surface.add_rod(
+            range.first_node,
+            &rod.centreline,
+            rod.closed,
+            rod.radius,
+            rod.held,
+        );
     }
     let planes = scene.planes.iter().map(|plane| ContactPlane {
         point: plane.point,
@@ -342,7 +391,10 @@ pub fn describe_overlap(
         ContactPair::Edges([a, b]) => (edge_name(a), edge_name(b)),
         ContactPair::NodeAndPlane { node, plane } => {
             let (rod, along) = assembly.locate(node);
-            (format!("node {along} of rod `{}`", assembly.names[rod]), format!("plane {plane}"))
+            (
+                format!("node {along} of rod `{}`", assembly.names[rod]),
+                format!("plane {plane}"),
+            )
         }
     };
     format!(
@@ -376,8 +428,8 @@ fn add_inertia(assembly: &Assembly, stage: &Stage, unknowns: &[f64], residual: &
         residual[k] += coefficient * (unknowns[k] - stage.start[k]) * per_step;
     }
     for (node, (drag, resistance)) in stage.drag.iter().zip(&stage.resistance).enumerate() {
-        let change =
-            (position(unknowns, node) - stage.positions[node]) * per_step - position(&stage.velocity, node);
+        let change = (position(unknowns, node) - stage.positions[node]) * per_step
+            - position(&stage.velocity, node);
         let force = drag - resistance * change;
         for axis in 0..3 {
             residual[STRIDE * node + axis] -= force[axis];

@@ -3,7 +3,8 @@
 
 use super::{Assembly, Stage};
 use crate::linalg::{
-    BandedFactor, BandedSymmetric, CoupledSystem, Element, ElementMatrix, Inertia, SingularMatrix, UNUSED,
+    BandedFactor, BandedSymmetric, CoupledSystem, Element, ElementMatrix, Inertia, SingularMatrix,
+    UNUSED,
 };
 use crate::mechanics::contact::ImplicitContact;
 use crate::mechanics::rod::{ElasticRods, ReferenceFrames, RodGeometry, STRIDE};
@@ -37,7 +38,13 @@ impl NewtonMatrix {
     pub fn new(assembly: &Assembly, friction: bool, friction_on_planes: bool) -> Self {
         let dimension = assembly.unknowns.len();
         let mut permanent = assembly.rods.elements.clone();
-        permanent.extend(assembly.loads.moments.iter().map(|moment| moment.unknowns()));
+        permanent.extend(
+            assembly
+                .loads
+                .moments
+                .iter()
+                .map(|moment| moment.unknowns()),
+        );
         Self {
             band: BandedSymmetric::new(dimension),
             factor: BandedFactor::new(dimension),
@@ -70,7 +77,14 @@ impl NewtonMatrix {
         gradient: &mut [f64],
     ) {
         let closing = &mut self.permanent_matrices[..self.closing];
-        rods.add_derivatives(geometry, reference, gradient, &mut self.band, closing, &mut self.spin_moment);
+        rods.add_derivatives(
+            geometry,
+            reference,
+            gradient,
+            &mut self.band,
+            closing,
+            &mut self.spin_moment,
+        );
     }
 
     /// Adds (M/h + C + D)/h.
@@ -99,8 +113,11 @@ impl NewtonMatrix {
         reference: &ReferenceFrames,
         geometry: &RodGeometry,
     ) {
-        for (moment, matrix) in
-            assembly.loads.moments.iter().zip(&mut self.permanent_matrices[self.closing..])
+        for (moment, matrix) in assembly
+            .loads
+            .moments
+            .iter()
+            .zip(&mut self.permanent_matrices[self.closing..])
         {
             let frame = &geometry.edges[moment.start];
             let (force, spin) = moment.jacobian(time, &reference.tangent[moment.start], frame);
@@ -121,10 +138,18 @@ impl NewtonMatrix {
     pub fn add_contact(&mut self, contact: &ImplicitContact) {
         for (pair, jacobian) in contact.contacts().iter().zip(contact.jacobians()) {
             let mut matrix = *jacobian;
-            matrix.as_flattened_mut().iter_mut().for_each(|entry| *entry = -*entry);
-            self.active.push((self.permanent.len() + pair.candidate, matrix));
+            matrix
+                .as_flattened_mut()
+                .iter_mut()
+                .for_each(|entry| *entry = -*entry);
+            self.active
+                .push((self.permanent.len() + pair.candidate, matrix));
         }
-        for (touch, jacobian) in contact.plane_contacts().iter().zip(contact.plane_jacobians()) {
+        for (touch, jacobian) in contact
+            .plane_contacts()
+            .iter()
+            .zip(contact.plane_jacobians())
+        {
             if self.friction_on_planes {
                 let mut matrix = ZERO;
                 for i in 0..3 {
@@ -197,7 +222,12 @@ impl NewtonMatrix {
                         element
                     }));
                 }
-                none.insert(CoupledSystem::new(self.held.len(), &elements, &self.held, self.symmetric))
+                none.insert(CoupledSystem::new(
+                    self.held.len(),
+                    &elements,
+                    &self.held,
+                    self.symmetric,
+                ))
             }
         };
         coupled.assemble(&self.band);
