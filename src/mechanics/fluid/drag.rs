@@ -1,51 +1,73 @@
 //! The fluid as the rods feel it: forces on nodes from their positions and velocities.
 
-use super::segment::segment_integral;
+use super::stokeslet_drag::{StokesletDrag, StokesletMemory};
 use super::{Filament, FluidError, FluidModel, resistive_force_theory};
 use crate::mechanics::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
-use std::f64::consts::PI;
 
 /// A viscous fluid around filaments.
 pub struct Fluid {
-    model: FluidModel,
     filaments: Vec<Filament>,
+    method: Method,
+}
+
+enum Method {
+    Stokeslets(Box<StokesletDrag>),
+    Resistive { viscosity: f64 },
 }
 
 /// Everything of a [`Fluid`] that influences its later results; what a checkpoint holds.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct FluidMemory {}
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FluidMemory(Option<StokesletMemory>);
 
 /// What a computation of the drag took.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FluidReport {
-    /// Krylov iterations; zero without a linear system.
+    /// Krylov iterations; zero for resistive force theory, which solves nothing.
     pub iterations: usize,
-    /// Relative residual of the velocities, ‖U − A f‖/‖U‖.
+    /// Relative residual of the velocities, ‖u − A f/(8πη)‖/‖u‖.
     pub residual: f64,
 }
 
 impl Fluid {
-    /// A fluid around filaments, none of which share a node.
+    /// A fluid around filaments, no two of which share a node.
     ///
     /// # Errors
-    /// [`FluidError::BadInput`] for a viscosity, regularisation or radius that is not positive and
-    /// finite, for filaments of less than two nodes and for filaments that overlap.
+    /// [`FluidError::BadInput`] for a viscosity, regularisation or radius that is not positive and finite,
+    /// for filaments of less than two nodes and for filaments that overlap.
     pub fn new(model: &FluidModel, filaments: &[Filament]) -> Result<Self, FluidError> {
+        check(filaments)?;
+        let method = match *model {
+            FluidModel::RegularizedStokeslets {
+                viscosity,
+                regularization,
+            } => {
+                positive("viscosity", viscosity)?;
+                positive("regularisation", regularization)?;
+                let drag = StokesletDrag::new(viscosity, regularization, filaments);
+                Method::Stokeslets(Box::new(drag))
+            }
+            FluidModel::Resistive { viscosity } => {
+                positive("viscosity", viscosity)?;
+                Method::Resistive { viscosity }
+            }
+        };
         Ok(Self {
-            model: *model,
             filaments: filaments.to_vec(),
+            method,
         })
     }
 
     /// Force of the fluid on every node (N) and its local resistance D (N s/m, symmetric positive
-    /// definite), such that the force answers a change of the node's own velocity by about −D δv.
+    /// definite): a change δv of the node's own velocity changes the force on it by about −D δv, for
+    /// resistive force theory exactly.
     ///
     /// All slices have one entry per node of the scene, positions in m and velocities in m/s. Nodes
     /// outside all filaments get zero.
     ///
     /// # Errors
-    /// As in [`FluidError`]; `forces` and `resistance` then hold nothing of use.
+    /// See [`FluidError`]; `forces` and `resistance` then hold nothing of use, while the memory stays fit
+    /// for another try.
     pub fn drag(
         &mut self,
         positions: &[Vector3],
@@ -55,10 +77,11 @@ impl Fluid {
     ) -> Result<FluidReport, FluidError> {
         forces.fill(Vector3::zeros());
         resistance.fill(Matrix3::zeros());
-        match self.model {
-            FluidModel::Resistive { viscosity } => {
+        match &mut self.method {
+            Method::Stokeslets(drag) => drag.drag(positions, velocities, forces, resistance),
+            Method::Resistive { viscosity } => {
                 resistive_force_theory::drag(
-                    viscosity,
+                    *viscosity,
                     &self.filaments,
                     positions,
                     velocities,
@@ -67,86 +90,62 @@ impl Fluid {
                 )?;
                 Ok(FluidReport::default())
             }
-            FluidModel::RegularizedStokeslets {
-                viscosity,
-                regularization,
-            } => self.stokeslet_drag(
-                viscosity,
-                regularization,
-                positions,
-                velocities,
-                forces,
-                resistance,
-            ),
         }
     }
 
     /// What a checkpoint must hold.
     pub fn memory(&self) -> FluidMemory {
-        FluidMemory {}
+        FluidMemory(match &self.method {
+            Method::Stokeslets(drag) => Some(drag.memory()),
+            Method::Resistive { .. } => None,
+        })
     }
 
-    /// Continues from a memory of the same filaments, bit for bit as if never stopped.
+    /// Continues from the memory of a fluid around the same filaments, bit for bit as if never stopped.
     ///
     /// # Errors
-    /// [`FluidError::ForeignMemory`] where the memory's sizes do not fit the filaments.
-    pub fn restore(&mut self, _memory: FluidMemory) -> Result<(), FluidError> {
-        Ok(())
-    }
-
-    fn stokeslet_drag(
-        &self,
-        viscosity: f64,
-        regularization: f64,
-        positions: &[Vector3],
-        velocities: &[Vector3],
-        forces: &mut [Vector3],
-        resistance: &mut [Matrix3],
-    ) -> Result<FluidReport, FluidError> {
-        let nodes: Vec<usize> = self.filaments.iter().flat_map(Filament::range).collect();
-        let unknowns = 3 * nodes.len();
-        let mut flow = nalgebra::DMatrix::zeros(unknowns, unknowns);
-        let mut lengths = vec![0.0; nodes.len()];
-        let mut first_column = 0;
-        for filament in &self.filaments {
-            let epsilon = regularization * filament.radius;
-            for edge in 0..filament.edges() {
-                let columns = [edge, (edge + 1) % filament.nodes].map(|k| first_column + k);
-                let ends = columns.map(|k| positions[nodes[k]]);
-                for k in columns {
-                    lengths[k] += 0.5 * (ends[1] - ends[0]).norm();
-                }
-                for (row, &node) in nodes.iter().enumerate() {
-                    let a = segment_integral(&positions[node], &ends[0], &ends[1], epsilon);
-                    for (a, column) in a.iter().zip(columns) {
-                        let mut block = flow.fixed_view_mut::<3, 3>(3 * row, 3 * column);
-                        block += a;
-                    }
-                }
-            }
-            first_column += filament.nodes;
+    /// [`FluidError::ForeignMemory`] where the memory does not fit the filaments and the model.
+    pub fn restore(&mut self, memory: FluidMemory) -> Result<(), FluidError> {
+        match (&mut self.method, memory.0) {
+            (Method::Stokeslets(drag), Some(memory)) => drag.restore(memory),
+            (Method::Resistive { .. }, None) => Ok(()),
+            _ => Err(FluidError::ForeignMemory),
         }
-        let factor = 8.0 * PI * viscosity;
-        for (k, &node) in nodes.iter().enumerate() {
-            let own: Matrix3 = flow.fixed_view::<3, 3>(3 * k, 3 * k).into();
-            let inverse = own.try_inverse().ok_or(FluidError::Singular)?;
-            resistance[node] = (inverse + inverse.transpose()) * (0.5 * factor * lengths[k]);
-        }
-        let velocity = nalgebra::DVector::from_iterator(
-            unknowns,
-            nodes.iter().flat_map(|&n| velocities[n].iter().copied()),
-        );
-        let density = flow.lu().solve(&velocity).ok_or(FluidError::Singular)?;
-        for (k, &node) in nodes.iter().enumerate() {
-            forces[node] = -density.fixed_rows::<3>(3 * k) * (factor * lengths[k]);
-        }
-        Ok(FluidReport::default())
     }
 }
 
+fn positive(quantity: &str, value: f64) -> Result<(), FluidError> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(FluidError::BadInput(format!(
+        "the {quantity} of the fluid must be positive and finite, not {value}"
+    )))
+}
+
+fn check(filaments: &[Filament]) -> Result<(), FluidError> {
+    let mut ranges = Vec::with_capacity(filaments.len());
+    for filament in filaments {
+        if filament.nodes < 2 {
+            return Err(FluidError::BadInput(
+                "a filament in a fluid needs at least two nodes".into(),
+            ));
+        }
+        positive("filament radius", filament.radius)?;
+        ranges.push(filament.range());
+    }
+    ranges.sort_by_key(|range| range.start);
+    if ranges.windows(2).any(|pair| pair[1].start < pair[0].end) {
+        return Err(FluidError::BadInput(
+            "two filaments in a fluid share a node".into(),
+        ));
+    }
+    Ok(())
+}
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::PI;
 
     #[test]
     fn a_rigid_helix_turning_feels_the_reference_force_and_torque() {

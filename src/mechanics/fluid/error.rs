@@ -6,11 +6,11 @@ pub enum FluidError {
     /// The description of the fluid or of a filament is wrong.
     #[error("{0}")]
     BadInput(String),
-    /// A position, velocity or force is infinite or not a number.
-    #[error("the fluid found a {0} that is not a finite number")]
-    NotFinite(&'static str),
+    /// A position or velocity, and so a force, is not a finite number.
+    #[error("the fluid met a position or velocity that is not a finite number")]
+    NotFinite,
     /// Nodes coincide, so that velocities do not determine the forces.
-    #[error("the flow of the filaments is singular: two of their nodes coincide")]
+    #[error("the flow of the filaments is singular: nodes of a filament coincide")]
     Singular,
     /// The iterative solution did not reach its tolerance.
     #[error(
@@ -23,9 +23,9 @@ pub enum FluidError {
         residual: f64,
     },
     /// The logarithm of the slender-body coefficients has no positive value.
-    #[error("resistive force theory needs slender rods: length over radius is only {0:.3}")]
+    #[error("resistive force theory needs slender rods, but length over radius is only {0:.3}")]
     NotSlender(f64),
     /// A checkpoint of another scene.
-    #[error("the fluid's memory does not belong to these filaments: {0}")]
-    ForeignMemory(String),
+    #[error("the memory of the fluid does not belong to these filaments")]
+    ForeignMemory,
 }

@@ -51,16 +51,7 @@ pub fn segment_integral(
     end: &Vector3,
     regularization: f64,
 ) -> [Matrix3; 2] {
-    let edge = end - start;
-    let length = edge.norm();
-    let inverse_length = if length > 0.0 { 1.0 / length } else { 0.0 };
-    let segment = Segment {
-        start: (*start).into(),
-        tangent: (edge * inverse_length).into(),
-        length,
-        inverse_length,
-        regularization_squared: regularization * regularization,
-    };
+    let segment = Segment::new(start, end, regularization * regularization);
     segment.integral((*x).into()).map(|a| full(&a))
 }
 
@@ -84,6 +75,20 @@ pub(super) struct Segment {
 }
 
 impl Segment {
+    /// The segment from `start` to `end`, m; it may have no length.
+    pub fn new(start: &Vector3, end: &Vector3, regularization_squared: f64) -> Self {
+        let edge = end - start;
+        let length = edge.norm();
+        let inverse_length = if length > 0.0 { 1.0 / length } else { 0.0 };
+        Self {
+            start: (*start).into(),
+            tangent: (edge * inverse_length).into(),
+            length,
+            inverse_length,
+            regularization_squared,
+        }
+    }
+
     /// A₁ and A₂ at `x`. Free of branches so that it vectorises when called in a loop over segments;
     /// every `mul_add` is spelled out so that the result has the same bytes on every machine.
     #[inline(always)]
