@@ -1,0 +1,36 @@
+//! `series.csv`: a row per output time.
+
+use serde::{Deserialize, Serialize};
+
+/// A row of `series.csv`; the fields are the columns.
+///
+/// Means are over the steps since the row before; they are empty in the first row, and where no step was taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SeriesRow {
+    /// Simulated time.
+    pub time_s: f64,
+    /// Size of the last step.
+    pub step_s: Option<f64>,
+    /// Steps since the row before.
+    pub steps: u64,
+    /// Mean number of Newton iterations per step, retries included.
+    pub newton_iterations: Option<f64>,
+    /// Mean number of Krylov iterations of the fluid solves per step.
+    pub fluid_iterations: Option<f64>,
+    /// Contacts that bear force at the end of the last step.
+    pub contacts: Option<usize>,
+    /// Smallest distance between centrelines that may touch; empty where none is near.
+    pub min_distance_m: Option<f64>,
+    /// Kinetic energy.
+    pub kinetic_energy_j: f64,
+    /// Elastic energy of stretching.
+    pub stretching_energy_j: f64,
+    /// Elastic energy of bending.
+    pub bending_energy_j: f64,
+    /// Elastic energy of twisting.
+    pub twisting_energy_j: f64,
+    /// Potential of the contact forces.
+    pub contact_energy_j: f64,
+    /// Potential of gravity.
+    pub gravitational_energy_j: f64,
+}
