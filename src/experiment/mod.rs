@@ -1,5 +1,9 @@
 //! Experiments: a scenario becomes a scene, is run, and gives an outcome.
 
+mod curve;
+mod flagella;
 mod prepared;
+mod scene;
 
 pub use prepared::{Mode, OutputPlan, PreparedRun};
+pub use scene::prepare;
