@@ -1,7 +1,9 @@
 //! Experiments: a scenario becomes a scene, is run, and gives an outcome.
 
+mod curve;
+mod flagella;
 mod prepared;
-mod run;
+mod scene;
 
 pub use prepared::{Mode, OutputPlan, PreparedRun};
-pub use run::{RunError, RunOptions, RunOutcome, RunStatus, run};
+pub use scene::prepare;
