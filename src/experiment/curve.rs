@@ -75,7 +75,7 @@ pub fn sample(shape: &Shape, edges: usize, closed: bool) -> SampledCurve {
             normal,
             radius,
         } => {
-            let (first, second) = normal_plane(Vector3::from(*normal));
+            let [first, second] = normal_plane(*normal);
             let centre = Vector3::from(*centre);
             SampledCurve {
                 nodes: at(&|s| {
@@ -92,16 +92,9 @@ pub fn sample(shape: &Shape, edges: usize, closed: bool) -> SampledCurve {
     }
 }
 
-/// Two unit vectors that make a right-handed basis with the unit vector `axis`: the first is the
-/// direction of x made normal to the axis, or of y where the axis is along x.
-fn normal_plane(axis: Vector3) -> (Vector3, Vector3) {
-    let towards = if axis.x.abs() > 1.0 - 1e-9 {
-        Vector3::y()
-    } else {
-        Vector3::x()
-    };
-    let first = (towards - axis * axis.dot(&towards)).normalize();
-    (first, axis.cross(&first))
+/// [`Shape::normal_plane`] as vectors.
+fn normal_plane(axis: [f64; 3]) -> [Vector3; 2] {
+    Shape::normal_plane(axis).map(Vector3::from)
 }
 
 /// A helix parametrised by the angle turned about its axis.
@@ -123,8 +116,7 @@ impl Helix {
         handedness: Handedness,
         phase: f64,
     ) -> Self {
-        let axis = Vector3::from(axis);
-        let (first, second) = normal_plane(axis);
+        let [first, second] = normal_plane(axis);
         let sense = match handedness {
             Handedness::Right => 1.0,
             Handedness::Left => -1.0,
@@ -133,7 +125,7 @@ impl Helix {
         let (sine, cosine) = f64::sin_cos(phase);
         Self {
             centre: Vector3::from(centre),
-            axis,
+            axis: Vector3::from(axis),
             first: first * cosine + second * sine,
             second: (second * cosine - first * sine) * sense,
             radius,

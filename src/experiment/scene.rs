@@ -65,7 +65,8 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
         },
         integration: integration_parameters(scenario),
         output: OutputPlan {
-            interval: scenario.output.interval,
+            // A static run writes once and never asks.
+            interval: scenario.output.interval.unwrap_or(0.0),
             nodes: scenario.output.nodes,
             forces: scenario.output.forces,
             vtk: scenario.output.vtk,
