@@ -1,9 +1,13 @@
 //! Experiments: a scenario becomes a scene, is run, and gives an outcome.
 
+mod curve;
+mod flagella;
 mod plot;
 mod prepared;
 mod run;
+mod scene;
 
 pub use plot::plot_results;
 pub use prepared::{Mode, OutputPlan, PreparedRun};
 pub use run::{RunError, RunOptions, RunOutcome, RunStatus, run};
+pub use scene::prepare;

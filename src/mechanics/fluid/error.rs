@@ -1,0 +1,31 @@
+//! What can go wrong in the fluid.
+
+/// Why there are no fluid forces.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum FluidError {
+    /// The description of the fluid or of a filament is wrong.
+    #[error("{0}")]
+    BadInput(String),
+    /// A position or velocity, and so a force, is not a finite number.
+    #[error("the fluid met a position or velocity that is not a finite number")]
+    NotFinite,
+    /// Nodes coincide, so that velocities do not determine the forces.
+    #[error("the flow of the filaments is singular: nodes of a filament coincide")]
+    Singular,
+    /// The iterative solution did not reach its tolerance.
+    #[error(
+        "the fluid forces did not converge: relative residual {residual:.3e} after {iterations} iterations"
+    )]
+    NoConvergence {
+        /// Iterations spent.
+        iterations: usize,
+        /// Relative residual reached.
+        residual: f64,
+    },
+    /// The logarithm of the slender-body coefficients has no positive value.
+    #[error("resistive force theory needs slender rods, but length over radius is only {0:.3}")]
+    NotSlender(f64),
+    /// A checkpoint of another scene.
+    #[error("the memory of the fluid does not belong to these filaments")]
+    ForeignMemory,
+}

@@ -1,0 +1,87 @@
+//! A first guess of the force densities from those of earlier steps.
+
+use super::gmres::{add_multiple, dot, scale};
+use super::operator::FlowOperator;
+
+/// Earlier solutions kept. For evenly spaced steps three contain the quadratic extrapolation.
+pub(super) const KEPT: usize = 3;
+
+/// A previous solution counts only where at least this part of its image is independent of the newer
+/// ones' images. Less is round-off, as after a step that was tried twice.
+const INDEPENDENCE: f64 = 1e-9;
+
+/// The last solutions of A f = b and the scratch to combine them.
+///
+/// The guess is the combination with the smallest residual for the present A and b (Fischer 1998). Unlike
+/// an extrapolation in time it needs no step sizes and is never worse than starting from zero.
+pub(super) struct InitialGuess {
+    /// Newest first; zero before there are any.
+    previous: [Vec<f64>; KEPT],
+    combinations: [Vec<f64>; KEPT],
+    images: [Vec<f64>; KEPT],
+}
+
+impl InitialGuess {
+    /// No solution so far.
+    pub fn new(unknowns: usize) -> Self {
+        let zero = || std::array::from_fn(|_| vec![0.0; unknowns]);
+        Self {
+            previous: zero(),
+            combinations: zero(),
+            images: zero(),
+        }
+    }
+
+    /// The solutions kept, newest first.
+    pub fn previous(&self) -> &[Vec<f64>; KEPT] {
+        &self.previous
+    }
+
+    /// Replaces the solutions kept.
+    pub fn restore(&mut self, previous: [Vec<f64>; KEPT]) {
+        self.previous = previous;
+    }
+
+    /// Adds the newest solution and forgets the oldest.
+    pub fn remember(&mut self, solution: &[f64]) {
+        self.previous.rotate_right(1);
+        self.previous[0].copy_from_slice(solution);
+    }
+
+    /// Sets `solution` to the guess and takes its image from `residual`, which holds b.
+    pub fn start(
+        &mut self,
+        operator: &mut FlowOperator,
+        residual: &mut [f64],
+        solution: &mut [f64],
+    ) {
+        for (combination, previous) in self.combinations.iter_mut().zip(&self.previous) {
+            combination.copy_from_slice(previous);
+        }
+        operator.multiply_three(&self.combinations, &mut self.images);
+        solution.fill(0.0);
+        for k in 0..KEPT {
+            let (images, rest) = self.images.split_at_mut(k);
+            let (combinations, newer) = self.combinations.split_at_mut(k);
+            let (image, combination) = (&mut rest[0], &mut newer[0]);
+            let length = dot(image, image).sqrt();
+            for (other, other_combination) in images.iter().zip(&*combinations) {
+                let part = dot(other, image);
+                add_multiple(-part, other, image);
+                add_multiple(-part, other_combination, combination);
+            }
+            let independent = dot(image, image).sqrt();
+            // Zero vectors are not independent either.
+            if independent <= INDEPENDENCE * length {
+                image.fill(0.0);
+                combination.fill(0.0);
+                continue;
+            }
+            scale(1.0 / independent, image);
+            scale(1.0 / independent, combination);
+            let coordinate = dot(image, residual);
+            add_multiple(-coordinate, image, residual);
+            add_multiple(coordinate, combination, solution);
+        }
+    }
+}

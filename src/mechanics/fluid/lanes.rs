@@ -1,0 +1,130 @@
+//! The segment kernel and the matrix–vector product over eight nodes at a time.
+
+use super::instruction_set::{LANES, Lanes, kernel};
+use super::segment::{Segment, Symmetric};
+
+/// Eight segments, structure of arrays; meaning and units as in [`Segment`].
+#[derive(Clone, Default)]
+#[repr(align(64))]
+pub(super) struct SegmentLanes {
+    start: [Lanes; 3],
+    tangent: [Lanes; 3],
+    length: Lanes,
+    inverse_length: Lanes,
+    regularization_squared: Lanes,
+}
+
+impl SegmentLanes {
+    /// Puts a segment into a lane.
+    pub fn set(&mut self, lane: usize, segment: &Segment) {
+        for k in 0..3 {
+            self.start[k][lane] = segment.start[k];
+            self.tangent[k][lane] = segment.tangent[k];
+        }
+        self.length[lane] = segment.length;
+        self.inverse_length[lane] = segment.inverse_length;
+        self.regularization_squared[lane] = segment.regularization_squared;
+    }
+
+    #[inline(always)]
+    fn get(&self, lane: usize) -> Segment {
+        // Spelled out: `map` over the arrays keeps the loop over lanes from vectorising.
+        let (start, tangent) = (&self.start, &self.tangent);
+        Segment {
+            start: [start[0][lane], start[1][lane], start[2][lane]],
+            tangent: [tangent[0][lane], tangent[1][lane], tangent[2][lane]],
+            length: self.length[lane],
+            inverse_length: self.inverse_length[lane],
+            regularization_squared: self.regularization_squared[lane],
+        }
+    }
+}
+
+/// Eight symmetric 3×3 blocks of a row of the operator, structure of arrays in the order of [`Symmetric`].
+#[derive(Clone, Default)]
+#[repr(align(64))]
+pub(super) struct BlockLanes([Lanes; 6]);
+
+impl BlockLanes {
+    /// The block in a lane.
+    pub fn get(&self, lane: usize) -> Symmetric {
+        self.0.map(|component| component[lane])
+    }
+}
+
+/// Eight vectors, structure of arrays.
+#[derive(Clone, Default)]
+#[repr(align(64))]
+pub(super) struct VectorLanes(pub [Lanes; 3]);
+
+kernel! {
+    /// The blocks of the evaluation point `x` with all slots. Slot j gets A₁ of the segment that starts
+    /// there and A₂ of segment j − 1, which ends there.
+    fn assemble_row(x: [f64; 3], segments: &[SegmentLanes], blocks: &mut [BlockLanes]) {
+        // A₂ of the last segment of the chunk before.
+        let mut carried = [0.0; 6];
+        for (segments, blocks) in segments.iter().zip(blocks) {
+            let mut first = [[0.0; LANES]; 6];
+            let mut second = [[0.0; LANES]; 6];
+            for lane in 0..LANES {
+                let [a1, a2] = segments.get(lane).integral(x);
+                for c in 0..6 {
+                    first[c][lane] = a1[c];
+                    second[c][lane] = a2[c];
+                }
+            }
+            for c in 0..6 {
+                blocks.0[c][0] = first[c][0] + carried[c];
+                for lane in 1..LANES {
+                    blocks.0[c][lane] = first[c][lane] + second[c][lane - 1];
+                }
+                carried[c] = second[c][LANES - 1];
+            }
+        }
+    }
+}
+
+kernel! {
+    /// Σ_j B_j f_j over the blocks of a row.
+    fn multiply_row(blocks: &[BlockLanes], vectors: &[VectorLanes]) -> [f64; 3] {
+        let mut sum = [[0.0; LANES]; 3];
+        for (block, vector) in blocks.iter().zip(vectors) {
+            accumulate(block, vector, &mut sum);
+        }
+        sum.map(add_lanes)
+    }
+}
+
+kernel! {
+    /// As [`multiply_row`] for three vectors at once: the row is read only once.
+    fn multiply_row_by_three(
+        blocks: &[BlockLanes],
+        vectors: &[Vec<VectorLanes>; 3],
+    ) -> [[f64; 3]; 3] {
+        let [f, g, h] = vectors;
+        let mut sums = [[[0.0; LANES]; 3]; 3];
+        for (((block, f), g), h) in blocks.iter().zip(f).zip(g).zip(h) {
+            accumulate(block, f, &mut sums[0]);
+            accumulate(block, g, &mut sums[1]);
+            accumulate(block, h, &mut sums[2]);
+        }
+        sums.map(|sum| sum.map(add_lanes))
+    }
+}
+
+#[inline(always)]
+fn accumulate(block: &BlockLanes, vector: &VectorLanes, sum: &mut [Lanes; 3]) {
+    let [xx, xy, xz, yy, yz, zz] = &block.0;
+    let [x, y, z] = &vector.0;
+    for l in 0..LANES {
+        sum[0][l] = xx[l].mul_add(x[l], xy[l].mul_add(y[l], xz[l].mul_add(z[l], sum[0][l])));
+        sum[1][l] = xy[l].mul_add(x[l], yy[l].mul_add(y[l], yz[l].mul_add(z[l], sum[1][l])));
+        sum[2][l] = xz[l].mul_add(x[l], yz[l].mul_add(y[l], zz[l].mul_add(z[l], sum[2][l])));
+    }
+}
+
+/// Sum over the lanes in a fixed order.
+#[inline(always)]
+fn add_lanes(a: Lanes) -> f64 {
+    ((a[0] + a[4]) + (a[2] + a[6])) + ((a[1] + a[5]) + (a[3] + a[7]))
+}

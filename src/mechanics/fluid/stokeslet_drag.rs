@@ -1,0 +1,243 @@
+//! Drag by regularized Stokeslet segments: one resistance problem per time step.
+
+use super::drag::FluidReport;
+use super::gmres::{Convergence, Gmres, dot};
+use super::initial_guess::{InitialGuess, KEPT};
+use super::operator::FlowOperator;
+use super::preconditioner::Preconditioner;
+use super::{Filament, FluidError};
+use crate::mechanics::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// Relative residual ‖b − A f‖/‖b‖ at which a solve stops. The discretisation itself errs by some 10⁻³
+/// (thesis' helix), so that 10⁻⁶ is never what limits; smaller costs about an iteration per decade.
+const TOLERANCE: f64 = 1e-6;
+/// Iterations after which a solve has failed. With a fresh preconditioner it takes at most some twenty.
+const MOST_ITERATIONS: usize = 200;
+
+/// What later solves remember of earlier ones.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct StokesletMemory {
+    /// The last solutions, newest first, three numbers per node.
+    densities: [Vec<f64>; KEPT],
+    age: Age,
+    /// Positions of the nodes for which the preconditioner was built; empty before the first solve.
+    preconditioned_at: Vec<[f64; 3]>,
+}
+
+/// How the preconditioner has aged.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Age {
+    /// Solves since it was built.
+    solves: usize,
+    /// Iterations of the shortest of them.
+    fewest: usize,
+    /// Iterations of all of them.
+    total: usize,
+}
+
+impl Age {
+    fn record(&mut self, iterations: usize) {
+        self.fewest = if self.solves == 0 {
+            iterations
+        } else {
+            self.fewest.min(iterations)
+        };
+        self.solves += 1;
+        self.total += iterations;
+    }
+
+    /// Iterations above the fewest: what the age has cost.
+    fn excess(&self) -> usize {
+        self.total - self.solves * self.fewest
+    }
+}
+
+/// Solves A f = 8πη u again and again for nodes that move a little in between (thesis Eq. 2.27).
+///
+/// GMRES starts from the best combination of the last solutions and is preconditioned by inverses of the
+/// diagonal blocks at some earlier time. They are built anew when the iterations that their age has cost
+/// add up to the price of building (the ski-rental rule: at most twice the cost of knowing the future).
+pub(super) struct StokesletDrag {
+    viscosity: f64,
+    filaments: Vec<Filament>,
+    operator: FlowOperator,
+    preconditioner: Preconditioner,
+    /// Empty before the first solve.
+    preconditioned_at: Vec<Vector3>,
+    age: Age,
+    guess: InitialGuess,
+    gmres: Gmres,
+    positions: Vec<Vector3>,
+    /// Voronoi lengths Δl of the nodes, m.
+    lengths: Vec<f64>,
+    right_hand_side: Vec<f64>,
+    residual: Vec<f64>,
+    densities: Vec<f64>,
+}
+
+impl StokesletDrag {
+    /// Sets up all room that solves need.
+    pub fn new(viscosity: f64, regularization: f64, filaments: &[Filament]) -> Self {
+        let operator = FlowOperator::new(filaments, regularization);
+        let nodes = operator.nodes();
+        let unknowns = 3 * nodes;
+        Self {
+            viscosity,
+            filaments: filaments.to_vec(),
+            operator,
+            preconditioner: Preconditioner::new(nodes),
+            preconditioned_at: Vec::with_capacity(nodes),
+            age: Age::default(),
+            guess: InitialGuess::new(unknowns),
+            gmres: Gmres::new(unknowns),
+            positions: vec![Vector3::zeros(); nodes],
+            lengths: vec![0.0; nodes],
+            right_hand_side: vec![0.0; unknowns],
+            residual: vec![0.0; unknowns],
+            densities: vec![0.0; unknowns],
+        }
+    }
+
+    /// Force on each node, −f_i Δl_i, and its local resistance 8πη Δl_i A_ii⁻¹ (symmetric part).
+    /// Arguments as in [`Fluid::drag`](super::Fluid::drag).
+    pub fn drag(
+        &mut self,
+        positions: &[Vector3],
+        velocities: &[Vector3],
+        forces: &mut [Vector3],
+        resistance: &mut [Matrix3],
+    ) -> Result<FluidReport, FluidError> {
+        let nodes = || self.filaments.iter().flat_map(Filament::range);
+        for (own, node) in self.positions.iter_mut().zip(nodes()) {
+            *own = positions[node];
+        }
+        for (own, node) in self.right_hand_side.chunks_exact_mut(3).zip(nodes()) {
+            own.copy_from_slice(velocities[node].as_slice());
+        }
+        voronoi_lengths(&self.filaments, &self.positions, &mut self.lengths);
+        self.operator.assemble(&self.positions);
+        let report = self.solve()?;
+
+        let factor = 8.0 * PI * self.viscosity;
+        for (k, node) in self.filaments.iter().flat_map(Filament::range).enumerate() {
+            let inverse = (self.operator.block(k, k).try_inverse()).ok_or(FluidError::Singular)?;
+            let length = factor * self.lengths[k];
+            resistance[node] = (inverse + inverse.transpose()) * (0.5 * length);
+            forces[node] = Vector3::from_column_slice(&self.densities[3 * k..3 * k + 3]) * -length;
+        }
+        Ok(report)
+    }
+
+    /// What a checkpoint must hold.
+    pub fn memory(&self) -> StokesletMemory {
+        StokesletMemory {
+            densities: self.guess.previous().clone(),
+            age: self.age,
+            preconditioned_at: self.preconditioned_at.iter().map(|&x| x.into()).collect(),
+        }
+    }
+
+    /// Continues from a checkpoint.
+    ///
+    /// # Errors
+    /// [`FluidError::ForeignMemory`] where sizes do not fit, [`FluidError::Singular`] where its positions
+    /// coincide.
+    pub fn restore(&mut self, memory: StokesletMemory) -> Result<(), FluidError> {
+        let nodes = self.operator.nodes();
+        let built = memory.preconditioned_at.len();
+        if memory.densities.iter().any(|d| d.len() != 3 * nodes) || (built != 0 && built != nodes) {
+            return Err(FluidError::ForeignMemory);
+        }
+        self.preconditioned_at = memory
+            .preconditioned_at
+            .into_iter()
+            .map(Vector3::from)
+            .collect();
+        if built != 0 {
+            self.operator.assemble(&self.preconditioned_at);
+            self.preconditioner
+                .build(&self.operator, &self.preconditioned_at)?;
+        }
+        self.age = memory.age;
+        self.guess.restore(memory.densities);
+        Ok(())
+    }
+
+    /// Solves A f = u for the assembled operator; f lacks the factor 8πη.
+    fn solve(&mut self) -> Result<FluidReport, FluidError> {
+        let size = dot(&self.right_hand_side, &self.right_hand_side).sqrt();
+        if !size.is_finite() {
+            return Err(FluidError::NotFinite);
+        }
+        let price = self.preconditioner.building_cost(self.operator.nodes());
+        if self.preconditioned_at.is_empty() || self.age.excess() as f64 > price {
+            self.build_preconditioner()?;
+        }
+        let tolerance = TOLERANCE * size;
+        let mut convergence = self.iterate(tolerance);
+        if !(convergence.residual <= tolerance) && self.age.solves > 0 {
+            self.build_preconditioner()?;
+            convergence = self.iterate(tolerance);
+        }
+        let Convergence {
+            iterations,
+            residual,
+        } = convergence;
+        if !residual.is_finite() {
+            return Err(FluidError::NotFinite);
+        }
+        let relative = if size > 0.0 { residual / size } else { 0.0 };
+        if relative > TOLERANCE {
+            return Err(FluidError::NoConvergence {
+                iterations,
+                residual: relative,
+            });
+        }
+        self.age.record(iterations);
+        self.guess.remember(&self.densities);
+        Ok(FluidReport {
+            iterations,
+            residual: relative,
+        })
+    }
+
+    fn iterate(&mut self, tolerance: f64) -> Convergence {
+        self.residual.copy_from_slice(&self.right_hand_side);
+        self.guess
+            .start(&mut self.operator, &mut self.residual, &mut self.densities);
+        self.gmres.solve(
+            &mut self.operator,
+            &mut self.preconditioner,
+            &mut self.residual,
+            &mut self.densities,
+            tolerance,
+            MOST_ITERATIONS,
+        )
+    }
+
+    fn build_preconditioner(&mut self) -> Result<(), FluidError> {
+        self.preconditioned_at.clear();
+        self.preconditioner.build(&self.operator, &self.positions)?;
+        self.preconditioned_at.extend_from_slice(&self.positions);
+        self.age = Age::default();
+        Ok(())
+    }
+}
+
+/// Half of the lengths of the edges that meet at each node, m.
+fn voronoi_lengths(filaments: &[Filament], positions: &[Vector3], lengths: &mut [f64]) {
+    lengths.fill(0.0);
+    let mut first = 0;
+    for filament in filaments {
+        for edge in 0..filament.edges() {
+            let ends = [first + edge, first + (edge + 1) % filament.nodes];
+            let half = 0.5 * (positions[ends[1]] - positions[ends[0]]).norm();
+            for node in ends {
+                lengths[node] += half;
+            }
+        }
+        first += filament.nodes;
+    }
+}
