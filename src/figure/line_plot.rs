@@ -19,8 +19,21 @@ pub struct LinePlot {
 pub struct Curve {
     /// Name in the legend; no legend is drawn for a single curve.
     pub name: String,
-    /// The points; a gap in the data is simply left out of them.
-    pub points: Vec<(f64, f64)>,
+    /// The points; the curve is broken where there is no value.
+    pub points: Vec<(f64, Option<f64>)>,
+}
+
+impl Curve {
+    /// The stretches of the curve between its breaks.
+    fn stretches(&self) -> impl Iterator<Item = Vec<(f64, f64)>> {
+        let stretches = self.points.split(|(_, y)| y.is_none());
+        stretches.map(|stretch| {
+            stretch
+                .iter()
+                .filter_map(|(x, y)| Some((*x, (*y)?)))
+                .collect()
+        })
+    }
 }
 
 /// Size of the page and of a plot, pixels.
@@ -39,7 +52,7 @@ pub fn line_plots(plots: &[LinePlot], horizontal_label: &str) -> String {
     {
         let page = SVGBackend::with_string(&mut svg, (fine_width, fine_height)).into_drawing_area();
         page.fill(&WHITE).expect(DRAWN_IN_MEMORY);
-        let horizontal = range(plots.iter().flat_map(points).map(|(x, _)| *x));
+        let horizontal = range(plots.iter().flat_map(points).map(|(x, _)| x));
         for (plot, area) in plots.iter().zip(page.split_evenly((rows, 1))) {
             draw(plot, &area, horizontal.clone(), horizontal_label);
         }
@@ -65,7 +78,7 @@ fn pixels(count: u32) -> u32 {
 fn draw(plot: &LinePlot, area: &Area, horizontal: Range<f64>, horizontal_label: &str) {
     let font = ("sans-serif", pixels(13)).into_font();
     let (head, body) = area.split_vertically(pixels(26));
-    let vertical = range(points(plot).map(|(_, y)| *y));
+    let vertical = range(points(plot).filter_map(|(_, y)| y));
     let mut chart = ChartBuilder::on(&body)
         .margin_left(pixels(8))
         .margin_right(pixels(16))
@@ -88,8 +101,10 @@ fn draw(plot: &LinePlot, area: &Area, horizontal: Range<f64>, horizontal_label: 
         .draw()
         .expect(DRAWN_IN_MEMORY);
     for (index, curve) in plot.curves.iter().enumerate() {
-        let series = LineSeries::new(curve.points.iter().copied(), curve_style(index));
-        chart.draw_series(series).expect(DRAWN_IN_MEMORY);
+        for stretch in curve.stretches() {
+            let series = LineSeries::new(stretch, curve_style(index));
+            chart.draw_series(series).expect(DRAWN_IN_MEMORY);
+        }
     }
     if plot.curves.len() > 1 {
         draw_legend(plot, &head, font);
@@ -118,8 +133,10 @@ fn curve_style(index: usize) -> ShapeStyle {
     RGBColor(red, green, blue).stroke_width(pixels(2))
 }
 
-fn points(plot: &LinePlot) -> impl Iterator<Item = &(f64, f64)> {
-    plot.curves.iter().flat_map(|curve| &curve.points)
+fn points(plot: &LinePlot) -> impl Iterator<Item = (f64, Option<f64>)> {
+    plot.curves
+        .iter()
+        .flat_map(|curve| curve.points.iter().copied())
 }
 
 /// Range of the finite values with a little room; never empty.
@@ -159,7 +176,7 @@ mod tests {
             name: name.into(),
             points: (0..50)
                 .map(|k| 0.1 * f64::from(k))
-                .map(|t| (t, scale * t.sin()))
+                .map(|t| (t, Some(scale * t.sin())))
                 .collect(),
         }
     }
@@ -188,14 +205,19 @@ mod tests {
 
     #[test]
     fn constant_empty_and_infinite_data_are_drawn() {
-        let points = vec![(0.0, 3.0), (1.0, 3.0), (2.0, f64::INFINITY)];
+        let points = vec![
+            (0.0, Some(3.0)),
+            (1.0, Some(3.0)),
+            (2.0, Some(f64::INFINITY)),
+            (3.0, None),
+        ];
         let constant = Curve {
             name: "constant".into(),
             points,
         };
         let zero = Curve {
             name: "zero".into(),
-            points: vec![(0.0, 0.0), (1.0, 0.0)],
+            points: vec![(0.0, Some(0.0)), (1.0, Some(0.0))],
         };
         let empty = Curve {
             name: "empty".into(),
@@ -211,6 +233,35 @@ mod tests {
             );
             assert!(svg.ends_with("</svg>\n") && !svg.contains("NaN"));
         }
+    }
+
+    #[test]
+    fn a_curve_is_broken_where_there_is_no_value() {
+        let values = [Some(1.0), Some(2.0), None, Some(3.0), Some(4.0), Some(5.0)];
+        let points = values
+            .into_iter()
+            .enumerate()
+            .map(|(k, y)| (k as f64, y))
+            .collect();
+        let curve = Curve {
+            name: "broken".into(),
+            points,
+        };
+        let lengths: Vec<usize> = curve.stretches().map(|stretch| stretch.len()).collect();
+        assert_eq!(lengths, [2, 3]);
+        let svg = line_plots(
+            &[LinePlot {
+                label: "y".into(),
+                curves: vec![curve],
+            }],
+            "x",
+        );
+        let [red, green, blue] = palette::Color::of(0).bytes();
+        assert_eq!(
+            svg.matches(&format!("stroke=\"#{red:02X}{green:02X}{blue:02X}\""))
+                .count(),
+            2
+        );
     }
 
     #[test]

@@ -57,15 +57,12 @@ pub(super) fn tubes(rods: &[RodCurve], view: &View, placement: &Placement) -> St
     let (far, near) = depths.fold((f64::INFINITY, f64::NEG_INFINITY), |(far, near), depth| {
         (far.min(depth), near.max(depth))
     });
+    let thickest = rods.iter().map(|rod| rod.radius).fold(0.0, f64::max);
+    // Flat scenes have no depth worth showing.
+    let depth = (near - far).max(20.0 * thickest);
     let mut pieces = Vec::new();
     for (index, rod) in rods.iter().enumerate() {
-        let farness = |nearness: f64| {
-            if near > far {
-                (near - nearness) / (near - far)
-            } else {
-                0.0
-            }
-        };
+        let farness = |nearness: f64| (near - nearness) / depth;
         pieces.extend(rod_pieces(rod, Color::of(index), view, placement, farness));
     }
     pieces.sort_by(|a: &Piece, b: &Piece| a.nearness.total_cmp(&b.nearness));
