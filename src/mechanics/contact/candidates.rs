@@ -76,6 +76,14 @@ impl Candidates {
         self.margin
     }
 
+    /// Sets the margin, m, and forgets the set.
+    pub fn set_margin(&mut self, margin: f64) {
+        self.margin = margin;
+        self.pairs.clear();
+        self.distances.clear();
+        self.positions.clear();
+    }
+
     /// Rebuilds the set where the nodes have used up their part of the margin; returns whether it changed.
     pub fn update(&mut self, surface: &ContactSurface, positions: &[Vector3]) -> bool {
         if self.is_within(positions, REBUILD_FRACTION) {

@@ -71,7 +71,7 @@ impl FrictionLaw {
                 -2.0 / 3.0 + z2 * (8.0 / 15.0 - z2 * (34.0 / 105.0 - z2 * (496.0 / 2835.0))),
             )
         } else {
-            let tanh = z.tanh();
+            let tanh = libm::tanh(z);
             let ratio = tanh / z;
             (ratio, (1.0 - tanh * tanh - ratio) / z2)
         };

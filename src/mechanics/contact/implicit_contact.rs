@@ -104,6 +104,14 @@ impl ImplicitContact {
         &self.parameters
     }
 
+    /// Sets the margin of the candidates, m (two radii of the thickest rod otherwise), and forgets them.
+    ///
+    /// A larger margin means fewer rebuilds, a smaller one fewer candidates and so fewer entries in the
+    /// Newton system. To be called before the first update, and again before a restart.
+    pub fn set_candidate_margin(&mut self, margin: f64) {
+        self.candidates.set_margin(margin);
+    }
+
     /// Rebuilds the candidates where some node has moved more than a quarter of the margin since they
     /// were last built; returns whether the set changed. To be called at the start of a step.
     pub fn update_candidates(&mut self, positions: &[Vector3]) -> bool {
