@@ -371,7 +371,7 @@ fn slide_down(friction: f64) -> (f64, f64) {
         friction,
     };
     let mut contact = ImplicitContact::new(parameters(), surface, vec![plane], 1.0);
-    let mut velocities = vec![Vector3::zeros(); 2];
+    let mut velocities = [Vector3::zeros(); 2];
     let mut speeds = Vec::new();
     for _ in 0..400 {
         let previous = positions.clone();
