@@ -4,6 +4,7 @@ mod curve;
 mod flagella;
 mod prepared;
 mod scene;
+pub mod verify;
 
 pub use prepared::{Mode, OutputPlan, PreparedRun};
 pub use scene::prepare;
