@@ -75,7 +75,7 @@ pub fn sample(shape: &Shape, edges: usize, closed: bool) -> SampledCurve {
             normal,
             radius,
         } => {
-            let (first, second) = normal_plane(Vector3::from(*normal));
+            let [first, second] = normal_plane(*normal);
             let centre = Vector3::from(*centre);
             SampledCurve {
                 nodes: at(&|s| {
@@ -92,16 +92,9 @@ pub fn sample(shape: &Shape, edges: usize, closed: bool) -> SampledCurve {
     }
 }
 
-/// Two unit vectors that make a right-handed basis with the unit vector `axis`: the first is the
-/// direction of x made normal to the axis, or of y where the axis is along x.
-fn normal_plane(axis: Vector3) -> (Vector3, Vector3) {
-    let towards = if axis.x.abs() > 1.0 - 1e-9 {
-        Vector3::y()
-    } else {
-        Vector3::x()
-    };
-    let first = (towards - axis * axis.dot(&towards)).normalize();
-    (first, axis.cross(&first))
+/// [`Shape::normal_plane`] as vectors.
+fn normal_plane(axis: [f64; 3]) -> [Vector3; 2] {
+    Shape::normal_plane(axis).map(Vector3::from)
 }
 
 /// A helix parametrised by the angle turned about its axis.
@@ -123,8 +116,7 @@ impl Helix {
         handedness: Handedness,
         phase: f64,
     ) -> Self {
-        let axis = Vector3::from(axis);
-        let (first, second) = normal_plane(axis);
+        let [first, second] = normal_plane(axis);
         let sense = match handedness {
             Handedness::Right => 1.0,
             Handedness::Left => -1.0,
@@ -133,7 +125,7 @@ impl Helix {
         let (sine, cosine) = f64::sin_cos(phase);
         Self {
             centre: Vector3::from(centre),
-            axis,
+            axis: Vector3::from(axis),
             first: first * cosine + second * sine,
             second: (second * cosine - first * sine) * sense,
             radius,
@@ -186,4 +178,137 @@ fn resample(points: &[[f64; 3]], edges: usize, closed: bool) -> Vec<Vector3> {
             corners[after - 1] * (1.0 - fraction) + corners[after] * fraction
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::{FRAC_PI_2, TAU};
+
+    fn edge_lengths(nodes: &[Vector3]) -> Vec<f64> {
+        nodes
+            .windows(2)
+            .map(|pair| (pair[1] - pair[0]).norm())
+            .collect()
+    }
+
+    fn helix(handedness: Handedness) -> Shape {
+        let norm = 14f64.sqrt();
+        Shape::Helix {
+            centre: [1.0, 2.0, 3.0],
+            axis: [1.0 / norm, 2.0 / norm, 3.0 / norm],
+            radius: 0.3,
+            pitch: 0.5,
+            length: 1.25,
+            handedness,
+            phase: 0.7,
+        }
+    }
+
+    #[test]
+    fn a_helix_has_its_curvature_and_torsion() {
+        for (handedness, sense) in [(Handedness::Right, 1.0), (Handedness::Left, -1.0)] {
+            let edges = 20_000;
+            let curve = sample(&helix(handedness), edges, false);
+            let advance = 0.5 / TAU;
+            let speed_squared = 0.3 * 0.3 + advance * advance;
+            // Derivatives by arc length at a node in the middle, from central differences.
+            let step = 1.25 / advance * speed_squared.sqrt() / edges as f64;
+            let node = |offset: usize| curve.nodes[edges / 2 + offset * 100];
+            let step = 100.0 * step;
+            let first = (node(2) - node(0)) / (2.0 * step);
+            let second = (node(2) - node(1) * 2.0 + node(0)) / (step * step);
+            let third = (node(3) - node(2) * 3.0 + node(1) * 3.0 - node(0)) / (step * step * step);
+            let curvature = second.norm();
+            let torsion = first.cross(&second).dot(&third) / (curvature * curvature);
+            assert!((first.norm() - 1.0).abs() < 1e-2);
+            assert!((curvature * speed_squared / 0.3 - 1.0).abs() < 1e-2);
+            assert!(
+                (torsion * speed_squared / advance * sense - 1.0).abs() < 2e-2,
+                "{torsion}"
+            );
+        }
+    }
+
+    #[test]
+    fn nodes_lie_at_equal_arc_lengths_and_tangents_touch_the_ends() {
+        let shapes = [
+            helix(Handedness::Left),
+            Shape::Straight {
+                start: [0.0, 1.0, 0.0],
+                end: [3.0, 1.0, 4.0],
+            },
+            Shape::Arc {
+                start: [1.0, 0.0, 0.0],
+                tangent: [0.0, 1.0, 0.0],
+                normal: [0.0, 0.0, 1.0],
+                radius: 2.0,
+                angle: FRAC_PI_2,
+            },
+        ];
+        for shape in shapes {
+            let curve = sample(&shape, 1000, false);
+            let lengths = edge_lengths(&curve.nodes);
+            for length in &lengths {
+                assert!((length / lengths[0] - 1.0).abs() < 1e-9);
+            }
+            let [first, last] = curve.end_tangents.map(Option::unwrap);
+            let chord = |edge: usize| (curve.nodes[edge + 1] - curve.nodes[edge]).normalize();
+            assert!((first - chord(0)).norm() < 1e-2);
+            assert!((last - chord(999)).norm() < 1e-2);
+            assert!((first.norm() - 1.0).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn an_arc_turns_about_its_normal() {
+        let arc = Shape::Arc {
+            start: [1.0, 0.0, 0.0],
+            tangent: [0.0, 1.0, 0.0],
+            normal: [0.0, 0.0, 1.0],
+            radius: 1.0,
+            angle: FRAC_PI_2,
+        };
+        let curve = sample(&arc, 8, false);
+        assert!((curve.nodes[8] - Vector3::y()).norm() < 1e-15);
+        assert!((curve.end_tangents[1].unwrap() + Vector3::x()).norm() < 1e-15);
+    }
+
+    #[test]
+    fn a_ring_is_a_regular_polygon() {
+        let ring = Shape::Ring {
+            centre: [0.0, 0.0, 1.0],
+            normal: [0.0, 0.0, 1.0],
+            radius: 2.0,
+        };
+        let curve = sample(&ring, 4, true);
+        let corners = [[2.0, 0.0], [0.0, 2.0], [-2.0, 0.0], [0.0, -2.0]];
+        assert_eq!(curve.nodes.len(), 4);
+        for (node, [x, y]) in curve.nodes.iter().zip(corners) {
+            assert!((node - Vector3::new(x, y, 1.0)).norm() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn polylines_keep_their_corners_or_are_cut_evenly() {
+        let points = vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 3.0, 0.0]];
+        let shape = Shape::Points {
+            points: points.clone(),
+        };
+        let corners: Vec<Vector3> = points.into_iter().map(Vector3::from).collect();
+        assert_eq!(sample(&shape, 2, false).nodes, corners);
+        let evenly = sample(&shape, 4, false).nodes;
+        let wanted: Vec<Vector3> = (0..5)
+            .map(|node| Vector3::new(1.0, (node as f64 - 1.0).max(0.0), 0.0))
+            .collect();
+        assert_eq!(evenly.len(), 5);
+        for (got, wanted) in evenly[1..].iter().zip(&wanted[1..]) {
+            assert!((got - wanted).norm() < 1e-15);
+        }
+        let around = sample(&shape, 8, true).nodes;
+        let side = (4.0 + 10f64.sqrt()) / 8.0;
+        assert_eq!(around.len(), 8);
+        assert!((around[0] - corners[0]).norm() < 1e-15);
+        assert!((around[1] - Vector3::new(side, 0.0, 0.0)).norm() < 1e-15);
+    }
 }

@@ -144,3 +144,130 @@ fn centreline(nodes: usize, flagella: &Flagella) -> (Vec<Vector3>, [Vector3; 2])
         [Vector3::z(), tangent(turn)],
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MATERIAL: Material = Material {
+        youngs_modulus: 3e6,
+        poissons_ratio: 0.5,
+        density: 1000.0,
+    };
+    const ROD: BuilderRod = BuilderRod {
+        radius: 1e-3,
+        nodes: 68,
+    };
+
+    fn flagella(count: usize) -> Flagella {
+        Flagella {
+            count,
+            helix_radius: 0.01,
+            pitch: 0.05,
+            axial_length: 0.2,
+            side: 0.03,
+            angular_velocity: 15.0,
+            hook: true,
+            head: Head::Node,
+        }
+    }
+
+    fn built(flagella: &Flagella) -> Scene {
+        let mut scene = Scene::default();
+        add(&mut scene, &MATERIAL, &ROD, flagella);
+        scene
+    }
+
+    #[test]
+    fn feet_stand_on_a_regular_polygon_around_the_origin() {
+        for count in [2, 3, 5, 10] {
+            let feet = feet(count, 0.03);
+            let centroid: Vector3 = feet.iter().sum::<Vector3>() / count as f64;
+            assert!(centroid.norm() < 1e-17);
+            for corner in 0..count {
+                let side = (feet[(corner + 1) % count] - feet[corner]).norm();
+                assert!((side - 0.03).abs() < 1e-16);
+            }
+        }
+        assert_eq!(feet(1, 0.03), vec![Vector3::zeros()]);
+    }
+
+    #[test]
+    fn the_thesis_flagellum_has_its_hook_and_its_helix() {
+        let scene = built(&flagella(1));
+        let nodes = &scene.rods[0].centreline;
+        assert_eq!(nodes.len(), 68);
+        // Head of the released reference code: first node at −0.0150186533928, ramp from −0.01 to 0.
+        assert!((nodes[0] - Vector3::new(0.0, 0.0, -0.015_018_653_392_8)).norm() < 1e-12);
+        assert!((nodes[1] - Vector3::new(0.0, 0.0, -0.01)).norm() < 1e-16);
+        assert!((nodes[3] - Vector3::new(0.01, 0.0, 0.0)).norm() < 1e-16);
+        assert!((nodes[67] - Vector3::new(0.01, 0.0, 0.2)).norm() < 1e-15);
+        let ramp = (nodes[3] - nodes[1]).normalize();
+        assert!((ramp.dot(&Vector3::z()) - 0.5f64.sqrt()).abs() < 1e-15);
+        let helix = &nodes[3..];
+        for node in helix {
+            assert!((node.xy().norm() - 0.01).abs() < 1e-16);
+            // Right-handed: the angle about z grows with z.
+            let turned = node.z / 0.05 * TAU;
+            assert!((node.x - 0.01 * turned.cos()).abs() < 1e-15);
+            assert!((node.y - 0.01 * turned.sin()).abs() < 1e-15);
+        }
+        let chord = (helix[1] - helix[0]).norm();
+        assert!(
+            helix
+                .windows(2)
+                .all(|pair| ((pair[1] - pair[0]).norm() - chord).abs() < 1e-15)
+        );
+    }
+
+    #[test]
+    fn heads_turn_clockwise_about_their_own_axes() {
+        let scene = built(&flagella(3));
+        assert_eq!(scene.clamps.len(), 3);
+        for clamp in &scene.clamps {
+            assert!(clamp.holds_position && clamp.holds_frame);
+            assert_eq!(clamp.node, 0);
+            assert_eq!(clamp.motion.axis, Some(Vector3::z()));
+            assert_eq!(clamp.motion.angular_velocity, -15.0);
+            let foot = clamp.motion.pivot.unwrap();
+            let head = scene.rods[clamp.rod].centreline[0];
+            assert!((head - foot).xy().norm() < 1e-17);
+        }
+    }
+
+    #[test]
+    fn an_edge_head_holds_the_second_node_too() {
+        let scene = built(&Flagella {
+            head: Head::Edge,
+            ..flagella(2)
+        });
+        let second: Vec<&Clamp> = scene
+            .clamps
+            .iter()
+            .filter(|clamp| clamp.node == 1)
+            .collect();
+        assert_eq!(second.len(), 2);
+        assert!(
+            second
+                .iter()
+                .all(|clamp| clamp.holds_position && !clamp.holds_frame)
+        );
+    }
+
+    #[test]
+    fn without_hook_there_is_only_the_helix() {
+        let scene = built(&Flagella {
+            hook: false,
+            ..flagella(1)
+        });
+        let rod = &scene.rods[0];
+        assert_eq!(rod.centreline.len(), 68);
+        assert!((rod.centreline[0] - Vector3::new(0.01, 0.0, 0.0)).norm() < 1e-17);
+        assert!(
+            (rod.end_tangents[0].unwrap().y * 0.05
+                - 0.02 * std::f64::consts::PI * rod.end_tangents[0].unwrap().z)
+                .abs()
+                < 1e-17
+        );
+    }
+}

@@ -2,9 +2,13 @@
 
 mod curve;
 mod flagella;
+mod plot;
 mod prepared;
+mod run;
 mod scene;
 pub mod verify;
 
+pub use plot::plot_results;
 pub use prepared::{Mode, OutputPlan, PreparedRun};
+pub use run::{RunError, RunOptions, RunOutcome, RunStatus, run};
 pub use scene::prepare;

@@ -20,6 +20,10 @@ pub const NODE_FORCES: &str = "node_forces.csv";
 pub const SUMMARY: &str = "summary.csv";
 /// A row per case: cost.
 pub const TIMINGS: &str = "timings.csv";
+/// The rods at several times, drawn from the node positions.
+pub const RODS_FIGURE: &str = "rods.svg";
+/// The series over time, drawn.
+pub const SERIES_FIGURE: &str = "series.svg";
 /// The ParaView collection.
 pub const VTK_COLLECTION: &str = "rods.pvd";
 /// Folder of the frames of the collection.
@@ -28,7 +32,7 @@ pub const VTK_FOLDER: &str = "vtk";
 const LOCK: &str = ".lock";
 
 /// What a run may write: names in a results directory, swept by `--force`.
-const FILES: [&str; 8] = [
+const FILES: [&str; 10] = [
     SCENARIO,
     SERIES,
     NODES,
@@ -36,6 +40,8 @@ const FILES: [&str; 8] = [
     SUMMARY,
     TIMINGS,
     VTK_COLLECTION,
+    RODS_FIGURE,
+    SERIES_FIGURE,
     MANIFEST,
 ];
 

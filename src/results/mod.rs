@@ -26,17 +26,17 @@ mod vtk;
 pub use atomic::write_whole;
 pub use checkpoint::CheckpointFiles;
 pub use directory::{
-    NODE_FORCES, NODES, Opened, ResultsDirectory, SCENARIO, SERIES, SUMMARY, TIMINGS,
-    VTK_COLLECTION, VTK_FOLDER,
+    NODE_FORCES, NODES, Opened, RODS_FIGURE, ResultsDirectory, SCENARIO, SERIES, SERIES_FIGURE,
+    SUMMARY, TIMINGS, VTK_COLLECTION, VTK_FOLDER,
 };
 pub use error::ResultsError;
 pub use frame::Frame;
 pub use manifest::{
     CaseRecord, CaseStatus, MAIN_CASE, MANIFEST, Manifest, RodRecord, scenario_hash,
 };
-pub use nodes::NodeRow;
+pub use nodes::{NodePositions, read_nodes};
 pub use outcome::CaseOutcome;
 pub use recorder::{Recorder, RecorderPlan, StreamLengths};
-pub use series::SeriesRow;
+pub use series::{SeriesRow, read_series};
 pub use summary::{SummaryRow, write_summary, write_timings};
 pub use usage::{Usage, UsageMeter};

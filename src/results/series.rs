@@ -1,6 +1,10 @@
 //! `series.csv`: a row per output time.
 
+use super::ResultsError;
+use super::directory::SERIES;
+use super::stream::read_rows;
 use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 /// A row of `series.csv`; the fields are the columns.
 ///
@@ -33,4 +37,12 @@ pub struct SeriesRow {
     pub contact_energy_j: f64,
     /// Potential of gravity.
     pub gravitational_energy_j: f64,
+}
+
+/// Reads `series.csv` of a results directory; a last row that a crash left in part is left out.
+///
+/// # Errors
+/// [`ResultsError::Io`] where there is no such file, [`ResultsError::Damaged`] where it is no such table.
+pub fn read_series(directory: &Path) -> Result<Vec<SeriesRow>, ResultsError> {
+    read_rows(&directory.join(SERIES))
 }

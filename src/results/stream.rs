@@ -2,7 +2,8 @@
 
 use super::ResultsError;
 use serde::Serialize;
-use std::fs::{File, OpenOptions};
+use serde::de::DeserializeOwned;
+use std::fs::{self, File, OpenOptions};
 use std::io::{self, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
@@ -82,6 +83,21 @@ impl CsvStream {
     }
 }
 
+/// Reads all rows of a stream; a last line that a crash or a run at work left in part is left out.
+pub(super) fn read_rows<Row: DeserializeOwned>(path: &Path) -> Result<Vec<Row>, ResultsError> {
+    let bytes = fs::read(path).map_err(ResultsError::io("read", path))?;
+    let whole_lines = bytes
+        .iter()
+        .rposition(|byte| *byte == b'\n')
+        .map_or(0, |newline| newline + 1);
+    let mut reader = csv::Reader::from_reader(&bytes[..whole_lines]);
+    let rows: Result<Vec<Row>, csv::Error> = reader.deserialize().collect();
+    rows.map_err(|error| ResultsError::Damaged {
+        path: path.to_owned(),
+        reason: error.to_string(),
+    })
+}
+
 fn into_io(error: csv::Error) -> io::Error {
     match error.into_kind() {
         csv::ErrorKind::Io(source) => source,
@@ -93,7 +109,6 @@ fn into_io(error: csv::Error) -> io::Error {
 mod tests {
     use super::*;
     use proptest::prelude::*;
-    use std::fs;
 
     #[derive(Serialize, serde::Deserialize, Debug, PartialEq)]
     struct Row {

@@ -54,6 +54,8 @@ pub struct Issue {
     pub message: String,
     /// What to type instead.
     pub help: Option<String>,
+    /// Whether the key itself is at fault, rather than its value.
+    pub labels_key: bool,
 }
 
 impl Issue {
@@ -63,6 +65,7 @@ impl Issue {
             path,
             message: message.into(),
             help: None,
+            labels_key: false,
         }
     }
 
@@ -89,9 +92,11 @@ impl fmt::Display for Issue {
 pub struct Issues(pub Vec<Issue>);
 
 impl Issues {
-    /// Adds a fault.
+    /// Adds a fault, unless the same one is there already.
     pub fn push(&mut self, issue: Issue) {
-        self.0.push(issue);
+        if !self.0.contains(&issue) {
+            self.0.push(issue);
+        }
     }
 
     /// `value` if nothing is wrong, else the faults.

@@ -2,10 +2,23 @@
 
 mod canonical;
 mod cross_section;
+mod decode;
+mod document;
+mod error;
 mod issue;
+mod load;
+mod overrides;
+mod resolve;
 mod resolved;
+mod source;
+#[cfg(test)]
+mod tests;
+mod typed;
+mod units;
 
+pub use error::{Located, ScenarioError};
 pub use issue::{Issue, Issues, KeyPath, did_you_mean};
+pub use load::{Loaded, from_text, load};
 pub use resolved::{
     BuilderRod, Clamp, Contact, CrossSection, Experiment, Flagella, Fluid, Handedness, Head, Hold,
     Load, LoadKind, Material, NaturalShape, Output, Place, Plane, Rod, Scenario, Scheme, Shape,

@@ -441,3 +441,23 @@ fn a_static_run_writes_one_row_at_time_zero() {
     let nodes = fs::read_to_string(directory.path().join(NODES)).unwrap();
     assert_eq!(nodes.lines().nth(2), Some("0.0,pendulum,1,0.0,0.0,-1.0,"));
 }
+
+#[test]
+fn results_can_be_plotted() {
+    let directory = uninterrupted();
+    let figures = crate::experiment::plot_results(directory.path()).unwrap();
+    assert_eq!(figures.len(), 2);
+    let rods = fs::read_to_string(&figures[0]).unwrap();
+    assert!(
+        ["t = 0 s", "t = 0.3 s", "t = 0.6 s", "t = 1 s"]
+            .iter()
+            .all(|title| rods.contains(title)),
+        "{rods}"
+    );
+    let series = fs::read_to_string(&figures[1]).unwrap();
+    assert!(
+        ["kinetic", "gravitational", "Newton iterations"]
+            .iter()
+            .all(|word| series.contains(word))
+    );
+}

@@ -1,226 +1,346 @@
 //! All contacts of a scene: candidates, forces, Jacobians, stiffness.
 
+use super::candidates::{Candidates, approach};
+use super::closest_points::{ClosestPoints, edge_distance};
+use super::contacts::{ActiveContact, CandidatePair, EdgeJacobian, PlaneContact, PlaneJacobian};
+use super::edge_contact::{Sliding, edge_force, edge_jacobian};
+use super::friction::FrictionLaw;
 use super::parameters::ContactParameters;
+use super::plane_contact::{NodeSliding, plane_force, plane_jacobian};
+use super::potential::{normal_response, reach};
+use super::stiffness::adapted_stiffness;
 use super::surface::{ContactPlane, ContactSurface};
 use crate::mechanics::Vector3;
-use serde::{Deserialize, Serialize};
-
-/// Derivative of the 12 force components of an edge–edge contact with respect to the 12 coordinates, N/m.
-pub type EdgeJacobian = [[f64; 12]; 12];
-/// Derivative of the force of a plane on a node with respect to the node's position, N/m.
-pub type PlaneJacobian = [[f64; 3]; 3];
-
-/// A pair of edges that may touch before the candidates are next updated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct CandidatePair {
-    /// The edges i < j, indices into [`ContactSurface::edges`].
-    pub edges: [usize; 2],
-    /// The nodes x_i, x_{i+1}, x_j, x_{j+1}.
-    pub nodes: [usize; 4],
-}
-
-/// A pair of edges within reach of the contact potential.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ActiveContact {
-    /// Index into [`ImplicitContact::candidates`].
-    pub candidate: usize,
-    /// The nodes x_i, x_{i+1}, x_j, x_{j+1}.
-    pub nodes: [usize; 4],
-    /// Centreline distance Δ, m.
-    pub distance: f64,
-    /// Magnitude of the normal force of one edge on the other, N.
-    pub normal_force: f64,
-    /// Force on the four nodes, friction included, N.
-    pub force: [f64; 12],
-}
-
-/// A node within reach of the contact potential of a plane.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PlaneContact {
-    /// The node.
-    pub node: usize,
-    /// Index of the plane.
-    pub plane: usize,
-    /// Distance of the node from the plane, m; negative behind it.
-    pub distance: f64,
-    /// Magnitude of the normal force, N.
-    pub normal_force: f64,
-    /// Force on the node, friction included, N.
-    pub force: [f64; 3],
-}
-
-/// Two bodies that meet.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ContactPair {
-    /// Two edges, indices into [`ContactSurface::edges`].
-    Edges([usize; 2]),
-    /// A node and a plane.
-    NodeAndPlane {
-        /// The node.
-        node: usize,
-        /// Index of the plane.
-        plane: usize,
-    },
-}
-
-/// How near two bodies are.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Proximity {
-    /// The bodies.
-    pub pair: ContactPair,
-    /// Distance of the centrelines, or of the node from the plane, m.
-    pub distance: f64,
-    /// The distance at which the surfaces touch: h_i + h_j, or h at a plane, m.
-    pub threshold: f64,
-}
-
-/// What influences future contact forces; part of a checkpoint.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct ContactMemory {
-    /// Positions of all nodes when the candidates were last built, m; empty before the first time.
-    pub candidate_positions: Vec<[f64; 3]>,
-    /// Contact stiffness k.
-    pub stiffness: f64,
-}
-
-/// A memory of another scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("contact memory of {found} nodes in a scene of {expected}")]
-pub struct MismatchedMemory {
-    /// Nodes of this scene.
-    pub expected: usize,
-    /// Nodes in the memory.
-    pub found: usize,
-}
 
 /// The implicit contact model with Coulomb friction (thesis 2.2–2.3) for all rods and planes of a scene.
-pub struct ImplicitContact;
+///
+/// In a time step: [`update_candidates`](Self::update_candidates), then per Newton iteration
+/// [`evaluate`](Self::evaluate) and per trial of the line search [`evaluate_forces`](Self::evaluate_forces);
+/// after it, [`candidates_are_complete`](Self::candidates_are_complete) and
+/// [`excessive_penetration`](Self::excessive_penetration).
+///
+/// The distance of two edges has kinks where several pairs of points are equally near: parallel edges, and
+/// joints of a rod. Newton's method may need its line search there. Two edges that pass through each other
+/// within one step are not noticed.
+#[derive(Clone, Debug)]
+pub struct ImplicitContact {
+    parameters: ContactParameters,
+    surface: ContactSurface,
+    planes: Vec<ContactPlane>,
+    candidates: Candidates,
+    stiffness: f64,
+    least_stiffness: f64,
+    /// How far every node has moved since the candidates were built, m; scratch.
+    motion: Vec<f64>,
+    contacts: Vec<ActiveContact>,
+    jacobians: Vec<EdgeJacobian>,
+    plane_contacts: Vec<PlaneContact>,
+    plane_jacobians: Vec<PlaneJacobian>,
+    energy: f64,
+    contact_count: usize,
+}
+
+/// The positions at which contact is evaluated.
+#[derive(Clone, Copy)]
+struct Motion<'a> {
+    positions: &'a [Vector3],
+    previous: &'a [Vector3],
+    time_step: f64,
+}
+
+impl Motion<'_> {
+    fn velocity(&self, node: usize) -> Vector3 {
+        (self.positions[node] - self.previous[node]) / self.time_step
+    }
+
+    /// The law where there is friction and time for it.
+    fn friction(&self, coefficient: f64, slip_tolerance: f64) -> Option<FrictionLaw> {
+        (coefficient > 0.0 && self.time_step.is_finite()).then_some(FrictionLaw {
+            coefficient,
+            slip_tolerance,
+        })
+    }
+}
 
 impl ImplicitContact {
     /// `least_stiffness` is the contact stiffness k at the start and the least that
     /// [`Self::adapt_stiffness`] chooses; s times the force scale EI/L² suits.
     pub fn new(
-        _parameters: ContactParameters,
-        _surface: ContactSurface,
-        _planes: Vec<ContactPlane>,
-        _least_stiffness: f64,
+        parameters: ContactParameters,
+        surface: ContactSurface,
+        planes: Vec<ContactPlane>,
+        least_stiffness: f64,
     ) -> Self {
-        todo!()
+        let candidates = Candidates::new(&surface, reach(parameters.distance_tolerance));
+        Self {
+            parameters,
+            surface,
+            planes,
+            candidates,
+            stiffness: least_stiffness,
+            least_stiffness,
+            motion: Vec::new(),
+            contacts: Vec::new(),
+            jacobians: Vec::new(),
+            plane_contacts: Vec::new(),
+            plane_jacobians: Vec::new(),
+            energy: 0.0,
+            contact_count: 0,
+        }
     }
 
     /// The surfaces.
     pub fn surface(&self) -> &ContactSurface {
-        todo!()
+        &self.surface
+    }
+
+    /// The rigid planes.
+    pub fn planes(&self) -> &[ContactPlane] {
+        &self.planes
+    }
+
+    /// The parameters.
+    pub fn parameters(&self) -> &ContactParameters {
+        &self.parameters
     }
 
     /// Rebuilds the candidates where some node has moved more than a quarter of the margin since they
     /// were last built; returns whether the set changed. To be called at the start of a step.
-    pub fn update_candidates(&mut self, _positions: &[Vector3]) -> bool {
-        todo!()
+    pub fn update_candidates(&mut self, positions: &[Vector3]) -> bool {
+        self.candidates.update(&self.surface, positions)
+    }
+
+    /// Rebuilds the candidates for these positions in any case; without positions there are none.
+    pub(super) fn rebuild_candidates(&mut self, positions: &[Vector3]) {
+        self.candidates.rebuild(&self.surface, positions);
+    }
+
+    /// Positions for which the candidates were built; empty before the first time.
+    pub(super) fn candidate_positions(&self) -> &[Vector3] {
+        self.candidates.positions()
     }
 
     /// Pairs of edges that may touch, sorted by edges.
     pub fn candidates(&self) -> &[CandidatePair] {
-        todo!()
+        self.candidates.pairs()
     }
 
     /// Whether no contact can be missing from the candidates at these positions: no node has moved more
-    /// than half the margin since they were built. To be asked when a step has converged.
-    pub fn candidates_are_complete(&self, _positions: &[Vector3]) -> bool {
-        todo!()
+    /// than half the margin since they were built. To be asked when a step has converged; where it is
+    /// false, update the candidates and go on iterating if the set changed.
+    pub fn candidates_are_complete(&self, positions: &[Vector3]) -> bool {
+        self.candidates.are_complete(positions)
     }
 
     /// Finds the active contacts at `positions` and evaluates energy, forces and Jacobians.
     ///
     /// Friction acts on the velocity (`positions` − `previous`)/`time_step`, and not at all where
     /// `time_step` is infinite (statics).
-    pub fn evaluate(&mut self, _positions: &[Vector3], _previous: &[Vector3], _time_step: f64) {
-        todo!()
+    ///
+    /// Centrelines that cross (Δ = 0) have no direction of separation: the forces are not numbers there, for
+    /// the line search to refuse.
+    pub fn evaluate(&mut self, positions: &[Vector3], previous: &[Vector3], time_step: f64) {
+        let motion = Motion {
+            positions,
+            previous,
+            time_step,
+        };
+        self.clear_results();
+        self.evaluate_edges(motion, true);
+        self.evaluate_planes(motion, true);
     }
 
-    /// The same without Jacobians, for line searches; [`Self::jacobians`] are empty afterwards.
-    pub fn evaluate_forces(
-        &mut self,
-        _positions: &[Vector3],
-        _previous: &[Vector3],
-        _time_step: f64,
-    ) {
-        todo!()
+    /// The same without Jacobians, for line searches; [`Self::jacobians`] and
+    /// [`Self::plane_jacobians`] are empty afterwards.
+    pub fn evaluate_forces(&mut self, positions: &[Vector3], previous: &[Vector3], time_step: f64) {
+        let motion = Motion {
+            positions,
+            previous,
+            time_step,
+        };
+        self.clear_results();
+        self.evaluate_edges(motion, false);
+        self.evaluate_planes(motion, false);
+    }
+
+    fn clear_results(&mut self) {
+        self.contacts.clear();
+        self.jacobians.clear();
+        self.plane_contacts.clear();
+        self.plane_jacobians.clear();
+        self.energy = 0.0;
+        self.contact_count = 0;
+    }
+
+    fn evaluate_edges(&mut self, motion: Motion, with_jacobians: bool) {
+        let parameters = &self.parameters;
+        let tolerance = parameters.distance_tolerance;
+        let law = motion.friction(parameters.friction, parameters.slip_tolerance);
+        self.candidates.motion(motion.positions, &mut self.motion);
+        let pairs = self.candidates.pairs().iter();
+        for (candidate, (pair, earlier)) in pairs.zip(self.candidates.distances()).enumerate() {
+            let threshold = self.surface.threshold(pair.edges);
+            let limit = threshold + reach(tolerance);
+            if earlier - approach(pair, &self.motion) >= limit {
+                continue;
+            }
+            let nodes = pair.nodes.map(|node| motion.positions[node]);
+            let closest = ClosestPoints::of(&nodes);
+            let distance = closest.distance();
+            if distance >= limit {
+                continue;
+            }
+            let response = normal_response(
+                distance - threshold,
+                0.5 * threshold,
+                tolerance,
+                self.stiffness,
+            );
+            let sliding = law.map(|law| Sliding {
+                law,
+                velocities: pair.nodes.map(|node| motion.velocity(node)),
+                time_step: motion.time_step,
+            });
+            self.contacts.push(ActiveContact {
+                candidate,
+                nodes: pair.nodes,
+                distance,
+                threshold,
+                normal_force: response.force,
+                force: edge_force(&closest, &response, sliding.as_ref()),
+            });
+            if with_jacobians {
+                let jacobian = edge_jacobian(&nodes, &closest, &response, sliding.as_ref());
+                self.jacobians.push(jacobian);
+            }
+            self.energy += response.energy;
+            self.contact_count += usize::from(distance < threshold + tolerance);
+        }
+    }
+
+    fn evaluate_planes(&mut self, motion: Motion, with_jacobians: bool) {
+        let tolerance = self.parameters.distance_tolerance;
+        for (index, plane) in self.planes.iter().enumerate() {
+            let law = motion.friction(plane.friction, self.parameters.slip_tolerance);
+            for surface in self.surface.nodes() {
+                let (node, radius) = (surface.node, surface.radius);
+                let distance = plane.distance(&motion.positions[node]);
+                let gap = distance - radius;
+                if gap >= reach(tolerance) {
+                    continue;
+                }
+                let response = normal_response(gap, radius, tolerance, self.stiffness);
+                let sliding = law.map(|law| NodeSliding {
+                    law,
+                    velocity: motion.velocity(node),
+                    time_step: motion.time_step,
+                });
+                self.plane_contacts.push(PlaneContact {
+                    node,
+                    plane: index,
+                    distance,
+                    threshold: radius,
+                    normal_force: response.force,
+                    force: plane_force(&plane.normal, &response, sliding.as_ref()),
+                });
+                if with_jacobians {
+                    let jacobian = plane_jacobian(&plane.normal, &response, sliding.as_ref());
+                    self.plane_jacobians.push(jacobian);
+                }
+                self.energy += response.energy;
+                self.contact_count += usize::from(gap < tolerance);
+            }
+        }
     }
 
     /// Contact energy of the last evaluation, J.
     pub fn energy(&self) -> f64 {
-        todo!()
+        self.energy
     }
 
     /// Active edge–edge contacts of the last evaluation, in the order of the candidates.
     pub fn contacts(&self) -> &[ActiveContact] {
-        todo!()
+        &self.contacts
     }
 
     /// Force Jacobians, one per element of [`Self::contacts`]; symmetric without friction.
     pub fn jacobians(&self) -> &[EdgeJacobian] {
-        todo!()
+        &self.jacobians
     }
 
     /// Active plane contacts of the last evaluation, sorted by plane and node.
     pub fn plane_contacts(&self) -> &[PlaneContact] {
-        todo!()
+        &self.plane_contacts
     }
 
     /// Force Jacobians, one per element of [`Self::plane_contacts`].
     pub fn plane_jacobians(&self) -> &[PlaneJacobian] {
-        todo!()
+        &self.plane_jacobians
     }
 
     /// Contacts (with planes too) of the last evaluation within the distance tolerance δ (Eq. 2.17).
     pub fn contact_count(&self) -> usize {
-        todo!()
+        self.contact_count
     }
 
     /// Contact stiffness k.
     pub fn stiffness(&self) -> f64 {
-        todo!()
+        self.stiffness
     }
 
     /// Sets the contact stiffness k.
-    pub fn set_stiffness(&mut self, _stiffness: f64) {
-        todo!()
+    pub fn set_stiffness(&mut self, stiffness: f64) {
+        self.stiffness = stiffness;
     }
 
     /// Adapts the stiffness to `forces`, the total force on every node without contact and friction, N
     /// (Eqs. 2.18, 2.19); returns whether it changed.
-    pub fn adapt_stiffness(&mut self, _positions: &[Vector3], _forces: &[Vector3]) -> bool {
-        todo!()
+    ///
+    /// The thesis takes the largest force over the nodes in contact. Here all nodes of pairs whose surfaces
+    /// are nearer than a quarter of the candidates' margin count, so that a contact which begins within the
+    /// step is met with the right stiffness. Without such nodes nothing changes. To be called once per
+    /// step: within Newton's method the stiffness must stay.
+    pub fn adapt_stiffness(&mut self, positions: &[Vector3], forces: &[Vector3]) -> bool {
+        let Some(force) = self.largest_force_near_contact(positions, forces) else {
+            return false;
+        };
+        let (before, factor) = (self.stiffness, self.parameters.stiffness_factor);
+        self.stiffness = adapted_stiffness(before, force, factor, self.least_stiffness);
+        self.stiffness != before
     }
 
-    /// What a checkpoint must hold.
-    pub fn memory(&self) -> ContactMemory {
-        todo!()
-    }
-
-    /// Continues from a checkpoint.
-    pub fn restore(&mut self, _memory: &ContactMemory) -> Result<(), MismatchedMemory> {
-        todo!()
-    }
-
-    /// Smallest centreline distance over the candidates, m; infinite without candidates.
-    pub fn minimum_distance(&self, _positions: &[Vector3]) -> f64 {
-        todo!()
-    }
-
-    /// The pair with the smallest ratio of distance to threshold, over candidates and planes.
-    pub fn nearest(&self, _positions: &[Vector3]) -> Option<Proximity> {
-        todo!()
-    }
-
-    /// The deepest penetration, where it exceeds `maximum_penetration`.
-    pub fn excessive_penetration(&self, _positions: &[Vector3]) -> Option<Proximity> {
-        todo!()
-    }
-
-    /// All pairs whose surfaces overlap at `positions`; a scene must not start so.
-    pub fn initial_overlaps(&self, _positions: &[Vector3]) -> Vec<Proximity> {
-        todo!()
+    fn largest_force_near_contact(
+        &mut self,
+        positions: &[Vector3],
+        forces: &[Vector3],
+    ) -> Option<f64> {
+        let near = 0.25 * self.candidates.margin();
+        let mut largest: Option<f64> = None;
+        let mut include = |node: usize| {
+            let force = forces[node].norm();
+            largest = Some(largest.map_or(force, |largest| largest.max(force)));
+        };
+        self.candidates.motion(positions, &mut self.motion);
+        for (pair, earlier) in self
+            .candidates
+            .pairs()
+            .iter()
+            .zip(self.candidates.distances())
+        {
+            let limit = self.surface.threshold(pair.edges) + near;
+            if earlier - approach(pair, &self.motion) < limit
+                && edge_distance(&pair.nodes.map(|node| positions[node])) < limit
+            {
+                pair.nodes.into_iter().for_each(&mut include);
+            }
+        }
+        for plane in &self.planes {
+            for surface in self.surface.nodes() {
+                if plane.distance(&positions[surface.node]) < surface.radius + near {
+                    include(surface.node);
+                }
+            }
+        }
+        largest
     }
 }

@@ -11,15 +11,33 @@
 //! | `friction` | Coulomb friction, smoothed near zero slip (Eqs. 2.7–2.14) |
 //! | `edge_contact`, `plane_contact` | force and Jacobian of one contact |
 //! | `stiffness` | the adaptive contact stiffness (Eqs. 2.18, 2.19) |
-//! | `implicit_contact` | all contacts of a scene |
+//! | `implicit_contact`, `contacts` | all contacts of a scene |
+//! | `proximity` | least distance, penetration, overlaps of a new scene |
+//! | `memory` | what a restart needs |
 
+mod broad_phase;
+mod candidates;
+mod closest_points;
+mod contacts;
+mod distance;
+mod edge_contact;
+mod friction;
 mod implicit_contact;
+mod memory;
 mod parameters;
+mod plane_contact;
+mod potential;
+mod proximity;
+mod stiffness;
 mod surface;
+#[cfg(test)]
+mod test_support;
+#[cfg(test)]
+mod tests;
 
-pub use implicit_contact::{
-    ActiveContact, CandidatePair, ContactMemory, ContactPair, EdgeJacobian, ImplicitContact,
-    MismatchedMemory, PlaneContact, PlaneJacobian, Proximity,
-};
+pub use contacts::{ActiveContact, CandidatePair, EdgeJacobian, PlaneContact, PlaneJacobian};
+pub use implicit_contact::ImplicitContact;
+pub use memory::{ContactMemory, MismatchedMemory};
 pub use parameters::ContactParameters;
+pub use proximity::{ContactPair, Proximity};
 pub use surface::{ContactEdge, ContactPlane, ContactSurface};

@@ -18,10 +18,20 @@ pub struct ContactEdge {
     pub held: bool,
 }
 
+/// A node of a rod that is not held, as planes see it: a sphere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct ContactNode {
+    /// Index into the positions of all rods.
+    pub node: usize,
+    /// Radius h of the surface, m.
+    pub radius: f64,
+}
+
 /// The contact surfaces of all rods.
 #[derive(Clone, Debug, Default)]
 pub struct ContactSurface {
     edges: Vec<ContactEdge>,
+    nodes: Vec<ContactNode>,
     /// Length of every closed rod, m; `None` for open rods.
     closed_lengths: Vec<Option<f64>>,
 }
@@ -35,6 +45,13 @@ pub struct ContactPlane {
     pub normal: Vector3,
     /// Friction coefficient between plane and rods.
     pub friction: f64,
+}
+
+impl ContactPlane {
+    /// Distance of a position from the plane, m; negative behind it.
+    pub(super) fn distance(&self, position: &Vector3) -> f64 {
+        (position - self.point).dot(&self.normal)
+    }
 }
 
 impl ContactSurface {
@@ -60,6 +77,11 @@ impl ContactSurface {
         } else {
             nodes.saturating_sub(1)
         };
+        if !held {
+            let range = first_node..first_node + nodes;
+            self.nodes
+                .extend(range.map(|node| ContactNode { node, radius }));
+        }
         let mut length = 0.0;
         for edge in 0..edges {
             let next = (edge + 1) % nodes;
@@ -81,11 +103,27 @@ impl ContactSurface {
         &self.edges
     }
 
+    /// Number of positions that the edges refer to.
+    pub fn node_count(&self) -> usize {
+        let nodes = self.edges.iter().flat_map(|edge| edge.nodes);
+        nodes.max().map_or(0, |last| last + 1)
+    }
+
+    /// The nodes that planes may push.
+    pub(super) fn nodes(&self) -> &[ContactNode] {
+        &self.nodes
+    }
+
     /// Largest radius of all rods, m; zero without rods.
     pub fn largest_radius(&self) -> f64 {
         self.edges
             .iter()
             .fold(0.0, |largest, edge| edge.radius.max(largest))
+    }
+
+    /// Distance at which the centrelines of two edges touch by their surfaces, h_i + h_j, m.
+    pub(super) fn threshold(&self, [i, j]: [usize; 2]) -> f64 {
+        self.edges[i].radius + self.edges[j].radius
     }
 
     /// Whether two edges can touch at all.
@@ -154,11 +192,8 @@ mod tests {
         assert_eq!(surface.edges().len(), 40);
         assert_eq!(surface.edges()[39].nodes, [46, 7]);
         assert!(!surface.may_touch(0, 39), "they share a node");
-        assert!(
-            !surface.may_touch(0, 38),
-            "one edge of length 0.157 between them"
-        );
-        assert!(surface.may_touch(0, 37));
+        assert!(!surface.may_touch(0, 37), "gap 0.3138 < 0.1 π");
+        assert!(surface.may_touch(0, 36), "gap 0.4708 > 0.1 π");
         assert!(surface.may_touch(0, 20));
     }
 

@@ -32,7 +32,6 @@ pub struct Simulation {
     pub(super) newton: Newton,
     pub(super) trial: Vec<f64>,
     pub(super) next_velocity: Vec<f64>,
-    pub(super) trial_positions: Vec<Vector3>,
     pub(super) positions: Vec<Vector3>,
     pub(super) velocities: Vec<Vector3>,
     pub(super) fluid_forces: Vec<Vector3>,
@@ -112,7 +111,6 @@ impl Simulation {
             newton: Newton::new(unknowns.len()),
             trial: unknowns.clone(),
             next_velocity: velocity.clone(),
-            trial_positions: vec![Vector3::zeros(); nodes],
             fluid_forces: vec![Vector3::zeros(); wet],
             positions: vec![Vector3::zeros(); nodes],
             velocities: vec![Vector3::zeros(); nodes],
@@ -250,8 +248,7 @@ impl Simulation {
             .solve(&mut self.system, &self.stage, &mut self.trial, &stopping)
             .map_err(Failure::Newton)?;
         if let Some(contact) = &self.system.contact {
-            copy_positions(&self.trial, &mut self.trial_positions);
-            if let Some(overlap) = contact.excessive_penetration(&self.trial_positions) {
+            if let Some(overlap) = contact.excessive_penetration() {
                 let what = describe_overlap(&overlap, contact, &self.system.assembly);
                 return Err(Failure::Penetration { iterations, what });
             }

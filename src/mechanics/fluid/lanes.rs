@@ -28,9 +28,11 @@ impl SegmentLanes {
 
     #[inline(always)]
     fn get(&self, lane: usize) -> Segment {
+        // Spelled out: `map` over the arrays keeps the loop over lanes from vectorising.
+        let (start, tangent) = (&self.start, &self.tangent);
         Segment {
-            start: self.start.map(|component| component[lane]),
-            tangent: self.tangent.map(|component| component[lane]),
+            start: [start[0][lane], start[1][lane], start[2][lane]],
+            tangent: [tangent[0][lane], tangent[1][lane], tangent[2][lane]],
             length: self.length[lane],
             inverse_length: self.inverse_length[lane],
             regularization_squared: self.regularization_squared[lane],

@@ -1,6 +1,7 @@
 //! The flagella experiment as resolved.
 
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 /// Rods that a builder makes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -33,8 +34,9 @@ pub struct Flagella {
 }
 
 /// What is held at the head of a flagellum.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
 pub enum Head {
     /// The first node and the material frame there.
     Node,

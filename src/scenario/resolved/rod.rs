@@ -1,7 +1,8 @@
 //! Rods as resolved: material, cross-section, shape.
 
+use schemars::JsonSchema;
 use serde::ser::SerializeMap;
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 
 /// One rod.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -77,8 +78,9 @@ pub struct Stiffness {
 }
 
 /// Sense of a helix.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
 pub enum Handedness {
     /// Like an ordinary screw.
     Right,
@@ -141,6 +143,22 @@ pub enum Shape {
         /// The corners, m.
         points: Vec<[f64; 3]>,
     },
+}
+
+impl Shape {
+    /// Two unit vectors that make a right-handed basis with the unit vector `axis`; angles about the axis
+    /// count from the first. It is the direction of x made normal to the axis, or of y where the axis is
+    /// along x.
+    pub fn normal_plane(axis: [f64; 3]) -> [[f64; 3]; 2] {
+        let towards = if axis[0].abs() > 1.0 - 1e-9 { 1 } else { 0 };
+        let along = axis[towards];
+        let mut first = axis.map(|component| -along * component);
+        first[towards] += 1.0;
+        let norm = first.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let first = first.map(|component| component / norm);
+        let cross = |i: usize, j: usize| axis[i] * first[j] - axis[j] * first[i];
+        [first, [cross(1, 2), cross(2, 0), cross(0, 1)]]
+    }
 }
 
 /// The shape without stress.

@@ -1,7 +1,8 @@
 //! Time, solver and output as resolved.
 
+use schemars::JsonSchema;
 use serde::ser::SerializeMap;
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 
 /// Whether the scene moves in time or rests.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -22,8 +23,9 @@ pub enum Time {
 }
 
 /// Time integration schemes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
 pub enum Scheme {
     /// First order, damps fast modes.
     ImplicitEuler,
@@ -80,8 +82,9 @@ pub struct Solver {
 /// What a run writes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Output {
-    /// Time between outputs, s.
-    pub interval: f64,
+    /// Time between outputs, s; `None` in a static run, which writes once.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interval: Option<f64>,
     /// Whether node positions are written.
     pub nodes: bool,
     /// Whether velocities and forces of the nodes are written.
