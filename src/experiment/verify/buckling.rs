@@ -21,7 +21,7 @@ const MICHELL: Claim = Claim {
     formula: "Θ = 2π√3 EI/GJ",
     source: "Michell 1889, Zajac 1962",
 };
-const EDGES: usize = 60;
+const EDGES: usize = 80;
 
 /// Euler's column, the twisted rod and the twisted ring.
 pub fn checks(_full: bool) -> Result<Vec<Check>, SimulationError> {

@@ -21,12 +21,13 @@ const ANGULAR_MOMENTUM: Claim = Claim {
     source: "Euler",
 };
 const EDGES: usize = 30;
-/// A hundredth of the period of the first bending mode of the free rod, 2π/22.37 s, is 2.8 ms.
-const STEP: f64 = 2e-3;
+/// Small against the period 0.28 s of the first bending mode. With longer steps the midpoint rule feeds
+/// axial waves that it does not resolve: at 2 ms the energy drifts by 17 % in 1000 steps.
+const STEP: f64 = 5e-4;
 
 /// Drift of energy, momentum and angular momentum.
 pub fn checks(full: bool) -> Result<Vec<Check>, SimulationError> {
-    let steps = if full { 20_000 } else { 1_000 };
+    let steps = if full { 40_000 } else { 2_000 };
     let parameters = IntegrationParameters {
         scheme: Scheme::ImplicitMidpoint,
         step: StepSize::Fixed(STEP),
@@ -47,7 +48,7 @@ pub fn checks(full: bool) -> Result<Vec<Check>, SimulationError> {
     }
     let name = |what: &str| format!("free rod, {steps} midpoint steps: largest drift of {what}");
     Ok(vec![
-        ENERGY.scaled(name("energy"), "", 0.0, drift[0], 1.0, 1e-2),
+        ENERGY.scaled(name("energy"), "", 0.0, drift[0], 1.0, 1e-3),
         MOMENTUM.scaled(name("momentum"), "", 0.0, drift[1], 1.0, 1e-9),
         ANGULAR_MOMENTUM.scaled(name("angular momentum"), "", 0.0, drift[2], 1.0, 1e-6),
     ])

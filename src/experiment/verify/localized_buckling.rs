@@ -23,7 +23,7 @@ const TWISTING: f64 = 0.789;
 const LENGTH: f64 = 9.29;
 const TURNS: f64 = 27.0;
 const SHORTENING: f64 = 0.3;
-const EDGES: usize = 400;
+const EDGES: usize = 800;
 
 /// Depth of the buckle and its envelope.
 pub fn checks(_full: bool) -> Result<Vec<Check>, SimulationError> {
@@ -76,7 +76,7 @@ fn scene(theory: &LocalizedBuckle) -> Scene {
         end_tangents: [Some(Vector3::x()); 2],
         twist: theory.moment / TWISTING * LENGTH * (EDGES as f64 - 1.0) / EDGES as f64,
         stiffness: Stiffness {
-            stretching: 1e6,
+            stretching: 1e8,
             bending: [BENDING; 2],
             twisting: TWISTING,
         },

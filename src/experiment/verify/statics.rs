@@ -52,7 +52,7 @@ pub fn checks(full: bool) -> Result<Vec<Check>, SimulationError> {
         checks.push(HEAVY.scaled(name, "m", 0.0, error, 1.0, bound));
     }
     let error = |edges| tip_error(CantileverLoad::OwnWeight(GAMMA), edges);
-    for edges in [25, 50] {
+    for edges in [50, 100] {
         let order = (error(edges)? / error(2 * edges)?).log2();
         let name = format!("heavy cantilever, {edges} to {} edges: order", 2 * edges);
         checks.push(ORDER.scaled(name, "", 2.0, order, 1.0, 0.2));
