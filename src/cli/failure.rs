@@ -18,6 +18,11 @@ pub enum Failure {
     Run(RunError),
     /// A results directory could not be read or written.
     Results(ResultsError),
+    /// Physics checks failed.
+    Checks {
+        /// How many.
+        failed: usize,
+    },
     /// The system refused something.
     System(String),
 }
@@ -29,6 +34,7 @@ impl Failure {
             Self::Scenario(_) | Self::Input(_) | Self::Scene(_) => 2,
             Self::Run(error) => error.exit_code(),
             Self::Results(error) => error.exit_code(),
+            Self::Checks { .. } => 4,
             Self::System(_) => 1,
         }
     }
@@ -42,6 +48,7 @@ impl Failure {
                 }
             }
             Self::Input(message) | Self::System(message) => eprintln!("error: {message}"),
+            Self::Checks { failed } => eprintln!("error: {failed} physics checks failed"),
             Self::Scene(error) => eprintln!("error: {error}"),
             Self::Run(error) => eprintln!("error: {error}"),
             Self::Results(error) => eprintln!("error: {error}"),

@@ -255,11 +255,11 @@ impl Simulation {
             }
             self.system.update_candidates(&self.trial);
         }
-        if let Some(contact) = &self.system.contact {
-            if let Some(overlap) = contact.excessive_penetration() {
-                let what = describe_overlap(&overlap, contact, &self.system.assembly);
-                return Err(Failure::Penetration { iterations, what });
-            }
+        if let Some(contact) = &self.system.contact
+            && let Some(overlap) = contact.excessive_penetration()
+        {
+            let what = describe_overlap(&overlap, contact, &self.system.assembly);
+            return Err(Failure::Penetration { iterations, what });
         }
         if self.parameters.scheme == Scheme::ImplicitMidpoint {
             for (end, start) in self.trial.iter_mut().zip(&self.unknowns) {
@@ -362,7 +362,6 @@ impl Simulation {
         std::mem::swap(&mut self.earlier_velocity, &mut self.velocity);
         self.velocity.copy_from_slice(&self.next_velocity);
         self.system.commit_frames();
-        self.control.arrived(&self.parameters.step, goal);
         self.publish();
     }
 

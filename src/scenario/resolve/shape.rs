@@ -136,7 +136,7 @@ fn arc(section: &Section<'_>, typed: &typed::Arc) -> Shape {
         across.map(|component| component / size)
     };
     let angle = section.required("angle", &typed.angle, NON_ZERO);
-    if angle < 0.0 || angle > TAU {
+    if !(0.0..=TAU).contains(&angle) {
         section.fault(
             "angle",
             format!("{angle} rad is out of range; allowed: greater than 0 and at most a full turn"),
