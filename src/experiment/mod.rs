@@ -7,6 +7,7 @@ mod plot;
 mod prepared;
 mod run;
 mod scene;
+pub mod verify;
 
 pub use derived::{DerivedNumbers, DerivedRod, derived_numbers};
 pub use plot::plot_results;

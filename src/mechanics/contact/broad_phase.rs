@@ -1,7 +1,7 @@
 //! All pairs of edges whose surfaces are nearer than a clearance, by sweep and prune.
 //!
 //! Every edge gets an axis-aligned box, inflated by its radius and half the clearance. The boxes are sorted
-//! along the axis on which their centres spread most and swept in that order; boxes that overlap on all
+//! along the axis on which the edges spread most and swept in that order; pairs of boxes that overlap on all
 //! axes are tested for neighbourhood and by their exact distance. The cost is O(N log N) for the sort
 //! plus the pairs that overlap along the one axis, which for rods is a small multiple of N.
 
@@ -14,6 +14,8 @@ use crate::mechanics::Vector3;
 #[derive(Clone, Debug, Default)]
 pub(super) struct BroadPhase {
     boxes: Vec<EdgeBox>,
+    /// Pairs of edges whose boxes overlap, by [`key_of`].
+    overlapping: Vec<u64>,
 }
 
 /// An axis-aligned box around an edge; axis 0 is the one that is swept.
@@ -21,7 +23,7 @@ pub(super) struct BroadPhase {
 struct EdgeBox {
     lower: [f64; 3],
     upper: [f64; 3],
-    edge: usize,
+    edge: u32,
 }
 
 impl EdgeBox {
@@ -44,37 +46,38 @@ impl BroadPhase {
         found: &mut Vec<(CandidatePair, f64)>,
     ) {
         self.build_boxes(surface, positions, clearance);
+        self.sweep();
+        self.overlapping.sort_unstable();
         found.clear();
         let edges = surface.edges();
+        for &key in &self.overlapping {
+            let [i, j] = edges_of(key);
+            if !surface.may_touch(i, j) {
+                continue;
+            }
+            let ([a, b], [c, d]) = (edges[i].nodes, edges[j].nodes);
+            let nodes = [a, b, c, d];
+            let distance = edge_distance(&nodes.map(|node| positions[node]));
+            if distance < surface.threshold([i, j]) + clearance {
+                let edges = [i, j];
+                found.push((CandidatePair { edges, nodes }, distance));
+            }
+        }
+    }
+
+    /// Collects all pairs of boxes that overlap.
+    fn sweep(&mut self) {
+        self.overlapping.clear();
         for (index, first) in self.boxes.iter().enumerate() {
             let reached = self.boxes[index + 1..]
                 .iter()
                 .take_while(|second| second.lower[0] <= first.upper[0]);
             for second in reached {
-                if !first.overlaps_across(second) {
-                    continue;
-                }
-                let (i, j) = (first.edge.min(second.edge), first.edge.max(second.edge));
-                if !surface.may_touch(i, j) {
-                    continue;
-                }
-                let nodes = [
-                    edges[i].nodes[0],
-                    edges[i].nodes[1],
-                    edges[j].nodes[0],
-                    edges[j].nodes[1],
-                ];
-                let distance = edge_distance(&nodes.map(|node| positions[node]));
-                if distance < surface.threshold([i, j]) + clearance {
-                    let pair = CandidatePair {
-                        edges: [i, j],
-                        nodes,
-                    };
-                    found.push((pair, distance));
+                if first.overlaps_across(second) {
+                    self.overlapping.push(key_of(first.edge, second.edge));
                 }
             }
         }
-        found.sort_unstable_by_key(|(pair, _)| pair.edges);
     }
 
     fn build_boxes(&mut self, surface: &ContactSurface, positions: &[Vector3], clearance: f64) {
@@ -87,12 +90,21 @@ impl BroadPhase {
                 EdgeBox {
                     lower: axes.map(|axis| a[axis].min(b[axis]) - inflation),
                     upper: axes.map(|axis| a[axis].max(b[axis]) + inflation),
-                    edge: index,
+                    edge: index as u32,
                 }
             }));
         self.boxes
             .sort_unstable_by(|a, b| a.lower[0].total_cmp(&b.lower[0]).then(a.edge.cmp(&b.edge)));
     }
+}
+
+/// A pair of edges as one number, smaller edge first, which sorts like the pair and much faster.
+fn key_of(a: u32, b: u32) -> u64 {
+    u64::from(a.min(b)) << 32 | u64::from(a.max(b))
+}
+
+fn edges_of(key: u64) -> [usize; 2] {
+    [(key >> 32) as usize, (key & 0xffff_ffff) as usize]
 }
 
 /// The axes x, y, z in cyclic order from the one with the largest variance of the edges' first nodes.

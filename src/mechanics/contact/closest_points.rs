@@ -1,8 +1,8 @@
 //! Closest points of two segments, and which of their features they lie on.
 //!
 //! Minimises the convex quadratic ½‖x_i + β_i e_i − x_j − β_j e_j‖² over the unit square of contact
-//! ratios (thesis Eq. 2.3; Lumelsky 1985; Ericson 2005, section 5.1.9). The unconstrained minimum is
-//! computed from triple products with e_i × e_j, which stay accurate for edges that are nearly parallel,
+//! ratios (thesis Eq. 2.3; Lumelsky 1985; Ericson 2005, section 5.1.9). The minimum over the lines is
+//! computed from a triple product with e_i × e_j, which stays accurate for edges that are nearly parallel,
 //! where the usual difference of dot products cancels.
 
 use crate::mechanics::Vector3;
@@ -37,26 +37,23 @@ impl ClosestPoints {
     pub fn of(nodes: &[Vector3; 4]) -> Self {
         let edge_i = nodes[1] - nodes[0];
         let edge_j = nodes[3] - nodes[2];
-        let (length_i, length_j) = (edge_i.norm_squared(), edge_j.norm_squared());
+        let (square_i, square_j) = (edge_i.norm_squared(), edge_j.norm_squared());
         let cross = edge_i.cross(&edge_j);
         let cross_squared = cross.norm_squared();
-        if cross_squared <= PARALLEL_SINE * PARALLEL_SINE * length_i * length_j {
+        if cross_squared <= PARALLEL_SINE * PARALLEL_SINE * square_i * square_j {
             return Self::of_parallel_edges(nodes);
         }
-
         let offset = nodes[2] - nodes[0];
-        let unconstrained_i = offset.cross(&edge_j).dot(&cross) / cross_squared;
-        let mut ratio_i = unconstrained_i.clamp(0.0, 1.0);
-        let unconstrained_j = if ratio_i == unconstrained_i {
-            offset.cross(&edge_i).dot(&cross) / cross_squared
-        } else {
-            project(&(nodes[0] + edge_i * ratio_i), &nodes[2], &edge_j, length_j)
-        };
-        let ratio_j = unconstrained_j.clamp(0.0, 1.0);
-        if ratio_j != unconstrained_j {
-            let point = nodes[2] + edge_j * ratio_j;
-            ratio_i = project(&point, &nodes[0], &edge_i, length_i).clamp(0.0, 1.0);
-        }
+        let mixed = edge_i.dot(&edge_j);
+        let (along_i, along_j) = (offset.dot(&edge_i), offset.dot(&edge_j));
+        let (inverse_i, inverse_j) = (1.0 / square_i, 1.0 / square_j);
+
+        // The minimum over the lines, cut to the first edge; the nearest point of the second edge; and, for
+        // the case that this was cut too, the nearest point of the first edge to it. Where nothing was
+        // cut the last two change nothing; computing them without branches is faster.
+        let start = (offset.cross(&edge_j).dot(&cross) / cross_squared).clamp(0.0, 1.0);
+        let ratio_j = ((start * mixed - along_j) * inverse_j).clamp(0.0, 1.0);
+        let ratio_i = ((ratio_j * mixed + along_i) * inverse_i).clamp(0.0, 1.0);
         Self::at(
             nodes,
             [ratio_i, ratio_j],

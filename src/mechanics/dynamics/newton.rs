@@ -1,4 +1,5 @@
-//! Newton's method for one implicit stage, with a line search that stays out of the way.
+//! Newton's method for one implicit stage. The whole step is taken, with its Jacobian at once; only where
+//! it makes things worse a line search looks for a shorter one.
 
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::system::{Divergence, Stage, System};
@@ -17,8 +18,8 @@ pub struct Stopping {
 /// Scratch of Newton's method.
 #[derive(Clone, Debug)]
 pub struct Newton {
+    start: Vec<f64>,
     direction: Vec<f64>,
-    trial: Vec<f64>,
 }
 
 /// Reductions of the step along one direction before it is taken as it is.
@@ -30,8 +31,8 @@ impl Newton {
     /// Scratch for so many unknowns.
     pub fn new(unknowns: usize) -> Self {
         Self {
+            start: vec![0.0; unknowns],
             direction: vec![0.0; unknowns],
-            trial: vec![0.0; unknowns],
         }
     }
 
@@ -48,8 +49,8 @@ impl Newton {
         stopping: &Stopping,
     ) -> Result<usize, Divergence> {
         let mut last_move = 0.0;
+        system.linearize(unknowns, Some(stage));
         for iteration in 0..=stopping.iterations {
-            system.linearize(unknowns, Some(stage));
             let (residual, unknown) = system.worst_residual();
             if residual <= stopping.force && last_move <= stopping.displacement {
                 return Ok(iteration);
@@ -71,44 +72,42 @@ impl Newton {
                     ..failed
                 });
             }
-            let length = self.line_search(system, stage, unknowns);
-            last_move = 0.0;
-            for (k, (q, d)) in unknowns.iter_mut().zip(&self.direction).enumerate() {
-                *q += length * d;
-                if k % STRIDE != 3 {
-                    last_move = f64::max(last_move, (length * d).abs());
-                }
+            self.start.copy_from_slice(unknowns);
+            let before = Progress::of(system, &self.direction);
+            self.move_by(1.0, unknowns);
+            system.linearize(unknowns, Some(stage));
+            let after = Progress::of(system, &self.direction);
+            let mut length = 1.0;
+            if !after.suffices(&before) {
+                length = self.line_search(system, stage, unknowns, &before, &after);
+                system.linearize(unknowns, Some(stage));
             }
+            last_move = length * largest_move(&self.direction);
         }
         unreachable!("the last iteration returns")
     }
 
-    /// Length of the step along the Newton direction: the whole of it, unless that neither lowers the
-    /// residual nor the force d·R along the direction d; then a root of d·R between the two ends is
-    /// approached by regula falsi (Matthies and Strang 1979).
-    fn line_search(&mut self, system: &mut System, stage: &Stage, unknowns: &[f64]) -> f64 {
-        let before = system.squared_residual();
-        let slope = |system: &System, direction: &[f64]| -> f64 {
-            direction
-                .iter()
-                .zip(&system.residual)
-                .map(|(d, r)| d * r)
-                .sum()
-        };
-        let initial = slope(system, &self.direction);
-        let (mut low, mut high) = ((0.0, initial), None);
-        let mut length = 1.0;
+    /// Writes start + length · direction.
+    fn move_by(&self, length: f64, unknowns: &mut [f64]) {
+        for k in 0..unknowns.len() {
+            unknowns[k] = self.start[k] + length * self.direction[k];
+        }
+    }
+
+    /// Approaches a root of d·R along the direction d by regula falsi (Matthies and Strang 1979), after the
+    /// whole step has neither lowered the residual nor the force along it; leaves the unknowns there.
+    fn line_search(
+        &mut self,
+        system: &mut System,
+        stage: &Stage,
+        unknowns: &mut [f64],
+        before: &Progress,
+        full: &Progress,
+    ) -> f64 {
+        let (mut low, mut high) = ((0.0, before.slope), None);
+        let (mut length, mut now) = (1.0, full.slope);
         for _ in 0..LINE_SEARCH_STEPS {
-            for (k, trial) in self.trial.iter_mut().enumerate() {
-                *trial = unknowns[k] + length * self.direction[k];
-            }
-            system.evaluate(&self.trial, Some(stage));
-            let after = system.squared_residual();
-            let now = slope(system, &self.direction);
-            if after <= before || now.abs() <= SUFFICIENT_REDUCTION * initial.abs() {
-                return length;
-            }
-            if !now.is_finite() || now * initial < 0.0 {
+            if !now.is_finite() || now * before.slope < 0.0 {
                 high = Some((length, now));
             } else {
                 low = (length, now);
@@ -120,9 +119,52 @@ impl Newton {
                 }
                 Some((end, _)) => 0.5 * (low.0 + end),
                 // The force has grown without changing its sign: no root within reach, take the step.
-                None => return length,
+                None => break,
             };
+            self.move_by(length, unknowns);
+            system.evaluate(unknowns, Some(stage));
+            let progress = Progress::of(system, &self.direction);
+            if progress.suffices(before) {
+                break;
+            }
+            now = progress.slope;
         }
         length
     }
+}
+
+/// How far a step has come.
+struct Progress {
+    /// Sum of squares of the residual, N².
+    squared_residual: f64,
+    /// Force along the direction, d·R, J.
+    slope: f64,
+}
+
+impl Progress {
+    fn of(system: &System, direction: &[f64]) -> Self {
+        Self {
+            squared_residual: system.squared_residual(),
+            slope: direction
+                .iter()
+                .zip(&system.residual)
+                .map(|(d, r)| d * r)
+                .sum(),
+        }
+    }
+
+    /// Whether the residual has fallen, or else the force along the direction.
+    fn suffices(&self, before: &Self) -> bool {
+        self.squared_residual <= before.squared_residual
+            || self.slope.abs() <= SUFFICIENT_REDUCTION * before.slope.abs()
+    }
+}
+
+/// Largest move of a position along a direction, m.
+fn largest_move(direction: &[f64]) -> f64 {
+    let positions = direction
+        .iter()
+        .enumerate()
+        .filter(|(k, _)| k % STRIDE != 3);
+    positions.fold(0.0, |largest, (_, d)| largest.max(d.abs()))
 }

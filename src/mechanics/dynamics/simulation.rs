@@ -243,10 +243,18 @@ impl Simulation {
             displacement: self.parameters.displacement_tolerance * self.radius,
             iterations: self.parameters.maximum_iterations,
         };
-        let iterations = self
-            .newton
-            .solve(&mut self.system, &self.stage, &mut self.trial, &stopping)
-            .map_err(Failure::Newton)?;
+        let mut iterations = 0;
+        loop {
+            iterations += self
+                .newton
+                .solve(&mut self.system, &self.stage, &mut self.trial, &stopping)
+                .map_err(Failure::Newton)?;
+            // A contact may be missing where rods have moved far; then go on with new candidates.
+            if self.system.candidates_are_complete(&self.trial) {
+                break;
+            }
+            self.system.update_candidates(&self.trial);
+        }
         if let Some(contact) = &self.system.contact {
             if let Some(overlap) = contact.excessive_penetration() {
                 let what = describe_overlap(&overlap, contact, &self.system.assembly);
@@ -354,7 +362,6 @@ impl Simulation {
         std::mem::swap(&mut self.earlier_velocity, &mut self.velocity);
         self.velocity.copy_from_slice(&self.next_velocity);
         self.system.commit_frames();
-        self.control.arrived(&self.parameters.step, goal);
         self.publish();
     }
 

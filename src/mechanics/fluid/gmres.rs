@@ -2,7 +2,7 @@
 
 use super::instruction_set::{LANES, Lanes};
 use super::operator::FlowOperator;
-use super::preconditioner::BlockPreconditioner;
+use super::preconditioner::Preconditioner;
 
 /// Directions kept before a restart. A solve takes 2 to 15 iterations; a restart is a sign of trouble.
 const RESTART: usize = 40;
@@ -48,7 +48,7 @@ impl Gmres {
     pub fn solve(
         &mut self,
         operator: &mut FlowOperator,
-        preconditioner: &mut BlockPreconditioner,
+        preconditioner: &mut Preconditioner,
         residual: &mut [f64],
         solution: &mut [f64],
         tolerance: f64,
@@ -92,7 +92,7 @@ impl Gmres {
         &mut self,
         j: usize,
         operator: &mut FlowOperator,
-        preconditioner: &mut BlockPreconditioner,
+        preconditioner: &mut Preconditioner,
     ) -> f64 {
         let (known, rest) = self.basis.split_at_mut(j + 1);
         let new = &mut rest[0];

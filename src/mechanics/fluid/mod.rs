@@ -1,7 +1,7 @@
 //! Viscous fluid around rods: regularized Stokeslet segments and resistive force theory.
 
-mod dense_inverse;
 mod drag;
+mod elimination;
 mod error;
 mod filament;
 mod gmres;

@@ -4,7 +4,7 @@ use super::drag::FluidReport;
 use super::gmres::{Convergence, Gmres, dot};
 use super::initial_guess::{InitialGuess, KEPT};
 use super::operator::FlowOperator;
-use super::preconditioner::BlockPreconditioner;
+use super::preconditioner::Preconditioner;
 use super::{Filament, FluidError};
 use crate::mechanics::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -63,7 +63,7 @@ pub(super) struct StokesletDrag {
     viscosity: f64,
     filaments: Vec<Filament>,
     operator: FlowOperator,
-    preconditioner: BlockPreconditioner,
+    preconditioner: Preconditioner,
     /// Empty before the first solve.
     preconditioned_at: Vec<Vector3>,
     age: Age,
@@ -87,7 +87,7 @@ impl StokesletDrag {
             viscosity,
             filaments: filaments.to_vec(),
             operator,
-            preconditioner: BlockPreconditioner::new(filaments),
+            preconditioner: Preconditioner::new(nodes),
             preconditioned_at: Vec::with_capacity(nodes),
             age: Age::default(),
             guess: InitialGuess::new(unknowns),
@@ -157,7 +157,8 @@ impl StokesletDrag {
             .collect();
         if built != 0 {
             self.operator.assemble(&self.preconditioned_at);
-            self.preconditioner.build(&self.operator)?;
+            self.preconditioner
+                .build(&self.operator, &self.preconditioned_at)?;
         }
         self.age = memory.age;
         self.guess.restore(memory.densities);
@@ -218,7 +219,7 @@ impl StokesletDrag {
 
     fn build_preconditioner(&mut self) -> Result<(), FluidError> {
         self.preconditioned_at.clear();
-        self.preconditioner.build(&self.operator)?;
+        self.preconditioner.build(&self.operator, &self.positions)?;
         self.preconditioned_at.extend_from_slice(&self.positions);
         self.age = Age::default();
         Ok(())

@@ -239,6 +239,15 @@ impl System {
         }
     }
 
+    /// Whether no contact can be missing at `unknowns` for want of candidates.
+    pub fn candidates_are_complete(&mut self, unknowns: &[f64]) -> bool {
+        let Some(contact) = &self.contact else {
+            return true;
+        };
+        copy_positions(unknowns, &mut self.positions);
+        contact.candidates_are_complete(&self.positions)
+    }
+
     /// Forgets the factorisation pattern, as after a restart from a checkpoint.
     pub fn forget_pattern(&mut self) {
         self.matrix.forget_pattern();
@@ -451,3 +460,6 @@ fn subtract_contact_forces(contact: &ImplicitContact, residual: &mut [f64]) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
