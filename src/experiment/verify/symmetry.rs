@@ -1,7 +1,7 @@
 //! Answers that must not depend on where the axes point or how nodes and rods are numbered.
 
 use super::rods::{clamp, line, steady, unit_rod};
-use super::{Check, Claim};
+use super::{Check, Claim, FamilyError};
 use crate::mechanics::dynamics::{IntegrationParameters, Simulation, SimulationError, StepSize};
 use crate::mechanics::scene::{Clamp, LoadKind, NaturalShape, RodDescription, Scene};
 use crate::mechanics::{Matrix3, Vector3};
@@ -20,7 +20,7 @@ const EDGES: usize = 24;
 const STEP: f64 = 5e-3;
 
 /// Rigid motion, reversed nodes and swapped rods, each for twenty time steps of two rods.
-pub fn checks(_full: bool) -> Result<Vec<Check>, SimulationError> {
+pub fn checks(_full: bool) -> Result<Vec<Check>, FamilyError> {
     let scene = two_rods();
     let original = run(&scene)?;
     let rotation =
