@@ -3,9 +3,7 @@
 use super::rods::unit_rod;
 use super::{Check, Claim, FamilyError};
 use crate::mechanics::Vector3;
-use crate::mechanics::dynamics::{
-    IntegrationParameters, Scheme, Simulation, StepSize,
-};
+use crate::mechanics::dynamics::{IntegrationParameters, Scheme, Simulation, StepSize};
 use crate::mechanics::scene::{RodDescription, Scene};
 
 const ENERGY: Claim = Claim {
