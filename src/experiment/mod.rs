@@ -1,6 +1,7 @@
 //! Experiments: a scenario becomes a scene, is run, and gives an outcome.
 
 mod curve;
+mod derived;
 mod flagella;
 mod plot;
 mod prepared;
@@ -8,6 +9,7 @@ mod run;
 mod scene;
 pub mod verify;
 
+pub use derived::{DerivedNumbers, DerivedRod, derived_numbers};
 pub use plot::plot_results;
 pub use prepared::{Mode, OutputPlan, PreparedRun};
 pub use run::{RunError, RunOptions, RunOutcome, RunStatus, run};

@@ -114,15 +114,12 @@ fn series_plots(series: &[SeriesRow]) -> Vec<LinePlot> {
     ];
     let curve = |name: &str, column: Column| Curve {
         name: name.into(),
-        points: series
-            .iter()
-            .filter_map(|row| Some((row.time_s, column(row)?)))
-            .collect(),
+        points: series.iter().map(|row| (row.time_s, column(row))).collect(),
     };
     let energies: Vec<Curve> = energies
         .into_iter()
         .map(|(name, column)| curve(name, column))
-        .filter(|curve| curve.points.iter().any(|(_, energy)| *energy != 0.0))
+        .filter(|curve| curve.points.iter().any(|(_, energy)| *energy != Some(0.0)))
         .collect();
     let energy = LinePlot {
         label: "Energy in J".into(),
@@ -133,8 +130,9 @@ fn series_plots(series: &[SeriesRow]) -> Vec<LinePlot> {
         curves: vec![curve(label, column)],
     });
     let plots = std::iter::once(energy).chain(others);
+    let has_values = |curve: &Curve| curve.points.iter().any(|(_, y)| y.is_some());
     plots
-        .filter(|plot| plot.curves.iter().any(|curve| !curve.points.is_empty()))
+        .filter(|plot| plot.curves.iter().any(has_values))
         .collect()
 }
 
@@ -168,7 +166,10 @@ mod tests {
         let labels: Vec<&str> = plots.iter().map(|plot| plot.label.as_str()).collect();
         assert_eq!(labels, ["Energy in J", "Contacts"]);
         assert_eq!(plots[0].curves.len(), 1);
-        assert_eq!(plots[0].curves[0].points, [(0.0, 0.0), (1.0, 1e-3)]);
+        assert_eq!(
+            plots[0].curves[0].points,
+            [(0.0, Some(0.0)), (1.0, Some(1e-3))]
+        );
     }
 
     #[test]

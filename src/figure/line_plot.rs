@@ -19,72 +19,124 @@ pub struct LinePlot {
 pub struct Curve {
     /// Name in the legend; no legend is drawn for a single curve.
     pub name: String,
-    /// The points; a gap in the data is simply left out of them.
-    pub points: Vec<(f64, f64)>,
+    /// The points; the curve is broken where there is no value.
+    pub points: Vec<(f64, Option<f64>)>,
 }
 
+impl Curve {
+    /// The stretches of the curve between its breaks.
+    fn stretches(&self) -> impl Iterator<Item = Vec<(f64, f64)>> {
+        let stretches = self.points.split(|(_, y)| y.is_none());
+        stretches.map(|stretch| {
+            stretch
+                .iter()
+                .filter_map(|(x, y)| Some((*x, (*y)?)))
+                .collect()
+        })
+    }
+}
+
+/// Size of the page and of a plot, pixels.
 const WIDTH: u32 = 800;
 const HEIGHT: u32 = 220;
+
+/// Grid points per pixel: plotters rounds all coordinates to a grid, on which smooth curves would be stairs.
+const FINENESS: u32 = 8;
 
 /// Draws plots one above the other as an SVG, all over the same horizontal axis.
 pub fn line_plots(plots: &[LinePlot], horizontal_label: &str) -> String {
     let mut svg = String::new();
+    let rows = plots.len().max(1);
+    let (width, height) = (WIDTH, HEIGHT * rows as u32);
+    let (fine_width, fine_height) = (FINENESS * width, FINENESS * height);
     {
-        let height = HEIGHT * plots.len().max(1) as u32;
-        let page = SVGBackend::with_string(&mut svg, (WIDTH, height)).into_drawing_area();
+        let page = SVGBackend::with_string(&mut svg, (fine_width, fine_height)).into_drawing_area();
         page.fill(&WHITE).expect(DRAWN_IN_MEMORY);
-        let horizontal = range(plots.iter().flat_map(points).map(|(x, _)| *x));
-        for (plot, area) in plots.iter().zip(page.split_evenly((plots.len().max(1), 1))) {
+        let horizontal = range(plots.iter().flat_map(points).map(|(x, _)| x));
+        for (plot, area) in plots.iter().zip(page.split_evenly((rows, 1))) {
             draw(plot, &area, horizontal.clone(), horizontal_label);
         }
         page.present().expect(DRAWN_IN_MEMORY);
     }
-    svg
+    // The size on the page; the view box keeps the fine grid.
+    svg.replacen(
+        &format!("width=\"{fine_width}\" height=\"{fine_height}\""),
+        &format!("width=\"{width}\" height=\"{height}\""),
+        1,
+    )
 }
 
 const DRAWN_IN_MEMORY: &str = "an SVG drawn in memory does not fail";
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 
+/// Pixels in units of the fine grid.
+fn pixels(count: u32) -> u32 {
+    FINENESS * count
+}
+
 fn draw(plot: &LinePlot, area: &Area, horizontal: Range<f64>, horizontal_label: &str) {
-    let vertical = range(points(plot).map(|(_, y)| *y));
-    let mut chart = ChartBuilder::on(area)
-        .margin(8)
-        .x_label_area_size(36)
-        .y_label_area_size(76)
+    let font = ("sans-serif", pixels(13)).into_font();
+    let (head, body) = area.split_vertically(pixels(26));
+    let vertical = range(points(plot).filter_map(|(_, y)| y));
+    let mut chart = ChartBuilder::on(&body)
+        .margin_left(pixels(8))
+        .margin_right(pixels(16))
+        .x_label_area_size(pixels(44))
+        .y_label_area_size(pixels(84))
         .build_cartesian_2d(horizontal, vertical)
         .expect(DRAWN_IN_MEMORY);
     chart
         .configure_mesh()
         .light_line_style(TRANSPARENT)
-        .bold_line_style(BLACK.mix(0.1))
+        .bold_line_style(BLACK.mix(0.1).stroke_width(pixels(1)))
+        .axis_style(BLACK.stroke_width(pixels(1)))
+        .label_style(font.clone())
+        .set_all_tick_mark_size(pixels(4))
         .x_desc(horizontal_label)
         .y_desc(&plot.label)
         .y_labels(5)
+        .x_label_formatter(&|value| number_label(*value))
         .y_label_formatter(&|value| number_label(*value))
         .draw()
         .expect(DRAWN_IN_MEMORY);
     for (index, curve) in plot.curves.iter().enumerate() {
-        let [red, green, blue] = palette::Color::of(index).bytes();
-        let color = RGBColor(red, green, blue);
-        let series = LineSeries::new(curve.points.iter().copied(), color.stroke_width(2));
-        let drawn = chart.draw_series(series).expect(DRAWN_IN_MEMORY);
-        drawn
-            .label(&curve.name)
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], color.stroke_width(2)));
+        for stretch in curve.stretches() {
+            let series = LineSeries::new(stretch, curve_style(index));
+            chart.draw_series(series).expect(DRAWN_IN_MEMORY);
+        }
     }
     if plot.curves.len() > 1 {
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperLeft)
-            .background_style(WHITE.mix(0.8))
-            .draw()
-            .expect(DRAWN_IN_MEMORY);
+        draw_legend(plot, &head, font);
     }
 }
 
-fn points(plot: &LinePlot) -> impl Iterator<Item = &(f64, f64)> {
-    plot.curves.iter().flat_map(|curve| &curve.points)
+/// Names of the curves in a row above the plot, each behind a stroke of its colour.
+fn draw_legend(plot: &LinePlot, area: &Area, font: FontDesc) {
+    let stroke = pixels(16) as i32;
+    let (mut x, y) = (pixels(92) as i32, pixels(14) as i32);
+    for (index, curve) in plot.curves.iter().enumerate() {
+        let line = PathElement::new([(x, y), (x + stroke, y)], curve_style(index));
+        let name = Text::new(
+            curve.name.as_str(),
+            (x + stroke * 3 / 2, y - pixels(6) as i32),
+            font.clone(),
+        );
+        area.draw(&line).expect(DRAWN_IN_MEMORY);
+        area.draw(&name).expect(DRAWN_IN_MEMORY);
+        x += pixels(44 + 8 * curve.name.chars().count() as u32) as i32;
+    }
+}
+
+fn curve_style(index: usize) -> ShapeStyle {
+    let [red, green, blue] = palette::Color::of(index).bytes();
+    RGBColor(red, green, blue).stroke_width(pixels(2))
+}
+
+fn points(plot: &LinePlot) -> impl Iterator<Item = (f64, Option<f64>)> {
+    plot.curves
+        .iter()
+        .flat_map(|curve| curve.points.iter().copied())
 }
 
 /// Range of the finite values with a little room; never empty.
@@ -124,7 +176,7 @@ mod tests {
             name: name.into(),
             points: (0..50)
                 .map(|k| 0.1 * f64::from(k))
-                .map(|t| (t, scale * t.sin()))
+                .map(|t| (t, Some(scale * t.sin())))
                 .collect(),
         }
     }
@@ -153,14 +205,19 @@ mod tests {
 
     #[test]
     fn constant_empty_and_infinite_data_are_drawn() {
-        let points = vec![(0.0, 3.0), (1.0, 3.0), (2.0, f64::INFINITY)];
+        let points = vec![
+            (0.0, Some(3.0)),
+            (1.0, Some(3.0)),
+            (2.0, Some(f64::INFINITY)),
+            (3.0, None),
+        ];
         let constant = Curve {
             name: "constant".into(),
             points,
         };
         let zero = Curve {
             name: "zero".into(),
-            points: vec![(0.0, 0.0), (1.0, 0.0)],
+            points: vec![(0.0, Some(0.0)), (1.0, Some(0.0))],
         };
         let empty = Curve {
             name: "empty".into(),
@@ -176,6 +233,35 @@ mod tests {
             );
             assert!(svg.ends_with("</svg>\n") && !svg.contains("NaN"));
         }
+    }
+
+    #[test]
+    fn a_curve_is_broken_where_there_is_no_value() {
+        let values = [Some(1.0), Some(2.0), None, Some(3.0), Some(4.0), Some(5.0)];
+        let points = values
+            .into_iter()
+            .enumerate()
+            .map(|(k, y)| (k as f64, y))
+            .collect();
+        let curve = Curve {
+            name: "broken".into(),
+            points,
+        };
+        let lengths: Vec<usize> = curve.stretches().map(|stretch| stretch.len()).collect();
+        assert_eq!(lengths, [2, 3]);
+        let svg = line_plots(
+            &[LinePlot {
+                label: "y".into(),
+                curves: vec![curve],
+            }],
+            "x",
+        );
+        let [red, green, blue] = palette::Color::of(0).bytes();
+        assert_eq!(
+            svg.matches(&format!("stroke=\"#{red:02X}{green:02X}{blue:02X}\""))
+                .count(),
+            2
+        );
     }
 
     #[test]

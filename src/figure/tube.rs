@@ -38,14 +38,17 @@ struct Piece {
 /// Thinner rods than this are drawn this wide, pixels: they would not be seen.
 const MINIMUM_WIDTH: f64 = 1.4;
 
+/// Width of the body between the outlines, as a part of the whole.
+const BODY: f64 = 0.78;
+
 /// Part of the way to white of what lies at the back: what is far is pale.
 const HAZE: f64 = 0.45;
 
 /// The rods of a scene as SVG elements, far pieces first.
 ///
 /// Each piece is one segment of the Catmull–Rom spline through the nodes, which is a cubic Bézier curve. It is
-/// painted as an outline, the body, and a highlight on the side of the light; its outline ends flat and
-/// its body round, so that the seams between the pieces of one rod do not show.
+/// painted as an outline, the body, and a highlight on the side of the light. So that no seams show between the
+/// pieces of one rod, the outline ends flat, the body round, and the highlight reaches beyond that round end.
 pub(super) fn tubes(rods: &[RodCurve], view: &View, placement: &Placement) -> String {
     let depths = rods
         .iter()
@@ -54,15 +57,12 @@ pub(super) fn tubes(rods: &[RodCurve], view: &View, placement: &Placement) -> St
     let (far, near) = depths.fold((f64::INFINITY, f64::NEG_INFINITY), |(far, near), depth| {
         (far.min(depth), near.max(depth))
     });
+    let thickest = rods.iter().map(|rod| rod.radius).fold(0.0, f64::max);
+    // Flat scenes have no depth worth showing.
+    let depth = (near - far).max(20.0 * thickest);
     let mut pieces = Vec::new();
     for (index, rod) in rods.iter().enumerate() {
-        let farness = |nearness: f64| {
-            if near > far {
-                (near - nearness) / (near - far)
-            } else {
-                0.0
-            }
-        };
+        let farness = |nearness: f64| (near - nearness) / depth;
         pieces.extend(rod_pieces(rod, Color::of(index), view, placement, farness));
     }
     pieces.sort_by(|a: &Piece, b: &Piece| a.nearness.total_cmp(&b.nearness));
@@ -98,12 +98,13 @@ fn rod_pieces(
             let next = (segment + 1) % pixels.len();
             let nearness = 0.5 * (projected[segment].nearness + projected[next].nearness);
             let color = color.towards(Color::WHITE, HAZE * farness(nearness));
-            let path = spline.path(segment);
-            let mut svg = stroke(&path, color.towards(Color::BLACK, 0.55), width, "butt");
-            svg += &stroke(&path, color, 0.78 * width, "round");
+            let outline = color.towards(Color::BLACK, 0.55);
+            let mut svg = stroke(&spline.path(segment, 0.3), outline, width, "butt");
+            svg += &stroke(&spline.path(segment, 0.0), color, BODY * width, "round");
             if width > 2.0 * MINIMUM_WIDTH {
                 let light = color.towards(Color::WHITE, 0.5);
-                svg += &stroke(&highlight.path(segment), light, 0.22 * width, "round");
+                let path = highlight.path(segment, 0.42 * BODY * width);
+                svg += &stroke(&path, light, 0.22 * width, "butt");
             }
             Piece { nearness, svg }
         })
@@ -156,16 +157,24 @@ impl Spline<'_> {
         side * side.dot(&Vector2::new(-0.6, -0.8)).clamp(-0.5, 0.5) * 2.0
     }
 
-    fn path(&self, segment: usize) -> String {
+    /// The curve from a node to the next, and a straight bit of the given length beyond both ends.
+    fn path(&self, segment: usize, beyond: f64) -> String {
         let next = (segment + 1) % self.nodes.len();
         let (start, end) = (self.nodes[segment], self.nodes[next]);
-        let (a, b) = (
-            start + self.tangent(segment) / 3.0,
-            end - self.tangent(next) / 3.0,
-        );
-        format!(
-            "M{:.2} {:.2}C{:.2} {:.2} {:.2} {:.2} {:.2} {:.2}",
+        let (leaving, arriving) = (self.tangent(segment), self.tangent(next));
+        let (a, b) = (start + leaving / 3.0, end - arriving / 3.0);
+        let curve = format!(
+            "{:.2} {:.2}C{:.2} {:.2} {:.2} {:.2} {:.2} {:.2}",
             start.x, start.y, a.x, a.y, b.x, b.y, end.x, end.y
+        );
+        if beyond == 0.0 {
+            return format!("M{curve}");
+        }
+        let before = start - leaving.cap_magnitude(beyond);
+        let after = end + arriving.cap_magnitude(beyond);
+        format!(
+            "M{:.2} {:.2}L{curve}L{:.2} {:.2}",
+            before.x, before.y, after.x, after.y
         )
     }
 }

@@ -5,6 +5,7 @@ mod cross_section;
 mod decode;
 mod document;
 mod error;
+mod explain;
 mod issue;
 mod load;
 mod overrides;
@@ -17,6 +18,7 @@ mod typed;
 mod units;
 
 pub use error::{Located, ScenarioError};
+pub use explain::{explain, json_schema};
 pub use issue::{Issue, Issues, KeyPath, did_you_mean};
 pub use load::{Loaded, from_text, load};
 pub use resolved::{
@@ -24,3 +26,4 @@ pub use resolved::{
     Load, LoadKind, Material, NaturalShape, Output, Place, Plane, Rod, Scenario, Scheme, Shape,
     Solver, Step, Stiffness, Time,
 };
+pub use units::seconds;

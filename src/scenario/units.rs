@@ -170,6 +170,14 @@ pub fn parse<D: Dimension>(text: &str) -> Result<f64, String> {
     })
 }
 
+/// Reads a time that is given outside of scenario files: a number of seconds, or text with a unit.
+///
+/// # Errors
+/// As [`parse`].
+pub fn seconds(text: &str) -> Result<f64, String> {
+    text.trim().parse().or_else(|_| parse::<Time>(text))
+}
+
 /// The sentence that lists the units of a dimension.
 pub fn allowed<D: Dimension>() -> String {
     if D::UNITS.is_empty() {

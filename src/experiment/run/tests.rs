@@ -294,7 +294,7 @@ fn a_finished_run_is_left_alone_and_force_runs_it_again() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(ProptestConfig::with_cases(12))]
     #[test]
     fn interrupted_and_continued_runs_equal_uninterrupted_ones(
         pieces in prop::collection::vec(0usize..30, 1..4)

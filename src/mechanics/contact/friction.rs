@@ -8,6 +8,9 @@
 //! γ(ρ)/ρ is an even, smooth function of ρ, so that the force is smooth at rest too. Its power
 //! −μ N γ ρ is never positive. There is no true sticking: a load of a fraction f of μN creeps at the
 //! slip speed ln((1+f)/(1−f)) ν/15.
+//!
+//! As in the thesis, v is the velocity of the centrelines and the force acts on them: the spin of a rod about its
+//! centreline neither slips nor is driven, so that rods do not roll.
 
 use crate::mechanics::{Matrix3, Vector3};
 
@@ -71,7 +74,7 @@ impl FrictionLaw {
                 -2.0 / 3.0 + z2 * (8.0 / 15.0 - z2 * (34.0 / 105.0 - z2 * (496.0 / 2835.0))),
             )
         } else {
-            let tanh = z.tanh();
+            let tanh = libm::tanh(z);
             let ratio = tanh / z;
             (ratio, (1.0 - tanh * tanh - ratio) / z2)
         };

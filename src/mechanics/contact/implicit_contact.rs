@@ -104,6 +104,14 @@ impl ImplicitContact {
         &self.parameters
     }
 
+    /// Sets the margin of the candidates, m (two radii of the thickest rod otherwise), and forgets them.
+    ///
+    /// A larger margin means fewer rebuilds, a smaller one fewer candidates and so fewer entries in the
+    /// Newton system. To be called before the first update, and again before a restart.
+    pub fn set_candidate_margin(&mut self, margin: f64) {
+        self.candidates.set_margin(margin);
+    }
+
     /// Rebuilds the candidates where some node has moved more than a quarter of the margin since they
     /// were last built; returns whether the set changed. To be called at the start of a step.
     pub fn update_candidates(&mut self, positions: &[Vector3]) -> bool {
@@ -178,24 +186,18 @@ impl ImplicitContact {
         let law = motion.friction(parameters.friction, parameters.slip_tolerance);
         self.candidates.motion(motion.positions, &mut self.motion);
         let pairs = self.candidates.pairs().iter();
-        for (candidate, (pair, earlier)) in pairs.zip(self.candidates.distances()).enumerate() {
-            let threshold = self.surface.threshold(pair.edges);
-            let limit = threshold + reach(tolerance);
-            if earlier - approach(pair, &self.motion) >= limit {
+        for (candidate, (pair, earlier)) in pairs.zip(self.candidates.gaps()).enumerate() {
+            if earlier - approach(pair, &self.motion) >= reach(tolerance) {
                 continue;
             }
             let nodes = pair.nodes.map(|node| motion.positions[node]);
             let closest = ClosestPoints::of(&nodes);
-            let distance = closest.distance();
-            if distance >= limit {
+            let (distance, threshold) = (closest.distance(), self.surface.threshold(pair.edges));
+            let gap = distance - threshold;
+            if gap >= reach(tolerance) {
                 continue;
             }
-            let response = normal_response(
-                distance - threshold,
-                0.5 * threshold,
-                tolerance,
-                self.stiffness,
-            );
+            let response = normal_response(gap, 0.5 * threshold, tolerance, self.stiffness);
             let sliding = law.map(|law| Sliding {
                 law,
                 velocities: pair.nodes.map(|node| motion.velocity(node)),
@@ -214,7 +216,7 @@ impl ImplicitContact {
                 self.jacobians.push(jacobian);
             }
             self.energy += response.energy;
-            self.contact_count += usize::from(distance < threshold + tolerance);
+            self.contact_count += usize::from(gap < tolerance);
         }
     }
 
@@ -321,15 +323,11 @@ impl ImplicitContact {
             largest = Some(largest.map_or(force, |largest| largest.max(force)));
         };
         self.candidates.motion(positions, &mut self.motion);
-        for (pair, earlier) in self
-            .candidates
-            .pairs()
-            .iter()
-            .zip(self.candidates.distances())
-        {
-            let limit = self.surface.threshold(pair.edges) + near;
-            if earlier - approach(pair, &self.motion) < limit
-                && edge_distance(&pair.nodes.map(|node| positions[node])) < limit
+        let pairs = self.candidates.pairs().iter();
+        for (pair, earlier) in pairs.zip(self.candidates.gaps()) {
+            if earlier - approach(pair, &self.motion) < near
+                && edge_distance(&pair.nodes.map(|node| positions[node]))
+                    < self.surface.threshold(pair.edges) + near
             {
                 pair.nodes.into_iter().for_each(&mut include);
             }

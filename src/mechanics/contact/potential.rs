@@ -45,8 +45,8 @@ pub(super) fn normal_response(
     let rate = SLOPE / tolerance;
     let exponent = -rate * gap;
     // ln(1 + eᵗ) and its derivative, the logistic function, both by the decaying exponential.
-    let decay = (-exponent.abs()).exp();
-    let softplus = exponent.max(0.0) + decay.ln_1p();
+    let decay = libm::exp(-exponent.abs());
+    let softplus = exponent.max(0.0) + libm::log1p(decay);
     let logistic = if exponent > 0.0 { 1.0 } else { decay } / (1.0 + decay);
     let logistic_slope = decay / ((1.0 + decay) * (1.0 + decay));
 

@@ -3,11 +3,11 @@
 //! k = s max‖F‖ over the nodes in contact, where F is the total force on a node without contact and
 //! friction: at this stiffness a contact that must bear F does so within δ of touching.
 //!
-//! The forces change from step to step, and the stiffness should not follow every flicker: since the
-//! contact force grows exponentially with the gap, a stiffness that is off by a factor of two moves
-//! the gap by no more than δ ln 2/15. So k rises to its new value where that is more than [`BAND`] times as
-//! large, and falls, by at most this factor at a time, where it is that much smaller: a peak of one step
-//! leaves the contacts of the next ones stiff.
+//! The forces change from step to step, and the stiffness should not follow every flicker: the contact
+//! force grows exponentially with the gap, so that a stiffness that is off by a factor of two moves the gap
+//! of a contact that does not penetrate by less than δ/20. So k rises to its new value where that is
+//! more than [`BAND`] times as large, and falls, by at most this factor at a time, where it is that much
+//! smaller: a peak of one step leaves the contacts of the next ones stiff.
 
 /// Factor of change that is not followed.
 const BAND: f64 = 2.0;

@@ -362,7 +362,6 @@ impl Simulation {
         std::mem::swap(&mut self.earlier_velocity, &mut self.velocity);
         self.velocity.copy_from_slice(&self.next_velocity);
         self.system.commit_frames();
-        self.control.arrived(&self.parameters.step, goal);
         self.publish();
     }
 

@@ -1,7 +1,12 @@
 //! The segment kernel and the matrix–vector product over eight nodes at a time.
 
 use super::instruction_set::{LANES, Lanes, kernel};
-use super::segment::{Segment, Symmetric};
+use super::segment::{Offset, Segment, Symmetric, combine};
+
+/// Chunks of eight lanes that go through one stage of the segment kernel before the next stage begins.
+/// A whole pair is one dependent chain of some 150 cycles; stages keep several of them in flight. One
+/// chunk takes 1.7 times as long; eight no longer fit the registers and caches of the compiler's choice.
+const TILE: usize = 4;
 
 /// Eight segments, structure of arrays; meaning and units as in [`Segment`].
 #[derive(Clone, Default)]
@@ -57,28 +62,89 @@ impl BlockLanes {
 #[repr(align(64))]
 pub(super) struct VectorLanes(pub [Lanes; 3]);
 
+/// [`Offset`]s of eight segments.
+#[derive(Clone, Copy, Default)]
+struct OffsetLanes {
+    a: Lanes,
+    p: [Lanes; 3],
+    rho2: Lanes,
+    r0: Lanes,
+    r1: Lanes,
+}
+
+impl OffsetLanes {
+    #[inline(always)]
+    fn set(&mut self, lane: usize, offset: &Offset) {
+        self.a[lane] = offset.a;
+        for k in 0..3 {
+            self.p[k][lane] = offset.p[k];
+        }
+        self.rho2[lane] = offset.rho2;
+        self.r0[lane] = offset.r0;
+        self.r1[lane] = offset.r1;
+    }
+
+    #[inline(always)]
+    fn get(&self, lane: usize) -> Offset {
+        Offset {
+            a: self.a[lane],
+            p: [self.p[0][lane], self.p[1][lane], self.p[2][lane]],
+            rho2: self.rho2[lane],
+            r0: self.r0[lane],
+            r1: self.r1[lane],
+        }
+    }
+}
+
+/// [`Segment::moments`] of eight segments.
+type MomentLanes = [[Lanes; 4]; 2];
+
 kernel! {
-    /// The blocks of the evaluation point `x` with all slots. Slot j gets A₁ of the segment that starts
-    /// there and A₂ of segment j − 1, which ends there.
+    /// The blocks of the evaluation point `x` with all slots. A slot gets A₁ of the segment that starts
+    /// there and A₂ of the segment that ends there, which is the same lane's one chunk before; the first
+    /// chunk's come from the last chunk, one lane before.
     fn assemble_row(x: [f64; 3], segments: &[SegmentLanes], blocks: &mut [BlockLanes]) {
-        // A₂ of the last segment of the chunk before.
-        let mut carried = [0.0; 6];
-        for (segments, blocks) in segments.iter().zip(blocks) {
-            let mut first = [[0.0; LANES]; 6];
-            let mut second = [[0.0; LANES]; 6];
-            for lane in 0..LANES {
-                let [a1, a2] = segments.get(lane).integral(x);
-                for c in 0..6 {
-                    first[c][lane] = a1[c];
-                    second[c][lane] = a2[c];
+        let mut ending = [[0.0; LANES]; 6];
+        for (segments, blocks) in segments.chunks(TILE).zip(blocks.chunks_mut(TILE)) {
+            let mut offsets = [OffsetLanes::default(); TILE];
+            let mut moments: [MomentLanes; TILE] = [[[[0.0; LANES]; 4]; 2]; TILE];
+            for (segments, offsets) in segments.iter().zip(&mut offsets) {
+                for lane in 0..LANES {
+                    offsets.set(lane, &segments.get(lane).offset(x));
                 }
             }
-            for c in 0..6 {
-                blocks.0[c][0] = first[c][0] + carried[c];
-                for lane in 1..LANES {
-                    blocks.0[c][lane] = first[c][lane] + second[c][lane - 1];
+            for ((segments, offsets), moments) in segments.iter().zip(&offsets).zip(&mut moments) {
+                for lane in 0..LANES {
+                    let [first, second] = segments.get(lane).moments(&offsets.get(lane));
+                    for k in 0..4 {
+                        moments[0][k][lane] = first[k];
+                        moments[1][k][lane] = second[k];
+                    }
                 }
-                carried[c] = second[c][LANES - 1];
+            }
+            for (((segments, offsets), moments), blocks) in
+                segments.iter().zip(&offsets).zip(&moments).zip(blocks)
+            {
+                let mut second = [[0.0; LANES]; 6];
+                for lane in 0..LANES {
+                    let tangent = segments.get(lane).tangent;
+                    let p = offsets.get(lane).p;
+                    let [m1, m2] = moments;
+                    let m1 = [m1[0][lane], m1[1][lane], m1[2][lane], m1[3][lane]];
+                    let m2 = [m2[0][lane], m2[1][lane], m2[2][lane], m2[3][lane]];
+                    let a1 = combine(&m1, &p, &tangent);
+                    let a2 = combine(&m2, &p, &tangent);
+                    for c in 0..6 {
+                        blocks.0[c][lane] = a1[c] + ending[c][lane];
+                        second[c][lane] = a2[c];
+                    }
+                }
+                ending = second;
+            }
+        }
+        for c in 0..6 {
+            for lane in 1..LANES {
+                blocks[0].0[c][lane] += ending[c][lane - 1];
             }
         }
     }

@@ -25,7 +25,9 @@ const ROWS_PER_TASK: usize = 32;
 /// # Slots
 /// The columns are slots: one per node, and for a closed filament one more that repeats its first node,
 /// so that segment j always runs from slot j to slot j + 1. The last slot of a filament starts a segment
-/// without length, which moves nothing. Slots fill chunks of eight lanes.
+/// without length, which moves nothing. Slots are stored in chunks of eight lanes: all that fit in the
+/// first lanes of the chunks, then in the second and so on, so that the neighbour of a slot is in the
+/// same lane of the next chunk.
 pub(super) struct FlowOperator {
     set: InstructionSet,
     filaments: Vec<SlotRange>,
@@ -94,7 +96,7 @@ impl FlowOperator {
         let void = Segment::new(&Vector3::zeros(), &Vector3::zeros(), 1.0);
         let mut segments = vec![SegmentLanes::default(); chunks];
         for slot in slots.len()..chunks * LANES {
-            segments[slot / LANES].set(slot % LANES, &void);
+            segments[slot % chunks].set(slot / chunks, &void);
         }
         Self {
             set,
@@ -118,16 +120,16 @@ impl FlowOperator {
         for (point, x) in self.points.iter_mut().zip(positions) {
             *point = (*x).into();
         }
+        let chunks = self.segments.len();
         for filament in &self.filaments {
             let last = filament.slots.end - 1;
             for slot in filament.slots.clone() {
                 let start = &positions[self.slots[slot]];
                 let end = &positions[self.slots[last.min(slot + 1)]];
                 let segment = Segment::new(start, end, filament.regularization_squared);
-                self.segments[slot / LANES].set(slot % LANES, &segment);
+                self.segments[slot % chunks].set(slot / chunks, &segment);
             }
         }
-        let chunks = self.segments.len();
         let (set, segments) = (self.set, &self.segments);
         if self.nodes() < PARALLEL_FROM {
             for (&x, row) in self.points.iter().zip(self.blocks.chunks_exact_mut(chunks)) {
@@ -153,8 +155,8 @@ impl FlowOperator {
     }
 
     fn stored(&self, row: usize, slot: usize) -> Matrix3 {
-        let chunk = row * self.segments.len() + slot / LANES;
-        full(&self.blocks[chunk].get(slot % LANES))
+        let chunks = self.segments.len();
+        full(&self.blocks[row * chunks + slot % chunks].get(slot / chunks))
     }
 
     /// `velocities` = A `densities`.
@@ -210,9 +212,11 @@ impl FlowOperator {
 
 /// Puts a vector of nodes into the lanes of the slots.
 fn spread(slots: &[usize], nodes: &[f64], lanes: &mut [VectorLanes]) {
+    let chunks = lanes.len();
     for (slot, &node) in slots.iter().enumerate() {
+        let vector = &mut lanes[slot % chunks].0;
         for k in 0..3 {
-            lanes[slot / LANES].0[k][slot % LANES] = nodes[3 * node + k];
+            vector[k][slot / chunks] = nodes[3 * node + k];
         }
     }
 }

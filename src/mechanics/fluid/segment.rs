@@ -89,13 +89,24 @@ impl Segment {
         }
     }
 
-    /// A₁ and A₂ at `x`. Free of branches so that it vectorises when called in a loop over segments;
-    /// every `mul_add` is spelled out so that the result has the same bytes on every machine.
+    /// A₁ and A₂ at `x`.
+    ///
+    /// This and its parts are free of branches so that they vectorise when called in loops over lanes;
+    /// every `mul_add` is spelled out so that the results have the same bytes on every machine.
     #[inline(always)]
     pub fn integral(&self, x: [f64; 3]) -> [Symmetric; 2] {
+        let offset = self.offset(x);
+        let [first, second] = self.moments(&offset);
+        [
+            combine(&first, &offset.p, &self.tangent),
+            combine(&second, &offset.p, &self.tangent),
+        ]
+    }
+
+    /// Where `x` lies.
+    #[inline(always)]
+    pub fn offset(&self, x: [f64; 3]) -> Offset {
         let t = self.tangent;
-        let length = self.length;
-        let epsilon2 = self.regularization_squared;
         let r = [
             x[0] - self.start[0],
             x[1] - self.start[1],
@@ -107,16 +118,32 @@ impl Segment {
             (-a).mul_add(t[1], r[1]),
             (-a).mul_add(t[2], r[2]),
         ];
+        let epsilon2 = self.regularization_squared;
         let rho2 = p[2].mul_add(p[2], p[1].mul_add(p[1], p[0].mul_add(p[0], epsilon2)));
+        let z1 = self.length - a;
+        Offset {
+            a,
+            p,
+            rho2,
+            r0: a.mul_add(a, rho2).sqrt(),
+            r1: z1.mul_add(z1, rho2).sqrt(),
+        }
+    }
+
+    /// Coefficients of A₁ and A₂ for [`combine`].
+    #[inline(always)]
+    pub fn moments(&self, offset: &Offset) -> [[f64; 4]; 2] {
+        let &Offset {
+            a, rho2, r0, r1, ..
+        } = offset;
+        let length = self.length;
+        let epsilon2 = self.regularization_squared;
         let z0 = -a;
         let z1 = length - a;
-        let r0 = z0.mul_add(z0, rho2).sqrt();
-        let r1 = z1.mul_add(z1, rho2).sqrt();
-
         let sum = r0 + r1;
         let beside = (z0 < 0.0) & (z1 > 0.0);
         let q = (r0 - z0) * (r1 + z1);
-        // ln((S + L)/(S − L)) = ln(numerator/denominator); S² − L² = product/cofactor.
+        // (S + L)/(S − L) = numerator/denominator and S² − L² = product/cofactor.
         let longer = sum + length;
         let numerator = if beside { q } else { longer };
         let denominator = if beside { rho2 } else { sum - length };
@@ -132,21 +159,35 @@ impl Segment {
         let j2 = (-rho2).mul_add(j0, i0);
         let j3 = (-rho2).mul_add(j1, i1);
 
-        let moment = [epsilon2.mul_add(j0, i0), j0, j1, j2];
-        let first = [epsilon2.mul_add(j1, i1), j1, j2, j3];
+        let whole = [epsilon2.mul_add(j0, i0), j0, j1, j2];
+        let weighted = [epsilon2.mul_add(j1, i1), j1, j2, j3];
+        let mut first = [0.0; 4];
         let mut second = [0.0; 4];
-        let mut rest = [0.0; 4];
         for k in 0..4 {
-            second[k] = a.mul_add(moment[k], first[k]) * self.inverse_length;
-            rest[k] = moment[k] - second[k];
+            second[k] = a.mul_add(whole[k], weighted[k]) * self.inverse_length;
+            first[k] = whole[k] - second[k];
         }
-        [combine(&rest, &p, &t), combine(&second, &p, &t)]
+        [first, second]
     }
+}
+
+/// Position of an evaluation point relative to a segment.
+pub(super) struct Offset {
+    /// Coordinate a of the foot along the segment, m.
+    pub a: f64,
+    /// Offset p normal to the segment, m.
+    pub p: [f64; 3],
+    /// ρ² = |p|² + ε², m².
+    pub rho2: f64,
+    /// Regularized distance R₀ to the start, m.
+    pub r0: f64,
+    /// Regularized distance R₁ to the end, m.
+    pub r1: f64,
 }
 
 /// c₀ 1 + c₁ p pᵀ − c₂ (p tᵀ + t pᵀ) + c₃ t tᵀ.
 #[inline(always)]
-fn combine(c: &[f64; 4], p: &[f64; 3], t: &[f64; 3]) -> Symmetric {
+pub(super) fn combine(c: &[f64; 4], p: &[f64; 3], t: &[f64; 3]) -> Symmetric {
     let mut u = [0.0; 3];
     let mut v = [0.0; 3];
     for k in 0..3 {

@@ -138,8 +138,9 @@ impl ElasticRods {
                 &geometry.edges[vertex.before],
                 &geometry.edges[vertex.after],
             );
-            let local =
+            let mut local =
                 vertex::gradient(before, after, strains, &vertex.natural, &vertex.stiffness);
+            local[self.ghost_of(vertex)].fill(0.0);
             self.scatter_gradient(vertex, &local, gradient);
         }
     }
@@ -162,8 +163,9 @@ impl ElasticRods {
                 &geometry.edges[vertex.before],
                 &geometry.edges[vertex.after],
             );
-            let local =
+            let mut local =
                 vertex::derivatives(before, after, strains, &vertex.natural, &vertex.stiffness);
+            self.ghost_of(vertex).for_each(|entry| local.forget(entry));
             self.scatter_gradient(vertex, &local.gradient, gradient);
             spin_moment[vertex.before] += local.gradient[3];
             spin_moment[vertex.after] += local.gradient[7];
@@ -190,6 +192,17 @@ impl ElasticRods {
                 spin_moment[edge.start],
             );
             self.scatter_edge_hessian(edge, &hessian, band, elements);
+        }
+    }
+
+    /// Places of the ghost edge of a vertex among (e⁰, φ⁰, e¹, φ¹); none where both edges are real.
+    fn ghost_of(&self, vertex: &Vertex) -> std::ops::Range<usize> {
+        if vertex.before >= self.nodes {
+            0..4
+        } else if vertex.after >= self.nodes {
+            4..8
+        } else {
+            0..0
         }
     }
 

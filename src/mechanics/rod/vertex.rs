@@ -75,6 +75,17 @@ pub struct VertexDerivatives {
     pub hessian: [[f64; 8]; 8],
 }
 
+impl VertexDerivatives {
+    /// Drops all derivatives with respect to one of (e⁰, φ⁰, e¹, φ¹): a ghost edge is prescribed.
+    pub fn forget(&mut self, entry: usize) {
+        self.gradient[entry] = 0.0;
+        self.hessian[entry] = [0.0; 8];
+        for row in &mut self.hessian {
+            row[entry] = 0.0;
+        }
+    }
+}
+
 /// Curvature binormal κb of two unit tangents.
 #[inline(always)]
 pub fn curvature_binormal(before: &Vector3, after: &Vector3) -> Vector3 {

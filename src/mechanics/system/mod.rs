@@ -460,3 +460,6 @@ fn subtract_contact_forces(contact: &ImplicitContact, residual: &mut [f64]) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

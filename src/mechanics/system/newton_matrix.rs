@@ -28,7 +28,6 @@ pub struct NewtonMatrix {
     /// Elements of contacts active in this linearisation.
     active: Vec<(usize, ElementMatrix)>,
     contact_elements: Vec<Element>,
-    candidates: usize,
     friction_on_planes: bool,
     uses_band: bool,
     spin_moment: Vec<f64>,
@@ -56,7 +55,6 @@ impl NewtonMatrix {
             closing: assembly.rods.elements.len(),
             active: Vec::new(),
             contact_elements: Vec::new(),
-            candidates: 0,
             friction_on_planes,
             uses_band: true,
             spin_moment: vec![0.0; assembly.rods.nodes + assembly.rods.ghosts],
@@ -169,17 +167,29 @@ impl NewtonMatrix {
             }
         }
         if self.coupled.is_none() && !self.active.is_empty() {
-            self.contact_elements.clear();
-            for candidate in contact.candidates() {
+            self.list_contact_elements(contact);
+        }
+    }
+
+    fn list_contact_elements(&mut self, contact: &ImplicitContact) {
+        self.contact_elements.clear();
+        for candidate in contact.candidates() {
+            let mut element = [UNUSED; 12];
+            for (corner, &node) in candidate.nodes.iter().enumerate() {
+                for axis in 0..3 {
+                    element[3 * corner + axis] = STRIDE * node + axis;
+                }
+            }
+            self.contact_elements.push(element);
+        }
+        if self.friction_on_planes {
+            for node in 0..self.held.len() / STRIDE {
                 let mut element = [UNUSED; 12];
-                for (corner, &node) in candidate.nodes.iter().enumerate() {
-                    for axis in 0..3 {
-                        element[3 * corner + axis] = STRIDE * node + axis;
-                    }
+                for axis in 0..3 {
+                    element[axis] = STRIDE * node + axis;
                 }
                 self.contact_elements.push(element);
             }
-            self.candidates = contact.candidates().len();
         }
     }
 
@@ -213,15 +223,6 @@ impl NewtonMatrix {
             none => {
                 let mut elements = self.permanent.clone();
                 elements.extend_from_slice(&self.contact_elements);
-                if self.friction_on_planes {
-                    elements.extend((0..self.held.len() / STRIDE).map(|node| {
-                        let mut element = [UNUSED; 12];
-                        for axis in 0..3 {
-                            element[axis] = STRIDE * node + axis;
-                        }
-                        element
-                    }));
-                }
                 none.insert(CoupledSystem::new(
                     self.held.len(),
                     &elements,
