@@ -174,7 +174,6 @@ mod tests {
     #[test]
     fn the_closed_form_agrees_with_quadrature() {
         let worst = segment_integral_error(1000);
-        println!("{worst:e}");
         assert!(worst < 1e-10, "{worst:e}");
     }
 
