@@ -28,39 +28,43 @@ pub struct StokesletMemory {
     neighbourhood: usize,
 }
 
-/// How the preconditioner has aged.
+/// What the present preconditioner has cost since it was built.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Age {
-    /// Solves since it was built.
+    /// Solves with it.
     solves: usize,
-    /// Iterations of the shortest of them.
-    fewest: usize,
     /// Iterations of all of them.
-    total: usize,
+    iterations: usize,
+    /// Iterations of a solve lately, smoothed.
+    recent: f64,
 }
 
 impl Age {
+    /// Solves over which `recent` is smoothed.
+    const MEMORY: f64 = 8.0;
+
     fn record(&mut self, iterations: usize) {
-        self.fewest = if self.solves == 0 {
-            iterations
+        let weight = if self.solves == 0 {
+            1.0
         } else {
-            self.fewest.min(iterations)
+            1.0 / Self::MEMORY
         };
+        self.recent += weight * (iterations as f64 - self.recent);
         self.solves += 1;
-        self.total += iterations;
+        self.iterations += iterations;
     }
 
-    /// Iterations above the fewest: what the age has cost.
-    fn excess(&self) -> usize {
-        self.total - self.solves * self.fewest
+    /// Whether to build anew: once a solve costs more than solves have cost on average since the last
+    /// building, its price (in iterations) included. For costs that only grow this rule is the best one.
+    fn is_over(&self, price: f64) -> bool {
+        self.recent * self.solves as f64 > price + self.iterations as f64
     }
 }
 
 /// Solves A f = 8πη u again and again for nodes that move a little in between (thesis Eq. 2.27).
 ///
 /// GMRES starts from the best combination of the last solutions and is preconditioned by inverses of
-/// neighbourhoods at some earlier time. They are built anew when the iterations that their age has cost
-/// add up to the price of building (the ski-rental rule: at most twice the cost of knowing the future).
+/// neighbourhoods at some earlier time; these are built anew when their age has made solves too dear.
 /// Where they do not lead to convergence even when new, the neighbourhoods double. That happens for nodes
 /// much closer than ε, whose operator is ill-conditioned, and ends when a neighbourhood holds all nodes.
 pub(super) struct StokesletDrag {
@@ -190,8 +194,8 @@ impl StokesletDrag {
         if !(size.is_finite() && positions.is_finite()) {
             return Err(FluidError::NotFinite);
         }
-        let price = self.preconditioner.building_cost(self.operator.nodes());
-        if self.preconditioned_at.is_empty() || self.age.excess() as f64 > price {
+        let price = self.preconditioner.price(self.operator.nodes());
+        if self.preconditioned_at.is_empty() || self.age.is_over(price) {
             self.build_preconditioner()?;
         }
         let tolerance = TOLERANCE * size;
