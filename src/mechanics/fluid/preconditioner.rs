@@ -21,6 +21,7 @@ const NEIGHBOURS_PER_NODE: usize = 8;
 /// Blocks of whole filaments would do as well for filaments far apart, but take 46 iterations instead of
 /// 17 in a tight bundle, where a node's next neighbours are those of other filaments.
 pub(super) struct Preconditioner {
+    set: InstructionSet,
     neighbourhood: usize,
     groups: Vec<Group>,
     parallel: bool,
@@ -56,6 +57,7 @@ impl Preconditioner {
             })
             .collect();
         Self {
+            set: InstructionSet::best(),
             neighbourhood,
             groups,
             parallel: nodes >= PARALLEL_FROM,
@@ -86,8 +88,8 @@ impl Preconditioner {
         operator: &FlowOperator,
         positions: &[Vector3],
     ) -> Result<(), FluidError> {
-        let size = self.neighbourhood.min(positions.len());
-        let build = |group: &mut Group| group.build(operator, positions, size);
+        let (set, size) = (self.set, self.neighbourhood.min(positions.len()));
+        let build = |group: &mut Group| group.build(set, operator, positions, size);
         let worked = if self.parallel {
             self.groups
                 .par_iter_mut()
@@ -105,7 +107,6 @@ impl Preconditioner {
 
     /// `y` ≈ A⁻¹ `x`.
     pub fn apply(&mut self, x: &[f64], y: &mut [f64]) {
-        let set = InstructionSet::best();
         for group in &mut self.groups {
             let own = 3 * group.first..3 * (group.first + group.nodes);
             for (k, &node) in group.neighbours.iter().enumerate() {
@@ -114,13 +115,19 @@ impl Preconditioner {
                     group.gathered[unknown / LANES][unknown % LANES] = x[3 * node + c];
                 }
             }
-            multiply_rows(set, &group.rows, &group.gathered, &mut y[own]);
+            multiply_rows(self.set, &group.rows, &group.gathered, &mut y[own]);
         }
     }
 }
 
 impl Group {
-    fn build(&mut self, operator: &FlowOperator, positions: &[Vector3], size: usize) -> bool {
+    fn build(
+        &mut self,
+        set: InstructionSet,
+        operator: &FlowOperator,
+        positions: &[Vector3],
+        size: usize,
+    ) -> bool {
         self.find_neighbours(positions, size);
         let own = 3 * self.nodes;
         let order = 3 * self.neighbours.len();
@@ -141,7 +148,7 @@ impl Group {
         for i in 0..own {
             self.system[i * stride + order + i] = 1.0;
         }
-        if !eliminate(InstructionSet::best(), &mut self.system, order, own) {
+        if !eliminate(set, &mut self.system, order, own) {
             return false;
         }
         let width = order.div_ceil(LANES);
