@@ -14,6 +14,14 @@ const STEPS_PER_TURN: f64 = 400.0;
 /// Steps per period of the lowest bending mode in the advised step.
 const STEPS_PER_PERIOD: f64 = 50.0;
 
+/// Newton iterations of a usual step.
+const ITERATIONS: f64 = 3.0;
+/// Time of one Newton iteration per node on one core, s: measured, right to a factor of three.
+const SECONDS_PER_NODE: f64 = 0.6e-6;
+/// Time of a fluid solve by regularized Stokeslets per pair of nodes, s: measured, right to a factor of
+/// three.
+const SECONDS_PER_FLUID_PAIR: f64 = 50e-9;
+
 /// Numbers that follow from a scenario.
 #[derive(Clone, Debug, Serialize)]
 pub struct DerivedNumbers {
@@ -32,6 +40,9 @@ pub struct DerivedNumbers {
     pub advised_step: Option<f64>,
     /// Steps of the whole run; `None` in a static run or with automatic steps.
     pub steps: Option<f64>,
+    /// Wall time of the whole run on one core without contact, s, right to a factor of three; `None` where
+    /// the number of steps is.
+    pub rough_wall_time: Option<f64>,
 }
 
 /// Numbers of one rod.
@@ -66,6 +77,10 @@ pub fn derived_numbers(prepared: &PreparedRun) -> DerivedNumbers {
         .map(|rod| derived_rod(rod, gravity))
         .collect();
     let speed = driven_speed(scene);
+    let steps = match (prepared.mode, prepared.integration.step) {
+        (Mode::Dynamic { end }, StepSize::Fixed(step)) => Some((end / step).ceil()),
+        _ => None,
+    };
     DerivedNumbers {
         title: prepared.title.clone(),
         experiment: prepared.experiment.clone(),
@@ -75,10 +90,8 @@ pub fn derived_numbers(prepared: &PreparedRun) -> DerivedNumbers {
             Mode::Static => None,
             Mode::Dynamic { .. } => advised_step(scene, &rods, speed),
         },
-        steps: match (prepared.mode, prepared.integration.step) {
-            (Mode::Dynamic { end }, StepSize::Fixed(step)) => Some((end / step).ceil()),
-            _ => None,
-        },
+        steps,
+        rough_wall_time: steps.map(|steps| steps * seconds_per_step(scene)),
         rods,
     }
 }
@@ -214,6 +227,31 @@ fn advised_step(scene: &Scene, rods: &[DerivedRod], speed: f64) -> Option<f64> {
     step.is_finite().then_some(step)
 }
 
+fn seconds_per_step(scene: &Scene) -> f64 {
+    let nodes: usize = scene
+        .rods
+        .iter()
+        .filter(|rod| !rod.held)
+        .map(|rod| rod.centreline.len())
+        .sum();
+    let nodes = nodes as f64;
+    let fluid = match scene.fluid {
+        Some(FluidModel::RegularizedStokeslets { .. }) => SECONDS_PER_FLUID_PAIR * nodes * nodes,
+        Some(FluidModel::Resistive { .. }) | None => 0.0,
+    };
+    ITERATIONS * SECONDS_PER_NODE * nodes + fluid
+}
+
+/// A wall time in words.
+fn in_words(seconds: f64) -> String {
+    match seconds {
+        ..1.0 => "less than a second".to_owned(),
+        ..120.0 => format!("about {seconds:.0} s"),
+        ..7200.0 => format!("about {:.0} min", seconds / 60.0),
+        _ => format!("about {:.0} h", seconds / 3600.0),
+    }
+}
+
 impl DerivedNumbers {
     /// The numbers as one line of JSON.
     pub fn to_json(&self) -> String {
@@ -266,6 +304,9 @@ impl fmt::Display for DerivedNumbers {
         if let Some(steps) = self.steps {
             line("steps", steps.to_string())?;
         }
+        if let Some(seconds) = self.rough_wall_time {
+            line("wall time, one core", in_words(seconds))?;
+        }
         Ok(())
     }
 }
@@ -278,5 +319,55 @@ impl DerivedRod {
             && self.stretching_stiffness == other.stretching_stiffness
             && self.bending_stiffness == other.bending_stiffness
             && self.twisting_stiffness == other.twisting_stiffness
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::prepare;
+    use crate::scenario::load;
+    use std::path::Path;
+
+    fn derived(scenario: &str, set: &[&str]) -> DerivedNumbers {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("scenarios")
+            .join(scenario);
+        let set: Vec<String> = set.iter().map(|&text| text.to_owned()).collect();
+        let loaded = load(&path, &set).unwrap_or_else(|error| panic!("{error}"));
+        derived_numbers(&prepare(&loaded.scenario).unwrap())
+    }
+
+    #[test]
+    fn the_heavy_cantilever_is_as_heavy_as_its_comment_says() {
+        let numbers = derived("heavy_cantilever.toml", &[]);
+        let length = numbers.rods[0].gravito_bending_length.unwrap();
+        // With L = 1 m: w L³/EI = 1/(2 L_gb³).
+        let heaviness = 0.5 / length.powi(3);
+        assert!((heaviness - 15.696).abs() < 1e-3, "{heaviness}");
+        assert_eq!(numbers.degrees_of_freedom, 4 * 51 - 1 - 3);
+        assert!(numbers.advised_step.is_none() && numbers.steps.is_none());
+    }
+
+    #[test]
+    fn flagella_move_as_fast_as_their_helices_turn() {
+        let numbers = derived("flagella_m2.toml", &["time.end=1.0"]);
+        // ρ ω a h/η = 1000 · 15 · 0.01 · 0.001/0.1.
+        assert!((numbers.reynolds_number.unwrap() - 1.5).abs() < 1e-9);
+        assert_eq!(numbers.degrees_of_freedom, 2 * (4 * 68 - 1 - 3));
+        assert_eq!(numbers.steps, Some(1000.0));
+        let step = numbers.advised_step.unwrap();
+        assert!((step - TAU / 15.0 / 400.0).abs() < 1e-12, "{step}");
+        let slow = derived("flagella_m2.toml", &["flagella.angular_velocity=1.5"]);
+        assert!((slow.advised_step.unwrap() / step - 10.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_lowest_mode_of_a_cantilever_is_that_of_euler_and_bernoulli() {
+        let rod = &derived("elastic_pendulum.toml", &[]).rods[0];
+        let mass_per_length = 1100.0 * std::f64::consts::PI * 0.004f64.powi(2);
+        let root: f64 = 1.875_104_068_711_961;
+        let frequency = (root / 0.6).powi(2) * (rod.bending_stiffness[0] / mass_per_length).sqrt();
+        assert!((rod.bending_period * frequency / TAU - 1.0).abs() < 1e-4);
     }
 }

@@ -134,13 +134,20 @@ impl<'a> Explainer<'a> {
         let mut said: Vec<&str> = Vec::new();
         for schema in self.expanded(meaning.schema) {
             let description = schema.get("description").and_then(Value::as_str);
-            if let Some(description) = description
-                && !said.contains(&description)
-                && kind(schema).is_none()
-            {
-                let _ = writeln!(text, "  {}", description.replace('\n', "\n  "));
-                said.push(description);
+            let Some(description) = description.filter(|words| !said.contains(words)) else {
+                continue;
+            };
+            let words = description.replace('\n', "\n  ");
+            match schema.get("const") {
+                Some(word) => {
+                    let _ = writeln!(text, "  {word}: {words}");
+                }
+                None if kind(schema).is_none() => {
+                    let _ = writeln!(text, "  {words}");
+                }
+                None => continue,
             }
+            said.push(description);
         }
         let mut kinds: Vec<&str> = Vec::new();
         for schema in self.expanded(meaning.schema) {
@@ -172,22 +179,68 @@ mod tests {
 
     #[test]
     fn keys_are_explained_in_words() {
-        insta::assert_snapshot!(explain("contact.friction").unwrap(), @"");
-        insta::assert_snapshot!(explain("rods.0.radius").unwrap(), @"");
-        insta::assert_snapshot!(explain("rods.shape.radius").unwrap(), @"");
-        insta::assert_snapshot!(explain("rods.shape").unwrap(), @"");
-        insta::assert_snapshot!(explain("loads.acceleration").unwrap(), @"");
-        insta::assert_snapshot!(explain("time").unwrap(), @"");
-        insta::assert_snapshot!(explain("time.mode").unwrap(), @"");
-        insta::assert_snapshot!(explain("clamps.at").unwrap(), @"");
-        insta::assert_snapshot!(explain("").unwrap(), @"");
+        insta::assert_snapshot!(explain("contact.friction").unwrap(), @r###"
+contact.friction
+  Coulomb friction coefficient. Default: 0.
+  A pure number.
+"###);
+        insta::assert_snapshot!(explain("rods.0.radius").unwrap(), @r###"
+rods.radius
+  Radius of the surface that touches other rods and the fluid, and of a circular cross-section.
+  Default for a rectangle: half its smaller side.
+  A number in m, or text with a unit; allowed units: m, cm, mm, µm, um, nm, km, in.
+"###);
+        insta::assert_snapshot!(explain("rods.shape.radius").unwrap(), @r###"
+rods.shape.radius (of kind "helix")
+  Radius of the helix.
+  A number in m, or text with a unit; allowed units: m, cm, mm, µm, um, nm, km, in.
+rods.shape.radius (of kind "arc")
+  Radius of the circle.
+  A number in m, or text with a unit; allowed units: m, cm, mm, µm, um, nm, km, in.
+rods.shape.radius (of kind "ring")
+  Radius of the circle.
+  A number in m, or text with a unit; allowed units: m, cm, mm, µm, um, nm, km, in.
+"###);
+        insta::assert_snapshot!(explain("rods.shape").unwrap(), @r###"
+rods.shape
+  Where the rod is placed.
+  A curve in space.
+  kinds: straight, helix, arc, ring, points
+  keys: end, start, axis, centre, handedness, length, phase, pitch, radius, turns, angle, normal, tangent, file, points
+"###);
+        insta::assert_snapshot!(explain("loads.acceleration").unwrap(), @r###"
+loads.acceleration (of kind "gravity")
+  Acceleration of free fall, for example [0, 0, -9.81].
+  A number in m/s^2, or text with a unit; allowed units: m/s^2, cm/s^2, mm/s^2.
+"###);
+        insta::assert_snapshot!(explain("time").unwrap(), @r###"
+time
+  Dynamic or static, and the time steps.
+  keys: end, maximum_step, mode, scheme, step, tolerance
+"###);
+        insta::assert_snapshot!(explain("time.mode").unwrap(), @r###"
+time.mode
+  "dynamic" (the default) or "static" (equilibrium by Newton's method without inertia).
+  Modes of a run.
+  "dynamic": Time steps from zero to `end`.
+  "static": Equilibrium, without inertia.
+"###);
+        insta::assert_snapshot!(explain("clamps.at").unwrap(), @r###"
+clamps.at
+  "start", "end", or the number of a node, counted from zero.
+  "start", "end", or a number counted from zero.
+"###);
+        insta::assert_snapshot!(explain("").unwrap(), @r###"
+A rodlab scenario. Numbers are in SI units; text may carry a unit, such as "1.6 mm".
+keys: clamps, contact, experiment, extends, flagella, fluid, loads, material, output, planes, rod, rods, solver, time, title
+"###);
     }
 
     #[test]
     fn unknown_keys_get_advice() {
-        insta::assert_snapshot!(explain("contact.frictoin").unwrap_err(), @"");
-        insta::assert_snapshot!(explain("kontakt").unwrap_err(), @"");
-        insta::assert_snapshot!(explain("solver.qqq").unwrap_err(), @"");
+        insta::assert_snapshot!(explain("contact.frictoin").unwrap_err(), @"there is no key `frictoin` in `contact`; did you mean `friction`?");
+        insta::assert_snapshot!(explain("kontakt").unwrap_err(), @"there is no key `kontakt` at the top of a scenario; did you mean `contact`?");
+        insta::assert_snapshot!(explain("solver.qqq").unwrap_err(), @"there is no key `qqq` in `solver`; the keys are: displacement_tolerance, force_tolerance, maximum_iterations, minimum_step");
     }
 
     #[test]

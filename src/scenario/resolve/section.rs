@@ -28,11 +28,6 @@ pub const FINITE: Range = Range {
     allows: f64::is_finite,
     words: "any finite number",
 };
-/// Any finite number but 0.
-pub const NON_ZERO: Range = Range {
-    allows: |value| value != 0.0,
-    words: "any finite number but 0",
-};
 /// Between 0 and 1, both excluded.
 pub const FRACTION: Range = Range {
     allows: |value| value > 0.0 && value < 1.0,

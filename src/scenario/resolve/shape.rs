@@ -1,6 +1,6 @@
 //! Resolving shapes.
 
-use super::section::{FINITE, NON_ZERO, POSITIVE, Section};
+use super::section::{FINITE, POSITIVE, Section};
 use super::{Context, polyline};
 use crate::scenario::resolved::{Handedness, NaturalShape, Shape};
 use crate::scenario::typed;
@@ -135,8 +135,8 @@ fn arc(section: &Section<'_>, typed: &typed::Arc) -> Shape {
     } else {
         across.map(|component| component / size)
     };
-    let angle = section.required("angle", &typed.angle, NON_ZERO);
-    if !(0.0..=TAU).contains(&angle) {
+    let angle = section.required("angle", &typed.angle, POSITIVE);
+    if angle > TAU {
         section.fault(
             "angle",
             format!("{angle} rad is out of range; allowed: greater than 0 and at most a full turn"),
