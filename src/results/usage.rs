@@ -5,7 +5,7 @@ use std::ops::Add;
 use std::time::{Duration, Instant};
 
 /// Cost of a case.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Usage {
     /// Time on the clock.
     pub wall_time: Duration,
@@ -13,6 +13,17 @@ pub struct Usage {
     pub cpu_time: Option<Duration>,
     /// Largest resident memory of the process, bytes; `None` where the system does not tell.
     pub peak_memory: Option<u64>,
+}
+
+/// No work at all.
+impl Default for Usage {
+    fn default() -> Self {
+        Self {
+            wall_time: Duration::ZERO,
+            cpu_time: Some(Duration::ZERO),
+            peak_memory: None,
+        }
+    }
 }
 
 /// The cost of two stretches of work, one after the other.
@@ -114,5 +125,6 @@ mod tests {
         };
         let sum = usage(1, Some(7)) + usage(2, None);
         assert_eq!(sum, usage(3, Some(7)));
+        assert_eq!(Usage::default() + sum, sum);
     }
 }
