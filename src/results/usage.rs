@@ -101,18 +101,11 @@ mod tests {
     fn work_costs_processor_time_and_memory() {
         let meter = UsageMeter::start();
         let block = std::hint::black_box(vec![1u8; 64 << 20]);
-        let mut sum = 0u64;
-        while meter.start.elapsed() < Duration::from_millis(100) {
-            sum += block
-                .iter()
-                .step_by(4096)
-                .map(|byte| u64::from(*byte))
-                .sum::<u64>();
+        // Ends only if processor time is counted.
+        while meter.usage().cpu_time.unwrap() < Duration::from_millis(50) {
+            std::hint::black_box(block.iter().map(|byte| u64::from(*byte)).sum::<u64>());
         }
-        assert!(std::hint::black_box(sum) > 0);
         let usage = meter.usage();
-        assert!(usage.wall_time >= Duration::from_millis(100));
-        assert!(usage.cpu_time.unwrap() > Duration::ZERO, "{usage:?}");
         assert!(usage.peak_memory.unwrap() > 64 << 20, "{usage:?}");
     }
 
