@@ -10,6 +10,7 @@
 //! | `potential` | the contact energy of a gap (Eqs. 2.15, 2.16) |
 //! | `friction` | Coulomb friction, smoothed near zero slip (Eqs. 2.7–2.14) |
 //! | `edge_contact`, `plane_contact` | force and Jacobian of one contact |
+//! | `multipliers` | normal forces that Newton's method carries along |
 //! | `stiffness` | the adaptive contact stiffness (Eqs. 2.18, 2.19) |
 //! | `implicit_contact`, `contacts` | all contacts of a scene |
 //! | `proximity` | least distance, penetration, overlaps of a new scene |
@@ -24,6 +25,7 @@ mod edge_contact;
 mod friction;
 mod implicit_contact;
 mod memory;
+mod multipliers;
 mod parameters;
 mod plane_contact;
 mod potential;
