@@ -173,7 +173,7 @@ pub fn parse<D: Dimension>(text: &str) -> Result<f64, String> {
 /// Reads a time that is given outside of scenario files: a number of seconds, or text with a unit.
 ///
 /// # Errors
-/// As [`parse`].
+/// A message that says what is wrong and which units may stand there.
 pub fn seconds(text: &str) -> Result<f64, String> {
     text.trim().parse().or_else(|_| parse::<Time>(text))
 }
