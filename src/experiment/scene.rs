@@ -3,9 +3,10 @@
 use super::curve::{SampledCurve, sample};
 use super::flagella;
 use super::prepared::{Mode, OutputPlan, PreparedRun};
+use super::run::RunError;
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::ContactParameters;
-use crate::mechanics::dynamics::{self, IntegrationParameters, StepSize};
+use crate::mechanics::dynamics::{self, IntegrationParameters, Simulation, StepSize};
 use crate::mechanics::fluid::FluidModel;
 use crate::mechanics::scene as mechanics;
 use crate::scenario::{
@@ -72,6 +73,16 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
             vtk: scenario.output.vtk,
         },
     })
+}
+
+/// Tries whether the mechanics can be set up: rods that start inside each other, contradicting clamps.
+///
+/// # Errors
+/// [`RunError::Scene`] says what is impossible.
+pub fn try_scene(prepared: &PreparedRun) -> Result<(), RunError> {
+    Simulation::new(&prepared.scene, &prepared.integration)
+        .map(|_| ())
+        .map_err(RunError::Scene)
 }
 
 fn place_rod(rod: &Rod, path: &KeyPath) -> Result<mechanics::RodDescription, Issue> {
