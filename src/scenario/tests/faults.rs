@@ -50,6 +50,11 @@ beam.toml:1:1: `time`: missing key `end` (a time, greater than 0)
 }
 
 #[test]
+fn a_scene_in_which_nothing_can_move_is_refused() {
+    insta::assert_snapshot!(faults("edges = 50", "edges = 50\nheld = true"), @"");
+}
+
+#[test]
 fn several_faults_are_reported_together() {
     let text = BEAM
         .replace("radius = \"5 mm\"", "raduis = 5")
