@@ -1,7 +1,7 @@
 //! The arguments of the program and those common to all subcommands.
 
 use super::failure::Failure;
-use super::{check, completions, explain, init, plot, run};
+use super::{check, completions, explain, init, plot, run, verify};
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use std::io::IsTerminal;
 
@@ -41,6 +41,8 @@ pub enum Command {
     Schema,
     /// Explain a key of scenario files in words
     Explain(explain::ExplainArguments),
+    /// Compare the engine with theory, check by check
+    Verify(verify::VerifyArguments),
     /// Draw the figures of a results directory
     Plot(plot::PlotArguments),
     /// Print a completion script for a shell

@@ -15,6 +15,11 @@ pub enum Failure {
     Run(RunError),
     /// A results directory could not be read or written.
     Results(ResultsError),
+    /// Physics checks failed.
+    Checks {
+        /// How many.
+        failed: usize,
+    },
     /// The system refused something.
     System(String),
 }
@@ -26,6 +31,7 @@ impl Failure {
             Self::Scenario(_) | Self::Input(_) => 2,
             Self::Run(error) => error.exit_code(),
             Self::Results(error) => error.exit_code(),
+            Self::Checks { .. } => 4,
             Self::System(_) => 1,
         }
     }
@@ -39,6 +45,7 @@ impl Failure {
                 }
             }
             Self::Input(message) | Self::System(message) => eprintln!("error: {message}"),
+            Self::Checks { failed } => eprintln!("error: {failed} physics checks failed"),
             Self::Run(error) => eprintln!("error: {error}"),
             Self::Results(error) => eprintln!("error: {error}"),
         }

@@ -24,7 +24,7 @@ mod output;
 mod plot;
 mod run;
 mod schema;
-pub mod verify;
+mod verify;
 
 use arguments::{Arguments, Command};
 use clap::Parser;
@@ -52,6 +52,7 @@ fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
         Command::Init(command) => init::init(command),
         Command::Schema => schema::schema(),
         Command::Explain(command) => explain::explain(command),
+        Command::Verify(command) => verify::verify(command),
         Command::Plot(command) => plot::plot(command),
         Command::Completions(command) => completions::completions(command),
     }

@@ -424,7 +424,7 @@ moment = [1, 0, 0]
         insta::assert_snapshot!(fault("at = 10", "at = 11"), @r#"two.toml:17:6: `clamps.0.at`: rod `beam` has no node 11; allowed: 0 to 10, "start" or "end""#);
         insta::assert_snapshot!(fault("at = \"end\"", "at = 10"), @r#"two.toml:21:6: `loads.0.at`: rod `beam` has no edge 10; allowed: 0 to 9, "start" or "end""#);
         let twice = "[[clamps]]\nrod = \"beam\"\nat = \"end\"\n[[loads]]";
-        insta::assert_snapshot!(fault("[[loads]]", twice), @"");
+        insta::assert_snapshot!(fault("[[loads]]", twice), @"two.toml:20:6: `clamps.1.at`: another clamp holds this node already");
         let closed = "shape = { kind = \"points\", points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0]] }\nclosed = true";
         let straight =
             "edges = 10\nshape = { kind = \"straight\", start = [0, 0, 0], end = [1, 0, 0] }";

@@ -13,45 +13,96 @@ pub struct Snapshot {
     pub rods: Vec<RodCurve>,
 }
 
-/// Width of the page and greatest height of the drawings on it, pixels.
+/// Width of the page and greatest height of all drawings on it together, pixels.
 const PAGE_WIDTH: f64 = 960.0;
 const MAXIMUM_HEIGHT: f64 = 520.0;
 const MARGIN: f64 = 16.0;
-/// Room for a title above, and for the scale bar and the axes below.
+/// Room for the title above each drawing, and for the scale bar and the axes below all.
 const HEAD: f64 = 30.0;
 const FOOT: f64 = 56.0;
 
 /// Draws snapshots side by side as an SVG: same view, same scale, tubes of true radius.
 ///
-/// Lengths across the view are true; what lies farther from the eye is paler. The scale bar and the axes of
-/// the scene stand below.
+/// Wide scenes stand in several rows, whatever makes them largest. Lengths across the view are true; what
+/// lies farther from the eye is paler. The scale bar and the axes of the scene stand below.
 pub fn snapshots(snapshots: &[Snapshot], view: &View) -> String {
     let extent = Extent::of(snapshots, view);
-    let panels = snapshots.len().max(1) as f64;
-    let panel_width = (PAGE_WIDTH - MARGIN) / panels - MARGIN;
-    let scale = (panel_width / extent.size().x).min(MAXIMUM_HEIGHT / extent.size().y);
-    let height = HEAD + scale * extent.size().y + FOOT;
-
+    let grid = Grid::largest(snapshots.len().max(1), &extent);
+    let height = grid.rows as f64 * grid.cell.y + FOOT;
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {PAGE_WIDTH} {height:.0}\" \
          font-family=\"system-ui, sans-serif\" font-size=\"14\" text-anchor=\"middle\">\n\
          <rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n"
     );
     for (index, snapshot) in snapshots.iter().enumerate() {
-        let middle = MARGIN + (index as f64 + 0.5) * (panel_width + MARGIN) - 0.5 * MARGIN;
+        let corner = grid.corner(index);
+        let middle = Vector2::new(0.5 * grid.cell.x, 0.5 * (HEAD + grid.cell.y));
         let centre = extent.centre();
-        let origin = Vector2::new(
-            middle - scale * centre.x,
-            HEAD + scale * (0.5 * extent.size().y + centre.y),
+        let origin = corner + middle - grid.scale * Vector2::new(centre.x, -centre.y);
+        let placement = Placement {
+            origin,
+            scale: grid.scale,
+        };
+        svg += &text(
+            corner + Vector2::new(middle.x, 20.0),
+            &escape(&snapshot.title),
         );
-        svg += &text(Vector2::new(middle, 20.0), &escape(&snapshot.title));
         svg += "<g fill=\"none\">\n";
-        svg += &tubes(&snapshot.rods, view, &Placement { origin, scale });
+        svg += &tubes(&snapshot.rods, view, &placement);
         svg += "</g>\n";
     }
-    svg += &scale_bar(Vector2::new(MARGIN, height - 14.0), scale);
+    svg += &scale_bar(Vector2::new(MARGIN, height - 14.0), grid.scale);
     svg += &axes(Vector2::new(PAGE_WIDTH - 44.0, height - 26.0), view);
     svg + "</svg>\n"
+}
+
+/// How the drawings are laid out.
+struct Grid {
+    columns: usize,
+    rows: usize,
+    /// Size of a drawing with its margins and title, pixels.
+    cell: Vector2<f64>,
+    /// Pixels per metre.
+    scale: f64,
+}
+
+impl Grid {
+    /// The grid on which the drawings are largest, and of equals the one with the fewest rows.
+    fn largest(drawings: usize, extent: &Extent) -> Self {
+        let grids = (1..=drawings).map(|rows| Self::with_rows(rows, drawings, extent));
+        grids
+            .reduce(|best, grid| {
+                if grid.scale > 1.001 * best.scale {
+                    grid
+                } else {
+                    best
+                }
+            })
+            .expect("there is at least one row")
+    }
+
+    fn with_rows(rows: usize, drawings: usize, extent: &Extent) -> Self {
+        let columns = drawings.div_ceil(rows);
+        let size = extent.size();
+        let width = (PAGE_WIDTH - MARGIN) / columns as f64;
+        let height = MAXIMUM_HEIGHT / rows as f64 - HEAD;
+        let scale = ((width - MARGIN) / size.x).min(height / size.y);
+        Self {
+            columns,
+            rows,
+            cell: Vector2::new(width, HEAD + scale * size.y),
+            scale,
+        }
+    }
+
+    /// Top left corner of a drawing.
+    fn corner(&self, index: usize) -> Vector2<f64> {
+        let (row, column) = (index / self.columns, index % self.columns);
+        Vector2::new(
+            0.5 * MARGIN + column as f64 * self.cell.x,
+            row as f64 * self.cell.y,
+        )
+    }
 }
 
 /// Smallest rectangle on the picture plane that holds all rods with their thickness, m.
@@ -237,6 +288,19 @@ mod tests {
             assert_eq!(opened, svg.matches(&format!("</{name}>")).count(), "{name}");
         }
         assert!(!svg.contains("NaN") && !svg.contains("inf"));
+    }
+
+    #[test]
+    fn wide_scenes_are_stacked_and_tall_ones_stand_side_by_side() {
+        let extent = |x: f64, y: f64| Extent {
+            low: Vector2::zeros(),
+            high: Vector2::new(x, y),
+        };
+        let columns = |x, y| Grid::largest(4, &extent(x, y)).columns;
+        assert_eq!(
+            [columns(1.0, 3.0), columns(1.5, 1.0), columns(9.0, 1.0)],
+            [4, 2, 1]
+        );
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use super::rods::{STIFFNESS_RATIO, clamp, line, unit_rod, unit_stiffness};
 use super::theory::beam::{CLAMPED_COLUMN, clamped_twist_moment, ring_twist};
 use super::theory::numerics::bisect;
-use super::{Check, Claim};
+use super::{Check, Claim, FamilyError};
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::{IntegrationParameters, Simulation, SimulationError};
 use crate::mechanics::scene::{NaturalShape, RodDescription, Scene};
@@ -24,7 +24,7 @@ const MICHELL: Claim = Claim {
 const EDGES: usize = 80;
 
 /// Euler's column, the twisted rod and the twisted ring.
-pub fn checks(_full: bool) -> Result<Vec<Check>, SimulationError> {
+pub fn checks(_full: bool) -> Result<Vec<Check>, FamilyError> {
     Ok(vec![
         EULER.relative(
             "column with clamped ends: critical load P L²/EI",

@@ -1,11 +1,9 @@
 //! A free rod that tumbles and vibrates: what the implicit midpoint rule keeps.
 
 use super::rods::unit_rod;
-use super::{Check, Claim};
+use super::{Check, Claim, FamilyError};
 use crate::mechanics::Vector3;
-use crate::mechanics::dynamics::{
-    IntegrationParameters, Scheme, Simulation, SimulationError, StepSize,
-};
+use crate::mechanics::dynamics::{IntegrationParameters, Scheme, Simulation, StepSize};
 use crate::mechanics::scene::{RodDescription, Scene};
 
 const ENERGY: Claim = Claim {
@@ -26,7 +24,7 @@ const EDGES: usize = 30;
 const STEP: f64 = 5e-4;
 
 /// Drift of energy, momentum and angular momentum.
-pub fn checks(full: bool) -> Result<Vec<Check>, SimulationError> {
+pub fn checks(full: bool) -> Result<Vec<Check>, FamilyError> {
     let steps = if full { 40_000 } else { 2_000 };
     let parameters = IntegrationParameters {
         scheme: Scheme::ImplicitMidpoint,

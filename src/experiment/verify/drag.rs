@@ -1,7 +1,7 @@
 //! Drag in viscous fluid, against quadrature and a dense solution.
 
 use super::theory::stokeslet::{adaptive_segment_integral, forces};
-use super::{Check, Claim};
+use super::{Check, Claim, FamilyError};
 use crate::mechanics::dynamics::SimulationError;
 use crate::mechanics::fluid::{Filament, Fluid, FluidModel, segment_integral};
 use crate::mechanics::{Matrix3, Vector3};
@@ -20,7 +20,7 @@ const REGULARIZATION: f64 = 1.02;
 const BOUND: f64 = 1e-3;
 
 /// Segment integral, straight rod, helix of the thesis.
-pub fn checks(_full: bool) -> Result<Vec<Check>, SimulationError> {
+pub fn checks(_full: bool) -> Result<Vec<Check>, FamilyError> {
     let mut checks = vec![segment_check()];
     checks.extend(straight_rod()?);
     checks.extend(helix()?);

@@ -2,9 +2,9 @@
 
 use super::rods::{clamp, unit_rod};
 use super::theory::localized_buckling::LocalizedBuckle;
-use super::{Check, Claim};
+use super::{Check, Claim, FamilyError};
 use crate::mechanics::Vector3;
-use crate::mechanics::dynamics::{IntegrationParameters, Simulation, SimulationError};
+use crate::mechanics::dynamics::{IntegrationParameters, Simulation};
 use crate::mechanics::scene::{RodDescription, Scene, Stiffness};
 use std::f64::consts::TAU;
 
@@ -26,7 +26,7 @@ const SHORTENING: f64 = 0.3;
 const EDGES: usize = 800;
 
 /// Depth of the buckle and its envelope.
-pub fn checks(_full: bool) -> Result<Vec<Check>, SimulationError> {
+pub fn checks(_full: bool) -> Result<Vec<Check>, FamilyError> {
     let theory = LocalizedBuckle::new(BENDING, TWISTING, LENGTH, TURNS * TAU, SHORTENING);
     let mut simulation = Simulation::new(&scene(&theory), &IntegrationParameters::default())?;
     simulation.find_equilibrium()?;

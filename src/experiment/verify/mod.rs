@@ -7,7 +7,10 @@
 mod buckling;
 mod check;
 mod conservation;
+mod derivatives;
+mod determinism;
 mod drag;
+mod friction;
 mod localized_buckling;
 mod rods;
 mod statics;
@@ -19,21 +22,27 @@ mod vibration;
 
 pub use check::{Check, Claim, Verdict, table};
 
-use crate::mechanics::dynamics::SimulationError;
 use rayon::prelude::*;
+use std::error::Error;
 
 /// A family of checks. With `full` it may take minutes and cover more parameters.
-type Family = fn(full: bool) -> Result<Vec<Check>, SimulationError>;
+type Family = fn(full: bool) -> Result<Vec<Check>, FamilyError>;
+
+/// Whatever kept a family from coming to its numbers.
+type FamilyError = Box<dyn Error + Send + Sync>;
 
 /// All families, in the order of the table.
-const FAMILIES: [(&str, Family); 7] = [
+const FAMILIES: [(&str, Family); 10] = [
+    ("derivatives", derivatives::checks),
     ("statics", statics::checks),
     ("vibration", vibration::checks),
     ("buckling", buckling::checks),
     ("localised buckling", localized_buckling::checks),
+    ("friction", friction::checks),
+    ("drag", drag::checks),
     ("conservation", conservation::checks),
     ("symmetry", symmetry::checks),
-    ("drag", drag::checks),
+    ("determinism", determinism::checks),
 ];
 
 /// Runs every check. A family whose simulation fails yields one failed check that says why.

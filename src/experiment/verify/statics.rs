@@ -2,7 +2,7 @@
 
 use super::rods::{clamp, gravity, line, steady, unit_rod};
 use super::theory::elastica::{Cantilever, CantileverLoad};
-use super::{Check, Claim};
+use super::{Check, Claim, FamilyError};
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::{
     IntegrationParameters, Scheme, Simulation, SimulationError, StepSize,
@@ -30,7 +30,7 @@ const RELAXED: Claim = Claim {
 const GAMMA: f64 = 15.696;
 
 /// Tips of heavy and tip-loaded cantilevers, order of convergence, and the same by damped motion.
-pub fn checks(full: bool) -> Result<Vec<Check>, SimulationError> {
+pub fn checks(full: bool) -> Result<Vec<Check>, FamilyError> {
     let mut checks = Vec::new();
     let loads: &[(f64, f64)] = if full {
         &[

@@ -1,7 +1,8 @@
 //! Answers that must not depend on where the axes point or how nodes and rods are numbered.
 
 use super::rods::{clamp, line, steady, unit_rod};
-use super::{Check, Claim};
+use super::{Check, Claim, FamilyError};
+use crate::mechanics::contact::ContactParameters;
 use crate::mechanics::dynamics::{IntegrationParameters, Simulation, SimulationError, StepSize};
 use crate::mechanics::scene::{Clamp, LoadKind, NaturalShape, RodDescription, Scene};
 use crate::mechanics::{Matrix3, Vector3};
@@ -20,23 +21,29 @@ const EDGES: usize = 24;
 const STEP: f64 = 5e-3;
 
 /// Rigid motion, reversed nodes and swapped rods, each for twenty time steps of two rods.
-pub fn checks(_full: bool) -> Result<Vec<Check>, SimulationError> {
-    let scene = two_rods();
-    let original = run(&scene)?;
+pub fn checks(_full: bool) -> Result<Vec<Check>, FamilyError> {
+    let mut checks = invariance(&two_rods(), "two rods")?;
+    checks.extend(invariance(&touching_rods(), "two rods in contact")?);
+    Ok(checks)
+}
+
+/// Compares a scene of two rods with itself moved and renumbered.
+fn invariance(scene: &Scene, name: &str) -> Result<Vec<Check>, FamilyError> {
+    let original = run(scene)?;
     let rotation =
         Rotation3::from_axis_angle(&Unit::new_normalize(Vector3::new(1.0, 2.0, -0.7)), 1.1);
     let (turn, shift) = (*rotation.matrix(), Vector3::new(0.3, -0.8, 0.5));
-    let moved = run(&moved(&scene, &turn, &shift))?;
+    let moved = run(&moved(scene, &turn, &shift))?;
     let expected: Vec<Vector3> = original.iter().map(|x| turn * x + shift).collect();
-    let reversed_nodes: Vec<Vector3> = run(&reversed(&scene))?
+    let reversed_nodes: Vec<Vector3> = run(&reversed(scene))?
         .chunks(EDGES + 1)
         .flat_map(|rod| rod.iter().rev().copied())
         .collect();
-    let mut swapped_rods = run(&swapped(&scene))?;
+    let mut swapped_rods = run(&swapped(scene))?;
     swapped_rods.rotate_left(EDGES + 1);
     Ok(vec![
         RIGID_MOTION.scaled(
-            "two rods turned and shifted: farthest node",
+            format!("{name} turned and shifted: farthest node"),
             "m",
             0.0,
             farthest(&expected, &moved),
@@ -44,7 +51,7 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, SimulationError> {
             BOUND,
         ),
         RELABELLING.scaled(
-            "two rods, nodes in reverse: farthest node",
+            format!("{name}, nodes in reverse: farthest node"),
             "m",
             0.0,
             farthest(&original, &reversed_nodes),
@@ -52,7 +59,7 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, SimulationError> {
             BOUND,
         ),
         RELABELLING.scaled(
-            "two rods, swapped: farthest node",
+            format!("{name}, swapped: farthest node"),
             "m",
             0.0,
             farthest(&original, &swapped_rods),
@@ -93,6 +100,37 @@ fn two_rods() -> Scene {
                 force: Vector3::new(0.5, -1.0, 2.0),
             }),
         ],
+        ..Scene::default()
+    }
+}
+
+/// A rod that falls across another one whose ends are held; they touch from the first step on and rub.
+fn touching_rods() -> Scene {
+    let thick = 0.01;
+    let contact = ContactParameters {
+        distance_tolerance: 1e-3,
+        friction: 0.3,
+        slip_tolerance: 0.1,
+        ..ContactParameters::default()
+    };
+    let rod = |start, end| RodDescription {
+        radius: thick,
+        ..unit_rod(line(start, end, EDGES))
+    };
+    let lower = rod(Vector3::zeros(), Vector3::x());
+    let height = 2.0 * thick + 0.5 * contact.distance_tolerance;
+    let mut upper = rod(
+        Vector3::new(0.33, -0.3, height),
+        Vector3::new(0.72, 0.6, height),
+    );
+    upper.velocity = Vector3::new(0.5, 0.2, -0.3);
+    Scene {
+        rods: vec![lower, upper],
+        clamps: vec![clamp(0), clamp(EDGES)],
+        loads: vec![steady(LoadKind::Gravity {
+            acceleration: Vector3::new(0.0, 0.0, -5.0),
+        })],
+        contact: Some(contact),
         ..Scene::default()
     }
 }
@@ -138,8 +176,7 @@ fn moved(scene: &Scene, turn: &Matrix3, shift: &Vector3) -> Scene {
 fn reversed(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     for rod in &mut scene.rods {
-        // The director on the last edge: that of an untwisted plane-like arc follows the first one by
-        // parallel transport, which a simulation of no steps yields.
+        // The director on the last edge follows the first one by parallel transport.
         rod.first_director = last_director(rod);
         rod.centreline.reverse();
     }
@@ -184,4 +221,16 @@ fn farthest(a: &[Vector3], b: &[Vector3]) -> f64 {
         .zip(b)
         .map(|(a, b)| (a - b).norm())
         .fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_falling_rod_touches() {
+        let mut simulation =
+            Simulation::new(&touching_rods(), &IntegrationParameters::default()).unwrap();
+        assert!(simulation.advance(STEP).unwrap().contacts > 0);
+    }
 }

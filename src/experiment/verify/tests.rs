@@ -47,3 +47,18 @@ fn symmetry_passes() {
 fn drag_passes() {
     assert_passes(drag::checks);
 }
+
+#[test]
+fn derivatives_pass() {
+    assert_passes(derivatives::checks);
+}
+
+#[test]
+fn determinism_pass() {
+    assert_passes(determinism::checks);
+}
+
+#[test]
+fn friction_pass() {
+    assert_passes(friction::checks);
+}

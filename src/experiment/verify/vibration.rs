@@ -2,7 +2,7 @@
 
 use super::rods::{RADIUS, STIFFNESS_RATIO, clamp, line, unit_rod};
 use super::theory::beam::{cantilever_wave_number, fixed_free_wave_number};
-use super::{Check, Claim};
+use super::{Check, Claim, FamilyError};
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::{IntegrationParameters, Simulation, SimulationError};
 use crate::mechanics::scene::Scene;
@@ -23,7 +23,7 @@ const BOUND: f64 = 5e-3;
 const EDGES: usize = 50;
 
 /// First three bending modes, first torsional and first axial mode.
-pub fn checks(_full: bool) -> Result<Vec<Check>, SimulationError> {
+pub fn checks(_full: bool) -> Result<Vec<Check>, FamilyError> {
     let modes = Modes::of_cantilever()?;
     let mut checks = Vec::new();
     // Bending modes come in pairs, one in either plane.

@@ -255,11 +255,11 @@ impl Simulation {
             }
             self.system.update_candidates(&self.trial);
         }
-        if let Some(contact) = &self.system.contact {
-            if let Some(overlap) = contact.excessive_penetration() {
-                let what = describe_overlap(&overlap, contact, &self.system.assembly);
-                return Err(Failure::Penetration { iterations, what });
-            }
+        if let Some(contact) = &self.system.contact
+            && let Some(overlap) = contact.excessive_penetration()
+        {
+            let what = describe_overlap(&overlap, contact, &self.system.assembly);
+            return Err(Failure::Penetration { iterations, what });
         }
         if self.parameters.scheme == Scheme::ImplicitMidpoint {
             for (end, start) in self.trial.iter_mut().zip(&self.unknowns) {

@@ -51,7 +51,7 @@ beam.toml:1:1: `time`: missing key `end` (a time, greater than 0)
 
 #[test]
 fn a_scene_in_which_nothing_can_move_is_refused() {
-    insta::assert_snapshot!(faults("edges = 50", "edges = 50\nheld = true"), @"");
+    insta::assert_snapshot!(faults("edges = 50", "edges = 50\nheld = true"), @"beam.toml:9:1: `rods`: every rod is held; at least one must be free to move");
 }
 
 #[test]
