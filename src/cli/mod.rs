@@ -1,6 +1,59 @@
-//! The command line: one file per subcommand.
+//! The command line: one file per subcommand, each of which parses, calls the library and prints.
+//!
+//! Standard output carries results, standard error progress, logs and faults. The exit codes are a
+//! promise to scripts; [`Failure::exit_code`] holds them:
+//!
+//! | code | meaning |
+//! |---|---|
+//! | 0 | done |
+//! | 1 | a case failed, or a file could not be read or written |
+//! | 2 | bad input |
+//! | 3 | no convergence |
+//! | 4 | a physics check failed |
+//! | 5 | time limit reached, resumable |
+//! | 130 | interrupted, with a checkpoint written |
+
+mod arguments;
+mod check;
+mod completions;
+mod explain;
+mod failure;
+mod init;
+mod logging;
+mod output;
+mod plot;
+mod run;
+mod schema;
+mod verify;
+
+use arguments::{Arguments, Command};
+use clap::Parser;
+use failure::Failure;
+use std::process::ExitCode;
 
 /// Runs the program and returns its exit code.
-pub fn main() -> std::process::ExitCode {
-    std::process::ExitCode::SUCCESS
+pub fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    match dispatch(&arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            failure.report(arguments.common.colours_stderr());
+            ExitCode::from(failure.exit_code())
+        }
+    }
+}
+
+fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
+    logging::start(&arguments.common);
+    arguments.common.start_threads()?;
+    match &arguments.command {
+        Command::Run(command) => run::run(command, &arguments.common),
+        Command::Check(command) => check::check(command, &arguments.common),
+        Command::Init(command) => init::init(command),
+        Command::Schema => schema::schema(),
+        Command::Explain(command) => explain::explain(command),
+        Command::Verify(command) => verify::verify(command),
+        Command::Plot(command) => plot::plot(command),
+        Command::Completions(command) => completions::completions(command),
+    }
 }

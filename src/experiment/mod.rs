@@ -1,5 +1,16 @@
 //! Experiments: a scenario becomes a scene, is run, and gives an outcome.
 
+mod curve;
+mod derived;
+mod flagella;
+mod plot;
 mod prepared;
+mod run;
+mod scene;
+pub mod verify;
 
+pub use derived::{DerivedNumbers, DerivedRod, derived_numbers};
+pub use plot::plot_results;
 pub use prepared::{Mode, OutputPlan, PreparedRun};
+pub use run::{RunError, RunOptions, RunOutcome, RunStatus, run};
+pub use scene::prepare;

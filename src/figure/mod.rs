@@ -1,1 +1,14 @@
-//! Pictures of plain curves and rows.
+//! Pictures of plain curves and rows, as SVG.
+//!
+//! [`snapshots()`] draws rods as shaded tubes at several times; [`line_plots`] draws curves over time.
+
+mod line_plot;
+mod palette;
+mod snapshots;
+mod tube;
+mod view;
+
+pub use line_plot::{Curve, LinePlot, line_plots};
+pub use snapshots::{Snapshot, snapshots};
+pub use tube::RodCurve;
+pub use view::View;

@@ -1,1 +1,23 @@
-//! Small linear algebra: banded and sparse factorisations behind one interface.
+//! Direct solution of the Newton systems of rods.
+//!
+//! Unknowns are numbered with stride 4 per node: the position of node k at 4k, 4k+1, 4k+2, the angle of
+//! the edge that starts there at 4k+3. A vertex couples eleven consecutive unknowns, so rods without
+//! contact give one symmetric band ([`BandedSymmetric`], [`BandedFactor`]). Contact and the closing of
+//! rings couple distant nodes through small dense elements; [`CoupledSystem`] factors band and elements
+//! together.
+//!
+//! Neither factorisation allocates once it is set up, and both run in one thread in a fixed order of
+//! operations without fused multiply-adds, so the same matrix gives the same bytes on every machine.
+
+mod banded;
+mod block_factor;
+mod coupled;
+mod coupled_matrix;
+mod error;
+mod node_block;
+mod node_graph;
+mod symbolic;
+
+pub use banded::{BandedFactor, BandedSymmetric, HALF_BANDWIDTH};
+pub use coupled::{CoupledSystem, Element, ElementMatrix, UNUSED};
+pub use error::{Inertia, SingularMatrix};

@@ -9,6 +9,7 @@ pub mod fluid;
 pub mod rod;
 pub mod scene;
 pub mod statics;
+pub mod system;
 
 /// A vector in space.
 pub type Vector3 = nalgebra::Vector3<f64>;

@@ -1,1 +1,42 @@
 //! Results directories: manifests, series, node files, checkpoints, VTK.
+//!
+//! A run opens a [`ResultsDirectory`], writes its [`Manifest`], lets a [`Recorder`] write each output time,
+//! keeps [`CheckpointFiles`], and ends with [`write_summary`] and [`write_timings`]. Nothing here knows
+//! mechanics: rods are names, node counts and arrays.
+//!
+//! Files that are written once appear whole ([`write_whole`]); files that grow are flushed at each output
+//! time and cut back to the length noted in the checkpoint when a run is continued.
+
+mod atomic;
+mod checkpoint;
+mod directory;
+mod error;
+mod forces;
+mod frame;
+mod manifest;
+mod nodes;
+mod outcome;
+mod recorder;
+mod series;
+mod stream;
+mod summary;
+mod usage;
+mod vtk;
+
+pub use atomic::write_whole;
+pub use checkpoint::CheckpointFiles;
+pub use directory::{
+    NODE_FORCES, NODES, Opened, RODS_FIGURE, ResultsDirectory, SCENARIO, SERIES, SERIES_FIGURE,
+    SUMMARY, TIMINGS, VTK_COLLECTION, VTK_FOLDER,
+};
+pub use error::ResultsError;
+pub use frame::Frame;
+pub use manifest::{
+    CaseRecord, CaseStatus, MAIN_CASE, MANIFEST, Manifest, RodRecord, scenario_hash,
+};
+pub use nodes::{NodePositions, read_nodes};
+pub use outcome::CaseOutcome;
+pub use recorder::{Recorder, RecorderPlan, StreamLengths};
+pub use series::{SeriesRow, read_series};
+pub use summary::{SummaryRow, write_summary, write_timings};
+pub use usage::{Usage, UsageMeter};

@@ -1,5 +1,45 @@
 //! Contact between rods and with planes: broad phase, distances, the implicit contact model, friction.
+//!
+//! [`ImplicitContact`] is the door to this room; the other files follow the chain from geometry to force:
+//!
+//! | file | what |
+//! |---|---|
+//! | `surface` | edges as capsules, planes, which pairs are neighbours |
+//! | `broad_phase`, `candidates` | pairs of edges that may touch, kept over many steps |
+//! | `closest_points`, `distance` | centreline distance Δ of two edges and its derivatives (thesis Eqs. 2.3–2.6) |
+//! | `potential` | the contact energy of a gap (Eqs. 2.15, 2.16) |
+//! | `friction` | Coulomb friction, smoothed near zero slip (Eqs. 2.7–2.14) |
+//! | `edge_contact`, `plane_contact` | force and Jacobian of one contact |
+//! | `multipliers` | normal forces that Newton's method carries along |
+//! | `stiffness` | the adaptive contact stiffness (Eqs. 2.18, 2.19) |
+//! | `implicit_contact`, `contacts` | all contacts of a scene |
+//! | `proximity` | least distance, penetration, overlaps of a new scene |
+//! | `memory` | what a restart needs |
 
+mod broad_phase;
+mod candidates;
+mod closest_points;
+mod contacts;
+mod distance;
+mod edge_contact;
+mod friction;
+mod implicit_contact;
+mod memory;
+mod multipliers;
 mod parameters;
+mod plane_contact;
+mod potential;
+mod proximity;
+mod stiffness;
+mod surface;
+#[cfg(test)]
+mod test_support;
+#[cfg(test)]
+mod tests;
 
+pub use contacts::{ActiveContact, CandidatePair, EdgeJacobian, PlaneContact, PlaneJacobian};
+pub use implicit_contact::ImplicitContact;
+pub use memory::{ContactMemory, MismatchedMemory};
 pub use parameters::ContactParameters;
+pub use proximity::{ContactPair, Proximity};
+pub use surface::{ContactEdge, ContactPlane, ContactSurface};

@@ -1,7 +1,18 @@
-//! Time stepping: the system of all rods, the implicit step, Newton's method, step control.
+//! Time stepping: the implicit step, Newton's method, step control.
+//!
+//! The loop is [`Simulation::advance`]: drag at the start of the step, contact candidates, an implicit
+//! stage solved by Newton's method, smaller steps where that fails, and acceptance.
 
+mod newton;
+mod observe;
 mod parameters;
+mod report;
 mod simulation;
+mod step_control;
 
 pub use parameters::{IntegrationParameters, Scheme, StepSize};
-pub use simulation::{Energies, Simulation, SimulationError, SimulationState, StepReport};
+pub use report::{Energies, SimulationError, SimulationState, StepReport};
+pub use simulation::Simulation;
+
+#[cfg(test)]
+mod tests;

@@ -1,141 +1,411 @@
-//! A running simulation: owns the state, advances it step by step.
+//! A running simulation: owns the state and advances it step by step.
 
-use super::parameters::IntegrationParameters;
-use crate::mechanics::Vector3;
+use super::newton::{Newton, Stopping};
+use super::parameters::{IntegrationParameters, Scheme, StepSize};
+use super::report::{SimulationError, StepReport};
+use super::step_control::{StepControl, Verdict};
+use crate::mechanics::contact::ImplicitContact;
+use crate::mechanics::fluid::{Filament, Fluid};
+use crate::mechanics::rod::{STRIDE, topology::position};
 use crate::mechanics::scene::Scene;
-use serde::{Deserialize, Serialize};
+use crate::mechanics::system::{Divergence, Stage, System, copy_positions, describe_overlap};
+use crate::mechanics::{Matrix3, Vector3, statics};
+
+/// Factor by which the contact stiffness grows when a step ends with too much penetration.
+const STIFFENING: f64 = 10.0;
+/// Such growths before the step is halved instead.
+const STIFFENINGS: usize = 3;
 
 /// A scene in motion.
-pub struct Simulation;
-
-/// Everything that influences the future of a simulation; what a checkpoint holds.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct SimulationState {
-    /// Time, s.
-    pub time: f64,
+pub struct Simulation {
+    pub(super) system: System,
+    pub(super) fluid: Option<Fluid>,
+    pub(super) parameters: IntegrationParameters,
+    pub(super) time: f64,
+    pub(super) unknowns: Vec<f64>,
+    pub(super) velocity: Vec<f64>,
+    /// Velocity one step earlier and the size of that step, s: the predictor extrapolates from them.
+    pub(super) earlier_velocity: Vec<f64>,
+    pub(super) earlier_step: f64,
+    pub(super) control: StepControl,
+    pub(super) stage: Stage,
+    pub(super) newton: Newton,
+    pub(super) trial: Vec<f64>,
+    pub(super) next_velocity: Vec<f64>,
+    pub(super) positions: Vec<Vector3>,
+    pub(super) velocities: Vec<Vector3>,
+    pub(super) fluid_forces: Vec<Vector3>,
+    pub(super) edge_angles: Vec<f64>,
+    pub(super) radius: f64,
 }
 
-/// What one accepted step did.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct StepReport {
-    /// Time at the end of the step, s.
-    pub time: f64,
-    /// Size of the step, s.
-    pub step: f64,
-    /// Newton iterations of the accepted step and of the retries before it.
-    pub newton_iterations: usize,
-    /// Contacts that bear force at the end of the step.
-    pub contacts: usize,
-    /// Times the step was halved before it was accepted.
-    pub retries: usize,
-    /// Krylov iterations of the fluid solve.
-    pub fluid_iterations: usize,
+/// What one attempt at a step found.
+struct Attempt {
+    iterations: usize,
+    error: f64,
 }
 
-/// Energies of all rods, J.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Energies {
-    /// ½ v·M v.
-    pub kinetic: f64,
-    /// Stretching energy.
-    pub stretching: f64,
-    /// Bending energy.
-    pub bending: f64,
-    /// Twisting energy.
-    pub twisting: f64,
-    /// Contact potential.
-    pub contact: f64,
-    /// Potential of gravity.
-    pub gravitational: f64,
+enum Failure {
+    Newton(Divergence),
+    Penetration { iterations: usize, what: String },
 }
 
-/// Why a simulation stopped.
-#[derive(Debug, thiserror::Error)]
-pub enum SimulationError {
-    /// The scene itself is wrong (exit code 2).
-    #[error("{0}")]
-    BadScene(String),
-    /// Newton did not converge at the smallest step (exit code 3).
-    #[error(
-        "no convergence at t = {time:.6e} s with the smallest step {step:.3e} s: residual {residual:.3e} N, largest in the {term} term at node {node} of rod `{rod}`"
-    )]
-    NoConvergence {
-        /// Time at the start of the failed step, s.
-        time: f64,
-        /// The smallest step tried, s.
-        step: f64,
-        /// Largest residual, N.
-        residual: f64,
-        /// Name of the term that is largest there.
-        term: &'static str,
-        /// Name of the rod.
-        rod: String,
-        /// Node along that rod.
-        node: usize,
-    },
-    /// A physics check failed: penetration or a number that is not finite (exit code 4).
-    #[error("{0}")]
-    Unphysical(String),
+impl Failure {
+    fn iterations(&self) -> usize {
+        match self {
+            Self::Newton(divergence) => divergence.iterations,
+            Self::Penetration { iterations, .. } => *iterations,
+        }
+    }
 }
 
 impl Simulation {
     /// Sets up a simulation at time zero.
-    pub fn new(
-        _scene: &Scene,
-        _parameters: &IntegrationParameters,
-    ) -> Result<Self, SimulationError> {
-        todo!()
+    ///
+    /// # Errors
+    /// [`SimulationError::BadScene`] names what is impossible.
+    pub fn new(scene: &Scene, parameters: &IntegrationParameters) -> Result<Self, SimulationError> {
+        let system = System::new(scene).map_err(SimulationError::BadScene)?;
+        let assembly = &system.assembly;
+        let (unknowns, velocity) = (assembly.unknowns.clone(), assembly.velocity.clone());
+        let nodes = assembly.rods.nodes;
+        let filaments: Vec<Filament> = assembly
+            .rods
+            .rods
+            .iter()
+            .zip(&scene.rods)
+            .filter(|(_, rod)| !rod.held)
+            .map(|(range, rod)| Filament {
+                first_node: range.first_node,
+                nodes: range.nodes,
+                closed: range.closed,
+                radius: rod.radius,
+            })
+            .collect();
+        let fluid = scene
+            .fluid
+            .map(|model| Fluid::new(&model, &filaments))
+            .transpose();
+        let fluid = fluid.map_err(|error| SimulationError::BadScene(error.to_string()))?;
+        let wet = if fluid.is_some() { nodes } else { 0 };
+        let free_radii = scene
+            .rods
+            .iter()
+            .filter(|rod| !rod.held)
+            .map(|rod| rod.radius);
+        let mut simulation = Self {
+            fluid,
+            parameters: *parameters,
+            time: 0.0,
+            earlier_velocity: velocity.clone(),
+            earlier_step: 0.0,
+            control: StepControl::new(&parameters.step),
+            stage: Stage {
+                step: 0.0,
+                start: unknowns.clone(),
+                velocity: velocity.clone(),
+                drag: vec![Vector3::zeros(); wet],
+                resistance: vec![Matrix3::zeros(); wet],
+                positions: vec![Vector3::zeros(); nodes],
+            },
+            newton: Newton::new(unknowns.len()),
+            trial: unknowns.clone(),
+            next_velocity: velocity.clone(),
+            fluid_forces: vec![Vector3::zeros(); wet],
+            positions: vec![Vector3::zeros(); nodes],
+            velocities: vec![Vector3::zeros(); nodes],
+            edge_angles: vec![0.0; nodes],
+            radius: free_radii.fold(f64::INFINITY, f64::min),
+            unknowns,
+            velocity,
+            system,
+        };
+        simulation.system.drive(0.0, &mut simulation.unknowns);
+        simulation.system.update_geometry(&simulation.unknowns);
+        simulation.publish();
+        Ok(simulation)
     }
+
     /// Takes one step that ends no later than `until` (hit exactly when it is within the step).
-    pub fn advance(&mut self, _until: f64) -> Result<StepReport, SimulationError> {
-        todo!()
+    ///
+    /// # Errors
+    /// [`SimulationError::NoConvergence`] and [`SimulationError::Unphysical`]; the state is then that of
+    /// the last accepted step.
+    pub fn advance(&mut self, until: f64) -> Result<StepReport, SimulationError> {
+        let mut report = StepReport {
+            fluid_iterations: self.compute_drag()?,
+            ..StepReport::default()
+        };
+        self.system.update_candidates(&self.unknowns);
+        let mut goal = self.control.goal(&self.parameters.step, self.time, until);
+        let mut stiffenings = 0;
+        loop {
+            let step = goal - self.time;
+            let smaller = match self.attempt(goal) {
+                Ok(attempt) => {
+                    report.newton_iterations += attempt.iterations;
+                    match self.judge(step, &attempt) {
+                        Verdict::Accepted => break,
+                        Verdict::Refused(smaller) => smaller,
+                    }
+                }
+                Err(Failure::Penetration { .. }) if stiffenings < STIFFENINGS => {
+                    stiffenings += 1;
+                    self.stiffen_contact();
+                    step
+                }
+                Err(failure) => {
+                    report.newton_iterations += failure.iterations();
+                    if 0.5 * step < self.parameters.minimum_step {
+                        return Err(self.give_up(step, failure));
+                    }
+                    0.5 * step
+                }
+            };
+            report.retries += 1;
+            if smaller < step {
+                self.control.failed(smaller);
+                goal = self.time + smaller;
+            }
+        }
+        report.step = goal - self.time;
+        self.accept(goal);
+        report.time = self.time;
+        report.contacts = self
+            .system
+            .contact
+            .as_ref()
+            .map_or(0, ImplicitContact::contact_count);
+        Ok(report)
     }
+
     /// Finds the equilibrium at the present time: Newton's method without inertia.
+    ///
+    /// # Errors
+    /// [`SimulationError::NoConvergence`].
     pub fn find_equilibrium(&mut self) -> Result<StepReport, SimulationError> {
-        todo!()
+        let force = self.system.force_tolerance(self.parameters.force_tolerance);
+        self.trial.copy_from_slice(&self.unknowns);
+        match statics::find_equilibrium(&mut self.system, &mut self.trial, force) {
+            Ok(iterations) => {
+                self.unknowns.copy_from_slice(&self.trial);
+                self.velocity.fill(0.0);
+                self.earlier_velocity.fill(0.0);
+                self.publish();
+                let contacts = self
+                    .system
+                    .contact
+                    .as_ref()
+                    .map_or(0, ImplicitContact::contact_count);
+                Ok(StepReport {
+                    time: self.time,
+                    newton_iterations: iterations,
+                    contacts,
+                    ..StepReport::default()
+                })
+            }
+            Err(divergence) => Err(self.no_convergence(0.0, &divergence)),
+        }
     }
-    /// Time, s.
-    pub fn time(&self) -> f64 {
-        todo!()
+
+    /// Drag and local resistance at the start of a step; returns the Krylov iterations.
+    fn compute_drag(&mut self) -> Result<usize, SimulationError> {
+        let Some(fluid) = &mut self.fluid else {
+            return Ok(0);
+        };
+        let (drag, resistance) = (&mut self.stage.drag, &mut self.stage.resistance);
+        match fluid.drag(&self.positions, &self.velocities, drag, resistance) {
+            Ok(report) => Ok(report.iterations),
+            Err(error) => Err(SimulationError::Unphysical(format!(
+                "at t = {:.6e} s {error}",
+                self.time
+            ))),
+        }
     }
-    /// Positions of all nodes, rod after rod, m.
-    pub fn positions(&self) -> &[Vector3] {
-        todo!()
+
+    /// Solves the implicit stage of a step to `goal`; leaves its solution in `trial`.
+    fn attempt(&mut self, goal: f64) -> Result<Attempt, Failure> {
+        let step = goal - self.time;
+        let (stage_step, stage_time) = match self.parameters.scheme {
+            Scheme::ImplicitEuler => (step, goal),
+            Scheme::ImplicitMidpoint => (0.5 * step, self.time + 0.5 * step),
+        };
+        self.stage.step = stage_step;
+        self.stage.start.copy_from_slice(&self.unknowns);
+        self.stage.velocity.copy_from_slice(&self.velocity);
+        self.stage.positions.copy_from_slice(&self.positions);
+        self.predict(stage_step);
+        self.system.drive(stage_time, &mut self.trial);
+        self.system
+            .adapt_contact_stiffness(&self.trial, &self.stage);
+        let stopping = Stopping {
+            force: self.system.force_tolerance(self.parameters.force_tolerance),
+            displacement: self.parameters.displacement_tolerance * self.radius,
+            iterations: self.parameters.maximum_iterations,
+        };
+        let mut iterations = 0;
+        loop {
+            iterations += self
+                .newton
+                .solve(&mut self.system, &self.stage, &mut self.trial, &stopping)
+                .map_err(Failure::Newton)?;
+            // A contact may be missing where rods have moved far; then go on with new candidates.
+            if self.system.candidates_are_complete(&self.trial) {
+                break;
+            }
+            self.system.update_candidates(&self.trial);
+        }
+        if let Some(contact) = &self.system.contact
+            && let Some(overlap) = contact.excessive_penetration()
+        {
+            let what = describe_overlap(&overlap, contact, &self.system.assembly);
+            return Err(Failure::Penetration { iterations, what });
+        }
+        if self.parameters.scheme == Scheme::ImplicitMidpoint {
+            for (end, start) in self.trial.iter_mut().zip(&self.unknowns) {
+                *end = 2.0 * *end - start;
+            }
+            self.system.drive(goal, &mut self.trial);
+            self.system.update_geometry(&self.trial);
+        }
+        Ok(Attempt {
+            iterations,
+            error: self.velocity_after(step),
+        })
     }
-    /// Velocities of all nodes, m/s.
-    pub fn velocities(&self) -> &[Vector3] {
-        todo!()
+
+    /// Extrapolates positions and angles to the implicit stage with the acceleration of the last step.
+    fn predict(&mut self, stage_step: f64) {
+        let fraction = match self.parameters.scheme {
+            Scheme::ImplicitEuler => 1.0,
+            Scheme::ImplicitMidpoint => 0.5,
+        };
+        let growth = if self.earlier_step > 0.0 {
+            fraction * stage_step / self.earlier_step
+        } else {
+            0.0
+        };
+        for k in 0..self.trial.len() {
+            let change = self.velocity[k] - self.earlier_velocity[k];
+            self.trial[k] = self.unknowns[k] + stage_step * (self.velocity[k] + growth * change);
+        }
     }
-    /// Angle of the edge that starts at each node, rad; zero where no edge starts.
-    pub fn edge_angles(&self) -> &[f64] {
-        todo!()
+
+    /// Writes the velocity at the end of a step and returns the local error of the positions, m:
+    /// ½ h |v₁ − v₀| for implicit Euler; h/12 times the second difference of the velocity for the
+    /// midpoint rule.
+    fn velocity_after(&mut self, step: f64) -> f64 {
+        let growth = if self.earlier_step > 0.0 {
+            step / self.earlier_step
+        } else {
+            0.0
+        };
+        let mut error = 0.0;
+        for k in 0..self.trial.len() {
+            let mean = (self.trial[k] - self.unknowns[k]) / step;
+            let (after, local) = match self.parameters.scheme {
+                Scheme::ImplicitEuler => (mean, 0.5 * step * (mean - self.velocity[k])),
+                Scheme::ImplicitMidpoint => {
+                    // A prescribed motion has corners, across which reflection would ring.
+                    let held = self.system.assembly.held[k];
+                    let after = if held {
+                        mean
+                    } else {
+                        2.0 * mean - self.velocity[k]
+                    };
+                    let earlier_change = growth * (self.velocity[k] - self.earlier_velocity[k]);
+                    (
+                        after,
+                        step / 12.0 * (after - self.velocity[k] - earlier_change),
+                    )
+                }
+            };
+            self.next_velocity[k] = after;
+            if k % STRIDE != 3 {
+                error = f64::max(error, local.abs());
+            }
+        }
+        error
     }
-    /// First material director of the edge that starts at each node; zero where no edge starts.
-    pub fn material_directors(&self) -> Vec<Vector3> {
-        todo!()
+
+    fn judge(&mut self, step: f64, attempt: &Attempt) -> Verdict {
+        let StepSize::Auto { tolerance, .. } = self.parameters.step else {
+            return Verdict::Accepted;
+        };
+        let order = match self.parameters.scheme {
+            Scheme::ImplicitEuler => 2,
+            Scheme::ImplicitMidpoint => 3,
+        };
+        if step <= self.parameters.minimum_step {
+            return Verdict::Accepted;
+        }
+        self.control.judge(
+            tolerance * self.radius,
+            step,
+            attempt.error,
+            order,
+            attempt.iterations,
+        )
     }
-    /// Force of the fluid on each node, N; empty without fluid.
-    pub fn fluid_forces(&self) -> Vec<Vector3> {
-        todo!()
+
+    fn accept(&mut self, goal: f64) {
+        if self.fluid.is_some() {
+            for node in 0..self.stage.drag.len() {
+                let change = position(&self.next_velocity, node) - position(&self.velocity, node);
+                self.fluid_forces[node] =
+                    self.stage.drag[node] - self.stage.resistance[node] * change;
+            }
+        }
+        self.earlier_step = goal - self.time;
+        self.time = goal;
+        self.unknowns.copy_from_slice(&self.trial);
+        std::mem::swap(&mut self.earlier_velocity, &mut self.velocity);
+        self.velocity.copy_from_slice(&self.next_velocity);
+        self.system.accept();
+        self.publish();
     }
-    /// Contact force on each node, N; empty without contact.
-    pub fn contact_forces(&self) -> Vec<Vector3> {
-        todo!()
+
+    /// Copies the state into the arrays that observers read.
+    pub(super) fn publish(&mut self) {
+        copy_positions(&self.unknowns, &mut self.positions);
+        copy_positions(&self.velocity, &mut self.velocities);
+        for (node, angle) in self.edge_angles.iter_mut().enumerate() {
+            *angle = self.unknowns[STRIDE * node + 3];
+        }
     }
-    /// Energies now, J.
-    pub fn energies(&self) -> Energies {
-        todo!()
+
+    fn stiffen_contact(&mut self) {
+        if let Some(contact) = &mut self.system.contact {
+            contact.set_stiffness(STIFFENING * contact.stiffness());
+        }
     }
-    /// Smallest distance between contact surfaces' centrelines that may touch, m; infinite if none is near.
-    pub fn minimum_distance(&self) -> f64 {
-        todo!()
+
+    /// Returns to the last accepted state and says why the step failed.
+    fn give_up(&mut self, step: f64, failure: Failure) -> SimulationError {
+        let error = match failure {
+            Failure::Newton(divergence) => self.no_convergence(step, &divergence),
+            Failure::Penetration { what, .. } => {
+                SimulationError::Unphysical(format!("at t = {:.6e} s {what}", self.time))
+            }
+        };
+        self.system.drive(self.time, &mut self.unknowns);
+        self.system.update_geometry(&self.unknowns);
+        error
     }
-    /// What a checkpoint must hold to continue bit for bit.
-    pub fn state(&self) -> SimulationState {
-        todo!()
-    }
-    /// Continues from a checkpoint of the same scene.
-    pub fn restore(&mut self, _state: SimulationState) -> Result<(), SimulationError> {
-        todo!()
+
+    fn no_convergence(&mut self, step: f64, divergence: &Divergence) -> SimulationError {
+        let stage = (step > 0.0).then_some(&self.stage);
+        let term = self
+            .system
+            .largest_term(&self.trial, stage, divergence.unknown);
+        let (rod, node) = self.system.assembly.locate(divergence.unknown / STRIDE);
+        SimulationError::NoConvergence {
+            time: self.time,
+            step,
+            residual: divergence.residual,
+            term,
+            rod: self.system.assembly.names[rod].clone(),
+            node,
+        }
     }
 }

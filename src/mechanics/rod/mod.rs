@@ -1,1 +1,22 @@
 //! The discrete elastic rod: topology, frames, strains, energies and their derivatives.
+//!
+//! [`vertex`] holds bending and twisting, [`edge`] stretching; [`ElasticRods`] adds them up over all rods
+//! into a gradient and a band matrix. [`RodGeometry`] computes edges, frames and strains from the
+//! unknowns. Papers: Bergou et al. 2008 (Discrete elastic rods), Bergou et al. 2010 (Discrete viscous
+//! threads: time-parallel frames), Kaldor et al. 2010 (twist that counts turns), Panetta et al. 2019
+//! (the corrected Hessian).
+
+pub mod edge;
+mod elastic;
+mod geometry;
+mod placement;
+pub mod topology;
+pub mod transport;
+pub mod vertex;
+
+pub use elastic::{
+    Edge, ElasticEnergy, ElasticRods, GhostEdge, Vertex, VertexUnknowns, holonomy_jacobian,
+};
+pub use geometry::{ReferenceFrames, RodGeometry};
+pub use placement::Placement;
+pub use topology::{RodRange, STRIDE};

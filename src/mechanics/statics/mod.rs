@@ -1,1 +1,5 @@
-//! Equilibria: Newton without inertia.
+//! Equilibria: Newton's method without inertia, kept stable by the inertia of the Hessian.
+
+mod equilibrium;
+
+pub use equilibrium::find_equilibrium;

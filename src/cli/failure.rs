@@ -1,0 +1,81 @@
+//! Why the program fails, what it says and its exit code.
+
+use crate::experiment::RunError;
+use crate::mechanics::dynamics::SimulationError;
+use crate::results::ResultsError;
+use crate::scenario::ScenarioError;
+
+/// Why the program fails.
+#[derive(Debug)]
+pub enum Failure {
+    /// Scenarios are wrong.
+    Scenario(Vec<ScenarioError>),
+    /// An argument is wrong.
+    Input(String),
+    /// The scene is impossible.
+    Scene(SimulationError),
+    /// A run ended early.
+    Run(RunError),
+    /// A results directory could not be read or written.
+    Results(ResultsError),
+    /// Physics checks failed.
+    Checks {
+        /// How many.
+        failed: usize,
+    },
+    /// The system refused something.
+    System(String),
+}
+
+impl Failure {
+    /// The exit code of the program.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Scenario(_) | Self::Input(_) | Self::Scene(_) => 2,
+            Self::Run(error) => error.exit_code(),
+            Self::Results(error) => error.exit_code(),
+            Self::Checks { .. } => 4,
+            Self::System(_) => 1,
+        }
+    }
+
+    /// Says what is wrong on standard error.
+    pub fn report(&self, colour: bool) {
+        match self {
+            Self::Scenario(errors) => {
+                for error in errors {
+                    eprint!("{}", error.render(colour));
+                }
+            }
+            Self::Input(message) | Self::System(message) => eprintln!("error: {message}"),
+            Self::Checks { failed } => eprintln!("error: {failed} physics checks failed"),
+            Self::Scene(error) => eprintln!("error: {error}"),
+            Self::Run(error) => eprintln!("error: {error}"),
+            Self::Results(error) => eprintln!("error: {error}"),
+        }
+    }
+}
+
+impl From<ScenarioError> for Failure {
+    fn from(error: ScenarioError) -> Self {
+        Self::Scenario(vec![error])
+    }
+}
+
+impl From<SimulationError> for Failure {
+    fn from(error: SimulationError) -> Self {
+        Self::Scene(error)
+    }
+}
+
+impl From<RunError> for Failure {
+    fn from(error: RunError) -> Self {
+        Self::Run(error)
+    }
+}
+
+impl From<ResultsError> for Failure {
+    fn from(error: ResultsError) -> Self {
+        Self::Results(error)
+    }
+}

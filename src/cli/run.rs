@@ -1,0 +1,122 @@
+//! `rodlab run`.
+
+use super::arguments::Common;
+use super::failure::Failure;
+use super::output::print;
+use crate::experiment::{self, PreparedRun, RunOptions, RunOutcome, RunStatus};
+use crate::mechanics::dynamics::Simulation;
+use crate::scenario::{self, seconds};
+use clap::Args;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Arguments of `rodlab run`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  rodlab run scenarios/flagella_quick.toml
+  rodlab run scenarios/flagella_m2.toml --set flagella.count=4 --set time.end=\"1 min\" --out results/m4
+  rodlab run scenarios/flagella_m10.toml --timeout 8h     ends with exit code 5; run again to continue
+
+A run that is interrupted continues when the same command is given again; a finished one is left alone.")]
+pub struct RunArguments {
+    /// The scenario file
+    pub scenario: PathBuf,
+    /// Set a key of the scenario, such as rods.beam.radius=\"7 mm\"; may be given several times
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub overrides: Vec<String>,
+    /// Where the results go [default: results/<name of the scenario>]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Start over, whatever results are there
+    #[arg(long)]
+    pub force: bool,
+    /// Print the resolved scenario instead of running it
+    #[arg(long)]
+    pub dry_run: bool,
+    /// Stop with a checkpoint after this wall time, such as 90, \"10 min\" or 8h
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    pub timeout: Option<Duration>,
+}
+
+fn duration(text: &str) -> Result<Duration, String> {
+    let seconds = seconds(text)?;
+    Duration::try_from_secs_f64(seconds).map_err(|_| format!("{seconds} s is no wall time"))
+}
+
+/// Runs a scenario.
+pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), Failure> {
+    let prepared = prepare(&arguments.scenario, &arguments.overrides)?;
+    if arguments.dry_run {
+        // The scene must be possible, too.
+        Simulation::new(&prepared.scene, &prepared.integration)?;
+        return print(&prepared.scenario_toml);
+    }
+    let directory = arguments
+        .out
+        .clone()
+        .unwrap_or_else(|| Path::new("results").join(&prepared.name));
+    let options = RunOptions {
+        force: arguments.force,
+        progress: !common.quiet,
+        timeout: arguments.timeout,
+        ..RunOptions::new(directory)
+    };
+    print(&summary(&experiment::run(&prepared, &options)?))
+}
+
+/// Loads a scenario and builds its scene.
+pub fn prepare(path: &Path, overrides: &[String]) -> Result<PreparedRun, Failure> {
+    let loaded = scenario::load(path, overrides)?;
+    experiment::prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues).into())
+}
+
+/// Where the results lie and what came out, a line each.
+fn summary(outcome: &RunOutcome) -> String {
+    let case = &outcome.case;
+    let mut text = match outcome.status {
+        RunStatus::Finished => "finished\n".to_owned(),
+        RunStatus::Resumed { from } => format!("finished, continued from {from} s\n"),
+        RunStatus::AlreadyFinished => {
+            "finished before; nothing was run (--force starts over)\n".to_owned()
+        }
+    };
+    let mut line = |name: &str, value: String| {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{name:<24}{value}");
+    };
+    line("results", outcome.directory.display().to_string());
+    line("simulated time", format!("{} s", case.simulated_time));
+    line("steps", case.steps.to_string());
+    if let Some(mean) = case.newton_iterations_mean() {
+        line("Newton iterations", format!("{mean:.2} a step"));
+    }
+    if let Some(time) = case.first_contact {
+        line("first contact", format!("{time:.3} s"));
+        line("steps with contact", case.steps_with_contact.to_string());
+    }
+    if let Some(distance) = case.minimum_distance {
+        line("smallest distance", format!("{:.4} mm", 1e3 * distance));
+    }
+    line(
+        "wall time",
+        format!("{:.2} s", outcome.wall_time.as_secs_f64()),
+    );
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn time_limits_take_units() {
+        assert_eq!(duration("90"), Ok(Duration::from_secs(90)));
+        assert_eq!(duration("10 min"), Ok(Duration::from_secs(600)));
+        assert_eq!(duration("8h"), Ok(Duration::from_secs(8 * 3600)));
+        assert!(duration("-1").is_err());
+        assert!(duration("nan").is_err());
+        assert!(duration("3 m").is_err());
+    }
+}

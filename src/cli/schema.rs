@@ -1,0 +1,10 @@
+//! `rodlab schema`.
+
+use super::failure::Failure;
+use super::output::print;
+use crate::scenario::json_schema;
+
+/// Prints the JSON Schema of scenario files.
+pub fn schema() -> Result<(), Failure> {
+    print(&format!("{:#}\n", json_schema()))
+}

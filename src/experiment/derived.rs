@@ -1,0 +1,373 @@
+//! Numbers that follow from a scenario, for people to judge it before it runs.
+
+use super::prepared::{Mode, PreparedRun};
+use crate::mechanics::Vector3;
+use crate::mechanics::dynamics::StepSize;
+use crate::mechanics::fluid::FluidModel;
+use crate::mechanics::scene::{Clamp, LoadKind, RodDescription, Scene};
+use serde::Serialize;
+use std::f64::consts::TAU;
+use std::fmt;
+
+/// Steps per turn of a drive in the advised step.
+const STEPS_PER_TURN: f64 = 400.0;
+/// Steps per period of the lowest bending mode in the advised step.
+const STEPS_PER_PERIOD: f64 = 50.0;
+
+/// Newton iterations of a usual step.
+const ITERATIONS: f64 = 3.0;
+/// Time of one Newton iteration per node on one core, s: measured, right to a factor of three.
+const SECONDS_PER_NODE: f64 = 0.6e-6;
+/// Time of a fluid solve by regularized Stokeslets per pair of nodes, s: measured, right to a factor of
+/// three.
+const SECONDS_PER_FLUID_PAIR: f64 = 50e-9;
+
+/// Numbers that follow from a scenario.
+#[derive(Clone, Debug, Serialize)]
+pub struct DerivedNumbers {
+    /// Title of the scenario.
+    pub title: String,
+    /// Name of the experiment.
+    pub experiment: String,
+    /// The rods.
+    pub rods: Vec<DerivedRod>,
+    /// Unknowns of Newton's method, those held by clamps and obstacles not counted.
+    pub degrees_of_freedom: usize,
+    /// Reynolds number ρ v h/η of the fastest driven motion, with the rods' density and radius; `None`
+    /// without fluid or drive.
+    pub reynolds_number: Option<f64>,
+    /// Step that resolves drive and vibration, s; `None` in a static run or where nothing sets a scale.
+    pub advised_step: Option<f64>,
+    /// Steps of the whole run; `None` in a static run or with automatic steps.
+    pub steps: Option<f64>,
+    /// Wall time of the whole run on one core without contact, s, right to a factor of three; `None` where
+    /// the number of steps is.
+    pub rough_wall_time: Option<f64>,
+}
+
+/// Numbers of one rod.
+#[derive(Clone, Debug, Serialize)]
+pub struct DerivedRod {
+    /// Name.
+    pub name: String,
+    /// Number of nodes.
+    pub nodes: usize,
+    /// Length of the polyline, m.
+    pub length: f64,
+    /// Stretching stiffness EA, N.
+    pub stretching_stiffness: f64,
+    /// Bending stiffnesses EI₁ and EI₂, N m².
+    pub bending_stiffness: [f64; 2],
+    /// Twisting stiffness GJ, N m².
+    pub twisting_stiffness: f64,
+    /// Gravito-bending length (EI/2w)^⅓ of the smaller stiffness, w the weight per length, m; `None`
+    /// without gravity.
+    pub gravito_bending_length: Option<f64>,
+    /// Period of the lowest bending mode were the rod straight and clamped at one end, s.
+    pub bending_period: f64,
+}
+
+/// Derives the numbers.
+pub fn derived_numbers(prepared: &PreparedRun) -> DerivedNumbers {
+    let scene = &prepared.scene;
+    let gravity = gravity(scene);
+    let rods: Vec<DerivedRod> = scene
+        .rods
+        .iter()
+        .map(|rod| derived_rod(rod, gravity))
+        .collect();
+    let speed = driven_speed(scene);
+    let steps = match (prepared.mode, prepared.integration.step) {
+        (Mode::Dynamic { end }, StepSize::Fixed(step)) => Some((end / step).ceil()),
+        _ => None,
+    };
+    DerivedNumbers {
+        title: prepared.title.clone(),
+        experiment: prepared.experiment.clone(),
+        degrees_of_freedom: degrees_of_freedom(scene),
+        reynolds_number: reynolds_number(scene, speed),
+        advised_step: match prepared.mode {
+            Mode::Static => None,
+            Mode::Dynamic { .. } => advised_step(scene, &rods, speed),
+        },
+        steps,
+        rough_wall_time: steps.map(|steps| steps * seconds_per_step(scene)),
+        rods,
+    }
+}
+
+fn derived_rod(rod: &RodDescription, gravity: f64) -> DerivedRod {
+    let edges = rod.centreline.len() - usize::from(!rod.closed);
+    let length = (0..edges)
+        .map(|edge| {
+            let next = (edge + 1) % rod.centreline.len();
+            (rod.centreline[next] - rod.centreline[edge]).norm()
+        })
+        .sum::<f64>();
+    let bending = rod.stiffness.bending[0].min(rod.stiffness.bending[1]);
+    let weight = rod.mass_per_length * gravity;
+    // First root of cos x cosh x = −1 squared: the clamped–free beam.
+    let frequency = 3.516 * (bending / rod.mass_per_length).sqrt() / (length * length);
+    DerivedRod {
+        name: rod.name.clone(),
+        nodes: rod.centreline.len(),
+        length,
+        stretching_stiffness: rod.stiffness.stretching,
+        bending_stiffness: rod.stiffness.bending,
+        twisting_stiffness: rod.stiffness.twisting,
+        gravito_bending_length: (gravity > 0.0).then(|| (bending / (2.0 * weight)).cbrt()),
+        bending_period: TAU / frequency,
+    }
+}
+
+/// Size of the total acceleration of free fall, m/s².
+fn gravity(scene: &Scene) -> f64 {
+    let total: Vector3 = scene
+        .loads
+        .iter()
+        .filter_map(|load| match load.kind {
+            LoadKind::Gravity { acceleration } => Some(acceleration),
+            _ => None,
+        })
+        .sum();
+    total.norm()
+}
+
+fn degrees_of_freedom(scene: &Scene) -> usize {
+    let free: usize = scene
+        .rods
+        .iter()
+        .filter(|rod| !rod.held)
+        .map(|rod| 4 * rod.centreline.len() - usize::from(!rod.closed))
+        .sum();
+    let mut held: Vec<(usize, usize)> = scene
+        .clamps
+        .iter()
+        .filter(|clamp| clamp.holds_position && !scene.rods[clamp.rod].held)
+        .map(|clamp| (clamp.rod, clamp.node))
+        .collect();
+    held.sort_unstable();
+    held.dedup();
+    free - 3 * held.len()
+}
+
+/// Largest speed that clamps give to any node of their rods, were these rigid, m/s.
+fn driven_speed(scene: &Scene) -> f64 {
+    let clamp_speed = |clamp: &Clamp| {
+        let rod = &scene.rods[clamp.rod];
+        let motion = &clamp.motion;
+        let node = rod.centreline[clamp.node];
+        let pivot = motion.pivot.unwrap_or(node);
+        let axis = motion.axis.or_else(|| end_tangent(rod, clamp.node));
+        let arm = rod
+            .centreline
+            .iter()
+            .map(|point| match axis {
+                Some(axis) => (point - pivot).cross(&axis).norm(),
+                None => 0.0,
+            })
+            .fold(0.0, f64::max);
+        let moves = motion
+            .translation
+            .windows(2)
+            .map(|pair| (pair[1].1 - pair[0].1).norm() / (pair[1].0 - pair[0].0));
+        moves.fold(0.0, f64::max) + turning(clamp) * arm
+    };
+    scene.clamps.iter().map(clamp_speed).fold(0.0, f64::max)
+}
+
+fn end_tangent(rod: &RodDescription, node: usize) -> Option<Vector3> {
+    match node {
+        0 => rod.end_tangents[0],
+        _ if node + 1 == rod.centreline.len() => rod.end_tangents[1],
+        _ => None,
+    }
+}
+
+/// Largest rate at which a clamp turns, rad/s.
+fn turning(clamp: &Clamp) -> f64 {
+    let turns = clamp
+        .motion
+        .angle
+        .windows(2)
+        .map(|pair| ((pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0)).abs());
+    turns.fold(0.0, f64::max) + clamp.motion.angular_velocity.abs()
+}
+
+fn reynolds_number(scene: &Scene, speed: f64) -> Option<f64> {
+    let viscosity = match scene.fluid? {
+        FluidModel::RegularizedStokeslets { viscosity, .. }
+        | FluidModel::Resistive { viscosity } => viscosity,
+    };
+    let numbers = scene.rods.iter().filter(|rod| !rod.held).map(|rod| {
+        let density = rod.mass_per_length / (std::f64::consts::PI * rod.radius * rod.radius);
+        density * speed * rod.radius / viscosity
+    });
+    (speed > 0.0).then(|| numbers.fold(0.0, f64::max))
+}
+
+/// A step that resolves every turn of the drives and the lowest bending modes, and in which no driven node
+/// moves by more than half a radius.
+fn advised_step(scene: &Scene, rods: &[DerivedRod], speed: f64) -> Option<f64> {
+    let turning = scene.clamps.iter().map(turning).fold(0.0, f64::max);
+    let free = || scene.rods.iter().zip(rods).filter(|(rod, _)| !rod.held);
+    let radius = free()
+        .map(|(rod, _)| rod.radius)
+        .fold(f64::INFINITY, f64::min);
+    // Viscous fluid damps vibration, so that only the drive sets the step.
+    let period = match scene.fluid {
+        Some(_) => f64::INFINITY,
+        None => free()
+            .map(|(_, rod)| rod.bending_period)
+            .fold(f64::INFINITY, f64::min),
+    };
+    let step = (TAU / turning / STEPS_PER_TURN)
+        .min(period / STEPS_PER_PERIOD)
+        .min(radius / 2.0 / speed);
+    step.is_finite().then_some(step)
+}
+
+fn seconds_per_step(scene: &Scene) -> f64 {
+    let nodes: usize = scene
+        .rods
+        .iter()
+        .filter(|rod| !rod.held)
+        .map(|rod| rod.centreline.len())
+        .sum();
+    let nodes = nodes as f64;
+    let fluid = match scene.fluid {
+        Some(FluidModel::RegularizedStokeslets { .. }) => SECONDS_PER_FLUID_PAIR * nodes * nodes,
+        Some(FluidModel::Resistive { .. }) | None => 0.0,
+    };
+    ITERATIONS * SECONDS_PER_NODE * nodes + fluid
+}
+
+/// A wall time in words.
+fn in_words(seconds: f64) -> String {
+    match seconds {
+        ..1.0 => "less than a second".to_owned(),
+        ..120.0 => format!("about {seconds:.0} s"),
+        ..7200.0 => format!("about {:.0} min", seconds / 60.0),
+        _ => format!("about {:.0} h", seconds / 3600.0),
+    }
+}
+
+impl DerivedNumbers {
+    /// The numbers as one line of JSON.
+    pub fn to_json(&self) -> String {
+        serde_json::to_string(self).expect("numbers and names are JSON values")
+    }
+}
+
+impl fmt::Display for DerivedNumbers {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut line = |name: &str, value: String| writeln!(formatter, "  {name:<26}{value}");
+        line("title", self.title.clone())?;
+        line("experiment", self.experiment.clone())?;
+        // Rods that differ in name only, such as flagella, share their lines.
+        for (index, rod) in self.rods.iter().enumerate() {
+            if index > 0 && self.rods[index - 1].is_like(rod) {
+                continue;
+            }
+            let likes = self.rods[index + 1..]
+                .iter()
+                .take_while(|other| rod.is_like(other))
+                .count();
+            let others = match likes {
+                0 => String::new(),
+                1 => format!(" and {}", self.rods[index + 1].name),
+                _ => format!(" to {}", self.rods[index + likes].name),
+            };
+            line("rod", format!("{}{others}", rod.name))?;
+            line("  nodes", rod.nodes.to_string())?;
+            line("  length", format!("{:.6} m", rod.length))?;
+            line("  EA", format!("{:.6e} N", rod.stretching_stiffness))?;
+            let [first, second] = rod.bending_stiffness;
+            if first == second {
+                line("  EI", format!("{first:.6e} N m²"))?;
+            } else {
+                line("  EI₁, EI₂", format!("{first:.6e}, {second:.6e} N m²"))?;
+            }
+            line("  GJ", format!("{:.6e} N m²", rod.twisting_stiffness))?;
+            if let Some(length) = rod.gravito_bending_length {
+                line("  gravito-bending length", format!("{length:.6} m"))?;
+            }
+            line("  bending period", format!("{:.4e} s", rod.bending_period))?;
+        }
+        line("degrees of freedom", self.degrees_of_freedom.to_string())?;
+        if let Some(number) = self.reynolds_number {
+            line("Reynolds number", format!("{number:.3}"))?;
+        }
+        if let Some(step) = self.advised_step {
+            line("advised step", format!("{step:.1e} s"))?;
+        }
+        if let Some(steps) = self.steps {
+            line("steps", steps.to_string())?;
+        }
+        if let Some(seconds) = self.rough_wall_time {
+            line("wall time, one core", in_words(seconds))?;
+        }
+        Ok(())
+    }
+}
+
+impl DerivedRod {
+    /// Whether the two differ in name and round-off only.
+    fn is_like(&self, other: &Self) -> bool {
+        self.nodes == other.nodes
+            && (self.length - other.length).abs() < 1e-9 * self.length
+            && self.stretching_stiffness == other.stretching_stiffness
+            && self.bending_stiffness == other.bending_stiffness
+            && self.twisting_stiffness == other.twisting_stiffness
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::prepare;
+    use crate::scenario::load;
+    use std::path::Path;
+
+    fn derived(scenario: &str, set: &[&str]) -> DerivedNumbers {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("scenarios")
+            .join(scenario);
+        let set: Vec<String> = set.iter().map(|&text| text.to_owned()).collect();
+        let loaded = load(&path, &set).unwrap_or_else(|error| panic!("{error}"));
+        derived_numbers(&prepare(&loaded.scenario).unwrap())
+    }
+
+    #[test]
+    fn the_heavy_cantilever_is_as_heavy_as_its_comment_says() {
+        let numbers = derived("heavy_cantilever.toml", &[]);
+        let length = numbers.rods[0].gravito_bending_length.unwrap();
+        // With L = 1 m: w L³/EI = 1/(2 L_gb³).
+        let heaviness = 0.5 / length.powi(3);
+        assert!((heaviness - 15.696).abs() < 1e-3, "{heaviness}");
+        assert_eq!(numbers.degrees_of_freedom, 4 * 51 - 1 - 3);
+        assert!(numbers.advised_step.is_none() && numbers.steps.is_none());
+    }
+
+    #[test]
+    fn flagella_move_as_fast_as_their_helices_turn() {
+        let numbers = derived("flagella_m2.toml", &["time.end=1.0"]);
+        // ρ ω a h/η = 1000 · 15 · 0.01 · 0.001/0.1.
+        assert!((numbers.reynolds_number.unwrap() - 1.5).abs() < 1e-9);
+        assert_eq!(numbers.degrees_of_freedom, 2 * (4 * 68 - 1 - 3));
+        assert_eq!(numbers.steps, Some(1000.0));
+        let step = numbers.advised_step.unwrap();
+        assert!((step - TAU / 15.0 / 400.0).abs() < 1e-12, "{step}");
+        let slow = derived("flagella_m2.toml", &["flagella.angular_velocity=1.5"]);
+        assert!((slow.advised_step.unwrap() / step - 10.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_lowest_mode_of_a_cantilever_is_that_of_euler_and_bernoulli() {
+        let rod = &derived("elastic_pendulum.toml", &[]).rods[0];
+        let mass_per_length = 1100.0 * std::f64::consts::PI * 0.004f64.powi(2);
+        let root: f64 = 1.875_104_068_711_961;
+        let frequency = (root / 0.6).powi(2) * (rod.bending_stiffness[0] / mass_per_length).sqrt();
+        assert!((rod.bending_period * frequency / TAU - 1.0).abs() < 1e-4);
+    }
+}

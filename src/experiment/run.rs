@@ -1,0 +1,133 @@
+//! The run loop: a prepared run goes in, a results directory comes out.
+
+mod advance;
+mod error;
+mod interruption;
+mod output_times;
+mod progress;
+mod records;
+mod session;
+mod stop;
+mod tally;
+#[cfg(test)]
+mod tests;
+
+pub use error::RunError;
+
+use super::PreparedRun;
+use crate::mechanics::dynamics::Simulation;
+use crate::results::{CaseOutcome, MAIN_CASE, Manifest, Opened, ResultsDirectory, scenario_hash};
+use advance::Advance;
+use interruption::Interruption;
+use session::Session;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// How to run, as opposed to what.
+#[derive(Clone, Debug)]
+pub struct RunOptions {
+    /// Where the results go.
+    pub directory: PathBuf,
+    /// Start over where results exist, whatever scenario they are of.
+    pub force: bool,
+    /// The command line, for the manifest.
+    pub command_line: Vec<String>,
+    /// Show a progress bar on standard error (none appears where that is no terminal).
+    pub progress: bool,
+    /// Wall time after which the run stops with a checkpoint.
+    pub timeout: Option<Duration>,
+    /// Wall time between checkpoints.
+    pub checkpoint_every: Duration,
+}
+
+impl RunOptions {
+    /// The usual options for a run into `directory`: no time limit, a checkpoint every minute.
+    pub fn new(directory: impl Into<PathBuf>) -> Self {
+        Self {
+            directory: directory.into(),
+            force: false,
+            command_line: std::env::args().collect(),
+            progress: true,
+            timeout: None,
+            checkpoint_every: Duration::from_secs(60),
+        }
+    }
+}
+
+/// A run that reached its end.
+#[derive(Clone, Debug)]
+pub struct RunOutcome {
+    /// Where the results lie.
+    pub directory: PathBuf,
+    /// Whether there was anything left to do.
+    pub status: RunStatus,
+    /// Steps, iterations, contacts.
+    pub case: CaseOutcome,
+    /// Wall time of this call and of the interrupted ones before it.
+    pub wall_time: Duration,
+}
+
+/// What a successful call of [`run`] did.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RunStatus {
+    /// Ran from the beginning.
+    Finished,
+    /// Continued from a checkpoint at this simulated time, s.
+    Resumed {
+        /// Simulated time of the checkpoint, s.
+        from: f64,
+    },
+    /// The results were there already; nothing was run.
+    AlreadyFinished,
+}
+
+/// Runs to the end and writes the results directory.
+///
+/// Idempotent: finished results of the same scenario are left alone, interrupted ones are continued
+/// from their last checkpoint, bit for bit.
+///
+/// # Errors
+/// See [`RunError`]; its [`exit_code`](RunError::exit_code) is that of the program.
+pub fn run(prepared: &PreparedRun, options: &RunOptions) -> Result<RunOutcome, RunError> {
+    let mut simulation =
+        Simulation::new(&prepared.scene, &prepared.integration).map_err(RunError::Scene)?;
+    let interruption = Interruption::install().unwrap_or_else(|error| {
+        tracing::warn!("Ctrl-C will end the run without a checkpoint: {error}");
+        Interruption::default()
+    });
+    run_simulation(&mut simulation, prepared, options, &|| {
+        interruption.requested()
+    })
+}
+
+/// Runs a simulation at time zero to the end of the prepared run, or until `stop_requested`, asked between steps.
+fn run_simulation(
+    simulation: &mut impl Advance,
+    prepared: &PreparedRun,
+    options: &RunOptions,
+    stop_requested: &dyn Fn() -> bool,
+) -> Result<RunOutcome, RunError> {
+    let hash = scenario_hash(&prepared.scenario_toml);
+    match ResultsDirectory::open(&options.directory, &hash, options.force)? {
+        Opened::Finished(manifest) => Ok(RunOutcome::already_finished(&manifest, options)),
+        Opened::Ready(directory) => {
+            let mut session = Session::begin(directory, simulation, prepared, options)?;
+            let result = session.proceed(simulation, prepared.mode, stop_requested);
+            session.conclude(simulation, result)
+        }
+    }
+}
+
+impl RunOutcome {
+    fn already_finished(manifest: &Manifest, options: &RunOptions) -> Self {
+        let case = manifest.cases.get(MAIN_CASE);
+        Self {
+            directory: options.directory.clone(),
+            status: RunStatus::AlreadyFinished,
+            case: case.map(|case| case.outcome).unwrap_or_default(),
+            wall_time: case
+                .map(|case| Duration::from_secs_f64(case.wall_time))
+                .unwrap_or_default(),
+        }
+    }
+}

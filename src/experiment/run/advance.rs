@@ -1,0 +1,78 @@
+//! What the run loop asks of a simulation.
+
+use crate::mechanics::dynamics::{
+    Energies, Simulation, SimulationError, SimulationState, StepReport,
+};
+use crate::results::Frame;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+/// Something that advances in time; tests put a small double in the place of [`Simulation`].
+pub(super) trait Advance {
+    /// All that influences the future.
+    type State: Serialize + DeserializeOwned;
+
+    /// Takes one step that ends no later than `until`.
+    fn advance(&mut self, until: f64) -> Result<StepReport, SimulationError>;
+    /// Finds the equilibrium.
+    fn find_equilibrium(&mut self) -> Result<StepReport, SimulationError>;
+    /// Time, s.
+    fn time(&self) -> f64;
+    /// Energies, J.
+    fn energies(&self) -> Energies;
+    /// Smallest distance between centrelines that may touch, m; infinite if none is near.
+    fn minimum_distance(&self) -> f64;
+    /// The nodes now; with velocities and forces where asked for.
+    fn frame(&self, with_forces: bool) -> Frame;
+    /// What a checkpoint must hold.
+    fn state(&self) -> Self::State;
+    /// Continues from a checkpoint.
+    fn restore(&mut self, state: Self::State) -> Result<(), SimulationError>;
+}
+
+impl Advance for Simulation {
+    type State = SimulationState;
+
+    fn advance(&mut self, until: f64) -> Result<StepReport, SimulationError> {
+        self.advance(until)
+    }
+
+    fn find_equilibrium(&mut self) -> Result<StepReport, SimulationError> {
+        self.find_equilibrium()
+    }
+
+    fn time(&self) -> f64 {
+        self.time()
+    }
+
+    fn energies(&self) -> Energies {
+        self.energies()
+    }
+
+    fn minimum_distance(&self) -> f64 {
+        self.minimum_distance()
+    }
+
+    fn frame(&self, with_forces: bool) -> Frame {
+        let mut frame = Frame {
+            time: self.time(),
+            positions: self.positions().to_vec(),
+            edge_angles: self.edge_angles().to_vec(),
+            ..Frame::default()
+        };
+        if with_forces {
+            frame.velocities = self.velocities().to_vec();
+            frame.fluid_forces = self.fluid_forces();
+            frame.contact_forces = self.contact_forces();
+        }
+        frame
+    }
+
+    fn state(&self) -> SimulationState {
+        self.state()
+    }
+
+    fn restore(&mut self, state: SimulationState) -> Result<(), SimulationError> {
+        self.restore(state)
+    }
+}

@@ -1,0 +1,278 @@
+//! One call of `run` on a results directory: begin or continue, integrate, conclude.
+
+use super::advance::Advance;
+use super::output_times::OutputTimes;
+use super::progress::Progress;
+use super::records::{new_manifest, recorder_plan, rod_records};
+use super::stop::Stop;
+use super::tally::Tally;
+use super::{RunError, RunOptions, RunOutcome, RunStatus};
+use crate::experiment::{Mode, PreparedRun};
+use crate::results::{
+    CaseRecord, CaseStatus, CheckpointFiles, Frame, MAIN_CASE, Manifest, Recorder,
+    ResultsDirectory, ResultsError, SCENARIO, StreamLengths, SummaryRow, Usage, UsageMeter,
+    scenario_hash, write_summary, write_timings, write_whole,
+};
+use serde::{Deserialize, Serialize};
+use std::time::{Duration, Instant};
+
+/// A run at work.
+pub(super) struct Session {
+    directory: ResultsDirectory,
+    manifest: Manifest,
+    recorder: Recorder,
+    checkpoints: CheckpointFiles,
+    checkpoint_every: Duration,
+    last_checkpoint: Instant,
+    times: OutputTimes,
+    /// Outputs written so far.
+    outputs: usize,
+    tally: Tally,
+    /// Twice the largest radius, m.
+    diameter: f64,
+    meter: UsageMeter,
+    earlier_usage: Option<Usage>,
+    timeout: Option<Duration>,
+    resumed_from: Option<f64>,
+    progress: Progress,
+}
+
+/// What a checkpoint holds.
+#[derive(Serialize, Deserialize)]
+struct Checkpoint<S> {
+    state: S,
+    outputs: usize,
+    tally: Tally,
+    lengths: StreamLengths,
+    usage: Usage,
+}
+
+impl Session {
+    /// Starts afresh, or continues from the newest usable checkpoint, whose state `simulation` then has.
+    pub fn begin<S: Advance>(
+        directory: ResultsDirectory,
+        simulation: &mut S,
+        prepared: &PreparedRun,
+        options: &RunOptions,
+    ) -> Result<Self, RunError> {
+        let meter = UsageMeter::start();
+        let hash = scenario_hash(&prepared.scenario_toml);
+        let rods = rod_records(prepared);
+        let plan = recorder_plan(prepared);
+        let mut checkpoints = CheckpointFiles::new(directory.path(), &hash);
+        let continued = checkpoints.read(|checkpoint: Checkpoint<S::State>| {
+            let lengths = checkpoint.lengths;
+            let recorder = Recorder::continue_at(directory.path(), rods.clone(), plan, lengths)?;
+            Ok((checkpoint, recorder))
+        });
+        if continued.is_none() && checkpoints.exist() {
+            tracing::warn!(
+                "no usable checkpoint in `{}`: starting again",
+                directory.path().display()
+            );
+        }
+
+        let earlier = directory.unfinished();
+        let manifest = Manifest {
+            start: earlier.map_or_else(jiff::Timestamp::now, |manifest| manifest.start),
+            continuations: earlier.map_or(0, |manifest| manifest.continuations)
+                + u32::from(continued.is_some()),
+            ..new_manifest(prepared, options, hash, rods.clone())
+        };
+        // First of all files: by it the directory is known for what it is.
+        manifest.write(directory.path())?;
+        write_whole(&directory.file(SCENARIO), prepared.scenario_toml.as_bytes())?;
+
+        let (recorder, outputs, tally, earlier_usage, resumed_from) = match continued {
+            Some((checkpoint, recorder)) => {
+                simulation
+                    .restore(checkpoint.state)
+                    .map_err(RunError::Scene)?;
+                let Checkpoint {
+                    outputs,
+                    tally,
+                    usage,
+                    ..
+                } = checkpoint;
+                (
+                    recorder,
+                    outputs,
+                    tally,
+                    Some(usage),
+                    Some(simulation.time()),
+                )
+            }
+            None => {
+                let recorder = Recorder::create(directory.path(), rods, plan)?;
+                (recorder, 0, Tally::default(), None, None)
+            }
+        };
+        let times = match prepared.mode {
+            Mode::Dynamic { end } => OutputTimes::new(prepared.output.interval, end),
+            Mode::Static => OutputTimes::only_start(),
+        };
+        let visible = options.progress && prepared.mode != Mode::Static;
+        Ok(Self {
+            progress: Progress::new(visible, simulation.time(), times.time(times.last())),
+            diameter: 2.0
+                * manifest
+                    .rods
+                    .iter()
+                    .map(|rod| rod.radius)
+                    .fold(0.0, f64::max),
+            directory,
+            manifest,
+            recorder,
+            checkpoints,
+            checkpoint_every: options.checkpoint_every,
+            last_checkpoint: Instant::now(),
+            times,
+            outputs,
+            tally,
+            meter,
+            earlier_usage,
+            timeout: options.timeout,
+            resumed_from,
+        })
+    }
+
+    /// Runs to the end, or until there is a reason to stop.
+    pub fn proceed(
+        &mut self,
+        simulation: &mut impl Advance,
+        mode: Mode,
+        stop_requested: &dyn Fn() -> bool,
+    ) -> Result<(), Stop> {
+        match mode {
+            Mode::Static => {
+                let report = simulation.find_equilibrium()?;
+                self.tally.add_equilibrium(&report);
+                self.record(simulation)
+            }
+            Mode::Dynamic { .. } => self.integrate(simulation, stop_requested),
+        }
+    }
+
+    fn integrate(
+        &mut self,
+        simulation: &mut impl Advance,
+        stop_requested: &dyn Fn() -> bool,
+    ) -> Result<(), Stop> {
+        while self.outputs <= self.times.last() {
+            let target = self.times.time(self.outputs);
+            while simulation.time() < target {
+                if stop_requested() {
+                    return Err(Stop::Interrupted);
+                }
+                if self
+                    .timeout
+                    .is_some_and(|limit| self.meter.wall_time() >= limit)
+                {
+                    return Err(Stop::TimeLimit);
+                }
+                if self.last_checkpoint.elapsed() >= self.checkpoint_every {
+                    self.write_checkpoint(simulation)?;
+                }
+                let report = simulation.advance(target)?;
+                self.tally.add_step(&report);
+                self.progress.update(&report);
+            }
+            self.record(simulation)?;
+        }
+        Ok(())
+    }
+
+    /// Writes the output that is due now.
+    fn record(&mut self, simulation: &impl Advance) -> Result<(), Stop> {
+        let distance = simulation.minimum_distance();
+        self.tally.add_distance(distance, self.diameter);
+        let time = self.times.time(self.outputs);
+        let row = self.tally.take_row(time, distance, &simulation.energies());
+        let frame = if self.recorder.needs_frames() {
+            Frame {
+                time,
+                ..simulation.frame(self.recorder.needs_forces())
+            }
+        } else {
+            Frame::default()
+        };
+        self.recorder.record(self.outputs, &row, &frame)?;
+        self.outputs += 1;
+        Ok(())
+    }
+
+    fn write_checkpoint(&mut self, simulation: &impl Advance) -> Result<(), ResultsError> {
+        let lengths = self.sync_outputs()?;
+        self.checkpoints.write(&Checkpoint {
+            state: simulation.state(),
+            outputs: self.outputs,
+            tally: self.tally,
+            lengths,
+            usage: self.usage(),
+        })?;
+        self.last_checkpoint = Instant::now();
+        Ok(())
+    }
+
+    fn sync_outputs(&mut self) -> Result<StreamLengths, ResultsError> {
+        let times = self.times;
+        self.recorder
+            .sync((0..self.outputs).map(|index| times.time(index)))
+    }
+
+    fn usage(&self) -> Usage {
+        let usage = self.meter.usage();
+        self.earlier_usage.map_or(usage, |earlier| earlier + usage)
+    }
+
+    /// Brings all files into the state in which they are left.
+    pub fn conclude(
+        mut self,
+        simulation: &impl Advance,
+        result: Result<(), Stop>,
+    ) -> Result<RunOutcome, RunError> {
+        let directory = self.directory.path().to_owned();
+        let result = result
+            .and_then(|()| Ok(self.sync_outputs().map(drop)?))
+            .or_else(|stop| {
+                // A checkpoint that cannot be written is the graver news.
+                if stop.leaves_sound_state() && self.times.last() > 0 {
+                    self.write_checkpoint(simulation)?;
+                }
+                Err(stop)
+            });
+        let status = result
+            .as_ref()
+            .map_or_else(Stop::status, |()| CaseStatus::Finished);
+        let written = self.write_tables(status);
+        match result {
+            Ok(()) => written?,
+            // Whatever hinders the tables now has most likely ended the run itself.
+            Err(stop) => return Err(stop.into_error(simulation.time(), directory)),
+        }
+        self.checkpoints.remove()?;
+        Ok(RunOutcome {
+            directory,
+            status: self
+                .resumed_from
+                .map_or(RunStatus::Finished, |from| RunStatus::Resumed { from }),
+            case: self.tally.outcome,
+            wall_time: self.usage().wall_time,
+        })
+    }
+
+    fn write_tables(&mut self, status: CaseStatus) -> Result<(), ResultsError> {
+        let path = self.directory.path();
+        let (outcome, usage) = (self.tally.outcome, self.usage());
+        write_summary(path, &[SummaryRow::new(MAIN_CASE, status, &outcome)])?;
+        write_timings(path, &[(MAIN_CASE, usage)])?;
+        let record = CaseRecord {
+            status,
+            outcome,
+            wall_time: usage.wall_time.as_secs_f64(),
+        };
+        self.manifest.cases.insert(MAIN_CASE.into(), record);
+        self.manifest.end = Some(jiff::Timestamp::now());
+        self.manifest.write(path)
+    }
+}

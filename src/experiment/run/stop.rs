@@ -1,0 +1,57 @@
+//! Why the steps of a run end early.
+
+use super::RunError;
+use crate::mechanics::dynamics::SimulationError;
+use crate::results::{CaseStatus, ResultsError};
+use std::path::PathBuf;
+
+/// Why the steps ended early.
+pub(super) enum Stop {
+    Interrupted,
+    TimeLimit,
+    Simulation(SimulationError),
+    Results(ResultsError),
+}
+
+impl From<SimulationError> for Stop {
+    fn from(error: SimulationError) -> Self {
+        Self::Simulation(error)
+    }
+}
+
+impl From<ResultsError> for Stop {
+    fn from(error: ResultsError) -> Self {
+        Self::Results(error)
+    }
+}
+
+impl Stop {
+    /// The status it gives the case.
+    pub fn status(&self) -> CaseStatus {
+        match self {
+            Self::Interrupted => CaseStatus::Interrupted,
+            Self::TimeLimit => CaseStatus::TimeLimit,
+            Self::Simulation(SimulationError::NoConvergence { .. }) => CaseStatus::NoConvergence,
+            Self::Simulation(SimulationError::Unphysical(_)) => CaseStatus::Unphysical,
+            Self::Simulation(SimulationError::BadScene(_)) | Self::Results(_) => CaseStatus::Failed,
+        }
+    }
+
+    /// Whether the state of the simulation is sound, so that it may be kept.
+    pub fn leaves_sound_state(&self) -> bool {
+        matches!(
+            self.status(),
+            CaseStatus::Interrupted | CaseStatus::TimeLimit | CaseStatus::NoConvergence
+        )
+    }
+
+    /// The error with which the run ends.
+    pub fn into_error(self, time: f64, directory: PathBuf) -> RunError {
+        match self {
+            Self::Interrupted => RunError::Interrupted { time, directory },
+            Self::TimeLimit => RunError::TimeLimit { time, directory },
+            Self::Simulation(source) => RunError::Simulation { source, directory },
+            Self::Results(error) => RunError::Results(error),
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! The same bytes for any number of threads and across interruptions.
+
+use super::{Check, Claim, FamilyError};
+use crate::experiment::run::{RunError, RunOptions, run};
+use crate::experiment::{PreparedRun, prepare};
+use crate::scenario::from_text;
+use std::path::Path;
+use std::time::Duration;
+
+const THREADS: Claim = Claim {
+    formula: "1 thread = 2 threads",
+    source: "same operations, same order",
+};
+const RESUMED: Claim = Claim {
+    formula: "run = run, interrupt, resume",
+    source: "checkpoint holds the state",
+};
+
+/// Two flagella so close that they touch soon, with friction in the fluid.
+const SCENARIO: &str = r#"
+experiment = "flagella"
+[material]
+youngs_modulus = "3 MPa"
+poissons_ratio = 0.5
+density = 1000.0
+[rod]
+radius = "1 mm"
+nodes = 40
+[flagella]
+count = 2
+helix_radius = 0.01
+pitch = 0.05
+axial_length = 0.1
+side = 0.0222
+angular_velocity = 15.0
+[contact]
+model = "imc"
+friction = 0.2
+distance_tolerance = 1e-5
+[fluid]
+model = "rss"
+viscosity = 0.1
+[time]
+step = 1e-3
+end = 0.2
+[output]
+interval = 0.02
+nodes = true
+"#;
+
+/// Bytes of `series.csv` and `nodes.csv` that differ.
+pub fn checks(_full: bool) -> Result<Vec<Check>, FamilyError> {
+    let loaded = from_text("determinism.toml", SCENARIO, Path::new("."))?;
+    let prepared = prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?;
+    let scratch = tempfile::tempdir()?;
+    let directory = |name: &str| scratch.path().join(name);
+    let (one, two, pieces) = (directory("one"), directory("two"), directory("pieces"));
+    with_threads(1, || run_through(&prepared, &one))??;
+    with_threads(2, || run_through(&prepared, &two))??;
+    let interruptions = run_in_pieces(&prepared, &pieces)?;
+    let mut checks = Vec::new();
+    for file in ["series.csv", "nodes.csv"] {
+        let differing = differing_bytes(&one.join(file), &two.join(file))?;
+        let name = format!("{file}, 1 and 2 threads: differing bytes");
+        checks.push(THREADS.scaled(name, "", 0.0, differing, 1.0, 0.0));
+    }
+    for file in ["series.csv", "nodes.csv"] {
+        let differing = differing_bytes(&one.join(file), &pieces.join(file))?;
+        let name = format!("{file}, {interruptions} interruptions: differing bytes");
+        checks.push(RESUMED.scaled(name, "", 0.0, differing, 1.0, 0.0));
+    }
+    Ok(checks)
+}
+
+fn with_threads<T: Send>(count: usize, work: impl FnOnce() -> T + Send) -> Result<T, FamilyError> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build()?;
+    Ok(pool.install(work))
+}
+
+fn options(directory: &Path) -> RunOptions {
+    RunOptions {
+        progress: false,
+        ..RunOptions::new(directory)
+    }
+}
+
+fn run_through(prepared: &PreparedRun, directory: &Path) -> Result<(), RunError> {
+    run(prepared, &options(directory)).map(drop)
+}
+
+/// Stops the run by its time limit again and again; tells how often.
+fn run_in_pieces(prepared: &PreparedRun, directory: &Path) -> Result<usize, RunError> {
+    let hurried = RunOptions {
+        timeout: Some(Duration::from_millis(50)),
+        ..options(directory)
+    };
+    let mut interruptions = 0;
+    loop {
+        match run(prepared, &hurried) {
+            Ok(_) => return Ok(interruptions),
+            Err(RunError::TimeLimit { .. }) => interruptions += 1,
+            Err(error) => return Err(error),
+        }
+    }
+}
+
+fn differing_bytes(a: &Path, b: &Path) -> Result<f64, FamilyError> {
+    let (a, b) = (std::fs::read(a)?, std::fs::read(b)?);
+    let common = a.iter().zip(&b).filter(|(a, b)| a != b).count();
+    Ok((common + a.len().abs_diff(b.len())) as f64)
+}

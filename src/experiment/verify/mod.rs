@@ -1,0 +1,57 @@
+//! `rodlab verify`: the engine against theory.
+//!
+//! Every [`Check`] compares one number of a simulation with one number of a theory that knows nothing of
+//! the simulation: closed forms and independent solutions in [`theory`]. The families run in parallel;
+//! the table keeps its order.
+
+mod buckling;
+mod check;
+mod conservation;
+mod derivatives;
+mod determinism;
+mod drag;
+mod friction;
+mod localized_buckling;
+mod rods;
+mod statics;
+mod symmetry;
+#[cfg(test)]
+mod tests;
+pub mod theory;
+mod vibration;
+
+pub use check::{Check, Claim, Verdict, table};
+
+use rayon::prelude::*;
+use std::error::Error;
+
+/// A family of checks. With `full` it may take minutes and cover more parameters.
+type Family = fn(full: bool) -> Result<Vec<Check>, FamilyError>;
+
+/// Whatever kept a family from coming to its numbers.
+type FamilyError = Box<dyn Error + Send + Sync>;
+
+/// All families, in the order of the table.
+const FAMILIES: [(&str, Family); 10] = [
+    ("derivatives", derivatives::checks),
+    ("statics", statics::checks),
+    ("vibration", vibration::checks),
+    ("buckling", buckling::checks),
+    ("localised buckling", localized_buckling::checks),
+    ("friction", friction::checks),
+    ("drag", drag::checks),
+    ("conservation", conservation::checks),
+    ("symmetry", symmetry::checks),
+    ("determinism", determinism::checks),
+];
+
+/// Runs every check. A family whose simulation fails yields one failed check that says why.
+pub fn verify(full: bool) -> Vec<Check> {
+    FAMILIES
+        .par_iter()
+        .map(|&(name, family)| {
+            family(full).unwrap_or_else(|error| vec![Check::not_run(name, &error.to_string())])
+        })
+        .collect::<Vec<_>>()
+        .concat()
+}

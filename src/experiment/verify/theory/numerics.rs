@@ -1,0 +1,128 @@
+//! The few numerical tools that the theories need.
+
+/// Root of a continuous function between two points where its signs differ, to the last bit.
+///
+/// # Panics
+/// If the signs at `a` and `b` agree: the theory that asks has a wrong bracket.
+pub fn bisect(mut a: f64, mut b: f64, function: impl Fn(f64) -> f64) -> f64 {
+    let sign = function(a).signum();
+    assert!(
+        sign * function(b) <= 0.0,
+        "no change of sign between {a} and {b}"
+    );
+    loop {
+        let middle = 0.5 * (a + b);
+        if middle <= a.min(b) || middle >= a.max(b) {
+            return middle;
+        }
+        if function(middle) * sign > 0.0 {
+            a = middle;
+        } else {
+            b = middle;
+        }
+    }
+}
+
+/// Integrates y' = `slope`(s, y) from `start` to `end` by the classical Runge–Kutta method of fourth order
+/// in equal steps; returns y at all steps, the start included.
+pub fn runge_kutta<const N: usize>(
+    start: f64,
+    end: f64,
+    initial: [f64; N],
+    steps: usize,
+    slope: impl Fn(f64, &[f64; N]) -> [f64; N],
+) -> Vec<[f64; N]> {
+    let h = (end - start) / steps as f64;
+    let moved = |y: &[f64; N], k: &[f64; N], factor: f64| -> [f64; N] {
+        std::array::from_fn(|i| y[i] + factor * k[i])
+    };
+    let mut y = initial;
+    let mut path = Vec::with_capacity(steps + 1);
+    path.push(y);
+    for step in 0..steps {
+        let s = start + step as f64 * h;
+        let k1 = slope(s, &y);
+        let k2 = slope(s + 0.5 * h, &moved(&y, &k1, 0.5 * h));
+        let k3 = slope(s + 0.5 * h, &moved(&y, &k2, 0.5 * h));
+        let k4 = slope(s + h, &moved(&y, &k3, h));
+        for i in 0..N {
+            y[i] += h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]);
+        }
+        path.push(y);
+    }
+    path
+}
+
+/// Nodes and weights of the Gauss–Legendre rule of `points` points on [0, 1].
+pub fn gauss_legendre(points: usize) -> Vec<(f64, f64)> {
+    let n = points as f64;
+    (0..points)
+        .map(|i| {
+            // Newton's method from Tricomi's approximation of the root of the Legendre polynomial.
+            let mut x = ((i as f64 + 0.75) / (n + 0.5) * std::f64::consts::PI).cos();
+            let mut derivative = 0.0;
+            for _ in 0..10 {
+                let (mut previous, mut value) = (1.0, x);
+                for k in 2..=points {
+                    let k = k as f64;
+                    let next = ((2.0 * k - 1.0) * x * value - (k - 1.0) * previous) / k;
+                    previous = value;
+                    value = next;
+                }
+                derivative = n * (previous - x * value) / (1.0 - x * x);
+                x -= value / derivative;
+            }
+            let weight = 2.0 / ((1.0 - x * x) * derivative * derivative);
+            (0.5 * (1.0 - x), 0.5 * weight)
+        })
+        .collect()
+}
+
+/// Repeatable uniform random numbers in [0, 1): SplitMix64 (Steele, Lea & Flood 2014).
+pub fn uniform_numbers(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed;
+    move || {
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^= z >> 31;
+        (z >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bisection_finds_the_last_bit() {
+        let root = bisect(0.0, 3.0, |x| x * x - 2.0);
+        assert!((root - 2f64.sqrt()).abs() <= f64::EPSILON);
+    }
+
+    #[test]
+    fn runge_kutta_is_of_fourth_order() {
+        let error = |steps| {
+            let end = *runge_kutta(0.0, 2.0, [1.0, 0.0], steps, |_, y| [-y[1], y[0]])
+                .last()
+                .unwrap();
+            (end[0] - 2f64.cos()).hypot(end[1] - 2f64.sin())
+        };
+        let order = (error(40) / error(80)).log2();
+        assert!((order - 4.0).abs() < 0.1, "{order}");
+    }
+
+    #[test]
+    fn gauss_legendre_integrates_polynomials_exactly() {
+        for points in [2, 5, 16] {
+            for degree in 0..2 * points as i32 {
+                let integral: f64 = gauss_legendre(points)
+                    .iter()
+                    .map(|(x, weight)| weight * x.powi(degree))
+                    .sum();
+                assert!((integral - 1.0 / f64::from(degree + 1)).abs() < 1e-14);
+            }
+        }
+    }
+}

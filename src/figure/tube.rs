@@ -1,0 +1,243 @@
+//! A rod drawn as a shaded tube: pieces of stroked curve, painted from far to near.
+
+use super::palette::Color;
+use super::view::{Projected, View};
+use nalgebra::{Vector2, Vector3};
+
+/// A rod to be drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RodCurve {
+    /// The nodes, m.
+    pub points: Vec<Vector3<f64>>,
+    /// Whether the last node is joined to the first.
+    pub closed: bool,
+    /// Radius, m.
+    pub radius: f64,
+}
+
+/// Where the picture lies on the page: pixels = origin + scale · metres, downwards.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Placement {
+    pub origin: Vector2<f64>,
+    /// Pixels per metre.
+    pub scale: f64,
+}
+
+impl Placement {
+    pub fn pixels(&self, point: &Projected) -> Vector2<f64> {
+        self.origin + self.scale * Vector2::new(point.x, -point.y)
+    }
+}
+
+/// A piece of a tube between two nodes: a cubic curve with its shading.
+struct Piece {
+    nearness: f64,
+    svg: String,
+}
+
+/// Thinner rods than this are drawn this wide, pixels: they would not be seen.
+const MINIMUM_WIDTH: f64 = 1.4;
+
+/// Width of the body between the outlines, as a part of the whole.
+const BODY: f64 = 0.78;
+
+/// Part of the way to white of what lies at the back: what is far is pale.
+const HAZE: f64 = 0.45;
+
+/// The rods of a scene as SVG elements, far pieces first.
+///
+/// Each piece is one segment of the Catmull–Rom spline through the nodes, which is a cubic Bézier curve. It is
+/// painted as an outline, the body, and a highlight on the side of the light. So that no seams show between the
+/// pieces of one rod, the outline ends flat, the body round, and the highlight reaches beyond that round end.
+pub(super) fn tubes(rods: &[RodCurve], view: &View, placement: &Placement) -> String {
+    let depths = rods
+        .iter()
+        .flat_map(|rod| &rod.points)
+        .map(|point| view.project(point).nearness);
+    let (far, near) = depths.fold((f64::INFINITY, f64::NEG_INFINITY), |(far, near), depth| {
+        (far.min(depth), near.max(depth))
+    });
+    let thickest = rods.iter().map(|rod| rod.radius).fold(0.0, f64::max);
+    // Flat scenes have no depth worth showing.
+    let depth = (near - far).max(20.0 * thickest);
+    let mut pieces = Vec::new();
+    for (index, rod) in rods.iter().enumerate() {
+        let farness = |nearness: f64| (near - nearness) / depth;
+        pieces.extend(rod_pieces(rod, Color::of(index), view, placement, farness));
+    }
+    pieces.sort_by(|a: &Piece, b: &Piece| a.nearness.total_cmp(&b.nearness));
+    pieces.into_iter().map(|piece| piece.svg).collect()
+}
+
+fn rod_pieces(
+    rod: &RodCurve,
+    color: Color,
+    view: &View,
+    placement: &Placement,
+    farness: impl Fn(f64) -> f64,
+) -> Vec<Piece> {
+    let width = (2.0 * rod.radius * placement.scale).max(MINIMUM_WIDTH);
+    let projected: Vec<Projected> = rod.points.iter().map(|point| view.project(point)).collect();
+    let pixels: Vec<Vector2<f64>> = projected
+        .iter()
+        .map(|point| placement.pixels(point))
+        .collect();
+    let spline = Spline {
+        nodes: &pixels,
+        closed: rod.closed,
+    };
+    let highlight: Vec<Vector2<f64>> = (0..pixels.len())
+        .map(|node| pixels[node] + 0.22 * width * spline.lit_side(node))
+        .collect();
+    let highlight = Spline {
+        nodes: &highlight,
+        closed: rod.closed,
+    };
+    (0..spline.segments())
+        .map(|segment| {
+            let next = (segment + 1) % pixels.len();
+            let nearness = 0.5 * (projected[segment].nearness + projected[next].nearness);
+            let color = color.towards(Color::WHITE, HAZE * farness(nearness));
+            let outline = color.towards(Color::BLACK, 0.55);
+            let mut svg = stroke(&spline.path(segment, 0.3), outline, width, "butt");
+            svg += &stroke(&spline.path(segment, 0.0), color, BODY * width, "round");
+            if width > 2.0 * MINIMUM_WIDTH {
+                let light = color.towards(Color::WHITE, 0.5);
+                let path = highlight.path(segment, 0.42 * BODY * width);
+                svg += &stroke(&path, light, 0.22 * width, "butt");
+            }
+            Piece { nearness, svg }
+        })
+        .collect()
+}
+
+fn stroke(path: &str, color: Color, width: f64, cap: &str) -> String {
+    let color = color.hex();
+    format!(
+        "<path d=\"{path}\" stroke=\"{color}\" stroke-width=\"{width:.2}\" stroke-linecap=\"{cap}\"/>\n"
+    )
+}
+
+/// The Catmull–Rom spline through the nodes of a rod on the page.
+struct Spline<'a> {
+    nodes: &'a [Vector2<f64>],
+    closed: bool,
+}
+
+impl Spline<'_> {
+    fn segments(&self) -> usize {
+        if self.closed {
+            self.nodes.len()
+        } else {
+            self.nodes.len().saturating_sub(1)
+        }
+    }
+
+    /// Half the difference of the neighbours; at an open end the difference to the only one.
+    fn tangent(&self, node: usize) -> Vector2<f64> {
+        let last = self.nodes.len() - 1;
+        let (before, after) = match node {
+            0 if self.closed => (self.nodes[last], self.nodes[1 % self.nodes.len()]),
+            0 => return self.nodes[1] - self.nodes[0],
+            _ if node == last && self.closed => (self.nodes[last - 1], self.nodes[0]),
+            _ if node == last => return self.nodes[last] - self.nodes[last - 1],
+            _ => (self.nodes[node - 1], self.nodes[node + 1]),
+        };
+        0.5 * (after - before)
+    }
+
+    /// Unit vector across the curve towards the light, which comes from the top left.
+    fn lit_side(&self, node: usize) -> Vector2<f64> {
+        let tangent = self.tangent(node);
+        let across = Vector2::new(-tangent.y, tangent.x);
+        let side = across
+            .try_normalize(f64::MIN_POSITIVE)
+            .unwrap_or_else(Vector2::zeros);
+        // Fades out where the curve runs along the light, so that the highlight never jumps.
+        side * side.dot(&Vector2::new(-0.6, -0.8)).clamp(-0.5, 0.5) * 2.0
+    }
+
+    /// The curve from a node to the next, and a straight bit of the given length beyond both ends.
+    fn path(&self, segment: usize, beyond: f64) -> String {
+        let next = (segment + 1) % self.nodes.len();
+        let (start, end) = (self.nodes[segment], self.nodes[next]);
+        let (leaving, arriving) = (self.tangent(segment), self.tangent(next));
+        let (a, b) = (start + leaving / 3.0, end - arriving / 3.0);
+        let curve = format!(
+            "{:.2} {:.2}C{:.2} {:.2} {:.2} {:.2} {:.2} {:.2}",
+            start.x, start.y, a.x, a.y, b.x, b.y, end.x, end.y
+        );
+        if beyond == 0.0 {
+            return format!("M{curve}");
+        }
+        let before = start - leaving.cap_magnitude(beyond);
+        let after = end + arriving.cap_magnitude(beyond);
+        format!(
+            "M{:.2} {:.2}L{curve}L{:.2} {:.2}",
+            before.x, before.y, after.x, after.y
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PLACEMENT: Placement = Placement {
+        origin: Vector2::new(100.0, 100.0),
+        scale: 1000.0,
+    };
+
+    fn bar(depth: f64) -> RodCurve {
+        // Seen from −y, nearer bars have smaller y.
+        RodCurve {
+            points: (0..4)
+                .map(|k| Vector3::new(0.01 * k as f64, depth, 0.0))
+                .collect(),
+            closed: false,
+            radius: 2e-3,
+        }
+    }
+
+    fn view() -> View {
+        View::from(-Vector3::y())
+    }
+
+    #[test]
+    fn far_rods_are_painted_before_near_ones() {
+        for (first, second) in [(0.0, 0.1), (0.1, 0.0)] {
+            let svg = tubes(&[bar(first), bar(second)], &view(), &PLACEMENT);
+            let near = if first < second { 0 } else { 1 };
+            let near_color = Color::of(near).hex();
+            let first_near = svg.find(&near_color).expect("the near rod is not pale");
+            let far_color = Color::of(1 - near).towards(Color::WHITE, HAZE).hex();
+            let last_far = svg.rfind(&far_color).expect("the far rod is pale");
+            assert!(last_far < first_near);
+        }
+    }
+
+    #[test]
+    fn a_rod_has_its_true_width_and_a_closed_one_a_piece_more() {
+        let width = |svg: &str| svg.split("stroke-width=\"").nth(1).unwrap()[..4].to_owned();
+        let svg = tubes(&[bar(0.0)], &view(), &PLACEMENT);
+        assert_eq!(width(&svg), "4.00");
+        assert_eq!(svg.matches("<path").count(), 3 * 3);
+        let ring = RodCurve {
+            closed: true,
+            ..bar(0.0)
+        };
+        assert_eq!(
+            tubes(&[ring], &view(), &PLACEMENT).matches("<path").count(),
+            4 * 3
+        );
+    }
+
+    #[test]
+    fn straight_rods_are_straight_on_the_page() {
+        let svg = tubes(&[bar(0.0)], &view(), &PLACEMENT);
+        assert!(
+            svg.contains("M110.00 100.00C113.33 100.00 116.67 100.00 120.00 100.00"),
+            "{svg}"
+        );
+    }
+}

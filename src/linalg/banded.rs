@@ -1,0 +1,287 @@
+//! Symmetric band matrices of half bandwidth 10 and their LDLᵀ factorisation (Golub & Van Loan,
+//! Matrix Computations, 4th ed., sec. 4.3.5; no pivoting, so that the band does not fill).
+
+use super::error::{Inertia, SingularMatrix};
+
+/// Largest distance between coupled unknowns: a vertex couples x, θ, x, θ, x of three nodes, 11 unknowns.
+pub const HALF_BANDWIDTH: usize = 10;
+
+/// Entries stored per column: the diagonal and the band below it.
+const WIDTH: usize = HALF_BANDWIDTH + 1;
+
+/// One column of the lower band: entry r is row j + r of column j.
+type Column = [f64; WIDTH];
+
+/// The lower band of a symmetric matrix, column by column: entry (i, j), j ≤ i ≤ j + 10, is
+/// `columns()[j][i - j]`. Entries of the last columns that would lie below the matrix stay zero.
+#[derive(Clone, Debug)]
+pub struct BandedSymmetric {
+    columns: Vec<Column>,
+}
+
+impl BandedSymmetric {
+    /// The zero matrix of the given dimension.
+    pub fn new(dimension: usize) -> Self {
+        Self {
+            columns: vec![[0.0; WIDTH]; dimension],
+        }
+    }
+
+    /// Number of rows.
+    pub fn dimension(&self) -> usize {
+        self.columns.len()
+    }
+
+    /// Sets every entry to zero.
+    pub fn clear(&mut self) {
+        self.columns.fill([0.0; WIDTH]);
+    }
+
+    /// Adds `value` to entry (i, j) of the lower triangle, j ≤ i ≤ j + 10.
+    #[inline]
+    pub fn add(&mut self, i: usize, j: usize, value: f64) {
+        debug_assert!(j <= i && i - j <= HALF_BANDWIDTH && i < self.dimension());
+        self.columns[j][i - j] += value;
+    }
+
+    /// Entry (i, j) of either triangle; zero outside the band.
+    pub fn get(&self, i: usize, j: usize) -> f64 {
+        let (row, column) = (i.max(j), i.min(j));
+        self.columns[column]
+            .get(row - column)
+            .copied()
+            .unwrap_or(0.0)
+    }
+
+    /// The columns of the lower band.
+    #[inline]
+    pub fn columns(&self) -> &[[f64; HALF_BANDWIDTH + 1]] {
+        &self.columns
+    }
+
+    /// The columns of the lower band, to scatter into. Entries below the last row must stay zero.
+    #[inline]
+    pub fn columns_mut(&mut self) -> &mut [[f64; HALF_BANDWIDTH + 1]] {
+        &mut self.columns
+    }
+
+    /// Eliminates a held unknown: its row and column become zero, its diagonal one.
+    pub fn hold(&mut self, i: usize) {
+        self.columns[i] = [0.0; WIDTH];
+        self.columns[i][0] = 1.0;
+        for j in i.saturating_sub(HALF_BANDWIDTH)..i {
+            self.columns[j][i - j] = 0.0;
+        }
+    }
+
+    /// y = A x.
+    pub fn multiply(&self, x: &[f64], y: &mut [f64]) {
+        let n = self.dimension();
+        assert!(x.len() == n && y.len() == n);
+        y.fill(0.0);
+        for (j, column) in self.columns.iter().enumerate() {
+            let below = HALF_BANDWIDTH.min(n - 1 - j);
+            let mut row = column[0] * x[j];
+            for r in 1..=below {
+                y[j + r] += column[r] * x[j];
+                row += column[r] * x[j + r];
+            }
+            y[j] += row;
+        }
+    }
+}
+
+/// The factors of A = L D Lᵀ, with L unit lower triangular and D diagonal, not necessarily positive.
+#[derive(Clone, Debug)]
+pub struct BandedFactor {
+    /// Columns of L below the diagonal, and 1/D on it; ten columns of padding follow the matrix, so that
+    /// the update of the last columns needs no bounds.
+    columns: Vec<Column>,
+    dimension: usize,
+}
+
+impl BandedFactor {
+    /// Storage for the factors of a matrix of the given dimension.
+    pub fn new(dimension: usize) -> Self {
+        Self {
+            columns: vec![[0.0; WIDTH]; dimension + HALF_BANDWIDTH],
+            dimension,
+        }
+    }
+
+    /// Factors `matrix` and reports the signs of the pivots.
+    ///
+    /// # Errors
+    /// A pivot that is zero or not finite. Small pivots are not errors: [`Inertia`] tells their size.
+    pub fn factor(&mut self, matrix: &BandedSymmetric) -> Result<Inertia, SingularMatrix> {
+        assert_eq!(matrix.dimension(), self.dimension);
+        self.columns[..self.dimension].copy_from_slice(&matrix.columns);
+        self.columns[self.dimension..].fill([0.0; WIDTH]);
+        let mut inertia = Inertia::EMPTY;
+        for j in 0..self.dimension {
+            let (column, following) = self.columns[j..=j + HALF_BANDWIDTH]
+                .split_first_mut()
+                .expect("a column and its padding");
+            let following: &mut [Column; HALF_BANDWIDTH] =
+                following.try_into().expect("ten columns follow");
+            inertia.count(column[0], j)?;
+            eliminate(column, following);
+        }
+        Ok(inertia)
+    }
+
+    /// Solves A x = b in place.
+    pub fn solve(&self, right_hand_side: &mut [f64]) {
+        let n = self.dimension;
+        assert_eq!(right_hand_side.len(), n);
+        let x = right_hand_side;
+        // The nearest neighbour comes last in either sum: only it waits for the previous unknown.
+        for i in 0..n {
+            let first = i.saturating_sub(HALF_BANDWIDTH);
+            let mut sum = x[i];
+            for j in first..i {
+                sum -= self.columns[j][i - j] * x[j];
+            }
+            x[i] = sum;
+        }
+        for j in (0..n).rev() {
+            let column = &self.columns[j];
+            let mut sum = x[j] * column[0];
+            for r in (1..=HALF_BANDWIDTH.min(n - 1 - j)).rev() {
+                sum -= column[r] * x[j + r];
+            }
+            x[j] = sum;
+        }
+    }
+}
+
+/// One step of elimination: turns `column` into a column of L with 1/D on top and subtracts its outer
+/// product from the ten columns that follow.
+#[inline(always)]
+fn eliminate(column: &mut Column, following: &mut [Column; HALF_BANDWIDTH]) {
+    let inverse_pivot = 1.0 / column[0];
+    let unscaled = *column;
+    for r in 1..WIDTH {
+        column[r] = unscaled[r] * inverse_pivot;
+    }
+    column[0] = inverse_pivot;
+    for k in 1..WIDTH {
+        let factor = column[k];
+        let target = &mut following[k - 1];
+        for r in k..WIDTH {
+            target[r - k] -= factor * unscaled[r];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{DMatrix, DVector};
+    use proptest::prelude::*;
+
+    fn dense(matrix: &BandedSymmetric) -> DMatrix<f64> {
+        let n = matrix.dimension();
+        DMatrix::from_fn(n, n, |i, j| matrix.get(i, j))
+    }
+
+    /// A band with the given entries, made diagonally dominant; `signs` picks the signs of the diagonal.
+    fn dominant_band(
+        n: usize,
+        entries: &[f64],
+        negative: impl Fn(usize) -> bool,
+    ) -> BandedSymmetric {
+        let mut matrix = BandedSymmetric::new(n);
+        let mut values = entries.iter().cycle();
+        for j in 0..n {
+            for i in j + 1..n.min(j + WIDTH) {
+                matrix.add(i, j, *values.next().unwrap());
+            }
+            let diagonal = 22.0 + *values.next().unwrap();
+            matrix.add(j, j, if negative(j) { -diagonal } else { diagonal });
+        }
+        matrix
+    }
+
+    proptest! {
+        #[test]
+        fn solves_indefinite_bands(
+            n in 1usize..60,
+            entries in prop::collection::vec(-1.0..1.0f64, 97),
+            period in 1usize..7,
+        ) {
+            let matrix = dominant_band(n, &entries, |j| j % period == 2);
+            let mut factor = BandedFactor::new(n);
+            let inertia = factor.factor(&matrix).unwrap();
+            let solution: Vec<f64> = (0..n).map(|i| (i as f64 * 0.7).sin()).collect();
+            let mut x = vec![0.0; n];
+            matrix.multiply(&solution, &mut x);
+            factor.solve(&mut x);
+            for i in 0..n {
+                prop_assert!((x[i] - solution[i]).abs() < 1e-13);
+            }
+            let eigenvalues = dense(&matrix).symmetric_eigenvalues();
+            let negative = eigenvalues.iter().filter(|&&value| value < 0.0).count();
+            prop_assert_eq!(inertia.negative, negative);
+            prop_assert_eq!(inertia.positive, n - negative);
+        }
+
+        #[test]
+        fn multiplies_as_the_dense_matrix(n in 1usize..40, entries in prop::collection::vec(-1.0..1.0f64, 89)) {
+            let matrix = dominant_band(n, &entries, |_| false);
+            let x = DVector::from_fn(n, |i, _| (i as f64).cos());
+            let mut y = vec![0.0; n];
+            matrix.multiply(x.as_slice(), &mut y);
+            let expected = dense(&matrix) * &x;
+            for i in 0..n {
+                prop_assert!((y[i] - expected[i]).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn a_held_unknown_solves_to_its_right_hand_side_and_moves_nobody() {
+        let n = 30;
+        let mut matrix = dominant_band(n, &[0.3, -0.8, 0.5], |_| false);
+        let free = dense(&matrix).remove_row(13).remove_column(13);
+        matrix.hold(13);
+        let mut factor = BandedFactor::new(n);
+        factor.factor(&matrix).unwrap();
+        let mut x = vec![1.0; n];
+        x[13] = 5.0;
+        factor.solve(&mut x);
+        assert_eq!(x[13], 5.0);
+        let expected = free.lu().solve(&DVector::from_element(n - 1, 1.0)).unwrap();
+        for i in 0..n - 1 {
+            let own = x[if i < 13 { i } else { i + 1 }];
+            assert!((own - expected[i]).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn a_floating_chain_is_singular_at_its_last_unknown() {
+        let n = 12;
+        let mut matrix = BandedSymmetric::new(n);
+        for i in 0..n - 1 {
+            matrix.add(i, i, 1.0);
+            matrix.add(i + 1, i + 1, 1.0);
+            matrix.add(i + 1, i, -1.0);
+        }
+        let error = BandedFactor::new(n).factor(&matrix).unwrap_err();
+        assert_eq!(
+            error,
+            SingularMatrix {
+                unknown: 11,
+                pivot: 0.0
+            }
+        );
+    }
+
+    #[test]
+    fn an_entry_that_is_not_a_number_is_an_error() {
+        let mut matrix = dominant_band(20, &[0.1], |_| false);
+        matrix.add(9, 7, f64::NAN);
+        let error = BandedFactor::new(20).factor(&matrix).unwrap_err();
+        assert_eq!(error.unknown, 9);
+    }
+}

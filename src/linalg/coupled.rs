@@ -1,0 +1,406 @@
+//! The Newton system of rods that touch: a symmetric band and small dense elements between distant
+//! unknowns, factored together.
+
+use super::banded::BandedSymmetric;
+use super::block_factor::BlockFactor;
+use super::coupled_matrix::CoupledMatrix;
+use super::error::{Inertia, SingularMatrix};
+use super::node_block::{NODE, NodeVector};
+use super::node_graph::NodeGraph;
+use super::symbolic::SymbolicFactor;
+
+/// Unknowns of a dense element; [`UNUSED`] fills the places that it does not need.
+pub type Element = [usize; 12];
+
+/// Entries of a dense element: row, then column, in the order of its [`Element`].
+pub type ElementMatrix = [[f64; 12]; 12];
+
+/// Marks an unused place of an [`Element`].
+pub const UNUSED: usize = usize::MAX;
+
+/// Residual, relative to |A||x| + |b| in each row, above which a solution is refined once.
+/// A stable elimination leaves 1e-15 to 1e-13; refinement costs as much as the first solution.
+const REFINEMENT_THRESHOLD: f64 = 1e-11;
+
+/// Relative residual above which a solution is refused. Newton's method bears inexact corrections, so
+/// this only has to catch systems that are singular to working precision.
+const LARGEST_RESIDUAL: f64 = 1e-4;
+
+/// Rows whose |A||x| + |b| is below this multiple of the largest hold nothing but round-off.
+const NEGLIGIBLE_SCALE: f64 = 1e-14;
+
+/// A band and elements, with the factorisation of their sum.
+///
+/// The pattern, the order of elimination and the places of all entries are found once, by
+/// [`CoupledSystem::new`]; then any number of matrices of that pattern can be assembled and factored
+/// without allocation: [`assemble`](Self::assemble), [`add_element`](Self::add_element),
+/// [`factor`](Self::factor), [`solve`](Self::solve).
+#[derive(Clone, Debug)]
+pub struct CoupledSystem {
+    dimension: usize,
+    symmetric: bool,
+    matrix: CoupledMatrix,
+    factor: BlockFactor,
+    right_hand_side: Vec<NodeVector>,
+    solution: Vec<NodeVector>,
+    residual: Vec<NodeVector>,
+    scale: Vec<NodeVector>,
+}
+
+impl CoupledSystem {
+    /// Finds the pattern of a band of `dimension` unknowns together with `elements`, orders it by
+    /// approximate minimum degree and makes room for its factors.
+    ///
+    /// `held` marks unknowns that keep their place (length `dimension`): their rows and columns are
+    /// dropped, their diagonals one. With `symmetric`, elements must be symmetric matrices; only one
+    /// triangle is read.
+    pub fn new(dimension: usize, elements: &[Element], held: &[bool], symmetric: bool) -> Self {
+        assert_eq!(held.len(), dimension);
+        let nodes = dimension.div_ceil(NODE);
+        // Unknowns that only fill up the last node count as held.
+        let mut held = held.to_vec();
+        held.resize(NODE * nodes, true);
+        let graph = NodeGraph::new(elements, &held);
+        let factor = BlockFactor::new(SymbolicFactor::new(&graph), symmetric);
+        let vector = vec![[0.0; NODE]; nodes];
+        Self {
+            dimension,
+            symmetric,
+            matrix: CoupledMatrix::new(graph, elements, &held, symmetric),
+            factor,
+            right_hand_side: vector.clone(),
+            solution: vector.clone(),
+            residual: vector.clone(),
+            scale: vector,
+        }
+    }
+
+    /// Number of 4×4 blocks of the factor below its diagonal: the measure of fill.
+    pub fn factor_blocks(&self) -> usize {
+        self.factor.blocks()
+    }
+
+    /// Sets the matrix to `band`, which may couple nodes at most two apart.
+    pub fn assemble(&mut self, band: &BandedSymmetric) {
+        assert_eq!(band.dimension(), self.dimension);
+        self.matrix.assemble(band);
+    }
+
+    /// Adds the matrix of the element with the given index in the list that [`Self::new`] was given.
+    #[inline]
+    pub fn add_element(&mut self, index: usize, matrix: &ElementMatrix) {
+        self.matrix.add_element(index, matrix);
+    }
+
+    /// Factors the assembled matrix. A symmetric one reports the signs of its pivots, held unknowns
+    /// counted as positive.
+    ///
+    /// # Errors
+    /// A pivot that is zero or not finite.
+    pub fn factor(&mut self) -> Result<Option<Inertia>, SingularMatrix> {
+        let (diagonal, lower, upper) = self.matrix.parts();
+        let mut inertia = self.factor.factor(diagonal, lower, upper)?;
+        inertia.positive -= self.solution.as_flattened().len() - self.dimension;
+        Ok(self.symmetric.then_some(inertia))
+    }
+
+    /// Solves A x = b in place with the factors of the last [`Self::factor`], refining the solution once
+    /// if its residual calls for it.
+    ///
+    /// # Errors
+    /// A residual that stays large: the system is singular to working precision.
+    pub fn solve(&mut self, right_hand_side: &mut [f64]) -> Result<(), SingularMatrix> {
+        assert_eq!(right_hand_side.len(), self.dimension);
+        self.right_hand_side.as_flattened_mut()[..self.dimension].copy_from_slice(right_hand_side);
+        self.solution.copy_from_slice(&self.right_hand_side);
+        self.factor.solve(&mut self.solution);
+        if self.worst_residual().1 > REFINEMENT_THRESHOLD {
+            self.refine();
+            let (unknown, residual) = self.worst_residual();
+            if residual > LARGEST_RESIDUAL {
+                return Err(SingularMatrix {
+                    unknown,
+                    pivot: residual,
+                });
+            }
+        }
+        right_hand_side.copy_from_slice(&self.solution.as_flattened()[..self.dimension]);
+        Ok(())
+    }
+
+    /// Adds the solution for the residual to the solution.
+    fn refine(&mut self) {
+        self.factor.solve(&mut self.residual);
+        for (own, correction) in self.solution.iter_mut().zip(&self.residual) {
+            for (own, correction) in own.iter_mut().zip(correction) {
+                *own += correction;
+            }
+        }
+    }
+
+    /// Computes the residual; returns the unknown whose relative residual is largest, and that residual.
+    fn worst_residual(&mut self) -> (usize, f64) {
+        self.matrix.residual(
+            &self.solution,
+            &self.right_hand_side,
+            &mut self.residual,
+            &mut self.scale,
+        );
+        let scale = self.scale.as_flattened();
+        let floor = NEGLIGIBLE_SCALE * scale.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        let mut worst = (0, 0.0);
+        for (unknown, (residual, scale)) in
+            self.residual.as_flattened().iter().zip(scale).enumerate()
+        {
+            let relative = residual.abs() / (scale + floor);
+            if relative.is_nan() {
+                return (unknown, f64::INFINITY);
+            }
+            if relative > worst.1 {
+                worst = (unknown, relative);
+            }
+        }
+        worst
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linalg::HALF_BANDWIDTH;
+    use nalgebra::{DMatrix, DVector};
+
+    /// A repeatable stream of numbers in [-1, 1).
+    struct Numbers(u64);
+
+    impl Numbers {
+        fn next(&mut self) -> f64 {
+            self.0 = self
+                .0
+                .wrapping_mul(6364136223846793005)
+                .wrapping_add(1442695040888963407);
+            (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        }
+
+        fn below(&mut self, bound: usize) -> usize {
+            ((self.next() + 1.0) / 2.0 * bound as f64) as usize
+        }
+    }
+
+    /// A system and the same as a dense matrix.
+    struct Example {
+        system: CoupledSystem,
+        dense: DMatrix<f64>,
+        band: BandedSymmetric,
+        matrices: Vec<ElementMatrix>,
+    }
+
+    /// A band of windows of 11 unknowns, pairs of edges as elements, one ring closure and some held
+    /// unknowns. Without `dominance` the matrix is indefinite.
+    fn example(dimension: usize, count: usize, symmetric: bool, dominance: f64) -> Example {
+        let mut numbers = Numbers(dimension as u64 + 31 * count as u64);
+        let mut band = BandedSymmetric::new(dimension);
+        for first in (0..dimension).step_by(NODE) {
+            let window = first..dimension.min(first + HALF_BANDWIDTH + 1);
+            for j in window.clone() {
+                band.add(j, j, dominance);
+                for i in j..window.end {
+                    band.add(i, j, numbers.next());
+                }
+            }
+        }
+        let mut held = vec![false; dimension];
+        for i in [0, 1, 2, 3, 4, 5, 6, 21, dimension - 1] {
+            held[i] = true;
+        }
+        let nodes = dimension / NODE;
+        let edge_pair = |a: usize, b: usize| -> Element {
+            std::array::from_fn(|k| NODE * [a, a + 1, b, b + 1][k / 3] + k % 3)
+        };
+        let mut elements = vec![[UNUSED; 12]];
+        for place in 0..11 {
+            elements[0][place] = (dimension - 4 + place) % dimension;
+        }
+        for _ in 0..count {
+            elements.push(edge_pair(
+                numbers.below(nodes - 1),
+                numbers.below(nodes - 1),
+            ));
+        }
+        elements.retain(|element| {
+            let used: Vec<_> = element.iter().filter(|&&i| i != UNUSED).collect();
+            (1..used.len()).all(|k| !used[..k].contains(&used[k]))
+        });
+        let matrices: Vec<ElementMatrix> = elements
+            .iter()
+            .map(|_| {
+                let mut matrix = [[0.0; 12]; 12];
+                for i in 0..12 {
+                    for j in 0..=i {
+                        matrix[i][j] = numbers.next();
+                        matrix[j][i] = if symmetric {
+                            matrix[i][j]
+                        } else {
+                            numbers.next()
+                        };
+                    }
+                    matrix[i][i] += dominance;
+                }
+                matrix
+            })
+            .collect();
+
+        let mut dense = DMatrix::from_fn(dimension, dimension, |i, j| band.get(i, j));
+        for (element, matrix) in elements.iter().zip(&matrices) {
+            for (r, &i) in element.iter().enumerate().filter(|(_, i)| **i != UNUSED) {
+                for (c, &j) in element.iter().enumerate().filter(|(_, j)| **j != UNUSED) {
+                    dense[(i, j)] += matrix[r][c];
+                }
+            }
+        }
+        for i in (0..dimension).filter(|&i| held[i]) {
+            dense.row_mut(i).fill(0.0);
+            dense.column_mut(i).fill(0.0);
+            dense[(i, i)] = 1.0;
+        }
+        let system = CoupledSystem::new(dimension, &elements, &held, symmetric);
+        Example {
+            system,
+            dense,
+            band,
+            matrices,
+        }
+    }
+
+    impl Example {
+        fn factor(&mut self) -> Result<Option<Inertia>, SingularMatrix> {
+            self.system.assemble(&self.band);
+            for (index, matrix) in self.matrices.iter().enumerate() {
+                self.system.add_element(index, matrix);
+            }
+            self.system.factor()
+        }
+
+        fn solve(&mut self) -> (Vec<f64>, DVector<f64>) {
+            let expected = DVector::from_fn(self.dense.nrows(), |i, _| (0.3 * i as f64).cos());
+            let mut x = (&self.dense * &expected).as_slice().to_vec();
+            self.system.solve(&mut x).unwrap();
+            (x, expected)
+        }
+    }
+
+    #[test]
+    fn agrees_with_the_dense_matrix() {
+        for symmetric in [true, false] {
+            for (dimension, count, dominance) in [
+                (40, 0, 20.0),
+                (40, 8, 20.0),
+                (122, 30, 20.0),
+                (271, 60, 20.0),
+                (122, 30, 0.0),
+            ] {
+                let mut example = example(dimension, count, symmetric, dominance);
+                // The second assembly must not see the first.
+                for _ in 0..2 {
+                    example.factor().unwrap();
+                    let (x, expected) = example.solve();
+                    let error = (DVector::from_vec(x) - expected).amax();
+                    let bound = if dominance > 0.0 { 1e-13 } else { 1e-8 };
+                    assert!(error < bound, "{dimension} {count} {symmetric}: {error:e}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn inertia_counts_the_eigenvalues() {
+        for dominance in [0.0, 3.0, 20.0] {
+            let mut example = example(122, 20, true, dominance);
+            let inertia = example.factor().unwrap().expect("symmetric");
+            let eigenvalues = example.dense.symmetric_eigenvalues();
+            let negative = eigenvalues.iter().filter(|&&value| value < 0.0).count();
+            assert_eq!(inertia.negative, negative);
+            assert_eq!(inertia.positive, 122 - negative);
+        }
+    }
+
+    #[test]
+    fn held_unknowns_keep_their_right_hand_side() {
+        let mut example = example(80, 10, true, 20.0);
+        example.factor().unwrap();
+        let mut x: Vec<f64> = (0..80).map(|i| i as f64).collect();
+        example.system.solve(&mut x).unwrap();
+        for i in [0, 1, 2, 3, 4, 5, 6, 21, 79] {
+            assert_eq!(x[i], i as f64);
+        }
+    }
+
+    #[test]
+    fn without_elements_it_solves_as_the_band_does() {
+        let Example { band, .. } = example(120, 0, true, 15.0);
+        let mut factor = crate::linalg::BandedFactor::new(120);
+        let mut system = CoupledSystem::new(120, &[], &[false; 120], true);
+        system.assemble(&band);
+        assert_eq!(
+            factor.factor(&band).unwrap().positive,
+            system.factor().unwrap().unwrap().positive
+        );
+        let mut x = vec![1.0; 120];
+        let mut y = x.clone();
+        factor.solve(&mut x);
+        system.solve(&mut y).unwrap();
+        for i in 0..120 {
+            assert!((x[i] - y[i]).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn a_singular_system_is_an_error() {
+        let mut example = example(60, 6, false, 20.0);
+        for matrix in &mut example.matrices {
+            *matrix = [[0.0; 12]; 12];
+        }
+        for j in 40..44 {
+            example.band.hold(j);
+            example.band.columns_mut()[j][0] = 0.0;
+        }
+        let error = example.factor().unwrap_err();
+        assert_eq!(error.unknown / NODE, 10);
+    }
+
+    #[test]
+    fn refinement_repairs_an_elimination_without_pivoting() {
+        let mut band = BandedSymmetric::new(8);
+        for i in 0..8 {
+            band.add(i, i, if i < 4 { 1e-20 } else { 1.0 });
+            if i < 4 {
+                band.add(i + 4, i, 1.0);
+            }
+        }
+        let mut system = CoupledSystem::new(8, &[], &[false; 8], true);
+        system.assemble(&band);
+        system.factor().unwrap();
+        let mut x = [1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0];
+        system.solve(&mut x).unwrap();
+        assert!(x.iter().all(|x| (x - 1.0).abs() < 1e-15), "{x:?}");
+        assert!(system.solve(&mut [f64::NAN; 8]).is_err());
+    }
+
+    #[test]
+    fn the_same_matrix_gives_the_same_bytes() {
+        for symmetric in [true, false] {
+            let solve = || {
+                let mut example = example(271, 60, symmetric, 5.0);
+                example.factor().unwrap();
+                example.solve().0
+            };
+            let (first, second) = (solve(), solve());
+            assert!(
+                first
+                    .iter()
+                    .zip(&second)
+                    .all(|(a, b)| a.to_bits() == b.to_bits())
+            );
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! The sum of a symmetric band and small dense elements, as 4×4 blocks of coupled nodes.
+
+use super::banded::{BandedSymmetric, HALF_BANDWIDTH};
+use super::coupled::{Element, ElementMatrix};
+use super::node_block::{Block, NODE, NodeVector};
+use super::node_graph::{NodeGraph, is_free};
+use std::cmp::Ordering;
+
+/// The assembled matrix, with the place of every entry found beforehand.
+#[derive(Clone, Debug)]
+pub(super) struct CoupledMatrix {
+    symmetric: bool,
+    graph: NodeGraph,
+    /// Diagonal blocks, blocks of the graph's pairs below the diagonal, and those right of it,
+    /// transposed (none if symmetric), one after the other.
+    blocks: Vec<Block>,
+    /// Blocks that couple each node k with k + 1 and k + 2.
+    band_places: Vec<[Option<usize>; 2]>,
+    /// Which entry of each element goes to which value; element e owns `element_starts[e]..[e + 1]`.
+    moves: Vec<Move>,
+    element_starts: Vec<usize>,
+    /// Values in the rows and columns of held unknowns where the band may have entries.
+    held_values: Vec<u32>,
+    /// Values on the diagonal of held unknowns.
+    held_diagonals: Vec<u32>,
+}
+
+/// One entry of an element matrix (row-major) and the value to which it is added.
+#[derive(Clone, Copy, Debug)]
+struct Move {
+    entry: u32,
+    value: u32,
+}
+
+impl CoupledMatrix {
+    /// The zero matrix of the given pattern; `held` fills whole nodes.
+    pub(super) fn new(
+        graph: NodeGraph,
+        elements: &[Element],
+        held: &[bool],
+        symmetric: bool,
+    ) -> Self {
+        let (nodes, pairs) = (graph.nodes, graph.pairs().len());
+        let mut matrix = Self {
+            symmetric,
+            blocks: vec![Block::ZERO; nodes + if symmetric { pairs } else { 2 * pairs }],
+            band_places: (0..nodes)
+                .map(|q| [1, 2].map(|apart| graph.pair(q + apart, q).map(|pair| nodes + pair)))
+                .collect(),
+            moves: Vec::with_capacity(90 * elements.len()),
+            element_starts: vec![0],
+            held_values: Vec::new(),
+            held_diagonals: Vec::new(),
+            graph,
+        };
+        for element in elements {
+            matrix.place_element(element, held);
+        }
+        matrix.place_held(held);
+        matrix
+    }
+
+    /// Diagonal blocks by nodes; blocks of the graph's pairs below the diagonal; and right of it,
+    /// transposed.
+    pub(super) fn parts(&self) -> (&[Block], &[Block], &[Block]) {
+        let (diagonal, rest) = self.blocks.split_at(self.graph.nodes);
+        let (lower, upper) = rest.split_at(self.graph.pairs().len());
+        (diagonal, lower, upper)
+    }
+
+    /// Sets the matrix to `band`, with ones on the diagonal of held unknowns.
+    pub(super) fn assemble(&mut self, band: &BandedSymmetric) {
+        self.blocks.fill(Block::ZERO);
+        for (j, column) in band.columns().iter().enumerate() {
+            let (q, c) = (j / NODE, j % NODE);
+            for r in c..NODE {
+                self.blocks[q].0[NODE * c + r] = column[r - c];
+                self.blocks[q].0[NODE * r + c] = column[r - c];
+            }
+            for (neighbour, place) in self.band_places[q].iter().enumerate() {
+                if let &Some(place) = place {
+                    let first = NODE * (neighbour + 1) - c;
+                    let end = (first + NODE).min(HALF_BANDWIDTH + 1);
+                    self.blocks[place].0[NODE * c..NODE * c + end - first]
+                        .copy_from_slice(&column[first..end]);
+                }
+            }
+            debug_assert!(
+                column[(3 * NODE - c).min(HALF_BANDWIDTH + 1)..]
+                    .iter()
+                    .all(|&value| value == 0.0),
+                "the band couples nodes three apart"
+            );
+        }
+        if !self.symmetric {
+            let pairs = self.graph.pairs().len();
+            for &place in self.band_places.iter().flatten().flatten() {
+                self.blocks[place + pairs] = self.blocks[place];
+            }
+        }
+        for &value in &self.held_values {
+            *value_mut(&mut self.blocks, value) = 0.0;
+        }
+        for &value in &self.held_diagonals {
+            *value_mut(&mut self.blocks, value) = 1.0;
+        }
+    }
+
+    /// Adds the matrix of an element.
+    #[inline]
+    pub(super) fn add_element(&mut self, index: usize, matrix: &ElementMatrix) {
+        let moves = &self.moves[self.element_starts[index]..self.element_starts[index + 1]];
+        let entries = matrix.as_flattened();
+        for &Move { entry, value } in moves {
+            *value_mut(&mut self.blocks, value) += entries[entry as usize];
+        }
+    }
+
+    /// Residual b − A x, and in each row |A||x| + |b|, by which to judge it (Oettli & Prager 1964).
+    pub(super) fn residual(
+        &self,
+        x: &[NodeVector],
+        right_hand_side: &[NodeVector],
+        residual: &mut [NodeVector],
+        scale: &mut [NodeVector],
+    ) {
+        let (diagonal, lower, upper) = self.parts();
+        let upper = if self.symmetric { lower } else { upper };
+        for (p, block) in diagonal.iter().enumerate() {
+            residual[p] = right_hand_side[p];
+            scale[p] = right_hand_side[p].map(f64::abs);
+            block.subtract_from(&x[p], &mut residual[p]);
+            block.add_magnitudes_to(&x[p], &mut scale[p]);
+        }
+        for (pair, &(p, q)) in self.graph.pairs().iter().enumerate() {
+            let (p, q) = (p as usize, q as usize);
+            lower[pair].subtract_from(&x[q], &mut residual[p]);
+            lower[pair].add_magnitudes_to(&x[q], &mut scale[p]);
+            upper[pair].subtract_transposed_from(&x[p], &mut residual[q]);
+            upper[pair].add_transposed_magnitudes_to(&x[p], &mut scale[q]);
+        }
+    }
+
+    /// Finds where the entries of an element go. A symmetric matrix stores no block right of the diagonal.
+    fn place_element(&mut self, element: &Element, held: &[bool]) {
+        for (row, &i) in element.iter().enumerate() {
+            for (column, &j) in element.iter().enumerate() {
+                if is_free(i, held)
+                    && is_free(j, held)
+                    && let Some(value) = self.value(i, j)
+                {
+                    let entry = (element.len() * row + column) as u32;
+                    self.moves.push(Move { entry, value });
+                }
+            }
+        }
+        self.element_starts.push(self.moves.len());
+    }
+
+    /// Index of entry (i, j) among the values; none where a symmetric matrix stores only entry (j, i).
+    fn value(&self, i: usize, j: usize) -> Option<u32> {
+        let ((p, r), (q, c)) = ((i / NODE, i % NODE), (j / NODE, j % NODE));
+        let (nodes, pairs) = (self.graph.nodes, self.graph.pairs().len());
+        let pair = |p, q| self.graph.pair(p, q).expect("the graph holds the elements");
+        let (block, row, column) = match p.cmp(&q) {
+            Ordering::Equal => (p, r, c),
+            Ordering::Greater => (nodes + pair(p, q), r, c),
+            Ordering::Less if self.symmetric => return None,
+            Ordering::Less => (nodes + pairs + pair(q, p), c, r),
+        };
+        Some((NODE * NODE * block + NODE * column + row) as u32)
+    }
+
+    /// Finds the values that the band may have in rows and columns of held unknowns.
+    fn place_held(&mut self, held: &[bool]) {
+        let pairs = self.graph.pairs().len();
+        for (i, _) in held.iter().enumerate().filter(|(_, held)| **held) {
+            let (p, r) = (i / NODE, i % NODE);
+            let in_row = |k: usize| NODE * k + r;
+            let in_column = |k: usize| NODE * r + k;
+            let mut drop = |block: usize, place: usize| {
+                self.held_values.push((NODE * NODE * block + place) as u32);
+            };
+            for k in 0..NODE {
+                drop(p, in_row(k));
+                drop(p, in_column(k));
+            }
+            for apart in 1..=2 {
+                let after = self.band_places[p][apart - 1];
+                let before = p
+                    .checked_sub(apart)
+                    .and_then(|q| self.band_places[q][apart - 1]);
+                for copy in if self.symmetric {
+                    vec![0]
+                } else {
+                    vec![0, pairs]
+                } {
+                    for k in 0..NODE {
+                        after.inspect(|block| drop(block + copy, in_column(k)));
+                        before.inspect(|block| drop(block + copy, in_row(k)));
+                    }
+                }
+            }
+            self.held_diagonals
+                .push((NODE * NODE * p + NODE * r + r) as u32);
+        }
+    }
+}
+
+/// The value with the given index, counted through all blocks.
+#[inline(always)]
+fn value_mut(blocks: &mut [Block], value: u32) -> &mut f64 {
+    let value = value as usize;
+    &mut blocks[value / (NODE * NODE)].0[value % (NODE * NODE)]
+}

@@ -1,0 +1,55 @@
+//! What a factorisation reports: the signs of its pivots, or why it failed.
+
+/// Signs and sizes of the pivots of an LDLᵀ factorisation.
+///
+/// By Sylvester's law of inertia the numbers of positive and negative pivots are those of the positive
+/// and negative eigenvalues, whatever the order of elimination.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Inertia {
+    /// Number of positive pivots.
+    pub positive: usize,
+    /// Number of negative pivots.
+    pub negative: usize,
+    /// Smallest magnitude of a pivot.
+    pub smallest_pivot: f64,
+    /// Largest magnitude of a pivot.
+    pub largest_pivot: f64,
+}
+
+impl Inertia {
+    /// The inertia of an empty matrix, to which [`Inertia::count`] adds pivots.
+    pub(super) const EMPTY: Self = Self {
+        positive: 0,
+        negative: 0,
+        smallest_pivot: f64::INFINITY,
+        largest_pivot: 0.0,
+    };
+
+    /// Adds one pivot; a pivot that is zero or not finite is an error.
+    #[inline(always)]
+    pub(super) fn count(&mut self, pivot: f64, unknown: usize) -> Result<(), SingularMatrix> {
+        let size = pivot.abs();
+        if !(size > 0.0 && size < f64::INFINITY) {
+            return Err(SingularMatrix { unknown, pivot });
+        }
+        let is_positive = usize::from(pivot > 0.0);
+        self.positive += is_positive;
+        self.negative += 1 - is_positive;
+        self.smallest_pivot = self.smallest_pivot.min(size);
+        self.largest_pivot = self.largest_pivot.max(size);
+        Ok(())
+    }
+}
+
+/// A system that cannot be solved: a pivot is zero or not finite, or the solution does not satisfy it.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "the Newton matrix is singular at unknown {unknown} (node {}, pivot {pivot:e})",
+    unknown / 4
+)]
+pub struct SingularMatrix {
+    /// The unknown whose elimination failed.
+    pub unknown: usize,
+    /// The pivot met there, or what remained of the equation.
+    pub pivot: f64,
+}

@@ -1,0 +1,262 @@
+//! Dense 4×4 blocks, one per coupled pair of nodes, and the few operations on them that an elimination
+//! node by node is made of. Columns are contiguous, so that four rows run in the lanes of a register.
+
+/// Unknowns per node.
+pub(super) const NODE: usize = 4;
+
+/// A 4×4 block, column by column: entry (r, c) is `0[4 c + r]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C, align(32))]
+pub(super) struct Block(pub(super) [f64; NODE * NODE]);
+
+/// The unknowns of one node.
+pub(super) type NodeVector = [f64; NODE];
+
+impl Block {
+    pub(super) const ZERO: Self = Self([0.0; NODE * NODE]);
+
+    #[inline(always)]
+    pub(super) fn get(&self, row: usize, column: usize) -> f64 {
+        self.0[NODE * column + row]
+    }
+
+    #[inline(always)]
+    pub(super) fn transposed(&self) -> Self {
+        let mut result = Self::ZERO;
+        for c in 0..NODE {
+            for r in 0..NODE {
+                result.0[NODE * c + r] = self.0[NODE * r + c];
+            }
+        }
+        result
+    }
+
+    /// `self` −= X Yᵀ.
+    #[inline(always)]
+    pub(super) fn subtract_product(&mut self, x: &Self, y: &Self) {
+        for c in 0..NODE {
+            let mut column = [0.0; NODE];
+            for r in 0..NODE {
+                column[r] = self.0[NODE * c + r];
+            }
+            for k in 0..NODE {
+                let factor = y.0[NODE * k + c];
+                for r in 0..NODE {
+                    column[r] -= x.0[NODE * k + r] * factor;
+                }
+            }
+            for r in 0..NODE {
+                self.0[NODE * c + r] = column[r];
+            }
+        }
+    }
+
+    /// `target` −= B v.
+    #[inline(always)]
+    pub(super) fn subtract_from(&self, v: &NodeVector, target: &mut NodeVector) {
+        for k in 0..NODE {
+            for r in 0..NODE {
+                target[r] -= self.0[NODE * k + r] * v[k];
+            }
+        }
+    }
+
+    /// `target` −= Bᵀ v.
+    #[inline(always)]
+    pub(super) fn subtract_transposed_from(&self, v: &NodeVector, target: &mut NodeVector) {
+        for c in 0..NODE {
+            let mut sum = self.0[NODE * c] * v[0];
+            for r in 1..NODE {
+                sum += self.0[NODE * c + r] * v[r];
+            }
+            target[c] -= sum;
+        }
+    }
+
+    /// `target` += |B| |v|.
+    #[inline(always)]
+    pub(super) fn add_magnitudes_to(&self, v: &NodeVector, target: &mut NodeVector) {
+        for k in 0..NODE {
+            for r in 0..NODE {
+                target[r] += (self.0[NODE * k + r] * v[k]).abs();
+            }
+        }
+    }
+
+    /// `target` += |Bᵀ| |v|.
+    #[inline(always)]
+    pub(super) fn add_transposed_magnitudes_to(&self, v: &NodeVector, target: &mut NodeVector) {
+        for c in 0..NODE {
+            for r in 0..NODE {
+                target[c] += (self.0[NODE * c + r] * v[r]).abs();
+            }
+        }
+    }
+}
+
+/// The factors P D = L U of a diagonal block, rows exchanged within the block.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DiagonalFactor {
+    /// L below the diagonal, U above it, 1/U on it.
+    factors: Block,
+    /// Row k of P D is row `rows[k]` of D.
+    rows: [usize; NODE],
+}
+
+impl DiagonalFactor {
+    pub(super) const EMPTY: Self = Self {
+        factors: Block::ZERO,
+        rows: [0; NODE],
+    };
+
+    /// Factors a block by Gaussian elimination with partial pivoting. The error holds the row at which
+    /// no pivot was left, and that pivot.
+    #[inline(always)]
+    pub(super) fn new(block: &Block) -> Result<Self, (usize, f64)> {
+        let mut a = *block;
+        let mut rows = [0, 1, 2, 3];
+        for k in 0..NODE {
+            let mut best = k;
+            for r in k + 1..NODE {
+                if a.get(r, k).abs() > a.get(best, k).abs() {
+                    best = r;
+                }
+            }
+            let pivot = a.get(best, k);
+            if !(pivot.abs() > 0.0 && pivot.abs() < f64::INFINITY) {
+                return Err((rows[best], pivot));
+            }
+            if best != k {
+                rows.swap(k, best);
+                for c in 0..NODE {
+                    a.0.swap(NODE * c + k, NODE * c + best);
+                }
+            }
+            let inverse = 1.0 / pivot;
+            a.0[NODE * k + k] = inverse;
+            for r in k + 1..NODE {
+                a.0[NODE * k + r] *= inverse;
+            }
+            for c in k + 1..NODE {
+                let factor = a.get(k, c);
+                for r in k + 1..NODE {
+                    a.0[NODE * c + r] -= a.0[NODE * k + r] * factor;
+                }
+            }
+        }
+        Ok(Self { factors: a, rows })
+    }
+
+    /// D⁻¹ v.
+    #[inline(always)]
+    pub(super) fn solve(&self, v: &NodeVector) -> NodeVector {
+        let f = &self.factors;
+        let mut x = [0.0; NODE];
+        for k in 0..NODE {
+            x[k] = v[self.rows[k]];
+        }
+        for k in 0..NODE {
+            for r in k + 1..NODE {
+                x[r] -= f.get(r, k) * x[k];
+            }
+        }
+        for k in (0..NODE).rev() {
+            x[k] *= f.get(k, k);
+            for r in 0..k {
+                x[r] -= f.get(r, k) * x[k];
+            }
+        }
+        x
+    }
+
+    /// A D⁻¹ = A U⁻¹ L⁻¹ P, column by column.
+    #[inline(always)]
+    pub(super) fn divide(&self, a: &Block) -> Block {
+        let f = &self.factors;
+        let mut x = *a;
+        for c in 0..NODE {
+            for k in 0..c {
+                let factor = f.get(k, c);
+                for r in 0..NODE {
+                    x.0[NODE * c + r] -= x.0[NODE * k + r] * factor;
+                }
+            }
+            let inverse = f.get(c, c);
+            for r in 0..NODE {
+                x.0[NODE * c + r] *= inverse;
+            }
+        }
+        for c in (0..NODE).rev() {
+            for k in c + 1..NODE {
+                let factor = f.get(k, c);
+                for r in 0..NODE {
+                    x.0[NODE * c + r] -= x.0[NODE * k + r] * factor;
+                }
+            }
+        }
+        let mut result = Block::ZERO;
+        for k in 0..NODE {
+            let column = NODE * self.rows[k];
+            for r in 0..NODE {
+                result.0[column + r] = x.0[NODE * k + r];
+            }
+        }
+        result
+    }
+}
+
+/// The pivots of the LDLᵀ factorisation of a symmetric block without row exchanges.
+#[inline(always)]
+pub(super) fn symmetric_pivots(block: &Block) -> NodeVector {
+    let mut a = *block;
+    let mut pivots = [0.0; NODE];
+    for k in 0..NODE {
+        pivots[k] = a.get(k, k);
+        let inverse = 1.0 / pivots[k];
+        for c in k + 1..NODE {
+            let factor = a.get(c, k) * inverse;
+            for r in c..NODE {
+                a.0[NODE * c + r] -= a.get(r, k) * factor;
+            }
+        }
+    }
+    pivots
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Matrix4, Vector4};
+    use proptest::prelude::*;
+
+    fn dense(block: &Block) -> Matrix4<f64> {
+        Matrix4::from_column_slice(&block.0)
+    }
+
+    fn blocks() -> impl Strategy<Value = Block> {
+        prop::array::uniform16(-1.0..1.0f64).prop_map(Block)
+    }
+
+    proptest! {
+        #[test]
+        fn operations_agree_with_dense_matrices(x in blocks(), y in blocks(), c in blocks(), v in prop::array::uniform4(-1.0..1.0f64)) {
+            let mut product = c;
+            product.subtract_product(&x, &y);
+            prop_assert!((dense(&product) - (dense(&c) - dense(&x) * dense(&y).transpose())).amax() < 1e-14);
+            let mut target = [1.0; 4];
+            x.subtract_from(&v, &mut target);
+            x.subtract_transposed_from(&v, &mut target);
+            let expected = Vector4::repeat(1.0) - (dense(&x) + dense(&x).transpose()) * Vector4::from(v);
+            prop_assert!((Vector4::from(target) - expected).amax() < 1e-14);
+        }
+
+        #[test]
+        fn a_diagonal_factor_divides(d in blocks(), a in blocks(), v in prop::array::uniform4(-1.0..1.0f64)) {
+            let matrix = dense(&d);
+            prop_assume!(matrix.determinant().abs() > 1e-3);
+            let factor = DiagonalFactor::new(&d).unwrap();
+            prop_assert!((matrix * Vector4::from(factor.solve(&v)) - Vector4::from(v)).amax() < 1e-11);
+            prop_assert!((dense(&factor.divide(&a)) * matrix - dense(&a)).amax() < 1e-11);
+        }
+    }
+}

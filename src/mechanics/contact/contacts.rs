@@ -1,0 +1,50 @@
+//! What is known of a single contact.
+
+/// Derivative of the 12 force components of an edge–edge contact with respect to the 12 coordinates, N/m;
+/// indices [component of force][coordinate], both node after node.
+pub type EdgeJacobian = [[f64; 12]; 12];
+/// Derivative of the force of a plane on a node with respect to the node's position, N/m.
+pub type PlaneJacobian = [[f64; 3]; 3];
+
+/// A pair of edges that may touch before the candidates are next updated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct CandidatePair {
+    /// The edges i < j, indices into [`ContactSurface::edges`](super::ContactSurface::edges).
+    pub edges: [usize; 2],
+    /// The nodes x_i, x_{i+1}, x_j, x_{j+1}.
+    pub nodes: [usize; 4],
+}
+
+/// A pair of edges within reach of the contact potential.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ActiveContact {
+    /// Index into [`ImplicitContact::candidates`](super::ImplicitContact::candidates).
+    pub candidate: usize,
+    /// The nodes x_i, x_{i+1}, x_j, x_{j+1}.
+    pub nodes: [usize; 4],
+    /// Centreline distance Δ, m.
+    pub distance: f64,
+    /// Distance at which the surfaces touch, h_i + h_j, m.
+    pub threshold: f64,
+    /// Magnitude of the normal force of one edge on the other, N.
+    pub normal_force: f64,
+    /// Force on the four nodes, friction included, N.
+    pub force: [f64; 12],
+}
+
+/// A node within reach of the contact potential of a plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlaneContact {
+    /// The node.
+    pub node: usize,
+    /// Index of the plane.
+    pub plane: usize,
+    /// Distance of the node from the plane, m; negative behind it.
+    pub distance: f64,
+    /// Distance at which the node's sphere touches the plane, h, m.
+    pub threshold: f64,
+    /// Magnitude of the normal force, N.
+    pub normal_force: f64,
+    /// Force on the node, friction included, N.
+    pub force: [f64; 3],
+}

@@ -1,0 +1,428 @@
+//! All contacts of a scene: candidates, forces, Jacobians, stiffness.
+
+use super::candidates::{Candidates, approach};
+use super::closest_points::{ClosestPoints, edge_distance};
+use super::contacts::{ActiveContact, CandidatePair, EdgeJacobian, PlaneContact, PlaneJacobian};
+use super::edge_contact::{Sliding, edge_force, edge_jacobian};
+use super::friction::FrictionLaw;
+use super::multipliers::Multipliers;
+use super::parameters::ContactParameters;
+use super::plane_contact::{NodeSliding, plane_force, plane_jacobian};
+use super::potential::{NormalResponse, gap_of_force, normal_response, reach};
+use super::stiffness::adapted_stiffness;
+use super::surface::{ContactPlane, ContactSurface};
+use crate::mechanics::Vector3;
+
+/// The implicit contact model with Coulomb friction (thesis 2.2–2.3) for all rods and planes of a scene.
+///
+/// In a time step: [`update_candidates`](Self::update_candidates), then per Newton iteration
+/// [`evaluate`](Self::evaluate) and per trial of the line search [`evaluate_forces`](Self::evaluate_forces);
+/// after it, [`candidates_are_complete`](Self::candidates_are_complete) and
+/// [`excessive_penetration`](Self::excessive_penetration).
+///
+/// The distance of two edges has kinks where several pairs of points are equally near: parallel edges, and
+/// joints of a rod. Newton's method may need its line search there. Two edges that pass through each other
+/// within one step are not noticed.
+#[derive(Clone, Debug)]
+pub struct ImplicitContact {
+    parameters: ContactParameters,
+    surface: ContactSurface,
+    planes: Vec<ContactPlane>,
+    candidates: Candidates,
+    multipliers: Multipliers,
+    stiffness: f64,
+    least_stiffness: f64,
+    /// How far every node has moved since the candidates were built, m; scratch.
+    motion: Vec<f64>,
+    contacts: Vec<ActiveContact>,
+    jacobians: Vec<EdgeJacobian>,
+    /// What to add to the forces to have those of the linear laws, and those of the multipliers, N.
+    linear_corrections: Vec<[f64; 12]>,
+    multiplier_corrections: Vec<[f64; 12]>,
+    plane_contacts: Vec<PlaneContact>,
+    plane_jacobians: Vec<PlaneJacobian>,
+    energy: f64,
+    contact_count: usize,
+}
+
+/// The positions at which contact is evaluated.
+#[derive(Clone, Copy)]
+struct Motion<'a> {
+    positions: &'a [Vector3],
+    previous: &'a [Vector3],
+    time_step: f64,
+}
+
+impl Motion<'_> {
+    fn velocity(&self, node: usize) -> Vector3 {
+        (self.positions[node] - self.previous[node]) / self.time_step
+    }
+
+    /// The law where there is friction and time for it.
+    fn friction(&self, coefficient: f64, slip_tolerance: f64) -> Option<FrictionLaw> {
+        (coefficient > 0.0 && self.time_step.is_finite()).then_some(FrictionLaw {
+            coefficient,
+            slip_tolerance,
+        })
+    }
+}
+
+impl ImplicitContact {
+    /// `least_stiffness` is the contact stiffness k at the start and the least that
+    /// [`Self::adapt_stiffness`] chooses; s times the force scale EI/L² suits.
+    pub fn new(
+        parameters: ContactParameters,
+        surface: ContactSurface,
+        planes: Vec<ContactPlane>,
+        least_stiffness: f64,
+    ) -> Self {
+        let candidates = Candidates::new(&surface, reach(parameters.distance_tolerance));
+        Self {
+            parameters,
+            surface,
+            planes,
+            candidates,
+            multipliers: Multipliers::default(),
+            stiffness: least_stiffness,
+            least_stiffness,
+            motion: Vec::new(),
+            contacts: Vec::new(),
+            jacobians: Vec::new(),
+            linear_corrections: Vec::new(),
+            multiplier_corrections: Vec::new(),
+            plane_contacts: Vec::new(),
+            plane_jacobians: Vec::new(),
+            energy: 0.0,
+            contact_count: 0,
+        }
+    }
+
+    /// The surfaces.
+    pub fn surface(&self) -> &ContactSurface {
+        &self.surface
+    }
+
+    /// The rigid planes.
+    pub fn planes(&self) -> &[ContactPlane] {
+        &self.planes
+    }
+
+    /// The parameters.
+    pub fn parameters(&self) -> &ContactParameters {
+        &self.parameters
+    }
+
+    /// Sets the margin of the candidates, m (two radii of the thickest rod otherwise), and forgets them.
+    ///
+    /// A larger margin means fewer rebuilds, a smaller one fewer candidates and so fewer entries in the
+    /// Newton system. To be called before the first update, and again before a restart.
+    pub fn set_candidate_margin(&mut self, margin: f64) {
+        self.candidates.set_margin(margin);
+    }
+
+    /// Rebuilds the candidates where some node has moved more than a quarter of the margin since they
+    /// were last built; returns whether the set changed. To be called at the start of a step.
+    pub fn update_candidates(&mut self, positions: &[Vector3]) -> bool {
+        let changed = self.candidates.update(&self.surface, positions);
+        if changed {
+            let (old, new) = (self.candidates.earlier_pairs(), self.candidates.pairs());
+            self.multipliers.carry_over(old, new);
+        }
+        changed
+    }
+
+    /// Rebuilds the candidates for these positions in any case; without positions there are none.
+    pub(super) fn rebuild_candidates(&mut self, positions: &[Vector3]) {
+        self.candidates.rebuild(&self.surface, positions);
+    }
+
+    /// Positions for which the candidates were built; empty before the first time.
+    pub(super) fn candidate_positions(&self) -> &[Vector3] {
+        self.candidates.positions()
+    }
+
+    /// Pairs of edges that may touch, sorted by edges.
+    pub fn candidates(&self) -> &[CandidatePair] {
+        self.candidates.pairs()
+    }
+
+    /// Whether no contact can be missing from the candidates at these positions: no node has moved more
+    /// than half the margin since they were built. To be asked when a step has converged; where it is
+    /// false, update the candidates and go on iterating if the set changed.
+    pub fn candidates_are_complete(&self, positions: &[Vector3]) -> bool {
+        self.candidates.are_complete(positions)
+    }
+
+    /// Starts the Newton iterations of a step: until [`Self::settle_multipliers`] or
+    /// [`Self::abandon_multipliers`] the Jacobians are those of the force law linearised at the normal forces
+    /// that the iteration carries along, the first ones those of the last step.
+    pub fn begin_iterations(&mut self) {
+        self.multipliers.begin(self.candidates.pairs().len());
+    }
+
+    /// Whether the Jacobians are those of the carried normal forces.
+    pub fn uses_multipliers(&self) -> bool {
+        self.multipliers.in_use()
+    }
+
+    /// Goes on with Jacobians at the present gaps.
+    pub fn abandon_multipliers(&mut self) {
+        self.multipliers.abandon();
+    }
+
+    /// Takes over the normal forces of the last evaluation as those of an accepted step.
+    pub fn settle_multipliers(&mut self) {
+        let candidates = self.candidates.pairs().len();
+        let reach = reach(self.parameters.distance_tolerance);
+        self.multipliers.settle(candidates, &self.contacts, reach);
+    }
+
+    pub(super) fn multipliers(&self) -> &Multipliers {
+        &self.multipliers
+    }
+
+    pub(super) fn restore_multipliers(&mut self, forces: &[f64]) {
+        self.multipliers.restore(forces);
+    }
+
+    /// Finds the active contacts at `positions` and evaluates energy, forces and Jacobians.
+    ///
+    /// Friction acts on the velocity (`positions` − `previous`)/`time_step`, and not at all where
+    /// `time_step` is infinite (statics).
+    ///
+    /// Centrelines that cross (Δ = 0) have no direction of separation: the forces are not numbers there, for
+    /// the line search to refuse.
+    pub fn evaluate(&mut self, positions: &[Vector3], previous: &[Vector3], time_step: f64) {
+        let motion = Motion {
+            positions,
+            previous,
+            time_step,
+        };
+        self.clear_results();
+        self.evaluate_edges(motion, true);
+        self.evaluate_planes(motion, true);
+        self.multipliers.advance();
+    }
+
+    /// The same without Jacobians, for line searches; [`Self::jacobians`] and
+    /// [`Self::plane_jacobians`] are empty afterwards.
+    pub fn evaluate_forces(&mut self, positions: &[Vector3], previous: &[Vector3], time_step: f64) {
+        let motion = Motion {
+            positions,
+            previous,
+            time_step,
+        };
+        self.clear_results();
+        self.evaluate_edges(motion, false);
+        self.evaluate_planes(motion, false);
+    }
+
+    fn clear_results(&mut self) {
+        self.contacts.clear();
+        self.jacobians.clear();
+        self.linear_corrections.clear();
+        self.multiplier_corrections.clear();
+        self.plane_contacts.clear();
+        self.plane_jacobians.clear();
+        self.energy = 0.0;
+        self.contact_count = 0;
+    }
+
+    fn evaluate_edges(&mut self, motion: Motion, with_jacobians: bool) {
+        let parameters = &self.parameters;
+        let tolerance = parameters.distance_tolerance;
+        let friction = motion.friction(parameters.friction, parameters.slip_tolerance);
+        self.candidates.motion(motion.positions, &mut self.motion);
+        let pairs = self.candidates.pairs().iter();
+        for (candidate, (pair, earlier)) in pairs.zip(self.candidates.gaps()).enumerate() {
+            let loaded = with_jacobians && self.multipliers.is_loaded(candidate);
+            if !loaded && earlier - approach(pair, &self.motion) >= reach(tolerance) {
+                continue;
+            }
+            let nodes = pair.nodes.map(|node| motion.positions[node]);
+            let closest = ClosestPoints::of(&nodes);
+            let (distance, threshold) = (closest.distance(), self.surface.threshold(pair.edges));
+            let gap = distance - threshold;
+            if !loaded && gap >= reach(tolerance) {
+                continue;
+            }
+            let (scale, stiffness) = (0.5 * threshold, self.stiffness);
+            let law = |gap| normal_response(gap, scale, tolerance, stiffness);
+            let response = law(gap);
+            let sliding = friction.map(|law| Sliding {
+                law,
+                velocities: pair.nodes.map(|node| motion.velocity(node)),
+                time_step: motion.time_step,
+            });
+            let force = edge_force(&closest, &response, sliding.as_ref());
+            self.contacts.push(ActiveContact {
+                candidate,
+                nodes: pair.nodes,
+                distance,
+                threshold,
+                normal_force: response.force,
+                force,
+            });
+            if with_jacobians {
+                let inverse = |force| gap_of_force(force, scale, tolerance, stiffness);
+                let linear = self
+                    .multipliers
+                    .linear_law(candidate, gap, &response, law, inverse);
+                let tangent = linear.map_or(response, |linear| linear.tangent);
+                let jacobian = edge_jacobian(&nodes, &closest, &tangent, sliding.as_ref());
+                self.jacobians.push(jacobian);
+                let correction = |normal: f64| {
+                    let with = edge_force(
+                        &closest,
+                        &NormalResponse {
+                            force: normal,
+                            ..response
+                        },
+                        sliding.as_ref(),
+                    );
+                    std::array::from_fn(|k| with[k] - force[k])
+                };
+                let none = [0.0; 12];
+                self.linear_corrections
+                    .push(linear.map_or(none, |linear| correction(linear.force)));
+                self.multiplier_corrections
+                    .push(linear.map_or(none, |linear| correction(linear.tangent.force)));
+            }
+            self.energy += response.energy;
+            self.contact_count += usize::from(gap < tolerance);
+        }
+    }
+
+    fn evaluate_planes(&mut self, motion: Motion, with_jacobians: bool) {
+        let tolerance = self.parameters.distance_tolerance;
+        for (index, plane) in self.planes.iter().enumerate() {
+            let law = motion.friction(plane.friction, self.parameters.slip_tolerance);
+            for surface in self.surface.nodes() {
+                let (node, radius) = (surface.node, surface.radius);
+                let distance = plane.distance(&motion.positions[node]);
+                let gap = distance - radius;
+                if gap >= reach(tolerance) {
+                    continue;
+                }
+                let response = normal_response(gap, radius, tolerance, self.stiffness);
+                let sliding = law.map(|law| NodeSliding {
+                    law,
+                    velocity: motion.velocity(node),
+                    time_step: motion.time_step,
+                });
+                self.plane_contacts.push(PlaneContact {
+                    node,
+                    plane: index,
+                    distance,
+                    threshold: radius,
+                    normal_force: response.force,
+                    force: plane_force(&plane.normal, &response, sliding.as_ref()),
+                });
+                if with_jacobians {
+                    let jacobian = plane_jacobian(&plane.normal, &response, sliding.as_ref());
+                    self.plane_jacobians.push(jacobian);
+                }
+                self.energy += response.energy;
+                self.contact_count += usize::from(gap < tolerance);
+            }
+        }
+    }
+
+    /// Contact energy of the last evaluation, J.
+    pub fn energy(&self) -> f64 {
+        self.energy
+    }
+
+    /// Active edge–edge contacts of the last evaluation, in the order of the candidates.
+    pub fn contacts(&self) -> &[ActiveContact] {
+        &self.contacts
+    }
+
+    /// Force Jacobians, one per element of [`Self::contacts`]; symmetric without friction.
+    pub fn jacobians(&self) -> &[EdgeJacobian] {
+        &self.jacobians
+    }
+
+    /// What to add to the forces of [`Self::contacts`] to have those of the linearised laws at the present
+    /// gaps, N: the right-hand side that goes with the Jacobians. Zero without multipliers.
+    pub fn linear_corrections(&self) -> &[[f64; 12]] {
+        &self.linear_corrections
+    }
+
+    /// What to add to the forces of [`Self::contacts`] to have those of the multipliers, N.
+    pub fn multiplier_corrections(&self) -> &[[f64; 12]] {
+        &self.multiplier_corrections
+    }
+
+    /// Active plane contacts of the last evaluation, sorted by plane and node.
+    pub fn plane_contacts(&self) -> &[PlaneContact] {
+        &self.plane_contacts
+    }
+
+    /// Force Jacobians, one per element of [`Self::plane_contacts`].
+    pub fn plane_jacobians(&self) -> &[PlaneJacobian] {
+        &self.plane_jacobians
+    }
+
+    /// Contacts (with planes too) of the last evaluation within the distance tolerance δ (Eq. 2.17).
+    pub fn contact_count(&self) -> usize {
+        self.contact_count
+    }
+
+    /// Contact stiffness k.
+    pub fn stiffness(&self) -> f64 {
+        self.stiffness
+    }
+
+    /// Sets the contact stiffness k.
+    pub fn set_stiffness(&mut self, stiffness: f64) {
+        self.stiffness = stiffness;
+    }
+
+    /// Adapts the stiffness to `forces`, the total force on every node without contact and friction, N
+    /// (Eqs. 2.18, 2.19); returns whether it changed.
+    ///
+    /// The thesis takes the largest force over the nodes in contact. Here all nodes of pairs whose surfaces
+    /// are nearer than a quarter of the candidates' margin count, so that a contact which begins within the
+    /// step is met with the right stiffness. Without such nodes nothing changes. To be called once per
+    /// step: within Newton's method the stiffness must stay.
+    pub fn adapt_stiffness(&mut self, positions: &[Vector3], forces: &[Vector3]) -> bool {
+        let Some(force) = self.largest_force_near_contact(positions, forces) else {
+            return false;
+        };
+        let (before, factor) = (self.stiffness, self.parameters.stiffness_factor);
+        self.stiffness = adapted_stiffness(before, force, factor, self.least_stiffness);
+        self.stiffness != before
+    }
+
+    fn largest_force_near_contact(
+        &mut self,
+        positions: &[Vector3],
+        forces: &[Vector3],
+    ) -> Option<f64> {
+        let near = 0.25 * self.candidates.margin();
+        let mut largest: Option<f64> = None;
+        let mut include = |node: usize| {
+            let force = forces[node].norm();
+            largest = Some(largest.map_or(force, |largest| largest.max(force)));
+        };
+        self.candidates.motion(positions, &mut self.motion);
+        let pairs = self.candidates.pairs().iter();
+        for (pair, earlier) in pairs.zip(self.candidates.gaps()) {
+            if earlier - approach(pair, &self.motion) < near
+                && edge_distance(&pair.nodes.map(|node| positions[node]))
+                    < self.surface.threshold(pair.edges) + near
+            {
+                pair.nodes.into_iter().for_each(&mut include);
+            }
+        }
+        for plane in &self.planes {
+            for surface in self.surface.nodes() {
+                if plane.distance(&positions[surface.node]) < surface.radius + near {
+                    include(surface.node);
+                }
+            }
+        }
+        largest
+    }
+}

@@ -1,0 +1,55 @@
+//! What a restart needs to know of contact.
+
+use super::implicit_contact::ImplicitContact;
+use crate::mechanics::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// What influences future contact forces; part of a checkpoint.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ContactMemory {
+    /// Positions of all nodes when the candidates were last built, m; empty before the first time.
+    pub candidate_positions: Vec<[f64; 3]>,
+    /// Contact stiffness k.
+    pub stiffness: f64,
+    /// Normal force of every candidate in the last step, N.
+    pub normal_forces: Vec<f64>,
+}
+
+/// A memory of another scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("contact memory of {found} nodes in a scene of {expected}")]
+pub struct MismatchedMemory {
+    /// Nodes of this scene.
+    pub expected: usize,
+    /// Nodes in the memory.
+    pub found: usize,
+}
+
+impl ImplicitContact {
+    /// What a checkpoint must hold.
+    pub fn memory(&self) -> ContactMemory {
+        let positions = self.candidate_positions().iter();
+        ContactMemory {
+            candidate_positions: positions.map(|&position| position.into()).collect(),
+            stiffness: self.stiffness(),
+            normal_forces: self.multipliers().settled().to_vec(),
+        }
+    }
+
+    /// Continues from a checkpoint of the same scene: candidates and stiffness are as they were.
+    ///
+    /// # Errors
+    /// When the memory is that of a scene with another number of nodes.
+    pub fn restore(&mut self, memory: &ContactMemory) -> Result<(), MismatchedMemory> {
+        let stored = memory.candidate_positions.iter();
+        let positions: Vec<Vector3> = stored.map(|&position| position.into()).collect();
+        let (expected, found) = (self.surface().node_count(), positions.len());
+        if found != 0 && found != expected {
+            return Err(MismatchedMemory { expected, found });
+        }
+        self.rebuild_candidates(&positions);
+        self.set_stiffness(memory.stiffness);
+        self.restore_multipliers(&memory.normal_forces);
+        Ok(())
+    }
+}

@@ -1,0 +1,102 @@
+//! Force and Jacobian of a node on a rigid plane, with friction.
+//!
+//! The potential is that of two edges (thesis Eq. 2.15) with the gap of the node's sphere over the plane,
+//! (x − p)·n − h, in place of Δ − 2h, and friction is that of Eqs. 2.9–2.11 against the resting plane:
+//!
+//! F = N (n + t(n, v)), ∂F = (dN/dΔ) (n + t) nᵀ + N (∂t/∂v)/Δt, v = (x − xⁿ)/Δt.
+
+use super::contacts::PlaneJacobian;
+use super::friction::FrictionLaw;
+use super::potential::NormalResponse;
+use crate::mechanics::Vector3;
+
+/// The sliding of a node over a plane.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NodeSliding {
+    /// Friction law between node and plane.
+    pub law: FrictionLaw,
+    /// Velocity of the node, m/s.
+    pub velocity: Vector3,
+    /// Size Δt of the step, s.
+    pub time_step: f64,
+}
+
+/// Force on the node, N.
+pub(super) fn plane_force(
+    normal: &Vector3,
+    response: &NormalResponse,
+    sliding: Option<&NodeSliding>,
+) -> [f64; 3] {
+    let traction = sliding.map_or_else(Vector3::zeros, |sliding| {
+        sliding.law.traction(normal, &sliding.velocity)
+    });
+    ((normal + traction) * response.force).into()
+}
+
+/// Derivative of [`plane_force`] with respect to the position of the node, N/m.
+pub(super) fn plane_jacobian(
+    normal: &Vector3,
+    response: &NormalResponse,
+    sliding: Option<&NodeSliding>,
+) -> PlaneJacobian {
+    let jacobian = match sliding {
+        Some(sliding) => {
+            let traction = sliding.law.traction_derivatives(normal, &sliding.velocity);
+            (normal + traction.value) * normal.transpose() * response.force_slope
+                + traction.by_velocity * (response.force / sliding.time_step)
+        }
+        None => normal * normal.transpose() * response.force_slope,
+    };
+    std::array::from_fn(|row| std::array::from_fn(|column| jacobian[(row, column)]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::potential::normal_response;
+    use super::super::test_support::{Random, relative_error};
+    use super::*;
+
+    #[test]
+    fn the_jacobian_agrees_with_differences_over_decades() {
+        let mut random = Random::new(13);
+        for radius in [1e-4, 1e-3, 1e-2, 1e-1] {
+            let law = FrictionLaw {
+                coefficient: 0.6,
+                slip_tolerance: 0.1 * radius,
+            };
+            let time_step = 10.0; // speeds near the slip tolerance
+            for _ in 0..50 {
+                let normal = random.vector().normalize();
+                let previous = random.vector() * radius;
+                let position = normal * (radius * (1.0 + 0.2 * random.symmetric()));
+                let evaluate = |x: &Vector3| {
+                    let gap = x.dot(&normal) - radius;
+                    let response = normal_response(gap, radius, 0.5 * radius, 2.0);
+                    let sliding = NodeSliding {
+                        law,
+                        velocity: (x - previous) / time_step,
+                        time_step,
+                    };
+                    (response, sliding)
+                };
+                let force = |x: &Vector3| {
+                    let (response, sliding) = evaluate(x);
+                    Vector3::from(plane_force(&normal, &response, Some(&sliding)))
+                };
+                let (response, sliding) = evaluate(&position);
+                let found = plane_jacobian(&normal, &response, Some(&sliding));
+                let step = 1e-5 * radius;
+                let expected: [[f64; 3]; 3] = std::array::from_fn(|row| {
+                    std::array::from_fn(|column| {
+                        let mut offset = Vector3::zeros();
+                        offset[column] = step;
+                        let change = force(&(position + offset)) - force(&(position - offset));
+                        change[row] / (2.0 * step)
+                    })
+                });
+                let error = relative_error(found.as_flattened(), expected.as_flattened());
+                assert!(error < 1e-6, "{error:e}");
+            }
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! How near bodies are to each other: the least distance, penetration, overlaps of a new scene.
+
+use super::broad_phase::BroadPhase;
+use super::closest_points::edge_distance;
+use super::implicit_contact::ImplicitContact;
+use crate::mechanics::Vector3;
+
+/// Surfaces that touch to rounding error do not count as overlapping.
+const TOUCHING: f64 = 1e-9;
+
+/// Two bodies that meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ContactPair {
+    /// Two edges, indices into [`ContactSurface::edges`](super::ContactSurface::edges).
+    Edges([usize; 2]),
+    /// A node and a plane.
+    NodeAndPlane {
+        /// The node.
+        node: usize,
+        /// Index of the plane.
+        plane: usize,
+    },
+}
+
+/// How near two bodies are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Proximity {
+    /// The bodies.
+    pub pair: ContactPair,
+    /// Distance of the centrelines, or of the node from the plane, m.
+    pub distance: f64,
+    /// The distance at which the surfaces touch: h_i + h_j, or h at a plane, m.
+    pub threshold: f64,
+}
+
+impl Proximity {
+    /// Distance over threshold: 1 where the surfaces touch.
+    pub fn ratio(&self) -> f64 {
+        self.distance / self.threshold
+    }
+
+    /// Depth of penetration as a fraction of the threshold; negative where the surfaces are apart.
+    pub fn penetration(&self) -> f64 {
+        1.0 - self.ratio()
+    }
+}
+
+impl ImplicitContact {
+    /// Smallest centreline distance over the candidates, m; infinite without candidates.
+    pub fn minimum_distance(&self, positions: &[Vector3]) -> f64 {
+        self.candidates()
+            .iter()
+            .map(|pair| edge_distance(&pair.nodes.map(|node| positions[node])))
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// The deepest penetration at the last evaluation, where it exceeds `maximum_penetration`.
+    pub fn excessive_penetration(&self) -> Option<Proximity> {
+        let edges = self.contacts().iter().map(|contact| Proximity {
+            pair: ContactPair::Edges(self.candidates()[contact.candidate].edges),
+            distance: contact.distance,
+            threshold: contact.threshold,
+        });
+        let planes = self.plane_contacts().iter().map(|contact| Proximity {
+            pair: ContactPair::NodeAndPlane {
+                node: contact.node,
+                plane: contact.plane,
+            },
+            distance: contact.distance,
+            threshold: contact.threshold,
+        });
+        edges
+            .chain(planes)
+            .filter(|proximity| proximity.penetration() > self.parameters().maximum_penetration)
+            .min_by(|a, b| a.ratio().total_cmp(&b.ratio()))
+    }
+
+    /// All pairs whose surfaces overlap at `positions`, sorted; a scene must not start so.
+    pub fn initial_overlaps(&self, positions: &[Vector3]) -> Vec<Proximity> {
+        let mut found = Vec::new();
+        BroadPhase::default().find(self.surface(), positions, 0.0, &mut found);
+        let edges = found.iter().map(|(pair, distance)| Proximity {
+            pair: ContactPair::Edges(pair.edges),
+            distance: *distance,
+            threshold: self.surface().threshold(pair.edges),
+        });
+        let planes = self.planes().iter().enumerate().flat_map(|(plane, body)| {
+            self.surface().nodes().iter().map(move |surface| Proximity {
+                pair: ContactPair::NodeAndPlane {
+                    node: surface.node,
+                    plane,
+                },
+                distance: body.distance(&positions[surface.node]),
+                threshold: surface.radius,
+            })
+        });
+        edges
+            .chain(planes)
+            .filter(|proximity| proximity.penetration() > TOUCHING)
+            .collect()
+    }
+}

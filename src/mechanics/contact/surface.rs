@@ -1,0 +1,210 @@
+//! The surfaces that may touch: every edge of a rod as a capsule, and rigid planes.
+
+use crate::mechanics::Vector3;
+use std::f64::consts::PI;
+
+/// An edge of a rod as contact sees it: a capsule around the segment between two nodes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactEdge {
+    /// The two nodes, indices into the positions of all rods.
+    pub nodes: [usize; 2],
+    /// Index of the rod.
+    pub rod: usize,
+    /// Radius h of the surface, m.
+    pub radius: f64,
+    /// Arc length along the rod at the two nodes, as placed, m.
+    pub arc_length: [f64; 2],
+    /// Whether the edge is part of a rigid obstacle; two held edges never touch.
+    pub held: bool,
+}
+
+/// A node of a rod that is not held, as planes see it: a sphere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct ContactNode {
+    /// Index into the positions of all rods.
+    pub node: usize,
+    /// Radius h of the surface, m.
+    pub radius: f64,
+}
+
+/// The contact surfaces of all rods.
+#[derive(Clone, Debug, Default)]
+pub struct ContactSurface {
+    edges: Vec<ContactEdge>,
+    nodes: Vec<ContactNode>,
+    /// Length of every closed rod, m; `None` for open rods.
+    closed_lengths: Vec<Option<f64>>,
+}
+
+/// A rigid half space: the side that `normal` points to is free.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactPlane {
+    /// Any point of the surface.
+    pub point: Vector3,
+    /// Unit normal.
+    pub normal: Vector3,
+    /// Friction coefficient between plane and rods.
+    pub friction: f64,
+}
+
+impl ContactPlane {
+    /// Distance of a position from the plane, m; negative behind it.
+    pub(super) fn distance(&self, position: &Vector3) -> f64 {
+        (position - self.point).dot(&self.normal)
+    }
+}
+
+impl ContactSurface {
+    /// A surface without rods.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds the edges of a rod whose nodes are `first_node`, `first_node + 1`, ... and lie at
+    /// `centreline` as placed (m); the last node is joined to the first where `closed`.
+    pub fn add_rod(
+        &mut self,
+        first_node: usize,
+        centreline: &[Vector3],
+        closed: bool,
+        radius: f64,
+        held: bool,
+    ) {
+        let rod = self.closed_lengths.len();
+        let nodes = centreline.len();
+        let edges = if closed {
+            nodes
+        } else {
+            nodes.saturating_sub(1)
+        };
+        if !held {
+            let range = first_node..first_node + nodes;
+            self.nodes
+                .extend(range.map(|node| ContactNode { node, radius }));
+        }
+        let mut length = 0.0;
+        for edge in 0..edges {
+            let next = (edge + 1) % nodes;
+            let start = length;
+            length += (centreline[next] - centreline[edge]).norm();
+            self.edges.push(ContactEdge {
+                nodes: [first_node + edge, first_node + next],
+                rod,
+                radius,
+                arc_length: [start, length],
+                held,
+            });
+        }
+        self.closed_lengths.push(closed.then_some(length));
+    }
+
+    /// All edges, rod after rod.
+    pub fn edges(&self) -> &[ContactEdge] {
+        &self.edges
+    }
+
+    /// Number of positions that the edges refer to.
+    pub fn node_count(&self) -> usize {
+        let nodes = self.edges.iter().flat_map(|edge| edge.nodes);
+        nodes.max().map_or(0, |last| last + 1)
+    }
+
+    /// The nodes that planes may push.
+    pub(super) fn nodes(&self) -> &[ContactNode] {
+        &self.nodes
+    }
+
+    /// Largest radius of all rods, m; zero without rods.
+    pub fn largest_radius(&self) -> f64 {
+        self.edges
+            .iter()
+            .fold(0.0, |largest, edge| edge.radius.max(largest))
+    }
+
+    /// Distance at which the centrelines of two edges touch by their surfaces, h_i + h_j, m.
+    pub(super) fn threshold(&self, [i, j]: [usize; 2]) -> f64 {
+        self.edges[i].radius + self.edges[j].radius
+    }
+
+    /// Whether two edges can touch at all.
+    ///
+    /// They cannot where both are held, where they share a node, or where they are neighbours along one
+    /// rod: nearest ends closer than πh along the rod. A rod bent as sharply as its own radius
+    /// allows (curvature 1/h) turns back on itself within πh; nearer pairs are kept apart by the bending
+    /// stiffness, and would otherwise push each other all the time where edges are short.
+    pub fn may_touch(&self, first: usize, second: usize) -> bool {
+        let (a, b) = (&self.edges[first], &self.edges[second]);
+        if a.held && b.held {
+            return false;
+        }
+        if a.nodes.iter().any(|node| b.nodes.contains(node)) {
+            return false;
+        }
+        a.rod != b.rod || self.gap_along_rod(a, b) >= PI * a.radius
+    }
+
+    /// Arc length between the nearest ends of two edges of one rod, m.
+    fn gap_along_rod(&self, a: &ContactEdge, b: &ContactEdge) -> f64 {
+        let (before, after) = if a.arc_length[0] <= b.arc_length[0] {
+            (a, b)
+        } else {
+            (b, a)
+        };
+        let gap = after.arc_length[0] - before.arc_length[1];
+        match self.closed_lengths[a.rod] {
+            Some(length) => gap.min(length - after.arc_length[1] + before.arc_length[0]),
+            None => gap,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(nodes: usize, spacing: f64) -> Vec<Vector3> {
+        (0..nodes)
+            .map(|k| Vector3::new(k as f64 * spacing, 0.0, 0.0))
+            .collect()
+    }
+
+    #[test]
+    fn edges_closer_along_the_rod_than_half_a_turn_are_neighbours() {
+        let mut surface = ContactSurface::new();
+        surface.add_rod(0, &line(11, 1.0), false, 1.0, false);
+        assert!(!surface.may_touch(0, 0));
+        assert!(!surface.may_touch(0, 1));
+        assert!(!surface.may_touch(0, 4), "gap 3 < π");
+        assert!(surface.may_touch(0, 5), "gap 4 > π");
+        assert!(surface.may_touch(5, 0));
+    }
+
+    #[test]
+    fn a_closed_rod_is_measured_the_shorter_way_round() {
+        let ring: Vec<Vector3> = (0..40)
+            .map(|k| {
+                let angle = 2.0 * PI * k as f64 / 40.0;
+                Vector3::new(angle.cos(), angle.sin(), 0.0)
+            })
+            .collect();
+        let mut surface = ContactSurface::new();
+        surface.add_rod(7, &ring, true, 0.1, false);
+        assert_eq!(surface.edges().len(), 40);
+        assert_eq!(surface.edges()[39].nodes, [46, 7]);
+        assert!(!surface.may_touch(0, 39), "they share a node");
+        assert!(!surface.may_touch(0, 37), "gap 0.3138 < 0.1 π");
+        assert!(surface.may_touch(0, 36), "gap 0.4708 > 0.1 π");
+        assert!(surface.may_touch(0, 20));
+    }
+
+    #[test]
+    fn held_obstacles_touch_rods_but_not_each_other() {
+        let mut surface = ContactSurface::new();
+        surface.add_rod(0, &line(2, 1.0), false, 0.1, true);
+        surface.add_rod(2, &line(2, 1.0), false, 0.1, true);
+        surface.add_rod(4, &line(2, 1.0), false, 0.1, false);
+        assert!(!surface.may_touch(0, 1));
+        assert!(surface.may_touch(0, 2));
+        assert!(surface.may_touch(2, 1));
+    }
+}

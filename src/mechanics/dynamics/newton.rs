@@ -1,0 +1,178 @@
+//! Newton's method for one implicit stage. The whole step is taken, with its Jacobian at once; only where
+//! it makes things worse a line search looks for a shorter one.
+
+use crate::mechanics::rod::STRIDE;
+use crate::mechanics::system::{Divergence, Stage, System};
+
+/// When Newton's method stops.
+#[derive(Clone, Copy, Debug)]
+pub struct Stopping {
+    /// Largest residual of a free unknown, N.
+    pub force: f64,
+    /// Largest correction of a position, m.
+    pub displacement: f64,
+    /// Most iterations.
+    pub iterations: usize,
+}
+
+/// Scratch of Newton's method.
+#[derive(Clone, Debug)]
+pub struct Newton {
+    start: Vec<f64>,
+    direction: Vec<f64>,
+}
+
+/// Iterations in which contact forces are carried along; a step that needs more goes on without.
+const MULTIPLIER_ITERATIONS: usize = 10;
+/// Reductions of the step along one direction before it is taken as it is.
+const LINE_SEARCH_STEPS: usize = 12;
+/// A step is accepted when the force along the direction has fallen below this fraction.
+const SUFFICIENT_REDUCTION: f64 = 0.9;
+
+impl Newton {
+    /// Scratch for so many unknowns.
+    pub fn new(unknowns: usize) -> Self {
+        Self {
+            start: vec![0.0; unknowns],
+            direction: vec![0.0; unknowns],
+        }
+    }
+
+    /// Solves R(q) = 0, starting from `unknowns` and leaving the solution there; returns the number of
+    /// linear solves. The frames and the residual of `system` are those of the solution.
+    ///
+    /// # Errors
+    /// [`Divergence`] when the iterations run out or a number is not finite.
+    pub fn solve(
+        &mut self,
+        system: &mut System,
+        stage: &Stage,
+        unknowns: &mut [f64],
+        stopping: &Stopping,
+    ) -> Result<usize, Divergence> {
+        let mut last_move = 0.0;
+        system.begin_iterations();
+        system.linearize(unknowns, Some(stage));
+        for iteration in 0..=stopping.iterations {
+            let (residual, unknown) = system.worst_residual();
+            if residual <= stopping.force && last_move <= stopping.displacement {
+                return Ok(iteration);
+            }
+            let failed = Divergence {
+                iterations: iteration,
+                residual,
+                unknown,
+            };
+            if !residual.is_finite() || iteration == stopping.iterations {
+                return Err(failed);
+            }
+            let solved = system
+                .factor()
+                .and_then(|_| system.direction(&mut self.direction));
+            if solved.is_err() || self.direction.iter().any(|d| !d.is_finite()) {
+                return Err(Divergence {
+                    residual: f64::NAN,
+                    ..failed
+                });
+            }
+            self.start.copy_from_slice(unknowns);
+            let before = Progress::of(system, &self.direction);
+            let with_multipliers = system.uses_multipliers() && iteration < MULTIPLIER_ITERATIONS;
+            let expected = system.squared_linear_residual();
+            self.move_by(1.0, unknowns);
+            system.linearize(unknowns, Some(stage));
+            let after = Progress::of(system, &self.direction);
+            let mut length = 1.0;
+            let accepted = after.suffices(&before)
+                || with_multipliers && system.squared_multiplier_residual() <= expected;
+            if !accepted {
+                system.abandon_multipliers();
+                length = self.line_search(system, stage, unknowns, &before, &after);
+                system.linearize(unknowns, Some(stage));
+            }
+            last_move = length * largest_move(&self.direction);
+        }
+        unreachable!("the last iteration returns")
+    }
+
+    /// Writes start + length · direction.
+    fn move_by(&self, length: f64, unknowns: &mut [f64]) {
+        for k in 0..unknowns.len() {
+            unknowns[k] = self.start[k] + length * self.direction[k];
+        }
+    }
+
+    /// Approaches a root of d·R along the direction d by regula falsi (Matthies and Strang 1979), after the
+    /// whole step has neither lowered the residual nor the force along it; leaves the unknowns there.
+    fn line_search(
+        &mut self,
+        system: &mut System,
+        stage: &Stage,
+        unknowns: &mut [f64],
+        before: &Progress,
+        full: &Progress,
+    ) -> f64 {
+        let (mut low, mut high) = ((0.0, before.slope), None);
+        let (mut length, mut now) = (1.0, full.slope);
+        for _ in 0..LINE_SEARCH_STEPS {
+            if !now.is_finite() || now * before.slope < 0.0 {
+                high = Some((length, now));
+            } else {
+                low = (length, now);
+            }
+            length = match high {
+                Some((end, force)) if force.is_finite() => {
+                    let root = low.0 + (end - low.0) * (low.1 / (low.1 - force));
+                    root.clamp(low.0 + 0.1 * (end - low.0), low.0 + 0.9 * (end - low.0))
+                }
+                Some((end, _)) => 0.5 * (low.0 + end),
+                // The force has grown without changing its sign: no root within reach, take the step.
+                None => break,
+            };
+            self.move_by(length, unknowns);
+            system.evaluate(unknowns, Some(stage));
+            let progress = Progress::of(system, &self.direction);
+            if progress.suffices(before) {
+                break;
+            }
+            now = progress.slope;
+        }
+        length
+    }
+}
+
+/// How far a step has come.
+struct Progress {
+    /// Sum of squares of the residual, N².
+    squared_residual: f64,
+    /// Force along the direction, d·R, J.
+    slope: f64,
+}
+
+impl Progress {
+    fn of(system: &System, direction: &[f64]) -> Self {
+        Self {
+            squared_residual: system.squared_residual(),
+            slope: direction
+                .iter()
+                .zip(&system.residual)
+                .map(|(d, r)| d * r)
+                .sum(),
+        }
+    }
+
+    /// Whether the residual has fallen, or else the force along the direction.
+    fn suffices(&self, before: &Self) -> bool {
+        self.squared_residual <= before.squared_residual
+            || self.slope.abs() <= SUFFICIENT_REDUCTION * before.slope.abs()
+    }
+}
+
+/// Largest move of a position along a direction, m.
+fn largest_move(direction: &[f64]) -> f64 {
+    let positions = direction
+        .iter()
+        .enumerate()
+        .filter(|(k, _)| k % STRIDE != 3);
+    positions.fold(0.0, |largest, (_, d)| largest.max(d.abs()))
+}

@@ -1,0 +1,93 @@
+//! What a simulation reports: steps, energies, errors, and its state for checkpoints.
+
+use super::step_control::StepControl;
+use crate::mechanics::contact::ContactMemory;
+use crate::mechanics::fluid::FluidMemory;
+use crate::mechanics::rod::ReferenceFrames;
+use serde::{Deserialize, Serialize};
+
+/// Everything that influences the future of a simulation; what a checkpoint holds.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct SimulationState {
+    /// Time, s.
+    pub time: f64,
+    /// Unknowns, 4 per node.
+    pub unknowns: Vec<f64>,
+    /// Velocities of the unknowns.
+    pub velocity: Vec<f64>,
+    /// Velocities one step earlier.
+    pub earlier_velocity: Vec<f64>,
+    /// Size of the last step, s.
+    pub earlier_step: f64,
+    /// Frames of the edges.
+    pub reference: ReferenceFrames,
+    /// Step control.
+    pub control: StepControl,
+    /// Contact candidates and stiffness.
+    pub contact: Option<ContactMemory>,
+    /// Force history and preconditioner of the fluid.
+    pub fluid: Option<FluidMemory>,
+}
+
+/// What one accepted step did.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct StepReport {
+    /// Time at the end of the step, s.
+    pub time: f64,
+    /// Size of the step, s.
+    pub step: f64,
+    /// Newton iterations of the accepted step and of the retries before it.
+    pub newton_iterations: usize,
+    /// Contacts that bear force at the end of the step.
+    pub contacts: usize,
+    /// Times the step was repeated before it was accepted.
+    pub retries: usize,
+    /// Krylov iterations of the fluid solve.
+    pub fluid_iterations: usize,
+}
+
+/// Energies of all rods, J.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Energies {
+    /// ½ v·M v.
+    pub kinetic: f64,
+    /// Stretching energy.
+    pub stretching: f64,
+    /// Bending energy.
+    pub bending: f64,
+    /// Twisting energy.
+    pub twisting: f64,
+    /// Contact potential.
+    pub contact: f64,
+    /// Potential of gravity.
+    pub gravitational: f64,
+}
+
+/// Why a simulation stopped.
+#[derive(Debug, thiserror::Error)]
+pub enum SimulationError {
+    /// The scene itself is wrong (exit code 2).
+    #[error("{0}")]
+    BadScene(String),
+    /// Newton did not converge at the smallest step (exit code 3).
+    #[error(
+        "no convergence at t = {time:.6e} s with the smallest step {step:.3e} s: residual {residual:.3e} N, largest in the {term} term at node {node} of rod `{rod}`"
+    )]
+    NoConvergence {
+        /// Time at the start of the failed step, s.
+        time: f64,
+        /// The smallest step tried, s; zero in statics.
+        step: f64,
+        /// Largest residual, N.
+        residual: f64,
+        /// Name of the term that is largest there.
+        term: &'static str,
+        /// Name of the rod.
+        rod: String,
+        /// Node along that rod.
+        node: usize,
+    },
+    /// A physics check failed: penetration or a number that is not finite (exit code 4).
+    #[error("{0}")]
+    Unphysical(String),
+}

@@ -1,0 +1,140 @@
+//! Which time step comes next: a fixed grid of times, or steps chosen by the local error.
+
+use super::parameters::StepSize;
+use serde::{Deserialize, Serialize};
+
+/// Steps that end closer than this fraction of a step before a wanted time end at that time.
+const SNAP: f64 = 1e-6;
+/// Aimed-at fraction of the largest step that the error estimate would allow.
+const SAFETY: f64 = 0.9;
+/// Bounds on the growth and the decay of the step from one to the next.
+const GROWTH: [f64; 2] = [0.2, 1.5];
+/// Iterations above which a step is thought too large for Newton's method, and shrinks.
+const MANY_ITERATIONS: usize = 10;
+/// An error beyond this multiple of the tolerance refuses the step.
+const REFUSAL: f64 = 4.0;
+
+/// The memory of the step control; part of a checkpoint.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StepControl {
+    /// Next step of automatic control, s.
+    proposal: f64,
+}
+
+/// A judgement on a step with error control.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Verdict {
+    /// The step stands.
+    Accepted,
+    /// The step must be repeated with this size, s.
+    Refused(f64),
+}
+
+impl StepControl {
+    /// Starts at time zero.
+    pub fn new(size: &StepSize) -> Self {
+        let proposal = match *size {
+            StepSize::Fixed(step) => step,
+            // The first steps find the true scale within a few growths.
+            StepSize::Auto { maximum, .. } => 1e-3 * maximum,
+        };
+        Self { proposal }
+    }
+
+    /// End of the next step from `time`, no later than `until`.
+    pub fn goal(&self, size: &StepSize, time: f64, until: f64) -> f64 {
+        let (goal, step) = match *size {
+            StepSize::Fixed(step) => {
+                // Times k·step as products: sums would drift, and a step cut short returns to the grid.
+                let done = (time / step + SNAP).floor();
+                ((done + 1.0) * step, step)
+            }
+            StepSize::Auto { maximum, .. } => {
+                let step = self.proposal.min(maximum);
+                (time + step, step)
+            }
+        };
+        if goal >= until - SNAP * step {
+            until
+        } else {
+            goal
+        }
+    }
+
+    /// Judges a step of automatic control by its local error (m) and sets the next proposal. `order` is
+    /// the power of the step with which the local error falls.
+    pub fn judge(
+        &mut self,
+        tolerance: f64,
+        step: f64,
+        error: f64,
+        order: i32,
+        iterations: usize,
+    ) -> Verdict {
+        let ratio = (tolerance / error.max(1e-300)).powf(1.0 / f64::from(order));
+        let mut factor = (SAFETY * ratio).clamp(GROWTH[0], GROWTH[1]);
+        if iterations > MANY_ITERATIONS {
+            factor = factor.min(0.7);
+        }
+        if error > REFUSAL * tolerance {
+            self.proposal = step * factor.min(0.7);
+            return Verdict::Refused(self.proposal);
+        }
+        // A step cut short by an output time says nothing against the proposal that stood before.
+        self.proposal = if step < 0.99 * self.proposal && factor >= 1.0 {
+            self.proposal
+        } else {
+            step * factor
+        };
+        Verdict::Accepted
+    }
+
+    /// A failed step proposes a smaller one.
+    pub fn failed(&mut self, step: f64) {
+        self.proposal = self.proposal.min(step);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fixed_grid_hits_output_times_and_returns_to_the_grid() {
+        let size = StepSize::Fixed(0.3);
+        let control = StepControl::new(&size);
+        let mut time = 0.0;
+        let mut ends = Vec::new();
+        for until in [1.0, 2.0] {
+            while time < until {
+                time = control.goal(&size, time, until);
+                ends.push(time);
+            }
+        }
+        let expected = [0.3, 0.6, 0.9, 1.0, 1.2, 1.5, 1.8, 2.0];
+        assert_eq!(ends.len(), expected.len());
+        for (end, expected) in ends.iter().zip(expected) {
+            assert!((end - expected).abs() < 1e-12);
+        }
+        assert_eq!((ends[3], ends[7]), (1.0, 2.0));
+    }
+
+    #[test]
+    fn automatic_steps_follow_the_error() {
+        let size = StepSize::Auto {
+            tolerance: 1e-2,
+            maximum: 1.0,
+        };
+        let mut control = StepControl::new(&size);
+        // Local error 0.05 h²: the step that meets 1e-6 is √(1e-6/0.05).
+        let (tolerance, mut step) = (1e-6, 1e-3);
+        for _ in 0..60 {
+            match control.judge(tolerance, step, 0.05 * step * step, 2, 2) {
+                Verdict::Accepted => step = control.goal(&size, 0.0, 10.0),
+                Verdict::Refused(smaller) => step = smaller,
+            }
+        }
+        let ideal = (tolerance / 0.05_f64).sqrt();
+        assert!(step < ideal && step > 0.7 * ideal, "{step} against {ideal}");
+    }
+}

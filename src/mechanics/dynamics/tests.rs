@@ -1,0 +1,144 @@
+//! The engine against closed forms; the full table of checks is in `experiment::verify`.
+
+use super::*;
+use crate::mechanics::Vector3;
+use crate::mechanics::scene::{
+    Clamp, Load, LoadKind, Motion, NaturalShape, RodDescription, Scene, Stiffness,
+};
+
+/// A rod of `edges` edges along x from the origin, E = 100 MPa, radius 5 mm, density 1000.
+pub(crate) fn straight_rod(edges: usize, length: f64) -> RodDescription {
+    let (young, radius, density) = (1e8, 5e-3, 1000.0);
+    let area = std::f64::consts::PI * radius * radius;
+    let second_moment = 0.25 * area * radius * radius;
+    RodDescription {
+        name: "rod".into(),
+        centreline: (0..=edges)
+            .map(|k| Vector3::x() * (length * k as f64 / edges as f64))
+            .collect(),
+        closed: false,
+        end_tangents: [None, None],
+        first_director: Some(Vector3::y()),
+        twist: 0.0,
+        natural_shape: NaturalShape::Straight,
+        stiffness: Stiffness {
+            stretching: young * area,
+            bending: [young * second_moment; 2],
+            twisting: young / 3.0 * 2.0 * second_moment,
+        },
+        radius,
+        mass_per_length: density * area,
+        rotational_inertia_per_length: density * 2.0 * second_moment,
+        velocity: Vector3::zeros(),
+        angular_velocity: Vector3::zeros(),
+        held: false,
+    }
+}
+
+pub(crate) fn clamp(node: usize) -> Clamp {
+    Clamp {
+        rod: 0,
+        node,
+        holds_position: true,
+        holds_frame: true,
+        motion: Motion::default(),
+    }
+}
+
+fn heavy_cantilever(edges: usize) -> Scene {
+    Scene {
+        rods: vec![straight_rod(edges, 1.0)],
+        clamps: vec![clamp(0)],
+        loads: vec![Load {
+            kind: LoadKind::Gravity {
+                acceleration: Vector3::new(0.0, 0.0, -9.81),
+            },
+            schedule: Vec::new(),
+        }],
+        ..Scene::default()
+    }
+}
+
+#[test]
+fn heavy_cantilever_converges_to_the_elastica_with_second_order() {
+    // γ = ρgAL³/EI = 15.696; tip of the inextensible elastica (x, drop)/L.
+    let exact = Vector3::new(0.515_778_977_743_64, 0.0, -0.793_829_887_966_485);
+    let mut errors = Vec::new();
+    for edges in [25, 50, 100] {
+        let mut simulation =
+            Simulation::new(&heavy_cantilever(edges), &IntegrationParameters::default()).unwrap();
+        let report = simulation.find_equilibrium().unwrap();
+        let error = (simulation.positions()[edges] - exact).norm();
+        println!(
+            "{edges} edges: {error:.3e} of L in {} iterations",
+            report.newton_iterations
+        );
+        errors.push(error);
+    }
+    assert!(errors[1] < 3e-4, "{errors:?}");
+    assert!(
+        errors[0] / errors[1] > 3.0 && errors[1] / errors[2] > 3.0,
+        "{errors:?}"
+    );
+}
+
+#[test]
+fn a_free_rod_conserves_energy_and_momentum_with_the_midpoint_rule() {
+    let mut rod = straight_rod(20, 1.0);
+    rod.angular_velocity = Vector3::new(0.3, 1.0, 2.0);
+    rod.velocity = Vector3::new(0.1, -0.2, 0.05);
+    let scene = Scene {
+        rods: vec![rod],
+        ..Scene::default()
+    };
+    let parameters = IntegrationParameters {
+        scheme: Scheme::ImplicitMidpoint,
+        step: StepSize::Fixed(2e-3),
+        force_tolerance: 1e-9,
+        ..IntegrationParameters::default()
+    };
+    let mut simulation = Simulation::new(&scene, &parameters).unwrap();
+    let start = simulation.energies();
+    let total = |e: &Energies| e.kinetic + e.stretching + e.bending + e.twisting;
+    while simulation.time() < 1.0 {
+        simulation.advance(1.0).unwrap();
+    }
+    let end = simulation.energies();
+    assert_eq!(simulation.time(), 1.0);
+    let drift = (total(&end) / total(&start) - 1.0).abs();
+    println!("energy drift {drift:.3e}");
+    assert!(drift < 1e-4, "{drift}");
+}
+
+#[test]
+fn a_restored_simulation_continues_bit_for_bit() {
+    let parameters = IntegrationParameters {
+        step: StepSize::Fixed(1e-2),
+        ..IntegrationParameters::default()
+    };
+    let scene = heavy_cantilever(20);
+    let mut through = Simulation::new(&scene, &parameters).unwrap();
+    let mut first = Simulation::new(&scene, &parameters).unwrap();
+    for _ in 0..20 {
+        through.advance(1.0).unwrap();
+        first.advance(1.0).unwrap();
+    }
+    let mut second = Simulation::new(&scene, &parameters).unwrap();
+    second.restore(first.state()).unwrap();
+    for _ in 0..20 {
+        through.advance(1.0).unwrap();
+        second.advance(1.0).unwrap();
+    }
+    assert_eq!(through.positions(), second.positions());
+    assert_eq!(through.velocities(), second.velocities());
+}
+
+#[test]
+fn a_clamp_that_cannot_be_is_named() {
+    let mut scene = heavy_cantilever(5);
+    scene.clamps[0].node = 9;
+    let error = Simulation::new(&scene, &IntegrationParameters::default())
+        .err()
+        .unwrap();
+    assert_eq!(error.to_string(), "rod `rod`: a clamp asks for node 9 of 6");
+}

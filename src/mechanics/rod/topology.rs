@@ -1,0 +1,70 @@
+//! How the nodes and edges of all rods are numbered.
+//!
+//! Nodes of all rods are numbered through, rod after rod. Edge `k` starts at node `k`; at the last node
+//! of an open rod no edge starts. Unknowns have stride four: the position of node `k` at 4k..4k+2 and the
+//! angle of edge `k` at 4k+3, so that a rod of N edges has the 4N + 3 unknowns x₀, θ⁰, x₁, θ¹, …, x_N
+//! (thesis Eq. 1.1) and one that is held at zero, and a vertex couples eleven consecutive unknowns.
+
+use crate::mechanics::Vector3;
+
+/// Unknowns per node.
+pub const STRIDE: usize = 4;
+
+/// Where one rod lies in the numbering.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RodRange {
+    /// Its first node.
+    pub first_node: usize,
+    /// Number of nodes.
+    pub nodes: usize,
+    /// Whether the last node is joined to the first.
+    pub closed: bool,
+}
+
+impl RodRange {
+    /// Number of edges.
+    pub fn edges(&self) -> usize {
+        if self.closed {
+            self.nodes
+        } else {
+            self.nodes - 1
+        }
+    }
+
+    /// Indices of the edges, which are those of their first nodes.
+    pub fn edge_indices(&self) -> std::ops::Range<usize> {
+        self.first_node..self.first_node + self.edges()
+    }
+
+    /// Indices of the nodes.
+    pub fn node_indices(&self) -> std::ops::Range<usize> {
+        self.first_node..self.first_node + self.nodes
+    }
+
+    /// Node at the end of `edge`.
+    pub fn end_of(&self, edge: usize) -> usize {
+        if edge + 1 == self.first_node + self.nodes {
+            self.first_node
+        } else {
+            edge + 1
+        }
+    }
+}
+
+/// Position of node `k` in the vector of unknowns.
+#[inline(always)]
+pub fn position(unknowns: &[f64], node: usize) -> Vector3 {
+    Vector3::new(
+        unknowns[STRIDE * node],
+        unknowns[STRIDE * node + 1],
+        unknowns[STRIDE * node + 2],
+    )
+}
+
+/// Adds `value` to the three entries of node `k`.
+#[inline(always)]
+pub fn add_to_node(entries: &mut [f64], node: usize, value: &Vector3) {
+    for axis in 0..3 {
+        entries[STRIDE * node + axis] += value[axis];
+    }
+}

@@ -1,0 +1,375 @@
+//! From the description of a scene to numbered rods, masses, held unknowns and driven clamps.
+
+use super::clamps::Drive;
+use super::loads::Loads;
+use crate::mechanics::Vector3;
+use crate::mechanics::rod::vertex::{VertexStiffness, VertexStrains};
+use crate::mechanics::rod::{
+    Edge, ElasticRods, GhostEdge, Placement, ReferenceFrames, RodRange, STRIDE, Vertex,
+    VertexUnknowns,
+};
+use crate::mechanics::scene::{NaturalShape, RodDescription, Scene};
+
+/// The rods of a scene, numbered and placed, with what holds and loads them.
+#[derive(Clone, Debug)]
+pub struct Assembly {
+    /// The elastic rods.
+    pub rods: ElasticRods,
+    /// Name of each rod.
+    pub names: Vec<String>,
+    /// Radius of each rod, m.
+    pub radii: Vec<f64>,
+    /// Unknowns at time zero, 4 per node.
+    pub unknowns: Vec<f64>,
+    /// Velocities at time zero, 4 per node.
+    pub velocity: Vec<f64>,
+    /// Frames at time zero.
+    pub reference: ReferenceFrames,
+    /// Ghost edges at time zero.
+    pub ghosts: Vec<GhostEdge>,
+    /// Mass (kg) or moment of inertia (kg m²) of each unknown; zero where there is none.
+    pub masses: Vec<f64>,
+    /// Unknowns that are prescribed.
+    pub held: Vec<bool>,
+    /// Nodes that are held with their whole rod as rigid obstacles.
+    pub obstacle: Vec<bool>,
+    /// Clamps that hold or drive nodes and ghost edges.
+    pub drives: Vec<Drive>,
+    /// External loads.
+    pub loads: Loads,
+    /// Force scale EI/L² of the stiffest free rod, N; 1 N where every rod is held.
+    pub force_scale: f64,
+    /// Smallest natural edge length of the free rods, m.
+    pub shortest_edge: f64,
+    /// Rounding error of an elastic force, N: EA ε |x|/l̃ of the stiffest free rod.
+    pub rounding_force: f64,
+}
+
+impl Assembly {
+    /// Numbers and places everything.
+    ///
+    /// # Errors
+    /// A sentence that names the rod, clamp or load that is impossible.
+    pub fn new(scene: &Scene) -> Result<Self, String> {
+        if scene.rods.is_empty() {
+            return Err("the scene has no rods".into());
+        }
+        let nodes = scene.rods.iter().map(|rod| rod.centreline.len()).sum();
+        let mut assembly = Self {
+            rods: ElasticRods {
+                nodes,
+                ..ElasticRods::default()
+            },
+            names: Vec::new(),
+            radii: Vec::new(),
+            unknowns: vec![0.0; STRIDE * nodes],
+            velocity: vec![0.0; STRIDE * nodes],
+            reference: ReferenceFrames {
+                tangent: vec![Vector3::x(); nodes],
+                director: vec![Vector3::y(); nodes],
+                twist: Vec::new(),
+            },
+            ghosts: Vec::new(),
+            masses: vec![0.0; STRIDE * nodes],
+            held: vec![false; STRIDE * nodes],
+            obstacle: vec![false; nodes],
+            drives: Vec::new(),
+            loads: Loads::default(),
+            force_scale: 0.0,
+            shortest_edge: f64::INFINITY,
+            rounding_force: 0.0,
+        };
+        let mut first_node = 0;
+        for (index, rod) in scene.rods.iter().enumerate() {
+            assembly
+                .add_rod(index, rod, first_node, scene)
+                .map_err(|reason| format!("rod `{}`: {reason}", rod.name))?;
+            first_node += rod.centreline.len();
+        }
+        if assembly.force_scale == 0.0 {
+            assembly.force_scale = 1.0;
+            assembly.shortest_edge = 1.0;
+        }
+        assembly.loads = Loads::new(scene, &assembly)?;
+        Ok(assembly)
+    }
+
+    fn add_rod(
+        &mut self,
+        index: usize,
+        rod: &RodDescription,
+        first_node: usize,
+        scene: &Scene,
+    ) -> Result<(), String> {
+        let least = if rod.closed { 3 } else { 2 };
+        if rod.centreline.len() < least {
+            return Err(format!(
+                "needs at least {least} nodes, has {}",
+                rod.centreline.len()
+            ));
+        }
+        let range = RodRange {
+            first_node,
+            nodes: rod.centreline.len(),
+            closed: rod.closed,
+        };
+        let place = |nodes: &[Vector3], twist: f64, tangents| {
+            Placement::new(nodes, rod.closed, rod.first_director, twist, tangents)
+        };
+        let placed = place(&rod.centreline, rod.twist, rod.end_tangents)?;
+        let natural_placement = match &rod.natural_shape {
+            NaturalShape::Centreline(points) if points.len() != rod.centreline.len() => {
+                return Err(format!(
+                    "its natural shape has {} nodes, itself {}",
+                    points.len(),
+                    rod.centreline.len()
+                ));
+            }
+            NaturalShape::Centreline(points) => Some(place(points, 0.0, [None, None])?),
+            _ => None,
+        };
+        let natural_lengths = natural_placement
+            .as_ref()
+            .map_or(&placed.lengths, |p| &p.lengths)
+            .clone();
+        self.place_nodes(rod, &range, &placed);
+        self.add_edges_and_masses(rod, &range, &natural_lengths);
+        self.add_vertices(
+            index,
+            rod,
+            &range,
+            scene,
+            &placed,
+            natural_placement.as_ref(),
+            &natural_lengths,
+        )?;
+        if !rod.held {
+            let length: f64 = natural_lengths.iter().sum();
+            let bending = rod.stiffness.bending[0].max(rod.stiffness.bending[1]);
+            self.force_scale = self.force_scale.max(bending / (length * length));
+            let shortest = natural_lengths
+                .iter()
+                .copied()
+                .fold(f64::INFINITY, f64::min);
+            self.shortest_edge = self.shortest_edge.min(shortest);
+            let farthest = rod
+                .centreline
+                .iter()
+                .map(|x| x.amax())
+                .fold(0.0, f64::max)
+                .max(length);
+            self.rounding_force = self
+                .rounding_force
+                .max(rod.stiffness.stretching * f64::EPSILON * farthest / shortest);
+        }
+        self.rods.rods.push(range);
+        self.names.push(rod.name.clone());
+        self.radii.push(rod.radius);
+        Ok(())
+    }
+
+    fn place_nodes(&mut self, rod: &RodDescription, range: &RodRange, placed: &Placement) {
+        let centroid = rod.centreline.iter().sum::<Vector3>() / range.nodes as f64;
+        for (k, (node, x)) in range.node_indices().zip(&rod.centreline).enumerate() {
+            self.unknowns[STRIDE * node..STRIDE * node + 3].copy_from_slice(x.as_slice());
+            if !rod.held {
+                let velocity = rod.velocity + rod.angular_velocity.cross(&(x - centroid));
+                self.velocity[STRIDE * node..STRIDE * node + 3]
+                    .copy_from_slice(velocity.as_slice());
+            }
+            if k < range.edges() {
+                self.reference.tangent[node] = placed.tangents[k];
+                self.reference.director[node] = placed.directors[k];
+                self.unknowns[STRIDE * node + 3] = placed.angles[k];
+            }
+            self.obstacle[node] = rod.held;
+            for axis in 0..STRIDE {
+                let unused = axis == 3 && k >= range.edges();
+                self.held[STRIDE * node + axis] = rod.held || unused;
+            }
+        }
+    }
+
+    fn add_edges_and_masses(
+        &mut self,
+        rod: &RodDescription,
+        range: &RodRange,
+        natural_lengths: &[f64],
+    ) {
+        for (k, edge) in range.edge_indices().enumerate() {
+            let (end, length) = (range.end_of(edge), natural_lengths[k]);
+            self.rods.edges.push(Edge {
+                start: edge,
+                end,
+                natural_length: length,
+                stretching: rod.stiffness.stretching,
+            });
+            for axis in 0..3 {
+                self.masses[STRIDE * edge + axis] += 0.5 * rod.mass_per_length * length;
+                self.masses[STRIDE * end + axis] += 0.5 * rod.mass_per_length * length;
+            }
+            self.masses[STRIDE * edge + 3] = rod.rotational_inertia_per_length * length;
+        }
+    }
+
+    #[allow(clippy::too_many_arguments)] // one private call; a struct of these would have no other use
+    fn add_vertices(
+        &mut self,
+        index: usize,
+        rod: &RodDescription,
+        range: &RodRange,
+        scene: &Scene,
+        placed: &Placement,
+        natural_placement: Option<&Placement>,
+        natural_lengths: &[f64],
+    ) -> Result<(), String> {
+        let mut drive_of_node = vec![None; range.nodes];
+        for clamp in scene.clamps.iter().filter(|clamp| clamp.rod == index) {
+            if clamp.node >= range.nodes {
+                return Err(format!(
+                    "a clamp asks for node {} of {}",
+                    clamp.node, range.nodes
+                ));
+            }
+            if drive_of_node[clamp.node].is_some() {
+                return Err(format!("two clamps hold node {}", clamp.node));
+            }
+            let node = range.first_node + clamp.node;
+            let frame = placed.frame_at_node(clamp.node);
+            if clamp.holds_position {
+                self.held[STRIDE * node..STRIDE * node + 3].fill(true);
+            }
+            drive_of_node[clamp.node] = Some((self.drives.len(), clamp.holds_frame));
+            self.drives
+                .push(Drive::new(clamp, node, rod.centreline[clamp.node], frame));
+        }
+        let natural = |placed_strains: VertexStrains,
+                       of_shape: &dyn Fn(&Placement) -> VertexStrains,
+                       voronoi: f64| {
+            match &rod.natural_shape {
+                NaturalShape::AsPlaced => placed_strains,
+                NaturalShape::Straight => VertexStrains::default(),
+                NaturalShape::Curved {
+                    curvature: [a, b],
+                    twist,
+                } => VertexStrains {
+                    curvature: [a * voronoi, b * voronoi, a * voronoi, b * voronoi],
+                    twist: twist * voronoi,
+                },
+                NaturalShape::Centreline(_) => of_shape(natural_placement.expect("placed above")),
+            }
+        };
+        let edges = range.edges();
+        for k in 0..range.nodes {
+            let before = if k > 0 {
+                Some(k - 1)
+            } else if rod.closed {
+                Some(edges - 1)
+            } else {
+                None
+            };
+            let after = (k < edges).then_some(k);
+            let ghost_drive = drive_of_node[k].and_then(|(drive, frame)| frame.then_some(drive));
+            if let Some(drive) = ghost_drive {
+                // A wall at the node: a half vertex on either side that exists.
+                for (edge, ghost_first) in [(before, false), (after, true)] {
+                    let Some(edge) = edge else { continue };
+                    let voronoi = 0.5 * natural_lengths[edge];
+                    let placed_strains = placed.ghost_strains(k, edge, ghost_first);
+                    let of_shape = |shape: &Placement| shape.ghost_strains(k, edge, ghost_first);
+                    let ghost = self.rods.nodes + self.rods.ghosts;
+                    self.rods.ghosts += 1;
+                    self.ghosts.push(self.drives[drive].frame);
+                    self.drives[drive].ghosts.push(ghost - self.rods.nodes);
+                    let real = range.first_node + edge;
+                    let angle = placed.angles[edge];
+                    let (before, after, from, to, change) = if ghost_first {
+                        (ghost, real, 4, 11, angle)
+                    } else {
+                        (real, ghost, 0, 7, -angle)
+                    };
+                    self.reference.twist.push(placed_strains.twist - change);
+                    let unknowns = self.unknowns_of(range, k, from, to);
+                    self.rods.vertices.push(Vertex {
+                        before,
+                        after,
+                        natural: natural(placed_strains, &of_shape, voronoi),
+                        stiffness: stiffness(rod, voronoi),
+                        joint_twist: 0.0,
+                        unknowns,
+                    });
+                }
+            } else if let (Some(before), Some(after)) = (before, after) {
+                let voronoi = 0.5 * (natural_lengths[before] + natural_lengths[after]);
+                let placed_strains = placed.strains(before, after);
+                let of_shape = |shape: &Placement| shape.strains(before, after);
+                // Once around a ring the frames need not meet: the difference is glued into the joint.
+                let change = placed.angles[after] - placed.angles[before];
+                let mut reference_twist = placed_strains.twist - change;
+                let mut joint_twist = 0.0;
+                if after < before {
+                    let around = placed.joint_reference_twist();
+                    joint_twist = change + around - placed_strains.twist;
+                    reference_twist = around;
+                }
+                self.reference.twist.push(reference_twist);
+                let unknowns = self.unknowns_of(range, k, 0, 11);
+                self.rods.vertices.push(Vertex {
+                    before: range.first_node + before,
+                    after: range.first_node + after,
+                    natural: natural(placed_strains, &of_shape, voronoi),
+                    stiffness: stiffness(rod, voronoi),
+                    joint_twist,
+                    unknowns,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Where the local unknowns `from..to` of the vertex at node `k` of a rod are.
+    fn unknowns_of(
+        &mut self,
+        range: &RodRange,
+        k: usize,
+        from: usize,
+        to: usize,
+    ) -> VertexUnknowns {
+        let previous = if k == 0 { range.nodes - 1 } else { k - 1 };
+        let next = if k + 1 == range.nodes { 0 } else { k + 1 };
+        let consecutive = (k > 0 || from >= 4) && (k + 1 < range.nodes || to <= 7);
+        if consecutive {
+            return VertexUnknowns::Consecutive {
+                first: STRIDE * (range.first_node + k) + from - 4,
+                from,
+                to,
+            };
+        }
+        let mut element = [usize::MAX; 12];
+        for local in from..to {
+            let node = [previous, k, next][local / STRIDE];
+            element[local] = STRIDE * (range.first_node + node) + local % STRIDE;
+        }
+        self.rods.elements.push(element);
+        VertexUnknowns::Closing {
+            element: self.rods.elements.len() - 1,
+        }
+    }
+
+    /// Rod and node along it of a node of the whole scene.
+    pub fn locate(&self, node: usize) -> (usize, usize) {
+        let rod = self
+            .rods
+            .rods
+            .partition_point(|range| range.first_node <= node)
+            - 1;
+        (rod, node - self.rods.rods[rod].first_node)
+    }
+}
+
+fn stiffness(rod: &RodDescription, voronoi: f64) -> VertexStiffness {
+    VertexStiffness {
+        bending: rod.stiffness.bending.map(|ei| 0.5 * ei / voronoi),
+        twisting: rod.stiffness.twisting / voronoi,
+    }
+}

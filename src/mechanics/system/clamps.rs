@@ -1,0 +1,64 @@
+//! Clamps: prescribed positions and frames as functions of time.
+
+use crate::mechanics::Vector3;
+use crate::mechanics::rod::transport::{any_normal, normal_part, rotated};
+use crate::mechanics::rod::{GhostEdge, STRIDE};
+use crate::mechanics::scene::{Clamp, Motion, piecewise_linear};
+
+/// A clamp with everything resolved.
+#[derive(Clone, Debug)]
+pub struct Drive {
+    /// Node of the whole scene.
+    pub node: usize,
+    /// Whether its position is prescribed.
+    pub holds_position: bool,
+    /// Position at time zero, m.
+    pub position: Vector3,
+    /// Tangent and director at time zero.
+    pub frame: GhostEdge,
+    /// Ghost edges that follow the frame.
+    pub ghosts: Vec<usize>,
+    motion: Motion,
+    axis: Vector3,
+    pivot: Vector3,
+}
+
+impl Drive {
+    /// A clamp at a node that is at `position` with tangent and director `frame` at time zero.
+    pub fn new(clamp: &Clamp, node: usize, position: Vector3, frame: GhostEdge) -> Self {
+        Self {
+            node,
+            holds_position: clamp.holds_position,
+            position,
+            frame,
+            ghosts: Vec::new(),
+            axis: clamp.motion.axis.unwrap_or(frame.tangent),
+            pivot: clamp.motion.pivot.unwrap_or(position),
+            motion: clamp.motion.clone(),
+        }
+    }
+
+    fn angle(&self, time: f64) -> f64 {
+        piecewise_linear(&self.motion.angle, time).unwrap_or(0.0)
+            + self.motion.angular_velocity * time
+    }
+
+    /// Writes the prescribed position and frames at `time`.
+    pub fn apply(&self, time: f64, unknowns: &mut [f64], ghosts: &mut [GhostEdge]) {
+        let angle = self.angle(time);
+        if self.holds_position {
+            let arm = self.position - self.pivot;
+            let translation =
+                piecewise_linear(&self.motion.translation, time).unwrap_or_else(Vector3::zeros);
+            let position = self.pivot + rotated(&arm, &self.axis, angle) + translation;
+            unknowns[STRIDE * self.node..STRIDE * self.node + 3]
+                .copy_from_slice(position.as_slice());
+        }
+        for &ghost in &self.ghosts {
+            let tangent = rotated(&self.frame.tangent, &self.axis, angle).normalize();
+            let director = rotated(&self.frame.director, &self.axis, angle);
+            let director = normal_part(&director, &tangent).unwrap_or_else(|| any_normal(&tangent));
+            ghosts[ghost] = GhostEdge { tangent, director };
+        }
+    }
+}

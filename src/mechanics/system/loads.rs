@@ -1,0 +1,225 @@
+//! External loads: dead forces, moments on edges, linear drag.
+
+use super::build::Assembly;
+use crate::mechanics::rod::vertex::EdgeFrame;
+use crate::mechanics::rod::{RodRange, STRIDE, holonomy_jacobian};
+use crate::mechanics::scene::{LoadKind, Scene, piecewise_linear};
+use crate::mechanics::{Matrix3, Vector3};
+
+/// All external loads of a scene, resolved to unknowns.
+#[derive(Clone, Debug, Default)]
+pub struct Loads {
+    dead: Vec<DeadLoad>,
+    /// Moments on edges.
+    pub moments: Vec<EdgeMoment>,
+    /// Coefficient of the velocity of each unknown, N s/m or N m s; empty without drag.
+    pub damping: Vec<f64>,
+    /// Acceleration of gravity, with schedules, for the potential energy.
+    gravity: Vec<(Vector3, Vec<(f64, f64)>)>,
+}
+
+/// Forces that do not depend on the configuration.
+#[derive(Clone, Debug)]
+struct DeadLoad {
+    /// Entries (unknown, force).
+    entries: Vec<(usize, f64)>,
+    schedule: Vec<(f64, f64)>,
+}
+
+/// A moment of fixed direction on an edge.
+#[derive(Clone, Debug)]
+pub struct EdgeMoment {
+    /// Node at the start of the edge.
+    pub start: usize,
+    /// Node at its end.
+    pub end: usize,
+    moment: Vector3,
+    schedule: Vec<(f64, f64)>,
+}
+
+fn factor(schedule: &[(f64, f64)], time: f64) -> f64 {
+    piecewise_linear(schedule, time).unwrap_or(1.0)
+}
+
+impl Loads {
+    /// Resolves the loads of `scene`.
+    ///
+    /// # Errors
+    /// A sentence that names a node or edge that does not exist.
+    pub fn new(scene: &Scene, assembly: &Assembly) -> Result<Self, String> {
+        let mut loads = Self::default();
+        let range = |rod: usize| -> Result<RodRange, String> {
+            assembly
+                .rods
+                .rods
+                .get(rod)
+                .copied()
+                .ok_or_else(|| format!("a load asks for rod {rod}"))
+        };
+        let along = |rod: Option<usize>, range: &RodRange| {
+            rod.is_none_or(|r| assembly.rods.rods[r] == *range)
+        };
+        for load in &scene.loads {
+            let mut entries = Vec::new();
+            match &load.kind {
+                LoadKind::Gravity { acceleration } => {
+                    loads.gravity.push((*acceleration, load.schedule.clone()));
+                    for node in (0..assembly.rods.nodes).filter(|&node| !assembly.obstacle[node]) {
+                        for axis in 0..3 {
+                            let unknown = STRIDE * node + axis;
+                            entries.push((unknown, assembly.masses[unknown] * acceleration[axis]));
+                        }
+                    }
+                }
+                LoadKind::Force { rod, node, force } => {
+                    let range = range(*rod)?;
+                    if *node >= range.nodes {
+                        return Err(format!("a force asks for node {node} of {}", range.nodes));
+                    }
+                    for axis in 0..3 {
+                        entries.push((STRIDE * (range.first_node + node) + axis, force[axis]));
+                    }
+                }
+                LoadKind::Moment { rod, edge, moment } => {
+                    let range = range(*rod)?;
+                    if *edge >= range.edges() {
+                        return Err(format!(
+                            "a moment asks for edge {edge} of {}",
+                            range.edges()
+                        ));
+                    }
+                    let start = range.first_node + edge;
+                    loads.moments.push(EdgeMoment {
+                        start,
+                        end: range.end_of(start),
+                        moment: *moment,
+                        schedule: load.schedule.clone(),
+                    });
+                }
+                LoadKind::Distributed {
+                    rod,
+                    force_per_length,
+                } => {
+                    if let Some(rod) = rod {
+                        range(*rod)?;
+                    }
+                    for edge in &assembly.rods.edges {
+                        let (owner, _) = assembly.locate(edge.start);
+                        if !along(*rod, &assembly.rods.rods[owner]) {
+                            continue;
+                        }
+                        for node in [edge.start, edge.end] {
+                            for axis in 0..3 {
+                                let share = 0.5 * edge.natural_length * force_per_length[axis];
+                                entries.push((STRIDE * node + axis, share));
+                            }
+                        }
+                    }
+                }
+                LoadKind::Drag {
+                    rod,
+                    translation,
+                    rotation,
+                } => {
+                    if let Some(rod) = rod {
+                        range(*rod)?;
+                    }
+                    loads.damping.resize(STRIDE * assembly.rods.nodes, 0.0);
+                    for edge in &assembly.rods.edges {
+                        let (owner, _) = assembly.locate(edge.start);
+                        if !along(*rod, &assembly.rods.rods[owner]) {
+                            continue;
+                        }
+                        for node in [edge.start, edge.end] {
+                            for axis in 0..3 {
+                                loads.damping[STRIDE * node + axis] +=
+                                    0.5 * edge.natural_length * translation;
+                            }
+                        }
+                        loads.damping[STRIDE * edge.start + 3] += edge.natural_length * rotation;
+                    }
+                }
+            }
+            if !entries.is_empty() {
+                loads.dead.push(DeadLoad {
+                    entries,
+                    schedule: load.schedule.clone(),
+                });
+            }
+        }
+        Ok(loads)
+    }
+
+    /// Writes the dead forces at `time`.
+    pub fn dead_forces(&self, time: f64, forces: &mut [f64]) {
+        forces.fill(0.0);
+        for load in &self.dead {
+            let factor = factor(&load.schedule, time);
+            for &(unknown, force) in &load.entries {
+                forces[unknown] += factor * force;
+            }
+        }
+    }
+
+    /// Potential energy of gravity, −Σ m g·x, J.
+    pub fn gravitational_energy(
+        &self,
+        time: f64,
+        masses: &[f64],
+        obstacle: &[bool],
+        unknowns: &[f64],
+    ) -> f64 {
+        let mut energy = 0.0;
+        for (acceleration, schedule) in &self.gravity {
+            let factor = factor(schedule, time);
+            for node in (0..obstacle.len()).filter(|&node| !obstacle[node]) {
+                for axis in 0..3 {
+                    let unknown = STRIDE * node + axis;
+                    energy -= factor * masses[unknown] * acceleration[axis] * unknowns[unknown];
+                }
+            }
+        }
+        energy
+    }
+}
+
+impl EdgeMoment {
+    /// Generalised forces of the moment m on (x_start, θ, x_end): the edge turns with angular velocity
+    /// t×ṫ + (spin) t, so that its ends feel ∓(m×t)/l ∓ (m·t) c and its angle m·t, with the holonomy c of
+    /// the transported frame ([`crate::mechanics::rod::vertex`]).
+    pub fn force(&self, time: f64, frame: &EdgeFrame) -> (Vector3, f64) {
+        let moment = self.moment * factor(&self.schedule, time);
+        let spin = moment.dot(&frame.tangent);
+        (
+            moment.cross(&frame.tangent) / frame.length + frame.holonomy * spin,
+            spin,
+        )
+    }
+
+    /// Derivatives over the edge vector of the force on the end node and of the spin moment; `source` is
+    /// the tangent from which the frame is transported.
+    pub fn jacobian(&self, time: f64, source: &Vector3, frame: &EdgeFrame) -> (Matrix3, Vector3) {
+        let moment = self.moment * factor(&self.schedule, time);
+        let tangent = &frame.tangent;
+        let projector = Matrix3::identity() - tangent * tangent.transpose();
+        let inverse_length = 1.0 / frame.length;
+        let spin = projector * moment * inverse_length;
+        let turning =
+            moment.cross_matrix() * projector - moment.cross(tangent) * tangent.transpose();
+        let force = turning * (inverse_length * inverse_length)
+            + frame.holonomy * spin.transpose()
+            + holonomy_jacobian(source, frame) * moment.dot(tangent);
+        (force, spin)
+    }
+
+    /// The unknowns x_start, θ, x_end.
+    pub fn unknowns(&self) -> [usize; 12] {
+        let mut element = [usize::MAX; 12];
+        for axis in 0..3 {
+            element[axis] = STRIDE * self.start + axis;
+            element[4 + axis] = STRIDE * self.end + axis;
+        }
+        element[3] = STRIDE * self.start + 3;
+        element
+    }
+}

@@ -1,0 +1,275 @@
+//! The Jacobian of the residual: a band for the rods, small dense elements for all that couples distant
+//! nodes, and their factorisation.
+
+use super::{Assembly, Stage};
+use crate::linalg::{
+    BandedFactor, BandedSymmetric, CoupledSystem, Element, ElementMatrix, Inertia, SingularMatrix,
+    UNUSED,
+};
+use crate::mechanics::contact::ImplicitContact;
+use crate::mechanics::rod::{ElasticRods, ReferenceFrames, RodGeometry, STRIDE};
+
+const ZERO: ElementMatrix = [[0.0; 12]; 12];
+
+/// The Jacobian and its factors; storage is reused, patterns are kept as long as the contact candidates.
+///
+/// Elements are numbered: closing vertices of rings, moments, contact candidates, then (with friction on
+/// planes) one per node. Rods that couple nowhere are factored as a band.
+pub struct NewtonMatrix {
+    band: BandedSymmetric,
+    factor: BandedFactor,
+    coupled: Option<CoupledSystem>,
+    held: Vec<bool>,
+    symmetric: bool,
+    /// Closing vertices and moments, always present.
+    permanent: Vec<Element>,
+    permanent_matrices: Vec<ElementMatrix>,
+    closing: usize,
+    /// Elements of contacts active in this linearisation.
+    active: Vec<(usize, ElementMatrix)>,
+    contact_elements: Vec<Element>,
+    friction_on_planes: bool,
+    uses_band: bool,
+    spin_moment: Vec<f64>,
+}
+
+impl NewtonMatrix {
+    pub fn new(assembly: &Assembly, friction: bool, friction_on_planes: bool) -> Self {
+        let dimension = assembly.unknowns.len();
+        let mut permanent = assembly.rods.elements.clone();
+        permanent.extend(
+            assembly
+                .loads
+                .moments
+                .iter()
+                .map(|moment| moment.unknowns()),
+        );
+        Self {
+            band: BandedSymmetric::new(dimension),
+            factor: BandedFactor::new(dimension),
+            coupled: None,
+            held: assembly.held.clone(),
+            symmetric: assembly.loads.moments.is_empty() && !friction && !friction_on_planes,
+            permanent_matrices: vec![ZERO; permanent.len()],
+            permanent,
+            closing: assembly.rods.elements.len(),
+            active: Vec::new(),
+            contact_elements: Vec::new(),
+            friction_on_planes,
+            uses_band: true,
+            spin_moment: vec![0.0; assembly.rods.nodes + assembly.rods.ghosts],
+        }
+    }
+
+    pub fn clear(&mut self) {
+        self.band.clear();
+        self.permanent_matrices.fill(ZERO);
+        self.active.clear();
+    }
+
+    pub fn add_elastic(
+        &mut self,
+        rods: &ElasticRods,
+        geometry: &RodGeometry,
+        reference: &ReferenceFrames,
+        gradient: &mut [f64],
+    ) {
+        let closing = &mut self.permanent_matrices[..self.closing];
+        rods.add_derivatives(
+            geometry,
+            reference,
+            gradient,
+            &mut self.band,
+            closing,
+            &mut self.spin_moment,
+        );
+    }
+
+    /// Adds (M/h + C + D)/h.
+    pub fn add_inertia(&mut self, assembly: &Assembly, stage: &Stage) {
+        let per_step = 1.0 / stage.step;
+        let columns = self.band.columns_mut();
+        for (column, mass) in columns.iter_mut().zip(&assembly.masses) {
+            column[0] += mass * per_step * per_step;
+        }
+        for (column, coefficient) in columns.iter_mut().zip(&assembly.loads.damping) {
+            column[0] += coefficient * per_step;
+        }
+        for (node, resistance) in stage.resistance.iter().enumerate() {
+            for j in 0..3 {
+                for i in j..3 {
+                    columns[STRIDE * node + j][i - j] += resistance[(i, j)] * per_step;
+                }
+            }
+        }
+    }
+
+    pub fn add_moments(
+        &mut self,
+        assembly: &Assembly,
+        time: f64,
+        reference: &ReferenceFrames,
+        geometry: &RodGeometry,
+    ) {
+        for (moment, matrix) in assembly
+            .loads
+            .moments
+            .iter()
+            .zip(&mut self.permanent_matrices[self.closing..])
+        {
+            let frame = &geometry.edges[moment.start];
+            let (force, spin) = moment.jacobian(time, &reference.tangent[moment.start], frame);
+            // The edge is x_end − x_start; forces on the two ends are opposite; R = −F.
+            for j in 0..3 {
+                for i in 0..3 {
+                    matrix[i][j] -= force[(i, j)];
+                    matrix[4 + i][4 + j] -= force[(i, j)];
+                    matrix[4 + i][j] += force[(i, j)];
+                    matrix[i][4 + j] += force[(i, j)];
+                }
+                matrix[3][j] += spin[j];
+                matrix[3][4 + j] -= spin[j];
+            }
+        }
+    }
+
+    pub fn add_contact(&mut self, contact: &ImplicitContact) {
+        for (pair, jacobian) in contact.contacts().iter().zip(contact.jacobians()) {
+            let mut matrix = *jacobian;
+            matrix
+                .as_flattened_mut()
+                .iter_mut()
+                .for_each(|entry| *entry = -*entry);
+            self.active
+                .push((self.permanent.len() + pair.candidate, matrix));
+        }
+        for (touch, jacobian) in contact
+            .plane_contacts()
+            .iter()
+            .zip(contact.plane_jacobians())
+        {
+            if self.friction_on_planes {
+                let mut matrix = ZERO;
+                for i in 0..3 {
+                    for j in 0..3 {
+                        matrix[i][j] = -jacobian[i][j];
+                    }
+                }
+                let index = self.permanent.len() + contact.candidates().len() + touch.node;
+                self.active.push((index, matrix));
+            } else {
+                let columns = self.band.columns_mut();
+                for j in 0..3 {
+                    for i in j..3 {
+                        columns[STRIDE * touch.node + j][i - j] -= jacobian[i][j];
+                    }
+                }
+            }
+        }
+        if self.coupled.is_none() && !self.active.is_empty() {
+            self.list_contact_elements(contact);
+        }
+    }
+
+    fn list_contact_elements(&mut self, contact: &ImplicitContact) {
+        self.contact_elements.clear();
+        for candidate in contact.candidates() {
+            let mut element = [UNUSED; 12];
+            for (corner, &node) in candidate.nodes.iter().enumerate() {
+                for axis in 0..3 {
+                    element[3 * corner + axis] = STRIDE * node + axis;
+                }
+            }
+            self.contact_elements.push(element);
+        }
+        if self.friction_on_planes {
+            for node in 0..self.held.len() / STRIDE {
+                let mut element = [UNUSED; 12];
+                for axis in 0..3 {
+                    element[axis] = STRIDE * node + axis;
+                }
+                self.contact_elements.push(element);
+            }
+        }
+    }
+
+    /// Eliminates held unknowns from the band; the coupled system knows them from its pattern.
+    pub fn hold(&mut self, held: &[bool]) {
+        for (k, _) in held.iter().enumerate().filter(|(_, held)| **held) {
+            self.band.hold(k);
+        }
+    }
+
+    pub fn shift(&mut self, shift: f64, spin_shift: f64, held: &[bool]) {
+        for (k, column) in self.band.columns_mut().iter_mut().enumerate() {
+            if !held[k] {
+                column[0] += if k % STRIDE == 3 { spin_shift } else { shift };
+            }
+        }
+    }
+
+    /// Drops the pattern; it is found again when something couples.
+    pub fn forget_pattern(&mut self) {
+        self.coupled = None;
+    }
+
+    pub fn factor(&mut self) -> Result<Option<Inertia>, SingularMatrix> {
+        self.uses_band = self.permanent.is_empty() && self.active.is_empty();
+        if self.uses_band {
+            return self.factor.factor(&self.band).map(Some);
+        }
+        let coupled = match &mut self.coupled {
+            Some(coupled) => coupled,
+            none => {
+                let mut elements = self.permanent.clone();
+                elements.extend_from_slice(&self.contact_elements);
+                none.insert(CoupledSystem::new(
+                    self.held.len(),
+                    &elements,
+                    &self.held,
+                    self.symmetric,
+                ))
+            }
+        };
+        coupled.assemble(&self.band);
+        for (index, matrix) in self.permanent_matrices.iter().enumerate() {
+            coupled.add_element(index, matrix);
+        }
+        for (index, matrix) in &self.active {
+            coupled.add_element(*index, matrix);
+        }
+        coupled.factor()
+    }
+
+    pub fn solve(&mut self, right_hand_side: &mut [f64]) -> Result<(), SingularMatrix> {
+        match &mut self.coupled {
+            Some(coupled) if !self.uses_band => coupled.solve(right_hand_side),
+            _ => {
+                self.factor.solve(right_hand_side);
+                Ok(())
+            }
+        }
+    }
+
+    pub fn to_dense(&self) -> nalgebra::DMatrix<f64> {
+        let n = self.band.dimension();
+        let mut dense = nalgebra::DMatrix::from_fn(n, n, |i, j| self.band.get(i, j));
+        let closing = self.permanent.iter().zip(&self.permanent_matrices);
+        let contacts = self.active.iter().filter_map(|(index, matrix)| {
+            self.contact_elements
+                .get(index.checked_sub(self.permanent.len())?)
+                .map(|element| (element, matrix))
+        });
+        for (element, matrix) in closing.chain(contacts) {
+            for i in 0..12 {
+                for j in 0..12 {
+                    let (a, b) = (element[i], element[j]);
+                    if a != UNUSED && b != UNUSED && !self.held[a] && !self.held[b] {
+                        dense[(a, b)] += matrix[i][j];
+                    }
+                }
+            }
+        }
+        dense
+    }
+}

@@ -1,0 +1,250 @@
+//! The whole residual against its energy, and the whole Jacobian against the residual, by finite
+//! differences: rings, ghost edges on either side, moments, drag, contact with and without friction.
+
+use super::*;
+use crate::mechanics::contact::ContactParameters;
+use crate::mechanics::scene::{
+    Clamp, Load, LoadKind, Motion, NaturalShape, Plane, RodDescription, Scene, Stiffness,
+};
+
+fn rod(name: &str, centreline: Vec<Vector3>, closed: bool) -> RodDescription {
+    RodDescription {
+        name: name.into(),
+        centreline,
+        closed,
+        end_tangents: [None, None],
+        first_director: None,
+        twist: 0.7,
+        natural_shape: NaturalShape::Curved {
+            curvature: [1.0, -2.0],
+            twist: 0.5,
+        },
+        stiffness: Stiffness {
+            stretching: 30.0,
+            bending: [0.02, 0.05],
+            twisting: 0.03,
+        },
+        radius: 0.05,
+        mass_per_length: 0.8,
+        rotational_inertia_per_length: 0.01,
+        velocity: Vector3::zeros(),
+        angular_velocity: Vector3::zeros(),
+        held: false,
+    }
+}
+
+fn arc(nodes: usize, height: f64) -> Vec<Vector3> {
+    (0..nodes)
+        .map(|k| {
+            let s = k as f64 / (nodes - 1) as f64;
+            Vector3::new(s, 0.3 * (3.0 * s).sin(), height + 0.2 * s * s)
+        })
+        .collect()
+}
+
+fn ring(nodes: usize) -> Vec<Vector3> {
+    (0..nodes)
+        .map(|k| {
+            let turn = std::f64::consts::TAU * k as f64 / nodes as f64;
+            Vector3::new(
+                0.4 * turn.cos(),
+                0.4 * turn.sin(),
+                2.0 + 0.1 * (2.0 * turn).sin(),
+            )
+        })
+        .collect()
+}
+
+fn held(rod: usize, node: usize, holds_position: bool) -> Clamp {
+    Clamp {
+        rod,
+        node,
+        holds_position,
+        holds_frame: true,
+        motion: Motion::default(),
+    }
+}
+
+/// Clamped at the start, framed in the middle, an own frame at the end; beside it a ring with a clamp.
+fn elastic_scene() -> Scene {
+    Scene {
+        rods: vec![rod("arc", arc(8, 0.0), false), rod("ring", ring(7), true)],
+        clamps: vec![
+            held(0, 0, true),
+            held(0, 4, false),
+            held(0, 7, false),
+            held(1, 3, true),
+        ],
+        ..Scene::default()
+    }
+}
+
+fn perturbed(system: &System, size: f64) -> Vec<f64> {
+    let unknowns = system.assembly.unknowns.iter().enumerate();
+    let shake = |k: usize| size * ((1.7 * k as f64).sin() + (0.3 * (k * k) as f64).cos());
+    unknowns
+        .map(|(k, q)| {
+            if system.assembly.held[k] {
+                *q
+            } else {
+                q + shake(k)
+            }
+        })
+        .collect()
+}
+
+fn free(system: &System) -> Vec<usize> {
+    (0..system.assembly.held.len())
+        .filter(|&k| !system.assembly.held[k])
+        .collect()
+}
+
+fn stage_at(system: &System, start: Vec<f64>) -> Stage {
+    let nodes = system.assembly.rods.nodes;
+    let mut positions = vec![Vector3::zeros(); nodes];
+    copy_positions(&start, &mut positions);
+    Stage {
+        step: 0.05,
+        velocity: start.iter().map(|q| (3.0 * q).sin()).collect(),
+        start,
+        drag: vec![Vector3::new(0.1, -0.2, 0.3); nodes],
+        resistance: vec![Matrix3::new(2.0, 0.1, 0.2, 0.1, 3.0, 0.3, 0.2, 0.3, 4.0); nodes],
+        positions,
+    }
+}
+
+/// Largest error of the Jacobian's columns against central differences, relative to its largest entry.
+fn jacobian_error(system: &mut System, unknowns: &[f64], stage: Option<&Stage>, step: f64) -> f64 {
+    system.linearize(unknowns, stage);
+    let jacobian = system.dense_matrix();
+    let mut worst = 0.0_f64;
+    for column in free(system) {
+        let mut difference = vec![0.0; unknowns.len()];
+        for sign in [1.0, -1.0] {
+            let mut moved = unknowns.to_vec();
+            moved[column] += sign * step;
+            system.evaluate(&moved, stage);
+            for (entry, residual) in difference.iter_mut().zip(&system.residual) {
+                *entry += sign * residual / (2.0 * step);
+            }
+        }
+        for row in free(system) {
+            worst = worst.max((difference[row] - jacobian[(row, column)]).abs());
+        }
+    }
+    worst / jacobian.amax()
+}
+
+#[test]
+fn the_residual_is_the_gradient_of_the_energy() {
+    let mut system = System::new(&elastic_scene()).unwrap();
+    let unknowns = perturbed(&system, 0.02);
+    system.evaluate(&unknowns, None);
+    let residual = system.residual.clone();
+    let scale = residual.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
+    let step = 1e-5;
+    for k in free(&system) {
+        let mut energy_at = |change: f64| {
+            let mut moved = unknowns.clone();
+            moved[k] += change;
+            system.update_geometry(&moved);
+            system.elastic_energy().total()
+        };
+        let slope = (8.0 * (energy_at(step) - energy_at(-step)) - energy_at(2.0 * step)
+            + energy_at(-2.0 * step))
+            / (12.0 * step);
+        assert!(
+            (slope - residual[k]).abs() < 1e-8 * scale,
+            "unknown {k}: {slope} against {}",
+            residual[k]
+        );
+    }
+}
+
+#[test]
+fn the_jacobian_of_elasticity_inertia_and_drag_is_exact() {
+    let mut scene = elastic_scene();
+    scene.loads.push(Load {
+        kind: LoadKind::Drag {
+            rod: None,
+            translation: 0.3,
+            rotation: 0.2,
+        },
+        schedule: Vec::new(),
+    });
+    let mut system = System::new(&scene).unwrap();
+    let unknowns = perturbed(&system, 0.02);
+    let stage = stage_at(&system, system.assembly.unknowns.clone());
+    assert!(jacobian_error(&mut system, &unknowns, Some(&stage), 1e-6) < 1e-8);
+    assert!(jacobian_error(&mut system, &unknowns, None, 1e-6) < 1e-8);
+    let dense = system.dense_matrix();
+    assert!((&dense - dense.transpose()).amax() < 1e-12 * dense.amax());
+}
+
+#[test]
+fn the_jacobian_of_a_moment_is_exact() {
+    let mut scene = elastic_scene();
+    scene.loads.push(Load {
+        kind: LoadKind::Moment {
+            rod: 0,
+            edge: 5,
+            moment: Vector3::new(0.4, -0.3, 0.6),
+        },
+        schedule: vec![(0.0, 2.0)],
+    });
+    let mut system = System::new(&scene).unwrap();
+    let unknowns = perturbed(&system, 0.02);
+    assert!(jacobian_error(&mut system, &unknowns, None, 1e-6) < 1e-8);
+}
+
+#[test]
+fn the_jacobian_of_contact_and_friction_is_exact() {
+    for friction in [0.0, 0.4] {
+        let crossing = |y: f64, z: f64| {
+            (0..5)
+                .map(|k| Vector3::new(0.5 + 0.1 * (y - 0.2), y + 0.23 * (k as f64 - 1.7), z))
+                .collect::<Vec<_>>()
+        };
+        let scene = Scene {
+            rods: vec![
+                rod("lower", arc(6, 0.06), false),
+                rod("upper", crossing(0.3, 0.22), false),
+            ],
+            planes: vec![Plane {
+                point: Vector3::zeros(),
+                normal: Vector3::z(),
+                friction: Some(friction),
+            }],
+            contact: Some(ContactParameters {
+                distance_tolerance: 0.02,
+                friction,
+                slip_tolerance: 1.0,
+                ..ContactParameters::default()
+            }),
+            ..Scene::default()
+        };
+        let mut system = System::new(&scene).unwrap();
+        system.contact.as_mut().unwrap().set_stiffness(2.0);
+        let start = perturbed(&system, 0.004);
+        let mut unknowns = start.clone();
+        // Press the upper rod down and slide it, and the lower rod onto the plane.
+        for node in 0..system.assembly.rods.nodes {
+            unknowns[STRIDE * node] += 0.01;
+            unknowns[STRIDE * node + 2] -= if node < 6 { 0.012 } else { 0.024 };
+        }
+        let stage = stage_at(&system, start);
+        system.update_candidates(&unknowns);
+        let error = jacobian_error(&mut system, &unknowns, Some(&stage), 1e-7);
+        let contact = system.contact.as_ref().unwrap();
+        assert!(!contact.contacts().is_empty() && !contact.plane_contacts().is_empty());
+        assert!(error < 1e-6, "friction {friction}: {error:e}");
+        let mut direction = vec![0.0; unknowns.len()];
+        system.linearize(&unknowns, Some(&stage));
+        system.factor().unwrap();
+        system.direction(&mut direction).unwrap();
+        let product = system.dense_matrix() * nalgebra::DVector::from_row_slice(&direction);
+        for k in free(&system) {
+            assert!((product[k] + system.residual[k]).abs() < 1e-8 * product.amax());
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! Files that appear whole: written aside, synced, renamed.
+
+use super::ResultsError;
+use std::fs::File;
+use std::io::Write;
+use std::path::Path;
+
+/// Prefix of files being written; what is left of them after a crash is swept at the next start.
+pub(super) const TEMPORARY_PREFIX: &str = ".rodlab-";
+
+/// Writes a whole file, or leaves the old one untouched.
+///
+/// A reader sees the old bytes or the new ones, never a part, even through a crash or a full disk.
+///
+/// # Errors
+/// [`ResultsError::Io`] naming `path`.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), ResultsError> {
+    write_and_rename(path, bytes).map_err(ResultsError::io("write", path))
+}
+
+fn write_and_rename(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let directory = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(TEMPORARY_PREFIX);
+    // Temporary files are private by default; results are as readable as the user's mask allows.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let mut file = builder.tempfile_in(directory)?;
+    file.write_all(bytes)?;
+    file.as_file().sync_all()?;
+    file.persist(path)?;
+    // The new name is safe only once the directory that holds it is.
+    #[cfg(unix)]
+    File::open(directory)?.sync_all()?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    #[test]
+    fn replaces_the_whole_file_and_leaves_nothing_beside_it() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("summary.csv");
+        write_whole(&path, b"a long first version").unwrap();
+        write_whole(&path, b"second").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"second");
+        assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_failure_names_the_file_and_leaves_the_old_one() {
+        let directory = tempfile::tempdir().unwrap();
+        // A directory of that name cannot be replaced by a file.
+        let path = directory.path().join("manifest.json");
+        fs::create_dir(&path).unwrap();
+        let error = write_whole(&path, b"{}").unwrap_err();
+        assert!(error.to_string().contains("manifest.json"), "{error}");
+        assert!(path.is_dir());
+        assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 1);
+    }
+}

@@ -1,0 +1,366 @@
+//! A results directory: recognised, locked, swept.
+
+use super::atomic::TEMPORARY_PREFIX;
+use super::checkpoint::SLOTS;
+use super::manifest::MANIFEST;
+use super::{Manifest, ResultsError};
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+
+/// The resolved scenario, runnable as it stands.
+pub const SCENARIO: &str = "scenario.toml";
+/// A row per output time.
+pub const SERIES: &str = "series.csv";
+/// Node positions at each output time.
+pub const NODES: &str = "nodes.csv";
+/// Node velocities and forces at each output time.
+pub const NODE_FORCES: &str = "node_forces.csv";
+/// A row per case: outcomes.
+pub const SUMMARY: &str = "summary.csv";
+/// A row per case: cost.
+pub const TIMINGS: &str = "timings.csv";
+/// The rods at several times, drawn from the node positions.
+pub const RODS_FIGURE: &str = "rods.svg";
+/// The series over time, drawn.
+pub const SERIES_FIGURE: &str = "series.svg";
+/// The ParaView collection.
+pub const VTK_COLLECTION: &str = "rods.pvd";
+/// Folder of the frames of the collection.
+pub const VTK_FOLDER: &str = "vtk";
+/// Held locked by the process that writes.
+const LOCK: &str = ".lock";
+
+/// What a run may write: names in a results directory, swept by `--force`.
+const FILES: [&str; 10] = [
+    SCENARIO,
+    SERIES,
+    NODES,
+    NODE_FORCES,
+    SUMMARY,
+    TIMINGS,
+    VTK_COLLECTION,
+    RODS_FIGURE,
+    SERIES_FIGURE,
+    MANIFEST,
+];
+
+/// What was found at the place of a results directory.
+pub enum Opened {
+    /// The same scenario ran here to its end; there is nothing to do and nothing was touched.
+    Finished(Manifest),
+    /// The directory is ready to be written.
+    Ready(ResultsDirectory),
+}
+
+/// A results directory that this process, and no other, writes to.
+pub struct ResultsDirectory {
+    path: PathBuf,
+    unfinished: Option<Manifest>,
+    // Released when the directory is dropped or the process dies.
+    _lock: File,
+}
+
+impl ResultsDirectory {
+    /// Opens a directory for the scenario of the given hash, and creates it where it is missing.
+    ///
+    /// With `force` old results are removed: the files that runs write, nothing else.
+    ///
+    /// # Errors
+    /// [`ResultsError::NotResults`] for a directory with other files and no manifest, even with `force`;
+    /// [`ResultsError::AnotherScenario`]; [`ResultsError::Locked`] where another process writes;
+    /// [`ResultsError::NotWritable`]; [`ResultsError::Damaged`] where the manifest is no manifest.
+    pub fn open(path: &Path, scenario_hash: &str, force: bool) -> Result<Opened, ResultsError> {
+        // Without a lock first, so that a finished directory may be read-only or a foreign one stays untouched.
+        if let Some(manifest) = recognise(path, scenario_hash, force)?
+            && manifest.is_finished()
+        {
+            return Ok(Opened::Finished(manifest));
+        }
+        fs::create_dir_all(path).map_err(not_writable(path))?;
+        let lock = lock(path)?;
+        let unfinished = match recognise(path, scenario_hash, force)? {
+            Some(manifest) if manifest.is_finished() => {
+                return Ok(Opened::Finished(manifest));
+            }
+            found => found,
+        };
+        sweep_temporary_files(path).map_err(not_writable(path))?;
+        if unfinished.is_none() {
+            remove_results(path)?;
+        }
+        Ok(Opened::Ready(Self {
+            path: path.to_owned(),
+            unfinished,
+            _lock: lock,
+        }))
+    }
+
+    /// Where it lies.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The manifest of the unfinished run of the same scenario that was found here.
+    pub fn unfinished(&self) -> Option<&Manifest> {
+        self.unfinished.as_ref()
+    }
+
+    /// Path of a file in it.
+    pub fn file(&self, name: &str) -> PathBuf {
+        self.path.join(name)
+    }
+}
+
+/// The manifest of earlier work on the same scenario; `None` where there is a fresh start to be made.
+fn recognise(
+    path: &Path,
+    scenario_hash: &str,
+    force: bool,
+) -> Result<Option<Manifest>, ResultsError> {
+    if !path.join(MANIFEST).exists() {
+        return match first_foreign_entry(path)? {
+            Some(found) => Err(ResultsError::NotResults {
+                directory: path.to_owned(),
+                found,
+            }),
+            None => Ok(None),
+        };
+    }
+    if force {
+        return Ok(None);
+    }
+    match Manifest::read(path)? {
+        Some(manifest) if manifest.scenario_hash != scenario_hash => {
+            Err(ResultsError::AnotherScenario {
+                directory: path.to_owned(),
+            })
+        }
+        found => Ok(found),
+    }
+}
+
+/// The first entry by name that a run cannot have left before its manifest.
+fn first_foreign_entry(path: &Path) -> Result<Option<String>, ResultsError> {
+    let entries = match fs::read_dir(path) {
+        Ok(entries) => entries,
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(not_writable(path)(error)),
+    };
+    let mut foreign = None;
+    for entry in entries {
+        let name = entry
+            .map_err(not_writable(path))?
+            .file_name()
+            .to_string_lossy()
+            .into_owned();
+        let ours = name == LOCK || name.starts_with(TEMPORARY_PREFIX);
+        if !ours && foreign.as_ref().is_none_or(|first| name < *first) {
+            foreign = Some(name);
+        }
+    }
+    Ok(foreign)
+}
+
+fn lock(path: &Path) -> Result<File, ResultsError> {
+    let file = OpenOptions::new()
+        .create(true)
+        .truncate(false)
+        .write(true)
+        .open(path.join(LOCK))
+        .map_err(not_writable(path))?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(TryLockError::WouldBlock) => Err(ResultsError::Locked {
+            directory: path.to_owned(),
+        }),
+        // Some cluster file systems know no locks; a run there must still be possible.
+        Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => {
+            tracing::warn!(
+                "the file system of `{}` has no locks; run only one process there",
+                path.display()
+            );
+            Ok(file)
+        }
+        Err(TryLockError::Error(error)) => Err(not_writable(path)(error)),
+    }
+}
+
+fn sweep_temporary_files(path: &Path) -> io::Result<()> {
+    for entry in fs::read_dir(path)? {
+        let entry = entry?;
+        if entry
+            .file_name()
+            .to_string_lossy()
+            .starts_with(TEMPORARY_PREFIX)
+        {
+            fs::remove_file(entry.path())?;
+        }
+    }
+    Ok(())
+}
+
+/// Removes what runs write, the manifest last: cut short, the directory is still recognised.
+fn remove_results(path: &Path) -> Result<(), ResultsError> {
+    for name in SLOTS.iter().chain(&FILES) {
+        let file = path.join(name);
+        match fs::remove_file(&file) {
+            Err(error) if error.kind() != ErrorKind::NotFound => {
+                return Err(ResultsError::io("remove", file)(error));
+            }
+            _ => {}
+        }
+        if *name == VTK_COLLECTION {
+            remove_frames(&path.join(VTK_FOLDER))?;
+        }
+    }
+    Ok(())
+}
+
+fn remove_frames(folder: &Path) -> Result<(), ResultsError> {
+    let entries = match fs::read_dir(folder) {
+        Ok(entries) => entries,
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
+        Err(error) => return Err(ResultsError::io("read", folder)(error)),
+    };
+    for entry in entries {
+        let file = entry.map_err(ResultsError::io("read", folder))?.path();
+        if file.extension().is_some_and(|extension| extension == "vtp") {
+            fs::remove_file(&file).map_err(ResultsError::io("remove", file))?;
+        }
+    }
+    // Stays where somebody else's files are in it.
+    let _ = fs::remove_dir(folder);
+    Ok(())
+}
+
+fn not_writable(path: &Path) -> impl FnOnce(io::Error) -> ResultsError {
+    let directory = path.to_owned();
+    move |source| ResultsError::NotWritable { directory, source }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::CaseStatus;
+    use super::super::manifest::tests::example;
+    use super::*;
+
+    fn names(path: &Path) -> Vec<String> {
+        let mut names: Vec<_> = fs::read_dir(path)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    fn open(path: &Path, hash: &str, force: bool) -> Result<ResultsDirectory, ResultsError> {
+        ResultsDirectory::open(path, hash, force).map(|opened| match opened {
+            Opened::Ready(directory) => directory,
+            Opened::Finished(_) => panic!("taken for finished"),
+        })
+    }
+
+    #[test]
+    fn a_missing_directory_is_created_with_its_parents() {
+        let parent = tempfile::tempdir().unwrap();
+        let path = parent.path().join("results/beam");
+        let directory = open(&path, "ab", false).unwrap();
+        assert!(directory.unfinished().is_none());
+        assert!(path.is_dir());
+    }
+
+    #[test]
+    fn a_directory_with_other_files_is_refused_and_untouched_even_with_force() {
+        let foreign = tempfile::tempdir().unwrap();
+        fs::write(foreign.path().join("thesis.tex"), "years of work").unwrap();
+        fs::write(foreign.path().join(SERIES), "mine").unwrap();
+        for force in [false, true] {
+            let error = open(foreign.path(), "ab", force).err().unwrap();
+            assert!(matches!(error, ResultsError::NotResults { .. }), "{error}");
+            assert_eq!(error.exit_code(), 2);
+        }
+        assert_eq!(names(foreign.path()), [SERIES, "thesis.tex"]);
+    }
+
+    #[test]
+    fn another_scenario_is_refused_unless_forced() {
+        let directory = tempfile::tempdir().unwrap();
+        example("ab", CaseStatus::Finished)
+            .write(directory.path())
+            .unwrap();
+        let error = open(directory.path(), "cd", false).err().unwrap();
+        assert!(
+            matches!(error, ResultsError::AnotherScenario { .. }),
+            "{error}"
+        );
+        assert!(error.to_string().contains("--force"), "{error}");
+        assert!(
+            open(directory.path(), "cd", true)
+                .unwrap()
+                .unfinished()
+                .is_none()
+        );
+    }
+
+    #[test]
+    fn the_same_scenario_is_finished_or_continued() {
+        let directory = tempfile::tempdir().unwrap();
+        example("ab", CaseStatus::Interrupted)
+            .write(directory.path())
+            .unwrap();
+        fs::write(directory.path().join(SERIES), "time_s\n").unwrap();
+        let opened = open(directory.path(), "ab", false).unwrap();
+        assert_eq!(opened.unfinished().unwrap().scenario_hash, "ab");
+        assert!(directory.path().join(SERIES).exists());
+        drop(opened);
+        example("ab", CaseStatus::Finished)
+            .write(directory.path())
+            .unwrap();
+        let opened = ResultsDirectory::open(directory.path(), "ab", false).unwrap();
+        assert!(matches!(opened, Opened::Finished(_)));
+    }
+
+    #[test]
+    fn force_removes_results_and_nothing_else() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path();
+        example("ab", CaseStatus::Interrupted).write(path).unwrap();
+        fs::create_dir(path.join(VTK_FOLDER)).unwrap();
+        for name in [
+            "notes.txt",
+            SERIES,
+            SCENARIO,
+            SLOTS[0],
+            SLOTS[1],
+            "vtk/rods_000000.vtp",
+            ".rodlab-x",
+        ] {
+            fs::write(path.join(name), "x").unwrap();
+        }
+        open(path, "ab", true).unwrap();
+        assert_eq!(names(path), [LOCK, "notes.txt"]);
+    }
+
+    #[test]
+    fn a_second_writer_is_refused_until_the_first_is_gone() {
+        let directory = tempfile::tempdir().unwrap();
+        let first = open(directory.path(), "ab", false).unwrap();
+        let error = open(directory.path(), "ab", true).err().unwrap();
+        assert!(matches!(error, ResultsError::Locked { .. }), "{error}");
+        drop(first);
+        open(directory.path(), "ab", false).unwrap();
+    }
+
+    #[test]
+    fn a_file_in_the_way_is_an_error_with_exit_code_2() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("file");
+        fs::write(&path, "x").unwrap();
+        for place in [path.clone(), path.join("below")] {
+            let error = open(&place, "ab", false).err().unwrap();
+            assert!(matches!(error, ResultsError::NotWritable { .. }), "{error}");
+            assert_eq!(error.exit_code(), 2);
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! What can go wrong with a results directory, and the exit code of each.
+
+use std::io;
+use std::path::PathBuf;
+
+/// Why results could not be written or read.
+#[derive(Debug, thiserror::Error)]
+pub enum ResultsError {
+    /// The directory holds the results of another scenario.
+    #[error(
+        "`{}` holds results of another scenario; choose another directory with --out, or start over with --force",
+        directory.display()
+    )]
+    AnotherScenario {
+        /// The directory.
+        directory: PathBuf,
+    },
+    /// The directory holds files that are no results.
+    #[error(
+        "`{}` is not empty and not a results directory (it holds `{found}`, but no manifest.json); choose another with --out",
+        directory.display()
+    )]
+    NotResults {
+        /// The directory.
+        directory: PathBuf,
+        /// A file or folder that no run writes.
+        found: String,
+    },
+    /// Another process is writing to the directory.
+    #[error("another process is writing to `{}`; wait for it or choose another directory with --out", directory.display())]
+    Locked {
+        /// The directory.
+        directory: PathBuf,
+    },
+    /// The directory cannot be created or written.
+    #[error("cannot write to the results directory `{}`: {source}; choose another with --out", directory.display())]
+    NotWritable {
+        /// The directory.
+        directory: PathBuf,
+        /// What the operating system said.
+        source: io::Error,
+    },
+    /// A file of the directory is damaged.
+    #[error("`{}` cannot be understood: {reason}", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// Reading or writing failed during a run, for example because the disk is full.
+    #[error("cannot {action} `{}`: {source}", path.display())]
+    Io {
+        /// What was tried: `write`, `read`, ...
+        action: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// What the operating system said.
+        source: io::Error,
+    },
+}
+
+impl ResultsError {
+    /// Exit code of the program: 2 where another directory must be chosen, 1 for a fault during the run.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::AnotherScenario { .. }
+            | Self::NotResults { .. }
+            | Self::Locked { .. }
+            | Self::NotWritable { .. } => 2,
+            Self::Damaged { .. } | Self::Io { .. } => 1,
+        }
+    }
+
+    /// Turns an error of the operating system into one that names the file.
+    pub(crate) fn io(
+        action: &'static str,
+        path: impl Into<PathBuf>,
+    ) -> impl FnOnce(io::Error) -> Self {
+        let path = path.into();
+        move |source| Self::Io {
+            action,
+            path,
+            source,
+        }
+    }
+}

@@ -1,0 +1,44 @@
+//! The rods at one output time.
+
+use super::RodRecord;
+use nalgebra::Vector3;
+
+/// Everything about the rods that is written at an output time; arrays run over all nodes, rod after rod.
+#[derive(Clone, Debug, Default)]
+pub struct Frame {
+    /// Time, s.
+    pub time: f64,
+    /// Positions of the nodes, m.
+    pub positions: Vec<Vector3<f64>>,
+    /// Angle of the edge that starts at each node, rad; what stands where no edge starts is not read.
+    pub edge_angles: Vec<f64>,
+    /// Velocities of the nodes, m/s; may be empty unless node forces or VTK are written.
+    pub velocities: Vec<Vector3<f64>>,
+    /// Forces of the fluid on the nodes, N; empty without fluid.
+    pub fluid_forces: Vec<Vector3<f64>>,
+    /// Contact forces on the nodes, N; empty without contact.
+    pub contact_forces: Vec<Vector3<f64>>,
+}
+
+/// A node of a frame: its rod, its number along the rod, its number among all nodes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NodePlace<'a> {
+    pub rod: &'a RodRecord,
+    pub node: usize,
+    pub index: usize,
+}
+
+impl NodePlace<'_> {
+    /// Whether an edge starts here: everywhere but at the last node of an open rod.
+    pub fn starts_edge(&self) -> bool {
+        self.rod.closed || self.node + 1 < self.rod.nodes
+    }
+}
+
+/// All nodes of the rods, in the order of the arrays of a [`Frame`].
+pub(super) fn node_places(rods: &[RodRecord]) -> impl Iterator<Item = NodePlace<'_>> {
+    rods.iter()
+        .flat_map(|rod| (0..rod.nodes).map(move |node| (rod, node)))
+        .enumerate()
+        .map(|(index, (rod, node))| NodePlace { rod, node, index })
+}

@@ -1,0 +1,212 @@
+//! `manifest.json`: what was run, by what, where, when, and how it ended.
+
+use super::{CaseOutcome, ResultsError, write_whole};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::ErrorKind;
+use std::path::Path;
+
+/// Name of the manifest in a results directory.
+pub const MANIFEST: &str = "manifest.json";
+
+/// Name of the only case of a single run.
+pub const MAIN_CASE: &str = "main";
+
+/// The manifest of a results directory.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Manifest {
+    /// Version of the program.
+    pub version: String,
+    /// Commit of the program, where the build was told (environment variable `RODLAB_COMMIT`).
+    pub commit: Option<String>,
+    /// The last command line that wrote here.
+    pub command_line: Vec<String>,
+    /// Short name of the scenario.
+    pub name: String,
+    /// Its experiment.
+    pub experiment: String,
+    /// Its title.
+    pub title: String,
+    /// The resolved scenario as TOML.
+    pub scenario: String,
+    /// Its hash, see [`scenario_hash`].
+    pub scenario_hash: String,
+    /// The rods, in the order of the scene.
+    pub rods: Vec<RodRecord>,
+    /// Name of the machine.
+    pub host: Option<String>,
+    /// Threads that the run could use.
+    pub threads: usize,
+    /// When the run was first started.
+    pub start: jiff::Timestamp,
+    /// When it last ended; `None` while it runs, or where it was killed.
+    pub end: Option<jiff::Timestamp>,
+    /// Times the run was continued from a checkpoint.
+    pub continuations: u32,
+    /// Seeds of random choices by name; empty where nothing is random.
+    pub seeds: BTreeMap<String, u64>,
+    /// The cases by id; a single run is the case `main`.
+    pub cases: BTreeMap<String, CaseRecord>,
+}
+
+/// What readers of `nodes.csv` need to know of a rod.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RodRecord {
+    /// Name of the rod.
+    pub name: String,
+    /// Number of nodes.
+    pub nodes: usize,
+    /// Whether the last node is joined to the first.
+    pub closed: bool,
+    /// Radius of the surface, m.
+    pub radius: f64,
+}
+
+/// State and outcome of a case.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CaseRecord {
+    /// How it stands.
+    pub status: CaseStatus,
+    /// What it came to so far.
+    pub outcome: CaseOutcome,
+    /// Wall time of all calls that worked on it, s.
+    pub wall_time: f64,
+}
+
+/// How a case stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CaseStatus {
+    /// Running now, or killed without a word.
+    Running,
+    /// Reached its end.
+    Finished,
+    /// Stopped by Ctrl-C or SIGTERM, resumable.
+    Interrupted,
+    /// Stopped by the time limit, resumable.
+    TimeLimit,
+    /// Newton's method did not converge at the smallest step.
+    NoConvergence,
+    /// A physics check failed.
+    Unphysical,
+    /// Results could not be written.
+    Failed,
+}
+
+impl Manifest {
+    /// Reads the manifest of a directory; `None` where there is none.
+    ///
+    /// # Errors
+    /// [`ResultsError::Damaged`] where it is no manifest, [`ResultsError::Io`] where it cannot be read.
+    pub fn read(directory: &Path) -> Result<Option<Self>, ResultsError> {
+        let path = directory.join(MANIFEST);
+        let bytes = match fs::read(&path) {
+            Ok(bytes) => bytes,
+            Err(error)
+                if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) =>
+            {
+                return Ok(None);
+            }
+            Err(error) => return Err(ResultsError::io("read", path)(error)),
+        };
+        serde_json::from_slice(&bytes)
+            .map(Some)
+            .map_err(|error| ResultsError::Damaged {
+                path,
+                reason: error.to_string(),
+            })
+    }
+
+    /// Writes the manifest of a directory.
+    pub fn write(&self, directory: &Path) -> Result<(), ResultsError> {
+        let mut text = serde_json::to_string_pretty(self).expect("a manifest has string keys only");
+        text.push('\n');
+        write_whole(&directory.join(MANIFEST), text.as_bytes())
+    }
+
+    /// Whether every case reached its end.
+    pub fn is_finished(&self) -> bool {
+        self.cases
+            .values()
+            .all(|case| case.status == CaseStatus::Finished)
+    }
+}
+
+/// Hash that identifies a scenario: BLAKE3 of its resolved TOML, in hexadecimal.
+pub fn scenario_hash(scenario_toml: &str) -> String {
+    blake3::hash(scenario_toml.as_bytes()).to_hex().to_string()
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    pub(in crate::results) fn example(hash: &str, status: CaseStatus) -> Manifest {
+        let outcome = CaseOutcome {
+            simulated_time: 0.1 + 0.2,
+            steps: 7,
+            ..CaseOutcome::default()
+        };
+        Manifest {
+            version: "0.1.0".into(),
+            commit: None,
+            command_line: vec!["rodlab".into(), "run".into(), "beam \"1\".toml".into()],
+            name: "beam".into(),
+            experiment: "scene".into(),
+            title: "Heavy cantilever — γ = 15.7".into(),
+            scenario: "experiment = \"scene\"\n".into(),
+            scenario_hash: hash.into(),
+            rods: vec![RodRecord {
+                name: "beam".into(),
+                nodes: 51,
+                closed: false,
+                radius: 5e-3,
+            }],
+            host: Some("bench".into()),
+            threads: 4,
+            start: "2026-01-02T03:04:05.678901234Z".parse().unwrap(),
+            end: None,
+            continuations: 2,
+            seeds: BTreeMap::from([("sobol".into(), u64::MAX)]),
+            cases: BTreeMap::from([(
+                MAIN_CASE.into(),
+                CaseRecord {
+                    status,
+                    outcome,
+                    wall_time: 0.1,
+                },
+            )]),
+        }
+    }
+
+    #[test]
+    fn reads_back_what_was_written() {
+        let directory = tempfile::tempdir().unwrap();
+        assert_eq!(Manifest::read(directory.path()).unwrap(), None);
+        let manifest = example("ab", CaseStatus::NoConvergence);
+        manifest.write(directory.path()).unwrap();
+        assert_eq!(Manifest::read(directory.path()).unwrap(), Some(manifest));
+        let text = fs::read_to_string(directory.path().join(MANIFEST)).unwrap();
+        assert!(text.contains("\"no-convergence\""), "{text}");
+    }
+
+    #[test]
+    fn only_a_manifest_whose_cases_are_all_finished_is_finished() {
+        let mut manifest = example("ab", CaseStatus::Finished);
+        assert!(manifest.is_finished());
+        let mut other = manifest.cases[MAIN_CASE];
+        other.status = CaseStatus::TimeLimit;
+        manifest.cases.insert("other".into(), other);
+        assert!(!manifest.is_finished());
+    }
+
+    #[test]
+    fn a_damaged_manifest_is_named() {
+        let directory = tempfile::tempdir().unwrap();
+        fs::write(directory.path().join(MANIFEST), "{\"version\": 3").unwrap();
+        let error = Manifest::read(directory.path()).unwrap_err();
+        assert!(matches!(error, ResultsError::Damaged { .. }), "{error}");
+        assert!(error.to_string().contains(MANIFEST));
+    }
+}

@@ -1,0 +1,49 @@
+//! What a case came to: the numbers of `summary.csv` and of the manifest.
+
+use serde::{Deserialize, Serialize};
+
+/// Scalar outcomes of a case; the same bytes on every machine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CaseOutcome {
+    /// Simulated time reached, s.
+    pub simulated_time: f64,
+    /// Accepted steps.
+    pub steps: u64,
+    /// Newton iterations of all steps, retries included.
+    pub newton_iterations: u64,
+    /// Times a step was halved before it was accepted.
+    pub retries: u64,
+    /// Krylov iterations of all fluid solves.
+    pub fluid_iterations: u64,
+    /// Steps that ended with at least one contact bearing force.
+    pub steps_with_contact: u64,
+    /// Newton iterations of those steps.
+    pub newton_iterations_with_contact: u64,
+    /// End of the first step with contact, s.
+    pub first_contact: Option<f64>,
+    /// Smallest distance between centrelines that may touch over all output times, m.
+    pub minimum_distance: Option<f64>,
+    /// That distance over twice the largest radius of the scene.
+    pub minimum_distance_ratio: Option<f64>,
+}
+
+impl CaseOutcome {
+    /// Newton iterations per step; `None` before the first step.
+    pub fn newton_iterations_mean(&self) -> Option<f64> {
+        mean(self.newton_iterations, self.steps)
+    }
+
+    /// Newton iterations per step with contact; `None` where there was none.
+    pub fn newton_iterations_mean_with_contact(&self) -> Option<f64> {
+        mean(self.newton_iterations_with_contact, self.steps_with_contact)
+    }
+
+    /// Krylov iterations of the fluid solves per step; `None` before the first step.
+    pub fn fluid_iterations_mean(&self) -> Option<f64> {
+        mean(self.fluid_iterations, self.steps)
+    }
+}
+
+fn mean(total: u64, count: u64) -> Option<f64> {
+    (count > 0).then(|| total as f64 / count as f64)
+}

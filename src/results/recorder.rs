@@ -1,0 +1,240 @@
+//! Writes each output time to all files that grow during a run.
+
+use super::directory::{NODE_FORCES, NODES, SERIES};
+use super::forces::write_forces;
+use super::frame::Frame;
+use super::nodes::write_nodes;
+use super::stream::CsvStream;
+use super::{ResultsError, RodRecord, SeriesRow, vtk};
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// Which files a run writes beside `series.csv`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RecorderPlan {
+    /// `nodes.csv`.
+    pub nodes: bool,
+    /// `node_forces.csv`.
+    pub forces: bool,
+    /// `vtk/` and `rods.pvd`.
+    pub vtk: bool,
+}
+
+/// How far the streams have come, to be kept in a checkpoint.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StreamLengths {
+    series: u64,
+    nodes: Option<u64>,
+    forces: Option<u64>,
+}
+
+/// The files of a run that grow.
+pub struct Recorder {
+    directory: PathBuf,
+    rods: Vec<RodRecord>,
+    series: CsvStream,
+    nodes: Option<CsvStream>,
+    forces: Option<CsvStream>,
+    vtk: bool,
+}
+
+impl Recorder {
+    /// Starts all files afresh.
+    pub fn create(
+        directory: &Path,
+        rods: Vec<RodRecord>,
+        plan: RecorderPlan,
+    ) -> Result<Self, ResultsError> {
+        let stream = |name: &str| CsvStream::create(&directory.join(name));
+        Ok(Self {
+            series: stream(SERIES)?,
+            nodes: plan.nodes.then(|| stream(NODES)).transpose()?,
+            forces: plan.forces.then(|| stream(NODE_FORCES)).transpose()?,
+            vtk: plan.vtk,
+            directory: directory.to_owned(),
+            rods,
+        })
+    }
+
+    /// Continues all files where a checkpoint left them; what was written later is dropped.
+    ///
+    /// # Errors
+    /// [`ResultsError::Damaged`] where a file is shorter than at the checkpoint.
+    pub fn continue_at(
+        directory: &Path,
+        rods: Vec<RodRecord>,
+        plan: RecorderPlan,
+        lengths: StreamLengths,
+    ) -> Result<Self, ResultsError> {
+        let stream = |name: &str, length| CsvStream::continue_at(&directory.join(name), length);
+        Ok(Self {
+            series: stream(SERIES, lengths.series)?,
+            nodes: lengths
+                .nodes
+                .map(|length| stream(NODES, length))
+                .transpose()?,
+            forces: lengths
+                .forces
+                .map(|length| stream(NODE_FORCES, length))
+                .transpose()?,
+            vtk: plan.vtk,
+            directory: directory.to_owned(),
+            rods,
+        })
+    }
+
+    /// Whether the frames must hold velocities and forces.
+    pub fn needs_forces(&self) -> bool {
+        self.forces.is_some() || self.vtk
+    }
+
+    /// Whether frames are written at all.
+    pub fn needs_frames(&self) -> bool {
+        self.nodes.is_some() || self.needs_forces()
+    }
+
+    /// Writes output number `index`; afterwards readers see it.
+    pub fn record(
+        &mut self,
+        index: usize,
+        row: &SeriesRow,
+        frame: &Frame,
+    ) -> Result<(), ResultsError> {
+        if let Some(nodes) = &mut self.nodes {
+            write_nodes(nodes, &self.rods, frame)?;
+        }
+        if let Some(forces) = &mut self.forces {
+            write_forces(forces, &self.rods, frame)?;
+        }
+        if self.vtk {
+            vtk::write_frame(&self.directory, index, &self.rods, frame)?;
+        }
+        // Last, so that a time in the series is there in all files.
+        self.series.write(row)?;
+        self.series.flush()
+    }
+
+    /// Puts all files on the disk, `times` being those of all outputs so far; tells how long they are.
+    pub fn sync(
+        &mut self,
+        times: impl Iterator<Item = f64>,
+    ) -> Result<StreamLengths, ResultsError> {
+        if self.vtk {
+            vtk::write_collection(&self.directory, times)?;
+        }
+        Ok(StreamLengths {
+            series: self.series.sync()?,
+            nodes: self.nodes.as_mut().map(CsvStream::sync).transpose()?,
+            forces: self.forces.as_mut().map(CsvStream::sync).transpose()?,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector3;
+    use std::fs;
+
+    fn rods() -> Vec<RodRecord> {
+        let rod = |name: &str, nodes, closed| RodRecord {
+            name: name.into(),
+            nodes,
+            closed,
+            radius: 1e-3,
+        };
+        vec![rod("beam", 2, false), rod("ring, \"red\"", 3, true)]
+    }
+
+    fn frame(time: f64) -> Frame {
+        Frame {
+            time,
+            positions: (0..5)
+                .map(|k| Vector3::new(time, k as f64 / 8.0, 1e-9))
+                .collect(),
+            edge_angles: vec![0.5; 5],
+            velocities: vec![Vector3::x(); 5],
+            fluid_forces: Vec::new(),
+            contact_forces: vec![Vector3::new(0.0, -2e-3, 0.0); 5],
+        }
+    }
+
+    fn row(time_s: f64) -> SeriesRow {
+        SeriesRow {
+            time_s,
+            contacts: Some(2),
+            ..SeriesRow::default()
+        }
+    }
+
+    const ALL: RecorderPlan = RecorderPlan {
+        nodes: true,
+        forces: true,
+        vtk: true,
+    };
+
+    #[test]
+    fn columns_and_rows_are_those_of_the_contract() {
+        let directory = tempfile::tempdir().unwrap();
+        let mut recorder = Recorder::create(directory.path(), rods(), ALL).unwrap();
+        recorder.record(0, &row(0.0), &frame(0.0)).unwrap();
+        recorder.record(1, &row(0.1), &frame(0.1)).unwrap();
+        let read = |name: &str| fs::read_to_string(directory.path().join(name)).unwrap();
+        assert_eq!(
+            read(SERIES),
+            "time_s,step_s,steps,newton_iterations,fluid_iterations,contacts,min_distance_m,\
+             kinetic_energy_j,stretching_energy_j,bending_energy_j,twisting_energy_j,contact_energy_j,\
+             gravitational_energy_j\n\
+             0.0,,0,,,2,,0.0,0.0,0.0,0.0,0.0,0.0\n\
+             0.1,,0,,,2,,0.0,0.0,0.0,0.0,0.0,0.0\n"
+        );
+        let nodes = read(NODES);
+        let lines: Vec<_> = nodes.lines().collect();
+        assert_eq!(lines.len(), 11);
+        assert_eq!(lines[0], "time_s,rod,node,x_m,y_m,z_m,theta_rad");
+        assert_eq!(lines[1], "0.0,beam,0,0.0,0.0,1e-9,0.5");
+        assert_eq!(lines[2], "0.0,beam,1,0.0,0.125,1e-9,");
+        assert_eq!(lines[10], "0.1,\"ring, \"\"red\"\"\",2,0.1,0.5,1e-9,0.5");
+        let forces = read(NODE_FORCES);
+        assert_eq!(
+            forces.lines().nth(1),
+            Some("0.0,beam,0,1.0,0.0,0.0,0.0,0.0,0.0,0.0,-0.002,0.0")
+        );
+    }
+
+    #[test]
+    fn continued_files_equal_files_written_in_a_go() {
+        let (whole, cut) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        let mut recorder = Recorder::create(whole.path(), rods(), ALL).unwrap();
+        for k in 0..4 {
+            recorder
+                .record(k, &row(k as f64), &frame(k as f64))
+                .unwrap();
+        }
+        recorder.sync((0..4).map(|k| k as f64)).unwrap();
+
+        let mut recorder = Recorder::create(cut.path(), rods(), ALL).unwrap();
+        recorder.record(0, &row(0.0), &frame(0.0)).unwrap();
+        let lengths = recorder.sync([0.0].into_iter()).unwrap();
+        recorder.record(1, &row(77.0), &frame(77.0)).unwrap();
+        drop(recorder);
+        let mut recorder = Recorder::continue_at(cut.path(), rods(), ALL, lengths).unwrap();
+        for k in 1..4 {
+            recorder
+                .record(k, &row(k as f64), &frame(k as f64))
+                .unwrap();
+        }
+        recorder.sync((0..4).map(|k| k as f64)).unwrap();
+        for name in [
+            SERIES,
+            NODES,
+            NODE_FORCES,
+            "rods.pvd",
+            "vtk/rods_000001.vtp",
+        ] {
+            let read =
+                |directory: &tempfile::TempDir| fs::read(directory.path().join(name)).unwrap();
+            assert_eq!(read(&whole), read(&cut), "{name}");
+        }
+    }
+}

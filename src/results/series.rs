@@ -1,0 +1,48 @@
+//! `series.csv`: a row per output time.
+
+use super::ResultsError;
+use super::directory::SERIES;
+use super::stream::read_rows;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// A row of `series.csv`; the fields are the columns.
+///
+/// Means are over the steps since the row before; they are empty in the first row, and where no step was taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SeriesRow {
+    /// Simulated time.
+    pub time_s: f64,
+    /// Size of the last step.
+    pub step_s: Option<f64>,
+    /// Steps since the row before.
+    pub steps: u64,
+    /// Mean number of Newton iterations per step, retries included.
+    pub newton_iterations: Option<f64>,
+    /// Mean number of Krylov iterations of the fluid solves per step.
+    pub fluid_iterations: Option<f64>,
+    /// Contacts that bear force at the end of the last step.
+    pub contacts: Option<usize>,
+    /// Smallest distance between centrelines that may touch; empty where none is near.
+    pub min_distance_m: Option<f64>,
+    /// Kinetic energy.
+    pub kinetic_energy_j: f64,
+    /// Elastic energy of stretching.
+    pub stretching_energy_j: f64,
+    /// Elastic energy of bending.
+    pub bending_energy_j: f64,
+    /// Elastic energy of twisting.
+    pub twisting_energy_j: f64,
+    /// Potential of the contact forces.
+    pub contact_energy_j: f64,
+    /// Potential of gravity.
+    pub gravitational_energy_j: f64,
+}
+
+/// Reads `series.csv` of a results directory; a last row that a crash left in part is left out.
+///
+/// # Errors
+/// [`ResultsError::Io`] where there is no such file, [`ResultsError::Damaged`] where it is no such table.
+pub fn read_series(directory: &Path) -> Result<Vec<SeriesRow>, ResultsError> {
+    read_rows(&directory.join(SERIES))
+}

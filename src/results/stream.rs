@@ -1,0 +1,198 @@
+//! A CSV file that grows row by row and can be cut back to an earlier length.
+
+use super::ResultsError;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+
+/// A CSV stream. The columns are the fields of the rows written to it; floats are written in the
+/// shortest form that reads back to the same bits.
+pub struct CsvStream {
+    path: PathBuf,
+    writer: csv::Writer<File>,
+}
+
+impl CsvStream {
+    /// Starts an empty stream; an old file of that name is overwritten.
+    pub fn create(path: &Path) -> Result<Self, ResultsError> {
+        let file = File::create(path).map_err(ResultsError::io("create", path))?;
+        Ok(Self::over(path, file, true))
+    }
+
+    /// Continues a stream after its first `length` bytes; later rows are dropped.
+    ///
+    /// # Errors
+    /// [`ResultsError::Io`] where the file cannot be opened, [`ResultsError::Damaged`] where it is shorter.
+    pub fn continue_at(path: &Path, length: u64) -> Result<Self, ResultsError> {
+        let mut file = OpenOptions::new()
+            .write(true)
+            .open(path)
+            .map_err(ResultsError::io("open", path))?;
+        let present = file
+            .metadata()
+            .map_err(ResultsError::io("read", path))?
+            .len();
+        if present < length {
+            return Err(ResultsError::Damaged {
+                path: path.to_owned(),
+                reason: format!("it has {present} bytes, but the checkpoint was made at {length}"),
+            });
+        }
+        file.set_len(length)
+            .and_then(|()| file.seek(SeekFrom::End(0)))
+            .map_err(ResultsError::io("cut back", path))?;
+        Ok(Self::over(path, file, length == 0))
+    }
+
+    fn over(path: &Path, file: File, has_headers: bool) -> Self {
+        Self {
+            path: path.to_owned(),
+            writer: csv::WriterBuilder::new()
+                .has_headers(has_headers)
+                .from_writer(file),
+        }
+    }
+
+    /// Appends a row; the first row of a new file is preceded by the column names.
+    pub fn write(&mut self, row: &impl Serialize) -> Result<(), ResultsError> {
+        self.writer
+            .serialize(row)
+            .map_err(|error| ResultsError::Io {
+                action: "write",
+                path: self.path.clone(),
+                source: into_io(error),
+            })
+    }
+
+    /// Hands all rows to the operating system, so that readers see them.
+    pub fn flush(&mut self) -> Result<(), ResultsError> {
+        self.writer
+            .flush()
+            .map_err(ResultsError::io("write", &self.path))
+    }
+
+    /// Flushes, waits until the bytes are on the disk, and returns the length of the file.
+    pub fn sync(&mut self) -> Result<u64, ResultsError> {
+        self.flush()?;
+        let mut file: &File = self.writer.get_ref();
+        file.sync_data()
+            .and_then(|()| file.stream_position())
+            .map_err(ResultsError::io("write", &self.path))
+    }
+}
+
+/// Reads all rows of a stream; a last line that a crash or a run at work left in part is left out.
+pub(super) fn read_rows<Row: DeserializeOwned>(path: &Path) -> Result<Vec<Row>, ResultsError> {
+    let bytes = fs::read(path).map_err(ResultsError::io("read", path))?;
+    let whole_lines = bytes
+        .iter()
+        .rposition(|byte| *byte == b'\n')
+        .map_or(0, |newline| newline + 1);
+    let mut reader = csv::Reader::from_reader(&bytes[..whole_lines]);
+    let rows: Result<Vec<Row>, csv::Error> = reader.deserialize().collect();
+    rows.map_err(|error| ResultsError::Damaged {
+        path: path.to_owned(),
+        reason: error.to_string(),
+    })
+}
+
+fn into_io(error: csv::Error) -> io::Error {
+    match error.into_kind() {
+        csv::ErrorKind::Io(source) => source,
+        other => io::Error::other(format!("{other:?}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[derive(Serialize, serde::Deserialize, Debug, PartialEq)]
+    struct Row {
+        time_s: f64,
+        rod: String,
+        theta_rad: Option<f64>,
+    }
+
+    fn row(k: usize) -> Row {
+        Row {
+            time_s: k as f64 / 10.0,
+            rod: "a, \"quoted\" name".into(),
+            theta_rad: k.is_multiple_of(2).then_some(0.1 * k as f64),
+        }
+    }
+
+    #[test]
+    fn a_stream_cut_back_and_continued_equals_one_written_in_a_go() {
+        let directory = tempfile::tempdir().unwrap();
+        let (whole, cut) = (
+            directory.path().join("whole.csv"),
+            directory.path().join("cut.csv"),
+        );
+        let mut stream = CsvStream::create(&whole).unwrap();
+        (0..10).for_each(|k| stream.write(&row(k)).unwrap());
+        stream.flush().unwrap();
+
+        let mut stream = CsvStream::create(&cut).unwrap();
+        let empty = stream.sync().unwrap();
+        (0..4).for_each(|k| stream.write(&row(k)).unwrap());
+        let length = stream.sync().unwrap();
+        (4..7).for_each(|k| stream.write(&row(k + 100)).unwrap());
+        drop(stream);
+        for (start, length) in [(4, length), (0, empty)] {
+            let mut stream = CsvStream::continue_at(&cut, length).unwrap();
+            (start..10).for_each(|k| stream.write(&row(k)).unwrap());
+            stream.flush().unwrap();
+            assert_eq!(fs::read(&whole).unwrap(), fs::read(&cut).unwrap());
+        }
+    }
+
+    #[test]
+    fn a_file_shorter_than_the_checkpoint_is_refused() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("series.csv");
+        fs::write(&path, "time_s\n0.0\n").unwrap();
+        let error = CsvStream::continue_at(&path, 1000).err().unwrap();
+        assert!(matches!(error, ResultsError::Damaged { .. }), "{error}");
+        assert_eq!(fs::read(&path).unwrap(), b"time_s\n0.0\n");
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_full_disk_is_an_error_that_names_the_file() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("series.csv");
+        std::os::unix::fs::symlink("/dev/full", &path).unwrap();
+        let mut stream = CsvStream::create(&path).unwrap();
+        let error = stream
+            .write(&row(0))
+            .and_then(|()| stream.flush())
+            .unwrap_err();
+        assert_eq!(error.exit_code(), 1);
+        let message = error.to_string();
+        assert!(
+            message.contains("series.csv") && message.contains("No space left"),
+            "{message}"
+        );
+    }
+
+    proptest! {
+        #[test]
+        fn every_float_reads_back_to_the_same_bits(time_s: f64, theta_rad: Option<f64>) {
+            prop_assume!(!time_s.is_nan());
+            let directory = tempfile::tempdir().unwrap();
+            let path = directory.path().join("floats.csv");
+            let written = Row { time_s, rod: "r".into(), theta_rad };
+            let mut stream = CsvStream::create(&path).unwrap();
+            stream.write(&written).unwrap();
+            stream.flush().unwrap();
+            let mut reader = csv::Reader::from_path(&path).unwrap();
+            let read: Row = reader.deserialize().next().unwrap().unwrap();
+            prop_assert_eq!(read.time_s.to_bits(), time_s.to_bits());
+            prop_assert_eq!(read.theta_rad.map(f64::to_bits), theta_rad.map(f64::to_bits));
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! `summary.csv` and `timings.csv`: a row per case.
+//!
+//! The summary holds what is the same on every machine; what is not is in the timings.
+
+use super::directory::{SUMMARY, TIMINGS};
+use super::{CaseOutcome, CaseStatus, ResultsError, Usage, write_whole};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// A row of `summary.csv`; the fields are the columns.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SummaryRow {
+    /// Id of the case.
+    pub case: String,
+    /// How it ended.
+    pub status: CaseStatus,
+    /// Simulated time reached.
+    pub simulated_time_s: f64,
+    /// Accepted steps.
+    pub steps: u64,
+    /// Times a step was halved before it was accepted.
+    pub retries: u64,
+    /// Mean number of Newton iterations per step.
+    pub newton_iterations_mean: Option<f64>,
+    /// The same over the steps with contact.
+    pub newton_iterations_mean_with_contact: Option<f64>,
+    /// Mean number of Krylov iterations of the fluid solves per step.
+    pub fluid_iterations_mean: Option<f64>,
+    /// Steps that ended with contact.
+    pub steps_with_contact: u64,
+    /// End of the first of them; empty where there was none.
+    pub first_contact_s: Option<f64>,
+    /// Smallest distance between centrelines at the output times; empty where none came near.
+    pub min_distance_m: Option<f64>,
+    /// The same over twice the largest radius.
+    pub min_distance_ratio: Option<f64>,
+}
+
+impl SummaryRow {
+    /// The row of a case.
+    pub fn new(case: &str, status: CaseStatus, outcome: &CaseOutcome) -> Self {
+        Self {
+            case: case.to_owned(),
+            status,
+            simulated_time_s: outcome.simulated_time,
+            steps: outcome.steps,
+            retries: outcome.retries,
+            newton_iterations_mean: outcome.newton_iterations_mean(),
+            newton_iterations_mean_with_contact: outcome.newton_iterations_mean_with_contact(),
+            fluid_iterations_mean: outcome.fluid_iterations_mean(),
+            steps_with_contact: outcome.steps_with_contact,
+            first_contact_s: outcome.first_contact,
+            min_distance_m: outcome.minimum_distance,
+            min_distance_ratio: outcome.minimum_distance_ratio,
+        }
+    }
+}
+
+/// A row of `timings.csv`; the fields are the columns.
+#[derive(Serialize)]
+struct TimingRow<'a> {
+    case: &'a str,
+    wall_time_s: f64,
+    cpu_time_s: Option<f64>,
+    peak_memory_bytes: Option<u64>,
+}
+
+/// Writes `summary.csv`.
+pub fn write_summary(directory: &Path, rows: &[SummaryRow]) -> Result<(), ResultsError> {
+    write_table(&directory.join(SUMMARY), rows.iter())
+}
+
+/// Writes `timings.csv`: the cost of each case.
+pub fn write_timings(directory: &Path, cases: &[(&str, Usage)]) -> Result<(), ResultsError> {
+    let rows = cases.iter().map(|(case, usage)| TimingRow {
+        case,
+        wall_time_s: usage.wall_time.as_secs_f64(),
+        cpu_time_s: usage.cpu_time.map(|time| time.as_secs_f64()),
+        peak_memory_bytes: usage.peak_memory,
+    });
+    write_table(&directory.join(TIMINGS), rows)
+}
+
+fn write_table(
+    path: &Path,
+    rows: impl Iterator<Item = impl Serialize>,
+) -> Result<(), ResultsError> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        writer.serialize(row).expect("plain rows go into memory");
+    }
+    let bytes = writer.into_inner().expect("memory takes all bytes");
+    write_whole(path, &bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+    use std::time::Duration;
+
+    #[test]
+    fn means_are_over_their_own_steps_and_absent_values_are_empty() {
+        let directory = tempfile::tempdir().unwrap();
+        let outcome = CaseOutcome {
+            simulated_time: 10.0,
+            steps: 8,
+            newton_iterations: 20,
+            steps_with_contact: 4,
+            newton_iterations_with_contact: 14,
+            first_contact: Some(2.5),
+            ..CaseOutcome::default()
+        };
+        let rows = [
+            SummaryRow::new("main", CaseStatus::Finished, &outcome),
+            SummaryRow::new("none", CaseStatus::TimeLimit, &CaseOutcome::default()),
+        ];
+        write_summary(directory.path(), &rows).unwrap();
+        let text = fs::read_to_string(directory.path().join(SUMMARY)).unwrap();
+        assert_eq!(
+            text.lines().nth(1),
+            Some("main,finished,10.0,8,0,2.5,3.5,0.0,4,2.5,,")
+        );
+        assert_eq!(text.lines().nth(2), Some("none,time-limit,0.0,0,0,,,,0,,,"));
+        let mut reader = csv::Reader::from_path(directory.path().join(SUMMARY)).unwrap();
+        let read: Vec<SummaryRow> = reader.deserialize().map(Result::unwrap).collect();
+        assert_eq!(read, rows);
+    }
+
+    #[test]
+    fn timings_have_a_row_per_case() {
+        let directory = tempfile::tempdir().unwrap();
+        let usage = Usage {
+            wall_time: Duration::from_millis(1500),
+            cpu_time: None,
+            peak_memory: Some(4096),
+        };
+        write_timings(directory.path(), &[("main", usage)]).unwrap();
+        let text = fs::read_to_string(directory.path().join(TIMINGS)).unwrap();
+        assert_eq!(
+            text,
+            "case,wall_time_s,cpu_time_s,peak_memory_bytes\nmain,1.5,,4096\n"
+        );
+    }
+}

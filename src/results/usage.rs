@@ -1,0 +1,118 @@
+//! What a run cost: wall time, processor time, memory.
+
+use serde::{Deserialize, Serialize};
+use std::ops::Add;
+use std::time::{Duration, Instant};
+
+/// Cost of a case.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Usage {
+    /// Time on the clock.
+    pub wall_time: Duration,
+    /// Processor time of all threads; `None` where the system does not tell.
+    pub cpu_time: Option<Duration>,
+    /// Largest resident memory of the process, bytes; `None` where the system does not tell.
+    pub peak_memory: Option<u64>,
+}
+
+/// The cost of two stretches of work, one after the other.
+impl Add for Usage {
+    type Output = Self;
+
+    fn add(self, later: Self) -> Self {
+        Self {
+            wall_time: self.wall_time + later.wall_time,
+            cpu_time: self.cpu_time.zip(later.cpu_time).map(|(a, b)| a + b),
+            peak_memory: self.peak_memory.max(later.peak_memory),
+        }
+    }
+}
+
+/// Measures [`Usage`] from its creation on.
+pub struct UsageMeter {
+    start: Instant,
+    cpu_time_before: Option<Duration>,
+}
+
+impl UsageMeter {
+    /// Starts to measure.
+    pub fn start() -> Self {
+        Self {
+            start: Instant::now(),
+            cpu_time_before: process_cpu_time(),
+        }
+    }
+
+    /// Time on the clock since the start.
+    pub fn wall_time(&self) -> Duration {
+        self.start.elapsed()
+    }
+
+    /// Cost since the start; the peak of memory is that of the whole life of the process.
+    pub fn usage(&self) -> Usage {
+        let cpu_time = process_cpu_time().zip(self.cpu_time_before);
+        Usage {
+            wall_time: self.wall_time(),
+            cpu_time: cpu_time.map(|(now, before)| now.saturating_sub(before)),
+            peak_memory: peak_memory(),
+        }
+    }
+}
+
+/// User and system time of the process, from `/proc/self/stat` (fields 14 and 15 of proc(5)).
+fn process_cpu_time() -> Option<Duration> {
+    // Linux counts in units of 10 ms in this file, whatever the kernel's own clock.
+    const TICK: Duration = Duration::from_millis(10);
+    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+    // Field 2, the program's name in parentheses, may hold blanks; field 3 is the first after it.
+    let (_, after_name) = stat.rsplit_once(')')?;
+    let mut times = after_name.split_whitespace().skip(14 - 3);
+    let mut ticks = || times.next()?.parse::<u32>().ok();
+    Some(TICK * (ticks()? + ticks()?))
+}
+
+/// `VmHWM` of `/proc/self/status`.
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status
+        .lines()
+        .find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(1024 * kibibytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn work_costs_processor_time_and_memory() {
+        let meter = UsageMeter::start();
+        let block = std::hint::black_box(vec![1u8; 64 << 20]);
+        let mut sum = 0u64;
+        while meter.start.elapsed() < Duration::from_millis(100) {
+            sum += block
+                .iter()
+                .step_by(4096)
+                .map(|byte| u64::from(*byte))
+                .sum::<u64>();
+        }
+        assert!(std::hint::black_box(sum) > 0);
+        let usage = meter.usage();
+        assert!(usage.wall_time >= Duration::from_millis(100));
+        assert!(usage.cpu_time.unwrap() > Duration::ZERO, "{usage:?}");
+        assert!(usage.peak_memory.unwrap() > 64 << 20, "{usage:?}");
+    }
+
+    #[test]
+    fn costs_add_up_and_memory_is_the_larger() {
+        let usage = |seconds, memory| Usage {
+            wall_time: Duration::from_secs(seconds),
+            cpu_time: Some(Duration::from_secs(2 * seconds)),
+            peak_memory: memory,
+        };
+        let sum = usage(1, Some(7)) + usage(2, None);
+        assert_eq!(sum, usage(3, Some(7)));
+    }
+}

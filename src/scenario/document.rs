@@ -1,0 +1,201 @@
+//! TOML as a tree whose every key and value knows where it was typed.
+//!
+//! Trees of several texts can be merged, so that a scenario that extends another and is overridden from
+//! the command line still points at the right file, line and column.
+
+use super::issue::KeyPath;
+use super::source::Span;
+use std::ops::Range;
+use toml::de::{DeTable, DeValue};
+
+/// A value and its place.
+#[derive(Clone, Debug)]
+pub struct Node {
+    /// The value.
+    pub value: Value,
+    /// Where it stands; for a `[table]`, its header.
+    pub span: Span,
+}
+
+/// A TOML value.
+#[derive(Clone, Debug)]
+pub enum Value {
+    /// `true` or `false`.
+    Boolean(bool),
+    /// A whole number.
+    Integer(i64),
+    /// Any other number.
+    Float(f64),
+    /// Text.
+    String(String),
+    /// A date or time; scenarios use none.
+    Datetime,
+    /// Values in order.
+    Array(Vec<Node>),
+    /// Keys and values.
+    Table(Vec<Entry>),
+}
+
+/// A key and its value.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    /// The key.
+    pub key: String,
+    /// Where the key stands.
+    pub key_span: Span,
+    /// The value.
+    pub node: Node,
+}
+
+/// A mistake in TOML itself.
+#[derive(Clone, Debug)]
+pub struct SyntaxError {
+    /// What is wrong.
+    pub message: String,
+    /// Where.
+    pub bytes: Range<usize>,
+}
+
+/// Parses the text of `source`.
+///
+/// # Errors
+/// All mistakes that the TOML parser can find in one go.
+pub fn parse(source: usize, text: &str) -> Result<Node, Vec<SyntaxError>> {
+    let (table, errors) = DeTable::parse_recoverable(text);
+    if !errors.is_empty() {
+        return Err(errors
+            .into_iter()
+            .map(|error| SyntaxError {
+                message: error.message().to_owned(),
+                bytes: error.span().unwrap_or(0..0),
+            })
+            .collect());
+    }
+    Ok(Node {
+        value: table_value(source, table.get_ref()),
+        span: Span {
+            source,
+            bytes: 0..0,
+        },
+    })
+}
+
+fn table_value(source: usize, table: &DeTable<'_>) -> Value {
+    let mut entries: Vec<Entry> = table
+        .iter()
+        .map(|(key, value)| Entry {
+            key: key.get_ref().to_string(),
+            key_span: Span {
+                source,
+                bytes: key.span(),
+            },
+            node: node(source, value),
+        })
+        .collect();
+    entries.sort_by_key(|entry| entry.key_span.bytes.start);
+    Value::Table(entries)
+}
+
+fn node(source: usize, value: &toml::Spanned<DeValue<'_>>) -> Node {
+    let span = Span {
+        source,
+        bytes: value.span(),
+    };
+    let value = match value.get_ref() {
+        DeValue::String(text) => Value::String(text.to_string()),
+        DeValue::Boolean(boolean) => Value::Boolean(*boolean),
+        DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix())
+            .map_or(Value::Float(f64::INFINITY), Value::Integer),
+        DeValue::Float(float) => Value::Float(float.as_str().parse().unwrap_or(f64::NAN)),
+        DeValue::Datetime(_) => Value::Datetime,
+        DeValue::Array(array) => {
+            Value::Array(array.iter().map(|element| node(source, element)).collect())
+        }
+        DeValue::Table(table) => table_value(source, table),
+    };
+    Node { value, span }
+}
+
+impl Node {
+    /// What kind of value this is, in words.
+    pub fn description(&self) -> &'static str {
+        match self.value {
+            Value::Boolean(_) => "a boolean",
+            Value::Integer(_) => "a whole number",
+            Value::Float(_) => "a number",
+            Value::String(_) => "text",
+            Value::Datetime => "a date",
+            Value::Array(_) => "an array",
+            Value::Table(_) => "a table",
+        }
+    }
+
+    /// The entry of a key, if this is a table that has it.
+    pub fn entry(&self, key: &str) -> Option<&Entry> {
+        match &self.value {
+            Value::Table(entries) => entries.iter().find(|entry| entry.key == key),
+            _ => None,
+        }
+    }
+
+    /// Lays `over` on top of this node: tables are merged key by key, anything else is replaced.
+    pub fn merge(&mut self, over: Node) {
+        match (&mut self.value, over.value) {
+            (Value::Table(under), Value::Table(over_entries)) => {
+                for entry in over_entries {
+                    match under.iter_mut().find(|known| known.key == entry.key) {
+                        Some(known) => {
+                            known.key_span = entry.key_span;
+                            known.node.merge(entry.node);
+                        }
+                        None => under.push(entry),
+                    }
+                }
+                self.span = over.span;
+            }
+            (_, value) => {
+                *self = Node {
+                    value,
+                    span: over.span,
+                };
+            }
+        }
+    }
+
+    /// Takes a key out of a table.
+    pub fn remove(&mut self, key: &str) -> Option<Entry> {
+        match &mut self.value {
+            Value::Table(entries) => {
+                let index = entries.iter().position(|entry| entry.key == key)?;
+                Some(entries.remove(index))
+            }
+            _ => None,
+        }
+    }
+
+    /// The places of the key and of the value at `path`; where the path goes on beyond the tree, those of
+    /// its last step that exists. Elements of arrays have no key: theirs is the array's.
+    pub fn locate(&self, path: &KeyPath) -> (Span, Span) {
+        let (mut key, mut node) = (self.span.clone(), self);
+        for step in path.steps() {
+            match &node.value {
+                Value::Table(_) => match node.entry(step) {
+                    Some(entry) => (key, node) = (entry.key_span.clone(), &entry.node),
+                    None => break,
+                },
+                Value::Array(elements) => {
+                    match step
+                        .parse()
+                        .ok()
+                        .and_then(|index: usize| elements.get(index))
+                    {
+                        Some(element) => node = element,
+                        None => break,
+                    }
+                }
+                _ => break,
+            }
+        }
+        (key, node.span.clone())
+    }
+}

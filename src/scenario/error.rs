@@ -1,0 +1,138 @@
+//! Faults of scenarios with the text they stand in, for people to read.
+
+use super::issue::Issue;
+use super::source::{Sources, Span};
+use miette::{
+    Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, SourceCode,
+};
+use std::fmt;
+use std::sync::Arc;
+
+/// Everything that is wrong with a scenario.
+#[derive(Clone, Debug)]
+pub struct ScenarioError(pub Vec<Located>);
+
+/// A fault and its place.
+#[derive(Clone, Debug)]
+pub struct Located {
+    /// The fault.
+    pub issue: Issue,
+    place: Option<Place>,
+}
+
+#[derive(Clone, Debug)]
+struct Place {
+    name: String,
+    source: NamedSource<Arc<str>>,
+    span: Span,
+    line: usize,
+    column: usize,
+}
+
+impl Located {
+    /// A fault in one of the sources, or in none.
+    pub fn new(sources: &Sources, issue: Issue, span: Option<Span>) -> Self {
+        let place = span.map(|span| {
+            let source = sources.get(span.source);
+            let (line, column) = source.line_and_column(span.bytes.start);
+            Place {
+                name: source.name.clone(),
+                source: NamedSource::new(&source.name, source.text.clone()),
+                span,
+                line,
+                column,
+            }
+        });
+        Self { issue, place }
+    }
+
+    /// Line and column, counted from one.
+    pub fn line_and_column(&self) -> Option<(usize, usize)> {
+        self.place.as_ref().map(|place| (place.line, place.column))
+    }
+
+    /// Sorts faults as their texts were read.
+    pub(super) fn order(&self) -> (usize, usize) {
+        self.place
+            .as_ref()
+            .map_or((0, 0), |place| (place.span.source, place.span.bytes.start))
+    }
+}
+
+impl fmt::Display for Located {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.issue.fmt(formatter)
+    }
+}
+
+impl std::error::Error for Located {}
+
+impl Diagnostic for Located {
+    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        let help = self.issue.help.as_ref()?;
+        Some(Box::new(help))
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        let place = self.place.as_ref()?;
+        Some(&place.source)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let place = self.place.as_ref()?;
+        let label = LabeledSpan::new_with_span(Some("here".to_owned()), place.span.bytes.clone());
+        Some(Box::new(std::iter::once(label)))
+    }
+}
+
+impl From<Located> for ScenarioError {
+    fn from(located: Located) -> Self {
+        Self(vec![located])
+    }
+}
+
+impl std::error::Error for ScenarioError {}
+
+impl fmt::Display for ScenarioError {
+    /// One line per fault: `file:line:column: key: message (help)`.
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (number, located) in self.0.iter().enumerate() {
+            if number > 0 {
+                writeln!(formatter)?;
+            }
+            if let Some(place) = &located.place {
+                write!(
+                    formatter,
+                    "{}:{}:{}: ",
+                    place.name, place.line, place.column
+                )?;
+            }
+            write!(formatter, "{located}")?;
+            if let Some(help) = &located.issue.help {
+                write!(formatter, " ({help})")?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl ScenarioError {
+    /// The faults with the lines they stand in, for a terminal.
+    pub fn render(&self, colour: bool) -> String {
+        let theme = if colour {
+            GraphicalTheme::unicode()
+        } else {
+            GraphicalTheme::unicode_nocolor()
+        };
+        let handler = GraphicalReportHandler::new_themed(theme)
+            .with_width(100)
+            .with_links(false);
+        let mut text = String::new();
+        for located in &self.0 {
+            if handler.render_report(&mut text, located).is_err() {
+                return self.to_string();
+            }
+        }
+        text
+    }
+}

@@ -1,0 +1,265 @@
+//! The JSON Schema of scenario files, and its keys in words.
+
+use super::issue::did_you_mean;
+use super::typed::ScenarioFile;
+use serde_json::Value;
+use std::fmt::Write;
+
+/// JSON Schema (draft 2020-12) of scenario files, for completion and checks in editors.
+pub fn json_schema() -> Value {
+    schemars::schema_for!(ScenarioFile).to_value()
+}
+
+/// Explains a dotted key such as `rods.shape.radius`; indices and names of rods may be left out or in.
+/// The empty key explains the whole file.
+///
+/// # Errors
+/// A message with the nearest key, if there is no such key.
+pub fn explain(key: &str) -> Result<String, String> {
+    let schema = json_schema();
+    let explainer = Explainer { root: &schema };
+    let mut meanings = vec![Meaning {
+        kind: None,
+        schema: &schema,
+    }];
+    let mut walked = String::new();
+    for step in key.split('.').filter(|step| !step.is_empty()) {
+        if step.parse::<usize>().is_ok() {
+            continue;
+        }
+        let keys: Vec<(Meaning<'_>, &str)> = meanings
+            .iter()
+            .flat_map(|meaning| explainer.keys(meaning.schema))
+            .collect();
+        let found: Vec<Meaning<'_>> = keys
+            .iter()
+            .filter(|(_, name)| *name == step)
+            .map(|(meaning, _)| meaning.clone())
+            .collect();
+        if found.is_empty() {
+            let place = if walked.is_empty() {
+                "at the top of a scenario".to_owned()
+            } else {
+                format!("in `{walked}`")
+            };
+            let names = keys.iter().map(|(_, name)| *name);
+            let advice = did_you_mean(step, names).unwrap_or_else(|| {
+                let mut names: Vec<&str> = keys.iter().map(|(_, name)| *name).collect();
+                names.dedup();
+                format!("the keys are: {}", names.join(", "))
+            });
+            return Err(format!("there is no key `{step}` {place}; {advice}"));
+        }
+        meanings = found;
+        if !walked.is_empty() {
+            walked.push('.');
+        }
+        walked.push_str(step);
+    }
+    let mut text = String::new();
+    for meaning in &meanings {
+        explainer.describe(&mut text, &walked, meaning);
+    }
+    Ok(text)
+}
+
+/// A schema that a key may have; tables of several kinds may give one key several meanings.
+#[derive(Clone)]
+struct Meaning<'a> {
+    kind: Option<&'a str>,
+    schema: &'a Value,
+}
+
+struct Explainer<'a> {
+    root: &'a Value,
+}
+
+impl<'a> Explainer<'a> {
+    /// The schemas behind a schema: itself, what it refers to, its alternatives and its elements.
+    fn expanded(&self, schema: &'a Value) -> Vec<&'a Value> {
+        let mut found = vec![schema];
+        if let Some(reference) = schema.get("$ref").and_then(Value::as_str) {
+            let target = reference
+                .strip_prefix('#')
+                .and_then(|path| self.root.pointer(path));
+            found.extend(target.into_iter().flat_map(|target| self.expanded(target)));
+        }
+        for list in ["anyOf", "oneOf", "allOf"] {
+            let alternatives = schema.get(list).and_then(Value::as_array);
+            for alternative in alternatives.into_iter().flatten() {
+                found.extend(self.expanded(alternative));
+            }
+        }
+        if let Some(items) = schema.get("items") {
+            found.extend(self.expanded(items));
+        }
+        found
+    }
+
+    /// The keys of a table, with the kind of table that has them.
+    fn keys(&self, schema: &'a Value) -> Vec<(Meaning<'a>, &'a str)> {
+        let mut keys: Vec<(Meaning<'a>, &'a str)> = Vec::new();
+        let mut collect = |kind: Option<&'a str>, schema: &'a Value| {
+            let properties = schema.get("properties").and_then(Value::as_object);
+            for (name, schema) in properties.into_iter().flatten() {
+                let known = keys
+                    .iter()
+                    .any(|(meaning, known)| known == name && std::ptr::eq(meaning.schema, schema));
+                if !known {
+                    keys.push((Meaning { kind, schema }, name));
+                }
+            }
+        };
+        for schema in self.expanded(schema) {
+            match kind(schema) {
+                // The keys of a kind may stand behind a reference.
+                Some(kind) => self
+                    .expanded(schema)
+                    .into_iter()
+                    .for_each(|schema| collect(Some(kind), schema)),
+                None => collect(None, schema),
+            }
+        }
+        keys
+    }
+
+    fn describe(&self, text: &mut String, key: &str, meaning: &Meaning<'a>) {
+        let of_kind = meaning
+            .kind
+            .map_or(String::new(), |kind| format!(" (of kind {kind:?})"));
+        if !key.is_empty() {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "{key}{of_kind}");
+        }
+        let mut said: Vec<&str> = Vec::new();
+        for schema in self.expanded(meaning.schema) {
+            let description = schema.get("description").and_then(Value::as_str);
+            let Some(description) = description.filter(|words| !said.contains(words)) else {
+                continue;
+            };
+            let words = description.replace('\n', "\n  ");
+            match schema.get("const") {
+                Some(word) => {
+                    let _ = writeln!(text, "  {word}: {words}");
+                }
+                None if kind(schema).is_none() => {
+                    let _ = writeln!(text, "  {words}");
+                }
+                None => continue,
+            }
+            said.push(description);
+        }
+        let mut kinds: Vec<&str> = Vec::new();
+        for schema in self.expanded(meaning.schema) {
+            kinds.extend(kind(schema));
+        }
+        if !kinds.is_empty() {
+            let _ = writeln!(text, "  kinds: {}", kinds.join(", "));
+        }
+        let mut names: Vec<&str> = Vec::new();
+        for (_, name) in self.keys(meaning.schema) {
+            if name != "kind" && !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        if !names.is_empty() {
+            let _ = writeln!(text, "  keys: {}", names.join(", "));
+        }
+    }
+}
+
+/// The kind that a schema demands.
+fn kind(schema: &Value) -> Option<&str> {
+    schema.pointer("/properties/kind/const")?.as_str()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_are_explained_in_words() {
+        insta::assert_snapshot!(explain("contact.friction").unwrap(), @r###"
+contact.friction
+  Coulomb friction coefficient. Default: 0.
+  A pure number.
+"###);
+        insta::assert_snapshot!(explain("rods.0.radius").unwrap(), @r###"
+rods.radius
+  Radius of the surface that touches other rods and the fluid, and of a circular cross-section.
+  Default for a rectangle: half its smaller side.
+  A number in m, or text with a unit; allowed units: m, cm, mm, µm, um, nm, km, in.
+"###);
+        insta::assert_snapshot!(explain("rods.shape.radius").unwrap(), @r###"
+rods.shape.radius (of kind "helix")
+  Radius of the helix.
+  A number in m, or text with a unit; allowed units: m, cm, mm, µm, um, nm, km, in.
+rods.shape.radius (of kind "arc")
+  Radius of the circle.
+  A number in m, or text with a unit; allowed units: m, cm, mm, µm, um, nm, km, in.
+rods.shape.radius (of kind "ring")
+  Radius of the circle.
+  A number in m, or text with a unit; allowed units: m, cm, mm, µm, um, nm, km, in.
+"###);
+        insta::assert_snapshot!(explain("rods.shape").unwrap(), @r###"
+rods.shape
+  Where the rod is placed.
+  A curve in space.
+  kinds: straight, helix, arc, ring, points
+  keys: end, start, axis, centre, handedness, length, phase, pitch, radius, turns, angle, normal, tangent, file, points
+"###);
+        insta::assert_snapshot!(explain("loads.acceleration").unwrap(), @r###"
+loads.acceleration (of kind "gravity")
+  Acceleration of free fall, for example [0, 0, -9.81].
+  A number in m/s^2, or text with a unit; allowed units: m/s^2, cm/s^2, mm/s^2.
+"###);
+        insta::assert_snapshot!(explain("time").unwrap(), @r###"
+time
+  Dynamic or static, and the time steps.
+  keys: end, maximum_step, mode, scheme, step, tolerance
+"###);
+        insta::assert_snapshot!(explain("time.mode").unwrap(), @r###"
+time.mode
+  "dynamic" (the default) or "static" (equilibrium by Newton's method without inertia).
+  Modes of a run.
+  "dynamic": Time steps from zero to `end`.
+  "static": Equilibrium, without inertia.
+"###);
+        insta::assert_snapshot!(explain("clamps.at").unwrap(), @r###"
+clamps.at
+  "start", "end", or the number of a node, counted from zero.
+  "start", "end", or a number counted from zero.
+"###);
+        insta::assert_snapshot!(explain("").unwrap(), @r###"
+A rodlab scenario. Numbers are in SI units; text may carry a unit, such as "1.6 mm".
+keys: clamps, contact, experiment, extends, flagella, fluid, loads, material, output, planes, rod, rods, solver, time, title
+"###);
+    }
+
+    #[test]
+    fn unknown_keys_get_advice() {
+        insta::assert_snapshot!(explain("contact.frictoin").unwrap_err(), @"there is no key `frictoin` in `contact`; did you mean `friction`?");
+        insta::assert_snapshot!(explain("kontakt").unwrap_err(), @"there is no key `kontakt` at the top of a scenario; did you mean `contact`?");
+        insta::assert_snapshot!(explain("solver.qqq").unwrap_err(), @"there is no key `qqq` in `solver`; the keys are: displacement_tolerance, force_tolerance, maximum_iterations, minimum_step");
+    }
+
+    #[test]
+    fn every_key_has_a_description() {
+        let schema = json_schema();
+        let tables = std::iter::once(&schema).chain(schema["$defs"].as_object().unwrap().values());
+        let mut keys = 0;
+        for table in tables {
+            let alternatives = table["oneOf"].as_array().into_iter().flatten();
+            for table in std::iter::once(table).chain(alternatives) {
+                for (name, schema) in table["properties"].as_object().into_iter().flatten() {
+                    assert!(
+                        name == "kind" || schema.get("description").is_some(),
+                        "{name} of {table}"
+                    );
+                    keys += 1;
+                }
+            }
+        }
+        assert!(keys > 90, "{keys}");
+    }
+}

@@ -1,0 +1,166 @@
+//! What is wrong with a scenario, and at which key.
+
+use std::fmt;
+
+/// The way from the top of a scenario to a key: table keys, and indices of arrays as decimal numbers.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
+pub struct KeyPath(Vec<String>);
+
+impl KeyPath {
+    /// The top of the scenario.
+    pub fn root() -> Self {
+        Self::default()
+    }
+
+    /// The path to `key` below this one.
+    #[must_use]
+    pub fn key(&self, key: &str) -> Self {
+        let mut steps = self.0.clone();
+        steps.push(key.to_owned());
+        Self(steps)
+    }
+
+    /// The path to the element `index` of the array at this path.
+    #[must_use]
+    pub fn index(&self, index: usize) -> Self {
+        self.key(&index.to_string())
+    }
+
+    /// The steps from the top.
+    pub fn steps(&self) -> &[String] {
+        &self.0
+    }
+}
+
+impl From<&str> for KeyPath {
+    /// Splits a dotted path such as `rods.0.radius`.
+    fn from(dotted: &str) -> Self {
+        Self(dotted.split('.').map(str::to_owned).collect())
+    }
+}
+
+impl fmt::Display for KeyPath {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.0.join("."))
+    }
+}
+
+/// One fault of a scenario.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Issue {
+    /// The key at fault; a missing key stands for its table.
+    pub path: KeyPath,
+    /// What is wrong, with the allowed range.
+    pub message: String,
+    /// What to type instead.
+    pub help: Option<String>,
+    /// Whether the key itself is at fault, rather than its value.
+    pub labels_key: bool,
+}
+
+impl Issue {
+    /// A fault at `path`.
+    pub fn new(path: KeyPath, message: impl Into<String>) -> Self {
+        Self {
+            path,
+            message: message.into(),
+            help: None,
+            labels_key: false,
+        }
+    }
+
+    /// Adds what to type instead, if there is such advice.
+    #[must_use]
+    pub fn with_help(mut self, help: impl Into<Option<String>>) -> Self {
+        self.help = help.into();
+        self
+    }
+}
+
+impl fmt::Display for Issue {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.path.steps().is_empty() {
+            write!(formatter, "{}", self.message)
+        } else {
+            write!(formatter, "`{}`: {}", self.path, self.message)
+        }
+    }
+}
+
+/// All faults found in a scenario.
+#[derive(Clone, Debug, Default, PartialEq, Eq, thiserror::Error)]
+pub struct Issues(pub Vec<Issue>);
+
+impl Issues {
+    /// Adds a fault, unless the same one is there already.
+    pub fn push(&mut self, issue: Issue) {
+        if !self.0.contains(&issue) {
+            self.0.push(issue);
+        }
+    }
+
+    /// `value` if nothing is wrong, else the faults.
+    pub fn or_ok<T>(self, value: T) -> Result<T, Self> {
+        if self.0.is_empty() {
+            Ok(value)
+        } else {
+            Err(self)
+        }
+    }
+}
+
+impl From<Issue> for Issues {
+    fn from(issue: Issue) -> Self {
+        Self(vec![issue])
+    }
+}
+
+impl fmt::Display for Issues {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (number, issue) in self.0.iter().enumerate() {
+            if number > 0 {
+                writeln!(formatter)?;
+            }
+            write!(formatter, "{issue}")?;
+        }
+        Ok(())
+    }
+}
+
+/// The candidate most like `typed`, if any is near enough to be a slip of the fingers.
+pub fn nearest<'a>(typed: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    candidates
+        .into_iter()
+        .map(|candidate| (strsim::jaro_winkler(typed, candidate), candidate))
+        .filter(|(likeness, _)| *likeness > 0.75)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, candidate)| candidate)
+}
+
+/// "did you mean `...`?", if a candidate is near.
+pub fn did_you_mean<'a>(
+    typed: &str,
+    candidates: impl IntoIterator<Item = &'a str>,
+) -> Option<String> {
+    nearest(typed, candidates).map(|candidate| format!("did you mean `{candidate}`?"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn suggests_the_nearest_name_only() {
+        let keys = ["radius", "edges", "closed"];
+        assert_eq!(nearest("raduis", keys), Some("radius"));
+        assert_eq!(nearest("edge", keys), Some("edges"));
+        assert_eq!(nearest("viscosity", keys), None);
+    }
+
+    #[test]
+    fn paths_read_as_they_are_typed() {
+        let path = KeyPath::root().key("rods").index(2).key("radius");
+        assert_eq!(path.to_string(), "rods.2.radius");
+        assert_eq!(path, KeyPath::from("rods.2.radius"));
+    }
+}

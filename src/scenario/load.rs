@@ -1,0 +1,180 @@
+//! Reading scenarios: the file, those it extends, overrides from the command line.
+
+use super::decode::decode;
+use super::document::{self, Node, Value};
+use super::error::{Located, ScenarioError};
+use super::issue::{Issue, Issues, KeyPath};
+use super::overrides;
+use super::resolve::{Context, resolve};
+use super::resolved::Scenario;
+use super::source::{Sources, Span};
+use std::path::{Path, PathBuf};
+
+/// A scenario, and what it takes to point at its keys.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    /// The resolved scenario.
+    pub scenario: Scenario,
+    sources: Sources,
+    document: Node,
+}
+
+/// Reads, merges, overrides and resolves a scenario file. Each override is `key=value` with a dotted key,
+/// such as `rods.0.radius=5 mm`; rods may be called by name: `rods.beam.radius`.
+///
+/// # Errors
+/// Everything that is wrong with it, as far as it can be told in one go, with file, line and column.
+pub fn load(path: &Path, overrides: &[String]) -> Result<Loaded, ScenarioError> {
+    let mut sources = Sources::default();
+    let mut ancestors = Vec::new();
+    let mut document = read(&mut sources, &mut ancestors, path)?;
+    for text in overrides {
+        overrides::apply(&mut sources, &mut document, text)?;
+    }
+    let name = path.file_stem().map_or_else(
+        || "scenario".to_owned(),
+        |stem| stem.to_string_lossy().into_owned(),
+    );
+    finish(&name, sources, document)
+}
+
+/// Resolves the text of a scenario, called `name`, that names other files relative to `directory`.
+///
+/// # Errors
+/// As [`load`].
+pub fn from_text(name: &str, text: &str, directory: &Path) -> Result<Loaded, ScenarioError> {
+    let mut sources = Sources::default();
+    let mut ancestors = Vec::new();
+    let source = sources.add(format!("{name}.toml"), text.to_owned(), directory);
+    let document = parse_and_extend(&mut sources, &mut ancestors, source)?;
+    finish(name, sources, document)
+}
+
+fn finish(name: &str, sources: Sources, document: Node) -> Result<Loaded, ScenarioError> {
+    if document.entry("sweep").is_some() {
+        let issue = Issue {
+            labels_key: true,
+            ..Issue::new(
+                KeyPath::from("sweep"),
+                "sweeps are not in this version of rodlab",
+            )
+        };
+        let help = "take the table out, and run the cases one by one with --set".to_owned();
+        return Err(located(&sources, &document, issue.with_help(help).into()));
+    }
+    let resolved = decode(&document).and_then(|file| {
+        let directory_of = |path: &KeyPath| {
+            let (_, value) = document.locate(path);
+            sources.get(value.source).directory.clone()
+        };
+        let context = Context {
+            name,
+            directory_of: &directory_of,
+        };
+        resolve(&context, &file)
+    });
+    match resolved {
+        Ok(scenario) => Ok(Loaded {
+            scenario,
+            sources,
+            document,
+        }),
+        Err(issues) => Err(located(&sources, &document, issues)),
+    }
+}
+
+impl Loaded {
+    /// Finds the places of faults that showed later, when the scene was built.
+    pub fn locate(&self, issues: Issues) -> ScenarioError {
+        located(&self.sources, &self.document, issues)
+    }
+}
+
+fn located(sources: &Sources, document: &Node, issues: Issues) -> ScenarioError {
+    let mut located: Vec<Located> = issues
+        .0
+        .into_iter()
+        .map(|issue| {
+            let (key, value) = document.locate(&issue.path);
+            let span = if issue.labels_key { key } else { value };
+            Located::new(sources, issue, Some(span))
+        })
+        .collect();
+    located.sort_by_key(Located::order);
+    ScenarioError(located)
+}
+
+/// Reads a file and what it extends. `ancestors` are the files that led here.
+fn read(
+    sources: &mut Sources,
+    ancestors: &mut Vec<PathBuf>,
+    path: &Path,
+) -> Result<Node, ScenarioError> {
+    let unreadable = |error: &dyn std::fmt::Display| {
+        let issue = Issue::new(
+            KeyPath::root(),
+            format!("{} cannot be read: {error}", path.display()),
+        );
+        ScenarioError::from(Located::new(&Sources::default(), issue, None))
+    };
+    let bytes = std::fs::read(path).map_err(|error| unreadable(&error))?;
+    let text = String::from_utf8(bytes).map_err(|error| unreadable(&error))?;
+    let canonical = path.canonicalize().map_err(|error| unreadable(&error))?;
+    let directory = path.parent().unwrap_or(Path::new("")).to_owned();
+    let source = sources.add(path.display().to_string(), text, &directory);
+    ancestors.push(canonical);
+    let node = parse_and_extend(sources, ancestors, source)?;
+    ancestors.pop();
+    Ok(node)
+}
+
+fn parse_and_extend(
+    sources: &mut Sources,
+    ancestors: &mut Vec<PathBuf>,
+    source: usize,
+) -> Result<Node, ScenarioError> {
+    let text = sources.get(source).text.clone();
+    let node = document::parse(source, &text).map_err(|errors| {
+        let located = errors.into_iter().map(|error| {
+            let span = Span {
+                source,
+                bytes: error.bytes,
+            };
+            let message = format!("not TOML: {}", error.message);
+            Located::new(sources, Issue::new(KeyPath::root(), message), Some(span))
+        });
+        ScenarioError(located.collect())
+    })?;
+    let Some(entry) = node.entry("extends") else {
+        return Ok(node);
+    };
+    let refuse = |sources: &Sources, message: String| {
+        let issue = Issue::new(KeyPath::from("extends"), message);
+        ScenarioError::from(Located::new(sources, issue, Some(entry.node.span.clone())))
+    };
+    let Value::String(base) = &entry.node.value else {
+        return Err(refuse(
+            sources,
+            format!(
+                "expected the name of a file, found {}",
+                entry.node.description()
+            ),
+        ));
+    };
+    let path = sources.get(source).directory.join(base);
+    let canonical = path.canonicalize().map_err(|error| {
+        refuse(
+            sources,
+            format!("{} cannot be read: {error}", path.display()),
+        )
+    })?;
+    if ancestors.contains(&canonical) {
+        return Err(refuse(
+            sources,
+            format!("{} extends this file in turn: a circle", path.display()),
+        ));
+    }
+    let mut merged = read(sources, ancestors, &path)?;
+    merged.merge(node);
+    Ok(merged)
+}

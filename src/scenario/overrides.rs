@@ -1,0 +1,173 @@
+//! Overrides from the command line: `--set key=value`.
+
+use super::document::{self, Entry, Node, Value};
+use super::error::{Located, ScenarioError};
+use super::issue::{Issue, KeyPath, did_you_mean};
+use super::source::{Sources, Span};
+use std::path::Path;
+
+/// Sets a dotted key of the document. The value is TOML, or else plain text: `rods.0.radius=5 mm`.
+///
+/// Tables that are missing on the way are made; elements of arrays must exist.
+pub fn apply(sources: &mut Sources, document: &mut Node, text: &str) -> Result<(), ScenarioError> {
+    let source = sources.add("--set".to_owned(), text.to_owned(), Path::new(""));
+    let fault = |sources: &Sources, path: KeyPath, message: String, help: Option<String>| {
+        let key_length = text.find('=').unwrap_or(text.len());
+        let span = Span {
+            source,
+            bytes: 0..key_length,
+        };
+        let issue = Issue::new(path, message).with_help(help);
+        ScenarioError::from(Located::new(sources, issue, Some(span)))
+    };
+    let Some((key, value)) = text.split_once('=') else {
+        return Err(fault(
+            sources,
+            KeyPath::root(),
+            "expected key=value".to_owned(),
+            Some("for example --set rods.0.radius=\"5 mm\"".to_owned()),
+        ));
+    };
+    let steps: Vec<&str> = key.trim().split('.').map(str::trim).collect();
+    let path = KeyPath::from(key.trim());
+    if steps.iter().any(|step| step.is_empty()) {
+        let message = "expected keys joined by dots, such as time.end".to_owned();
+        return Err(fault(sources, KeyPath::root(), message, None));
+    }
+    if steps[0] == "extends" {
+        let message = "this key cannot be set from the command line".to_owned();
+        return Err(fault(sources, path, message, None));
+    }
+    let place = Place {
+        source,
+        key: 0..key.len(),
+        value: parse_value(source, key.len() + 1, value),
+    };
+    set(document, &steps, place).map_err(|(message, help)| fault(sources, path, message, help))
+}
+
+/// Where an override stands, and its value.
+struct Place {
+    source: usize,
+    key: std::ops::Range<usize>,
+    value: Node,
+}
+
+/// Reads the value as TOML; what is not TOML is text. `offset` is where it begins in its source.
+fn parse_value(source: usize, offset: usize, text: &str) -> Node {
+    const KEY: &str = "value = ";
+    let parsed = document::parse(source, &format!("{KEY}{text}"))
+        .ok()
+        .and_then(|mut node| match &node.value {
+            // More than one entry: the text breaks out of the line, so it is not a value.
+            Value::Table(entries) if entries.len() == 1 => node.remove("value"),
+            _ => None,
+        });
+    let mut node = parsed.map_or_else(
+        || Node {
+            value: Value::String(text.trim().to_owned()),
+            span: Span {
+                source,
+                bytes: 0..0,
+            },
+        },
+        |entry| entry.node,
+    );
+    // The whole value is labelled, whichever part of it is at fault.
+    relabel(&mut node, &(offset..offset + text.len()));
+    node
+}
+
+fn relabel(node: &mut Node, bytes: &std::ops::Range<usize>) {
+    node.span.bytes = bytes.clone();
+    match &mut node.value {
+        Value::Array(elements) => {
+            for element in elements {
+                relabel(element, bytes);
+            }
+        }
+        Value::Table(entries) => {
+            for entry in entries {
+                entry.key_span.bytes = bytes.clone();
+                relabel(&mut entry.node, bytes);
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Walks down to the key and sets it; else says what is wrong and what to type instead.
+fn set(node: &mut Node, steps: &[&str], place: Place) -> Result<(), (String, Option<String>)> {
+    let Some((&step, rest)) = steps.split_first() else {
+        *node = place.value;
+        return Ok(());
+    };
+    match &mut node.value {
+        Value::Table(entries) => {
+            let key_span = Span {
+                source: place.source,
+                bytes: place.key.clone(),
+            };
+            let index = entries.iter().position(|entry| entry.key == step);
+            let index = index.unwrap_or_else(|| {
+                entries.push(Entry {
+                    key: step.to_owned(),
+                    key_span: key_span.clone(),
+                    node: Node {
+                        value: Value::Table(Vec::new()),
+                        span: key_span.clone(),
+                    },
+                });
+                entries.len() - 1
+            });
+            if rest.is_empty() {
+                entries[index].key_span = key_span;
+            }
+            set(&mut entries[index].node, rest, place)
+        }
+        Value::Array(elements) => {
+            let index = find_element(elements, step)?;
+            set(&mut elements[index], rest, place)
+        }
+        _ => Err((
+            format!(
+                "there is no `{step}` here: {} has no keys",
+                node.description()
+            ),
+            None,
+        )),
+    }
+}
+
+/// Finds an element of an array by its number or, among tables, by its name.
+fn find_element(elements: &[Node], step: &str) -> Result<usize, (String, Option<String>)> {
+    if let Ok(index) = step.parse::<usize>() {
+        if index < elements.len() {
+            return Ok(index);
+        }
+        let message = format!(
+            "there is no element {index}; the array has {}",
+            elements.len()
+        );
+        return Err((message, None));
+    }
+    let names: Vec<&str> = elements
+        .iter()
+        .filter_map(
+            |element| match element.entry("name").map(|entry| &entry.node.value) {
+                Some(Value::String(name)) => Some(name.as_str()),
+                _ => None,
+            },
+        )
+        .collect();
+    let named = |element: &Node| {
+        matches!(element.entry("name").map(|entry| &entry.node.value),
+            Some(Value::String(name)) if name == step)
+    };
+    elements.iter().position(named).ok_or_else(|| {
+        (
+            format!("no element is called `{step}`"),
+            did_you_mean(step, names),
+        )
+    })
+}

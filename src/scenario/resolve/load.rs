@@ -1,0 +1,164 @@
+//! Resolving clamps, loads and planes.
+
+use super::section::{FINITE, NON_NEGATIVE, Section};
+use crate::scenario::resolved::{Clamp, Hold, Load, LoadKind, Place, Plane};
+use crate::scenario::typed;
+
+/// Resolves all clamps.
+pub fn clamps(top: &Section<'_>, typed: &[typed::Clamp]) -> Vec<Clamp> {
+    let section = top.below("clamps");
+    typed
+        .iter()
+        .enumerate()
+        .map(|(index, typed)| clamp(&section.below(&index.to_string()), typed))
+        .collect()
+}
+
+fn clamp(section: &Section<'_>, typed: &typed::Clamp) -> Clamp {
+    Clamp {
+        rod: rod(section, &typed.rod),
+        at: place(section, typed.at),
+        hold: typed.hold.unwrap_or(Hold::Both),
+        translation: section.corners("move", &typed.translation, |corner, displacement| {
+            corner.components("1", displacement)
+        }),
+        angle: section.corners("turn", &typed.angle, |corner, angle| {
+            corner.number("1", angle, FINITE)
+        }),
+        angular_velocity: section.with_default(
+            "angular_velocity",
+            &typed.angular_velocity,
+            FINITE,
+            0.0,
+        ),
+        axis: section.direction("axis", &typed.axis),
+        pivot: section.vector("pivot", &typed.pivot),
+    }
+}
+
+/// Resolves all loads.
+pub fn loads(top: &Section<'_>, typed: &[typed::Load]) -> Vec<Load> {
+    let section = top.below("loads");
+    typed
+        .iter()
+        .enumerate()
+        .map(|(index, typed)| load(&section.below(&index.to_string()), typed))
+        .collect()
+}
+
+fn load(section: &Section<'_>, typed: &typed::Load) -> Load {
+    let (kind, schedule) = match typed {
+        typed::Load::Gravity {
+            acceleration,
+            schedule,
+        } => {
+            let acceleration = section.required_vector("acceleration", acceleration);
+            (LoadKind::Gravity { acceleration }, schedule)
+        }
+        typed::Load::Force {
+            rod: typed,
+            at,
+            force,
+            schedule,
+        } => {
+            let kind = LoadKind::Force {
+                rod: rod(section, typed),
+                at: place(section, *at),
+                force: section.required_vector("force", force),
+            };
+            (kind, schedule)
+        }
+        typed::Load::Moment {
+            rod: typed,
+            at,
+            moment,
+            schedule,
+        } => {
+            let kind = LoadKind::Moment {
+                rod: rod(section, typed),
+                at: place(section, *at),
+                moment: section.required_vector("moment", moment),
+            };
+            (kind, schedule)
+        }
+        typed::Load::Distributed {
+            rod,
+            force_per_length,
+            schedule,
+        } => {
+            let kind = LoadKind::Distributed {
+                rod: rod.clone(),
+                force_per_length: section.required_vector("force_per_length", force_per_length),
+            };
+            (kind, schedule)
+        }
+        typed::Load::Drag {
+            rod,
+            translation,
+            rotation,
+            schedule,
+        } => {
+            if translation.is_none() && rotation.is_none() {
+                section.missing(
+                    "translation",
+                    "a drag coefficient of `translation` or `rotation`",
+                );
+            }
+            let kind = LoadKind::Drag {
+                rod: rod.clone(),
+                translation: section.with_default("translation", translation, NON_NEGATIVE, 0.0),
+                rotation: section.with_default("rotation", rotation, NON_NEGATIVE, 0.0),
+            };
+            (kind, schedule)
+        }
+    };
+    Load {
+        kind,
+        schedule: section.corners("schedule", schedule, |corner, factor| {
+            corner.number("1", factor, FINITE)
+        }),
+    }
+}
+
+/// Resolves all planes.
+pub fn planes(top: &Section<'_>, typed: &[typed::Plane]) -> Vec<Plane> {
+    let section = top.below("planes");
+    typed
+        .iter()
+        .enumerate()
+        .map(|(index, typed)| {
+            let section = section.below(&index.to_string());
+            Plane {
+                point: section.vector("point", &typed.point).unwrap_or_default(),
+                normal: section
+                    .direction("normal", &typed.normal)
+                    .unwrap_or([0.0, 0.0, 1.0]),
+                friction: section.optional("friction", &typed.friction, NON_NEGATIVE),
+            }
+        })
+        .collect()
+}
+
+fn rod(section: &Section<'_>, typed: &Option<String>) -> String {
+    section
+        .needed("rod", typed.clone(), "the name of a rod")
+        .unwrap_or_default()
+}
+
+fn place(section: &Section<'_>, typed: Option<typed::Place>) -> Place {
+    match section.needed(
+        "at",
+        typed,
+        "\"start\", \"end\", or a number counted from zero",
+    ) {
+        None | Some(typed::Place::Start) => Place::Start,
+        Some(typed::Place::End) => Place::End,
+        Some(typed::Place::Number(number)) => match usize::try_from(number) {
+            Ok(number) => Place::Number(number),
+            Err(_) => {
+                section.fault("at", format!("{number} is out of range; allowed: 0 and up"));
+                Place::Start
+            }
+        },
+    }
+}

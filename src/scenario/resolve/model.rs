@@ -1,0 +1,271 @@
+//! Resolving models, time, solver, output and the flagella builder.
+
+use super::rod::{material, refuse_degenerate};
+use super::section::{FINITE, FRACTION, NON_NEGATIVE, POSITIVE, Section};
+use crate::scenario::resolved::{
+    BuilderRod, Contact, CrossSection, Experiment, Flagella, Fluid, Head, Output, Scheme, Solver,
+    Step, Time,
+};
+use crate::scenario::typed::{self, ScenarioFile};
+
+/// Most flagella that a scenario may ask for; a slip of the fingers above it.
+const MOST_FLAGELLA: usize = 10_000;
+/// Most nodes of one flagellum.
+const MOST_NODES: usize = 1_000_000;
+/// Most rows that a run may write.
+const MOST_OUTPUTS: f64 = 1e6;
+
+/// Resolves the contact model; `smallest_radius` sets the default of the distance tolerance.
+pub fn contact(top: &Section<'_>, typed: Option<&typed::Contact>, smallest_radius: f64) -> Contact {
+    let Some(typed) = typed else {
+        return Contact::None;
+    };
+    let section = top.below("contact");
+    match typed.model.unwrap_or(typed::ContactModel::Imc) {
+        typed::ContactModel::Imc => {}
+        typed::ContactModel::None => return Contact::None,
+        typed::ContactModel::Ipc | typed::ContactModel::Complementarity => {
+            section.fault(
+                "model",
+                "this contact model is not built yet; allowed: \"imc\", \"none\"",
+            );
+        }
+    }
+    Contact::Imc {
+        friction: section.with_default("friction", &typed.friction, NON_NEGATIVE, 0.0),
+        distance_tolerance: section.with_default(
+            "distance_tolerance",
+            &typed.distance_tolerance,
+            POSITIVE,
+            0.01 * smallest_radius,
+        ),
+        slip_tolerance: section.with_default(
+            "slip_tolerance",
+            &typed.slip_tolerance,
+            POSITIVE,
+            1e-4,
+        ),
+        stiffness_factor: section.with_default(
+            "stiffness_factor",
+            &typed.stiffness_factor,
+            POSITIVE,
+            1e5,
+        ),
+        maximum_penetration: section.with_default(
+            "maximum_penetration",
+            &typed.maximum_penetration,
+            FRACTION,
+            0.05,
+        ),
+    }
+}
+
+/// Resolves the fluid.
+pub fn fluid(top: &Section<'_>, typed: Option<&typed::Fluid>) -> Fluid {
+    let Some(typed) = typed else {
+        return Fluid::None;
+    };
+    let section = top.below("fluid");
+    let model = typed.model.unwrap_or(typed::FluidModel::Rss);
+    if model == typed::FluidModel::Resistive && typed.regularization.is_some() {
+        section.fault("regularization", "only the model \"rss\" is regularised");
+    }
+    match model {
+        typed::FluidModel::None => Fluid::None,
+        typed::FluidModel::Rss => Fluid::Rss {
+            viscosity: section.required("viscosity", &typed.viscosity, POSITIVE),
+            regularization: section.with_default(
+                "regularization",
+                &typed.regularization,
+                POSITIVE,
+                1.02,
+            ),
+        },
+        typed::FluidModel::Resistive => Fluid::Resistive {
+            viscosity: section.required("viscosity", &typed.viscosity, POSITIVE),
+        },
+    }
+}
+
+/// Resolves mode and time steps.
+pub fn time(top: &Section<'_>, file: &ScenarioFile) -> Time {
+    let nothing = typed::Time::default();
+    let typed = file.time.as_ref().unwrap_or(&nothing);
+    let section = top.below("time");
+    match typed.mode.unwrap_or(typed::Mode::Dynamic) {
+        typed::Mode::Static => {
+            for (key, present) in [
+                ("scheme", typed.scheme.is_some()),
+                ("step", typed.step.is_some()),
+                ("tolerance", typed.tolerance.is_some()),
+                ("maximum_step", typed.maximum_step.is_some()),
+                ("end", typed.end.is_some()),
+            ] {
+                if present {
+                    section.fault(key, "a static run has no time steps; leave the key out");
+                }
+            }
+            Time::Static
+        }
+        typed::Mode::Continuation => {
+            section.fault(
+                "mode",
+                "continuation is not built yet; allowed: \"dynamic\", \"static\"",
+            );
+            Time::Static
+        }
+        typed::Mode::Dynamic => {
+            let end = section.required("end", &typed.end, POSITIVE);
+            Time::Dynamic {
+                scheme: typed.scheme.unwrap_or(Scheme::ImplicitEuler),
+                step: step(&section, typed, interval(top, &file.output, end)),
+                end,
+            }
+        }
+    }
+}
+
+fn step(section: &Section<'_>, typed: &typed::Time, interval: f64) -> Step {
+    if typed.step.as_ref().is_some_and(|step| step.is_word("auto")) {
+        return Step::Auto {
+            tolerance: section.with_default("tolerance", &typed.tolerance, POSITIVE, 1e-2),
+            maximum: section.with_default("maximum_step", &typed.maximum_step, POSITIVE, interval),
+        };
+    }
+    for (key, present) in [
+        ("tolerance", typed.tolerance.is_some()),
+        ("maximum_step", typed.maximum_step.is_some()),
+    ] {
+        if present {
+            section.fault(key, "this key goes with step = \"auto\" only");
+        }
+    }
+    Step::Fixed(section.with_default("step", &typed.step, POSITIVE, 1e-3))
+}
+
+/// Refuses time steps below the smallest that the solver may take.
+pub fn refuse_small_steps(top: &Section<'_>, time: &Time, solver: &Solver) {
+    let Time::Dynamic { step, .. } = time else {
+        return;
+    };
+    let (key, step) = match *step {
+        Step::Fixed(step) => ("step", step),
+        Step::Auto { maximum, .. } => ("maximum_step", maximum),
+    };
+    if step < solver.minimum_step {
+        top.below("time").fault(
+            key,
+            format!(
+                "{step:?} s is out of range; allowed: at least solver.minimum_step = {:?} s",
+                solver.minimum_step
+            ),
+        );
+    }
+}
+
+/// Resolves the solver.
+pub fn solver(top: &Section<'_>, typed: &typed::Solver) -> Solver {
+    let section = top.below("solver");
+    Solver {
+        force_tolerance: section.with_default(
+            "force_tolerance",
+            &typed.force_tolerance,
+            POSITIVE,
+            1e-6,
+        ),
+        displacement_tolerance: section.with_default(
+            "displacement_tolerance",
+            &typed.displacement_tolerance,
+            POSITIVE,
+            1e-4,
+        ),
+        maximum_iterations: section
+            .count(
+                "maximum_iterations",
+                typed.maximum_iterations.or(Some(40)),
+                1..=100_000,
+            )
+            .unwrap_or(40),
+        minimum_step: section.with_default("minimum_step", &typed.minimum_step, POSITIVE, 1e-9),
+    }
+}
+
+/// Time between outputs of a run that ends at `end`.
+fn interval(top: &Section<'_>, typed: &typed::Output, end: f64) -> f64 {
+    let section = top.below("output");
+    let interval = section.with_default("interval", &typed.interval, POSITIVE, end / 100.0);
+    if interval * MOST_OUTPUTS < end {
+        section.fault(
+            "interval",
+            format!(
+                "{interval:?} s is out of range; allowed: at least a millionth of time.end = {end:?} s"
+            ),
+        );
+    }
+    interval
+}
+
+/// Resolves what is written.
+pub fn output(top: &Section<'_>, typed: &typed::Output, time: &Time) -> Output {
+    let interval = match time {
+        Time::Static => {
+            if typed.interval.is_some() {
+                top.below("output")
+                    .fault("interval", "a static run writes once; leave the key out");
+            }
+            None
+        }
+        Time::Dynamic { end, .. } => Some(interval(top, typed, *end)),
+    };
+    Output {
+        interval,
+        nodes: typed.nodes.unwrap_or(true),
+        forces: typed.forces.unwrap_or(false),
+        vtk: typed.vtk.unwrap_or(false),
+    }
+}
+
+/// Resolves the flagella builder; `None` if a whole number is at fault, which is reported.
+pub fn flagella(
+    top: &Section<'_>,
+    material_table: &typed::Material,
+    rod: &typed::BuilderRod,
+    typed: &typed::Flagella,
+) -> Option<Experiment> {
+    let section = top.below("flagella");
+    let count = section.count("count", typed.count, 1..=MOST_FLAGELLA);
+    let hook = typed.hook.unwrap_or(true);
+    let fewest_nodes = if hook { 8 } else { 5 };
+    let rod_section = top.below("rod");
+    let nodes = rod_section.count("nodes", rod.nodes, fewest_nodes..=MOST_NODES);
+    let material = material(&top.below("material"), material_table);
+    let radius = rod_section.required("radius", &rod.radius, POSITIVE);
+    refuse_degenerate(
+        &rod_section,
+        &CrossSection::Circle.stiffness(radius, &material),
+    );
+    let side = if count == Some(1) {
+        section.with_default("side", &typed.side, NON_NEGATIVE, 0.0)
+    } else {
+        section.required("side", &typed.side, POSITIVE)
+    };
+    let helix_radius = section.required("helix_radius", &typed.helix_radius, POSITIVE);
+    let pitch = section.required("pitch", &typed.pitch, POSITIVE);
+    let axial_length = section.required("axial_length", &typed.axial_length, POSITIVE);
+    let angular_velocity = section.required("angular_velocity", &typed.angular_velocity, FINITE);
+    let (count, nodes) = (count?, nodes?);
+    Some(Experiment::Flagella {
+        material,
+        rod: BuilderRod { radius, nodes },
+        flagella: Flagella {
+            count,
+            helix_radius,
+            pitch,
+            axial_length,
+            side,
+            angular_velocity,
+            hook,
+            head: typed.head.unwrap_or(Head::Node),
+        },
+    })
+}

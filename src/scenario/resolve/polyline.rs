@@ -1,0 +1,151 @@
+//! Resolving polylines: corners from a CSV file or from the scenario itself.
+
+use super::Context;
+use super::section::Section;
+use crate::scenario::resolved::Shape;
+use crate::scenario::typed;
+use std::path::Path;
+
+/// Resolves a polyline.
+pub fn points(context: &Context<'_>, section: &Section<'_>, typed: &typed::Points) -> Shape {
+    let points = match (&typed.file, &typed.points) {
+        (Some(file), None) => {
+            let directory = (context.directory_of)(&section.path.key("file"));
+            read(&directory.join(file)).unwrap_or_else(|message| {
+                section.fault("file", message);
+                Vec::new()
+            })
+        }
+        (None, Some(points)) => {
+            let below = section.below("points");
+            let points: Vec<[f64; 3]> = points
+                .iter()
+                .enumerate()
+                .map(|(index, point)| below.components(&index.to_string(), point))
+                .collect();
+            if let Some(index) = first_repeated(&points) {
+                below.fault(
+                    &index.to_string(),
+                    "the point repeats the one before it; consecutive points must differ",
+                );
+            }
+            if points.len() < 2 {
+                section.fault("points", "a polyline needs at least 2 points");
+            }
+            points
+        }
+        (None, None) => {
+            section.missing(
+                "file",
+                "a CSV file with columns x, y, z, or the `points` themselves",
+            );
+            Vec::new()
+        }
+        (Some(_), Some(_)) => {
+            section.fault("points", "give `file` or `points`, not both");
+            Vec::new()
+        }
+    };
+    Shape::Points { points }
+}
+
+/// Index of the first point that is the same as the one before it.
+fn first_repeated(points: &[[f64; 3]]) -> Option<usize> {
+    points
+        .windows(2)
+        .position(|pair| pair[0] == pair[1])
+        .map(|index| index + 1)
+}
+
+/// Reads a CSV file of corners: a header line that names the columns x, y and z (with or without the
+/// suffix `_m`; other columns are passed over), then a row per corner, in m. Lines that begin with `#` are
+/// comments.
+fn read(path: &Path) -> Result<Vec<[f64; 3]>, String> {
+    let place = path.display();
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .from_path(path)
+        .map_err(|error| format!("{place} cannot be read: {error}"))?;
+    let headers = reader
+        .headers()
+        .map_err(|error| format!("{place}: {error}"))?
+        .clone();
+    let column = |name: &str| {
+        headers
+            .iter()
+            .position(|header| header == name || header.strip_suffix("_m") == Some(name))
+            .ok_or_else(|| {
+                format!("{place}, line 1: no column `{name}`; the header must name x, y and z")
+            })
+    };
+    let columns = [column("x")?, column("y")?, column("z")?];
+    let mut points = Vec::new();
+    for record in reader.records() {
+        let record = record.map_err(|error| match error.kind() {
+            csv::ErrorKind::UnequalLengths {
+                pos,
+                expected_len,
+                len,
+            } => format!(
+                "{place}, line {}: expected {expected_len} columns, found {len}",
+                pos.as_ref().map_or(0, csv::Position::line)
+            ),
+            _ => format!("{place}: {error}"),
+        })?;
+        let line = record.position().map_or(0, csv::Position::line);
+        let mut point = [0.0; 3];
+        for (component, column) in point.iter_mut().zip(columns) {
+            let field = &record[column];
+            *component = field
+                .parse()
+                .ok()
+                .filter(|number: &f64| number.is_finite())
+                .ok_or_else(|| format!("{place}, line {line}: {field:?} is not a finite number"))?;
+        }
+        if points.last() == Some(&point) {
+            return Err(format!(
+                "{place}, line {line}: the point repeats the one before it; consecutive points must differ"
+            ));
+        }
+        points.push(point);
+    }
+    if points.len() < 2 {
+        return Err(format!(
+            "{place} has {} points; a polyline needs at least 2",
+            points.len()
+        ));
+    }
+    Ok(points)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write;
+
+    fn read_text(text: &str) -> Result<Vec<[f64; 3]>, String> {
+        let mut file = tempfile::NamedTempFile::new().unwrap();
+        file.write_all(text.as_bytes()).unwrap();
+        let name = file.path().display().to_string();
+        read(file.path()).map_err(|message| message.replace(&name, "shape.csv"))
+    }
+
+    #[test]
+    fn columns_are_found_by_name() {
+        let points = read_text("# a comment\nz_m, s, x_m, y_m\n3,0,1,2\n6,1,4,5e0\n");
+        assert_eq!(points, Ok(vec![[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]));
+    }
+
+    #[test]
+    fn faults_name_file_and_line() {
+        let fault = |text| read_text(text).unwrap_err();
+        insta::assert_snapshot!(fault("x,y,z\n0,0,0\n1,0\n"), @"shape.csv, line 3: expected 3 columns, found 2");
+        insta::assert_snapshot!(fault("x,y,z\n0,0,zero\n"), @r#"shape.csv, line 2: "zero" is not a finite number"#);
+        insta::assert_snapshot!(fault("x,y,z\n0,0,nan\n"), @r#"shape.csv, line 2: "nan" is not a finite number"#);
+        insta::assert_snapshot!(fault("x,y,z\n0,0,1\n0,0,2\n0,0,2\n"), @"shape.csv, line 4: the point repeats the one before it; consecutive points must differ");
+        insta::assert_snapshot!(fault("x,y\n0,0\n"), @"shape.csv, line 1: no column `z`; the header must name x, y and z");
+        insta::assert_snapshot!(fault("x,y,z\n0,0,1\n"), @"shape.csv has 1 points; a polyline needs at least 2");
+        insta::assert_snapshot!(fault(""), @"shape.csv, line 1: no column `x`; the header must name x, y and z");
+    }
+}

@@ -1,0 +1,274 @@
+//! Resolving rods.
+
+use super::section::{FINITE, POISSONS_RATIO, POSITIVE, Section};
+use super::{Context, shape};
+use crate::scenario::resolved::{CrossSection, Material, NaturalShape, Rod, Shape, Stiffness};
+use crate::scenario::typed::{self, ScenarioFile};
+
+/// More edges than any machine could step; a slip of the fingers.
+const MOST_EDGES: usize = 1_000_000;
+
+/// Resolves all rods.
+pub fn rods(context: &Context<'_>, top: &Section<'_>, file: &ScenarioFile) -> Vec<Rod> {
+    let common = CommonMaterial {
+        section: top.below("material"),
+        typed: file.material.as_ref(),
+    };
+    let section = top.below("rods");
+    let rods: Vec<Rod> = file
+        .rods
+        .iter()
+        .enumerate()
+        .map(|(index, typed)| {
+            rod(
+                context,
+                &section.below(&index.to_string()),
+                typed,
+                index,
+                &common,
+            )
+        })
+        .collect();
+    for (index, rod) in rods.iter().enumerate() {
+        if let Some(first) = rods[..index]
+            .iter()
+            .position(|other| other.name == rod.name)
+        {
+            section.below(&index.to_string()).fault(
+                "name",
+                format!(
+                    "rod {first} is called `{}` too; names must differ",
+                    rod.name
+                ),
+            );
+        }
+    }
+    rods
+}
+
+fn rod(
+    context: &Context<'_>,
+    section: &Section<'_>,
+    typed: &typed::Rod,
+    index: usize,
+    common: &CommonMaterial<'_>,
+) -> Rod {
+    let material = own_material(&section.below("material"), &typed.material, common);
+    let cross_section = cross_section(&section.below("cross_section"), typed);
+    let radius = match cross_section {
+        CrossSection::Circle => section.required("radius", &typed.radius, POSITIVE),
+        CrossSection::Rectangle { width, thickness } => section.with_default(
+            "radius",
+            &typed.radius,
+            POSITIVE,
+            width.min(thickness) / 2.0,
+        ),
+    };
+    let shape = typed.shape.as_ref().map_or_else(
+        || {
+            section.missing(
+                "shape",
+                "a table such as { kind = \"straight\", start = [0, 0, 0], end = [1, 0, 0] }",
+            );
+            Shape::Points { points: Vec::new() }
+        },
+        |typed| shape::shape(context, &section.below("shape"), typed),
+    );
+    let closed = closed(section, typed.closed, &shape);
+    let stiffness = stiffness(
+        &section.below("stiffness"),
+        &typed.stiffness,
+        cross_section.stiffness(radius, &material),
+    );
+    refuse_degenerate(section, &stiffness);
+    Rod {
+        name: name(section, typed.name.as_deref(), index),
+        radius,
+        edges: edges(section, typed.edges, &shape, closed),
+        closed,
+        held: typed.held.unwrap_or(false),
+        natural_shape: natural_shape(context, section, typed),
+        twist: section.with_default("twist", &typed.twist, FINITE, 0.0),
+        director: section.direction("director", &typed.director),
+        stiffness,
+        material,
+        cross_section,
+        velocity: section
+            .vector("velocity", &typed.velocity)
+            .unwrap_or_default(),
+        angular_velocity: section
+            .vector("angular_velocity", &typed.angular_velocity)
+            .unwrap_or_default(),
+        shape,
+    }
+}
+
+fn name(section: &Section<'_>, typed: Option<&str>, index: usize) -> String {
+    let Some(name) = typed else {
+        return format!("rod_{}", index + 1);
+    };
+    let fits = |character: char| character.is_alphanumeric() || matches!(character, '_' | '-');
+    if name.is_empty() || !name.chars().all(fits) || name.chars().all(|c| c.is_ascii_digit()) {
+        section.fault(
+            "name",
+            format!(
+                "{name:?} cannot be a name; allowed: letters, digits, `_` and `-`, not digits alone"
+            ),
+        );
+    }
+    name.to_owned()
+}
+
+/// The material that holds for all rods, and where it stands.
+struct CommonMaterial<'a> {
+    section: Section<'a>,
+    typed: Option<&'a typed::Material>,
+}
+
+/// Resolves a rod's material from its own keys, else from those that hold for all.
+fn own_material(
+    section: &Section<'_>,
+    own: &typed::Material,
+    common: &CommonMaterial<'_>,
+) -> Material {
+    macro_rules! choose {
+        ($key:ident, $range:expr) => {
+            match (&own.$key, common.typed.map(|typed| &typed.$key)) {
+                (None, Some(typed @ Some(_))) => {
+                    common.section.required(stringify!($key), typed, $range)
+                }
+                (typed @ None, _) => common.section.required(stringify!($key), typed, $range),
+                (typed, _) => section.required(stringify!($key), typed, $range),
+            }
+        };
+    }
+    Material {
+        youngs_modulus: choose!(youngs_modulus, POSITIVE),
+        poissons_ratio: choose!(poissons_ratio, POISSONS_RATIO),
+        density: choose!(density, POSITIVE),
+    }
+}
+
+/// Resolves the material that holds for all rods.
+pub fn material(section: &Section<'_>, typed: &typed::Material) -> Material {
+    Material {
+        youngs_modulus: section.required("youngs_modulus", &typed.youngs_modulus, POSITIVE),
+        poissons_ratio: section.required("poissons_ratio", &typed.poissons_ratio, POISSONS_RATIO),
+        density: section.required("density", &typed.density, POSITIVE),
+    }
+}
+
+fn cross_section(section: &Section<'_>, rod: &typed::Rod) -> CrossSection {
+    match &rod.cross_section {
+        None | Some(typed::CrossSection::Circle {}) => CrossSection::Circle,
+        Some(typed::CrossSection::Rectangle { width, thickness }) => CrossSection::Rectangle {
+            width: section.required("width", width, POSITIVE),
+            thickness: section.required("thickness", thickness, POSITIVE),
+        },
+    }
+}
+
+fn stiffness(section: &Section<'_>, typed: &typed::Stiffness, derived: Stiffness) -> Stiffness {
+    Stiffness {
+        stretching: section.with_default(
+            "stretching",
+            &typed.stretching,
+            POSITIVE,
+            derived.stretching,
+        ),
+        bending_1: section.with_default("bending_1", &typed.bending_1, POSITIVE, derived.bending_1),
+        bending_2: section.with_default("bending_2", &typed.bending_2, POSITIVE, derived.bending_2),
+        twisting: section.with_default("twisting", &typed.twisting, POSITIVE, derived.twisting),
+    }
+}
+
+/// Refuses stiffnesses that under- or overflow; NaN follows from a fault that was reported.
+pub fn refuse_degenerate(section: &Section<'_>, stiffness: &Stiffness) {
+    let values = [
+        stiffness.stretching,
+        stiffness.bending_1,
+        stiffness.bending_2,
+        stiffness.twisting,
+    ];
+    if values
+        .iter()
+        .any(|&value| value == 0.0 || value.is_infinite())
+    {
+        section.fault(
+            "radius",
+            format!(
+                "radius and material give the stiffnesses EA = {:?} N, EI = {:?} N m²; check their units",
+                stiffness.stretching, stiffness.bending_1
+            ),
+        );
+    }
+}
+
+fn closed(section: &Section<'_>, typed: Option<bool>, shape: &Shape) -> bool {
+    match (typed, shape) {
+        (Some(false), Shape::Ring { .. }) => {
+            section.fault_with_help(
+                "closed",
+                "a ring is closed",
+                Some("for an open circle use kind = \"arc\"".to_owned()),
+            );
+            false
+        }
+        (_, Shape::Ring { .. }) => true,
+        (Some(true), Shape::Straight { .. } | Shape::Helix { .. } | Shape::Arc { .. }) => {
+            section.fault(
+                "closed",
+                "only rods of kind \"ring\" or \"points\" can be closed",
+            );
+            true
+        }
+        (typed, _) => typed.unwrap_or(false),
+    }
+}
+
+fn edges(section: &Section<'_>, typed: Option<i64>, shape: &Shape, closed: bool) -> usize {
+    // A closed rod of two edges would fold onto itself.
+    let fewest = if closed { 3 } else { 1 };
+    let corners = match shape {
+        Shape::Points { points } if typed.is_none() => points.len(),
+        _ => {
+            return section
+                .count("edges", typed, fewest..=MOST_EDGES)
+                .unwrap_or(fewest);
+        }
+    };
+    let edges = if closed {
+        corners
+    } else {
+        corners.saturating_sub(1)
+    };
+    // An empty polyline was reported.
+    if corners > 0 && edges < fewest {
+        section.fault(
+            "shape",
+            format!("a closed rod needs at least {fewest} points"),
+        );
+    }
+    edges.max(fewest)
+}
+
+fn natural_shape(context: &Context<'_>, section: &Section<'_>, typed: &typed::Rod) -> NaturalShape {
+    let curved = typed.natural_curvature.is_some() || typed.natural_twist.is_some();
+    match &typed.natural_shape {
+        Some(_) if curved => {
+            section.fault(
+                "natural_shape",
+                "give `natural_shape`, or `natural_curvature` and `natural_twist`, not both",
+            );
+            NaturalShape::AsPlaced
+        }
+        Some(natural) => shape::natural_shape(context, &section.below("natural_shape"), natural),
+        None if curved => NaturalShape::Curved {
+            curvature: typed.natural_curvature.as_ref().map_or([0.0; 2], |typed| {
+                section.components("natural_curvature", typed)
+            }),
+            twist: section.with_default("natural_twist", &typed.natural_twist, FINITE, 0.0),
+        },
+        None => NaturalShape::AsPlaced,
+    }
+}

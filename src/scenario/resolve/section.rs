@@ -1,0 +1,269 @@
+//! Judging the values of one table, and collecting what is wrong.
+
+use crate::scenario::issue::{Issue, Issues, KeyPath};
+use crate::scenario::typed::{Quantity, Vector};
+use crate::scenario::units::Dimension;
+use std::cell::RefCell;
+use std::ops::RangeInclusive;
+
+/// Which numbers a key allows.
+#[derive(Clone, Copy)]
+pub struct Range {
+    allows: fn(f64) -> bool,
+    words: &'static str,
+}
+
+/// Greater than 0.
+pub const POSITIVE: Range = Range {
+    allows: |value| value > 0.0,
+    words: "greater than 0",
+};
+/// At least 0.
+pub const NON_NEGATIVE: Range = Range {
+    allows: |value| value >= 0.0,
+    words: "at least 0",
+};
+/// Any finite number.
+pub const FINITE: Range = Range {
+    allows: f64::is_finite,
+    words: "any finite number",
+};
+/// Between 0 and 1, both excluded.
+pub const FRACTION: Range = Range {
+    allows: |value| value > 0.0 && value < 1.0,
+    words: "greater than 0 and less than 1",
+};
+/// Poisson's ratios of stable isotropic materials.
+pub const POISSONS_RATIO: Range = Range {
+    allows: |value| value > -1.0 && value <= 0.5,
+    words: "greater than -1 and at most 0.5",
+};
+
+/// One table of the scenario: where it stands, and the faults found so far anywhere.
+///
+/// A faulty number reads as NaN after it is reported; the scenario is thrown away in the end.
+pub struct Section<'a> {
+    /// Path of the table.
+    pub path: KeyPath,
+    issues: &'a RefCell<Issues>,
+}
+
+impl<'a> Section<'a> {
+    /// The table at `path`.
+    pub fn new(path: KeyPath, issues: &'a RefCell<Issues>) -> Self {
+        Self { path, issues }
+    }
+
+    /// The table or element below `key`.
+    pub fn below(&self, key: &str) -> Self {
+        Self::new(self.path.key(key), self.issues)
+    }
+
+    /// Reports a fault of `key`.
+    pub fn fault(&self, key: &str, message: impl Into<String>) {
+        self.fault_with_help(key, message, None);
+    }
+
+    /// Reports a fault of `key` and what to type instead.
+    pub fn fault_with_help(&self, key: &str, message: impl Into<String>, help: Option<String>) {
+        let issue = Issue::new(self.path.key(key), message).with_help(help);
+        self.issues.borrow_mut().push(issue);
+    }
+
+    /// Reports that a key is missing.
+    pub fn missing(&self, key: &str, help: impl Into<String>) {
+        let issue = Issue::new(self.path.clone(), format!("missing key `{key}`"));
+        self.issues.borrow_mut().push(issue.with_help(help.into()));
+    }
+
+    /// A value that must be there.
+    pub fn needed<T>(&self, key: &str, value: Option<T>, help: &str) -> Option<T> {
+        if value.is_none() {
+            self.missing(key, help);
+        }
+        value
+    }
+
+    /// A number, if it is there.
+    pub fn optional<D: Dimension>(
+        &self,
+        key: &str,
+        typed: &Option<Quantity<D>>,
+        range: Range,
+    ) -> Option<f64> {
+        typed.as_ref().map(|typed| self.number(key, typed, range))
+    }
+
+    /// A number that must be there.
+    pub fn required<D: Dimension>(
+        &self,
+        key: &str,
+        typed: &Option<Quantity<D>>,
+        range: Range,
+    ) -> f64 {
+        self.optional(key, typed, range).unwrap_or_else(|| {
+            self.missing(key, format!("{}, {}", D::NAME, range.words));
+            f64::NAN
+        })
+    }
+
+    /// A number with a default.
+    pub fn with_default<D: Dimension>(
+        &self,
+        key: &str,
+        typed: &Option<Quantity<D>>,
+        range: Range,
+        default: f64,
+    ) -> f64 {
+        self.optional(key, typed, range).unwrap_or(default)
+    }
+
+    /// One number.
+    pub fn number<D: Dimension>(&self, key: &str, typed: &Quantity<D>, range: Range) -> f64 {
+        match typed.si() {
+            Ok(value) if (range.allows)(value) => value,
+            Ok(value) => {
+                self.fault(
+                    key,
+                    format!("{value:?} is out of range; allowed: {}", range.words),
+                );
+                f64::NAN
+            }
+            Err(message) => {
+                self.fault(key, message);
+                f64::NAN
+            }
+        }
+    }
+
+    /// A whole number within bounds; `None` if it is missing or out of range, which is reported.
+    pub fn count(
+        &self,
+        key: &str,
+        typed: Option<i64>,
+        allowed: RangeInclusive<usize>,
+    ) -> Option<usize> {
+        let words = format!("{} to {}", allowed.start(), allowed.end());
+        let Some(typed) = typed else {
+            self.missing(key, format!("a whole number, {words}"));
+            return None;
+        };
+        let count = usize::try_from(typed)
+            .ok()
+            .filter(|count| allowed.contains(count));
+        if count.is_none() {
+            self.fault(key, format!("{typed} is out of range; allowed: {words}"));
+        }
+        count
+    }
+
+    /// A vector, if it is there.
+    pub fn vector<D: Dimension>(&self, key: &str, typed: &Option<Vector<D>>) -> Option<[f64; 3]> {
+        typed.as_ref().map(|typed| self.components(key, typed))
+    }
+
+    /// A vector that must be there.
+    pub fn required_vector<D: Dimension>(&self, key: &str, typed: &Option<Vector<D>>) -> [f64; 3] {
+        self.vector(key, typed).unwrap_or_else(|| {
+            self.missing(key, format!("three numbers [x, y, z], each {}", D::NAME));
+            [f64::NAN; 3]
+        })
+    }
+
+    /// A direction: a vector of any length but zero, made a unit vector.
+    pub fn direction<D: Dimension>(
+        &self,
+        key: &str,
+        typed: &Option<Vector<D>>,
+    ) -> Option<[f64; 3]> {
+        let vector = self.vector(key, typed)?;
+        if vector.iter().any(|component| component.is_nan()) {
+            return Some(vector);
+        }
+        let unit = normalised(vector);
+        if unit.is_none() {
+            self.fault(key, "a direction cannot be [0, 0, 0]");
+        }
+        Some(unit.unwrap_or([f64::NAN; 3]))
+    }
+
+    /// A direction that must be there.
+    pub fn required_direction<D: Dimension>(
+        &self,
+        key: &str,
+        typed: &Option<Vector<D>>,
+    ) -> [f64; 3] {
+        self.direction(key, typed).unwrap_or_else(|| {
+            self.missing(key, "a direction [x, y, z]");
+            [f64::NAN; 3]
+        })
+    }
+
+    /// Each component of an array of numbers.
+    pub fn components<D: Dimension, const N: usize>(
+        &self,
+        key: &str,
+        typed: &[Quantity<D>; N],
+    ) -> [f64; N] {
+        let below = self.below(key);
+        std::array::from_fn(|index| below.number(&index.to_string(), &typed[index], FINITE))
+    }
+
+    /// Corners of a piecewise linear function: times that grow, and a value at each.
+    pub fn corners<T, V>(
+        &self,
+        key: &str,
+        typed: &Option<Vec<(Quantity<crate::scenario::units::Time>, T)>>,
+        mut value: impl FnMut(&Section<'_>, &T) -> V,
+    ) -> Vec<(f64, V)> {
+        let below = self.below(key);
+        let mut corners: Vec<(f64, V)> = Vec::new();
+        for (index, (time, typed)) in typed.iter().flatten().enumerate() {
+            let corner = below.below(&index.to_string());
+            let time = corner.number("0", time, NON_NEGATIVE);
+            if let Some((before, _)) = corners.last()
+                && time <= *before
+            {
+                corner.fault(
+                    "0",
+                    format!("time {time:?} s does not come after {before:?} s; times must grow"),
+                );
+            }
+            let value = value(&corner, typed);
+            corners.push((time, value));
+        }
+        corners
+    }
+}
+
+/// The unit vector along `vector`, unless that is zero. A vector that is one already, up to round-off,
+/// stays as it is, so that resolved scenarios read back to themselves.
+fn normalised(vector: [f64; 3]) -> Option<[f64; 3]> {
+    let largest = vector.iter().fold(0.0, |m: f64, c| m.max(c.abs()));
+    if largest == 0.0 {
+        return None;
+    }
+    let scaled = vector.map(|component| component / largest);
+    let norm = scaled.iter().map(|c| c * c).sum::<f64>().sqrt();
+    if (largest * norm - 1.0).abs() < 4.0 * f64::EPSILON {
+        return Some(vector);
+    }
+    Some(scaled.map(|component| component / norm))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn unit_vectors_stay_as_they_are(vector in prop::array::uniform3(-1e3..1e3f64)) {
+            prop_assume!(vector != [0.0; 3]);
+            let unit = normalised(vector).unwrap();
+            prop_assert_eq!(normalised(unit), Some(unit));
+            let norm = unit.iter().map(|c| c * c).sum::<f64>().sqrt();
+            prop_assert!((norm - 1.0).abs() < 1e-15);
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! Resolving shapes.
+
+use super::section::{FINITE, POSITIVE, Section};
+use super::{Context, polyline};
+use crate::scenario::resolved::{Handedness, NaturalShape, Shape};
+use crate::scenario::typed;
+use std::f64::consts::TAU;
+
+const UP: [f64; 3] = [0.0, 0.0, 1.0];
+
+/// Resolves a placed shape.
+pub fn shape(context: &Context<'_>, section: &Section<'_>, typed: &typed::Shape) -> Shape {
+    match typed {
+        typed::Shape::Straight(line) => straight(section, line),
+        typed::Shape::Helix(curve) => helix(section, curve),
+        typed::Shape::Arc(curve) => arc(section, curve),
+        typed::Shape::Ring(curve) => ring(section, curve),
+        typed::Shape::Points(points) => polyline::points(context, section, points),
+    }
+}
+
+/// Resolves a shape without stress.
+pub fn natural_shape(
+    context: &Context<'_>,
+    section: &Section<'_>,
+    typed: &typed::NaturalShape,
+) -> NaturalShape {
+    match typed {
+        typed::NaturalShape::AsPlaced(_) => NaturalShape::AsPlaced,
+        typed::NaturalShape::Straight(line) if line.start.is_none() && line.end.is_none() => {
+            NaturalShape::Straight
+        }
+        typed::NaturalShape::Straight(line) => NaturalShape::Curve(straight(section, line)),
+        typed::NaturalShape::Curved(curved) => NaturalShape::Curved {
+            curvature: curved
+                .curvature
+                .as_ref()
+                .map_or([0.0; 2], |typed| section.components("curvature", typed)),
+            twist: section.with_default("twist", &curved.twist, FINITE, 0.0),
+        },
+        typed::NaturalShape::Helix(curve) => NaturalShape::Curve(helix(section, curve)),
+        typed::NaturalShape::Arc(curve) => NaturalShape::Curve(arc(section, curve)),
+        typed::NaturalShape::Ring(curve) => NaturalShape::Curve(ring(section, curve)),
+        typed::NaturalShape::Points(points) => {
+            NaturalShape::Curve(polyline::points(context, section, points))
+        }
+    }
+}
+
+fn straight(section: &Section<'_>, typed: &typed::Straight) -> Shape {
+    let start = section.required_vector("start", &typed.start);
+    let end = section.required_vector("end", &typed.end);
+    if start == end {
+        section.fault(
+            "end",
+            "the line has no length: `start` and `end` are the same",
+        );
+    }
+    Shape::Straight { start, end }
+}
+
+fn helix(section: &Section<'_>, typed: &typed::Helix) -> Shape {
+    let axis = section.direction("axis", &typed.axis).unwrap_or(UP);
+    let radius = section.required("radius", &typed.radius, POSITIVE);
+    let pitch = section.required("pitch", &typed.pitch, POSITIVE);
+    let handedness = typed.handedness.unwrap_or(Handedness::Right);
+    let phase = section.with_default("phase", &typed.phase, FINITE, 0.0);
+    let turns = section.optional("turns", &typed.turns, POSITIVE);
+    let length = section.optional("length", &typed.length, POSITIVE);
+    let length = match (turns, length) {
+        (Some(turns), None) => turns * pitch,
+        (None, Some(length)) => length,
+        (None, None) => {
+            section.missing(
+                "length",
+                "the length along the axis, or the number of `turns`",
+            );
+            f64::NAN
+        }
+        (Some(_), Some(_)) => {
+            section.fault("turns", "give `turns` or `length`, not both");
+            f64::NAN
+        }
+    };
+    let start = section.vector("start", &typed.start);
+    let centre = section.vector("centre", &typed.centre);
+    let centre = match (start, centre) {
+        (None, Some(centre)) => centre,
+        (Some(start), None) => {
+            let outward = radial_direction(axis, phase);
+            std::array::from_fn(|i| start[i] - radius * outward[i])
+        }
+        (None, None) => {
+            section.missing(
+                "start",
+                "the first point, or the `centre` beside it on the axis",
+            );
+            [f64::NAN; 3]
+        }
+        (Some(_), Some(_)) => {
+            section.fault("centre", "give `start` or `centre`, not both");
+            [f64::NAN; 3]
+        }
+    };
+    Shape::Helix {
+        centre,
+        axis,
+        radius,
+        pitch,
+        length,
+        handedness,
+        phase,
+    }
+}
+
+/// Unit vector from the axis to the point of a helix at the given angle; see [`Shape::Helix`].
+fn radial_direction(axis: [f64; 3], phase: f64) -> [f64; 3] {
+    let [first, second] = Shape::normal_plane(axis);
+    let (sine, cosine) = phase.sin_cos();
+    std::array::from_fn(|i| first[i] * cosine + second[i] * sine)
+}
+
+fn arc(section: &Section<'_>, typed: &typed::Arc) -> Shape {
+    let tangent = section.required_direction("tangent", &typed.tangent);
+    let normal = section.required_direction("normal", &typed.normal);
+    let along: f64 = (0..3).map(|i| tangent[i] * normal[i]).sum();
+    let across: [f64; 3] = std::array::from_fn(|i| normal[i] - along * tangent[i]);
+    let size = across.iter().map(|c| c * c).sum::<f64>().sqrt();
+    // Nearer than this the plane of the arc is lost in round-off; exactly normal stays as it is.
+    if size < 1e-6 {
+        section.fault("normal", "the normal must not be along the tangent");
+    }
+    let normal = if along.abs() < 4.0 * f64::EPSILON {
+        normal
+    } else {
+        across.map(|component| component / size)
+    };
+    let angle = section.required("angle", &typed.angle, POSITIVE);
+    if angle > TAU {
+        section.fault(
+            "angle",
+            format!("{angle} rad is out of range; allowed: greater than 0 and at most a full turn"),
+        );
+    }
+    Shape::Arc {
+        start: section.required_vector("start", &typed.start),
+        tangent,
+        normal,
+        radius: section.required("radius", &typed.radius, POSITIVE),
+        angle,
+    }
+}
+
+fn ring(section: &Section<'_>, typed: &typed::Ring) -> Shape {
+    Shape::Ring {
+        centre: section.required_vector("centre", &typed.centre),
+        normal: section.direction("normal", &typed.normal).unwrap_or(UP),
+        radius: section.required("radius", &typed.radius, POSITIVE),
+    }
+}

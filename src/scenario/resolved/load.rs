@@ -1,0 +1,133 @@
+//! Clamps, loads and planes as resolved.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize, Serializer};
+
+/// A place along a rod.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// The first node or edge.
+    Start,
+    /// The last node or edge.
+    End,
+    /// The node or edge of this number, counted from zero.
+    Number(usize),
+}
+
+impl Serialize for Place {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Start => serializer.serialize_str("start"),
+            Self::End => serializer.serialize_str("end"),
+            Self::Number(number) => number.serialize(serializer),
+        }
+    }
+}
+
+/// What a clamp holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+pub enum Hold {
+    /// The position of the node.
+    Position,
+    /// Tangent and material frame at the node.
+    Frame,
+    /// Position and frame.
+    Both,
+}
+
+/// A held or driven node.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Clamp {
+    /// Name of the rod.
+    pub rod: String,
+    /// Node along the rod.
+    pub at: Place,
+    /// What is held.
+    pub hold: Hold,
+    /// Displacement in m at given times in s, piecewise linear.
+    #[serde(rename = "move", skip_serializing_if = "Vec::is_empty")]
+    pub translation: Vec<(f64, [f64; 3])>,
+    /// Angle in rad at given times in s, piecewise linear.
+    #[serde(rename = "turn", skip_serializing_if = "Vec::is_empty")]
+    pub angle: Vec<(f64, f64)>,
+    /// Steady rate of turning, rad/s.
+    pub angular_velocity: f64,
+    /// Unit vector about which the clamp turns; `None` is the tangent at the node.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axis: Option<[f64; 3]>,
+    /// Fixed point of the rotation; `None` is the node.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pivot: Option<[f64; 3]>,
+}
+
+/// An external load.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Load {
+    /// What acts.
+    #[serde(flatten)]
+    pub kind: LoadKind,
+    /// Factor at given times in s, piecewise linear; 1 where empty.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub schedule: Vec<(f64, f64)>,
+}
+
+/// Kinds of external load.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum LoadKind {
+    /// Weight of every rod.
+    Gravity {
+        /// Acceleration of free fall, m/s².
+        acceleration: [f64; 3],
+    },
+    /// A dead force on a node.
+    Force {
+        /// Name of the rod.
+        rod: String,
+        /// Node along the rod.
+        at: Place,
+        /// The force, N.
+        force: [f64; 3],
+    },
+    /// A moment of fixed direction on an edge.
+    Moment {
+        /// Name of the rod.
+        rod: String,
+        /// Edge along the rod.
+        at: Place,
+        /// The moment, N m.
+        moment: [f64; 3],
+    },
+    /// A dead force per natural length.
+    Distributed {
+        /// Name of the rod; `None` means all rods.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        rod: Option<String>,
+        /// Force per length, N/m.
+        force_per_length: [f64; 3],
+    },
+    /// Linear drag.
+    Drag {
+        /// Name of the rod; `None` means all rods.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        rod: Option<String>,
+        /// Coefficient of the velocity per length, N s/m².
+        translation: f64,
+        /// Coefficient of the spin per length, N s.
+        rotation: f64,
+    },
+}
+
+/// A rigid half space: the side that `normal` points to is free.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Plane {
+    /// Any point of the surface, m.
+    pub point: [f64; 3],
+    /// Unit normal.
+    pub normal: [f64; 3],
+    /// Friction coefficient; `None` takes that of the contact model.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction: Option<f64>,
+}

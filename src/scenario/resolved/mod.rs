@@ -1,0 +1,80 @@
+//! The scenario as resolved: complete, validated, every number in SI units.
+//!
+//! A [`Scenario`] leaves no choice open: defaults are filled in, units converted, shape files read. Its
+//! serialised form uses the keys of scenario files, so that it is itself a scenario file.
+
+mod flagella;
+mod load;
+mod model;
+mod rod;
+mod run;
+
+pub use flagella::{BuilderRod, Flagella, Head};
+pub use load::{Clamp, Hold, Load, LoadKind, Place, Plane};
+pub use model::{Contact, Fluid};
+pub use rod::{CrossSection, Handedness, Material, NaturalShape, Rod, Shape, Stiffness};
+pub use run::{Output, Scheme, Solver, Step, Time};
+
+use serde::Serialize;
+
+/// A validated scenario in SI units.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Scenario {
+    /// Stem of the scenario file, by which results are called.
+    #[serde(skip)]
+    pub name: String,
+    /// Title for people.
+    pub title: String,
+    /// Which experiment builds the scene.
+    #[serde(flatten)]
+    pub experiment: Experiment,
+    /// Rods of the scene; in a builder, rods beside those it builds.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub rods: Vec<Rod>,
+    /// Held or driven nodes.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub clamps: Vec<Clamp>,
+    /// External loads.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub loads: Vec<Load>,
+    /// Rigid half spaces.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub planes: Vec<Plane>,
+    /// Contact model.
+    pub contact: Contact,
+    /// Surrounding fluid.
+    pub fluid: Fluid,
+    /// Dynamic or static, and the time steps.
+    pub time: Time,
+    /// Newton's method.
+    pub solver: Solver,
+    /// What is written.
+    pub output: Output,
+}
+
+/// The experiments and the tables that only they read.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "experiment", rename_all = "kebab-case")]
+pub enum Experiment {
+    /// The rods as listed.
+    Scene,
+    /// Helical flagella driven at their heads.
+    Flagella {
+        /// Material of the flagella.
+        material: Material,
+        /// Radius and nodes of each flagellum.
+        rod: BuilderRod,
+        /// Number, geometry and drive.
+        flagella: Flagella,
+    },
+}
+
+impl Experiment {
+    /// The name by which scenario files call the experiment.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Scene => "scene",
+            Self::Flagella { .. } => "flagella",
+        }
+    }
+}

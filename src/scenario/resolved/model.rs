@@ -1,0 +1,44 @@
+//! Contact and fluid models as resolved.
+
+use serde::Serialize;
+
+/// Contact between rods and with planes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "model", rename_all = "kebab-case")]
+pub enum Contact {
+    /// Everything passes through.
+    None,
+    /// The implicit contact model (thesis 2.2–2.3).
+    Imc {
+        /// Friction coefficient μ.
+        friction: f64,
+        /// Distance tolerance δ, m.
+        distance_tolerance: f64,
+        /// Slip tolerance ν, m/s.
+        slip_tolerance: f64,
+        /// Factor of the adaptive contact stiffness.
+        stiffness_factor: f64,
+        /// Penetration that ends the run, as a fraction of the sum of the two radii.
+        maximum_penetration: f64,
+    },
+}
+
+/// The surrounding fluid.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "model", rename_all = "kebab-case")]
+pub enum Fluid {
+    /// A vacuum.
+    None,
+    /// Regularized Stokeslet segments (thesis 2.4.1).
+    Rss {
+        /// Dynamic viscosity, Pa s.
+        viscosity: f64,
+        /// Regularisation as a multiple of the rod radius.
+        regularization: f64,
+    },
+    /// Resistive force theory.
+    Resistive {
+        /// Dynamic viscosity, Pa s.
+        viscosity: f64,
+    },
+}

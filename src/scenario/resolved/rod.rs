@@ -1,0 +1,197 @@
+//! Rods as resolved: material, cross-section, shape.
+
+use schemars::JsonSchema;
+use serde::ser::SerializeMap;
+use serde::{Deserialize, Serialize, Serializer};
+
+/// One rod.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Rod {
+    /// Name by which clamps, loads and results call it.
+    pub name: String,
+    /// Radius of the contact and fluid surface, m.
+    pub radius: f64,
+    /// Number of edges.
+    pub edges: usize,
+    /// Whether the last node is joined to the first.
+    pub closed: bool,
+    /// Whether the rod is a rigid obstacle.
+    pub held: bool,
+    /// The placed shape.
+    pub shape: Shape,
+    /// The shape without stress.
+    pub natural_shape: NaturalShape,
+    /// Total twist put into the placed rod, rad.
+    pub twist: f64,
+    /// Direction of the first material director on the first edge.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub director: Option<[f64; 3]>,
+    /// Material.
+    pub material: Material,
+    /// Shape of the cross-section.
+    pub cross_section: CrossSection,
+    /// Stiffness of the cross-section, derived or given.
+    pub stiffness: Stiffness,
+    /// Velocity at time zero, m/s.
+    pub velocity: [f64; 3],
+    /// Angular velocity about the centroid at time zero, rad/s.
+    pub angular_velocity: [f64; 3],
+}
+
+/// A linear elastic material.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Material {
+    /// Young's modulus E, Pa.
+    pub youngs_modulus: f64,
+    /// Poisson's ratio ν.
+    pub poissons_ratio: f64,
+    /// Density ρ, kg/m³.
+    pub density: f64,
+}
+
+/// Shape of a cross-section.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum CrossSection {
+    /// A full circle of the rod's radius.
+    Circle,
+    /// A rectangle; `width` lies along the first material director, `thickness` along the second.
+    Rectangle {
+        /// Extent along the first director, m.
+        width: f64,
+        /// Extent along the second director, m.
+        thickness: f64,
+    },
+}
+
+/// Stiffness of a cross-section.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Stiffness {
+    /// Stretching stiffness EA, N.
+    pub stretching: f64,
+    /// Bending stiffness EI₁ of the curvature κ¹ about the first material director, N m².
+    pub bending_1: f64,
+    /// Bending stiffness EI₂ of the curvature κ² about the second material director, N m².
+    pub bending_2: f64,
+    /// Twisting stiffness GJ, N m².
+    pub twisting: f64,
+}
+
+/// Sense of a helix.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+pub enum Handedness {
+    /// Like an ordinary screw.
+    Right,
+    /// Its mirror image.
+    Left,
+}
+
+/// A curve in space.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Shape {
+    /// A straight line.
+    Straight {
+        /// First point, m.
+        start: [f64; 3],
+        /// Last point, m.
+        end: [f64; 3],
+    },
+    /// A helix about the line through `centre` along `axis`.
+    Helix {
+        /// Point of the axis beside the first point of the helix, m.
+        centre: [f64; 3],
+        /// Direction of the axis, a unit vector.
+        axis: [f64; 3],
+        /// Radius of the helix, m.
+        radius: f64,
+        /// Advance along the axis per turn, m.
+        pitch: f64,
+        /// Length along the axis, m.
+        length: f64,
+        /// Sense of the helix.
+        handedness: Handedness,
+        /// Angle of the first point about the axis, rad, from the direction of x (of y about an axis along x).
+        phase: f64,
+    },
+    /// An arc of a circle.
+    Arc {
+        /// First point, m.
+        start: [f64; 3],
+        /// Direction at the first point, a unit vector.
+        tangent: [f64; 3],
+        /// Unit vector about which the arc turns, normal to `tangent`.
+        normal: [f64; 3],
+        /// Radius, m.
+        radius: f64,
+        /// Angle turned, rad.
+        angle: f64,
+    },
+    /// A closed circle.
+    Ring {
+        /// Centre, m.
+        centre: [f64; 3],
+        /// Unit vector about which the ring runs.
+        normal: [f64; 3],
+        /// Radius, m.
+        radius: f64,
+    },
+    /// A polyline, resampled to equal arc lengths where the number of edges differs.
+    Points {
+        /// The corners, m.
+        points: Vec<[f64; 3]>,
+    },
+}
+
+impl Shape {
+    /// Two unit vectors that make a right-handed basis with the unit vector `axis`; angles about the axis
+    /// count from the first. It is the direction of x made normal to the axis, or of y where the axis is
+    /// along x.
+    pub fn normal_plane(axis: [f64; 3]) -> [[f64; 3]; 2] {
+        let towards = if axis[0].abs() > 1.0 - 1e-9 { 1 } else { 0 };
+        let along = axis[towards];
+        let mut first = axis.map(|component| -along * component);
+        first[towards] += 1.0;
+        let norm = first.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let first = first.map(|component| component / norm);
+        let cross = |i: usize, j: usize| axis[i] * first[j] - axis[j] * first[i];
+        [first, [cross(1, 2), cross(2, 0), cross(0, 1)]]
+    }
+}
+
+/// The shape without stress.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NaturalShape {
+    /// Curvature, twist and lengths as placed.
+    AsPlaced,
+    /// Straight and untwisted, edge lengths as placed.
+    Straight,
+    /// Constant material curvatures and twist, edge lengths as placed.
+    Curved {
+        /// Natural curvatures κ̃¹, κ̃², 1/m.
+        curvature: [f64; 2],
+        /// Natural twist, rad/m.
+        twist: f64,
+    },
+    /// Curvature, twist and lengths of another curve.
+    Curve(Shape),
+}
+
+impl Serialize for NaturalShape {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::AsPlaced => serializer.serialize_str("as-placed"),
+            Self::Straight => serializer.serialize_str("straight"),
+            Self::Curved { curvature, twist } => {
+                let mut table = serializer.serialize_map(Some(3))?;
+                table.serialize_entry("kind", "curved")?;
+                table.serialize_entry("curvature", curvature)?;
+                table.serialize_entry("twist", twist)?;
+                table.end()
+            }
+            Self::Curve(shape) => shape.serialize(serializer),
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! Time, solver and output as resolved.
+
+use schemars::JsonSchema;
+use serde::ser::SerializeMap;
+use serde::{Deserialize, Serialize, Serializer};
+
+/// Whether the scene moves in time or rests.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "mode", rename_all = "kebab-case")]
+pub enum Time {
+    /// Newton's method without inertia.
+    Static,
+    /// Time steps from zero to `end`.
+    Dynamic {
+        /// Time integration scheme.
+        scheme: Scheme,
+        /// Size of the steps.
+        #[serde(flatten)]
+        step: Step,
+        /// End of the simulated time, s.
+        end: f64,
+    },
+}
+
+/// Time integration schemes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+pub enum Scheme {
+    /// First order, damps fast modes.
+    ImplicitEuler,
+    /// Second order, conserves momentum and nearly energy.
+    ImplicitMidpoint,
+}
+
+/// Size of the time steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Step {
+    /// The same step always, s.
+    Fixed(f64),
+    /// Chosen by the local error.
+    Auto {
+        /// Local error allowed per step, as a multiple of the rod radius.
+        tolerance: f64,
+        /// Largest step, s.
+        maximum: f64,
+    },
+}
+
+impl Serialize for Step {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Fixed(step) => {
+                let mut table = serializer.serialize_map(Some(1))?;
+                table.serialize_entry("step", step)?;
+                table.end()
+            }
+            Self::Auto { tolerance, maximum } => {
+                let mut table = serializer.serialize_map(Some(3))?;
+                table.serialize_entry("step", "auto")?;
+                table.serialize_entry("tolerance", tolerance)?;
+                table.serialize_entry("maximum_step", maximum)?;
+                table.end()
+            }
+        }
+    }
+}
+
+/// Newton's method.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Solver {
+    /// Residual allowed, as a multiple of the force scale.
+    pub force_tolerance: f64,
+    /// Last correction allowed, as a multiple of the rod radius.
+    pub displacement_tolerance: f64,
+    /// Iterations after which a step counts as failed.
+    pub maximum_iterations: usize,
+    /// Smallest step before the run is given up, s.
+    pub minimum_step: f64,
+}
+
+/// What a run writes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Output {
+    /// Time between outputs, s; `None` in a static run, which writes once.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interval: Option<f64>,
+    /// Whether node positions are written.
+    pub nodes: bool,
+    /// Whether velocities and forces of the nodes are written.
+    pub forces: bool,
+    /// Whether a VTK PolyData series is written.
+    pub vtk: bool,
+}

@@ -1,0 +1,159 @@
+//! Clamps, loads and planes as typed.
+
+use super::quantity::{Quantity, Vector};
+use crate::scenario::resolved::Hold;
+use crate::scenario::units::{
+    Acceleration, Angle, AngularVelocity, Dimensionless, Force, ForcePerLength, Length, LinearDrag,
+    Moment, SpinDrag, Time,
+};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::{self, Deserialize, Deserializer, Visitor};
+use std::borrow::Cow;
+use std::fmt;
+
+/// A held or driven node.
+#[derive(Debug, Default, serde::Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "clamp")]
+pub struct Clamp {
+    /// Name of the rod.
+    pub rod: Option<String>,
+    /// "start", "end", or the number of a node, counted from zero.
+    pub at: Option<Place>,
+    /// "position", "frame" (tangent and material frame), or "both" (the default).
+    pub hold: Option<Hold>,
+    /// Displacement at given times, [[time, [x, y, z]], ...], linear between them and constant outside.
+    #[serde(rename = "move")]
+    pub translation: Option<Vec<(Quantity<Time>, Vector<Length>)>>,
+    /// Angle about the axis at given times, [[time, angle], ...], linear between them.
+    #[serde(rename = "turn")]
+    pub angle: Option<Vec<(Quantity<Time>, Quantity<Angle>)>>,
+    /// Steady rate of turning about the axis, added to `turn`. Default: 0.
+    pub angular_velocity: Option<Quantity<AngularVelocity>>,
+    /// Direction about which the clamp turns. Default: the tangent of the rod at the node.
+    pub axis: Option<Vector<Dimensionless>>,
+    /// Fixed point of the rotation. Default: the node.
+    pub pivot: Option<Vector<Length>>,
+}
+
+/// Corners of a piecewise linear factor: [[time, factor], ...].
+pub type Schedule = Vec<(Quantity<Time>, Quantity<Dimensionless>)>;
+
+/// An external load.
+#[derive(Debug, serde::Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(tag = "kind", deny_unknown_fields, rename = "load")]
+pub enum Load {
+    /// Weight of every rod.
+    Gravity {
+        /// Acceleration of free fall, for example [0, 0, -9.81].
+        acceleration: Option<Vector<Acceleration>>,
+        /// Factor at given times, [[time, factor], ...], linear between them. Default: 1 always.
+        schedule: Option<Schedule>,
+    },
+    /// A dead force on a node.
+    Force {
+        /// Name of the rod.
+        rod: Option<String>,
+        /// "start", "end", or the number of a node.
+        at: Option<Place>,
+        /// The force.
+        force: Option<Vector<Force>>,
+        /// Factor at given times, [[time, factor], ...], linear between them. Default: 1 always.
+        schedule: Option<Schedule>,
+    },
+    /// A moment of fixed direction on an edge.
+    Moment {
+        /// Name of the rod.
+        rod: Option<String>,
+        /// "start", "end", or the number of an edge.
+        at: Option<Place>,
+        /// The moment.
+        moment: Option<Vector<Moment>>,
+        /// Factor at given times, [[time, factor], ...], linear between them. Default: 1 always.
+        schedule: Option<Schedule>,
+    },
+    /// A dead force per natural length.
+    Distributed {
+        /// Name of the rod. Default: all rods.
+        rod: Option<String>,
+        /// Force per length.
+        force_per_length: Option<Vector<ForcePerLength>>,
+        /// Factor at given times, [[time, factor], ...], linear between them. Default: 1 always.
+        schedule: Option<Schedule>,
+    },
+    /// Drag against velocity and spin, at least one of them.
+    Drag {
+        /// Name of the rod. Default: all rods.
+        rod: Option<String>,
+        /// Coefficient of the velocity per length. Default: 0.
+        translation: Option<Quantity<LinearDrag>>,
+        /// Coefficient of the spin per length. Default: 0.
+        rotation: Option<Quantity<SpinDrag>>,
+        /// Factor at given times, [[time, factor], ...], linear between them. Default: 1 always.
+        schedule: Option<Schedule>,
+    },
+}
+
+/// A rigid half space that rods may touch.
+#[derive(Debug, Default, serde::Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "plane")]
+pub struct Plane {
+    /// Any point of the surface. Default: the origin.
+    pub point: Option<Vector<Length>>,
+    /// Direction out of the surface into the free side. Default: [0, 0, 1].
+    pub normal: Option<Vector<Dimensionless>>,
+    /// Friction coefficient between plane and rods. Default: that of [contact].
+    pub friction: Option<Quantity<Dimensionless>>,
+}
+
+/// A place along a rod.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// "start".
+    Start,
+    /// "end".
+    End,
+    /// A number, not yet judged.
+    Number(i64),
+}
+
+impl<'de> Deserialize<'de> for Place {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(PlaceVisitor)
+    }
+}
+
+struct PlaceVisitor;
+
+impl Visitor<'_> for PlaceVisitor {
+    type Value = Place;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("\"start\", \"end\" or a number counted from zero")
+    }
+
+    fn visit_i64<E>(self, number: i64) -> Result<Place, E> {
+        Ok(Place::Number(number))
+    }
+
+    fn visit_str<E: de::Error>(self, text: &str) -> Result<Place, E> {
+        match text {
+            "start" => Ok(Place::Start),
+            "end" => Ok(Place::End),
+            _ => Err(E::invalid_value(de::Unexpected::Str(text), &self)),
+        }
+    }
+}
+
+impl JsonSchema for Place {
+    fn schema_name() -> Cow<'static, str> {
+        "place".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({
+            "description": "\"start\", \"end\", or a number counted from zero.",
+            "anyOf": [{ "enum": ["start", "end"] }, { "type": "integer", "minimum": 0 }],
+        })
+    }
+}

@@ -1,0 +1,75 @@
+//! The scenario file as typed: every key that may stand in one, none of them judged yet.
+//!
+//! The comments of these types are the descriptions in the JSON Schema and the words of `rodlab explain`.
+
+mod load;
+mod model;
+mod quantity;
+mod rod;
+mod shape;
+
+pub use load::{Clamp, Load, Place, Plane};
+pub use model::{
+    BuilderRod, Contact, ContactModel, Flagella, Fluid, FluidModel, Mode, Output, Solver, Time,
+};
+pub use quantity::{Quantity, Vector};
+pub use rod::{CrossSection, Material, Rod, Stiffness};
+pub use shape::{Arc, Helix, NaturalShape, Points, Ring, Shape, Straight};
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// A rodlab scenario. Numbers are in SI units; text may carry a unit, such as "1.6 mm".
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "scenario")]
+pub struct ScenarioFile {
+    /// What is simulated: "scene" (the rods listed here) or "flagella" (helices turned at their heads).
+    pub experiment: Option<Experiment>,
+    /// Title for people; the name of the file where absent.
+    pub title: Option<String>,
+    /// Another scenario file whose keys hold unless this one sets them, relative to this file. Tables are
+    /// merged key by key, arrays replaced.
+    #[expect(dead_code, reason = "files are merged before they are decoded")]
+    pub extends: Option<String>,
+    /// Material of all rods that have none of their own.
+    pub material: Option<Material>,
+    /// Rods that a builder such as "flagella" makes; scenes use [[rods]].
+    pub rod: Option<BuilderRod>,
+    /// The rods of a scene; in "flagella", rods beside the flagella.
+    #[serde(default)]
+    pub rods: Vec<Rod>,
+    /// Held or driven nodes.
+    #[serde(default)]
+    pub clamps: Vec<Clamp>,
+    /// External loads.
+    #[serde(default)]
+    pub loads: Vec<Load>,
+    /// Rigid half spaces that rods may touch.
+    #[serde(default)]
+    pub planes: Vec<Plane>,
+    /// Contact between rods and with planes; without this table everything passes through.
+    pub contact: Option<Contact>,
+    /// The surrounding fluid; without this table a vacuum.
+    pub fluid: Option<Fluid>,
+    /// Dynamic or static, and the time steps.
+    pub time: Option<Time>,
+    /// Newton's method.
+    #[serde(default)]
+    pub solver: Solver,
+    /// What is written, and how often.
+    #[serde(default)]
+    pub output: Output,
+    /// Number, geometry and drive of the flagella of the experiment "flagella".
+    pub flagella: Option<Flagella>,
+}
+
+/// The experiments.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+pub enum Experiment {
+    /// The rods as listed.
+    Scene,
+    /// Helical flagella turned at their heads.
+    Flagella,
+}

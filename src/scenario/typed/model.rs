@@ -1,0 +1,167 @@
+//! Models, time, solver, output and builders as typed.
+
+use super::quantity::Quantity;
+use crate::scenario::resolved::{Head, Scheme};
+use crate::scenario::units::{self, AngularVelocity, Dimensionless, Length, Velocity, Viscosity};
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// Rods that a builder makes.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "builder_rod")]
+pub struct BuilderRod {
+    /// Radius of each rod.
+    pub radius: Option<Quantity<Length>>,
+    /// Number of nodes of each rod, the hook's included.
+    pub nodes: Option<i64>,
+}
+
+/// Helical flagella on the corners of a regular polygon around the origin, their axes along z.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "flagella")]
+pub struct Flagella {
+    /// Number of flagella, at least 1.
+    pub count: Option<i64>,
+    /// Radius of the helices.
+    pub helix_radius: Option<Quantity<Length>>,
+    /// Pitch of the helices.
+    pub pitch: Option<Quantity<Length>>,
+    /// Length of the helices along their axes, without the hook.
+    pub axial_length: Option<Quantity<Length>>,
+    /// Side of the polygon on whose corners the axes stand. Not needed for a single flagellum.
+    pub side: Option<Quantity<Length>>,
+    /// Rate of turning of the heads. Positive makes right-handed helices push towards their heads, as
+    /// bacteria swim, and bundle: the heads then turn clockwise seen from the tips.
+    pub angular_velocity: Option<Quantity<AngularVelocity>>,
+    /// Whether a straight inlet of one edge along the axis and a ramp of two edges at 45° lead to the
+    /// helix. Default: true.
+    pub hook: Option<bool>,
+    /// What is held at the head: "node" (the default: the first node and the frame there) or "edge" (the
+    /// second node too, the usual clamp of other codes).
+    pub head: Option<Head>,
+}
+
+/// Contact between rods and with planes.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "contact")]
+pub struct Contact {
+    /// "imc" (the default here: the implicit contact model, thesis 2.2) or "none".
+    pub model: Option<ContactModel>,
+    /// Coulomb friction coefficient. Default: 0.
+    pub friction: Option<Quantity<Dimensionless>>,
+    /// Distance δ beyond the surfaces at which force begins. Smaller is more exact and stiffer. Default: a
+    /// hundredth of the smallest radius.
+    pub distance_tolerance: Option<Quantity<Length>>,
+    /// Sliding slower than this counts as sticking. Default: 1e-4 m/s.
+    pub slip_tolerance: Option<Quantity<Velocity>>,
+    /// Factor of the adaptive contact stiffness over the largest force. Default: 1e5.
+    pub stiffness_factor: Option<Quantity<Dimensionless>>,
+    /// Penetration that ends the run, as a fraction of the sum of the two radii, between 0 and 1. Default:
+    /// 0.05.
+    pub maximum_penetration: Option<Quantity<Dimensionless>>,
+}
+
+/// Contact models.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+pub enum ContactModel {
+    /// The implicit contact model (thesis 2.2–2.3).
+    Imc,
+    /// Everything passes through.
+    None,
+    /// Incremental potential contact: named by the contract, not in this version.
+    #[schemars(skip)]
+    Ipc,
+    /// Complementarity: named by the contract, not in this version.
+    #[schemars(skip)]
+    Complementarity,
+}
+
+/// The surrounding fluid, at low Reynolds number.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "fluid")]
+pub struct Fluid {
+    /// "rss" (the default here: regularized Stokeslet segments, every node feels every edge), "resistive"
+    /// (local drag coefficients, cheap) or "none".
+    pub model: Option<FluidModel>,
+    /// Dynamic viscosity, greater than 0.
+    pub viscosity: Option<Quantity<Viscosity>>,
+    /// Regularisation of "rss" as a multiple of the rod radius. Default: 1.02.
+    pub regularization: Option<Quantity<Dimensionless>>,
+}
+
+/// Fluid models.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+pub enum FluidModel {
+    /// Regularized Stokeslet segments (thesis 2.4.1).
+    Rss,
+    /// Resistive force theory.
+    Resistive,
+    /// A vacuum.
+    None,
+}
+
+/// Dynamic or static, and the time steps.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "time")]
+pub struct Time {
+    /// "dynamic" (the default) or "static" (equilibrium by Newton's method without inertia).
+    pub mode: Option<Mode>,
+    /// "implicit-euler" (the default: first order, damps fast modes) or "implicit-midpoint" (second order,
+    /// nearly conserves energy).
+    pub scheme: Option<Scheme>,
+    /// Time step, or "auto" to choose it by the local error. Default: 1e-3 s.
+    pub step: Option<Quantity<units::Time>>,
+    /// With step = "auto": local error allowed per step, as a multiple of the rod radius. Default: 1e-2.
+    pub tolerance: Option<Quantity<Dimensionless>>,
+    /// With step = "auto": the largest step. Default: the output interval.
+    pub maximum_step: Option<Quantity<units::Time>>,
+    /// End of the simulated time.
+    pub end: Option<Quantity<units::Time>>,
+}
+
+/// Modes of a run.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+pub enum Mode {
+    /// Time steps from zero to `end`.
+    Dynamic,
+    /// Equilibrium, without inertia.
+    Static,
+    /// Following an equilibrium along a path: named by the contract, not in this version.
+    #[schemars(skip)]
+    Continuation,
+}
+
+/// Newton's method.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "solver")]
+pub struct Solver {
+    /// Residual allowed at every degree of freedom, as a multiple of the force scale EI/L². Default: 1e-6.
+    pub force_tolerance: Option<Quantity<Dimensionless>>,
+    /// Last correction allowed, as a multiple of the rod radius. Default: 1e-4.
+    pub displacement_tolerance: Option<Quantity<Dimensionless>>,
+    /// Newton iterations after which a step counts as failed and is halved. Default: 40.
+    pub maximum_iterations: Option<i64>,
+    /// Smallest step before the run is given up. Default: 1e-9 s.
+    pub minimum_step: Option<Quantity<units::Time>>,
+}
+
+/// What is written, and how often.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "output")]
+pub struct Output {
+    /// Time between outputs, at least a millionth of the end time. Default: a hundredth of it.
+    pub interval: Option<Quantity<units::Time>>,
+    /// Whether node positions are written (nodes.csv). Default: true.
+    pub nodes: Option<bool>,
+    /// Whether velocities, fluid and contact forces of the nodes are written (node_forces.csv). Default:
+    /// false.
+    pub forces: Option<bool>,
+    /// Whether a VTK PolyData series for ParaView is written. Default: false.
+    pub vtk: Option<bool>,
+}

@@ -1,0 +1,96 @@
+//! Rods as typed.
+
+use super::quantity::{Quantity, Vector};
+use super::shape::{NaturalShape, Shape};
+use crate::scenario::units::{
+    Angle, AngularVelocity, Curvature, Density, Dimensionless, Force, Length, Pressure, Rigidity,
+    Twist, Velocity,
+};
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// A linear elastic material.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "material")]
+pub struct Material {
+    /// Young's modulus E, greater than 0.
+    pub youngs_modulus: Option<Quantity<Pressure>>,
+    /// Poisson's ratio ν, greater than −1 and at most 0.5 (incompressible).
+    pub poissons_ratio: Option<Quantity<Dimensionless>>,
+    /// Density ρ, greater than 0.
+    pub density: Option<Quantity<Density>>,
+}
+
+/// One rod of a scene.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "rod")]
+pub struct Rod {
+    /// Name by which clamps, loads and results call the rod: letters, digits, `_` and `-`. Default:
+    /// "rod_1", "rod_2", ...
+    pub name: Option<String>,
+    /// Radius of the surface that touches other rods and the fluid, and of a circular cross-section.
+    /// Default for a rectangle: half its smaller side.
+    pub radius: Option<Quantity<Length>>,
+    /// Number of edges into which the rod is cut. Default for points: as many as their polyline has.
+    pub edges: Option<i64>,
+    /// Whether the last node is joined to the first. Default: true for a ring, else false.
+    pub closed: Option<bool>,
+    /// Whether the rod is a rigid obstacle that stays where it was placed. Default: false.
+    pub held: Option<bool>,
+    /// Where the rod is placed.
+    pub shape: Option<Shape>,
+    /// The shape without stress: "as-placed" (the default), "straight", or a table with a `kind`.
+    pub natural_shape: Option<NaturalShape>,
+    /// Natural curvatures about the first and the second material director; the shape without stress is
+    /// then an arc or helix, whatever shape the rod is placed in.
+    pub natural_curvature: Option<[Quantity<Curvature>; 2]>,
+    /// Natural twist of the material frame per length.
+    pub natural_twist: Option<Quantity<Twist>>,
+    /// Total twist put into the placed rod from its first to its last edge. Default: 0.
+    pub twist: Option<Quantity<Angle>>,
+    /// Direction of the first material director on the first edge; its part normal to the edge counts.
+    /// Matters for rectangles and natural curvature. Default: any normal.
+    pub director: Option<Vector<Dimensionless>>,
+    /// Material of this rod; its keys go before those of the common [material].
+    #[serde(default)]
+    pub material: Material,
+    /// Shape of the cross-section: "circle" (the default) or a table with a `kind`.
+    pub cross_section: Option<CrossSection>,
+    /// Stiffnesses that replace those derived from material and cross-section.
+    #[serde(default)]
+    pub stiffness: Stiffness,
+    /// Velocity of the rod at time zero. Default: at rest.
+    pub velocity: Option<Vector<Velocity>>,
+    /// Angular velocity about the rod's centroid at time zero. Default: 0.
+    pub angular_velocity: Option<Vector<AngularVelocity>>,
+}
+
+/// Shape of a cross-section.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(tag = "kind", deny_unknown_fields, rename = "cross_section")]
+pub enum CrossSection {
+    /// A full circle of the rod's radius: A = πr², I = πr⁴/4, J = πr⁴/2.
+    Circle {},
+    /// A full rectangle: I₁ = width · thickness³/12 for bending about the first material director.
+    Rectangle {
+        /// Side along the first material director.
+        width: Option<Quantity<Length>>,
+        /// Side along the second material director.
+        thickness: Option<Quantity<Length>>,
+    },
+}
+
+/// Stiffnesses of a cross-section that replace the derived ones.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "stiffness")]
+pub struct Stiffness {
+    /// Stretching stiffness EA.
+    pub stretching: Option<Quantity<Force>>,
+    /// Bending stiffness EI₁ of the curvature about the first material director.
+    pub bending_1: Option<Quantity<Rigidity>>,
+    /// Bending stiffness EI₂ of the curvature about the second material director.
+    pub bending_2: Option<Quantity<Rigidity>>,
+    /// Twisting stiffness GJ.
+    pub twisting: Option<Quantity<Rigidity>>,
+}

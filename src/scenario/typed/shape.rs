@@ -1,0 +1,134 @@
+//! Shapes as typed.
+
+use super::quantity::{Quantity, Vector};
+use crate::scenario::resolved::Handedness;
+use crate::scenario::units::{Angle, Curvature, Dimensionless, Length, Twist};
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// A curve in space.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(tag = "kind", rename = "shape")]
+pub enum Shape {
+    /// A straight line.
+    Straight(Straight),
+    /// A helix.
+    Helix(Helix),
+    /// An arc of a circle.
+    Arc(Arc),
+    /// A closed circle.
+    Ring(Ring),
+    /// A polyline.
+    Points(Points),
+}
+
+/// The shape without stress.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(tag = "kind", rename = "natural_shape")]
+pub enum NaturalShape {
+    /// Curvature, twist and lengths as placed.
+    AsPlaced(AsPlaced),
+    /// Straight and untwisted. With `start` and `end` their distance is the natural length, else the
+    /// edges keep their placed lengths.
+    Straight(Straight),
+    /// Constant natural curvature and twist, edge lengths as placed.
+    Curved(Curved),
+    /// Curvature, twist and lengths of a helix.
+    Helix(Helix),
+    /// Curvature, twist and lengths of an arc.
+    Arc(Arc),
+    /// Curvature, twist and lengths of a ring.
+    Ring(Ring),
+    /// Curvature, twist and lengths of a polyline.
+    Points(Points),
+}
+
+/// The placed shape; it has no keys of its own.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "as-placed")]
+pub struct AsPlaced {}
+
+/// A straight line.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "straight")]
+pub struct Straight {
+    /// First point.
+    pub start: Option<Vector<Length>>,
+    /// Last point.
+    pub end: Option<Vector<Length>>,
+}
+
+/// Constant natural curvature and twist.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "curved")]
+pub struct Curved {
+    /// Natural curvatures about the first and the second material director. Default: none.
+    pub curvature: Option<[Quantity<Curvature>; 2]>,
+    /// Natural twist per length. Default: 0.
+    pub twist: Option<Quantity<Twist>>,
+}
+
+/// A helix; give `start` or `centre`, and `turns` or `length`.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "helix")]
+pub struct Helix {
+    /// First point of the helix itself.
+    pub start: Option<Vector<Length>>,
+    /// Point of the axis beside the first point of the helix.
+    pub centre: Option<Vector<Length>>,
+    /// Direction of the axis. Default: [0, 0, 1].
+    pub axis: Option<Vector<Dimensionless>>,
+    /// Radius of the helix.
+    pub radius: Option<Quantity<Length>>,
+    /// Advance along the axis per turn.
+    pub pitch: Option<Quantity<Length>>,
+    /// Number of turns.
+    pub turns: Option<Quantity<Dimensionless>>,
+    /// Length along the axis.
+    pub length: Option<Quantity<Length>>,
+    /// "right" (the default, an ordinary screw) or "left".
+    pub handedness: Option<Handedness>,
+    /// Angle of the first point about the axis, from the direction of x (of y about an axis along x).
+    /// Default: 0.
+    pub phase: Option<Quantity<Angle>>,
+}
+
+/// An arc of a circle that begins at `start` along `tangent` and turns about `normal`.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "arc")]
+pub struct Arc {
+    /// First point.
+    pub start: Option<Vector<Length>>,
+    /// Direction at the first point.
+    pub tangent: Option<Vector<Dimensionless>>,
+    /// Direction about which the arc turns; its part normal to `tangent` counts.
+    pub normal: Option<Vector<Dimensionless>>,
+    /// Radius of the circle.
+    pub radius: Option<Quantity<Length>>,
+    /// Angle turned, greater than 0.
+    pub angle: Option<Quantity<Angle>>,
+}
+
+/// A closed circle.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "ring")]
+pub struct Ring {
+    /// Centre.
+    pub centre: Option<Vector<Length>>,
+    /// Direction about which the ring runs. Default: [0, 0, 1].
+    pub normal: Option<Vector<Dimensionless>>,
+    /// Radius of the circle.
+    pub radius: Option<Quantity<Length>>,
+}
+
+/// A polyline; give `file` or `points`. With `edges` it is resampled to equal arc lengths.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "points")]
+pub struct Points {
+    /// CSV file with a header line and columns x, y, z in m, relative to the scenario file.
+    pub file: Option<String>,
+    /// The corners themselves.
+    pub points: Option<Vec<Vector<Length>>>,
+}

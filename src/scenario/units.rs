@@ -1,0 +1,291 @@
+//! Physical dimensions and the units in which scenario files may give them.
+
+/// A physical dimension with its units; the first unit is the SI unit.
+pub trait Dimension: 'static {
+    /// Name of a quantity of this dimension, with its article.
+    const NAME: &'static str;
+    /// Units in the order in which messages list them.
+    const UNITS: &'static [Unit];
+}
+
+/// A unit of measurement.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unit {
+    /// The symbol, in the form that [`normalised`] gives.
+    pub symbol: &'static str,
+    /// Its size in SI units.
+    pub size: Size,
+}
+
+/// The size of a unit in SI units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Size {
+    /// A power of ten: the decimal point of the typed number moves, nothing is rounded twice.
+    Decimal(i32),
+    /// Any other factor.
+    Factor(f64),
+}
+
+const fn decimal(symbol: &'static str, exponent: i32) -> Unit {
+    Unit {
+        symbol,
+        size: Size::Decimal(exponent),
+    }
+}
+
+const fn factor(symbol: &'static str, factor: f64) -> Unit {
+    Unit {
+        symbol,
+        size: Size::Factor(factor),
+    }
+}
+
+const DEGREE: f64 = std::f64::consts::PI / 180.0;
+const TURN: f64 = std::f64::consts::TAU;
+
+/// Declares the dimensions and the table of all of them.
+macro_rules! dimensions {
+    ($($(#[$doc:meta])* $dimension:ident = $name:literal, [$($unit:expr),* $(,)?];)*) => {
+        $(
+            $(#[$doc])*
+            #[derive(Clone, Copy, Debug, PartialEq)]
+            pub struct $dimension;
+
+            impl Dimension for $dimension {
+                const NAME: &'static str = $name;
+                const UNITS: &'static [Unit] = &[$($unit),*];
+            }
+        )*
+
+        /// Every dimension's name and units.
+        const DIMENSIONS: &[(&str, &[Unit])] =
+            &[$((<$dimension as Dimension>::NAME, <$dimension as Dimension>::UNITS)),*];
+    };
+}
+
+dimensions! {
+    /// A pure number.
+    Dimensionless = "a pure number", [];
+    /// Length, m.
+    Length = "a length", [
+        decimal("m", 0), decimal("cm", -2), decimal("mm", -3), decimal("µm", -6), decimal("um", -6),
+        decimal("nm", -9), decimal("km", 3), factor("in", 0.0254),
+    ];
+    /// Time, s.
+    Time = "a time", [
+        decimal("s", 0), decimal("ms", -3), decimal("µs", -6), decimal("us", -6),
+        factor("min", 60.0), factor("h", 3600.0),
+    ];
+    /// Angle, rad.
+    Angle = "an angle", [
+        decimal("rad", 0), decimal("mrad", -3), factor("deg", DEGREE), factor("°", DEGREE),
+        factor("turn", TURN), factor("turns", TURN),
+    ];
+    /// Velocity, m/s.
+    Velocity = "a velocity", [
+        decimal("m/s", 0), decimal("cm/s", -2), decimal("mm/s", -3), decimal("µm/s", -6),
+        decimal("um/s", -6),
+    ];
+    /// Angular velocity, rad/s.
+    AngularVelocity = "an angular velocity", [
+        decimal("rad/s", 0), factor("deg/s", DEGREE), factor("°/s", DEGREE),
+        factor("rpm", TURN / 60.0), factor("turn/s", TURN),
+    ];
+    /// Acceleration, m/s².
+    Acceleration = "an acceleration", [
+        decimal("m/s^2", 0), decimal("cm/s^2", -2), decimal("mm/s^2", -3),
+    ];
+    /// Pressure or elastic modulus, Pa.
+    Pressure = "a pressure", [
+        decimal("Pa", 0), decimal("kPa", 3), decimal("MPa", 6), decimal("GPa", 9),
+        decimal("N/m^2", 0), decimal("N/mm^2", 6),
+    ];
+    /// Density, kg/m³.
+    Density = "a density", [decimal("kg/m^3", 0), decimal("g/cm^3", 3)];
+    /// Dynamic viscosity, Pa s.
+    Viscosity = "a viscosity", [decimal("Pas", 0), decimal("mPas", -3), decimal("cP", -3)];
+    /// Force, N.
+    Force = "a force", [
+        decimal("N", 0), decimal("kN", 3), decimal("mN", -3), decimal("µN", -6), decimal("uN", -6),
+    ];
+    /// Moment, N m.
+    Moment = "a moment", [
+        decimal("Nm", 0), decimal("Nmm", -3), decimal("mNm", -3), decimal("µNm", -6),
+        decimal("uNm", -6),
+    ];
+    /// Force per length, N/m.
+    ForcePerLength = "a force per length", [
+        decimal("N/m", 0), decimal("mN/m", -3), decimal("N/mm", 3),
+    ];
+    /// Bending or twisting stiffness, N m².
+    Rigidity = "a bending stiffness", [
+        decimal("Nm^2", 0), decimal("Nmm^2", -6), decimal("mNm^2", -3), decimal("µNm^2", -6),
+        decimal("uNm^2", -6),
+    ];
+    /// Curvature, 1/m.
+    Curvature = "a curvature", [decimal("1/m", 0), decimal("1/cm", 2), decimal("1/mm", 3)];
+    /// Twist, rad/m.
+    Twist = "a twist", [
+        decimal("rad/m", 0), factor("deg/m", DEGREE), factor("turn/m", TURN), decimal("1/m", 0),
+    ];
+    /// Drag coefficient of the velocity per length, N s/m².
+    LinearDrag = "a drag coefficient", [decimal("Ns/m^2", 0), decimal("Pas", 0), decimal("mPas", -3)];
+    /// Drag coefficient of the spin per length, N s.
+    SpinDrag = "a drag coefficient of spin", [decimal("Ns", 0), decimal("mNs", -3)];
+}
+
+/// Converts a number with a unit, such as `"1.6 mm"`, to SI units.
+///
+/// # Errors
+/// A message that says what is wrong and which units may stand there.
+pub fn parse<D: Dimension>(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    let (number, unit) = text.split_at(number_length(text));
+    let unit = normalised(unit);
+    if number.parse::<f64>().is_err() {
+        return Err(format!(
+            "{text:?} does not begin with a number; {}",
+            allowed::<D>()
+        ));
+    }
+    if unit.is_empty() {
+        return Err(format!(
+            "{text:?} has no unit; write it without quotes for SI units, or {}",
+            allowed::<D>()
+        ));
+    }
+    if let Some(unit) = D::UNITS.iter().find(|known| known.symbol == unit) {
+        return Ok(scaled(number, unit.size));
+    }
+    let other = DIMENSIONS
+        .iter()
+        .find(|(_, units)| units.iter().any(|known| known.symbol == unit));
+    Err(match other {
+        Some((name, _)) => format!(
+            "{text:?} is {name}, but this key takes {}; {}",
+            D::NAME,
+            allowed::<D>()
+        ),
+        None => format!("{text:?} has an unknown unit; {}", allowed::<D>()),
+    })
+}
+
+/// Reads a time that is given outside of scenario files: a number of seconds, or text with a unit.
+///
+/// # Errors
+/// As [`parse`].
+pub fn seconds(text: &str) -> Result<f64, String> {
+    text.trim().parse().or_else(|_| parse::<Time>(text))
+}
+
+/// The sentence that lists the units of a dimension.
+pub fn allowed<D: Dimension>() -> String {
+    if D::UNITS.is_empty() {
+        return "this key takes a pure number".to_owned();
+    }
+    let symbols: Vec<&str> = D::UNITS.iter().map(|unit| unit.symbol).collect();
+    format!("allowed units: {}", symbols.join(", "))
+}
+
+/// Length of the decimal number at the beginning of `text`, in bytes.
+fn number_length(text: &str) -> usize {
+    let bytes = text.as_bytes();
+    let digits = |from: usize| {
+        from + bytes[from..]
+            .iter()
+            .take_while(|byte| byte.is_ascii_digit() || **byte == b'.')
+            .count()
+    };
+    let sign = usize::from(matches!(bytes.first(), Some(b'+' | b'-')));
+    let mantissa = digits(sign);
+    if !matches!(bytes.get(mantissa), Some(b'e' | b'E')) {
+        return mantissa;
+    }
+    let sign = usize::from(matches!(bytes.get(mantissa + 1), Some(b'+' | b'-')));
+    let exponent = digits(mantissa + 1 + sign);
+    if exponent > mantissa + 1 + sign {
+        exponent
+    } else {
+        mantissa
+    }
+}
+
+/// A unit symbol without spaces and product signs, with `^` for powers.
+fn normalised(unit: &str) -> String {
+    unit.chars()
+        .filter(|character| !character.is_whitespace() && !matches!(character, '*' | '·'))
+        .flat_map(|character| match character {
+            '²' => vec!['^', '2'],
+            '³' => vec!['^', '3'],
+            'μ' => vec!['µ'], // Greek letter to micro sign
+            other => vec![other],
+        })
+        .collect()
+}
+
+fn scaled(number: &str, size: Size) -> f64 {
+    let parsed = |text: &str| text.parse::<f64>().unwrap_or(f64::NAN);
+    match size {
+        Size::Factor(factor) => parsed(number) * factor,
+        Size::Decimal(shift) => match number.split_once(['e', 'E']) {
+            None => parsed(&format!("{number}e{shift}")),
+            Some((mantissa, exponent)) => match exponent.parse::<i32>() {
+                Ok(exponent) => parsed(&format!("{mantissa}e{}", exponent.saturating_add(shift))),
+                Err(_) => f64::NAN,
+            },
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn decimal_units_are_exact() {
+        assert_eq!(parse::<Length>("1.6 mm"), Ok(1.6e-3));
+        assert_eq!(parse::<Length>("1.6e1mm"), Ok(1.6e-2));
+        assert_eq!(parse::<Length>("-7 µm"), Ok(-7e-6));
+        assert_eq!(parse::<Pressure>("0.18 MPa"), Ok(0.18e6));
+        assert_eq!(parse::<Density>("1.18 g/cm³"), Ok(1180.0));
+        assert_eq!(parse::<Moment>("3 mN·m"), Ok(3e-3));
+        assert_eq!(parse::<Viscosity>("0.1 Pa s"), Ok(0.1));
+    }
+
+    #[test]
+    fn other_units_are_converted() {
+        assert_eq!(parse::<Time>("2 min"), Ok(120.0));
+        assert_eq!(parse::<Angle>("90 deg"), Ok(90.0 * DEGREE));
+        assert_eq!(parse::<AngularVelocity>("15 rpm"), Ok(15.0 * (TURN / 60.0)));
+        assert_eq!(parse::<Acceleration>("9.81 m/s²"), Ok(9.81));
+    }
+
+    #[test]
+    fn wrong_dimensions_are_named() {
+        insta::assert_snapshot!(parse::<Pressure>("1.6 mm").unwrap_err(), @r#""1.6 mm" is a length, but this key takes a pressure; allowed units: Pa, kPa, MPa, GPa, N/m^2, N/mm^2"#);
+        insta::assert_snapshot!(parse::<Density>("3 furlongs").unwrap_err(), @r#""3 furlongs" has an unknown unit; allowed units: kg/m^3, g/cm^3"#);
+        insta::assert_snapshot!(parse::<Density>("3").unwrap_err(), @r#""3" has no unit; write it without quotes for SI units, or allowed units: kg/m^3, g/cm^3"#);
+        insta::assert_snapshot!(parse::<Density>("mm").unwrap_err(), @r#""mm" does not begin with a number; allowed units: kg/m^3, g/cm^3"#);
+        insta::assert_snapshot!(parse::<Dimensionless>("3 mm").unwrap_err(), @r#""3 mm" is a length, but this key takes a pure number; this key takes a pure number"#);
+    }
+
+    #[test]
+    fn every_dimension_has_its_si_unit_first() {
+        for (name, units) in DIMENSIONS.iter().filter(|(_, units)| !units.is_empty()) {
+            assert_eq!(units[0].size, Size::Decimal(0), "{name}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn no_text_makes_it_panic(text in ".*") {
+            let _ = parse::<Length>(&text);
+        }
+
+        #[test]
+        fn metres_read_as_the_number_itself(number in proptest::num::f64::NORMAL) {
+            prop_assert_eq!(parse::<Length>(&format!("{number:e} m")), Ok(number));
+        }
+    }
+}

@@ -1,0 +1,372 @@
+//! The program from outside: exit codes, standard output and what is left on the disk.
+
+use assert_cmd::Command;
+use std::fs;
+use std::path::Path;
+use tempfile::TempDir;
+
+/// A short swing of a short rod.
+const SWING: &str = r#"
+experiment = "scene"
+material = { youngs_modulus = "1 MPa", poissons_ratio = 0.5, density = 1000.0 }
+time = { step = "1 ms", end = "20 ms" }
+output = { interval = "5 ms" }
+
+[[rods]]
+name = "rope"
+radius = "5 mm"
+edges = 8
+shape = { kind = "straight", start = [0, 0, 0], end = [0.2, 0, 0] }
+
+[[clamps]]
+rod = "rope"
+at = "start"
+
+[[loads]]
+kind = "gravity"
+acceleration = [0, 0, -9.81]
+"#;
+
+/// Another rod, across the first: it starts inside it.
+const ACROSS: &str = r#"
+[[rods]]
+name = "across"
+radius = "5 mm"
+edges = 8
+shape = { kind = "straight", start = [0.1, -0.1, 0.008], end = [0.1, 0.1, 0.008] }
+
+[contact]
+"#;
+
+fn rodlab(directory: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rodlab"));
+    command.current_dir(directory);
+    command
+}
+
+/// A directory with a scenario `swing.toml`.
+fn directory(text: &str) -> TempDir {
+    let directory = tempfile::tempdir().unwrap();
+    fs::write(directory.path().join("swing.toml"), text).unwrap();
+    directory
+}
+
+/// Runs the program; returns exit code, standard output and standard error.
+fn outcome(directory: &TempDir, arguments: &[&str]) -> (i32, String, String) {
+    let output = rodlab(directory.path()).args(arguments).output().unwrap();
+    (
+        output.status.code().unwrap(),
+        String::from_utf8(output.stdout).unwrap(),
+        String::from_utf8(output.stderr).unwrap(),
+    )
+}
+
+fn file_names(directory: &Path) -> Vec<String> {
+    let mut names: Vec<String> = fs::read_dir(directory)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_run_says_where_its_results_lie_and_is_not_run_twice() {
+    let directory = directory(SWING);
+    let (code, stdout, stderr) = outcome(&directory, &["run", "swing.toml"]);
+    assert_eq!((code, stderr.as_str()), (0, ""));
+    assert!(stdout.starts_with("finished\n"), "{stdout}");
+    assert!(stdout.contains("results/swing\n"), "{stdout}");
+    assert!(stdout.contains("20\n"), "{stdout}");
+    let results = directory.path().join("results/swing");
+    for name in [
+        "manifest.json",
+        "scenario.toml",
+        "series.csv",
+        "nodes.csv",
+        "summary.csv",
+    ] {
+        assert!(results.join(name).is_file(), "{name}");
+    }
+    let series = fs::read(results.join("series.csv")).unwrap();
+    let (code, stdout, _) = outcome(&directory, &["run", "swing.toml"]);
+    assert_eq!(code, 0);
+    assert!(stdout.starts_with("finished before"), "{stdout}");
+    let (code, stdout, _) = outcome(
+        &directory,
+        &["run", "swing.toml", "--force", "--threads", "2"],
+    );
+    assert_eq!(code, 0);
+    assert!(stdout.starts_with("finished\n"), "{stdout}");
+    assert_eq!(fs::read(results.join("series.csv")).unwrap(), series);
+}
+
+#[test]
+fn the_scenario_in_the_results_gives_the_same_results() {
+    let directory = directory(SWING);
+    assert_eq!(
+        outcome(&directory, &["run", "swing.toml", "--out", "first"]).0,
+        0
+    );
+    let (code, _, stderr) = outcome(
+        &directory,
+        &["run", "first/scenario.toml", "--out", "second"],
+    );
+    assert_eq!((code, stderr.as_str()), (0, ""));
+    let read = |name: &str| fs::read(directory.path().join(name)).unwrap();
+    assert_eq!(read("first/nodes.csv"), read("second/nodes.csv"));
+    assert_eq!(read("first/series.csv"), read("second/series.csv"));
+}
+
+#[test]
+fn results_of_another_scenario_are_refused() {
+    let directory = directory(SWING);
+    assert_eq!(outcome(&directory, &["run", "swing.toml"]).0, 0);
+    let before = fs::read(directory.path().join("results/swing/nodes.csv")).unwrap();
+    let thicker = ["run", "swing.toml", "--set", "rods.rope.radius=6 mm"];
+    let (code, stdout, stderr) = outcome(&directory, &thicker);
+    assert_eq!((code, stdout.as_str()), (2, ""));
+    assert!(stderr.contains("another scenario"), "{stderr}");
+    let after = fs::read(directory.path().join("results/swing/nodes.csv")).unwrap();
+    assert_eq!(before, after);
+}
+
+#[test]
+fn bad_scenarios_exit_with_2_and_leave_nothing_behind() {
+    for (from, to, place, words) in [
+        (
+            "radius = \"5 mm\"",
+            "raduis = 1",
+            "swing.toml:9:1",
+            "did you mean `radius`?",
+        ),
+        (
+            "radius = \"5 mm\"",
+            "radius = -1",
+            "swing.toml:9:10",
+            "allowed: greater than 0",
+        ),
+        (
+            "radius = \"5 mm\"",
+            "radius = nan",
+            "swing.toml:9:10",
+            "not a finite number",
+        ),
+        (
+            "radius = \"5 mm\"\n",
+            "",
+            "swing.toml:7:1",
+            "missing key `radius`",
+        ),
+        (
+            "edges = 8",
+            "edges = \"8\"",
+            "swing.toml:10:9",
+            "expected a whole number",
+        ),
+        ("edges = 8", "edges = 0", "swing.toml:10:9", "allowed: 1 to"),
+        (
+            "step = \"1 ms\"",
+            "step = 0",
+            "swing.toml:4:17",
+            "allowed: greater than 0",
+        ),
+        (
+            "rod = \"rope\"",
+            "rod = \"roap\"",
+            "swing.toml:14:7",
+            "did you mean `rope`?",
+        ),
+        (
+            "at = \"start\"",
+            "at = 9",
+            "swing.toml:15:6",
+            "allowed: 0 to 8",
+        ),
+        ("[[loads]]", "[[loads", "swing.toml", "not TOML"),
+    ] {
+        let directory = directory(&SWING.replacen(from, to, 1));
+        for arguments in [["run", "swing.toml"], ["check", "swing.toml"]] {
+            let (code, stdout, stderr) = outcome(&directory, &arguments);
+            assert_eq!((code, stdout.as_str()), (2, ""), "{to}: {stderr}");
+            // The renderer may break lines.
+            let stderr = stderr.split_whitespace().collect::<Vec<_>>().join(" ");
+            assert!(stderr.contains(place), "{place} in {stderr}");
+            assert!(stderr.contains(words), "{words} in {stderr}");
+        }
+        assert_eq!(file_names(directory.path()), ["swing.toml"]);
+    }
+}
+
+#[test]
+fn rods_that_start_inside_each_other_are_refused() {
+    let directory = directory(&format!("{SWING}{ACROSS}"));
+    for arguments in [["run", "swing.toml"], ["check", "swing.toml"]] {
+        let (code, stdout, stderr) = outcome(&directory, &arguments);
+        assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
+        assert!(
+            stderr.contains("across") && stderr.contains("rope"),
+            "{stderr}"
+        );
+    }
+    assert_eq!(file_names(directory.path()), ["swing.toml"]);
+}
+
+#[test]
+fn places_that_cannot_be_written_are_refused() {
+    let directory = directory(SWING);
+    fs::write(directory.path().join("taken"), "a file").unwrap();
+    let (code, _, stderr) = outcome(&directory, &["run", "swing.toml", "--out", "taken"]);
+    assert_eq!(code, 2, "{stderr}");
+    assert!(stderr.contains("taken"), "{stderr}");
+    fs::create_dir(directory.path().join("photographs")).unwrap();
+    fs::write(directory.path().join("photographs/cat.png"), "meow").unwrap();
+    let (code, _, stderr) = outcome(&directory, &["run", "swing.toml", "--out", "photographs"]);
+    assert_eq!(code, 2, "{stderr}");
+    assert_eq!(
+        file_names(&directory.path().join("photographs")),
+        ["cat.png"]
+    );
+}
+
+#[test]
+fn a_time_limit_ends_with_5_and_the_same_command_continues() {
+    let directory = directory(SWING);
+    let long = [
+        "run",
+        "swing.toml",
+        "--set",
+        "time.end=1.0",
+        "--out",
+        "long",
+    ];
+    let limited: Vec<&str> = long.iter().copied().chain(["--timeout", "1 ms"]).collect();
+    let (code, stdout, stderr) = outcome(&directory, &limited);
+    assert_eq!((code, stdout.as_str()), (5, ""), "{stderr}");
+    assert!(stderr.contains("time limit"), "{stderr}");
+    let (code, stdout, stderr) = outcome(&directory, &long);
+    assert_eq!((code, stderr.as_str()), (0, ""));
+    assert!(stdout.starts_with("finished, continued from"), "{stdout}");
+    let whole = [
+        "run",
+        "swing.toml",
+        "--set",
+        "time.end=1.0",
+        "--out",
+        "whole",
+    ];
+    assert_eq!(outcome(&directory, &whole).0, 0);
+    for name in ["nodes.csv", "series.csv"] {
+        let read = |place: &str| fs::read(directory.path().join(place).join(name)).unwrap();
+        assert_eq!(read("long"), read("whole"), "{name}");
+    }
+}
+
+#[test]
+fn a_dry_run_prints_the_resolved_scenario_and_writes_nothing() {
+    let directory = directory(SWING);
+    let (code, stdout, _) = outcome(&directory, &["run", "swing.toml", "--dry-run"]);
+    assert_eq!(code, 0);
+    assert!(stdout.contains("youngs_modulus = 1000000.0"), "{stdout}");
+    assert_eq!(file_names(directory.path()), ["swing.toml"]);
+}
+
+#[test]
+fn check_goes_through_all_files_and_speaks_json() {
+    let directory = directory(SWING);
+    fs::write(directory.path().join("bad.toml"), "experiment = 3").unwrap();
+    let (code, stdout, stderr) = outcome(
+        &directory,
+        &["check", "bad.toml", "swing.toml", "none.toml"],
+    );
+    assert_eq!(code, 2);
+    assert!(stdout.contains("swing.toml: good"), "{stdout}");
+    assert!(
+        stderr.contains("bad.toml:1:14") && stderr.contains("none.toml"),
+        "{stderr}"
+    );
+    let (code, stdout, _) = outcome(&directory, &["check", "swing.toml", "--json"]);
+    assert_eq!(code, 0);
+    let numbers: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    assert_eq!(numbers["rods"][0]["nodes"], 9);
+}
+
+#[test]
+fn templates_run_as_they_stand() {
+    let directory = directory(SWING);
+    for experiment in ["scene", "flagella"] {
+        let (code, template, _) = outcome(&directory, &["init", experiment]);
+        assert_eq!(code, 0);
+        fs::write(directory.path().join("template.toml"), template).unwrap();
+        let short = [
+            "run",
+            "template.toml",
+            "--set",
+            "time.end=2 ms",
+            "--set",
+            "output.interval=1 ms",
+            "--force",
+        ];
+        let (code, _, stderr) = outcome(&directory, &short);
+        assert_eq!((code, stderr.as_str()), (0, ""), "{experiment}");
+    }
+}
+
+#[test]
+fn arguments_are_checked() {
+    let directory = directory(SWING);
+    for arguments in [
+        &["run"][..],
+        &["rnu", "swing.toml"],
+        &["run", "swing.toml", "--threads", "0"],
+        &["run", "swing.toml", "--timeout", "3 m"],
+        &["run", "swing.toml", "--set", "time"],
+        &["init", "knot"],
+        &["explain", "kontakt"],
+    ] {
+        let (code, stdout, stderr) = outcome(&directory, arguments);
+        assert_eq!((code, stdout.as_str()), (2, ""), "{arguments:?}: {stderr}");
+        assert!(!stderr.is_empty());
+    }
+    assert_eq!(file_names(directory.path()), ["swing.toml"]);
+}
+
+#[test]
+fn schema_explanations_and_completions_are_printed() {
+    let directory = directory(SWING);
+    let (code, stdout, _) = outcome(&directory, &["schema"]);
+    assert_eq!(code, 0);
+    let schema: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    assert!(schema["properties"]["rods"].is_object());
+    assert_eq!(schema["additionalProperties"], false);
+    let (code, stdout, _) = outcome(&directory, &["explain", "rods.radius"]);
+    assert_eq!(code, 0);
+    assert!(stdout.contains("radius"), "{stdout}");
+    let (code, stdout, _) = outcome(&directory, &["completions", "bash"]);
+    assert_eq!(code, 0);
+    assert!(stdout.contains("rodlab"), "{stdout}");
+}
+
+#[test]
+fn figures_are_drawn_from_results() {
+    let directory = directory(SWING);
+    assert_eq!(outcome(&directory, &["run", "swing.toml"]).0, 0);
+    let (code, stdout, stderr) = outcome(&directory, &["plot", "results/swing"]);
+    assert_eq!((code, stderr.as_str()), (0, ""));
+    assert!(stdout.lines().count() >= 1);
+    for path in stdout.lines() {
+        assert!(directory.path().join(path).is_file(), "{path}");
+    }
+    assert_ne!(outcome(&directory, &["plot", "nowhere"]).0, 0);
+}
+
+#[test]
+fn the_log_speaks_json() {
+    let directory = directory(SWING);
+    let (code, _, stderr) = outcome(&directory, &["run", "swing.toml", "--log", "json", "-v"]);
+    assert_eq!(code, 0);
+    for line in stderr.lines() {
+        let entry: serde_json::Value = serde_json::from_str(line).unwrap();
+        assert!(entry["level"].is_string(), "{line}");
+    }
+}
