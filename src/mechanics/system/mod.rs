@@ -124,6 +124,9 @@ impl System {
         for drive in &self.assembly.drives {
             drive.apply(time, unknowns, &mut self.ghosts);
         }
+        for drive in &self.assembly.drives {
+            drive.turn_edges(time, &self.reference, unknowns);
+        }
         self.assembly.loads.dead_forces(time, &mut self.dead_forces);
     }
 
