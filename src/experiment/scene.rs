@@ -4,7 +4,7 @@ use super::curve::{SampledCurve, sample};
 use super::flagella;
 use super::prepared::{Mode, OutputPlan, PreparedRun};
 use crate::mechanics::Vector3;
-use crate::mechanics::contact::ContactParameters;
+use crate::mechanics::contact::{ContactModel, ContactParameters};
 use crate::mechanics::dynamics::{self, IntegrationParameters, StepSize};
 use crate::mechanics::fluid::FluidModel;
 use crate::mechanics::scene as mechanics;
@@ -289,6 +289,7 @@ fn contact_parameters(contact: &Contact) -> Option<ContactParameters> {
             stiffness_factor,
             maximum_penetration,
         } => Some(ContactParameters {
+            model: ContactModel::ImplicitContact,
             distance_tolerance,
             friction,
             slip_tolerance,

@@ -1,37 +1,43 @@
 //! All contacts of a scene: candidates, forces, Jacobians, stiffness.
 
+use super::barrier::barrier_response;
 use super::candidates::{Candidates, approach};
 use super::closest_points::{ClosestPoints, edge_distance};
 use super::contacts::{ActiveContact, CandidatePair, EdgeJacobian, PlaneContact, PlaneJacobian};
 use super::edge_contact::{Sliding, edge_force, edge_jacobian};
 use super::friction::FrictionLaw;
-use super::parameters::ContactParameters;
+use super::parameters::{ContactModel, ContactParameters};
 use super::plane_contact::{NodeSliding, plane_force, plane_jacobian};
-use super::potential::{normal_response, reach};
+use super::potential::{NormalResponse, normal_response};
 use super::stiffness::adapted_stiffness;
 use super::surface::{ContactPlane, ContactSurface};
 use crate::mechanics::Vector3;
 
-/// The implicit contact model with Coulomb friction (thesis 2.2–2.3) for all rods and planes of a scene.
+/// Implicit contact with Coulomb friction (thesis 2.2–2.3) of all rods and planes of a scene, by the
+/// potential of the implicit contact model or by the barrier of incremental potential contact.
 ///
 /// In a time step: [`update_candidates`](Self::update_candidates), then per Newton iteration
-/// [`evaluate`](Self::evaluate) and per trial of the line search [`evaluate_forces`](Self::evaluate_forces);
+/// [`evaluate`](Self::evaluate) and per trial of the line search [`evaluate_forces`](Self::evaluate_forces),
+/// no farther along a straight way than [`largest_step`](Self::largest_step) allows;
 /// after it, [`candidates_are_complete`](Self::candidates_are_complete) and
 /// [`excessive_penetration`](Self::excessive_penetration).
 ///
 /// The distance of two edges has kinks where several pairs of points are equally near: parallel edges, and
-/// joints of a rod. Newton's method may need its line search there. Two edges that pass through each other
-/// within one step are not noticed.
+/// joints of a rod. Newton's method may need its line search there. With the implicit contact model two edges
+/// that pass through each other within one step are not noticed; with incremental potential contact
+/// [`largest_step`](Self::largest_step) keeps them from it.
 #[derive(Clone, Debug)]
 pub struct ImplicitContact {
     parameters: ContactParameters,
-    surface: ContactSurface,
+    pub(super) surface: ContactSurface,
     planes: Vec<ContactPlane>,
-    candidates: Candidates,
+    pub(super) candidates: Candidates,
     stiffness: f64,
     least_stiffness: f64,
     /// How far every node has moved since the candidates were built, m; scratch.
-    motion: Vec<f64>,
+    pub(super) motion: Vec<f64>,
+    /// Where a step has come to while it is searched for collisions, m; scratch.
+    pub(super) place: Vec<Vector3>,
     contacts: Vec<ActiveContact>,
     jacobians: Vec<EdgeJacobian>,
     plane_contacts: Vec<PlaneContact>,
@@ -64,14 +70,14 @@ impl Motion<'_> {
 
 impl ImplicitContact {
     /// `least_stiffness` is the contact stiffness k at the start and the least that
-    /// [`Self::adapt_stiffness`] chooses; s times the force scale EI/L² suits.
+    /// [`Self::adapt_stiffness`] chooses; that of the force scale EI/L² suits.
     pub fn new(
         parameters: ContactParameters,
         surface: ContactSurface,
         planes: Vec<ContactPlane>,
         least_stiffness: f64,
     ) -> Self {
-        let candidates = Candidates::new(&surface, reach(parameters.distance_tolerance));
+        let candidates = Candidates::new(&surface, parameters.reach());
         Self {
             parameters,
             surface,
@@ -80,6 +86,7 @@ impl ImplicitContact {
             stiffness: least_stiffness,
             least_stiffness,
             motion: Vec::new(),
+            place: Vec::new(),
             contacts: Vec::new(),
             jacobians: Vec::new(),
             plane_contacts: Vec::new(),
@@ -182,22 +189,22 @@ impl ImplicitContact {
 
     fn evaluate_edges(&mut self, motion: Motion, with_jacobians: bool) {
         let parameters = &self.parameters;
-        let tolerance = parameters.distance_tolerance;
+        let (tolerance, reach) = (parameters.distance_tolerance, parameters.reach());
         let law = motion.friction(parameters.friction, parameters.slip_tolerance);
         self.candidates.motion(motion.positions, &mut self.motion);
         let pairs = self.candidates.pairs().iter();
         for (candidate, (pair, earlier)) in pairs.zip(self.candidates.gaps()).enumerate() {
-            if earlier - approach(pair, &self.motion) >= reach(tolerance) {
+            if earlier - approach(pair, &self.motion) >= reach {
                 continue;
             }
             let nodes = pair.nodes.map(|node| motion.positions[node]);
             let closest = ClosestPoints::of(&nodes);
             let (distance, threshold) = (closest.distance(), self.surface.threshold(pair.edges));
             let gap = distance - threshold;
-            if gap >= reach(tolerance) {
+            if gap >= reach {
                 continue;
             }
-            let response = normal_response(gap, 0.5 * threshold, tolerance, self.stiffness);
+            let response = self.normal_response(gap, 0.5 * threshold);
             let sliding = law.map(|law| Sliding {
                 law,
                 velocities: pair.nodes.map(|node| motion.velocity(node)),
@@ -221,17 +228,17 @@ impl ImplicitContact {
     }
 
     fn evaluate_planes(&mut self, motion: Motion, with_jacobians: bool) {
-        let tolerance = self.parameters.distance_tolerance;
+        let (tolerance, reach) = (self.parameters.distance_tolerance, self.parameters.reach());
         for (index, plane) in self.planes.iter().enumerate() {
             let law = motion.friction(plane.friction, self.parameters.slip_tolerance);
             for surface in self.surface.nodes() {
                 let (node, radius) = (surface.node, surface.radius);
                 let distance = plane.distance(&motion.positions[node]);
                 let gap = distance - radius;
-                if gap >= reach(tolerance) {
+                if gap >= reach {
                     continue;
                 }
-                let response = normal_response(gap, radius, tolerance, self.stiffness);
+                let response = self.normal_response(gap, radius);
                 let sliding = law.map(|law| NodeSliding {
                     law,
                     velocity: motion.velocity(node),
@@ -251,6 +258,17 @@ impl ImplicitContact {
                 }
                 self.energy += response.energy;
                 self.contact_count += usize::from(gap < tolerance);
+            }
+        }
+    }
+
+    /// Energy and force of a surface gap (m) between bodies of mean radius `scale` (m).
+    fn normal_response(&self, gap: f64, scale: f64) -> NormalResponse {
+        let tolerance = self.parameters.distance_tolerance;
+        match self.parameters.model {
+            ContactModel::ImplicitContact => normal_response(gap, scale, tolerance, self.stiffness),
+            ContactModel::IncrementalPotential => {
+                barrier_response(gap, scale, tolerance, self.stiffness)
             }
         }
     }
@@ -306,7 +324,10 @@ impl ImplicitContact {
         let Some(force) = self.largest_force_near_contact(positions, forces) else {
             return false;
         };
-        let (before, factor) = (self.stiffness, self.parameters.stiffness_factor);
+        let before = self.stiffness;
+        let factor = self
+            .parameters
+            .stiffness_per_force(self.surface.largest_radius());
         self.stiffness = adapted_stiffness(before, force, factor, self.least_stiffness);
         self.stiffness != before
     }

@@ -75,11 +75,14 @@ impl Newton {
             self.start.copy_from_slice(unknowns);
             let before = Progress::of(system, &self.direction);
             self.move_by(1.0, unknowns);
+            let mut length = system.largest_step(&self.start, unknowns);
+            if length < 1.0 {
+                self.move_by(length, unknowns);
+            }
             system.linearize(unknowns, Some(stage));
             let after = Progress::of(system, &self.direction);
-            let mut length = 1.0;
             if !after.suffices(&before) {
-                length = self.line_search(system, stage, unknowns, &before, &after);
+                length = self.line_search(system, stage, unknowns, &before, &after, length);
                 system.linearize(unknowns, Some(stage));
             }
             last_move = length * largest_move(&self.direction);
@@ -95,7 +98,8 @@ impl Newton {
     }
 
     /// Approaches a root of d·R along the direction d by regula falsi (Matthies and Strang 1979), after the
-    /// whole step has neither lowered the residual nor the force along it; leaves the unknowns there.
+    /// whole step, or the `longest` allowed, has neither lowered the residual nor the force along it; leaves the
+    /// unknowns there.
     fn line_search(
         &mut self,
         system: &mut System,
@@ -103,9 +107,10 @@ impl Newton {
         unknowns: &mut [f64],
         before: &Progress,
         full: &Progress,
+        longest: f64,
     ) -> f64 {
         let (mut low, mut high) = ((0.0, before.slope), None);
-        let (mut length, mut now) = (1.0, full.slope);
+        let (mut length, mut now) = (longest, full.slope);
         for _ in 0..LINE_SEARCH_STEPS {
             if !now.is_finite() || now * before.slope < 0.0 {
                 high = Some((length, now));
