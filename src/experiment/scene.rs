@@ -296,6 +296,19 @@ fn contact_parameters(contact: &Contact) -> Option<ContactParameters> {
             stiffness_factor,
             maximum_penetration,
         }),
+        Contact::Ipc {
+            friction,
+            distance_tolerance,
+            slip_tolerance,
+            stiffness_factor,
+        } => Some(ContactParameters {
+            model: ContactModel::IncrementalPotential,
+            distance_tolerance,
+            friction,
+            slip_tolerance,
+            stiffness_factor,
+            maximum_penetration: 0.0,
+        }),
     }
 }
 

@@ -7,23 +7,26 @@
 //!
 //! Eq. 2.1 prints Δ/(2h + δ) in the logarithm, which stays finite at contact; in the form meant, and here, energy and
 //! force grow beyond all bounds as the surfaces meet. At g = δ the energy vanishes like (δ − g)³, so that it
-//! is twice continuously differentiable. With x = g/δ
+//! is twice continuously differentiable. With w = δ/g − 1, the inverse of the gap as it were,
 //!
-//! N = k δ/h̄² (1 − x)(1/x − 1 − 2 ln x), dN/dg = k/h̄² (2 ln x + 4 (x − 1)/x − ((x − 1)/x)²).
+//! N = k δ/h̄² w/(1 + w) (w + 2 ln(1 + w)), dN/dg = −k/h̄² (w² + 4w + 2 ln(1 + w)).
 //!
 //! The force alone separates the surfaces; that no Newton step jumps over the barrier is the task of
 //! [`step_bound`](super::step_bound).
 
-use super::potential::NormalResponse;
+use super::normal_law::NormalResponse;
 
 /// Force N h̄²/(k δ) in the middle of the barrier, x = 1/2: (1 + 2 ln 2)/2.
 const FORCE_IN_THE_MIDDLE: f64 = 0.5 + std::f64::consts::LN_2;
+
+/// Iterations that find the gap of a force.
+const GAP_ITERATIONS: usize = 5;
 
 /// The barrier at a surface gap `gap` (m) between bodies of mean radius h̄ = `scale` (m), for the stiffness
 /// k = `stiffness` (J) and the distance tolerance δ = `tolerance` (m).
 ///
 /// Surfaces that touch or overlap have an infinite energy and force.
-pub(super) fn barrier_response(
+pub(super) fn normal_response(
     gap: f64,
     scale: f64,
     tolerance: f64,
@@ -43,16 +46,35 @@ pub(super) fn barrier_response(
             force_slope: f64::NEG_INFINITY,
         };
     }
-    let fraction = gap / tolerance;
-    let missing = 1.0 - fraction;
-    let logarithm = libm::log(fraction);
-    let steepness = missing / fraction;
+    let nearness = (tolerance - gap) / gap;
+    let logarithm = libm::log1p(nearness);
+    let depth = (tolerance - gap) / scale;
     let unit = stiffness / (scale * scale);
     NormalResponse {
-        energy: -unit * tolerance * tolerance * missing * missing * logarithm,
-        force: unit * tolerance * missing * (steepness - 2.0 * logarithm),
-        force_slope: unit * (2.0 * logarithm - 4.0 * steepness - steepness * steepness),
+        energy: stiffness * depth * depth * logarithm,
+        force: unit * (tolerance - gap) * (nearness + 2.0 * logarithm),
+        force_slope: -unit * (nearness * (nearness + 4.0) + 2.0 * logarithm),
     }
+}
+
+/// The surface gap (m) at which [`normal_response`] gives `force` (N), positive.
+pub(super) fn gap_of_force(force: f64, scale: f64, tolerance: f64, stiffness: f64) -> f64 {
+    // N = 3w² for small forces, w for large ones.
+    let relative = force * scale * scale / (stiffness * tolerance);
+    let mut nearness = if relative > 1.0 {
+        relative
+    } else {
+        (relative / 3.0).sqrt()
+    };
+    // Newton's method for the logarithms of N and w, between which the slope is 2 to 1: four iterations reach
+    // rounding error.
+    for _ in 0..GAP_ITERATIONS {
+        let sum = nearness + 2.0 * libm::log1p(nearness);
+        let found = nearness / (1.0 + nearness) * sum;
+        let slope = (1.0 + nearness * (nearness + 3.0) / sum) / (1.0 + nearness);
+        nearness *= libm::exp(libm::log(relative / found) / slope);
+    }
+    tolerance / (1.0 + nearness)
 }
 
 /// The stiffness k (J) at which a unit force (N) between bodies of mean radius h̄ = `scale` (m) is borne in the
@@ -84,7 +106,7 @@ mod tests {
                     let gap = fraction * tolerance;
                     let (value, slope, curvature) =
                         second_derivative(|gap| energy(gap, radius, tolerance, 3.0), gap);
-                    let found = barrier_response(gap, radius, tolerance, 3.0);
+                    let found = normal_response(gap, radius, tolerance, 3.0);
                     assert!((found.energy - value).abs() < 1e-12 * value);
                     assert!((found.force + slope).abs() < 1e-12 * slope.abs());
                     assert!((found.force_slope + curvature).abs() < 1e-12 * curvature);
@@ -94,8 +116,19 @@ mod tests {
     }
 
     #[test]
+    fn the_gap_of_a_force_has_that_force() {
+        let stiffness = stiffness_per_force(1e-3, 1e-5);
+        for exponent in -80..=80 {
+            let force = 10f64.powf(0.1 * f64::from(exponent));
+            let gap = gap_of_force(force, 1e-3, 1e-5, stiffness);
+            let found = normal_response(gap, 1e-3, 1e-5, stiffness).force;
+            assert!((found / force - 1.0).abs() < 1e-10, "{force:e} {found:e}");
+        }
+    }
+
+    #[test]
     fn energy_force_and_slope_join_the_free_space_continuously() {
-        let at = |fraction: f64| barrier_response(fraction * 1e-5, 1e-3, 1e-5, 1.0);
+        let at = |fraction: f64| normal_response(fraction * 1e-5, 1e-3, 1e-5, 1.0);
         let middle = at(0.5);
         for distance in [1e-3, 1e-6, 1e-9] {
             let near = at(1.0 - distance);
@@ -119,7 +152,7 @@ mod tests {
     fn the_force_grows_beyond_all_bounds_towards_contact() {
         // N → k δ²/(h̄² g).
         for fraction in [1e-6, 1e-9, 1e-12] {
-            let found = barrier_response(fraction * 1e-5, 1e-3, 1e-5, 1.0);
+            let found = normal_response(fraction * 1e-5, 1e-3, 1e-5, 1.0);
             let limit = 1e-5 * 1e-5 / (1e-3 * 1e-3 * fraction * 1e-5);
             assert!((found.force / limit - 1.0).abs() < 100.0 * fraction * fraction.ln().abs());
         }
@@ -129,7 +162,7 @@ mod tests {
     fn the_stiffness_bears_its_force_in_the_middle() {
         for (radius, tolerance) in [(1e-3, 1e-5), (2e-2, 1e-3)] {
             let stiffness = 7.0 * stiffness_per_force(radius, tolerance);
-            let found = barrier_response(0.5 * tolerance, radius, tolerance, stiffness);
+            let found = normal_response(0.5 * tolerance, radius, tolerance, stiffness);
             assert!((found.force - 7.0).abs() < 1e-13);
         }
     }

@@ -35,6 +35,8 @@ pub(super) struct Candidates {
     /// Margin beyond that, m.
     margin: f64,
     pairs: Vec<CandidatePair>,
+    /// The pairs before the last build.
+    earlier_pairs: Vec<CandidatePair>,
     /// Gap between the surfaces of every pair when the set was built, m.
     gaps: Vec<f64>,
     /// Positions when the set was built; empty before.
@@ -50,6 +52,7 @@ impl Candidates {
             reach,
             margin: MARGIN * surface.largest_radius(),
             pairs: Vec::new(),
+            earlier_pairs: Vec::new(),
             gaps: Vec::new(),
             positions: Vec::new(),
             broad_phase: BroadPhase::default(),
@@ -60,6 +63,11 @@ impl Candidates {
     /// The pairs, sorted by edges.
     pub fn pairs(&self) -> &[CandidatePair] {
         &self.pairs
+    }
+
+    /// The pairs before the last build.
+    pub fn earlier_pairs(&self) -> &[CandidatePair] {
+        &self.earlier_pairs
     }
 
     /// Gap between the surfaces of every pair when the set was built, m.
@@ -106,6 +114,7 @@ impl Candidates {
             .pairs
             .iter()
             .eq(self.found.iter().map(|(pair, _)| pair));
+        std::mem::swap(&mut self.pairs, &mut self.earlier_pairs);
         self.pairs.clear();
         self.gaps.clear();
         for &(pair, distance) in &self.found {

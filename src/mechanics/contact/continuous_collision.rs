@@ -88,28 +88,19 @@ mod tests {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// Where the distance first falls to `distance`, by dense samples and bisection; `None` if never.
-    fn first_reached(
-        nodes: &[Vector3; 4],
-        displacements: &[Vector3; 4],
-        distance: f64,
-    ) -> Option<f64> {
-        const SAMPLES: u32 = 2000;
-        let at = |t: f64| edge_distance(&std::array::from_fn(|m| nodes[m] + displacements[m] * t));
-        let after = (1..=SAMPLES).find(|&k| at(f64::from(k) / f64::from(SAMPLES)) < distance)?;
-        let (mut low, mut high) = (
-            f64::from(after - 1) / f64::from(SAMPLES),
-            f64::from(after) / f64::from(SAMPLES),
-        );
-        for _ in 0..50 {
-            let middle = 0.5 * (low + high);
-            if at(middle) < distance {
-                high = middle;
-            } else {
-                low = middle;
+    /// How far the way is free for a distance of `kept`, by advancing with the speed of the nodes.
+    fn free_part_by_speed(nodes: &[Vector3; 4], displacements: &[Vector3; 4], kept: f64) -> f64 {
+        let [a, b, c, d] = displacements.map(|displacement| displacement.norm());
+        let speed = a.max(b) + c.max(d);
+        let mut part = 0.0;
+        for _ in 0..20_000 {
+            let moved = std::array::from_fn(|m| nodes[m] + displacements[m] * part);
+            part += (edge_distance(&moved) - kept) / speed;
+            if part >= 1.0 {
+                return 1.0;
             }
         }
-        Some(low)
+        part
     }
 
     struct Flight {
@@ -195,18 +186,15 @@ mod tests {
             let part = safe_part(&nodes, &displacements, THRESHOLD, 1.0);
             // A tenth of the kept gap may remain unused.
             let used_up = THRESHOLD + (1.0 + USED_UP) * KEPT_GAP * gap;
-            let longest = first_reached(&nodes, &displacements, used_up).unwrap_or(1.0);
+            let longest = free_part_by_speed(&nodes, &displacements, used_up);
             assert!(
-                part > 0.01 * longest,
+                part > 0.03 * longest,
                 "{part:e} of {longest:e}, gap {gap:e}"
             );
-            if part < 0.99 * longest {
-                shortened += 1;
-            }
+            shortened += usize::from(part < 0.999 * longest);
         }
-        // The advances run out where edges roll over each other almost parallel and almost touching.
-        println!("{shortened} of 1000 ways are shorter than need be");
-        assert!(shortened < 10, "{shortened}");
+        // The advances run out where almost parallel edges roll over each other a millionth of a radius apart.
+        assert!(shortened < 10, "{shortened} of 1000");
     }
 
     #[test]

@@ -1,14 +1,14 @@
 //! All contacts of a scene: candidates, forces, Jacobians, stiffness.
 
-use super::barrier::barrier_response;
 use super::candidates::{Candidates, approach};
 use super::closest_points::{ClosestPoints, edge_distance};
 use super::contacts::{ActiveContact, CandidatePair, EdgeJacobian, PlaneContact, PlaneJacobian};
 use super::edge_contact::{Sliding, edge_force, edge_jacobian};
 use super::friction::FrictionLaw;
-use super::parameters::{ContactModel, ContactParameters};
+use super::multipliers::Multipliers;
+use super::normal_law::{NormalLaw, NormalResponse};
+use super::parameters::ContactParameters;
 use super::plane_contact::{NodeSliding, plane_force, plane_jacobian};
-use super::potential::{NormalResponse, normal_response};
 use super::stiffness::adapted_stiffness;
 use super::surface::{ContactPlane, ContactSurface};
 use crate::mechanics::Vector3;
@@ -32,6 +32,7 @@ pub struct ImplicitContact {
     pub(super) surface: ContactSurface,
     planes: Vec<ContactPlane>,
     pub(super) candidates: Candidates,
+    multipliers: Multipliers,
     stiffness: f64,
     least_stiffness: f64,
     /// How far every node has moved since the candidates were built, m; scratch.
@@ -40,6 +41,9 @@ pub struct ImplicitContact {
     pub(super) place: Vec<Vector3>,
     contacts: Vec<ActiveContact>,
     jacobians: Vec<EdgeJacobian>,
+    /// What to add to the forces to have those of the linear laws, and those of the multipliers, N.
+    linear_corrections: Vec<[f64; 12]>,
+    multiplier_corrections: Vec<[f64; 12]>,
     plane_contacts: Vec<PlaneContact>,
     plane_jacobians: Vec<PlaneJacobian>,
     energy: f64,
@@ -83,12 +87,15 @@ impl ImplicitContact {
             surface,
             planes,
             candidates,
+            multipliers: Multipliers::default(),
             stiffness: least_stiffness,
             least_stiffness,
             motion: Vec::new(),
             place: Vec::new(),
             contacts: Vec::new(),
             jacobians: Vec::new(),
+            linear_corrections: Vec::new(),
+            multiplier_corrections: Vec::new(),
             plane_contacts: Vec::new(),
             plane_jacobians: Vec::new(),
             energy: 0.0,
@@ -122,7 +129,25 @@ impl ImplicitContact {
     /// Rebuilds the candidates where some node has moved more than a quarter of the margin since they
     /// were last built; returns whether the set changed. To be called at the start of a step.
     pub fn update_candidates(&mut self, positions: &[Vector3]) -> bool {
-        self.candidates.update(&self.surface, positions)
+        let changed = self.candidates.update(&self.surface, positions);
+        if changed {
+            self.carry_multipliers_over();
+        }
+        changed
+    }
+
+    /// Builds the candidates for `positions` within the iterations of a step; returns whether the set changed.
+    pub(super) fn renew_candidates(&mut self, positions: &[Vector3]) -> bool {
+        let changed = self.candidates.rebuild(&self.surface, positions);
+        if changed {
+            self.carry_multipliers_over();
+        }
+        changed
+    }
+
+    fn carry_multipliers_over(&mut self) {
+        let (old, new) = (self.candidates.earlier_pairs(), self.candidates.pairs());
+        self.multipliers.carry_over(old, new);
     }
 
     /// Rebuilds the candidates for these positions in any case; without positions there are none.
@@ -147,6 +172,38 @@ impl ImplicitContact {
         self.candidates.are_complete(positions)
     }
 
+    /// Starts the Newton iterations of a step: until [`Self::settle_multipliers`] or
+    /// [`Self::abandon_multipliers`] the Jacobians are those of the force law linearised at the normal forces
+    /// that the iteration carries along, the first ones those of the last step.
+    pub fn begin_iterations(&mut self) {
+        self.multipliers.begin(self.candidates.pairs().len());
+    }
+
+    /// Whether the Jacobians are those of the carried normal forces.
+    pub fn uses_multipliers(&self) -> bool {
+        self.multipliers.in_use()
+    }
+
+    /// Goes on with Jacobians at the present gaps.
+    pub fn abandon_multipliers(&mut self) {
+        self.multipliers.abandon();
+    }
+
+    /// Takes over the normal forces of the last evaluation as those of an accepted step.
+    pub fn settle_multipliers(&mut self) {
+        let candidates = self.candidates.pairs().len();
+        let reach = self.parameters.reach();
+        self.multipliers.settle(candidates, &self.contacts, reach);
+    }
+
+    pub(super) fn multipliers(&self) -> &Multipliers {
+        &self.multipliers
+    }
+
+    pub(super) fn restore_multipliers(&mut self, forces: &[f64]) {
+        self.multipliers.restore(forces);
+    }
+
     /// Finds the active contacts at `positions` and evaluates energy, forces and Jacobians.
     ///
     /// Friction acts on the velocity (`positions` − `previous`)/`time_step`, and not at all where
@@ -163,6 +220,7 @@ impl ImplicitContact {
         self.clear_results();
         self.evaluate_edges(motion, true);
         self.evaluate_planes(motion, true);
+        self.multipliers.advance();
     }
 
     /// The same without Jacobians, for line searches; [`Self::jacobians`] and
@@ -181,6 +239,8 @@ impl ImplicitContact {
     fn clear_results(&mut self) {
         self.contacts.clear();
         self.jacobians.clear();
+        self.linear_corrections.clear();
+        self.multiplier_corrections.clear();
         self.plane_contacts.clear();
         self.plane_jacobians.clear();
         self.energy = 0.0;
@@ -190,37 +250,64 @@ impl ImplicitContact {
     fn evaluate_edges(&mut self, motion: Motion, with_jacobians: bool) {
         let parameters = &self.parameters;
         let (tolerance, reach) = (parameters.distance_tolerance, parameters.reach());
-        let law = motion.friction(parameters.friction, parameters.slip_tolerance);
+        let friction = motion.friction(parameters.friction, parameters.slip_tolerance);
         self.candidates.motion(motion.positions, &mut self.motion);
         let pairs = self.candidates.pairs().iter();
         for (candidate, (pair, earlier)) in pairs.zip(self.candidates.gaps()).enumerate() {
-            if earlier - approach(pair, &self.motion) >= reach {
+            let loaded = with_jacobians && self.multipliers.is_loaded(candidate);
+            if !loaded && earlier - approach(pair, &self.motion) >= reach {
                 continue;
             }
             let nodes = pair.nodes.map(|node| motion.positions[node]);
             let closest = ClosestPoints::of(&nodes);
             let (distance, threshold) = (closest.distance(), self.surface.threshold(pair.edges));
             let gap = distance - threshold;
-            if gap >= reach {
+            if !loaded && gap >= reach {
                 continue;
             }
-            let response = self.normal_response(gap, 0.5 * threshold);
-            let sliding = law.map(|law| Sliding {
+            let law = NormalLaw::new(parameters, 0.5 * threshold, self.stiffness);
+            let response = law.response(gap);
+            let sliding = friction.map(|law| Sliding {
                 law,
                 velocities: pair.nodes.map(|node| motion.velocity(node)),
                 time_step: motion.time_step,
             });
+            let force = edge_force(&closest, &response, sliding.as_ref());
             self.contacts.push(ActiveContact {
                 candidate,
                 nodes: pair.nodes,
                 distance,
                 threshold,
                 normal_force: response.force,
-                force: edge_force(&closest, &response, sliding.as_ref()),
+                force,
             });
             if with_jacobians {
-                let jacobian = edge_jacobian(&nodes, &closest, &response, sliding.as_ref());
+                let linear = self.multipliers.linear_law(
+                    candidate,
+                    gap,
+                    &response,
+                    |gap| law.response(gap),
+                    |force| law.gap_of_force(force),
+                );
+                let tangent = linear.map_or(response, |linear| linear.tangent);
+                let jacobian = edge_jacobian(&nodes, &closest, &tangent, sliding.as_ref());
                 self.jacobians.push(jacobian);
+                let correction = |normal: f64| {
+                    let with = edge_force(
+                        &closest,
+                        &NormalResponse {
+                            force: normal,
+                            ..response
+                        },
+                        sliding.as_ref(),
+                    );
+                    std::array::from_fn(|k| with[k] - force[k])
+                };
+                let none = [0.0; 12];
+                self.linear_corrections
+                    .push(linear.map_or(none, |linear| correction(linear.force)));
+                self.multiplier_corrections
+                    .push(linear.map_or(none, |linear| correction(linear.tangent.force)));
             }
             self.energy += response.energy;
             self.contact_count += usize::from(gap < tolerance);
@@ -238,7 +325,8 @@ impl ImplicitContact {
                 if gap >= reach {
                     continue;
                 }
-                let response = self.normal_response(gap, radius);
+                let response =
+                    NormalLaw::new(&self.parameters, radius, self.stiffness).response(gap);
                 let sliding = law.map(|law| NodeSliding {
                     law,
                     velocity: motion.velocity(node),
@@ -262,17 +350,6 @@ impl ImplicitContact {
         }
     }
 
-    /// Energy and force of a surface gap (m) between bodies of mean radius `scale` (m).
-    fn normal_response(&self, gap: f64, scale: f64) -> NormalResponse {
-        let tolerance = self.parameters.distance_tolerance;
-        match self.parameters.model {
-            ContactModel::ImplicitContact => normal_response(gap, scale, tolerance, self.stiffness),
-            ContactModel::IncrementalPotential => {
-                barrier_response(gap, scale, tolerance, self.stiffness)
-            }
-        }
-    }
-
     /// Contact energy of the last evaluation, J.
     pub fn energy(&self) -> f64 {
         self.energy
@@ -286,6 +363,17 @@ impl ImplicitContact {
     /// Force Jacobians, one per element of [`Self::contacts`]; symmetric without friction.
     pub fn jacobians(&self) -> &[EdgeJacobian] {
         &self.jacobians
+    }
+
+    /// What to add to the forces of [`Self::contacts`] to have those of the linearised laws at the present
+    /// gaps, N: the right-hand side that goes with the Jacobians. Zero without multipliers.
+    pub fn linear_corrections(&self) -> &[[f64; 12]] {
+        &self.linear_corrections
+    }
+
+    /// What to add to the forces of [`Self::contacts`] to have those of the multipliers, N.
+    pub fn multiplier_corrections(&self) -> &[[f64; 12]] {
+        &self.multiplier_corrections
     }
 
     /// Active plane contacts of the last evaluation, sorted by plane and node.

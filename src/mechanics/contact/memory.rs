@@ -11,6 +11,8 @@ pub struct ContactMemory {
     pub candidate_positions: Vec<[f64; 3]>,
     /// Contact stiffness k.
     pub stiffness: f64,
+    /// Normal force of every candidate in the last step, N.
+    pub normal_forces: Vec<f64>,
 }
 
 /// A memory of another scene.
@@ -30,6 +32,7 @@ impl ImplicitContact {
         ContactMemory {
             candidate_positions: positions.map(|&position| position.into()).collect(),
             stiffness: self.stiffness(),
+            normal_forces: self.multipliers().settled().to_vec(),
         }
     }
 
@@ -46,6 +49,7 @@ impl ImplicitContact {
         }
         self.rebuild_candidates(&positions);
         self.set_stiffness(memory.stiffness);
+        self.restore_multipliers(&memory.normal_forces);
         Ok(())
     }
 }

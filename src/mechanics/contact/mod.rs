@@ -8,12 +8,13 @@
 //! | `surface` | edges as capsules, planes, which pairs are neighbours |
 //! | `broad_phase`, `candidates` | pairs of edges that may touch, kept over many steps |
 //! | `closest_points`, `distance` | centreline distance Δ of two edges and its derivatives (thesis Eqs. 2.3–2.6) |
-//! | `potential` | the contact energy of a gap (Eqs. 2.15, 2.16) |
-//! | `barrier` | the same for incremental potential contact (Eq. 2.1) |
-//! | `continuous_collision`, `step_bound` | how far a step may go without crossing that barrier |
+//! | `parameters` | the contact model and its numbers |
+//! | `normal_law`, `potential`, `barrier` | contact energy of a gap: Eqs. 2.15, 2.16 or the barrier of Eq. 2.1 |
+//! | `continuous_collision`, `step_bound` | how far a step may go without crossing the barrier |
 //! | `friction` | Coulomb friction, smoothed near zero slip (Eqs. 2.7–2.14) |
 //! | `edge_contact`, `plane_contact` | force and Jacobian of one contact |
-//! | `parameters`, `stiffness` | the model, and its adaptive stiffness (Eqs. 2.18, 2.19) |
+//! | `multipliers` | normal forces that Newton's method carries along |
+//! | `stiffness` | the adaptive contact stiffness (Eqs. 2.18, 2.19) |
 //! | `implicit_contact`, `contacts` | all contacts of a scene |
 //! | `proximity` | least distance, penetration, overlaps of a new scene |
 //! | `memory` | what a restart needs |
@@ -29,6 +30,8 @@ mod edge_contact;
 mod friction;
 mod implicit_contact;
 mod memory;
+mod multipliers;
+mod normal_law;
 mod parameters;
 mod plane_contact;
 mod potential;

@@ -52,8 +52,8 @@ impl ContactParameters {
         }
     }
 
-    /// Whether the surfaces must stay apart.
-    pub(super) fn is_barrier(&self) -> bool {
+    /// Whether the model keeps surfaces from ever touching.
+    pub fn is_barrier(&self) -> bool {
         self.model == ContactModel::IncrementalPotential
     }
 }

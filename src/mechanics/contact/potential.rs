@@ -13,6 +13,8 @@
 //! of the force at the lower joint, and by the jump to zero, 2e-13 of the energy at touch, at the upper one. The
 //! potential ends at [`REACH`], where the force has fallen below rounding error.
 
+use super::normal_law::NormalResponse;
+
 /// Distance between the surfaces, in units of δ, beyond which there is no force.
 ///
 /// The force falls like exp(−30 gap/δ): at δ, where Eq. 2.15 cuts it off, it is 1e-8 of what the adaptive
@@ -23,16 +25,8 @@ const REACH: f64 = 1.5;
 /// Slope of the energy curve: K₁ δ/h̄ (Eq. 2.16).
 const SLOPE: f64 = 15.0;
 
-/// Energy of a gap and its derivatives.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct NormalResponse {
-    /// Energy E, J.
-    pub energy: f64,
-    /// Normal force N = −dE/dΔ, N, never negative.
-    pub force: f64,
-    /// dN/dΔ, N/m, never positive.
-    pub force_slope: f64,
-}
+/// Iterations that find the gap of a force.
+const GAP_ITERATIONS: usize = 5;
 
 /// The potential at a surface gap Δ − 2h̄ (m) between bodies of mean radius h̄ = `scale` (m), for the
 /// contact stiffness k = `stiffness` (J) and the distance tolerance δ = `tolerance` (m).
@@ -60,6 +54,29 @@ pub(super) fn normal_response(
             * 2.0
             * (logistic * logistic + softplus * logistic_slope),
     }
+}
+
+/// The surface gap (m) at which [`normal_response`] gives `force` (N), positive.
+pub(super) fn gap_of_force(force: f64, scale: f64, tolerance: f64, stiffness: f64) -> f64 {
+    let rate = SLOPE / tolerance;
+    // N = 2 a ln(1 + eᵗ)/(1 + e⁻ᵗ): e²ᵗ for small forces, t for large ones.
+    let relative = force * rate * scale * scale / (2.0 * stiffness);
+    let logarithm = libm::log(relative);
+    let mut exponent = if relative > 1.0 {
+        relative
+    } else {
+        0.5 * logarithm
+    };
+    // Newton's method on the logarithm of N, which is nearly linear for small forces and concave: four
+    // iterations reach rounding error from either start.
+    for _ in 0..GAP_ITERATIONS {
+        let decay = libm::exp(-exponent.abs());
+        let softplus = exponent.max(0.0) + libm::log1p(decay);
+        let logistic = if exponent > 0.0 { 1.0 } else { decay } / (1.0 + decay);
+        let slope = logistic / softplus + 1.0 - logistic;
+        exponent += (logarithm - libm::log(softplus * logistic)) / slope;
+    }
+    -exponent / rate
 }
 
 /// Largest surface gap at which there is a force, for the distance tolerance δ, m.
@@ -102,6 +119,20 @@ mod tests {
                     assert!((found.force_slope + curvature).abs() < 1e-6 * curvature);
                 }
             }
+        }
+    }
+
+    #[test]
+    fn the_gap_of_a_force_has_that_force() {
+        for exponent in -60..=12 {
+            let (radius, tolerance, stiffness) = (1e-3, 1e-5, 40.0);
+            let force = 10f64.powf(0.25 * f64::from(exponent));
+            let gap = gap_of_force(force, radius, tolerance, stiffness);
+            let found = normal_response(gap, radius, tolerance, stiffness).force;
+            assert!(
+                (found / force - 1.0).abs() < 1e-10,
+                "{force:e} N: gap {gap:e}, {found:e} N"
+            );
         }
     }
 

@@ -51,7 +51,7 @@ impl ImplicitContact {
             for ((place, start), displacement) in place.iter_mut().zip(start).zip(displacements) {
                 *place = start + displacement * step.part;
             }
-            step.candidates_changed |= self.candidates.rebuild(&self.surface, &place);
+            step.candidates_changed |= self.renew_candidates(&place);
         }
         self.place = place;
         step

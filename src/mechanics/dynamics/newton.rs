@@ -22,6 +22,8 @@ pub struct Newton {
     direction: Vec<f64>,
 }
 
+/// Iterations in which contact forces are carried along; a step that needs more goes on without.
+const MULTIPLIER_ITERATIONS: usize = 10;
 /// Reductions of the step along one direction before it is taken as it is.
 const LINE_SEARCH_STEPS: usize = 12;
 /// A step is accepted when the force along the direction has fallen below this fraction.
@@ -49,6 +51,7 @@ impl Newton {
         stopping: &Stopping,
     ) -> Result<usize, Divergence> {
         let mut last_move = 0.0;
+        system.begin_iterations();
         system.linearize(unknowns, Some(stage));
         for iteration in 0..=stopping.iterations {
             let (residual, unknown) = system.worst_residual();
@@ -74,6 +77,8 @@ impl Newton {
             }
             self.start.copy_from_slice(unknowns);
             let before = Progress::of(system, &self.direction);
+            let with_multipliers = system.uses_multipliers() && iteration < MULTIPLIER_ITERATIONS;
+            let expected = system.squared_linear_residual();
             self.move_by(1.0, unknowns);
             let mut length = system.largest_step(&self.start, unknowns);
             if length < 1.0 {
@@ -81,7 +86,10 @@ impl Newton {
             }
             system.linearize(unknowns, Some(stage));
             let after = Progress::of(system, &self.direction);
-            if !after.suffices(&before) {
+            let accepted = after.suffices(&before)
+                || with_multipliers && system.squared_multiplier_residual() <= expected;
+            if !accepted {
+                system.abandon_multipliers();
                 length = self.line_search(system, stage, unknowns, &before, &after, length);
                 system.linearize(unknowns, Some(stage));
             }

@@ -400,7 +400,7 @@ impl Simulation {
         self.unknowns.copy_from_slice(&self.trial);
         std::mem::swap(&mut self.earlier_velocity, &mut self.velocity);
         self.velocity.copy_from_slice(&self.next_velocity);
-        self.system.commit_frames();
+        self.system.accept();
         self.publish();
     }
 

@@ -71,6 +71,7 @@ pub struct System {
     pub time: f64,
     /// Residual of the last evaluation, N and N m; at held unknowns minus the reaction.
     pub residual: Vec<f64>,
+    corrected_residual: Vec<f64>,
     dead_forces: Vec<f64>,
     positions: Vec<Vector3>,
     nodal_forces: Vec<Vector3>,
@@ -103,6 +104,7 @@ impl System {
             ghosts: assembly.ghosts.clone(),
             time: 0.0,
             residual: vec![0.0; assembly.unknowns.len()],
+            corrected_residual: vec![0.0; assembly.unknowns.len()],
             dead_forces: vec![0.0; assembly.unknowns.len()],
             positions: vec![Vector3::zeros(); assembly.rods.nodes],
             has_planes: !scene.planes.is_empty(),
@@ -136,6 +138,14 @@ impl System {
     /// Makes the frames of the last evaluation the source of the next step.
     pub fn commit_frames(&mut self) {
         self.geometry.commit(&mut self.reference);
+    }
+
+    /// Keeps frames and contact forces of the last evaluation as those of an accepted step.
+    pub fn accept(&mut self) {
+        self.commit_frames();
+        if let Some(contact) = &mut self.contact {
+            contact.settle_multipliers();
+        }
     }
 
     /// Elastic energy of the last evaluation.
@@ -216,19 +226,68 @@ impl System {
         self.matrix.factor()
     }
 
-    /// Writes the Newton direction −J⁻¹R, zero at held unknowns.
+    /// Writes the Newton direction −J⁻¹R, zero at held unknowns, with the contact forces of the linearised
+    /// laws that the Jacobian belongs to.
     ///
     /// # Errors
     /// A system that is singular to working precision.
     pub fn direction(&mut self, direction: &mut [f64]) -> Result<(), SingularMatrix> {
+        self.correct_residual(ImplicitContact::linear_corrections);
         for k in 0..direction.len() {
-            direction[k] = if self.assembly.held[k] {
+            let held = self.assembly.held[k];
+            direction[k] = if held {
                 0.0
             } else {
-                -self.residual[k]
+                -self.corrected_residual[k]
             };
         }
         self.matrix.solve(direction)
+    }
+
+    /// Writes the residual with other contact forces.
+    fn correct_residual(&mut self, of: fn(&ImplicitContact) -> &[[f64; 12]]) {
+        self.corrected_residual.copy_from_slice(&self.residual);
+        let Some(contact) = &self.contact else { return };
+        for (pair, correction) in contact.contacts().iter().zip(of(contact)) {
+            for (corner, &node) in pair.nodes.iter().enumerate() {
+                for axis in 0..3 {
+                    self.corrected_residual[STRIDE * node + axis] -= correction[3 * corner + axis];
+                }
+            }
+        }
+    }
+
+    /// Sum of squares of the residual with the contact forces of the linearised laws, N².
+    pub fn squared_linear_residual(&mut self) -> f64 {
+        self.correct_residual(ImplicitContact::linear_corrections);
+        self.square(&self.corrected_residual)
+    }
+
+    /// Sum of squares of the residual with the contact forces of the multipliers, N².
+    pub fn squared_multiplier_residual(&mut self) -> f64 {
+        self.correct_residual(ImplicitContact::multiplier_corrections);
+        self.square(&self.corrected_residual)
+    }
+
+    /// Lets Newton's method carry contact forces along, those of the last step at first.
+    pub fn begin_iterations(&mut self) {
+        if let Some(contact) = &mut self.contact {
+            contact.begin_iterations();
+        }
+    }
+
+    /// Goes on without carried contact forces.
+    pub fn abandon_multipliers(&mut self) {
+        if let Some(contact) = &mut self.contact {
+            contact.abandon_multipliers();
+        }
+    }
+
+    /// Whether Newton's method carries contact forces along.
+    pub fn uses_multipliers(&self) -> bool {
+        self.contact
+            .as_ref()
+            .is_some_and(ImplicitContact::uses_multipliers)
     }
 
     /// Whether the candidates of contact changed; to be called at the start of a step.
@@ -315,9 +374,13 @@ impl System {
 
     /// Sum of squares of the residual of the free unknowns, moments divided by the shortest edge, N².
     pub fn squared_residual(&self) -> f64 {
+        self.square(&self.residual)
+    }
+
+    fn square(&self, residual: &[f64]) -> f64 {
         let per_length = 1.0 / self.assembly.shortest_edge;
         let mut sum = 0.0;
-        for (k, (&value, &held)) in self.residual.iter().zip(&self.assembly.held).enumerate() {
+        for (k, (&value, &held)) in residual.iter().zip(&self.assembly.held).enumerate() {
             if !held {
                 let value = if k % STRIDE == 3 {
                     value * per_length
@@ -426,8 +489,13 @@ pub fn describe_overlap(
             )
         }
     };
+    let (meet, least) = if contact.parameters().is_barrier() {
+        ("touch or interpenetrate", "more than")
+    } else {
+        ("interpenetrate", "at least")
+    };
     format!(
-        "{first} and {second} interpenetrate: distance {:.6e} m, allowed is at least {:.6e} m",
+        "{first} and {second} {meet}: distance {:.6e} m, allowed is {least} {:.6e} m",
         overlap.distance, overlap.threshold
     )
 }

@@ -1,0 +1,214 @@
+//! Normal forces that Newton's method carries along as unknowns of their own.
+//!
+//! The contact force falls to a third within δ/30 of gap, a distance that rods cross many times within one
+//! time step. Newton's method on the gap alone sees no force a little too far out, and one that is out
+//! by orders of magnitude a little too far in; it then needs an iteration for every factor of e. So each
+//! pair keeps its normal force λ from the last step, and the force law N(g) is linearised not at the present gap g but at
+//! the gap that belongs to λ,
+//!
+//! ```text
+//! N ≈ λ + N′(g_λ) (g − g_λ),   N(g_λ) = λ,
+//! ```
+//!
+//! which is Newton's method for the pair of equations R(q, λ) = 0, g(q) = N⁻¹(λ), with λ eliminated: the
+//! matrix has the same pattern, and the solution is the same. Interior point methods treat their barriers
+//! so. After each iteration λ takes the value of the linear law at the new gap, but loses no more than
+//! [`LARGEST_LOSS`] of itself, since no force is negative.
+
+use super::contacts::{ActiveContact, CandidatePair};
+use super::normal_law::NormalResponse;
+
+/// Part of a multiplier that one iteration may take away.
+///
+/// Smaller steps keep the iteration near contacts that come back; a contact that truly opens should be gone
+/// within two or three iterations.
+const LARGEST_LOSS: f64 = 0.98;
+
+/// How evaluations treat the multipliers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Phase {
+    /// The force law is linearised at the present gap.
+    #[default]
+    Unused,
+    /// The first iteration of a step linearises at the forces of the last step.
+    Fresh,
+    /// Later ones first bring the forces up to date.
+    Advancing,
+}
+
+/// The normal forces of all candidates.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Multipliers {
+    phase: Phase,
+    /// Forces at the end of the last accepted step, N, one per candidate.
+    settled: Vec<f64>,
+    /// Forces in the present iteration, N.
+    present: Vec<f64>,
+}
+
+/// The force law of one pair as the linear system sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct LinearLaw {
+    /// λ and N′(g_λ), for the Jacobian.
+    pub tangent: NormalResponse,
+    /// Force of the linear law at the present gap, N.
+    pub force: f64,
+}
+
+impl Multipliers {
+    /// Starts the iterations of a step from the settled forces.
+    pub fn begin(&mut self, candidates: usize) {
+        self.settled.resize(candidates, 0.0);
+        self.present.clone_from(&self.settled);
+        self.phase = Phase::Fresh;
+    }
+
+    /// Takes over the forces of an accepted step, of contacts nearer than `reach` (m).
+    pub fn settle(&mut self, candidates: usize, contacts: &[ActiveContact], reach: f64) {
+        self.settled.clear();
+        self.settled.resize(candidates, 0.0);
+        for contact in contacts
+            .iter()
+            .filter(|contact| contact.distance - contact.threshold < reach)
+        {
+            self.settled[contact.candidate] = contact.normal_force;
+        }
+        self.phase = Phase::Unused;
+    }
+
+    /// Carries the settled forces over to a new list of candidates; both lists are sorted.
+    pub fn carry_over(&mut self, old: &[CandidatePair], new: &[CandidatePair]) {
+        let mut pairs = old.iter().zip(&self.settled).peekable();
+        let carried = new.iter().map(|pair| {
+            while pairs.next_if(|(before, _)| *before < pair).is_some() {}
+            pairs
+                .next_if(|(before, _)| *before == pair)
+                .map_or(0.0, |(_, force)| *force)
+        });
+        self.settled = carried.collect();
+        self.phase = Phase::Unused;
+    }
+
+    /// Forces at the end of the last accepted step, N, one per candidate.
+    pub fn settled(&self) -> &[f64] {
+        &self.settled
+    }
+
+    /// Continues from stored forces.
+    pub fn restore(&mut self, settled: &[f64]) {
+        self.settled = settled.to_vec();
+        self.phase = Phase::Unused;
+    }
+
+    /// Linearises at the present gaps from now on.
+    pub fn abandon(&mut self) {
+        self.phase = Phase::Unused;
+    }
+
+    /// Whether iterations use the multipliers.
+    pub fn in_use(&self) -> bool {
+        self.phase != Phase::Unused
+    }
+
+    /// Whether a candidate bears force by its multiplier, wherever it is.
+    pub fn is_loaded(&self, candidate: usize) -> bool {
+        self.in_use() && self.present[candidate] > 0.0
+    }
+
+    /// The next evaluation with Jacobians brings the forces up to date.
+    pub fn advance(&mut self) {
+        if self.phase == Phase::Fresh {
+            self.phase = Phase::Advancing;
+        }
+    }
+
+    /// The law for `candidate` at `gap`, whose own response there is `response`; `None` where it is
+    /// linearised at that gap. `law` gives the response of a gap, `inverse` the gap of a force.
+    pub fn linear_law(
+        &mut self,
+        candidate: usize,
+        gap: f64,
+        response: &NormalResponse,
+        law: impl Fn(f64) -> NormalResponse,
+        inverse: impl Fn(f64) -> f64,
+    ) -> Option<LinearLaw> {
+        if !self.in_use() {
+            return None;
+        }
+        let force = &mut self.present[candidate];
+        if *force == 0.0 {
+            *force = response.force;
+            return None;
+        }
+        let at = |force: f64| {
+            let gap_of_force = inverse(force);
+            let tangent = law(gap_of_force);
+            (
+                tangent,
+                tangent.force + tangent.force_slope * (gap - gap_of_force),
+            )
+        };
+        let (mut tangent, mut linear) = at(*force);
+        if self.phase == Phase::Advancing {
+            *force = linear.max((1.0 - LARGEST_LOSS) * *force);
+            (tangent, linear) = at(*force);
+        }
+        Some(LinearLaw {
+            tangent,
+            force: linear,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pair(i: usize, j: usize) -> CandidatePair {
+        CandidatePair {
+            edges: [i, j],
+            nodes: [i, i + 1, j, j + 1],
+        }
+    }
+
+    #[test]
+    fn forces_follow_their_pairs_to_a_new_list() {
+        let mut multipliers = Multipliers::default();
+        multipliers.restore(&[1.0, 2.0, 3.0]);
+        let old = [pair(0, 4), pair(1, 4), pair(2, 7)];
+        multipliers.carry_over(
+            &old,
+            &[pair(0, 3), pair(1, 4), pair(2, 6), pair(2, 7), pair(3, 9)],
+        );
+        assert_eq!(multipliers.settled(), [0.0, 2.0, 0.0, 3.0, 0.0]);
+    }
+
+    #[test]
+    fn a_linear_law_touches_the_force_law_at_its_force() {
+        let law = |gap: f64| NormalResponse {
+            energy: 0.0,
+            force: (-gap).exp(),
+            force_slope: -(-gap).exp(),
+        };
+        let inverse = |force: f64| -force.ln();
+        let mut multipliers = Multipliers::default();
+        multipliers.restore(&[2.0]);
+        multipliers.begin(1);
+        // At the gap of the force itself the two agree; half a unit farther the tangent is lower.
+        let linear = multipliers
+            .linear_law(0, inverse(2.0), &law(inverse(2.0)), law, inverse)
+            .unwrap();
+        assert!((linear.force - 2.0).abs() < 1e-15);
+        let gap = inverse(2.0) + 0.5;
+        let linear = multipliers
+            .linear_law(0, gap, &law(gap), law, inverse)
+            .unwrap();
+        assert!((linear.force - 1.0).abs() < 1e-15);
+        // The next iteration starts from there, and never from less than nothing.
+        multipliers.advance();
+        multipliers.linear_law(0, gap, &law(gap), law, inverse);
+        assert!((multipliers.present[0] - 1.0).abs() < 1e-15);
+        multipliers.linear_law(0, gap + 9.0, &law(gap), law, inverse);
+        assert!((multipliers.present[0] - 0.02).abs() < 1e-15);
+    }
+}
