@@ -4,8 +4,7 @@ use super::arguments::Common;
 use super::failure::Failure;
 use super::output::print;
 use super::run::prepare;
-use crate::experiment::{DerivedNumbers, derived_numbers};
-use crate::mechanics::dynamics::Simulation;
+use crate::experiment::{DerivedNumbers, derived_numbers, try_scene};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -46,6 +45,6 @@ pub fn check(arguments: &CheckArguments, common: &Common) -> Result<(), Failure>
 
 fn check_one(path: &Path, overrides: &[String]) -> Result<DerivedNumbers, Failure> {
     let prepared = prepare(path, overrides)?;
-    Simulation::new(&prepared.scene, &prepared.integration)?;
+    try_scene(&prepared)?;
     Ok(derived_numbers(&prepared))
 }

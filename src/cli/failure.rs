@@ -1,7 +1,6 @@
 //! Why the program fails, what it says and its exit code.
 
 use crate::experiment::RunError;
-use crate::mechanics::dynamics::SimulationError;
 use crate::results::ResultsError;
 use crate::scenario::ScenarioError;
 
@@ -12,9 +11,7 @@ pub enum Failure {
     Scenario(Vec<ScenarioError>),
     /// An argument is wrong.
     Input(String),
-    /// The scene is impossible.
-    Scene(SimulationError),
-    /// A run ended early.
+    /// A run ended early, or its scene is impossible.
     Run(RunError),
     /// A results directory could not be read or written.
     Results(ResultsError),
@@ -31,7 +28,7 @@ impl Failure {
     /// The exit code of the program.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Scenario(_) | Self::Input(_) | Self::Scene(_) => 2,
+            Self::Scenario(_) | Self::Input(_) => 2,
             Self::Run(error) => error.exit_code(),
             Self::Results(error) => error.exit_code(),
             Self::Checks { .. } => 4,
@@ -49,7 +46,6 @@ impl Failure {
             }
             Self::Input(message) | Self::System(message) => eprintln!("error: {message}"),
             Self::Checks { failed } => eprintln!("error: {failed} physics checks failed"),
-            Self::Scene(error) => eprintln!("error: {error}"),
             Self::Run(error) => eprintln!("error: {error}"),
             Self::Results(error) => eprintln!("error: {error}"),
         }
@@ -59,12 +55,6 @@ impl Failure {
 impl From<ScenarioError> for Failure {
     fn from(error: ScenarioError) -> Self {
         Self::Scenario(vec![error])
-    }
-}
-
-impl From<SimulationError> for Failure {
-    fn from(error: SimulationError) -> Self {
-        Self::Scene(error)
     }
 }
 

@@ -1,7 +1,7 @@
 //! The command line: one file per subcommand, each of which parses, calls the library and prints.
 //!
 //! Standard output carries results, standard error progress, logs and faults. The exit codes are a
-//! promise to scripts; [`Failure::exit_code`] holds them:
+//! promise to scripts; `Failure::exit_code` holds them:
 //!
 //! | code | meaning |
 //! |---|---|

@@ -3,8 +3,7 @@
 use super::arguments::Common;
 use super::failure::Failure;
 use super::output::print;
-use crate::experiment::{self, PreparedRun, RunOptions, RunOutcome, RunStatus};
-use crate::mechanics::dynamics::Simulation;
+use crate::experiment::{self, PreparedRun, RunOptions, RunOutcome, RunStatus, try_scene};
 use crate::scenario::{self, seconds};
 use clap::Args;
 use std::fmt::Write;
@@ -50,7 +49,7 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), Failure> {
     let prepared = prepare(&arguments.scenario, &arguments.overrides)?;
     if arguments.dry_run {
         // The scene must be possible, too.
-        Simulation::new(&prepared.scene, &prepared.integration)?;
+        try_scene(&prepared)?;
         return print(&prepared.scenario_toml);
     }
     let directory = arguments

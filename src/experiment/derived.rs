@@ -17,10 +17,10 @@ const STEPS_PER_PERIOD: f64 = 50.0;
 /// Newton iterations of a usual step.
 const ITERATIONS: f64 = 3.0;
 /// Time of one Newton iteration per node on one core, s: measured, right to a factor of three.
-const SECONDS_PER_NODE: f64 = 0.6e-6;
+const SECONDS_PER_NODE: f64 = 0.4e-6;
 /// Time of a fluid solve by regularized Stokeslets per pair of nodes, s: measured, right to a factor of
 /// three.
-const SECONDS_PER_FLUID_PAIR: f64 = 50e-9;
+const SECONDS_PER_FLUID_PAIR: f64 = 14e-9;
 
 /// Numbers that follow from a scenario.
 #[derive(Clone, Debug, Serialize)]

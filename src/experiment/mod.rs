@@ -13,4 +13,4 @@ pub use derived::{DerivedNumbers, DerivedRod, derived_numbers};
 pub use plot::plot_results;
 pub use prepared::{Mode, OutputPlan, PreparedRun};
 pub use run::{RunError, RunOptions, RunOutcome, RunStatus, run};
-pub use scene::prepare;
+pub use scene::{prepare, try_scene};

@@ -46,7 +46,9 @@ impl RunOptions {
         Self {
             directory: directory.into(),
             force: false,
-            command_line: std::env::args().collect(),
+            command_line: std::env::args_os()
+                .map(|argument| argument.to_string_lossy().into_owned())
+                .collect(),
             progress: true,
             timeout: None,
             checkpoint_every: Duration::from_secs(60),

@@ -3,9 +3,10 @@
 use super::curve::{SampledCurve, sample};
 use super::flagella;
 use super::prepared::{Mode, OutputPlan, PreparedRun};
+use super::run::RunError;
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactModel, ContactParameters};
-use crate::mechanics::dynamics::{self, IntegrationParameters, StepSize};
+use crate::mechanics::dynamics::{self, IntegrationParameters, Simulation, StepSize};
 use crate::mechanics::fluid::FluidModel;
 use crate::mechanics::scene as mechanics;
 use crate::scenario::{
@@ -39,7 +40,12 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
         return Err(issues);
     }
     for (index, clamp) in scenario.clamps.iter().enumerate() {
-        match place_clamp(clamp, &scene.rods, &KeyPath::from("clamps").index(index)) {
+        let path = KeyPath::from("clamps").index(index);
+        match place_clamp(clamp, &scene.rods, &path) {
+            Ok(clamp) if scene.clamps.iter().any(|other| same_node(other, &clamp)) => {
+                let message = "another clamp holds this node already";
+                issues.push(Issue::new(path.key("at"), message));
+            }
             Ok(clamp) => scene.clamps.push(clamp),
             Err(issue) => issues.push(issue),
         }
@@ -72,6 +78,16 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
             vtk: scenario.output.vtk,
         },
     })
+}
+
+/// Tries whether the mechanics can be set up: rods that start inside each other, contradicting clamps.
+///
+/// # Errors
+/// [`RunError::Scene`] says what is impossible.
+pub fn try_scene(prepared: &PreparedRun) -> Result<(), RunError> {
+    Simulation::new(&prepared.scene, &prepared.integration)
+        .map(|_| ())
+        .map_err(RunError::Scene)
 }
 
 fn place_rod(rod: &Rod, path: &KeyPath) -> Result<mechanics::RodDescription, Issue> {
@@ -164,6 +180,10 @@ fn place_clamp(
             pivot: clamp.pivot.map(Vector3::from),
         },
     })
+}
+
+fn same_node(one: &mechanics::Clamp, other: &mechanics::Clamp) -> bool {
+    (one.rod, one.node) == (other.rod, other.node)
 }
 
 fn place_load(
@@ -417,6 +437,8 @@ moment = [1, 0, 0]
         insta::assert_snapshot!(fault("rod = \"beam\"", "rod = \"x\""), @"two.toml:16:7: `clamps.0.rod`: no rod is called `x` (the rods are: beam, ring)");
         insta::assert_snapshot!(fault("at = 10", "at = 11"), @r#"two.toml:17:6: `clamps.0.at`: rod `beam` has no node 11; allowed: 0 to 10, "start" or "end""#);
         insta::assert_snapshot!(fault("at = \"end\"", "at = 10"), @r#"two.toml:21:6: `loads.0.at`: rod `beam` has no edge 10; allowed: 0 to 9, "start" or "end""#);
+        let twice = "[[clamps]]\nrod = \"beam\"\nat = \"end\"\n[[loads]]";
+        insta::assert_snapshot!(fault("[[loads]]", twice), @"two.toml:20:6: `clamps.1.at`: another clamp holds this node already");
         let closed = "shape = { kind = \"points\", points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0]] }\nclosed = true";
         let straight =
             "edges = 10\nshape = { kind = \"straight\", start = [0, 0, 0], end = [1, 0, 0] }";

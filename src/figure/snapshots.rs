@@ -269,7 +269,7 @@ mod tests {
             .parse()
             .unwrap();
         for path in svg.split("<path d=\"M").skip(1) {
-            let mut words = path.split([' ', 'C', 'L', 'v', '"']);
+            let mut words = path.split([' ', 'c', 'l', 'L', 'v', '"']);
             let mut number = || words.next().unwrap().parse::<f64>().unwrap();
             let (x, y) = (number(), number());
             assert!(

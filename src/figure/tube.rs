@@ -38,6 +38,8 @@ struct Piece {
 /// Thinner rods than this are drawn this wide, pixels: they would not be seen.
 const MINIMUM_WIDTH: f64 = 1.4;
 
+const ROUND: &str = " stroke-linecap=\"round\"";
+
 /// Width of the body between the outlines, as a part of the whole.
 const BODY: f64 = 0.78;
 
@@ -99,23 +101,22 @@ fn rod_pieces(
             let nearness = 0.5 * (projected[segment].nearness + projected[next].nearness);
             let color = color.towards(Color::WHITE, HAZE * farness(nearness));
             let outline = color.towards(Color::BLACK, 0.55);
-            let mut svg = stroke(&spline.path(segment, 0.3), outline, width, "butt");
-            svg += &stroke(&spline.path(segment, 0.0), color, BODY * width, "round");
+            let mut svg = stroke(&spline.path(segment, 0.3), outline, width, "");
+            svg += &stroke(&spline.path(segment, 0.0), color, BODY * width, ROUND);
             if width > 2.0 * MINIMUM_WIDTH {
                 let light = color.towards(Color::WHITE, 0.5);
                 let path = highlight.path(segment, 0.42 * BODY * width);
-                svg += &stroke(&path, light, 0.22 * width, "butt");
+                svg += &stroke(&path, light, 0.22 * width, "");
             }
             Piece { nearness, svg }
         })
         .collect()
 }
 
-fn stroke(path: &str, color: Color, width: f64, cap: &str) -> String {
+/// A stroked path; `attributes` are further ones.
+fn stroke(path: &str, color: Color, width: f64, attributes: &str) -> String {
     let color = color.hex();
-    format!(
-        "<path d=\"{path}\" stroke=\"{color}\" stroke-width=\"{width:.2}\" stroke-linecap=\"{cap}\"/>\n"
-    )
+    format!("<path d=\"{path}\" stroke=\"{color}\" stroke-width=\"{width:.2}\"{attributes}/>\n")
 }
 
 /// The Catmull–Rom spline through the nodes of a rod on the page.
@@ -163,20 +164,31 @@ impl Spline<'_> {
         let (start, end) = (self.nodes[segment], self.nodes[next]);
         let (leaving, arriving) = (self.tangent(segment), self.tangent(next));
         let (a, b) = (start + leaving / 3.0, end - arriving / 3.0);
+        // Relative numbers are short, which makes the file a third smaller.
         let curve = format!(
-            "{:.2} {:.2}C{:.2} {:.2} {:.2} {:.2} {:.2} {:.2}",
-            start.x, start.y, a.x, a.y, b.x, b.y, end.x, end.y
+            "c{} {} {}",
+            pair(a - start),
+            pair(b - start),
+            pair(end - start)
         );
         if beyond == 0.0 {
-            return format!("M{curve}");
+            return format!("M{}{curve}", pair(start));
         }
-        let before = start - leaving.cap_magnitude(beyond);
-        let after = end + arriving.cap_magnitude(beyond);
+        let before = leaving.cap_magnitude(beyond);
+        let after = arriving.cap_magnitude(beyond);
         format!(
-            "M{:.2} {:.2}L{curve}L{:.2} {:.2}",
-            before.x, before.y, after.x, after.y
+            "M{}l{}{curve}l{}",
+            pair(start - before),
+            pair(before),
+            pair(after)
         )
     }
+}
+
+/// Two numbers as SVG writes them, to a hundredth of a pixel.
+fn pair(vector: Vector2<f64>) -> String {
+    let [x, y] = [vector.x, vector.y].map(|number| (100.0 * number).round() / 100.0);
+    format!("{x} {y}")
 }
 
 #[cfg(test)]
@@ -235,9 +247,6 @@ mod tests {
     #[test]
     fn straight_rods_are_straight_on_the_page() {
         let svg = tubes(&[bar(0.0)], &view(), &PLACEMENT);
-        assert!(
-            svg.contains("M110.00 100.00C113.33 100.00 116.67 100.00 120.00 100.00"),
-            "{svg}"
-        );
+        assert!(svg.contains("M110 100c3.33 0 6.67 0 10 0"), "{svg}");
     }
 }

@@ -1,4 +1,18 @@
 //! Scenario files: the TOML schema as Rust types, units, validation with source positions.
+//!
+//! A file goes through the room in this order:
+//!
+//! | file | what |
+//! |---|---|
+//! | `source`, `document` | the texts; TOML as a tree whose every key knows its place |
+//! | `load`, `overrides` | reading a file and what it `extends`, `--set key=value` |
+//! | `decode`, `typed` | serde from the tree to the file as typed: unknown keys, wrong types |
+//! | `units`, `resolve` | SI units, defaults, ranges: from the file as typed to the scenario as resolved |
+//! | `resolved`, `cross_section`, `canonical` | the [`Scenario`], its stiffnesses, its own TOML |
+//! | `issue`, `error` | faults by key path; the same with file, line and column |
+//! | `explain` | JSON Schema, and keys in words |
+//!
+//! The room knows no mechanics: vectors are arrays, models are names and numbers.
 
 mod canonical;
 mod cross_section;

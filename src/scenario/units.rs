@@ -11,7 +11,7 @@ pub trait Dimension: 'static {
 /// A unit of measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unit {
-    /// The symbol, in the form that [`normalised`] gives.
+    /// The symbol, without spaces, with `^` for powers.
     pub symbol: &'static str,
     /// Its size in SI units.
     pub size: Size,
@@ -173,7 +173,7 @@ pub fn parse<D: Dimension>(text: &str) -> Result<f64, String> {
 /// Reads a time that is given outside of scenario files: a number of seconds, or text with a unit.
 ///
 /// # Errors
-/// As [`parse`].
+/// A message that says what is wrong and which units are allowed.
 pub fn seconds(text: &str) -> Result<f64, String> {
     text.trim().parse().or_else(|_| parse::<Time>(text))
 }

@@ -5,6 +5,7 @@ use crate::experiment::PreparedRun;
 use crate::mechanics::scene::RodDescription;
 use crate::results::{
     CaseOutcome, CaseRecord, CaseStatus, MAIN_CASE, Manifest, RecorderPlan, RodRecord,
+    scenario_hash,
 };
 use std::collections::BTreeMap;
 
@@ -29,12 +30,12 @@ pub(super) fn recorder_plan(prepared: &PreparedRun) -> RecorderPlan {
     }
 }
 
-/// The manifest of a run that starts now.
-pub(super) fn new_manifest(
+/// The manifest of a call that starts now; `earlier` is that of the call before, which it may continue.
+pub(super) fn manifest_of_call(
     prepared: &PreparedRun,
     options: &RunOptions,
-    scenario_hash: String,
-    rods: Vec<RodRecord>,
+    earlier: Option<&Manifest>,
+    continued: bool,
 ) -> Manifest {
     let running = CaseRecord {
         status: CaseStatus::Running,
@@ -49,13 +50,13 @@ pub(super) fn new_manifest(
         experiment: prepared.experiment.clone(),
         title: prepared.title.clone(),
         scenario: prepared.scenario_toml.clone(),
-        scenario_hash,
-        rods,
+        scenario_hash: scenario_hash(&prepared.scenario_toml),
+        rods: rod_records(prepared),
         host: host_name(),
         threads: rayon::current_num_threads(),
-        start: jiff::Timestamp::now(),
+        start: earlier.map_or_else(jiff::Timestamp::now, |manifest| manifest.start),
         end: None,
-        continuations: 0,
+        continuations: earlier.map_or(0, |manifest| manifest.continuations) + u32::from(continued),
         seeds: BTreeMap::new(),
         cases: BTreeMap::from([(MAIN_CASE.into(), running)]),
     }

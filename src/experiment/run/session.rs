@@ -3,7 +3,7 @@
 use super::advance::Advance;
 use super::output_times::OutputTimes;
 use super::progress::Progress;
-use super::records::{new_manifest, recorder_plan, rod_records};
+use super::records::{manifest_of_call, recorder_plan, rod_records};
 use super::stop::Stop;
 use super::tally::Tally;
 use super::{RunError, RunOptions, RunOutcome, RunStatus};
@@ -25,26 +25,31 @@ pub(super) struct Session {
     checkpoint_every: Duration,
     last_checkpoint: Instant,
     times: OutputTimes,
-    /// Outputs written so far.
-    outputs: usize,
-    tally: Tally,
+    standing: Standing,
     /// Twice the largest radius, m.
     diameter: f64,
     meter: UsageMeter,
-    earlier_usage: Option<Usage>,
     timeout: Option<Duration>,
     resumed_from: Option<f64>,
     progress: Progress,
+}
+
+/// How far a run has come.
+#[derive(Clone, Copy, Default, Serialize, Deserialize)]
+struct Standing {
+    /// Outputs written so far.
+    outputs: usize,
+    tally: Tally,
+    /// Cost of the calls before this one.
+    earlier_usage: Usage,
 }
 
 /// What a checkpoint holds.
 #[derive(Serialize, Deserialize)]
 struct Checkpoint<S> {
     state: S,
-    outputs: usize,
-    tally: Tally,
     lengths: StreamLengths,
-    usage: Usage,
+    standing: Standing,
 }
 
 impl Session {
@@ -72,54 +77,36 @@ impl Session {
             );
         }
 
-        let earlier = directory.unfinished();
-        let manifest = Manifest {
-            start: earlier.map_or_else(jiff::Timestamp::now, |manifest| manifest.start),
-            continuations: earlier.map_or(0, |manifest| manifest.continuations)
-                + u32::from(continued.is_some()),
-            ..new_manifest(prepared, options, hash, rods.clone())
-        };
+        let manifest = manifest_of_call(
+            prepared,
+            options,
+            directory.unfinished(),
+            continued.is_some(),
+        );
         // First of all files: by it the directory is known for what it is.
         manifest.write(directory.path())?;
         write_whole(&directory.file(SCENARIO), prepared.scenario_toml.as_bytes())?;
 
-        let (recorder, outputs, tally, earlier_usage, resumed_from) = match continued {
+        let (standing, recorder, resumed_from) = match continued {
             Some((checkpoint, recorder)) => {
-                simulation
-                    .restore(checkpoint.state)
-                    .map_err(RunError::Scene)?;
-                let Checkpoint {
-                    outputs,
-                    tally,
-                    usage,
-                    ..
-                } = checkpoint;
-                (
-                    recorder,
-                    outputs,
-                    tally,
-                    Some(usage),
-                    Some(simulation.time()),
-                )
+                let restored = simulation.restore(checkpoint.state);
+                restored.map_err(RunError::Scene)?;
+                (checkpoint.standing, recorder, Some(simulation.time()))
             }
             None => {
                 let recorder = Recorder::create(directory.path(), rods, plan)?;
-                (recorder, 0, Tally::default(), None, None)
+                (Standing::default(), recorder, None)
             }
         };
         let times = match prepared.mode {
             Mode::Dynamic { end } => OutputTimes::new(prepared.output.interval, end),
             Mode::Static => OutputTimes::only_start(),
         };
+        let radii = prepared.scene.rods.iter().map(|rod| rod.radius);
         let visible = options.progress && prepared.mode != Mode::Static;
         Ok(Self {
             progress: Progress::new(visible, simulation.time(), times.time(times.last())),
-            diameter: 2.0
-                * manifest
-                    .rods
-                    .iter()
-                    .map(|rod| rod.radius)
-                    .fold(0.0, f64::max),
+            diameter: 2.0 * radii.fold(0.0, f64::max),
             directory,
             manifest,
             recorder,
@@ -127,10 +114,8 @@ impl Session {
             checkpoint_every: options.checkpoint_every,
             last_checkpoint: Instant::now(),
             times,
-            outputs,
-            tally,
+            standing,
             meter,
-            earlier_usage,
             timeout: options.timeout,
             resumed_from,
         })
@@ -146,7 +131,7 @@ impl Session {
         match mode {
             Mode::Static => {
                 let report = simulation.find_equilibrium()?;
-                self.tally.add_equilibrium(&report);
+                self.standing.tally.add_equilibrium(&report);
                 self.record(simulation)
             }
             Mode::Dynamic { .. } => self.integrate(simulation, stop_requested),
@@ -158,8 +143,8 @@ impl Session {
         simulation: &mut impl Advance,
         stop_requested: &dyn Fn() -> bool,
     ) -> Result<(), Stop> {
-        while self.outputs <= self.times.last() {
-            let target = self.times.time(self.outputs);
+        while self.standing.outputs <= self.times.last() {
+            let target = self.times.time(self.standing.outputs);
             while simulation.time() < target {
                 if stop_requested() {
                     return Err(Stop::Interrupted);
@@ -174,7 +159,7 @@ impl Session {
                     self.write_checkpoint(simulation)?;
                 }
                 let report = simulation.advance(target)?;
-                self.tally.add_step(&report);
+                self.standing.tally.add_step(&report);
                 self.progress.update(&report);
             }
             self.record(simulation)?;
@@ -185,9 +170,12 @@ impl Session {
     /// Writes the output that is due now.
     fn record(&mut self, simulation: &impl Advance) -> Result<(), Stop> {
         let distance = simulation.minimum_distance();
-        self.tally.add_distance(distance, self.diameter);
-        let time = self.times.time(self.outputs);
-        let row = self.tally.take_row(time, distance, &simulation.energies());
+        self.standing.tally.add_distance(distance, self.diameter);
+        let time = self.times.time(self.standing.outputs);
+        let row = self
+            .standing
+            .tally
+            .take_row(time, distance, &simulation.energies());
         let frame = if self.recorder.needs_frames() {
             Frame {
                 time,
@@ -196,19 +184,21 @@ impl Session {
         } else {
             Frame::default()
         };
-        self.recorder.record(self.outputs, &row, &frame)?;
-        self.outputs += 1;
+        self.recorder.record(self.standing.outputs, &row, &frame)?;
+        self.standing.outputs += 1;
         Ok(())
     }
 
     fn write_checkpoint(&mut self, simulation: &impl Advance) -> Result<(), ResultsError> {
         let lengths = self.sync_outputs()?;
+        let standing = Standing {
+            earlier_usage: self.usage(),
+            ..self.standing
+        };
         self.checkpoints.write(&Checkpoint {
             state: simulation.state(),
-            outputs: self.outputs,
-            tally: self.tally,
             lengths,
-            usage: self.usage(),
+            standing,
         })?;
         self.last_checkpoint = Instant::now();
         Ok(())
@@ -217,12 +207,11 @@ impl Session {
     fn sync_outputs(&mut self) -> Result<StreamLengths, ResultsError> {
         let times = self.times;
         self.recorder
-            .sync((0..self.outputs).map(|index| times.time(index)))
+            .sync((0..self.standing.outputs).map(|index| times.time(index)))
     }
 
     fn usage(&self) -> Usage {
-        let usage = self.meter.usage();
-        self.earlier_usage.map_or(usage, |earlier| earlier + usage)
+        self.standing.earlier_usage + self.meter.usage()
     }
 
     /// Brings all files into the state in which they are left.
@@ -256,14 +245,14 @@ impl Session {
             status: self
                 .resumed_from
                 .map_or(RunStatus::Finished, |from| RunStatus::Resumed { from }),
-            case: self.tally.outcome,
+            case: self.standing.tally.outcome,
             wall_time: self.usage().wall_time,
         })
     }
 
     fn write_tables(&mut self, status: CaseStatus) -> Result<(), ResultsError> {
         let path = self.directory.path();
-        let (outcome, usage) = (self.tally.outcome, self.usage());
+        let (outcome, usage) = (self.standing.tally.outcome, self.usage());
         write_summary(path, &[SummaryRow::new(MAIN_CASE, status, &outcome)])?;
         write_timings(path, &[(MAIN_CASE, usage)])?;
         let record = CaseRecord {

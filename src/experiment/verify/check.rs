@@ -80,12 +80,12 @@ impl Claim {
 }
 
 impl Check {
-    /// A failed check in place of a family whose simulation failed.
+    /// A failed check in place of a family whose simulation failed; the reason stands for its source.
     pub fn not_run(family: &str, reason: &str) -> Self {
         Self {
-            name: format!("{family}: {reason}"),
+            name: format!("{family}: not run"),
             formula: String::new(),
-            source: String::new(),
+            source: reason.into(),
             expected: f64::NAN,
             got: f64::NAN,
             unit: String::new(),

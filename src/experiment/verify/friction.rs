@@ -19,7 +19,7 @@ const STICKING: Claim = Claim {
 };
 const CAPSTAN: Claim = Claim {
     formula: "T₂ = T₁ exp(μφ), corrected for EI",
-    source: "Euler; Stuart 1961",
+    source: "Euler; balance of the elastica",
 };
 const GRAVITY: f64 = 9.81;
 

@@ -1,7 +1,7 @@
 //! What is known of a single contact.
 
 /// Derivative of the 12 force components of an edge–edge contact with respect to the 12 coordinates, N/m;
-/// indices [component of force][coordinate], both node after node.
+/// indices `[component of force][coordinate]`, both node after node.
 pub type EdgeJacobian = [[f64; 12]; 12];
 /// Derivative of the force of a plane on a node with respect to the node's position, N/m.
 pub type PlaneJacobian = [[f64; 3]; 3];

@@ -8,7 +8,7 @@
 //! and at t = 0 equal to it for the direction n of the closest points. So the edges may move until
 //! this slab has become too thin; there the closest points are found anew, and so on (Mirtich 1996; Li et al.
 //! 2021, "Codimensional incremental potential contact", advance by the speed of the nodes instead, the
-//! largest over all directions). Edges that slide along each other need one slab, where a bound by speed
+//! largest over all directions, and are slower). Edges that slide along each other need one slab, where a bound by speed
 //! would advance by a fraction of the gap at a time. Nothing depends on which features are nearest
 //! (point–point, point–edge, edge–edge), and an error of the closest points makes the slab thinner
 //! than need be, never too thick.
@@ -25,7 +25,10 @@ pub(super) const KEPT_GAP: f64 = 0.1;
 /// An advance that uses up the room to this part of the kept gap is the last.
 const USED_UP: f64 = 0.1;
 /// Most advances; after them the way so far is the answer, which is safe.
-const ADVANCES: usize = 100;
+///
+/// A few do, but a pair of edges of length L that turn together by an angle θ needs θL over the gap, since the slabs do not
+/// turn: hundreds in the largest steps of a turning bundle.
+const ADVANCES: usize = 1000;
 
 /// The largest part t of the way `displacements`, up to `longest`, along which the centrelines of the edges
 /// (`nodes[0]`, `nodes[1]`) and (`nodes[2]`, `nodes[3]`) keep a distance of `threshold` (m) and of the gap between
@@ -130,7 +133,7 @@ mod tests {
             } else {
                 closest.separation / closest.distance()
             };
-            let gap = 10f64.powf(-3.0 + 3.0 * random.symmetric());
+            let gap = 10f64.powf(-2.5 + 2.5 * random.symmetric());
             for _ in 0..50 {
                 let short = THRESHOLD + gap - edge_distance(&nodes);
                 nodes[0] += away * short;
@@ -187,13 +190,10 @@ mod tests {
             // A tenth of the kept gap may remain unused.
             let used_up = THRESHOLD + (1.0 + USED_UP) * KEPT_GAP * gap;
             let longest = free_part_by_speed(&nodes, &displacements, used_up);
-            assert!(
-                part > 0.03 * longest,
-                "{part:e} of {longest:e}, gap {gap:e}"
-            );
+            assert!(part > 0.1 * longest, "{part:e} of {longest:e}, gap {gap:e}");
             shortened += usize::from(part < 0.999 * longest);
         }
-        // The advances run out where almost parallel edges roll over each other a millionth of a radius apart.
+        // The advances run out where edges turn by radians within a millionth of a radius of each other.
         assert!(shortened < 10, "{shortened} of 1000");
     }
 

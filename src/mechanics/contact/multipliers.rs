@@ -14,6 +14,13 @@
 //! matrix has the same pattern, and the solution is the same. Interior point methods treat their barriers
 //! so. After each iteration λ takes the value of the linear law at the new gap, but loses no more than
 //! [`LARGEST_LOSS`] of itself, since no force is negative.
+//!
+//! Where a contact slides over a node it passes from one pair to the next. The new pair has hardly a force
+//! to start from, but a gap that is known well, since it is that of the old pair; so a force that the
+//! present gap gives is believed up to [`BELIEVED_PART`] of the largest force.
+//!
+//! Two flagella in a bundle (1 ms steps) take 2.7 iterations a step so, against 4.3 with the law at the
+//! present gap.
 
 use super::contacts::{ActiveContact, CandidatePair};
 use super::normal_law::NormalResponse;
@@ -23,6 +30,13 @@ use super::normal_law::NormalResponse;
 /// Smaller steps keep the iteration near contacts that come back; a contact that truly opens should be gone
 /// within two or three iterations.
 const LARGEST_LOSS: f64 = 0.98;
+
+/// Part of the largest force of the last step up to which forces of present gaps are believed.
+///
+/// The prediction errs by some δ/30, so larger forces may be out by factors, which cost an iteration each;
+/// smaller ones are not worth it. In a bundle of two flagella 0.1 takes 2.7 iterations a step, 0.5 takes 2.9, 3
+/// takes 3.2, and none at all 3.8.
+const BELIEVED_PART: f64 = 0.1;
 
 /// How evaluations treat the multipliers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -42,6 +56,8 @@ pub(super) struct Multipliers {
     phase: Phase,
     /// Forces at the end of the last accepted step, N, one per candidate.
     settled: Vec<f64>,
+    /// Force of present gaps that is believed, N.
+    believed: f64,
     /// Forces in the present iteration, N.
     present: Vec<f64>,
 }
@@ -60,6 +76,8 @@ impl Multipliers {
     pub fn begin(&mut self, candidates: usize) {
         self.settled.resize(candidates, 0.0);
         self.present.clone_from(&self.settled);
+        let largest = self.settled.iter().copied().fold(0.0, f64::max);
+        self.believed = BELIEVED_PART * largest;
         self.phase = Phase::Fresh;
     }
 
@@ -149,9 +167,14 @@ impl Multipliers {
             )
         };
         let (mut tangent, mut linear) = at(*force);
+        let mut next = *force;
         if self.phase == Phase::Advancing {
-            *force = linear.max((1.0 - LARGEST_LOSS) * *force);
-            (tangent, linear) = at(*force);
+            next = linear.max((1.0 - LARGEST_LOSS) * next);
+        }
+        next = next.max(response.force.min(self.believed));
+        if next != *force {
+            *force = next;
+            (tangent, linear) = at(next);
         }
         Some(LinearLaw {
             tangent,
@@ -208,7 +231,10 @@ mod tests {
         multipliers.advance();
         multipliers.linear_law(0, gap, &law(gap), law, inverse);
         assert!((multipliers.present[0] - 1.0).abs() < 1e-15);
-        multipliers.linear_law(0, gap + 9.0, &law(gap), law, inverse);
+        multipliers.linear_law(0, gap + 9.0, &law(gap + 9.0), law, inverse);
         assert!((multipliers.present[0] - 0.02).abs() < 1e-15);
+        // A gap that comes near is believed up to a tenth of the largest force, which was 2.
+        multipliers.linear_law(0, inverse(5.0), &law(inverse(5.0)), law, inverse);
+        assert!((multipliers.present[0] - 0.2).abs() < 1e-15);
     }
 }

@@ -77,23 +77,30 @@ impl Newton {
             }
             self.start.copy_from_slice(unknowns);
             let before = Progress::of(system, &self.direction);
-            let with_multipliers = system.uses_multipliers() && iteration < MULTIPLIER_ITERATIONS;
             let expected = system.squared_linear_residual();
             self.move_by(1.0, unknowns);
-            let mut length = system.largest_step(&self.start, unknowns);
-            if length < 1.0 {
-                self.move_by(length, unknowns);
+            let longest = system.largest_step(&self.start, unknowns);
+            if longest < 1.0 {
+                self.move_by(longest, unknowns);
+            }
+            last_move = longest * largest_move(&self.direction);
+            // The residual alone costs a quarter of the Jacobian, which the solution no longer needs.
+            system.evaluate(unknowns, Some(stage));
+            let after = Progress::of(system, &self.direction);
+            if system.worst_residual().0 <= stopping.force && last_move <= stopping.displacement {
+                continue;
             }
             system.linearize(unknowns, Some(stage));
-            let after = Progress::of(system, &self.direction);
             let accepted = after.suffices(&before)
-                || with_multipliers && system.squared_multiplier_residual() <= expected;
+                || system.uses_multipliers()
+                    && iteration < MULTIPLIER_ITERATIONS
+                    && system.squared_multiplier_residual() <= expected;
             if !accepted {
                 system.abandon_multipliers();
-                length = self.line_search(system, stage, unknowns, &before, &after, length);
+                let length = self.line_search(system, stage, unknowns, &before, &after, longest);
+                last_move = length * largest_move(&self.direction);
                 system.linearize(unknowns, Some(stage));
             }
-            last_move = length * largest_move(&self.direction);
         }
         unreachable!("the last iteration returns")
     }

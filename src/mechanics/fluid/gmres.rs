@@ -4,7 +4,7 @@ use super::instruction_set::{LANES, Lanes};
 use super::operator::FlowOperator;
 use super::preconditioner::Preconditioner;
 
-/// Directions kept before a restart. A solve takes 2 to 15 iterations; a restart is a sign of trouble.
+/// Directions kept before a restart. A solve takes 1 to 20 iterations; a restart is a sign of trouble.
 const RESTART: usize = 40;
 
 /// Scratch of the method.

@@ -2,19 +2,23 @@
 
 /// ln(n/d) for normal positive n ≥ d, to about one unit in the last place, with a single division.
 ///
+/// `difference` is n − d, which the caller may know better than a subtraction would tell; where n/d is
+/// near 1 it decides the result.
+///
 /// With k the power of two nearest to n/d and d' = 2ᵏ d, ln(n/d) = k ln 2 + 2 artanh((n − d')/(n + d')).
 /// The difference of the bit patterns of n and d is 2⁵² log₂(n/d) to within 0.087·2⁵², so that rounding
 /// it gives a k with |(n − d')/(n + d')| < 0.201. There the artanh series ends after s²² with a
-/// remainder below 5·10⁻¹⁸. Where n/d is near 1, k is 0 and nothing cancels.
+/// remainder below 5·10⁻¹⁸. Where n/d is near 1, k is 0 and `difference` counts.
 #[inline(always)]
-pub(super) fn logarithm_of_ratio(n: f64, d: f64) -> f64 {
+pub(super) fn logarithm_of_ratio(n: f64, d: f64, difference: f64) -> f64 {
     /// 2⁵², whose last mantissa bit counts ones.
     const ONES: f64 = 4_503_599_627_370_496.0;
-    let difference = n.to_bits().wrapping_sub(d.to_bits());
-    let k = difference.wrapping_add(1 << 51) >> 52;
+    let exponent = n.to_bits().wrapping_sub(d.to_bits());
+    let k = exponent.wrapping_add(1 << 51) >> 52;
     let scaled = f64::from_bits(d.to_bits().wrapping_add(k << 52));
+    let numerator = if k == 0 { difference } else { n - scaled };
     let k = f64::from_bits(ONES.to_bits() | k) - ONES;
-    let s = (n - scaled) / (n + scaled);
+    let s = numerator / (n + scaled);
     let s2 = s * s;
     let mut series = 1.0 / 23.0;
     for odd in [
@@ -36,7 +40,7 @@ mod tests {
             let d = 1e-6 * 1.000_7_f64.powi(i % 5_000);
             let n = d * 1.0014_f64.powi(i);
             let expected = (n / d).ln();
-            let error = (logarithm_of_ratio(n, d) - expected).abs();
+            let error = (logarithm_of_ratio(n, d, n - d) - expected).abs();
             // Rounding n/d already moves the logarithm by ε.
             worst = worst.max(error / (expected.abs() + 1.0));
         }
@@ -48,10 +52,9 @@ mod tests {
         for i in 1..50 {
             let x = 0.5_f64.powi(i);
             let expected = x.ln_1p();
-            let d = 1.0;
-            let error = logarithm_of_ratio(1.0 + x, d) - expected;
+            let error = logarithm_of_ratio(1.0 + x, 1.0, x) - expected;
             assert!(error.abs() < 2.0 * f64::EPSILON * expected, "{x:e}");
         }
-        assert_eq!(logarithm_of_ratio(0.3, 0.3), 0.0);
+        assert_eq!(logarithm_of_ratio(0.3, 0.3, 0.0), 0.0);
     }
 }

@@ -28,7 +28,7 @@ const ROWS_PER_TASK: usize = 32;
 /// without length, which moves nothing. Slots are stored in chunks of eight lanes: all that fit in the
 /// first lanes of the chunks, then in the second and so on, so that the neighbour of a slot is in the
 /// same lane of the next chunk.
-pub(super) struct FlowOperator {
+pub struct FlowOperator {
     set: InstructionSet,
     filaments: Vec<SlotRange>,
     /// Node of each slot.
@@ -179,7 +179,11 @@ impl FlowOperator {
     }
 
     /// [`multiply`](Self::multiply) for three vectors, at little more than the price of one.
-    pub fn multiply_three(&mut self, densities: &[Vec<f64>; 3], velocities: &mut [Vec<f64>; 3]) {
+    pub(super) fn multiply_three(
+        &mut self,
+        densities: &[Vec<f64>; 3],
+        velocities: &mut [Vec<f64>; 3],
+    ) {
         for (density, vector) in densities.iter().zip(&mut self.vectors) {
             spread(&self.slots, density, vector);
         }
@@ -217,6 +221,108 @@ fn spread(slots: &[usize], nodes: &[f64], lanes: &mut [VectorLanes]) {
         let vector = &mut lanes[slot % chunks].0;
         for k in 0..3 {
             vector[k][slot / chunks] = nodes[3 * node + k];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::segment_integral;
+    use super::*;
+
+    /// A spiral and a ring of different radii; 37 slots, so that the last lanes are partly empty.
+    fn scene() -> (Vec<Filament>, Vec<Vector3>) {
+        let filament = |first_node, nodes, closed, radius| Filament {
+            first_node,
+            nodes,
+            closed,
+            radius,
+        };
+        let filaments = vec![filament(0, 21, false, 1e-3), filament(21, 15, true, 2e-3)];
+        let point = |i: usize| {
+            let angle = 0.42 * i as f64;
+            let height = if i < 21 { 3e-3 * i as f64 } else { 0.05 };
+            Vector3::new(0.03 * angle.cos(), 0.02 * angle.sin(), height)
+        };
+        (filaments, (0..36).map(point).collect())
+    }
+
+    #[test]
+    fn blocks_are_sums_of_segment_integrals() {
+        let (filaments, positions) = scene();
+        let mut operator = FlowOperator::new(&filaments, 1.02);
+        operator.assemble(&positions);
+        for row in 0..36 {
+            for column in 0..36 {
+                let mut expected = Matrix3::zeros();
+                for filament in &filaments {
+                    for edge in 0..filament.edges() {
+                        let ends = [edge, (edge + 1) % filament.nodes];
+                        let [start, end] = ends.map(|k| filament.first_node + k);
+                        let a = segment_integral(
+                            &positions[row],
+                            &positions[start],
+                            &positions[end],
+                            1.02 * filament.radius,
+                        );
+                        for (node, a) in [start, end].into_iter().zip(&a) {
+                            if node == column {
+                                expected += a;
+                            }
+                        }
+                    }
+                }
+                let error = (operator.block(row, column) - expected).norm();
+                assert!(error < 1e-14 * expected.norm(), "{row} {column}");
+            }
+        }
+    }
+
+    #[test]
+    fn products_agree_with_blocks() {
+        let (filaments, positions) = scene();
+        let mut operator = FlowOperator::new(&filaments, 1.02);
+        operator.assemble(&positions);
+        let densities: [Vec<f64>; 3] = std::array::from_fn(|k| {
+            (0..108)
+                .map(|i| ((k + 2) as f64 * i as f64).sin())
+                .collect()
+        });
+        let mut products = [(); 3].map(|()| vec![0.0; 108]);
+        operator.multiply_three(&densities, &mut products);
+        for (density, product) in densities.iter().zip(&products) {
+            for row in 0..36 {
+                let expected: Vector3 = (0..36)
+                    .map(|column| {
+                        operator.block(row, column)
+                            * Vector3::from_column_slice(&density[3 * column..][..3])
+                    })
+                    .sum();
+                let got = Vector3::from_column_slice(&product[3 * row..][..3]);
+                assert!((got - expected).norm() < 1e-14);
+            }
+            let mut single = vec![0.0; 108];
+            operator.multiply(density, &mut single);
+            assert_eq!(&single, product);
+        }
+    }
+
+    #[test]
+    fn all_instruction_sets_give_the_same_bytes() {
+        let (filaments, positions) = scene();
+        let densities: Vec<f64> = (0..108).map(|i| (i as f64).sin()).collect();
+        let results: Vec<Vec<f64>> = InstructionSet::available()
+            .into_iter()
+            .map(|set| {
+                let mut operator = FlowOperator::with_instruction_set(&filaments, 1.02, set);
+                operator.assemble(&positions);
+                let mut velocities = vec![0.0; 108];
+                operator.multiply(&densities, &mut velocities);
+                velocities
+            })
+            .collect();
+        for result in &results[1..] {
+            assert_eq!(&results[0], result);
         }
     }
 }

@@ -7,18 +7,22 @@ use super::operator::{FlowOperator, PARALLEL_FROM};
 use crate::mechanics::Vector3;
 use rayon::prelude::*;
 
-/// Consecutive nodes that share a neighbourhood.
-const GROUP: usize = 4;
-/// Nodes of a neighbourhood. Iterations in a bundle of ten helices (pairs 3 mm apart, 680 nodes) for
-/// 16, 24, 32, 48, 64 nodes: 27, 21, 17, 13, 11; the price of building grows with the cube.
-const NEIGHBOURHOOD: usize = 32;
+/// Nodes of a neighbourhood to begin with. Iterations in a bundle of ten helices (pairs 3 mm apart, 680
+/// nodes) for 16, 24, 32, 48, 64 nodes: 27, 21, 17, 13, 11; the price of building grows with the cube.
+pub(super) const NEIGHBOURHOOD: usize = 32;
+/// Nodes of a neighbourhood per node of the group that takes its forces from it. Fewer share the price of
+/// an elimination among more nodes, but leave those at the ends of the group with few neighbours.
+const NEIGHBOURS_PER_NODE: usize = 8;
 
-/// Restricted additive Schwarz (Cai and Sarkis 1999): nodes in groups of four take their forces from the
-/// exact solution of the flow among the nodes nearest to the group, whichever filament these belong to.
+/// Restricted additive Schwarz (Cai and Sarkis 1999): consecutive nodes in small groups take their
+/// forces from the exact solution of the flow among the nodes nearest to the group, whichever filament
+/// these belong to.
 ///
 /// Blocks of whole filaments would do as well for filaments far apart, but take 46 iterations instead of
 /// 17 in a tight bundle, where a node's next neighbours are those of other filaments.
 pub(super) struct Preconditioner {
+    set: InstructionSet,
+    neighbourhood: usize,
     groups: Vec<Group>,
     parallel: bool,
 }
@@ -40,28 +44,39 @@ struct Group {
 }
 
 impl Preconditioner {
-    /// Groups the given number of nodes.
-    pub fn new(nodes: usize) -> Self {
+    /// Groups the given number of nodes; each group has a neighbourhood of the given size, or all nodes
+    /// where there are fewer.
+    pub fn new(nodes: usize, neighbourhood: usize) -> Self {
+        let size = neighbourhood / NEIGHBOURS_PER_NODE;
         let groups = (0..nodes)
-            .step_by(GROUP)
+            .step_by(size)
             .map(|first| Group {
                 first,
-                nodes: GROUP.min(nodes - first),
+                nodes: size.min(nodes - first),
                 ..Group::default()
             })
             .collect();
         Self {
+            set: InstructionSet::best(),
+            neighbourhood,
             groups,
             parallel: nodes >= PARALLEL_FROM,
         }
     }
 
-    /// Cost of [`build`](Self::build) in units of one product of the operator, from operation counts:
-    /// 2/3 m³ for the elimination of m unknowns, 18 n² for the product with n nodes.
-    pub fn building_cost(&self, nodes: usize) -> f64 {
-        let unknowns = (3 * NEIGHBOURHOOD.min(nodes)) as f64;
-        let eliminations = self.groups.len() as f64 * unknowns.powi(3) * (2.0 / 3.0);
-        eliminations / (18.0 * (nodes as f64).powi(2))
+    /// Nodes of a neighbourhood.
+    pub fn neighbourhood(&self) -> usize {
+        self.neighbourhood
+    }
+
+    /// Price of [`build`](Self::build) in units of one iteration, from operation counts: 2/3 m³ for the
+    /// elimination of m unknowns, 18 n² for the product with n nodes. As timed for 136 and 680 nodes, an
+    /// operation of the former takes 2.5 times as long as one of the latter.
+    pub fn price(&self, nodes: usize) -> f64 {
+        let unknowns = (3 * self.neighbourhood.min(nodes)) as f64;
+        let eliminations = self.groups.len() as f64 * unknowns * unknowns * unknowns * 2.0 / 3.0;
+        let product = 18.0 * (nodes * nodes) as f64;
+        2.5 * eliminations / product
     }
 
     /// Finds the neighbourhoods at the positions for which the operator was assembled, and inverts them.
@@ -73,7 +88,8 @@ impl Preconditioner {
         operator: &FlowOperator,
         positions: &[Vector3],
     ) -> Result<(), FluidError> {
-        let build = |group: &mut Group| group.build(operator, positions);
+        let (set, size) = (self.set, self.neighbourhood.min(positions.len()));
+        let build = |group: &mut Group| group.build(set, operator, positions, size);
         let worked = if self.parallel {
             self.groups
                 .par_iter_mut()
@@ -91,22 +107,28 @@ impl Preconditioner {
 
     /// `y` ≈ A⁻¹ `x`.
     pub fn apply(&mut self, x: &[f64], y: &mut [f64]) {
-        let set = InstructionSet::best();
-        for (group, y) in self.groups.iter_mut().zip(y.chunks_mut(3 * GROUP)) {
+        for group in &mut self.groups {
+            let own = 3 * group.first..3 * (group.first + group.nodes);
             for (k, &node) in group.neighbours.iter().enumerate() {
                 for c in 0..3 {
                     let unknown = 3 * k + c;
                     group.gathered[unknown / LANES][unknown % LANES] = x[3 * node + c];
                 }
             }
-            multiply_rows(set, &group.rows, &group.gathered, y);
+            multiply_rows(self.set, &group.rows, &group.gathered, &mut y[own]);
         }
     }
 }
 
 impl Group {
-    fn build(&mut self, operator: &FlowOperator, positions: &[Vector3]) -> bool {
-        self.find_neighbours(positions);
+    fn build(
+        &mut self,
+        set: InstructionSet,
+        operator: &FlowOperator,
+        positions: &[Vector3],
+        size: usize,
+    ) -> bool {
+        self.find_neighbours(positions, size);
         let own = 3 * self.nodes;
         let order = 3 * self.neighbours.len();
         let stride = order + own;
@@ -126,7 +148,7 @@ impl Group {
         for i in 0..own {
             self.system[i * stride + order + i] = 1.0;
         }
-        if !eliminate(InstructionSet::best(), &mut self.system, order, own) {
+        if !eliminate(set, &mut self.system, order, own) {
             return false;
         }
         let width = order.div_ceil(LANES);
@@ -142,8 +164,8 @@ impl Group {
         true
     }
 
-    /// The nodes nearest to any node of the group; the group itself comes first, at distance zero.
-    fn find_neighbours(&mut self, positions: &[Vector3]) {
+    /// The `size` nodes nearest to any node of the group; the group itself comes first, at distance zero.
+    fn find_neighbours(&mut self, positions: &[Vector3], size: usize) {
         let group = self.first..self.first + self.nodes;
         let own = &positions[group.clone()];
         let distance = |x: &Vector3| {
@@ -164,7 +186,6 @@ impl Group {
                 )
             }));
         let order = |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
-        let size = NEIGHBOURHOOD.min(positions.len());
         self.distances.select_nth_unstable_by(size - 1, order);
         self.distances[..size].sort_unstable_by(order);
         self.neighbours.clear();

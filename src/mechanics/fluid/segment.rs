@@ -149,7 +149,8 @@ impl Segment {
         let denominator = if beside { rho2 } else { sum - length };
         let product = if beside { longer * longer } else { longer } * denominator;
         let cofactor = if beside { q } else { 1.0 };
-        let i0 = logarithm_of_ratio(numerator, denominator);
+        let difference = if beside { q - rho2 } else { 2.0 * length };
+        let i0 = logarithm_of_ratio(numerator, denominator, difference);
 
         let r01 = r0 * r1;
         let scale = length / (r01 * sum * product);
@@ -202,4 +203,57 @@ pub(super) fn combine(c: &[f64; 4], p: &[f64; 3], t: &[f64; 3]) -> Symmetric {
         p[1].mul_add(u[2], t[1] * v[2]),
         p[2].mul_add(u[2], t[2].mul_add(v[2], c[0])),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn point_force_is_the_limit_of_a_short_segment() {
+        let x = Vector3::new(0.3, -0.2, 0.5);
+        let start = Vector3::new(0.1, 0.1, 0.1);
+        let end = start + Vector3::new(1e-7, -2e-7, 2e-7);
+        let epsilon = 0.05;
+        let [a1, a2] = segment_integral(&x, &start, &end, epsilon);
+        let r = x - start;
+        let distance = (r.norm_squared() + epsilon * epsilon).sqrt();
+        let stokeslet = Matrix3::identity()
+            * (1.0 / distance + epsilon * epsilon / distance.powi(3))
+            + r * r.transpose() / distance.powi(3);
+        // The kernel falls off like 1/R, so that it varies by about L/R along the segment.
+        let variation = 3e-7 / distance;
+        for a in [a1, a2] {
+            assert!((a - stokeslet * 1.5e-7).norm() < 3.0 * variation * a.norm());
+        }
+    }
+
+    #[test]
+    fn halves_add_up_to_the_whole() {
+        let (start, end) = (Vector3::new(-1.0, 0.2, 0.0), Vector3::new(2.0, 0.5, -0.7));
+        let middle = (start + end) * 0.5;
+        for x in [
+            Vector3::new(0.1, 0.2, 0.3),
+            middle,
+            end,
+            start * 4.0 - end * 3.0,
+        ] {
+            let [a1, a2] = segment_integral(&x, &start, &end, 0.02);
+            let [b1, b2] = segment_integral(&x, &start, &middle, 0.02);
+            let [c1, c2] = segment_integral(&x, &middle, &end, 0.02);
+            // The density of the whole at its middle is the mean of those at its ends.
+            let first = b1 + (b2 + c1) * 0.5 - a1;
+            let second = c2 + (b2 + c1) * 0.5 - a2;
+            assert!(first.norm() + second.norm() < 1e-13 * (a1.norm() + a2.norm()));
+        }
+    }
+
+    #[test]
+    fn a_segment_without_length_moves_nothing() {
+        let start = Vector3::new(0.1, 0.2, 0.3);
+        for x in [start, Vector3::zeros()] {
+            let a = segment_integral(&x, &start, &start, 1e-3);
+            assert_eq!(a, [Matrix3::zeros(); 2]);
+        }
+    }
 }

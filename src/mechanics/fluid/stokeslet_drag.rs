@@ -4,7 +4,7 @@ use super::drag::FluidReport;
 use super::gmres::{Convergence, Gmres, dot};
 use super::initial_guess::{InitialGuess, KEPT};
 use super::operator::FlowOperator;
-use super::preconditioner::Preconditioner;
+use super::preconditioner::{NEIGHBOURHOOD, Preconditioner};
 use super::{Filament, FluidError};
 use crate::mechanics::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -13,8 +13,8 @@ use std::f64::consts::PI;
 /// Relative residual ‖b − A f‖/‖b‖ at which a solve stops. The discretisation itself errs by some 10⁻³
 /// (thesis' helix), so that 10⁻⁶ is never what limits; smaller costs about an iteration per decade.
 const TOLERANCE: f64 = 1e-6;
-/// Iterations after which a solve has failed. With a fresh preconditioner it takes at most some twenty.
-const MOST_ITERATIONS: usize = 200;
+/// Iterations after which the preconditioner is held to be too coarse. Tight bundles take some twenty.
+const MOST_ITERATIONS: usize = 40;
 
 /// What later solves remember of earlier ones.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -24,41 +24,49 @@ pub struct StokesletMemory {
     age: Age,
     /// Positions of the nodes for which the preconditioner was built; empty before the first solve.
     preconditioned_at: Vec<[f64; 3]>,
+    /// Nodes of its neighbourhoods.
+    neighbourhood: usize,
 }
 
-/// How the preconditioner has aged.
+/// What the present preconditioner has cost since it was built.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Age {
-    /// Solves since it was built.
+    /// Solves with it.
     solves: usize,
-    /// Iterations of the shortest of them.
-    fewest: usize,
     /// Iterations of all of them.
-    total: usize,
+    iterations: usize,
+    /// Iterations of a solve lately, smoothed.
+    recent: f64,
 }
 
 impl Age {
+    /// Solves over which `recent` is smoothed.
+    const MEMORY: f64 = 8.0;
+
     fn record(&mut self, iterations: usize) {
-        self.fewest = if self.solves == 0 {
-            iterations
+        let weight = if self.solves == 0 {
+            1.0
         } else {
-            self.fewest.min(iterations)
+            1.0 / Self::MEMORY
         };
+        self.recent += weight * (iterations as f64 - self.recent);
         self.solves += 1;
-        self.total += iterations;
+        self.iterations += iterations;
     }
 
-    /// Iterations above the fewest: what the age has cost.
-    fn excess(&self) -> usize {
-        self.total - self.solves * self.fewest
+    /// Whether to build anew: once a solve costs more than solves have cost on average since the last
+    /// building, its price (in iterations) included. For costs that only grow this rule is the best one.
+    fn is_over(&self, price: f64) -> bool {
+        self.recent * self.solves as f64 > price + self.iterations as f64
     }
 }
 
 /// Solves A f = 8πη u again and again for nodes that move a little in between (thesis Eq. 2.27).
 ///
-/// GMRES starts from the best combination of the last solutions and is preconditioned by inverses of the
-/// diagonal blocks at some earlier time. They are built anew when the iterations that their age has cost
-/// add up to the price of building (the ski-rental rule: at most twice the cost of knowing the future).
+/// GMRES starts from the best combination of the last solutions and is preconditioned by inverses of
+/// neighbourhoods at some earlier time; these are built anew when their age has made solves too dear.
+/// Where they do not lead to convergence even when new, the neighbourhoods double. That happens for nodes
+/// much closer than ε, whose operator is ill-conditioned, and ends when a neighbourhood holds all nodes.
 pub(super) struct StokesletDrag {
     viscosity: f64,
     filaments: Vec<Filament>,
@@ -87,7 +95,7 @@ impl StokesletDrag {
             viscosity,
             filaments: filaments.to_vec(),
             operator,
-            preconditioner: Preconditioner::new(nodes),
+            preconditioner: Preconditioner::new(nodes, NEIGHBOURHOOD),
             preconditioned_at: Vec::with_capacity(nodes),
             age: Age::default(),
             guess: InitialGuess::new(unknowns),
@@ -116,7 +124,12 @@ impl StokesletDrag {
         for (own, node) in self.right_hand_side.chunks_exact_mut(3).zip(nodes()) {
             own.copy_from_slice(velocities[node].as_slice());
         }
-        voronoi_lengths(&self.filaments, &self.positions, &mut self.lengths);
+        let velocities_are_finite = self.right_hand_side.iter().all(|u| u.is_finite());
+        let positions_are_finite = self.positions.iter().flatten().all(|x| x.is_finite());
+        if !(velocities_are_finite && positions_are_finite) {
+            return Err(FluidError::NotFinite);
+        }
+        voronoi_lengths(&self.filaments, &self.positions, &mut self.lengths)?;
         self.operator.assemble(&self.positions);
         let report = self.solve()?;
 
@@ -136,6 +149,7 @@ impl StokesletDrag {
             densities: self.guess.previous().clone(),
             age: self.age,
             preconditioned_at: self.preconditioned_at.iter().map(|&x| x.into()).collect(),
+            neighbourhood: self.preconditioner.neighbourhood(),
         }
     }
 
@@ -147,7 +161,10 @@ impl StokesletDrag {
     pub fn restore(&mut self, memory: StokesletMemory) -> Result<(), FluidError> {
         let nodes = self.operator.nodes();
         let built = memory.preconditioned_at.len();
-        if memory.densities.iter().any(|d| d.len() != 3 * nodes) || (built != 0 && built != nodes) {
+        if memory.densities.iter().any(|d| d.len() != 3 * nodes)
+            || (built != 0 && built != nodes)
+            || memory.neighbourhood < NEIGHBOURHOOD
+        {
             return Err(FluidError::ForeignMemory);
         }
         self.preconditioned_at = memory
@@ -156,6 +173,7 @@ impl StokesletDrag {
             .map(Vector3::from)
             .collect();
         if built != 0 {
+            self.preconditioner = Preconditioner::new(nodes, memory.neighbourhood);
             self.operator.assemble(&self.preconditioned_at);
             self.preconditioner
                 .build(&self.operator, &self.preconditioned_at)?;
@@ -168,38 +186,47 @@ impl StokesletDrag {
     /// Solves A f = u for the assembled operator; f lacks the factor 8πη.
     fn solve(&mut self) -> Result<FluidReport, FluidError> {
         let size = dot(&self.right_hand_side, &self.right_hand_side).sqrt();
-        if !size.is_finite() {
+        let positions = self
+            .positions
+            .iter()
+            .map(Vector3::norm_squared)
+            .sum::<f64>();
+        if !(size.is_finite() && positions.is_finite()) {
             return Err(FluidError::NotFinite);
         }
-        let price = self.preconditioner.building_cost(self.operator.nodes());
-        if self.preconditioned_at.is_empty() || self.age.excess() as f64 > price {
+        let price = self.preconditioner.price(self.operator.nodes());
+        if self.preconditioned_at.is_empty() || self.age.is_over(price) {
             self.build_preconditioner()?;
         }
         let tolerance = TOLERANCE * size;
-        let mut convergence = self.iterate(tolerance);
-        if !(convergence.residual <= tolerance) && self.age.solves > 0 {
-            self.build_preconditioner()?;
-            convergence = self.iterate(tolerance);
-        }
         let Convergence {
             iterations,
             residual,
-        } = convergence;
-        if !residual.is_finite() {
-            return Err(FluidError::NotFinite);
-        }
-        let relative = if size > 0.0 { residual / size } else { 0.0 };
-        if relative > TOLERANCE {
-            return Err(FluidError::NoConvergence {
-                iterations,
-                residual: relative,
-            });
-        }
+        } = loop {
+            let convergence = self.iterate(tolerance);
+            if convergence.residual <= tolerance {
+                break convergence;
+            }
+            if !convergence.residual.is_finite() {
+                return Err(FluidError::NotFinite);
+            }
+            if self.age.solves == 0 {
+                let neighbourhood = self.preconditioner.neighbourhood();
+                if neighbourhood >= self.operator.nodes() {
+                    return Err(FluidError::NoConvergence {
+                        iterations: convergence.iterations,
+                        residual: convergence.residual / size,
+                    });
+                }
+                self.preconditioner = Preconditioner::new(self.operator.nodes(), 2 * neighbourhood);
+            }
+            self.build_preconditioner()?;
+        };
         self.age.record(iterations);
         self.guess.remember(&self.densities);
         Ok(FluidReport {
             iterations,
-            residual: relative,
+            residual: if size > 0.0 { residual / size } else { 0.0 },
         })
     }
 
@@ -226,18 +253,27 @@ impl StokesletDrag {
     }
 }
 
-/// Half of the lengths of the edges that meet at each node, m.
-fn voronoi_lengths(filaments: &[Filament], positions: &[Vector3], lengths: &mut [f64]) {
+/// Half of the lengths of the edges that meet at each node, m. An edge without length is an error: its
+/// two nodes have the same row in the operator.
+fn voronoi_lengths(
+    filaments: &[Filament],
+    positions: &[Vector3],
+    lengths: &mut [f64],
+) -> Result<(), FluidError> {
     lengths.fill(0.0);
     let mut first = 0;
     for filament in filaments {
         for edge in 0..filament.edges() {
             let ends = [first + edge, first + (edge + 1) % filament.nodes];
             let half = 0.5 * (positions[ends[1]] - positions[ends[0]]).norm();
+            if half == 0.0 {
+                return Err(FluidError::Singular);
+            }
             for node in ends {
                 lengths[node] += half;
             }
         }
         first += filament.nodes;
     }
+    Ok(())
 }

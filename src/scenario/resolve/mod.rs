@@ -34,6 +34,15 @@ pub fn resolve(context: &Context<'_>, file: &ScenarioFile) -> Result<Scenario, I
     if rods.is_empty() && matches!(file.experiment, Some(typed::Experiment::Scene)) {
         top.missing("rods", "a scene needs at least one [[rods]]");
     }
+    if !rods.is_empty()
+        && rods.iter().all(|rod| rod.held)
+        && matches!(file.experiment, Some(typed::Experiment::Scene))
+    {
+        top.fault(
+            "rods",
+            "every rod is held; at least one must be free to move",
+        );
+    }
     let smallest_radius = rods
         .iter()
         .map(|rod| rod.radius)

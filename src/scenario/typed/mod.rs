@@ -2,6 +2,7 @@
 //!
 //! The comments of these types are the descriptions in the JSON Schema and the words of `rodlab explain`.
 
+mod kinds;
 mod load;
 mod model;
 mod quantity;

@@ -1,12 +1,13 @@
 //! Rods as typed.
 
+use super::kinds::allow_text;
 use super::quantity::{Quantity, Vector};
 use super::shape::{NaturalShape, Shape};
 use crate::scenario::units::{
     Angle, AngularVelocity, Curvature, Density, Dimensionless, Force, Length, Pressure, Rigidity,
     Twist, Velocity,
 };
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema};
 use serde::Deserialize;
 
 /// A linear elastic material.
@@ -68,7 +69,12 @@ pub struct Rod {
 /// Shape of a cross-section.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
-#[schemars(tag = "kind", deny_unknown_fields, rename = "cross_section")]
+#[schemars(
+    tag = "kind",
+    deny_unknown_fields,
+    rename = "cross_section",
+    transform = plain_cross_sections
+)]
 pub enum CrossSection {
     /// A full circle of the rod's radius: A = πr², I = πr⁴/4, J = πr⁴/2.
     Circle {},
@@ -79,6 +85,11 @@ pub enum CrossSection {
         /// Side along the second material director.
         thickness: Option<Quantity<Length>>,
     },
+}
+
+/// Adds the cross-sections that need no further keys, as text.
+fn plain_cross_sections(schema: &mut Schema) {
+    allow_text(schema, &["circle"]);
 }
 
 /// Stiffnesses of a cross-section that replace the derived ones.

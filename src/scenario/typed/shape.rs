@@ -1,9 +1,10 @@
 //! Shapes as typed.
 
+use super::kinds::allow_text;
 use super::quantity::{Quantity, Vector};
 use crate::scenario::resolved::Handedness;
 use crate::scenario::units::{Angle, Curvature, Dimensionless, Length, Twist};
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema};
 use serde::Deserialize;
 
 /// A curve in space.
@@ -26,7 +27,7 @@ pub enum Shape {
 /// The shape without stress.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
-#[schemars(tag = "kind", rename = "natural_shape")]
+#[schemars(tag = "kind", rename = "natural_shape", transform = plain_natural_shapes)]
 pub enum NaturalShape {
     /// Curvature, twist and lengths as placed.
     AsPlaced(AsPlaced),
@@ -43,6 +44,11 @@ pub enum NaturalShape {
     Ring(Ring),
     /// Curvature, twist and lengths of a polyline.
     Points(Points),
+}
+
+/// Adds the natural shapes that need no further keys, as text.
+fn plain_natural_shapes(schema: &mut Schema) {
+    allow_text(schema, &["as-placed", "straight"]);
 }
 
 /// The placed shape; it has no keys of its own.

@@ -16,8 +16,9 @@ pub fn sliding_acceleration(gravity: f64, incline: f64, friction: f64) -> f64 {
 ///
 /// T₂ − EI/2ρ² − μ T₂ sin ψ₂ = (T₁ − EI/2ρ² + μ T₁ sin ψ₁) exp(μ (φ − ψ₁ − ψ₂)).
 ///
-/// Without bending stiffness this is Euler's T₂ = T₁ exp(μφ). (After Stuart 1961, with the concentrated
-/// forces of the elastica in contact, e.g. Frisch-Fay, Flexible Bars, 1962.)
+/// Without bending stiffness this is Euler's T₂ = T₁ exp(μφ). Derivation: on a leg n·t + EI κ²/2 = T is
+/// constant, at the post κ is continuous, and there n·t' = μ n·t/ρ; the shear force jumps from T sin ψ
+/// to zero where contact begins.
 #[derive(Clone, Copy, Debug)]
 pub struct Capstan {
     /// Friction coefficient μ.

@@ -99,11 +99,37 @@ mod tests {
     }
 
     #[test]
-    fn the_case_of_bergou_has_the_published_loads() {
-        let buckle = bergou();
-        assert!((buckle.moment - 14.2520156547).abs() < 1e-8);
-        assert!((buckle.tension - 46.9885002139).abs() < 1e-8);
-        assert!((buckle.cosine_in_the_middle() - 0.606973511222).abs() < 1e-10);
+    fn tension_and_moment_give_the_shortening_and_the_rotation() {
+        let LocalizedBuckle {
+            tension, moment, ..
+        } = bergou();
+        let shortening = (16.0 * 1.345 / tension - (2.0 * moment / tension).powi(2)).sqrt();
+        let m = moment / (2.0 * (1.345 * tension).sqrt());
+        assert!((shortening - 0.3).abs() < 1e-12);
+        assert!((moment * 9.29 / 0.789 + 4.0 * m.acos() - 27.0 * TAU).abs() < 1e-10);
+    }
+
+    #[test]
+    fn the_shape_agrees_with_the_reference_solution() {
+        let file = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../shared/reference/beams/localized_helical_buckling_bergou2008.csv"
+        );
+        let Ok(text) = std::fs::read_to_string(file) else {
+            println!("skipped: {file} is not here");
+            return;
+        };
+        let rows = text.lines().filter_map(|line| {
+            let row: Result<Vec<f64>, _> = line.split(',').map(str::parse).collect();
+            row.ok()
+        });
+        let mut count = 0;
+        for row in rows {
+            assert!((bergou().cosine(row[0]) - row[2]).abs() < 1e-9);
+            assert!((bergou().envelope(row[0]) - row[3]).abs() < 1e-9);
+            count += 1;
+        }
+        assert!(count > 100);
     }
 
     #[test]

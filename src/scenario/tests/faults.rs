@@ -1,0 +1,138 @@
+//! Every fault names file, line, column, key and what is allowed; nothing panics.
+
+use super::{BEAM, read};
+use crate::scenario::load;
+use proptest::prelude::*;
+
+/// The messages for a text in which `from` is replaced by `to`.
+fn faults(from: &str, to: &str) -> String {
+    assert!(BEAM.contains(from), "{from}");
+    read(&BEAM.replacen(from, to, 1)).unwrap_err().to_string()
+}
+
+#[test]
+fn faults_name_file_line_column_key_and_range() {
+    insta::assert_snapshot!(faults("radius = \"5 mm\"", "radius = -5.0"), @"beam.toml:11:10: `rods.0.radius`: -5.0 is out of range; allowed: greater than 0");
+    insta::assert_snapshot!(faults("radius = \"5 mm\"", "raduis = \"5 mm\""), @"beam.toml:11:1: `rods.0.raduis`: unknown key (did you mean `radius`?)");
+    insta::assert_snapshot!(faults("radius = \"5 mm\"", "radius = \"5 MPa\""), @r#"beam.toml:11:10: `rods.0.radius`: "5 MPa" is a pressure, but this key takes a length; allowed units: m, cm, mm, µm, um, nm, km, in"#);
+    insta::assert_snapshot!(faults("radius = \"5 mm\"", "radius = nan"), @"beam.toml:11:10: `rods.0.radius`: NaN is not a finite number");
+    insta::assert_snapshot!(faults("radius = \"5 mm\"", "radius = inf"), @"beam.toml:11:10: `rods.0.radius`: inf is not a finite number");
+    insta::assert_snapshot!(faults("radius = \"5 mm\"", "radius = true"), @"beam.toml:11:10: `rods.0.radius`: expected a length as a number in SI units or as text with a unit, found a boolean");
+    insta::assert_snapshot!(faults("radius = \"5 mm\"", "radius = 1e-200"), @"beam.toml:11:10: `rods.0.radius`: radius and material give the stiffnesses EA = 0.0 N, EI = 0.0 N m²; check their units");
+    insta::assert_snapshot!(faults("radius = \"5 mm\"\n", ""), @"beam.toml:9:1: `rods.0`: missing key `radius` (a length, greater than 0)");
+    insta::assert_snapshot!(faults("edges = 50", "edges = 0"), @"beam.toml:12:9: `rods.0.edges`: 0 is out of range; allowed: 1 to 1000000");
+    insta::assert_snapshot!(faults("edges = 50", "edges = 50.5"), @"beam.toml:12:9: `rods.0.edges`: expected a whole number, found a number");
+    insta::assert_snapshot!(faults("edges = 50", "edges = 99999999999999999999"), @"beam.toml:12:9: `rods.0.edges`: expected a whole number, found a number");
+    insta::assert_snapshot!(faults("poissons_ratio = 0.5", "poissons_ratio = 0.6"), @"beam.toml:6:18: `material.poissons_ratio`: 0.6 is out of range; allowed: greater than -1 and at most 0.5");
+    insta::assert_snapshot!(faults("kind = \"straight\"", "kind = \"strait\""), @r#"beam.toml:13:18: `rods.0.shape.kind`: "strait" is not known here; allowed: straight, helix, arc, ring, points (did you mean `straight`?)"#);
+    insta::assert_snapshot!(faults("end = [1, 0, 0]", "end = [1, 0]"), @"beam.toml:13:55: `rods.0.shape.end`: expected an array of 3 values, found 2");
+    insta::assert_snapshot!(faults("end = [1, 0, 0]", "end = [0, 0, 0]"), @"beam.toml:13:55: `rods.0.shape.end`: the line has no length: `start` and `end` are the same");
+    insta::assert_snapshot!(faults("kind = \"straight\", ", ""), @"beam.toml:13:9: `rods.0.shape`: missing key `kind`; allowed: straight, helix, arc, ring, points");
+    insta::assert_snapshot!(faults("kind = \"gravity\"", "kind = \"gravitation\""), @r#"beam.toml:20:8: `loads.0.kind`: "gravitation" is not known here; allowed: gravity, force, moment, distributed, drag (did you mean `gravity`?)"#);
+    insta::assert_snapshot!(faults("at = \"start\"", "at = \"middle\""), @r#"beam.toml:17:6: `clamps.0.at`: invalid value: string "middle", expected "start", "end" or a number counted from zero"#);
+    insta::assert_snapshot!(faults("at = \"start\"", "at = -1"), @"beam.toml:17:6: `clamps.0.at`: -1 is out of range; allowed: 0 and up");
+    insta::assert_snapshot!(faults("mode = \"static\"", "mode = \"continuation\""), @r#"beam.toml:24:8: `time.mode`: continuation is not built yet; allowed: "dynamic", "static""#);
+    insta::assert_snapshot!(faults("mode = \"static\"", "end = 0"), @"beam.toml:24:7: `time.end`: 0.0 is out of range; allowed: greater than 0");
+    insta::assert_snapshot!(faults("mode = \"static\"", "end = 1\nstep = 0"), @"beam.toml:25:8: `time.step`: 0.0 is out of range; allowed: greater than 0");
+    insta::assert_snapshot!(faults("mode = \"static\"", "end = 1\nstep = 1e-12"), @"beam.toml:25:8: `time.step`: 1e-12 s is out of range; allowed: at least solver.minimum_step = 1e-9 s");
+    insta::assert_snapshot!(faults("mode = \"static\"", "mode = \"static\"\nend = 3"), @"beam.toml:25:7: `time.end`: a static run has no time steps; leave the key out");
+    insta::assert_snapshot!(faults("[output]", "[contact]\nmodel = \"complementarity\"\n[output]"), @r#"beam.toml:27:9: `contact.model`: this contact model is not built yet; allowed: "imc", "ipc", "none""#);
+    insta::assert_snapshot!(faults("[output]", "[contact]\nmodel = \"ipc\"\nmaximum_penetration = 0.1\n[output]"), @r#"beam.toml:28:23: `contact.maximum_penetration`: the model "ipc" allows no penetration; leave the key out"#);
+    insta::assert_snapshot!(faults("[output]", "[contact]\nmodel = \"ipc\"\ndistance_tolerance = \"6 mm\"\nfriction = -0.1\nslip_tolerance = 0\n[output]"), @r#"
+beam.toml:28:22: `contact.distance_tolerance`: 0.006 m is out of range; allowed: at most the smallest radius, 0.005 m
+beam.toml:29:12: `contact.friction`: -0.1 is out of range; allowed: at least 0
+beam.toml:30:18: `contact.slip_tolerance`: 0.0 is out of range; allowed: greater than 0
+"#);
+    insta::assert_snapshot!(faults("[output]", "[sweep]\nrods = 1\n[output]"), @"beam.toml:26:2: `sweep`: sweeps are not in this version of rodlab (take the table out, and run the cases one by one with --set)");
+    insta::assert_snapshot!(faults("[output]", "[fluid]\nmodel = \"resistive\"\n[output]"), @"beam.toml:26:1: `fluid`: missing key `viscosity` (a viscosity, greater than 0)");
+    insta::assert_snapshot!(faults("nodes = true", "nodes = 1979-05-27"), @"beam.toml:27:9: `output.nodes`: expected `true` or `false`, found a date");
+    insta::assert_snapshot!(faults("nodes = true", "nodes = "), @"beam.toml:27:9: not TOML: string values must be quoted, expected literal string");
+    insta::assert_snapshot!(faults("experiment = \"scene\"\n", ""), @r#"beam.toml:1:1: missing key `experiment` ("scene" or "flagella")"#);
+    insta::assert_snapshot!(faults("experiment = \"scene\"\n", "experiment = \"folding\"\n"), @r#"beam.toml:1:14: `experiment`: "folding" is not known here; allowed: scene, flagella"#);
+    insta::assert_snapshot!(read("").unwrap_err().to_string(), @r###"
+beam.toml:1:1: missing key `experiment` ("scene" or "flagella")
+beam.toml:1:1: `time`: missing key `end` (a time, greater than 0)
+"###);
+}
+
+#[test]
+fn a_scene_in_which_nothing_can_move_is_refused() {
+    insta::assert_snapshot!(faults("edges = 50", "edges = 50\nheld = true"), @"beam.toml:9:1: `rods`: every rod is held; at least one must be free to move");
+}
+
+#[test]
+fn several_faults_are_reported_together() {
+    let text = BEAM
+        .replace("radius = \"5 mm\"", "raduis = 5")
+        .replace("edges = 50", "edges = \"fifty\"")
+        .replace("nodes = true", "node = true");
+    insta::assert_snapshot!(read(&text).unwrap_err().to_string(), @r###"
+beam.toml:11:1: `rods.0.raduis`: unknown key (did you mean `radius`?)
+beam.toml:12:9: `rods.0.edges`: expected a whole number, found text
+beam.toml:27:1: `output.node`: unknown key (did you mean `nodes`?)
+"###);
+    let text = BEAM
+        .replace("radius = \"5 mm\"", "radius = 0")
+        .replace("edges = 50", "edges = -2")
+        .replace("density = 1000.0", "density = \"1 kg\"");
+    insta::assert_snapshot!(read(&text).unwrap_err().to_string(), @r###"
+beam.toml:7:11: `material.density`: "1 kg" has an unknown unit; allowed units: kg/m^3, g/cm^3
+beam.toml:11:10: `rods.0.radius`: 0.0 is out of range; allowed: greater than 0
+beam.toml:12:9: `rods.0.edges`: -2 is out of range; allowed: 1 to 1000000
+"###);
+}
+
+#[test]
+fn faults_are_shown_in_their_lines() {
+    let text = BEAM.replace("radius = \"5 mm\"", "raduis = \"5 mm\"");
+    insta::assert_snapshot!(read(&text).unwrap_err().render(false), @r###"
+ × `rods.0.raduis`: unknown key
+   ╭─[beam.toml:11:1]
+10 │ name = "beam"
+11 │ raduis = "5 mm"
+   · ───┬──
+   ·    ╰── here
+12 │ edges = 50
+   ╰────
+ help: did you mean `radius`?
+"###);
+}
+
+#[test]
+fn names_of_rods_are_checked() {
+    let two = "[[rods]]\nname = \"beam\"\nradius = 1\nedges = 3\nshape = { kind = \"ring\", centre = [0, 0, 0], radius = 9 }\n\n[[clamps]]";
+    insta::assert_snapshot!(faults("[[clamps]]", two), @"beam.toml:16:8: `rods.1.name`: rod 0 is called `beam` too; names must differ");
+    insta::assert_snapshot!(faults("name = \"beam\"", "name = \"a.b\""), @r#"beam.toml:10:8: `rods.0.name`: "a.b" cannot be a name; allowed: letters, digits, `_` and `-`, not digits alone"#);
+}
+
+proptest! {
+    #[test]
+    fn no_bytes_in_a_file_make_it_panic(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("noise.toml");
+        std::fs::write(&path, bytes).unwrap();
+        if let Err(error) = load(&path, &[]) {
+            error.render(false);
+        }
+    }
+
+    #[test]
+    fn no_text_makes_it_panic(text in "\\PC*") {
+        if let Err(error) = read(&text) {
+            error.render(false);
+        }
+    }
+
+    #[test]
+    fn no_damage_to_a_file_makes_it_panic(
+        at in 0..BEAM.len(),
+        length in 0..20usize,
+        insert in "[\\[\\]{}=\"'\\n#.,a-z0-9é-]{0,6}",
+    ) {
+        let mut text = BEAM.to_owned();
+        text.replace_range(at..(at + length).min(BEAM.len()), &insert);
+        if let Err(error) = read(&text) {
+            error.render(false);
+        }
+    }
+}

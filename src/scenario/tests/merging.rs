@@ -1,0 +1,120 @@
+//! Scenarios that extend others, are overridden from the command line, or read shape files.
+
+use super::BEAM;
+use crate::scenario::{Scenario, Shape, load};
+use proptest::prelude::*;
+
+/// Writes files into a fresh directory.
+fn directory(files: &[(&str, &str)]) -> tempfile::TempDir {
+    let directory = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        std::fs::write(directory.path().join(name), text).unwrap();
+    }
+    directory
+}
+
+/// Loads a file of a directory; faults without the directory's name.
+fn load_from(directory: &tempfile::TempDir, name: &str, set: &[&str]) -> Result<Scenario, String> {
+    let set: Vec<String> = set.iter().map(|&text| text.to_owned()).collect();
+    load(&directory.path().join(name), &set)
+        .map(|loaded| loaded.scenario)
+        .map_err(|error| {
+            let place = format!("{}/", directory.path().display());
+            error.to_string().replace(&place, "")
+        })
+}
+
+#[test]
+fn a_scenario_extends_another() {
+    let directory = directory(&[
+        ("base.toml", BEAM),
+        (
+            "longer.toml",
+            "extends = \"base.toml\"\ntitle = \"Longer\"\n[material]\ndensity = 2000\n",
+        ),
+        (
+            "broken.toml",
+            "extends = \"base.toml\"\n[material]\ndensity = -1\n",
+        ),
+        ("circle.toml", "extends = \"circle.toml\""),
+        ("lost.toml", "extends = \"nowhere.toml\""),
+    ]);
+    let scenario = load_from(&directory, "longer.toml", &[]).unwrap();
+    assert_eq!(scenario.name, "longer");
+    assert_eq!(scenario.title, "Longer");
+    assert_eq!(scenario.rods[0].material.density, 2000.0);
+    assert_eq!(scenario.rods[0].material.youngs_modulus, 1e8);
+    let fault = |name| load_from(&directory, name, &[]).unwrap_err();
+    insta::assert_snapshot!(fault("broken.toml"), @"broken.toml:3:11: `material.density`: -1.0 is out of range; allowed: greater than 0");
+    insta::assert_snapshot!(fault("circle.toml"), @"circle.toml:1:11: `extends`: circle.toml extends this file in turn: a circle");
+    insta::assert_snapshot!(fault("lost.toml"), @"lost.toml:1:11: `extends`: nowhere.toml cannot be read: No such file or directory (os error 2)");
+    insta::assert_snapshot!(fault("none.toml"), @"none.toml cannot be read: No such file or directory (os error 2)");
+}
+
+#[test]
+fn keys_are_set_from_the_command_line() {
+    let directory = directory(&[("beam.toml", BEAM)]);
+    let rod = |set| {
+        load_from(&directory, "beam.toml", &[set])
+            .unwrap()
+            .rods
+            .remove(0)
+    };
+    assert_eq!(rod("rods.0.radius=\"7 mm\"").radius, 7e-3);
+    assert_eq!(rod("rods.0.radius=7 mm").radius, 7e-3);
+    assert_eq!(rod("rods.beam.radius = 0.007").radius, 7e-3);
+    assert_eq!(
+        rod("rods.beam.stiffness.twisting=3").stiffness.twisting,
+        3.0
+    );
+    assert_eq!(
+        rod("rods.beam.shape.end=[2, 0, 0]").shape,
+        Shape::Straight {
+            start: [0.0; 3],
+            end: [2.0, 0.0, 0.0]
+        }
+    );
+    let fault = |set| load_from(&directory, "beam.toml", &[set]).unwrap_err();
+    insta::assert_snapshot!(fault("rods.beem.radius=1"), @"--set:1:1: `rods.beem.radius`: no element is called `beem` (did you mean `beam`?)");
+    insta::assert_snapshot!(fault("rods.1.radius=1"), @"--set:1:1: `rods.1.radius`: there is no element 1; the array has 1");
+    insta::assert_snapshot!(fault("rods.0.radius=-1"), @"--set:1:15: `rods.0.radius`: -1.0 is out of range; allowed: greater than 0");
+    insta::assert_snapshot!(fault("rods.0.raduis=1"), @"--set:1:1: `rods.0.raduis`: unknown key (did you mean `radius`?)");
+    insta::assert_snapshot!(fault("title.long=1"), @"--set:1:1: `title.long`: there is no `long` here: text has no keys");
+    insta::assert_snapshot!(fault("rods.0.radius"), @r#"--set:1:1: expected key=value (for example --set rods.0.radius="5 mm")"#);
+    insta::assert_snapshot!(fault("rods..radius=1"), @"--set:1:1: expected keys joined by dots, such as time.end");
+    insta::assert_snapshot!(fault("extends=other.toml"), @"--set:1:1: `extends`: this key cannot be set from the command line");
+    // A value cannot smuggle in further keys.
+    let title = "\"a\"
+rods=3";
+    let scenario = load_from(&directory, "beam.toml", &[&format!("title={title}")]);
+    assert_eq!(scenario.unwrap().title, title);
+}
+
+#[test]
+fn shape_files_are_found_beside_the_scenario() {
+    let curve = BEAM.replace(
+        "kind = \"straight\", start = [0, 0, 0], end = [1, 0, 0]",
+        "kind = \"points\", file = \"curve.csv\"",
+    );
+    let directory = directory(&[
+        ("beam.toml", &curve),
+        ("curve.csv", "x,y,z\n0,0,0\n1,0,0\n1,1,0\n"),
+    ]);
+    let scenario = load_from(&directory, "beam.toml", &[]).unwrap();
+    assert_eq!(
+        scenario.rods[0].shape,
+        Shape::Points {
+            points: vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]]
+        }
+    );
+    std::fs::write(directory.path().join("curve.csv"), "x,y,z\n0,0,0\n1,0\n").unwrap();
+    insta::assert_snapshot!(load_from(&directory, "beam.toml", &[]).unwrap_err(), @"beam.toml:13:35: `rods.0.shape.file`: curve.csv, line 3: expected 3 columns, found 2");
+}
+
+proptest! {
+    #[test]
+    fn no_override_makes_it_panic(text in "[a-z0-9.]{0,12}=?\\PC{0,12}") {
+        let directory = directory(&[("beam.toml", BEAM)]);
+        let _ = load_from(&directory, "beam.toml", &[&text]);
+    }
+}
