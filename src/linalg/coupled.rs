@@ -99,9 +99,12 @@ impl CoupledSystem {
     /// A pivot that is zero or not finite.
     pub fn factor(&mut self) -> Result<Option<Inertia>, SingularMatrix> {
         let (diagonal, lower, upper) = self.matrix.parts();
-        let mut inertia = self.factor.factor(diagonal, lower, upper)?;
-        inertia.positive -= self.solution.as_flattened().len() - self.dimension;
-        Ok(self.symmetric.then_some(inertia))
+        let inertia = self.factor.factor(diagonal, lower, upper)?;
+        let filling = self.solution.as_flattened().len() - self.dimension;
+        Ok(self.symmetric.then(|| Inertia {
+            positive: inertia.positive - filling,
+            ..inertia
+        }))
     }
 
     /// Solves A x = b in place with the factors of the last [`Self::factor`], refining the solution once

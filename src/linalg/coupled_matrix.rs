@@ -143,13 +143,23 @@ impl CoupledMatrix {
 
     /// Finds where the entries of an element go. A symmetric matrix stores no block right of the diagonal.
     fn place_element(&mut self, element: &Element, held: &[bool]) {
+        // Neighbouring entries lie in the same block: look it up only where the nodes change.
+        let mut nodes = (usize::MAX, usize::MAX);
+        let mut place = None;
         for (row, &i) in element.iter().enumerate() {
             for (column, &j) in element.iter().enumerate() {
-                if is_free(i, held)
-                    && is_free(j, held)
-                    && let Some(value) = self.value(i, j)
-                {
+                if !is_free(i, held) || !is_free(j, held) {
+                    continue;
+                }
+                if nodes != (i / NODE, j / NODE) {
+                    nodes = (i / NODE, j / NODE);
+                    place = self.block(nodes.0, nodes.1);
+                }
+                if let Some((block, transposed)) = place {
+                    let (r, c) = (i % NODE, j % NODE);
+                    let (r, c) = if transposed { (c, r) } else { (r, c) };
                     let entry = (element.len() * row + column) as u32;
+                    let value = (NODE * NODE * block + NODE * c + r) as u32;
                     self.moves.push(Move { entry, value });
                 }
             }
@@ -157,18 +167,17 @@ impl CoupledMatrix {
         self.element_starts.push(self.moves.len());
     }
 
-    /// Index of entry (i, j) among the values; none where a symmetric matrix stores only entry (j, i).
-    fn value(&self, i: usize, j: usize) -> Option<u32> {
-        let ((p, r), (q, c)) = ((i / NODE, i % NODE), (j / NODE, j % NODE));
+    /// Block (p, q) of two nodes, and whether it is stored transposed; none where a symmetric matrix stores
+    /// only block (q, p).
+    fn block(&self, p: usize, q: usize) -> Option<(usize, bool)> {
         let (nodes, pairs) = (self.graph.nodes, self.graph.pairs().len());
         let pair = |p, q| self.graph.pair(p, q).expect("the graph holds the elements");
-        let (block, row, column) = match p.cmp(&q) {
-            Ordering::Equal => (p, r, c),
-            Ordering::Greater => (nodes + pair(p, q), r, c),
-            Ordering::Less if self.symmetric => return None,
-            Ordering::Less => (nodes + pairs + pair(q, p), c, r),
-        };
-        Some((NODE * NODE * block + NODE * column + row) as u32)
+        match p.cmp(&q) {
+            Ordering::Equal => Some((p, false)),
+            Ordering::Greater => Some((nodes + pair(p, q), false)),
+            Ordering::Less if self.symmetric => None,
+            Ordering::Less => Some((nodes + pairs + pair(q, p), true)),
+        }
     }
 
     /// Finds the values that the band may have in rows and columns of held unknowns.

@@ -3,10 +3,10 @@
 /// Output times 0, Δ, 2Δ, ..., end: products, not sums, so that they do not drift.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct OutputTimes {
-    interval: f64,
+    /// Numerator and denominator of the interval, a power of ten where the interval is a short decimal:
+    /// k · 3 / 100 is the number nearest to 0.03 k; k · 0.03 need not be.
+    interval: [f64; 2],
     end: f64,
-    /// Outputs per second where that is a whole number: k / 10 is the number nearest to 0.1 k; k · 0.1 need not be.
-    per_second: Option<f64>,
     last: usize,
 }
 
@@ -20,12 +20,9 @@ impl OutputTimes {
         let nearest = intervals.round();
         let whole = (intervals - nearest).abs() <= ROUND_OFF * nearest;
         let last = if whole { nearest } else { intervals.ceil() };
-        let frequency = 1.0 / interval;
-        let per_second = (frequency.fract() == 0.0 && frequency >= 1.0).then_some(frequency);
         Self {
-            interval,
+            interval: as_fraction(interval),
             end,
-            per_second,
             last: last as usize,
         }
     }
@@ -33,9 +30,8 @@ impl OutputTimes {
     /// A single output at time zero.
     pub fn only_start() -> Self {
         Self {
-            interval: 0.0,
+            interval: [0.0, 1.0],
             end: 0.0,
-            per_second: None,
             last: 0,
         }
     }
@@ -47,12 +43,21 @@ impl OutputTimes {
 
     /// Time of an output, s.
     pub fn time(&self, index: usize) -> f64 {
-        match self.per_second {
-            _ if index >= self.last => self.end,
-            Some(frequency) => index as f64 / frequency,
-            None => index as f64 * self.interval,
+        if index >= self.last {
+            return self.end;
         }
+        let [numerator, denominator] = self.interval;
+        index as f64 * numerator / denominator
     }
+}
+
+/// A number as a whole number over a power of ten where nine decimals suffice, else over one.
+fn as_fraction(number: f64) -> [f64; 2] {
+    (0..=9)
+        .map(|decimals| 10f64.powi(decimals))
+        .map(|denominator| [(number * denominator).round(), denominator])
+        .find(|[numerator, denominator]| numerator / denominator == number)
+        .unwrap_or([number, 1.0])
 }
 
 #[cfg(test)]
@@ -64,6 +69,15 @@ mod tests {
         let times = OutputTimes::new(0.1, 0.7);
         let all: Vec<f64> = (0..=times.last()).map(|k| times.time(k)).collect();
         assert_eq!(all, [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]);
+    }
+
+    #[test]
+    fn every_time_is_the_nearest_number_to_its_decimal() {
+        let times = OutputTimes::new(0.03, 300.0);
+        for index in 0..=times.last() {
+            let decimal = format!("{}.{:02}", 3 * index / 100, 3 * index % 100);
+            assert_eq!(times.time(index), decimal.parse::<f64>().unwrap());
+        }
     }
 
     #[test]

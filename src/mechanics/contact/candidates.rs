@@ -14,7 +14,7 @@ use super::contacts::CandidatePair;
 use super::surface::ContactSurface;
 use crate::mechanics::Vector3;
 
-/// Margin of the candidates in radii of the thickest rod.
+/// Margin of the candidates in radii of the thickest rod that moves.
 ///
 /// A larger margin means fewer rebuilds, a smaller one fewer candidates and so fewer entries in the sparse
 /// factorisation. The flagella of the thesis (radius 1 mm) move by 0.15 mm per step: every fourth step
@@ -50,7 +50,7 @@ impl Candidates {
     pub fn new(surface: &ContactSurface, reach: f64) -> Self {
         Self {
             reach,
-            margin: MARGIN * surface.largest_radius(),
+            margin: MARGIN * surface.largest_moving_radius(),
             pairs: Vec::new(),
             earlier_pairs: Vec::new(),
             gaps: Vec::new(),

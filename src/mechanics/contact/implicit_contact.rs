@@ -118,7 +118,7 @@ impl ImplicitContact {
         &self.parameters
     }
 
-    /// Sets the margin of the candidates, m (two radii of the thickest rod otherwise), and forgets them.
+    /// Sets the margin of the candidates, m (two radii of the thickest moving rod otherwise), and forgets them.
     ///
     /// A larger margin means fewer rebuilds, a smaller one fewer candidates and so fewer entries in the
     /// Newton system. To be called before the first update, and again before a restart.

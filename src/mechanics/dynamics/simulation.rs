@@ -4,8 +4,8 @@ use super::newton::{Newton, Stopping};
 use super::parameters::{IntegrationParameters, Scheme, StepSize};
 use super::report::{SimulationError, StepReport};
 use super::step_control::{StepControl, Verdict};
-use crate::mechanics::contact::ImplicitContact;
-use crate::mechanics::fluid::{Filament, Fluid};
+use crate::mechanics::contact::ActiveContact;
+use crate::mechanics::fluid::{Filament, Fluid, FluidModel};
 use crate::mechanics::rod::{STRIDE, topology::position};
 use crate::mechanics::scene::Scene;
 use crate::mechanics::system::{Divergence, Stage, System, copy_positions, describe_overlap};
@@ -134,6 +134,12 @@ impl Simulation {
         simulation.system.drive(0.0, &mut simulation.unknowns);
         simulation.system.update_geometry(&simulation.unknowns);
         simulation.publish();
+        if let Some(FluidModel::Resistive { .. }) = scene.fluid {
+            // Rods too thick for the theory show in the first forces, which leave no trace.
+            simulation
+                .compute_drag()
+                .map_err(|error| SimulationError::BadScene(error.to_string()))?;
+        }
         Ok(simulation)
     }
 
@@ -179,14 +185,10 @@ impl Simulation {
                 goal = self.time + smaller;
             }
         }
-        report.step = goal - self.time;
+        report.step = self.control.size(&self.parameters.step, goal - self.time);
         self.accept(goal);
         report.time = self.time;
-        report.contacts = self
-            .system
-            .contact
-            .as_ref()
-            .map_or(0, ImplicitContact::contact_count);
+        self.report_contacts(&mut report);
         Ok(report)
     }
 
@@ -195,7 +197,9 @@ impl Simulation {
     /// # Errors
     /// [`SimulationError::NoConvergence`].
     pub fn find_equilibrium(&mut self) -> Result<StepReport, SimulationError> {
-        let force = self.system.force_tolerance(self.parameters.force_tolerance);
+        let force = self
+            .system
+            .force_tolerance(self.parameters.force_tolerance, &self.unknowns);
         self.trial.copy_from_slice(&self.unknowns);
         match statics::find_equilibrium(&mut self.system, &mut self.trial, force) {
             Ok(iterations) => {
@@ -203,19 +207,15 @@ impl Simulation {
                 self.velocity.fill(0.0);
                 self.earlier_velocity.fill(0.0);
                 self.publish();
-                let contacts = self
-                    .system
-                    .contact
-                    .as_ref()
-                    .map_or(0, ImplicitContact::contact_count);
-                Ok(StepReport {
+                let mut report = StepReport {
                     time: self.time,
                     newton_iterations: iterations,
-                    contacts,
                     ..StepReport::default()
-                })
+                };
+                self.report_contacts(&mut report);
+                Ok(report)
             }
-            Err(divergence) => Err(self.no_convergence(0.0, &divergence)),
+            Err(divergence) => Err(self.no_equilibrium(&divergence)),
         }
     }
 
@@ -251,7 +251,9 @@ impl Simulation {
         self.system
             .adapt_contact_stiffness(&self.trial, &self.stage);
         let stopping = Stopping {
-            force: self.system.force_tolerance(self.parameters.force_tolerance),
+            force: self
+                .system
+                .force_tolerance(self.parameters.force_tolerance, &self.unknowns),
             displacement: self.parameters.displacement_tolerance * self.radius,
             iterations: self.parameters.maximum_iterations,
         };
@@ -435,18 +437,46 @@ impl Simulation {
         error
     }
 
+    /// Counts the contacts of the last evaluation and finds the nearest.
+    fn report_contacts(&self, report: &mut StepReport) {
+        let Some(contact) = &self.system.contact else {
+            return;
+        };
+        report.contacts = contact.contact_count();
+        let smallest = |of: fn(&ActiveContact) -> f64| {
+            contact.contacts().iter().map(of).min_by(f64::total_cmp)
+        };
+        report.minimum_distance = smallest(|pair| pair.distance);
+        report.minimum_distance_ratio = smallest(|pair| pair.distance / pair.threshold);
+    }
+
+    /// Term, rod and node of the largest residual at a failed configuration.
+    fn culprit(&mut self, stage: Option<&Stage>, unknown: usize) -> (&'static str, String, usize) {
+        let term = self.system.largest_term(&self.trial, stage, unknown);
+        let (rod, node) = self.system.assembly.locate(unknown / STRIDE);
+        (term, self.system.assembly.names[rod].clone(), node)
+    }
+
     fn no_convergence(&mut self, step: f64, divergence: &Divergence) -> SimulationError {
-        let stage = (step > 0.0).then_some(&self.stage);
-        let term = self
-            .system
-            .largest_term(&self.trial, stage, divergence.unknown);
-        let (rod, node) = self.system.assembly.locate(divergence.unknown / STRIDE);
+        let stage = self.stage.clone();
+        let (term, rod, node) = self.culprit(Some(&stage), divergence.unknown);
         SimulationError::NoConvergence {
             time: self.time,
             step,
             residual: divergence.residual,
             term,
-            rod: self.system.assembly.names[rod].clone(),
+            rod,
+            node,
+        }
+    }
+
+    fn no_equilibrium(&mut self, divergence: &Divergence) -> SimulationError {
+        let (term, rod, node) = self.culprit(None, divergence.unknown);
+        SimulationError::NoEquilibrium {
+            iterations: divergence.iterations,
+            residual: divergence.residual,
+            term,
+            rod,
             node,
         }
     }

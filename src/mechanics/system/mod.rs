@@ -419,14 +419,16 @@ impl System {
     }
 
     /// Tolerance for the residual: `relative` times the larger of EI/L² and the largest nodal load, but
-    /// no less than what rounding leaves, N.
-    pub fn force_tolerance(&self, relative: f64) -> f64 {
+    /// no less than what rounding of the positions leaves, N.
+    pub fn force_tolerance(&self, relative: f64, unknowns: &[f64]) -> f64 {
         let largest_load = self
             .dead_forces
             .iter()
             .fold(0.0_f64, |largest, f| largest.max(f.abs()));
         let scale = self.assembly.force_scale.max(largest_load);
-        (relative * scale).max(8.0 * self.assembly.rounding_force)
+        let positions = unknowns.iter().enumerate().filter(|(k, _)| k % STRIDE != 3);
+        let farthest = positions.fold(0.0_f64, |farthest, (_, x)| farthest.max(x.abs()));
+        (relative * scale).max(8.0 * self.assembly.rounding_stiffness * farthest)
     }
 
     /// The Jacobian of the last linearisation as a dense matrix over all unknowns, held ones with unit
