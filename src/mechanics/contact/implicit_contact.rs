@@ -415,7 +415,7 @@ impl ImplicitContact {
         let before = self.stiffness;
         let factor = self
             .parameters
-            .stiffness_per_force(self.surface.largest_radius());
+            .stiffness_per_force(self.surface.largest_moving_radius());
         self.stiffness = adapted_stiffness(before, force, factor, self.least_stiffness);
         self.stiffness != before
     }

@@ -111,7 +111,7 @@ fn pressed(model: ContactModel, friction: f64) -> Simulation {
 fn barrier_and_penalty_agree_on_pressed_rods() {
     for friction in [0.0, 0.3] {
         let (barrier, penalty) = (pressed(BARRIER, friction), pressed(PENALTY, friction));
-        assert!(barrier.minimum_distance_ratio() > 1.0);
+        assert!(barrier.minimum_distance() > DIAMETER);
         let nodes = barrier.positions().iter().zip(penalty.positions());
         let apart = nodes.fold(0.0, |most, (a, b)| f64::max(most, (a - b).norm()));
         let total =

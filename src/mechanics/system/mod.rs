@@ -457,7 +457,7 @@ fn contact_of(scene: &Scene, assembly: &Assembly) -> Result<Option<ImplicitConta
         normal: plane.normal,
         friction: plane.friction.unwrap_or(parameters.friction),
     });
-    let stiffness_per_force = parameters.stiffness_per_force(surface.largest_radius());
+    let stiffness_per_force = parameters.stiffness_per_force(surface.largest_moving_radius());
     let least_stiffness = stiffness_per_force * assembly.force_scale;
     let mut contact = ImplicitContact::new(parameters, surface, planes.collect(), least_stiffness);
     let mut positions = vec![Vector3::zeros(); assembly.rods.nodes];
