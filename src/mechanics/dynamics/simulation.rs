@@ -16,6 +16,9 @@ const STIFFENING: f64 = 10.0;
 /// Such growths before the step is halved instead.
 const STIFFENINGS: usize = 3;
 
+/// Part of the free way that a shortened predictor goes: less than all, so that it is free in spite of rounding.
+const PREDICTED_PART: f64 = 0.9;
+
 /// A scene in motion.
 pub struct Simulation {
     pub(super) system: System,
@@ -47,14 +50,22 @@ struct Attempt {
 
 enum Failure {
     Newton(Divergence),
-    Penetration { iterations: usize, what: String },
+    Penetration {
+        iterations: usize,
+        what: String,
+    },
+    /// Where the motion leads, or must lead, surfaces would cross.
+    Crossing {
+        iterations: usize,
+        what: &'static str,
+    },
 }
 
 impl Failure {
     fn iterations(&self) -> usize {
         match self {
             Self::Newton(divergence) => divergence.iterations,
-            Self::Penetration { iterations, .. } => *iterations,
+            Self::Penetration { iterations, .. } | Self::Crossing { iterations, .. } => *iterations,
         }
     }
 }
@@ -246,6 +257,7 @@ impl Simulation {
         self.stage.positions.copy_from_slice(&self.positions);
         self.predict(stage_step);
         self.system.drive(stage_time, &mut self.trial);
+        self.shorten_predictor()?;
         self.system
             .adapt_contact_stiffness(&self.trial, &self.stage);
         let stopping = Stopping {
@@ -279,6 +291,10 @@ impl Simulation {
             }
             self.system.drive(goal, &mut self.trial);
             self.system.update_geometry(&self.trial);
+            if self.system.largest_step(&self.unknowns, &self.trial) < 1.0 {
+                let what = "the extrapolation of the midpoint rule leads through a contact";
+                return Err(Failure::Crossing { iterations, what });
+            }
         }
         Ok(Attempt {
             iterations,
@@ -301,6 +317,29 @@ impl Simulation {
             let change = self.velocity[k] - self.earlier_velocity[k];
             self.trial[k] = self.unknowns[k] + stage_step * (self.velocity[k] + growth * change);
         }
+    }
+
+    /// Shortens the predictor where it crosses a contact that must not be crossed, to rest if need be. Held
+    /// unknowns stay as prescribed.
+    fn shorten_predictor(&mut self) -> Result<(), Failure> {
+        let free = self.system.largest_step(&self.unknowns, &self.trial);
+        if free >= 1.0 {
+            return Ok(());
+        }
+        for part in [PREDICTED_PART * free, 0.0] {
+            for k in 0..self.trial.len() {
+                if !self.system.assembly.held[k] {
+                    self.trial[k] = self.unknowns[k] + part * (self.trial[k] - self.unknowns[k]);
+                }
+            }
+            if self.system.largest_step(&self.unknowns, &self.trial) >= 1.0 {
+                return Ok(());
+            }
+        }
+        Err(Failure::Crossing {
+            iterations: 0,
+            what: "the prescribed motion of a clamp leads through a contact",
+        })
     }
 
     /// Writes the velocity at the end of a step and returns the local error of the positions, m:
@@ -397,6 +436,9 @@ impl Simulation {
         let error = match failure {
             Failure::Newton(divergence) => self.no_convergence(step, &divergence),
             Failure::Penetration { what, .. } => {
+                SimulationError::Unphysical(format!("at t = {:.6e} s {what}", self.time))
+            }
+            Failure::Crossing { what, .. } => {
                 SimulationError::Unphysical(format!("at t = {:.6e} s {what}", self.time))
             }
         };
