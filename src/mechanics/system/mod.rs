@@ -12,11 +12,13 @@
 
 mod build;
 mod clamps;
+mod complementarity;
 mod loads;
 mod newton_matrix;
 
 pub use build::Assembly;
 pub use clamps::Drive;
+pub use complementarity::NoContactForces;
 use newton_matrix::NewtonMatrix;
 
 use super::contact::{ContactPlane, ContactSurface, ImplicitContact};
@@ -75,6 +77,7 @@ pub struct System {
     dead_forces: Vec<f64>,
     positions: Vec<Vector3>,
     nodal_forces: Vec<Vector3>,
+    displacements: Vec<Vector3>,
     has_planes: bool,
     matrix: NewtonMatrix,
 }
@@ -108,6 +111,7 @@ impl System {
             positions: vec![Vector3::zeros(); assembly.rods.nodes],
             has_planes: !scene.planes.is_empty(),
             nodal_forces: vec![Vector3::zeros(); assembly.rods.nodes],
+            displacements: vec![Vector3::zeros(); assembly.rods.nodes],
             matrix: NewtonMatrix::new(&assembly, rods_rub, planes_rub),
             contact,
             assembly,
@@ -307,6 +311,23 @@ impl System {
         contact.candidates_are_complete(&self.positions)
     }
 
+    /// Largest part of the straight way between two sets of unknowns along which no contact is crossed; 1
+    /// where the contact model allows penetration.
+    pub fn largest_step(&mut self, from: &[f64], to: &[f64]) -> f64 {
+        let Some(contact) = &mut self.contact else {
+            return 1.0;
+        };
+        copy_positions(from, &mut self.positions);
+        for (node, displacement) in self.displacements.iter_mut().enumerate() {
+            *displacement = position(to, node) - self.positions[node];
+        }
+        let step = contact.largest_step(&self.positions, &self.displacements);
+        if step.candidates_changed {
+            self.matrix.forget_pattern();
+        }
+        step.part
+    }
+
     /// Forgets the factorisation pattern, as after a restart from a checkpoint.
     pub fn forget_pattern(&mut self) {
         self.matrix.forget_pattern();
@@ -446,7 +467,8 @@ fn contact_of(scene: &Scene, assembly: &Assembly) -> Result<Option<ImplicitConta
         normal: plane.normal,
         friction: plane.friction.unwrap_or(parameters.friction),
     });
-    let least_stiffness = parameters.stiffness_factor * assembly.force_scale;
+    let stiffness_per_force = parameters.stiffness_per_force(surface.largest_moving_radius());
+    let least_stiffness = stiffness_per_force * assembly.force_scale;
     let mut contact = ImplicitContact::new(parameters, surface, planes.collect(), least_stiffness);
     let mut positions = vec![Vector3::zeros(); assembly.rods.nodes];
     copy_positions(&assembly.unknowns, &mut positions);
@@ -479,8 +501,13 @@ pub fn describe_overlap(
             )
         }
     };
+    let (meet, least) = if contact.parameters().is_barrier() {
+        ("touch or interpenetrate", "more than")
+    } else {
+        ("interpenetrate", "at least")
+    };
     format!(
-        "{first} and {second} interpenetrate: distance {:.6e} m, allowed is at least {:.6e} m",
+        "{first} and {second} {meet}: distance {:.6e} m, allowed is {least} {:.6e} m",
         overlap.distance, overlap.threshold
     )
 }

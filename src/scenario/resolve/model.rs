@@ -21,37 +21,62 @@ pub fn contact(top: &Section<'_>, typed: Option<&typed::Contact>, smallest_radiu
         return Contact::None;
     };
     let section = top.below("contact");
-    match typed.model.unwrap_or(typed::ContactModel::Imc) {
-        typed::ContactModel::Imc => {}
-        typed::ContactModel::None => return Contact::None,
-        typed::ContactModel::Ipc | typed::ContactModel::Complementarity => {
-            section.fault(
-                "model",
-                "this contact model is not built yet; allowed: \"imc\", \"none\"",
-            );
-        }
+    let model = typed.model.unwrap_or(typed::ContactModel::Imc);
+    if model == typed::ContactModel::None {
+        return Contact::None;
     }
-    Contact::Imc {
-        friction: section.with_default("friction", &typed.friction, NON_NEGATIVE, 0.0),
-        distance_tolerance: section.with_default(
+    let number = |key, typed, range, default| section.with_default(key, typed, range, default);
+    let friction = number("friction", &typed.friction, NON_NEGATIVE, 0.0);
+    let distance_tolerance = section.with_default(
+        "distance_tolerance",
+        &typed.distance_tolerance,
+        POSITIVE,
+        0.01 * smallest_radius,
+    );
+    if distance_tolerance > smallest_radius {
+        section.fault(
             "distance_tolerance",
-            &typed.distance_tolerance,
-            POSITIVE,
-            0.01 * smallest_radius,
-        ),
-        slip_tolerance: section.with_default(
-            "slip_tolerance",
-            &typed.slip_tolerance,
-            POSITIVE,
-            1e-4,
-        ),
-        stiffness_factor: section.with_default(
+            format!(
+                "{distance_tolerance:?} m is out of range; allowed: at most the smallest radius, {smallest_radius:?} m"
+            ),
+        );
+    }
+    let slip_tolerance =
+        section.with_default("slip_tolerance", &typed.slip_tolerance, POSITIVE, 1e-4);
+    let stiffness_factor = |default| {
+        number(
             "stiffness_factor",
             &typed.stiffness_factor,
             POSITIVE,
-            1e5,
-        ),
-        maximum_penetration: section.with_default(
+            default,
+        )
+    };
+    if model == typed::ContactModel::Ipc {
+        if typed.maximum_penetration.is_some() {
+            section.fault(
+                "maximum_penetration",
+                "the model \"ipc\" allows no penetration; leave the key out",
+            );
+        }
+        return Contact::Ipc {
+            friction,
+            distance_tolerance,
+            slip_tolerance,
+            stiffness_factor: stiffness_factor(1.0),
+        };
+    }
+    if model == typed::ContactModel::Complementarity {
+        section.fault(
+            "model",
+            "this contact model is not built yet; allowed: \"imc\", \"ipc\", \"none\"",
+        );
+    }
+    Contact::Imc {
+        friction,
+        distance_tolerance,
+        slip_tolerance,
+        stiffness_factor: stiffness_factor(1e5),
+        maximum_penetration: number(
             "maximum_penetration",
             &typed.maximum_penetration,
             FRACTION,

@@ -21,6 +21,17 @@ pub enum Contact {
         /// Penetration that ends the run, as a fraction of the sum of the two radii.
         maximum_penetration: f64,
     },
+    /// Incremental potential contact (thesis Eq. 2.1).
+    Ipc {
+        /// Friction coefficient μ.
+        friction: f64,
+        /// Distance tolerance δ, m.
+        distance_tolerance: f64,
+        /// Slip tolerance ν, m/s.
+        slip_tolerance: f64,
+        /// Force that the barrier bears at a gap of δ/2, over the largest force near contact.
+        stiffness_factor: f64,
+    },
 }
 
 /// The surrounding fluid.
