@@ -2,6 +2,7 @@
 
 use super::candidates::{Candidates, approach};
 use super::closest_points::{ClosestPoints, edge_distance};
+use super::constraints::ContactConstraint;
 use super::contacts::{ActiveContact, CandidatePair, EdgeJacobian, PlaneContact, PlaneJacobian};
 use super::edge_contact::{Sliding, edge_force, edge_jacobian};
 use super::friction::FrictionLaw;
@@ -30,7 +31,7 @@ use crate::mechanics::Vector3;
 pub struct ImplicitContact {
     parameters: ContactParameters,
     pub(super) surface: ContactSurface,
-    planes: Vec<ContactPlane>,
+    pub(super) planes: Vec<ContactPlane>,
     pub(super) candidates: Candidates,
     multipliers: Multipliers,
     stiffness: f64,
@@ -39,15 +40,17 @@ pub struct ImplicitContact {
     pub(super) motion: Vec<f64>,
     /// Where a step has come to while it is searched for collisions, m; scratch.
     pub(super) place: Vec<Vector3>,
-    contacts: Vec<ActiveContact>,
+    pub(super) contacts: Vec<ActiveContact>,
     jacobians: Vec<EdgeJacobian>,
     /// What to add to the forces to have those of the linear laws, and those of the multipliers, N.
     linear_corrections: Vec<[f64; 12]>,
     multiplier_corrections: Vec<[f64; 12]>,
-    plane_contacts: Vec<PlaneContact>,
+    pub(super) plane_contacts: Vec<PlaneContact>,
     plane_jacobians: Vec<PlaneJacobian>,
+    /// Contacts of the complementarity model.
+    pub(super) constraints: Vec<ContactConstraint>,
     energy: f64,
-    contact_count: usize,
+    pub(super) contact_count: usize,
 }
 
 /// The positions at which contact is evaluated.
@@ -98,6 +101,7 @@ impl ImplicitContact {
             multiplier_corrections: Vec::new(),
             plane_contacts: Vec::new(),
             plane_jacobians: Vec::new(),
+            constraints: Vec::new(),
             energy: 0.0,
             contact_count: 0,
         }
@@ -176,6 +180,9 @@ impl ImplicitContact {
     /// [`Self::abandon_multipliers`] the Jacobians are those of the force law linearised at the normal forces
     /// that the iteration carries along, the first ones those of the last step.
     pub fn begin_iterations(&mut self) {
+        if self.parameters.is_complementarity() {
+            return;
+        }
         self.multipliers.begin(self.candidates.pairs().len());
     }
 
@@ -218,6 +225,9 @@ impl ImplicitContact {
             time_step,
         };
         self.clear_results();
+        if self.parameters.is_complementarity() {
+            return self.evaluate_constraints(positions);
+        }
         self.evaluate_edges(motion, true);
         self.evaluate_planes(motion, true);
         self.multipliers.advance();
@@ -232,6 +242,9 @@ impl ImplicitContact {
             time_step,
         };
         self.clear_results();
+        if self.parameters.is_complementarity() {
+            return self.evaluate_constraints(positions);
+        }
         self.evaluate_edges(motion, false);
         self.evaluate_planes(motion, false);
     }

@@ -11,6 +11,7 @@
 //! | `parameters` | the contact model and its numbers |
 //! | `normal_law`, `potential`, `barrier` | contact energy of a gap: Eqs. 2.15, 2.16 or the barrier of Eq. 2.1 |
 //! | `continuous_collision`, `step_bound` | how far a step may go without crossing the barrier |
+//! | `constraints`, `coulomb_problem` | contacts as constraints, and their forces by complementarity (thesis 3.3) |
 //! | `friction` | Coulomb friction, smoothed near zero slip (Eqs. 2.7–2.14) |
 //! | `edge_contact`, `plane_contact` | force and Jacobian of one contact |
 //! | `multipliers` | normal forces that Newton's method carries along |
@@ -23,8 +24,10 @@ mod barrier;
 mod broad_phase;
 mod candidates;
 mod closest_points;
+mod constraints;
 mod contacts;
 mod continuous_collision;
+mod coulomb_problem;
 mod distance;
 mod edge_contact;
 mod friction;
@@ -44,7 +47,9 @@ mod test_support;
 #[cfg(test)]
 mod tests;
 
+pub use constraints::ContactConstraint;
 pub use contacts::{ActiveContact, CandidatePair, EdgeJacobian, PlaneContact, PlaneJacobian};
+pub(crate) use coulomb_problem::CoulombProblem;
 pub use implicit_contact::ImplicitContact;
 pub use memory::{ContactMemory, MismatchedMemory};
 pub use parameters::{ContactModel, ContactParameters};

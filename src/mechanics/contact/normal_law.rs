@@ -14,6 +14,9 @@ pub(super) struct NormalResponse {
     pub force_slope: f64,
 }
 
+/// Why complementarity never asks for a law.
+const RIGID: &str = "the forces of rigid contact are constraints, no functions of the gap";
+
 /// A normal force law N(g).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NormalLaw {
@@ -47,6 +50,7 @@ impl NormalLaw {
             ContactModel::IncrementalPotential => {
                 barrier::normal_response(gap, scale, tolerance, stiffness)
             }
+            ContactModel::Complementarity => unreachable!("{RIGID}"),
         }
     }
 
@@ -60,6 +64,7 @@ impl NormalLaw {
             ContactModel::IncrementalPotential => {
                 barrier::gap_of_force(force, scale, tolerance, stiffness)
             }
+            ContactModel::Complementarity => unreachable!("{RIGID}"),
         }
     }
 }

@@ -10,6 +10,8 @@ pub enum ContactModel {
     /// Incremental potential contact (Li et al. 2020): a barrier that is infinite at contact, and steps that
     /// never cross it.
     IncrementalPotential,
+    /// Rigid contact by Signorini's and Coulomb's laws (thesis 3.3): no contact energy, and true sticking.
+    Complementarity,
 }
 
 /// Parameters of a contact model.
@@ -41,6 +43,7 @@ impl ContactParameters {
             ContactModel::IncrementalPotential => {
                 factor * barrier::stiffness_per_force(radius, self.distance_tolerance)
             }
+            ContactModel::Complementarity => 0.0,
         }
     }
 
@@ -48,13 +51,20 @@ impl ContactParameters {
     pub(super) fn reach(&self) -> f64 {
         match self.model {
             ContactModel::ImplicitContact => potential::reach(self.distance_tolerance),
-            ContactModel::IncrementalPotential => self.distance_tolerance,
+            ContactModel::IncrementalPotential | ContactModel::Complementarity => {
+                self.distance_tolerance
+            }
         }
     }
 
     /// Whether the model keeps surfaces from ever touching.
     pub fn is_barrier(&self) -> bool {
         self.model == ContactModel::IncrementalPotential
+    }
+
+    /// Whether contact forces are no functions of the gap, but found together for a whole step.
+    pub fn is_complementarity(&self) -> bool {
+        self.model == ContactModel::Complementarity
     }
 }
 

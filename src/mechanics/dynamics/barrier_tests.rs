@@ -7,10 +7,10 @@ use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactModel, ContactParameters};
 use crate::mechanics::scene::{Load, LoadKind, NaturalShape, Plane, RodDescription, Scene};
 
-const RADIUS: f64 = 5e-3;
-const DIAMETER: f64 = 2.0 * RADIUS;
-const TOLERANCE: f64 = 5e-5;
-const BARRIER: ContactModel = ContactModel::IncrementalPotential;
+pub(super) const RADIUS: f64 = 5e-3;
+pub(super) const DIAMETER: f64 = 2.0 * RADIUS;
+pub(super) const TOLERANCE: f64 = 5e-5;
+pub(super) const BARRIER: ContactModel = ContactModel::IncrementalPotential;
 const PENALTY: ContactModel = ContactModel::ImplicitContact;
 
 fn parameters(model: ContactModel, friction: f64) -> ContactParameters {
@@ -18,14 +18,14 @@ fn parameters(model: ContactModel, friction: f64) -> ContactParameters {
         model,
         distance_tolerance: TOLERANCE,
         friction,
-        slip_tolerance: 1e-3,
+        slip_tolerance: 1e-5,
         stiffness_factor: if model == BARRIER { 1.0 } else { 1e5 },
         ..ContactParameters::default()
     }
 }
 
 /// A rod of 10 edges and 20 cm along `direction`, its middle at `middle`.
-fn rod(name: &str, middle: Vector3, direction: Vector3) -> RodDescription {
+pub(super) fn rod(name: &str, middle: Vector3, direction: Vector3) -> RodDescription {
     RodDescription {
         name: name.into(),
         centreline: (0..=10)
@@ -38,7 +38,7 @@ fn rod(name: &str, middle: Vector3, direction: Vector3) -> RodDescription {
 }
 
 /// A rod clamped at both ends, and another across it, `gap` above.
-fn crossing(model: ContactModel, gap: f64, friction: f64) -> Scene {
+pub(super) fn crossing(model: ContactModel, gap: f64, friction: f64) -> Scene {
     // Not through nodes or at right angles, so that the contact is between two edges.
     let across = Vector3::new(0.3, 1.0, 0.0).normalize();
     let middle = Vector3::new(0.006, 0.004, DIAMETER + gap);
@@ -53,7 +53,7 @@ fn crossing(model: ContactModel, gap: f64, friction: f64) -> Scene {
     }
 }
 
-fn fixed(step: f64) -> IntegrationParameters {
+pub(super) fn fixed(step: f64) -> IntegrationParameters {
     IntegrationParameters {
         step: StepSize::Fixed(step),
         ..IntegrationParameters::default()
@@ -81,7 +81,7 @@ fn a_rod_shot_at_another_never_passes_through() {
 }
 
 /// The ends of the upper rod are lowered by 3 mm and moved along the lower one by 1 mm, against some drag.
-fn pressed(model: ContactModel, friction: f64) -> Simulation {
+pub(super) fn pressed(model: ContactModel, friction: f64) -> Simulation {
     let mut scene = crossing(model, 0.5 * TOLERANCE, friction);
     for node in [0, 10] {
         let mut end = clamp(node);

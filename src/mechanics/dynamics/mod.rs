@@ -17,4 +17,6 @@ pub use simulation::Simulation;
 #[cfg(test)]
 mod barrier_tests;
 #[cfg(test)]
+mod complementarity_tests;
+#[cfg(test)]
 mod tests;

@@ -16,6 +16,9 @@ const STIFFENING: f64 = 10.0;
 /// Such growths before the step is halved instead.
 const STIFFENINGS: usize = 3;
 
+/// Times that contact forces and the rods under them are found in turn before the step counts as failed.
+const CONTACT_PASSES: usize = 30;
+
 /// Part of the free way that a shortened predictor goes: less than all, so that it is free in spite of rounding.
 const PREDICTED_PART: f64 = 0.9;
 
@@ -267,17 +270,29 @@ impl Simulation {
             displacement: self.parameters.displacement_tolerance * self.radius,
             iterations: self.parameters.maximum_iterations,
         };
-        let mut iterations = 0;
+        let (mut iterations, mut passes) = (0, 0);
         loop {
+            let mut settled = true;
+            if self.system.has_constraints() {
+                passes += 1;
+                iterations += 1;
+                settled = self.find_contact_forces(stopping.displacement, iterations)?;
+                if !settled && passes == CONTACT_PASSES {
+                    return Err(self.no_contact_forces(iterations));
+                }
+            }
             iterations += self
                 .newton
                 .solve(&mut self.system, &self.stage, &mut self.trial, &stopping)
                 .map_err(Failure::Newton)?;
             // A contact may be missing where rods have moved far; then go on with new candidates.
-            if self.system.candidates_are_complete(&self.trial) {
+            let complete = self.system.candidates_are_complete(&self.trial);
+            if complete && settled {
                 break;
             }
-            self.system.update_candidates(&self.trial);
+            if !complete {
+                self.system.update_candidates(&self.trial);
+            }
         }
         if let Some(contact) = &self.system.contact
             && let Some(overlap) = contact.excessive_penetration()
@@ -317,6 +332,24 @@ impl Simulation {
             let change = self.velocity[k] - self.earlier_velocity[k];
             self.trial[k] = self.unknowns[k] + stage_step * (self.velocity[k] + growth * change);
         }
+    }
+
+    /// Finds the contact forces of complementarity at the trial; whether they move no node farther than
+    /// `tolerance`, m.
+    fn find_contact_forces(&mut self, tolerance: f64, iterations: usize) -> Result<bool, Failure> {
+        match self.system.find_contact_forces(&self.trial, &self.stage) {
+            Ok(correction) => Ok(correction <= tolerance),
+            Err(_) => Err(self.no_contact_forces(iterations)),
+        }
+    }
+
+    fn no_contact_forces(&self, iterations: usize) -> Failure {
+        let (_, unknown) = self.system.worst_residual();
+        Failure::Newton(Divergence {
+            iterations,
+            residual: f64::NAN,
+            unknown,
+        })
     }
 
     /// Shortens the predictor where it crosses a contact that must not be crossed, to rest if need be. Held

@@ -12,11 +12,13 @@
 
 mod build;
 mod clamps;
+mod complementarity;
 mod loads;
 mod newton_matrix;
 
 pub use build::Assembly;
 pub use clamps::Drive;
+pub use complementarity::NoContactForces;
 use newton_matrix::NewtonMatrix;
 
 use super::contact::{ContactPlane, ContactSurface, ImplicitContact};
