@@ -194,13 +194,12 @@ impl AveragedCurvature {
             let [before, after] = &edges;
             let released = gradient(before, after, &strains, &averaged, stiffness);
             let ours = gradient(before, after, &strains, natural, stiffness);
-            let force: [f64; 8] = std::array::from_fn(|k| ours[k] - released[k]);
-            let on_edges = [&force[0..3], &force[4..7]].map(Vector::from_column_slice);
+            let on_edges = [ours.e0 - released.e0, ours.e1 - released.e1];
             forces[node - 1] -= on_edges[0];
             forces[node] += on_edges[0] - on_edges[1];
             forces[node + 1] += on_edges[1];
-            moments[node - 1] += force[3];
-            moments[node] += force[7];
+            moments[node - 1] += ours.phi0 - released.phi0;
+            moments[node] += ours.phi1 - released.phi1;
         }
     }
 }
