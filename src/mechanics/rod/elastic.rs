@@ -114,10 +114,12 @@ impl ElasticRods {
                 edge.natural_length,
             );
         }
-        for (vertex, strains) in self.vertices.iter().zip(&geometry.strains) {
-            let (bending, twisting) = vertex::energies(strains, &vertex.natural, &vertex.stiffness);
-            energy.bending += bending;
-            energy.twisting += twisting;
+        for (vertices, lanes) in self.batches(geometry) {
+            for lane in 0..vertices.len() {
+                let (bending, twisting) = lanes.energies(lane);
+                energy.bending += bending;
+                energy.twisting += twisting;
+            }
         }
         energy
     }
@@ -127,11 +129,9 @@ impl ElasticRods {
         for edge in &self.edges {
             self.add_stretching_gradient(edge, geometry, gradient);
         }
-        let mut lanes = VertexLanes::new();
         let mut local = [[0.0; LANES]; VERTEX_UNKNOWNS];
-        for (vertices, strains) in self.batches(geometry) {
-            lanes.fill(vertices, strains, &geometry.edges);
-            vertex_lanes::gradients(geometry.set, &lanes, &mut local);
+        for (vertices, lanes) in self.batches(geometry) {
+            vertex_lanes::gradients(geometry.set, lanes, &mut local);
             for (lane, vertex) in vertices.iter().enumerate() {
                 self.scatter_gradient(vertex, &local, lane, gradient);
             }
@@ -150,12 +150,10 @@ impl ElasticRods {
         spin_moment: &mut [f64],
     ) {
         spin_moment.fill(0.0);
-        let mut lanes = VertexLanes::new();
         let mut local = [[0.0; LANES]; VERTEX_UNKNOWNS];
         let mut hessians = [[[0.0; LANES]; VERTEX_UNKNOWNS]; VERTEX_UNKNOWNS];
-        for (vertices, strains) in self.batches(geometry) {
-            lanes.fill(vertices, strains, &geometry.edges);
-            vertex_lanes::derivatives(geometry.set, &lanes, &mut local, &mut hessians);
+        for (vertices, lanes) in self.batches(geometry) {
+            vertex_lanes::derivatives(geometry.set, lanes, &mut local, &mut hessians);
             for (lane, vertex) in vertices.iter().enumerate() {
                 self.scatter_gradient(vertex, &local, lane, gradient);
                 spin_moment[vertex.before] += local[3][lane];
@@ -180,14 +178,12 @@ impl ElasticRods {
         }
     }
 
-    /// Vertices and their strains, as many at a time as there are lanes.
+    /// Vertices, as many at a time as there are lanes, and the lanes that hold them.
     fn batches<'a>(
         &'a self,
         geometry: &'a RodGeometry,
-    ) -> impl Iterator<Item = (&'a [Vertex], &'a [VertexStrains])> {
-        self.vertices
-            .chunks(LANES)
-            .zip(geometry.strains.chunks(LANES))
+    ) -> impl Iterator<Item = (&'a [Vertex], &'a VertexLanes)> {
+        self.vertices.chunks(LANES).zip(&geometry.vertices)
     }
 
     fn add_stretching_gradient(&self, edge: &Edge, geometry: &RodGeometry, gradient: &mut [f64]) {

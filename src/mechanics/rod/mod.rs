@@ -8,6 +8,7 @@
 
 pub mod edge;
 mod elastic;
+mod frame_lanes;
 mod geometry;
 mod placement;
 pub mod topology;
