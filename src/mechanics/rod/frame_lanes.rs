@@ -75,6 +75,7 @@ impl FrameLanes {
 }
 
 /// What frames are made of, structure of arrays.
+#[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(super) struct TransportLanes {
     /// Edge vectors, m.
@@ -114,6 +115,12 @@ impl TransportLanes {
         set_vector(&mut self.director, lane, director);
         (self.sine[lane], self.cosine[lane]) = libm::sincos(angle);
     }
+
+    /// The tangent from which the edge in a lane is transported.
+    #[inline(always)]
+    pub fn source(&self, lane: usize) -> Vector3 {
+        vector(&self.source, lane)
+    }
 }
 
 kernel! {
@@ -122,7 +129,7 @@ kernel! {
     fn transport(from: &TransportLanes, frames: &mut FrameLanes, directors: &mut VectorLanes) {
         for lane in 0..LANES {
             let edge = vector(&from.edge, lane);
-            let source = vector(&from.source, lane);
+            let source = from.source(lane);
             let (sine, cosine) = (from.sine[lane], from.cosine[lane]);
             let length = edge.norm();
             let tangent = edge / length;

@@ -1,6 +1,7 @@
 //! Edges, frames and strains of all rods at one set of unknowns.
 
-use super::frame_lanes::{self, FrameLanes, TransportLanes, every_lane, vector};
+use super::edge_lanes::EdgeLanes;
+use super::frame_lanes::{self, every_lane, vector};
 use super::topology::{STRIDE, position};
 use super::transport::unwrapped;
 use super::vertex::EdgeFrame;
@@ -32,7 +33,9 @@ pub struct RodGeometry {
     /// Framed edges, one per node, then the ghost edges.
     pub edges: Vec<EdgeFrame>,
     /// Vertices with their strains, in batches.
-    pub(super) vertices: Vec<VertexLanes>,
+    pub(super) vertex_lanes: Vec<VertexLanes>,
+    /// Real edges, in batches.
+    pub(super) edge_lanes: Vec<EdgeLanes>,
     /// Reference directors, one per node, then those of the ghost edges.
     reference_director: Vec<Vector3>,
     reference_twist: Vec<f64>,
@@ -52,7 +55,8 @@ impl RodGeometry {
         Self {
             set: InstructionSet::best(),
             edges: vec![unused; edges],
-            vertices: rods.vertices.chunks(LANES).map(VertexLanes::new).collect(),
+            vertex_lanes: rods.vertices.chunks(LANES).map(VertexLanes::new).collect(),
+            edge_lanes: rods.edges.chunks(LANES).map(EdgeLanes::new).collect(),
             reference_director: vec![Vector3::zeros(); edges],
             reference_twist: vec![0.0; rods.vertices.len()],
         }
@@ -83,17 +87,16 @@ impl RodGeometry {
     }
 
     fn update_edges(&mut self, rods: &ElasticRods, unknowns: &[f64], reference: &ReferenceFrames) {
-        let mut from = TransportLanes::new();
-        let mut frames = FrameLanes::new();
         let mut directors = every_lane(Vector3::zeros());
-        for edges in rods.edges.chunks(LANES) {
+        for (edges, lanes) in rods.edges.chunks(LANES).zip(&mut self.edge_lanes) {
+            let EdgeLanes { from, frames, .. } = lanes;
             for (lane, edge) in edges.iter().enumerate() {
                 let k = edge.start;
                 let vector = position(unknowns, edge.end) - position(unknowns, k);
                 let (source, director) = (&reference.tangent[k], &reference.director[k]);
                 from.set(lane, &vector, source, director, unknowns[STRIDE * k + 3]);
             }
-            frame_lanes::transport(self.set, &from, &mut frames, &mut directors);
+            frame_lanes::transport(self.set, from, frames, &mut directors);
             for (lane, edge) in edges.iter().enumerate() {
                 self.edges[edge.start] = frames.get(lane);
                 self.reference_director[edge.start] = vector(&directors, lane);
@@ -114,7 +117,7 @@ impl RodGeometry {
                 0.0
             }
         };
-        for (batch, lanes) in self.vertices.iter_mut().enumerate() {
+        for (batch, lanes) in self.vertex_lanes.iter_mut().enumerate() {
             let first = LANES * batch;
             let vertices = &rods.vertices[first..rods.vertices.len().min(first + LANES)];
             for (lane, vertex) in vertices.iter().enumerate() {
