@@ -78,6 +78,9 @@ pub struct System {
     positions: Vec<Vector3>,
     nodal_forces: Vec<Vector3>,
     displacements: Vec<Vector3>,
+    /// Scratch of the complementarity model: a correction of the unknowns, and one response of them per row.
+    correction: Vec<f64>,
+    responses: Vec<f64>,
     has_planes: bool,
     matrix: NewtonMatrix,
 }
@@ -112,6 +115,8 @@ impl System {
             has_planes: !scene.planes.is_empty(),
             nodal_forces: vec![Vector3::zeros(); assembly.rods.nodes],
             displacements: vec![Vector3::zeros(); assembly.rods.nodes],
+            correction: Vec::new(),
+            responses: Vec::new(),
             matrix: NewtonMatrix::new(&assembly, rods_rub, planes_rub),
             contact,
             assembly,
