@@ -373,6 +373,15 @@ impl ImplicitContact {
         &self.contacts
     }
 
+    /// Largest normal force between edges in the last accepted step, N; zero without contacts.
+    pub fn largest_normal_force(&self) -> f64 {
+        self.multipliers
+            .settled()
+            .iter()
+            .copied()
+            .fold(0.0, f64::max)
+    }
+
     /// Force Jacobians, one per element of [`Self::contacts`]; symmetric without friction.
     pub fn jacobians(&self) -> &[EdgeJacobian] {
         &self.jacobians

@@ -6,7 +6,7 @@
 //! |---|---|
 //! | `segment` | the flow of one segment in closed form (thesis Eq. 2.20–2.26, re-derived) |
 //! | `quadrature` | the same by adaptive quadrature, as a check |
-//! | `logarithm`, `lanes`, `instruction_set` | the same for eight segments at a time |
+//! | `logarithm`, `lanes` | the same for eight segments at a time |
 //! | `operator` | the collocation matrix A of all nodes, stored; products |
 //! | `elimination`, `preconditioner` | approximate inverse of A from neighbourhoods |
 //! | `gmres`, `initial_guess` | solving A f = 8πη u, warm-started |
@@ -33,7 +33,6 @@ mod error;
 mod filament;
 mod gmres;
 mod initial_guess;
-mod instruction_set;
 mod lanes;
 mod logarithm;
 mod model;

@@ -2,8 +2,8 @@
 
 use super::FluidError;
 use super::elimination::eliminate;
-use super::instruction_set::{InstructionSet, LANES, Lanes, kernel};
 use super::operator::{FlowOperator, PARALLEL_FROM};
+use crate::linalg::instruction_set::{InstructionSet, LANES, Lanes, kernel};
 use crate::mechanics::Vector3;
 use rayon::prelude::*;
 

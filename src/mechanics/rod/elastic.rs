@@ -4,7 +4,9 @@ use super::ReferenceFrames;
 use super::edge::{stretching_energy, stretching_gradient, stretching_hessian};
 use super::geometry::RodGeometry;
 use super::topology::{RodRange, STRIDE, add_to_node};
-use super::vertex::{self, VertexDerivatives, VertexStiffness, VertexStrains, curvature_binormal};
+use super::vertex::{self, VertexStiffness, VertexStrains, curvature_binormal};
+use super::vertex_lanes::{self, GradientLanes, HessianLanes, VERTEX_UNKNOWNS, VertexLanes};
+use crate::linalg::instruction_set::LANES;
 use crate::linalg::{BandedSymmetric, Element};
 use crate::mechanics::{Matrix3, Vector3};
 
@@ -123,30 +125,21 @@ impl ElasticRods {
     /// Adds the gradient to `gradient` (4 entries per node).
     pub fn add_gradient(&self, geometry: &RodGeometry, gradient: &mut [f64]) {
         for edge in &self.edges {
-            let frame = &geometry.edges[edge.start];
-            let force = stretching_gradient(
-                edge.stretching,
-                &frame.tangent,
-                frame.length,
-                edge.natural_length,
-            );
-            add_to_node(gradient, edge.end, &force);
-            add_to_node(gradient, edge.start, &-force);
+            self.add_stretching_gradient(edge, geometry, gradient);
         }
-        for (vertex, strains) in self.vertices.iter().zip(&geometry.strains) {
-            let (before, after) = (
-                &geometry.edges[vertex.before],
-                &geometry.edges[vertex.after],
-            );
-            let mut local =
-                vertex::gradient(before, after, strains, &vertex.natural, &vertex.stiffness);
-            local[self.ghost_of(vertex)].fill(0.0);
-            self.scatter_gradient(vertex, &local, gradient);
+        let mut lanes = VertexLanes::new();
+        let mut local = [[0.0; LANES]; VERTEX_UNKNOWNS];
+        for (vertices, strains) in self.batches(geometry) {
+            lanes.fill(vertices, strains, &geometry.edges);
+            vertex_lanes::gradients(geometry.set, &lanes, &mut local);
+            for (lane, vertex) in vertices.iter().enumerate() {
+                self.scatter_gradient(vertex, &local, lane, gradient);
+            }
         }
     }
 
     /// Adds the gradient to `gradient` and the Hessian to `band` and `elements` (one 12×12 matrix for each
-    /// of [`Self::elements`], lower triangle mirrored).
+    /// of [`Self::elements`]). `spin_moment`, one entry per edge, ghosts included, is scratch.
     pub fn add_derivatives(
         &self,
         geometry: &RodGeometry,
@@ -157,30 +150,22 @@ impl ElasticRods {
         spin_moment: &mut [f64],
     ) {
         spin_moment.fill(0.0);
-        for vertex in self.vertices.iter().zip(&geometry.strains) {
-            let (vertex, strains) = vertex;
-            let (before, after) = (
-                &geometry.edges[vertex.before],
-                &geometry.edges[vertex.after],
-            );
-            let mut local =
-                vertex::derivatives(before, after, strains, &vertex.natural, &vertex.stiffness);
-            self.ghost_of(vertex).for_each(|entry| local.forget(entry));
-            self.scatter_gradient(vertex, &local.gradient, gradient);
-            spin_moment[vertex.before] += local.gradient[3];
-            spin_moment[vertex.after] += local.gradient[7];
-            scatter_hessian(vertex, &local, band, elements);
+        let mut lanes = VertexLanes::new();
+        let mut local = [[0.0; LANES]; VERTEX_UNKNOWNS];
+        let mut hessians = [[[0.0; LANES]; VERTEX_UNKNOWNS]; VERTEX_UNKNOWNS];
+        for (vertices, strains) in self.batches(geometry) {
+            lanes.fill(vertices, strains, &geometry.edges);
+            vertex_lanes::derivatives(geometry.set, &lanes, &mut local, &mut hessians);
+            for (lane, vertex) in vertices.iter().enumerate() {
+                self.scatter_gradient(vertex, &local, lane, gradient);
+                spin_moment[vertex.before] += local[3][lane];
+                spin_moment[vertex.after] += local[7][lane];
+                scatter_hessian(vertex, &hessians, lane, band, elements);
+            }
         }
         for edge in &self.edges {
+            self.add_stretching_gradient(edge, geometry, gradient);
             let frame = &geometry.edges[edge.start];
-            let force = stretching_gradient(
-                edge.stretching,
-                &frame.tangent,
-                frame.length,
-                edge.natural_length,
-            );
-            add_to_node(gradient, edge.end, &force);
-            add_to_node(gradient, edge.start, &-force);
             let hessian = stretching_hessian(
                 edge.stretching,
                 &frame.tangent,
@@ -195,29 +180,45 @@ impl ElasticRods {
         }
     }
 
-    /// Places of the ghost edge of a vertex among (e⁰, φ⁰, e¹, φ¹); none where both edges are real.
-    fn ghost_of(&self, vertex: &Vertex) -> std::ops::Range<usize> {
-        if vertex.before >= self.nodes {
-            0..4
-        } else if vertex.after >= self.nodes {
-            4..8
-        } else {
-            0..0
-        }
+    /// Vertices and their strains, as many at a time as there are lanes.
+    fn batches<'a>(
+        &'a self,
+        geometry: &'a RodGeometry,
+    ) -> impl Iterator<Item = (&'a [Vertex], &'a [VertexStrains])> {
+        self.vertices
+            .chunks(LANES)
+            .zip(geometry.strains.chunks(LANES))
     }
 
-    fn scatter_gradient(&self, vertex: &Vertex, local: &[f64; 8], gradient: &mut [f64]) {
-        let expanded = expand_gradient(local);
+    fn add_stretching_gradient(&self, edge: &Edge, geometry: &RodGeometry, gradient: &mut [f64]) {
+        let frame = &geometry.edges[edge.start];
+        let force = stretching_gradient(
+            edge.stretching,
+            &frame.tangent,
+            frame.length,
+            edge.natural_length,
+        );
+        add_to_node(gradient, edge.end, &force);
+        add_to_node(gradient, edge.start, &-force);
+    }
+
+    fn scatter_gradient(
+        &self,
+        vertex: &Vertex,
+        local: &GradientLanes,
+        lane: usize,
+        gradient: &mut [f64],
+    ) {
         match vertex.unknowns {
             VertexUnknowns::Consecutive { first, from, to } => {
-                for k in from..to {
-                    gradient[first + k - from] += expanded[k];
+                for (entry, local) in gradient[first..].iter_mut().zip(&local[from..to]) {
+                    *entry += local[lane];
                 }
             }
             VertexUnknowns::Closing { element } => {
-                for (k, &unknown) in self.elements[element].iter().enumerate() {
+                for (&unknown, local) in self.elements[element].iter().zip(local) {
                     if unknown != usize::MAX {
-                        gradient[unknown] += expanded[k];
+                        gradient[unknown] += local[lane];
                     }
                 }
             }
@@ -282,76 +283,30 @@ pub(super) fn holonomy_hessian(
     (jacobian + jacobian.transpose()) * (0.5 * moment)
 }
 
-/// Gradient over (x₋, θ⁰, x, θ¹, x₊) from that over (e⁰, φ⁰, e¹, φ¹).
-#[inline(always)]
-fn expand_gradient(local: &[f64; 8]) -> [f64; 11] {
-    let mut expanded = [0.0; 11];
-    for axis in 0..3 {
-        expanded[axis] = -local[axis];
-        expanded[4 + axis] = local[axis] - local[4 + axis];
-        expanded[8 + axis] = local[4 + axis];
-    }
-    expanded[3] = local[3];
-    expanded[7] = local[7];
-    expanded
-}
-
-/// Lower triangle over (x₋, θ⁰, x, θ¹, x₊) from that over (e⁰, φ⁰, e¹, φ¹).
-#[inline(always)]
-fn expand_hessian(h: &[[f64; 8]; 8]) -> [[f64; 11]; 11] {
-    let mut full = [[0.0; 11]; 11];
-    let symmetric = |i: usize, j: usize| if i >= j { h[i][j] } else { h[j][i] };
-    for i in 0..3 {
-        for j in 0..3 {
-            let (a, c) = (symmetric(i, j), symmetric(4 + i, 4 + j));
-            let (b, b_transposed) = (h[4 + i][j], h[4 + j][i]);
-            if j <= i {
-                full[i][j] = a;
-                full[4 + i][4 + j] = a - b - b_transposed + c;
-                full[8 + i][8 + j] = c;
-            }
-            full[4 + i][j] = b - a;
-            full[8 + i][j] = -b;
-            full[8 + i][4 + j] = b - c;
-        }
-        full[3][i] = -h[3][i];
-        full[4 + i][3] = h[3][i] - h[4 + i][3];
-        full[8 + i][3] = h[4 + i][3];
-        full[7][i] = -h[7][i];
-        full[7][4 + i] = h[7][i] - h[7][4 + i];
-        full[8 + i][7] = h[7][4 + i];
-    }
-    full[3][3] = h[3][3];
-    full[7][3] = h[7][3];
-    full[7][7] = h[7][7];
-    full
-}
-
-#[inline(always)]
+/// Adds the Hessian of a vertex to the band, or to both triangles of its element.
 fn scatter_hessian(
     vertex: &Vertex,
-    local: &VertexDerivatives,
+    hessians: &HessianLanes,
+    lane: usize,
     band: &mut BandedSymmetric,
     elements: &mut [[[f64; 12]; 12]],
 ) {
-    let full = expand_hessian(&local.hessian);
     match vertex.unknowns {
         VertexUnknowns::Consecutive { first, from, to } => {
-            for j in from..to {
-                let column = &mut band.columns_mut()[first + j - from];
-                for i in j..to {
-                    column[i - j] += full[i][j];
+            let columns = &mut band.columns_mut()[first..];
+            for (j, (column, local)) in (from..to).zip(columns.iter_mut().zip(&hessians[from..])) {
+                for (entry, local) in column.iter_mut().zip(&local[..to - j]) {
+                    *entry += local[lane];
                 }
             }
         }
         VertexUnknowns::Closing { element } => {
             let matrix = &mut elements[element];
-            for i in 0..11 {
-                for j in 0..=i {
-                    matrix[i][j] += full[i][j];
-                    if i != j {
-                        matrix[j][i] += full[i][j];
-                    }
+            for j in 0..VERTEX_UNKNOWNS {
+                matrix[j][j] += hessians[j][0][lane];
+                for i in j + 1..VERTEX_UNKNOWNS {
+                    matrix[i][j] += hessians[j][i - j][lane];
+                    matrix[j][i] += hessians[j][i - j][lane];
                 }
             }
         }

@@ -4,6 +4,7 @@ use super::topology::{STRIDE, position};
 use super::transport::{parallel_transport, signed_angle, unwrapped};
 use super::vertex::{EdgeFrame, VertexStrains, curvatures};
 use super::{ElasticRods, GhostEdge};
+use crate::linalg::instruction_set::InstructionSet;
 use crate::mechanics::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -24,6 +25,8 @@ pub struct ReferenceFrames {
 /// Geometry of all rods at one set of unknowns; its storage is reused.
 #[derive(Clone, Debug)]
 pub struct RodGeometry {
+    /// Instructions that kernels may use.
+    pub(super) set: InstructionSet,
     /// Framed edges, one per node, then the ghost edges.
     pub edges: Vec<EdgeFrame>,
     /// Strains, one per vertex.
@@ -45,6 +48,7 @@ impl RodGeometry {
         };
         let edges = rods.nodes + rods.ghosts;
         Self {
+            set: InstructionSet::best(),
             edges: vec![unused; edges],
             strains: vec![VertexStrains::default(); rods.vertices.len()],
             reference_director: vec![Vector3::zeros(); edges],
@@ -83,7 +87,8 @@ impl RodGeometry {
             self.reference_director[k] = ghost.director;
             self.edges[k] = EdgeFrame {
                 tangent: ghost.tangent,
-                length: 1.0,
+                // No move of a node turns it.
+                length: f64::INFINITY,
                 director_1: ghost.director,
                 director_2: ghost.tangent.cross(&ghost.director),
                 holonomy: Vector3::zeros(),

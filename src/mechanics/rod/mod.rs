@@ -13,6 +13,8 @@ mod placement;
 pub mod topology;
 pub mod transport;
 pub mod vertex;
+mod vertex_hessian;
+mod vertex_lanes;
 
 pub use elastic::{
     Edge, ElasticEnergy, ElasticRods, GhostEdge, Vertex, VertexUnknowns, holonomy_jacobian,

@@ -425,14 +425,22 @@ impl System {
         TERMS[largest.unwrap_or(0)]
     }
 
-    /// Tolerance for the residual: `relative` times the larger of EI/L² and the largest nodal load, but
-    /// no less than what rounding of the positions leaves, N.
+    /// Tolerance for the residual: `relative` times the largest of EI/L², the loads and the contact forces
+    /// of the last step, but no less than what rounding of the positions leaves, N.
     pub fn force_tolerance(&self, relative: f64, unknowns: &[f64]) -> f64 {
         let largest_load = self
             .dead_forces
             .iter()
             .fold(0.0_f64, |largest, f| largest.max(f.abs()));
-        let scale = self.assembly.force_scale.max(largest_load);
+        let largest_contact = self
+            .contact
+            .as_ref()
+            .map_or(0.0, ImplicitContact::largest_normal_force);
+        let scale = self
+            .assembly
+            .force_scale
+            .max(largest_load)
+            .max(largest_contact);
         let positions = unknowns.iter().enumerate().filter(|(k, _)| k % STRIDE != 3);
         let farthest = positions.fold(0.0_f64, |farthest, (_, x)| farthest.max(x.abs()));
         (relative * scale).max(8.0 * self.assembly.rounding_stiffness * farthest)
