@@ -12,7 +12,18 @@
 //!
 //! Solved once per step this is the two-step method of the thesis: forces explicit, then the rods. Here it is
 //! repeated around Newton's method for the rods under these forces, until the forces found anew would move
-//! nothing. Contact points and directions are then those of the end of the step, and the gaps closed to within the tolerance.
+//! no node farther than the displacement tolerance. Contact points and directions are then those of the end of
+//! the step.
+//!
+//! **What holds.** No creep in sticking; sliding exactly at μ; contact forces in balance; no restitution. Gaps
+//! are never less than zero by more than the square of that tolerance over the edge length, and the
+//! millionth of the motion that contact prevents.
+//!
+//! **What does not.** Nothing keeps edges from passing through each other between two configurations without overlap:
+//! that takes steps in which rods move by less than their radius. With friction the laws may have several
+//! solutions, or none; a step whose contact problem is not solved counts as failed and is halved. Forces of
+//! contacts that do the same work are shared by a small compliance, arbitrary in the limit of rigid ones. The
+//! cost is a solution per contact and direction, and the cube of their number.
 
 use super::{Stage, System, copy_positions};
 use crate::linalg::SingularMatrix;
