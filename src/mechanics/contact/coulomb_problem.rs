@@ -29,7 +29,8 @@ const SWEEPS: usize = 30;
 /// Largest ‖Φ‖∞ of a solution, relative to the largest force.
 const TOLERANCE: f64 = 1e-9;
 /// Compliance added to the diagonal, relative to the largest: contacts that do the same work, as at the joint
-/// of two edges, share their force. It leaves a penetration of this fraction of the motion that contact prevents.
+/// of two edges, share their force. It leaves a penetration of this fraction of the motion that contact
+/// prevents.
 const COMPLIANCE: f64 = 1e-6;
 
 /// A frictional contact problem. With `directions` 3, contact c owns the rows 3c (normal), 3c + 1 and 3c + 2

@@ -19,11 +19,11 @@
 //! are never less than zero by more than the square of that tolerance over the edge length, and the
 //! millionth of the motion that contact prevents.
 //!
-//! **What does not.** Nothing keeps edges from passing through each other between two configurations without overlap:
-//! that takes steps in which rods move by less than their radius. With friction the laws may have several
-//! solutions, or none; a step whose contact problem is not solved counts as failed and is halved. Forces of
-//! contacts that do the same work are shared by a small compliance, arbitrary in the limit of rigid ones. The
-//! cost is a solution per contact and direction, and the cube of their number.
+//! **What does not.** Nothing keeps edges from passing through each other between two configurations without
+//! overlap: that takes steps in which rods move by less than their radius. With friction the laws may have
+//! several solutions, or none; a step whose contact problem is not solved counts as failed and is halved.
+//! How contacts that do the same work share their force is up to a small compliance. The cost is a solution
+//! per contact and direction, and the cube of their number.
 
 use super::{Stage, System, copy_positions};
 use crate::linalg::SingularMatrix;

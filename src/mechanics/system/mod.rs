@@ -343,7 +343,8 @@ impl System {
         let Some(mut contact) = self.contact.take() else {
             return;
         };
-        if !contact.candidates().is_empty() || self.has_planes {
+        let may_touch = !contact.candidates().is_empty() || self.has_planes;
+        if may_touch && !contact.parameters().is_complementarity() {
             self.evaluate(unknowns, Some(stage));
             for node in 0..self.nodal_forces.len() {
                 let held = self.assembly.held[STRIDE * node];
