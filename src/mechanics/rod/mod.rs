@@ -7,8 +7,11 @@
 //! (the corrected Hessian).
 
 pub mod edge;
+mod edge_lanes;
 mod elastic;
+mod frame_lanes;
 mod geometry;
+mod holonomy;
 mod placement;
 pub mod topology;
 pub mod transport;
@@ -16,9 +19,8 @@ pub mod vertex;
 mod vertex_hessian;
 mod vertex_lanes;
 
-pub use elastic::{
-    Edge, ElasticEnergy, ElasticRods, GhostEdge, Vertex, VertexUnknowns, holonomy_jacobian,
-};
+pub use elastic::{Edge, ElasticEnergy, ElasticRods, GhostEdge, Vertex, VertexUnknowns};
 pub use geometry::{ReferenceFrames, RodGeometry};
+pub use holonomy::holonomy_jacobian;
 pub use placement::Placement;
 pub use topology::{RodRange, STRIDE};

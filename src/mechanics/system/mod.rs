@@ -181,12 +181,8 @@ impl System {
         self.update_geometry(unknowns);
         self.residual.fill(0.0);
         self.matrix.clear();
-        self.matrix.add_elastic(
-            &self.assembly.rods,
-            &self.geometry,
-            &self.reference,
-            &mut self.residual,
-        );
+        self.matrix
+            .add_elastic(&self.assembly.rods, &self.geometry, &mut self.residual);
         self.add_simple_terms(unknowns, stage);
         if let Some(stage) = stage {
             self.matrix.add_inertia(&self.assembly, stage);
