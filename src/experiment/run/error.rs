@@ -52,7 +52,7 @@ impl RunError {
             Self::Scene(_) => 2,
             Self::Simulation { source, .. } => match source {
                 SimulationError::BadScene(_) => 2,
-                SimulationError::NoConvergence { .. } => 3,
+                SimulationError::NoConvergence { .. } | SimulationError::NoEquilibrium { .. } => 3,
                 SimulationError::Unphysical(_) => 4,
             },
             Self::TimeLimit { .. } => 5,

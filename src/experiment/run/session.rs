@@ -170,7 +170,9 @@ impl Session {
     /// Writes the output that is due now.
     fn record(&mut self, simulation: &impl Advance) -> Result<(), Stop> {
         let distance = simulation.minimum_distance();
-        self.standing.tally.add_distance(distance, self.diameter);
+        self.standing
+            .tally
+            .add_distance(distance, distance / self.diameter);
         let time = self.times.time(self.standing.outputs);
         let row = self
             .standing

@@ -31,7 +31,9 @@ impl Stop {
         match self {
             Self::Interrupted => CaseStatus::Interrupted,
             Self::TimeLimit => CaseStatus::TimeLimit,
-            Self::Simulation(SimulationError::NoConvergence { .. }) => CaseStatus::NoConvergence,
+            Self::Simulation(
+                SimulationError::NoConvergence { .. } | SimulationError::NoEquilibrium { .. },
+            ) => CaseStatus::NoConvergence,
             Self::Simulation(SimulationError::Unphysical(_)) => CaseStatus::Unphysical,
             Self::Simulation(SimulationError::BadScene(_)) | Self::Results(_) => CaseStatus::Failed,
         }

@@ -39,6 +39,11 @@ impl Tally {
         self.newton_iterations += newton_iterations;
         self.fluid_iterations += fluid_iterations;
         self.contacts = Some(report.contacts);
+        if let (Some(distance), Some(ratio)) =
+            (report.minimum_distance, report.minimum_distance_ratio)
+        {
+            self.add_distance(distance, ratio);
+        }
         let outcome = &mut self.outcome;
         outcome.steps += 1;
         outcome.newton_iterations += newton_iterations;
@@ -50,17 +55,15 @@ impl Tally {
         }
     }
 
-    /// Notes the smallest distance between centrelines, m, where it is finite; `diameter` makes it a ratio.
-    pub fn add_distance(&mut self, distance: f64, diameter: f64) {
-        let smallest = self
-            .outcome
-            .minimum_distance
-            .unwrap_or(f64::INFINITY)
-            .min(distance);
-        if smallest.is_finite() {
-            self.outcome.minimum_distance = Some(smallest);
-            self.outcome.minimum_distance_ratio = Some(smallest / diameter);
-        }
+    /// Notes a distance between centrelines, m, and its ratio to that at which surfaces touch.
+    pub fn add_distance(&mut self, distance: f64, ratio: f64) {
+        let note = |smallest: &mut Option<f64>, value: f64| {
+            if value.is_finite() {
+                *smallest = Some(smallest.unwrap_or(value).min(value));
+            }
+        };
+        note(&mut self.outcome.minimum_distance, distance);
+        note(&mut self.outcome.minimum_distance_ratio, ratio);
     }
 
     /// The row of the series for the steps since the last call.
@@ -98,6 +101,7 @@ mod tests {
             contacts,
             retries: 1,
             fluid_iterations: 4,
+            ..StepReport::default()
         }
     }
 
@@ -142,10 +146,10 @@ mod tests {
     #[test]
     fn the_smallest_distance_is_kept_and_infinity_is_none() {
         let mut tally = Tally::default();
-        tally.add_distance(f64::INFINITY, 2e-3);
+        tally.add_distance(f64::INFINITY, f64::INFINITY);
         assert_eq!(tally.outcome.minimum_distance, None);
         for distance in [4e-3, 1e-3, 3e-3] {
-            tally.add_distance(distance, 2e-3);
+            tally.add_distance(distance, distance / 2e-3);
         }
         assert_eq!(tally.outcome.minimum_distance, Some(1e-3));
         assert_eq!(tally.outcome.minimum_distance_ratio, Some(0.5));

@@ -70,6 +70,7 @@ impl Advance for Pendulum {
             contacts: (self.angle < 0.0) as usize,
             retries: 0,
             fluid_iterations: 1,
+            ..StepReport::default()
         })
     }
 

@@ -14,7 +14,7 @@ use super::contacts::CandidatePair;
 use super::surface::ContactSurface;
 use crate::mechanics::Vector3;
 
-/// Margin of the candidates in radii of the thickest rod.
+/// Margin of the candidates in radii of the thickest rod that moves.
 ///
 /// A larger margin means fewer rebuilds, a smaller one fewer candidates and so fewer entries in the sparse
 /// factorisation. The flagella of the thesis (radius 1 mm) move by 0.15 mm per step: every fourth step
@@ -50,7 +50,7 @@ impl Candidates {
     pub fn new(surface: &ContactSurface, reach: f64) -> Self {
         Self {
             reach,
-            margin: MARGIN * surface.largest_radius(),
+            margin: MARGIN * surface.largest_moving_radius(),
             pairs: Vec::new(),
             earlier_pairs: Vec::new(),
             gaps: Vec::new(),
@@ -129,6 +129,26 @@ impl Candidates {
     /// Whether no pair within reach can be missing at these positions.
     pub fn are_complete(&self, positions: &[Vector3]) -> bool {
         self.is_within(positions, COMPLETE_FRACTION)
+    }
+
+    /// A part of the way `displacements` from `positions` along which the set is complete; 0 where it is not
+    /// complete at `positions`, and may be greater than 1.
+    pub fn covered_part(&self, positions: &[Vector3], displacements: &[Vector3]) -> f64 {
+        if self.positions.len() != positions.len() {
+            return 0.0;
+        }
+        let allowed = COMPLETE_FRACTION * self.margin;
+        let nodes = positions.iter().zip(&self.positions).zip(displacements);
+        nodes
+            .map(|((now, before), displacement)| {
+                let (left, length) = (allowed - (now - before).norm(), displacement.norm());
+                if left <= 0.0 {
+                    0.0
+                } else {
+                    left / length.max(f64::MIN_POSITIVE)
+                }
+            })
+            .fold(f64::INFINITY, f64::min)
     }
 
     /// How far every node has moved since the set was built, m.

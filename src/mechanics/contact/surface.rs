@@ -114,10 +114,11 @@ impl ContactSurface {
         &self.nodes
     }
 
-    /// Largest radius of all rods, m; zero without rods.
-    pub fn largest_radius(&self) -> f64 {
+    /// Largest radius of the rods that move, m; zero without any. Obstacles do not use up any margin.
+    pub fn largest_moving_radius(&self) -> f64 {
         self.edges
             .iter()
+            .filter(|edge| !edge.held)
             .fold(0.0, |largest, edge| edge.radius.max(largest))
     }
 

@@ -100,20 +100,6 @@ impl Simulation {
             })
     }
 
-    /// Smallest ratio, over the contacts of the last step, of a distance to the distance at which the
-    /// surfaces touch; infinite without contacts.
-    pub fn minimum_distance_ratio(&self) -> f64 {
-        let Some(contact) = &self.system.contact else {
-            return f64::INFINITY;
-        };
-        let edges = contact.surface().edges();
-        let pairs = contact.contacts().iter().map(|pair| {
-            let [i, j] = contact.candidates()[pair.candidate].edges;
-            pair.distance / (edges[i].radius + edges[j].radius)
-        });
-        pairs.fold(f64::INFINITY, f64::min)
-    }
-
     /// Numbers of the unknowns that are not held: node k has x, y, z at 4k..4k+2, its edge's angle at 4k+3.
     pub fn free_unknowns(&self) -> Vec<usize> {
         (0..self.unknowns.len())

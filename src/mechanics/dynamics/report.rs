@@ -44,6 +44,10 @@ pub struct StepReport {
     pub retries: usize,
     /// Krylov iterations of the fluid solve.
     pub fluid_iterations: usize,
+    /// Smallest distance between centrelines in contact, m.
+    pub minimum_distance: Option<f64>,
+    /// Smallest ratio of such a distance to the one at which the surfaces touch.
+    pub minimum_distance_ratio: Option<f64>,
 }
 
 /// Energies of all rods, J.
@@ -76,8 +80,24 @@ pub enum SimulationError {
     NoConvergence {
         /// Time at the start of the failed step, s.
         time: f64,
-        /// The smallest step tried, s; zero in statics.
+        /// The smallest step tried, s.
         step: f64,
+        /// Largest residual, N.
+        residual: f64,
+        /// Name of the term that is largest there.
+        term: &'static str,
+        /// Name of the rod.
+        rod: String,
+        /// Node along that rod.
+        node: usize,
+    },
+    /// Newton's method without inertia did not converge (exit code 3).
+    #[error(
+        "no equilibrium found in {iterations} iterations: residual {residual:.3e} N, largest in the {term} term at node {node} of rod `{rod}`; ramp the loads with a schedule, or run dynamically with damping"
+    )]
+    NoEquilibrium {
+        /// Iterations spent.
+        iterations: usize,
         /// Largest residual, N.
         residual: f64,
         /// Name of the term that is largest there.

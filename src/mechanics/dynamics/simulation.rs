@@ -4,8 +4,8 @@ use super::newton::{Newton, Stopping};
 use super::parameters::{IntegrationParameters, Scheme, StepSize};
 use super::report::{SimulationError, StepReport};
 use super::step_control::{StepControl, Verdict};
-use crate::mechanics::contact::ImplicitContact;
-use crate::mechanics::fluid::{Filament, Fluid};
+use crate::mechanics::contact::ActiveContact;
+use crate::mechanics::fluid::{Filament, Fluid, FluidModel};
 use crate::mechanics::rod::{STRIDE, topology::position};
 use crate::mechanics::scene::Scene;
 use crate::mechanics::system::{Divergence, Stage, System, copy_positions, describe_overlap};
@@ -15,6 +15,15 @@ use crate::mechanics::{Matrix3, Vector3, statics};
 const STIFFENING: f64 = 10.0;
 /// Such growths before the step is halved instead.
 const STIFFENINGS: usize = 3;
+
+/// What rigid contact is for: the midpoint rule would extrapolate through it, and statics has no free motion that
+/// contact could prevent.
+const ONLY_EULER: &str = "contact by complementarity needs time steps of implicit Euler";
+/// Times that contact forces and the rods under them are found in turn before the step counts as failed.
+const CONTACT_PASSES: usize = 30;
+
+/// Part of the free way that a shortened predictor goes: less than all, so that it is free in spite of rounding.
+const PREDICTED_PART: f64 = 0.9;
 
 /// A scene in motion.
 pub struct Simulation {
@@ -47,14 +56,22 @@ struct Attempt {
 
 enum Failure {
     Newton(Divergence),
-    Penetration { iterations: usize, what: String },
+    Penetration {
+        iterations: usize,
+        what: String,
+    },
+    /// Where the motion leads, or must lead, surfaces would cross.
+    Crossing {
+        iterations: usize,
+        what: &'static str,
+    },
 }
 
 impl Failure {
     fn iterations(&self) -> usize {
         match self {
             Self::Newton(divergence) => divergence.iterations,
-            Self::Penetration { iterations, .. } => *iterations,
+            Self::Penetration { iterations, .. } | Self::Crossing { iterations, .. } => *iterations,
         }
     }
 }
@@ -66,6 +83,9 @@ impl Simulation {
     /// [`SimulationError::BadScene`] names what is impossible.
     pub fn new(scene: &Scene, parameters: &IntegrationParameters) -> Result<Self, SimulationError> {
         let system = System::new(scene).map_err(SimulationError::BadScene)?;
+        if system.has_constraints() && parameters.scheme != Scheme::ImplicitEuler {
+            return Err(SimulationError::BadScene(ONLY_EULER.into()));
+        }
         let assembly = &system.assembly;
         let (unknowns, velocity) = (assembly.unknowns.clone(), assembly.velocity.clone());
         let nodes = assembly.rods.nodes;
@@ -123,6 +143,12 @@ impl Simulation {
         simulation.system.drive(0.0, &mut simulation.unknowns);
         simulation.system.update_geometry(&simulation.unknowns);
         simulation.publish();
+        if let Some(FluidModel::Resistive { .. }) = scene.fluid {
+            // Rods too thick for the theory show in the first forces, which leave no trace.
+            simulation
+                .compute_drag()
+                .map_err(|error| SimulationError::BadScene(error.to_string()))?;
+        }
         Ok(simulation)
     }
 
@@ -168,23 +194,25 @@ impl Simulation {
                 goal = self.time + smaller;
             }
         }
-        report.step = goal - self.time;
+        report.step = self.control.size(&self.parameters.step, goal - self.time);
         self.accept(goal);
         report.time = self.time;
-        report.contacts = self
-            .system
-            .contact
-            .as_ref()
-            .map_or(0, ImplicitContact::contact_count);
+        self.report_contacts(&mut report);
         Ok(report)
     }
 
     /// Finds the equilibrium at the present time: Newton's method without inertia.
     ///
     /// # Errors
-    /// [`SimulationError::NoConvergence`].
+    /// [`SimulationError::NoConvergence`], and [`SimulationError::BadScene`] with rigid contact, which gives
+    /// forces to time steps only.
     pub fn find_equilibrium(&mut self) -> Result<StepReport, SimulationError> {
-        let force = self.system.force_tolerance(self.parameters.force_tolerance);
+        if self.system.has_constraints() {
+            return Err(SimulationError::BadScene(ONLY_EULER.into()));
+        }
+        let force = self
+            .system
+            .force_tolerance(self.parameters.force_tolerance, &self.unknowns);
         self.trial.copy_from_slice(&self.unknowns);
         match statics::find_equilibrium(&mut self.system, &mut self.trial, force) {
             Ok(iterations) => {
@@ -192,19 +220,15 @@ impl Simulation {
                 self.velocity.fill(0.0);
                 self.earlier_velocity.fill(0.0);
                 self.publish();
-                let contacts = self
-                    .system
-                    .contact
-                    .as_ref()
-                    .map_or(0, ImplicitContact::contact_count);
-                Ok(StepReport {
+                let mut report = StepReport {
                     time: self.time,
                     newton_iterations: iterations,
-                    contacts,
                     ..StepReport::default()
-                })
+                };
+                self.report_contacts(&mut report);
+                Ok(report)
             }
-            Err(divergence) => Err(self.no_convergence(0.0, &divergence)),
+            Err(divergence) => Err(self.no_equilibrium(&divergence)),
         }
     }
 
@@ -236,24 +260,39 @@ impl Simulation {
         self.stage.positions.copy_from_slice(&self.positions);
         self.predict(stage_step);
         self.system.drive(stage_time, &mut self.trial);
+        self.shorten_predictor()?;
         self.system
             .adapt_contact_stiffness(&self.trial, &self.stage);
         let stopping = Stopping {
-            force: self.system.force_tolerance(self.parameters.force_tolerance),
+            force: self
+                .system
+                .force_tolerance(self.parameters.force_tolerance, &self.unknowns),
             displacement: self.parameters.displacement_tolerance * self.radius,
             iterations: self.parameters.maximum_iterations,
         };
-        let mut iterations = 0;
+        let (mut iterations, mut passes) = (0, 0);
         loop {
+            let mut settled = true;
+            if self.system.has_constraints() {
+                passes += 1;
+                iterations += 1;
+                settled = self.find_contact_forces(stopping.displacement, iterations)?;
+                if !settled && passes == CONTACT_PASSES {
+                    return Err(self.no_contact_forces(iterations));
+                }
+            }
             iterations += self
                 .newton
                 .solve(&mut self.system, &self.stage, &mut self.trial, &stopping)
                 .map_err(Failure::Newton)?;
             // A contact may be missing where rods have moved far; then go on with new candidates.
-            if self.system.candidates_are_complete(&self.trial) {
+            let complete = self.system.candidates_are_complete(&self.trial);
+            if complete && settled {
                 break;
             }
-            self.system.update_candidates(&self.trial);
+            if !complete {
+                self.system.update_candidates(&self.trial);
+            }
         }
         if let Some(contact) = &self.system.contact
             && let Some(overlap) = contact.excessive_penetration()
@@ -267,6 +306,10 @@ impl Simulation {
             }
             self.system.drive(goal, &mut self.trial);
             self.system.update_geometry(&self.trial);
+            if self.system.largest_step(&self.unknowns, &self.trial) < 1.0 {
+                let what = "the extrapolation of the midpoint rule leads through a contact";
+                return Err(Failure::Crossing { iterations, what });
+            }
         }
         Ok(Attempt {
             iterations,
@@ -289,6 +332,47 @@ impl Simulation {
             let change = self.velocity[k] - self.earlier_velocity[k];
             self.trial[k] = self.unknowns[k] + stage_step * (self.velocity[k] + growth * change);
         }
+    }
+
+    /// Finds the contact forces of complementarity at the trial; whether they move no node farther than
+    /// `tolerance`, m.
+    fn find_contact_forces(&mut self, tolerance: f64, iterations: usize) -> Result<bool, Failure> {
+        match self.system.find_contact_forces(&self.trial, &self.stage) {
+            Ok(correction) => Ok(correction <= tolerance),
+            Err(_) => Err(self.no_contact_forces(iterations)),
+        }
+    }
+
+    fn no_contact_forces(&self, iterations: usize) -> Failure {
+        let (_, unknown) = self.system.worst_residual();
+        Failure::Newton(Divergence {
+            iterations,
+            residual: f64::NAN,
+            unknown,
+        })
+    }
+
+    /// Shortens the predictor where it crosses a contact that must not be crossed, to rest if need be. Held
+    /// unknowns stay as prescribed.
+    fn shorten_predictor(&mut self) -> Result<(), Failure> {
+        let free = self.system.largest_step(&self.unknowns, &self.trial);
+        if free >= 1.0 {
+            return Ok(());
+        }
+        for part in [PREDICTED_PART * free, 0.0] {
+            for k in 0..self.trial.len() {
+                if !self.system.assembly.held[k] {
+                    self.trial[k] = self.unknowns[k] + part * (self.trial[k] - self.unknowns[k]);
+                }
+            }
+            if self.system.largest_step(&self.unknowns, &self.trial) >= 1.0 {
+                return Ok(());
+            }
+        }
+        Err(Failure::Crossing {
+            iterations: 0,
+            what: "the prescribed motion of a clamp leads through a contact",
+        })
     }
 
     /// Writes the velocity at the end of a step and returns the local error of the positions, m:
@@ -387,24 +471,55 @@ impl Simulation {
             Failure::Penetration { what, .. } => {
                 SimulationError::Unphysical(format!("at t = {:.6e} s {what}", self.time))
             }
+            Failure::Crossing { what, .. } => {
+                SimulationError::Unphysical(format!("at t = {:.6e} s {what}", self.time))
+            }
         };
         self.system.drive(self.time, &mut self.unknowns);
         self.system.update_geometry(&self.unknowns);
         error
     }
 
+    /// Counts the contacts of the last evaluation and finds the nearest.
+    fn report_contacts(&self, report: &mut StepReport) {
+        let Some(contact) = &self.system.contact else {
+            return;
+        };
+        report.contacts = contact.contact_count();
+        let smallest = |of: fn(&ActiveContact) -> f64| {
+            contact.contacts().iter().map(of).min_by(f64::total_cmp)
+        };
+        report.minimum_distance = smallest(|pair| pair.distance);
+        report.minimum_distance_ratio = smallest(|pair| pair.distance / pair.threshold);
+    }
+
+    /// Term, rod and node of the largest residual at a failed configuration.
+    fn culprit(&mut self, stage: Option<&Stage>, unknown: usize) -> (&'static str, String, usize) {
+        let term = self.system.largest_term(&self.trial, stage, unknown);
+        let (rod, node) = self.system.assembly.locate(unknown / STRIDE);
+        (term, self.system.assembly.names[rod].clone(), node)
+    }
+
     fn no_convergence(&mut self, step: f64, divergence: &Divergence) -> SimulationError {
-        let stage = (step > 0.0).then_some(&self.stage);
-        let term = self
-            .system
-            .largest_term(&self.trial, stage, divergence.unknown);
-        let (rod, node) = self.system.assembly.locate(divergence.unknown / STRIDE);
+        let stage = self.stage.clone();
+        let (term, rod, node) = self.culprit(Some(&stage), divergence.unknown);
         SimulationError::NoConvergence {
             time: self.time,
             step,
             residual: divergence.residual,
             term,
-            rod: self.system.assembly.names[rod].clone(),
+            rod,
+            node,
+        }
+    }
+
+    fn no_equilibrium(&mut self, divergence: &Divergence) -> SimulationError {
+        let (term, rod, node) = self.culprit(None, divergence.unknown);
+        SimulationError::NoEquilibrium {
+            iterations: divergence.iterations,
+            residual: divergence.residual,
+            term,
+            rod,
             node,
         }
     }

@@ -61,6 +61,14 @@ impl StepControl {
         }
     }
 
+    /// The size of a step to report: that of the grid for a whole step, free of the rounding of times.
+    pub fn size(&self, size: &StepSize, step: f64) -> f64 {
+        match *size {
+            StepSize::Fixed(whole) if (step - whole).abs() <= SNAP * whole => whole,
+            _ => step,
+        }
+    }
+
     /// Judges a step of automatic control by its local error (m) and sets the next proposal. `order` is
     /// the power of the step with which the local error falls.
     pub fn judge(

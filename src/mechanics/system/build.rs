@@ -41,8 +41,8 @@ pub struct Assembly {
     pub force_scale: f64,
     /// Smallest natural edge length of the free rods, m.
     pub shortest_edge: f64,
-    /// Rounding error of an elastic force, N: EA ε |x|/l̃ of the stiffest free rod.
-    pub rounding_force: f64,
+    /// Rounding error of an elastic force per coordinate, N/m: EA ε/l̃ of the stiffest free rod.
+    pub rounding_stiffness: f64,
 }
 
 impl Assembly {
@@ -77,7 +77,7 @@ impl Assembly {
             loads: Loads::default(),
             force_scale: 0.0,
             shortest_edge: f64::INFINITY,
-            rounding_force: 0.0,
+            rounding_stiffness: 0.0,
         };
         let mut first_node = 0;
         for (index, rod) in scene.rods.iter().enumerate() {
@@ -152,15 +152,8 @@ impl Assembly {
                 .copied()
                 .fold(f64::INFINITY, f64::min);
             self.shortest_edge = self.shortest_edge.min(shortest);
-            let farthest = rod
-                .centreline
-                .iter()
-                .map(|x| x.amax())
-                .fold(0.0, f64::max)
-                .max(length);
-            self.rounding_force = self
-                .rounding_force
-                .max(rod.stiffness.stretching * f64::EPSILON * farthest / shortest);
+            let rounding = rod.stiffness.stretching * f64::EPSILON / shortest;
+            self.rounding_stiffness = self.rounding_stiffness.max(rounding);
         }
         self.rods.rods.push(range);
         self.names.push(rod.name.clone());

@@ -12,11 +12,13 @@
 
 mod build;
 mod clamps;
+mod complementarity;
 mod loads;
 mod newton_matrix;
 
 pub use build::Assembly;
 pub use clamps::Drive;
+pub use complementarity::NoContactForces;
 use newton_matrix::NewtonMatrix;
 
 use super::contact::{ContactPlane, ContactSurface, ImplicitContact};
@@ -75,6 +77,10 @@ pub struct System {
     dead_forces: Vec<f64>,
     positions: Vec<Vector3>,
     nodal_forces: Vec<Vector3>,
+    displacements: Vec<Vector3>,
+    /// Scratch of the complementarity model: a correction of the unknowns, and one response of them per row.
+    correction: Vec<f64>,
+    responses: Vec<f64>,
     has_planes: bool,
     matrix: NewtonMatrix,
 }
@@ -108,6 +114,9 @@ impl System {
             positions: vec![Vector3::zeros(); assembly.rods.nodes],
             has_planes: !scene.planes.is_empty(),
             nodal_forces: vec![Vector3::zeros(); assembly.rods.nodes],
+            displacements: vec![Vector3::zeros(); assembly.rods.nodes],
+            correction: Vec::new(),
+            responses: Vec::new(),
             matrix: NewtonMatrix::new(&assembly, rods_rub, planes_rub),
             contact,
             assembly,
@@ -303,6 +312,23 @@ impl System {
         contact.candidates_are_complete(&self.positions)
     }
 
+    /// Largest part of the straight way between two sets of unknowns along which no contact is crossed; 1
+    /// where the contact model allows penetration.
+    pub fn largest_step(&mut self, from: &[f64], to: &[f64]) -> f64 {
+        let Some(contact) = &mut self.contact else {
+            return 1.0;
+        };
+        copy_positions(from, &mut self.positions);
+        for (node, displacement) in self.displacements.iter_mut().enumerate() {
+            *displacement = position(to, node) - self.positions[node];
+        }
+        let step = contact.largest_step(&self.positions, &self.displacements);
+        if step.candidates_changed {
+            self.matrix.forget_pattern();
+        }
+        step.part
+    }
+
     /// Forgets the factorisation pattern, as after a restart from a checkpoint.
     pub fn forget_pattern(&mut self) {
         self.matrix.forget_pattern();
@@ -313,7 +339,8 @@ impl System {
         let Some(mut contact) = self.contact.take() else {
             return;
         };
-        if !contact.candidates().is_empty() || self.has_planes {
+        let may_touch = !contact.candidates().is_empty() || self.has_planes;
+        if may_touch && !contact.parameters().is_complementarity() {
             self.evaluate(unknowns, Some(stage));
             for node in 0..self.nodal_forces.len() {
                 let held = self.assembly.held[STRIDE * node];
@@ -395,15 +422,25 @@ impl System {
         TERMS[largest.unwrap_or(0)]
     }
 
-    /// Tolerance for the residual: `relative` times the larger of EI/L² and the largest nodal load, but
-    /// no less than what rounding leaves, N.
-    pub fn force_tolerance(&self, relative: f64) -> f64 {
+    /// Tolerance for the residual: `relative` times the largest of EI/L², the loads and the contact forces
+    /// of the last step, but no less than what rounding of the positions leaves, N.
+    pub fn force_tolerance(&self, relative: f64, unknowns: &[f64]) -> f64 {
         let largest_load = self
             .dead_forces
             .iter()
             .fold(0.0_f64, |largest, f| largest.max(f.abs()));
-        let scale = self.assembly.force_scale.max(largest_load);
-        (relative * scale).max(8.0 * self.assembly.rounding_force)
+        let largest_contact = self
+            .contact
+            .as_ref()
+            .map_or(0.0, ImplicitContact::largest_normal_force);
+        let scale = self
+            .assembly
+            .force_scale
+            .max(largest_load)
+            .max(largest_contact);
+        let positions = unknowns.iter().enumerate().filter(|(k, _)| k % STRIDE != 3);
+        let farthest = positions.fold(0.0_f64, |farthest, (_, x)| farthest.max(x.abs()));
+        (relative * scale).max(8.0 * self.assembly.rounding_stiffness * farthest)
     }
 
     /// The Jacobian of the last linearisation as a dense matrix over all unknowns, held ones with unit
@@ -432,7 +469,8 @@ fn contact_of(scene: &Scene, assembly: &Assembly) -> Result<Option<ImplicitConta
         normal: plane.normal,
         friction: plane.friction.unwrap_or(parameters.friction),
     });
-    let least_stiffness = parameters.stiffness_factor * assembly.force_scale;
+    let stiffness_per_force = parameters.stiffness_per_force(surface.largest_moving_radius());
+    let least_stiffness = stiffness_per_force * assembly.force_scale;
     let mut contact = ImplicitContact::new(parameters, surface, planes.collect(), least_stiffness);
     let mut positions = vec![Vector3::zeros(); assembly.rods.nodes];
     copy_positions(&assembly.unknowns, &mut positions);
@@ -465,8 +503,13 @@ pub fn describe_overlap(
             )
         }
     };
+    let (meet, least) = if contact.parameters().is_barrier() {
+        ("touch or interpenetrate", "more than")
+    } else {
+        ("interpenetrate", "at least")
+    };
     format!(
-        "{first} and {second} interpenetrate: distance {:.6e} m, allowed is at least {:.6e} m",
+        "{first} and {second} {meet}: distance {:.6e} m, allowed is {least} {:.6e} m",
         overlap.distance, overlap.threshold
     )
 }

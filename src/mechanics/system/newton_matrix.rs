@@ -164,7 +164,8 @@ impl NewtonMatrix {
                 }
             }
         }
-        if self.coupled.is_none() && !self.active.is_empty() {
+        let couples = !self.active.is_empty() || !self.permanent.is_empty();
+        if self.coupled.is_none() && couples {
             self.list_contact_elements(contact);
         }
     }
