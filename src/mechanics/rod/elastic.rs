@@ -127,17 +127,17 @@ impl ElasticRods {
 
     /// Adds the gradient to `gradient` (4 entries per node).
     pub fn add_gradient(&self, geometry: &RodGeometry, gradient: &mut [f64]) {
-        let mut force = every_lane(Vector3::zeros());
-        for (edges, lanes) in self.edge_batches(geometry) {
-            edge_lanes::forces(geometry.set, lanes, &mut force);
-            scatter_forces(edges, &force, gradient);
-        }
         let mut local = [[0.0; LANES]; VERTEX_UNKNOWNS];
         for (vertices, lanes) in self.vertex_batches(geometry) {
             vertex_lanes::gradients(geometry.set, lanes, &mut local);
             for (lane, vertex) in vertices.iter().enumerate() {
                 self.scatter_gradient(vertex, &local, lane, gradient);
             }
+        }
+        let mut force = every_lane(Vector3::zeros());
+        for (edges, lanes) in self.edge_batches(geometry) {
+            edge_lanes::forces(geometry.set, lanes, &mut force);
+            scatter_forces(edges, &force, gradient);
         }
     }
 
@@ -304,3 +304,7 @@ fn scatter_hessian(
         }
     }
 }
+
+#[cfg(test)]
+#[path = "elastic_tests.rs"]
+mod tests;

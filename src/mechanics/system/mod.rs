@@ -382,19 +382,16 @@ impl System {
     }
 
     fn square(&self, residual: &[f64]) -> f64 {
-        let per_length = 1.0 / self.assembly.shortest_edge;
-        let mut sum = 0.0;
-        for (k, (&value, &held)) in residual.iter().zip(&self.assembly.held).enumerate() {
-            if !held {
-                let value = if k % STRIDE == 3 {
-                    value * per_length
-                } else {
-                    value
-                };
-                sum += value * value;
+        let weights = [1.0, 1.0, 1.0, 1.0 / self.assembly.shortest_edge];
+        let mut sums = [0.0; STRIDE];
+        let held = self.assembly.held.chunks_exact(STRIDE);
+        for (values, held) in residual.chunks_exact(STRIDE).zip(held) {
+            for k in 0..STRIDE {
+                let value = if held[k] { 0.0 } else { weights[k] * values[k] };
+                sums[k] += value * value;
             }
         }
-        sum
+        sums.iter().sum()
     }
 
     /// Name of the term that is largest at one unknown.
