@@ -329,6 +329,17 @@ fn contact_parameters(contact: &Contact) -> Option<ContactParameters> {
             stiffness_factor,
             maximum_penetration: 0.0,
         }),
+        Contact::Complementarity {
+            friction,
+            distance_tolerance,
+            maximum_penetration,
+        } => Some(ContactParameters {
+            model: ContactModel::Complementarity,
+            distance_tolerance,
+            friction,
+            maximum_penetration,
+            ..ContactParameters::default()
+        }),
     }
 }
 

@@ -21,14 +21,17 @@
 use nalgebra::{DMatrix, DVector};
 
 /// Newton steps, with the sweeps between them, before the problem counts as unsolved.
-const ITERATIONS: usize = 60;
-/// Sweeps in place of a step that makes things worse.
+const ITERATIONS: usize = 300;
+/// Halvings of a Newton step that makes things worse, before sweeps take its place.
+const HALVINGS: i32 = 4;
+/// Sweeps in place of a Newton step.
 const SWEEPS: usize = 30;
-/// Largest ‖Φ‖∞ of a solution, relative to the forces that would undo the free motion.
-const TOLERANCE: f64 = 1e-11;
-/// Compliance added to the diagonal, relative to the largest: contacts that do the same work, as at the joint of two
-/// edges, share their force.
-const COMPLIANCE: f64 = 1e-8;
+/// Largest ‖Φ‖∞ of a solution, relative to the largest force.
+const TOLERANCE: f64 = 1e-9;
+/// Compliance added to the diagonal, relative to the largest: contacts that do the same work, as at the joint
+/// of two edges, share their force. It leaves a penetration of this fraction of the motion that contact
+/// prevents.
+const COMPLIANCE: f64 = 1e-6;
 
 /// A frictional contact problem. With `directions` 3, contact c owns the rows 3c (normal), 3c + 1 and 3c + 2
 /// (tangents); with 1 there is no friction and only the normal.
@@ -80,29 +83,28 @@ impl CoulombProblem {
     /// [`Unsolved`] when the iterations run out.
     pub fn solve(&self) -> Result<DVector<f64>, Unsolved> {
         let mut forces = DVector::zeros(self.free.len());
-        let allowed = TOLERANCE * self.free.component_mul(&self.weights).amax();
         self.sweep(&mut forces);
         let (mut function, mut jacobian) = self.linearize(&forces);
         for _ in 0..ITERATIONS {
-            let error = function.amax();
-            if error <= allowed {
+            if function.amax() <= TOLERANCE * forces.amax() {
                 return Ok(forces);
             }
-            let step = jacobian.lu().solve(&function);
-            let newton = step.map(|step| &forces - step);
-            let (mut next, mut there) = match &newton {
-                Some(newton) => (newton.clone(), self.linearize(newton)),
-                None => (forces.clone(), self.linearize(&forces)),
-            };
-            if !(there.0.norm() < function.norm()) {
-                next = forces;
+            let norm = function.norm();
+            let newton = jacobian.lu().solve(&function).and_then(|step| {
+                (0..=HALVINGS).find_map(|halvings| {
+                    let next = &forces - &step * 0.5_f64.powi(halvings);
+                    let there = self.linearize(&next);
+                    (there.0.norm() < norm).then_some((next, there))
+                })
+            });
+            (forces, (function, jacobian)) = newton.unwrap_or_else(|| {
+                let mut next = forces;
                 for _ in 0..SWEEPS {
                     self.sweep(&mut next);
                 }
-                there = self.linearize(&next);
-            }
-            forces = next;
-            (function, jacobian) = there;
+                let there = self.linearize(&next);
+                (next, there)
+            });
         }
         Err(Unsolved)
     }
@@ -235,7 +237,7 @@ mod tests {
                     let problem = random(seed, contacts, directions, rank);
                     let forces = problem.solve().unwrap();
                     let violation = violation(&problem, &forces);
-                    assert!(violation < 1e-8, "{seed} {contacts} {rank}: {violation:e}");
+                    assert!(violation < 1e-5, "{seed} {contacts} {rank}: {violation:e}");
                 }
             }
         }
@@ -246,16 +248,16 @@ mod tests {
         // Unit mass, unit step: the free motion is the pull of gravity along normal and tangent.
         for friction in [0.2, 0.5, 1.0_f64] {
             let limit = friction.atan();
-            for (angle, sticks) in [(limit - 1e-6, true), (limit + 1e-6, false)] {
+            for (angle, sticks) in [(limit - 1e-4, true), (limit + 1e-4, false)] {
                 let free = DVector::from_vec(vec![-angle.cos(), angle.sin(), 0.0]);
                 let problem = CoulombProblem::new(DMatrix::identity(3, 3), free, vec![friction]);
                 let forces = problem.solve().unwrap();
                 let (slip, traction) = (angle.sin() + forces[1], forces[1] / forces[0]);
-                assert!((forces[0] - angle.cos()).abs() < 1e-7);
+                assert!((forces[0] - angle.cos()).abs() < 1e-5);
                 if sticks {
-                    assert!(slip.abs() < 1e-7 && traction > -friction);
+                    assert!(slip.abs() < 1e-5 && traction > -friction);
                 } else {
-                    assert!(slip > 5e-7 && (traction + friction).abs() < 1e-10);
+                    assert!(slip > 5e-5 && (traction + friction).abs() < 1e-10);
                 }
             }
         }
@@ -269,6 +271,6 @@ mod tests {
             vec![0.0; 2],
         );
         let forces = problem.solve().unwrap();
-        assert!((forces[0] - 0.5).abs() < 1e-6 && (forces[1] - 0.5).abs() < 1e-6);
+        assert!((forces[0] - 0.5).abs() < 1e-5 && (forces[0] - forces[1]).abs() < 1e-9);
     }
 }

@@ -126,24 +126,23 @@ fn barrier_and_penalty_agree_on_pressed_rods() {
 }
 
 #[test]
-fn a_barrier_continues_bit_for_bit() {
-    let scene = {
-        let mut scene = crossing(BARRIER, 0.002, 0.3);
+fn contacts_continue_bit_for_bit() {
+    for model in [BARRIER, PENALTY, ContactModel::Complementarity] {
+        let mut scene = crossing(model, 0.002, 0.3);
         scene.rods[1].velocity = Vector3::new(0.3, 0.1, -2.0);
-        scene
-    };
-    let steps = |simulation: &mut Simulation, count: usize| {
-        let reports = (0..count).map(|_| simulation.advance(1.0).unwrap());
-        reports.map(|report| report.contacts).sum::<usize>()
-    };
-    let mut through = Simulation::new(&scene, &fixed(5e-4)).unwrap();
-    assert!(steps(&mut through, 5) > 0, "they touch before the restart");
-    let mut restored = Simulation::new(&scene, &fixed(5e-4)).unwrap();
-    restored.restore(through.state()).unwrap();
-    steps(&mut through, 20);
-    steps(&mut restored, 20);
-    assert_eq!(through.positions(), restored.positions());
-    assert_eq!(through.velocities(), restored.velocities());
+        let steps = |simulation: &mut Simulation, count: usize| {
+            let reports = (0..count).map(|_| simulation.advance(1.0).unwrap());
+            reports.map(|report| report.contacts).sum::<usize>()
+        };
+        let mut through = Simulation::new(&scene, &fixed(5e-4)).unwrap();
+        assert!(steps(&mut through, 5) > 0, "they touch before the restart");
+        let mut restored = Simulation::new(&scene, &fixed(5e-4)).unwrap();
+        restored.restore(through.state()).unwrap();
+        steps(&mut through, 20);
+        steps(&mut restored, 20);
+        assert_eq!(through.positions(), restored.positions());
+        assert_eq!(through.velocities(), restored.velocities());
+    }
 }
 
 #[test]

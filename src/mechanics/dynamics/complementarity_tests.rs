@@ -109,3 +109,15 @@ fn rigid_contacts_conserve_momentum_and_take_energy() {
     assert!(touched > 0);
     assert!((momentum(&simulation) - before).norm() < 1e-6 * before.norm());
 }
+
+#[test]
+fn rigid_contact_is_for_implicit_euler() {
+    let scene = crossing(RIGID, 0.002, 0.0);
+    let midpoint = IntegrationParameters {
+        scheme: Scheme::ImplicitMidpoint,
+        ..fixed(1e-3)
+    };
+    assert!(Simulation::new(&scene, &midpoint).is_err());
+    let mut simulation = Simulation::new(&scene, &fixed(1e-3)).unwrap();
+    assert!(simulation.find_equilibrium().is_err());
+}

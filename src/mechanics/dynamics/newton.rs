@@ -77,7 +77,9 @@ impl Newton {
             }
             self.start.copy_from_slice(unknowns);
             let before = Progress::of(system, &self.direction);
-            let expected = system.squared_linear_residual();
+            let expected = system
+                .uses_multipliers()
+                .then(|| system.squared_linear_residual());
             self.move_by(1.0, unknowns);
             let longest = system.largest_step(&self.start, unknowns);
             if longest < 1.0 {
@@ -86,15 +88,14 @@ impl Newton {
             last_move = longest * largest_move(&self.direction);
             // The residual alone costs a quarter of the Jacobian, which the solution no longer needs.
             system.evaluate(unknowns, Some(stage));
-            let after = Progress::of(system, &self.direction);
             if system.worst_residual().0 <= stopping.force && last_move <= stopping.displacement {
                 continue;
             }
+            let after = Progress::of(system, &self.direction);
             system.linearize(unknowns, Some(stage));
             let accepted = after.suffices(&before)
-                || system.uses_multipliers()
-                    && iteration < MULTIPLIER_ITERATIONS
-                    && system.squared_multiplier_residual() <= expected;
+                || iteration < MULTIPLIER_ITERATIONS
+                    && expected.is_some_and(|e| system.squared_multiplier_residual() <= e);
             if !accepted {
                 system.abandon_multipliers();
                 let length = self.line_search(system, stage, unknowns, &before, &after, longest);

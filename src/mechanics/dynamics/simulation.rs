@@ -16,6 +16,9 @@ const STIFFENING: f64 = 10.0;
 /// Such growths before the step is halved instead.
 const STIFFENINGS: usize = 3;
 
+/// What rigid contact is for: the midpoint rule would extrapolate through it, and statics has no free motion that
+/// contact could prevent.
+const ONLY_EULER: &str = "contact by complementarity needs time steps of implicit Euler";
 /// Times that contact forces and the rods under them are found in turn before the step counts as failed.
 const CONTACT_PASSES: usize = 30;
 
@@ -80,6 +83,9 @@ impl Simulation {
     /// [`SimulationError::BadScene`] names what is impossible.
     pub fn new(scene: &Scene, parameters: &IntegrationParameters) -> Result<Self, SimulationError> {
         let system = System::new(scene).map_err(SimulationError::BadScene)?;
+        if system.has_constraints() && parameters.scheme != Scheme::ImplicitEuler {
+            return Err(SimulationError::BadScene(ONLY_EULER.into()));
+        }
         let assembly = &system.assembly;
         let (unknowns, velocity) = (assembly.unknowns.clone(), assembly.velocity.clone());
         let nodes = assembly.rods.nodes;
@@ -208,8 +214,12 @@ impl Simulation {
     /// Finds the equilibrium at the present time: Newton's method without inertia.
     ///
     /// # Errors
-    /// [`SimulationError::NoConvergence`].
+    /// [`SimulationError::NoConvergence`], and [`SimulationError::BadScene`] with rigid contact, which gives
+    /// forces to time steps only.
     pub fn find_equilibrium(&mut self) -> Result<StepReport, SimulationError> {
+        if self.system.has_constraints() {
+            return Err(SimulationError::BadScene(ONLY_EULER.into()));
+        }
         let force = self
             .system
             .force_tolerance(self.parameters.force_tolerance, &self.unknowns);

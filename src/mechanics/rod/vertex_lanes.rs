@@ -1,55 +1,18 @@
-//! Gradient and Hessian of [`LANES`] vertices at a time: the formulas of [`super::vertex`] lane by lane.
+//! Strains, gradient and Hessian of [`LANES`] vertices at a time: the formulas of [`super::vertex`] lane by lane.
 
 use super::elastic::Vertex;
+use super::frame_lanes::{FrameLanes, VectorLanes, every_lane, set_vector, vector};
+use super::transport::parallel_transport;
 use super::vertex::{self, EdgeFrame, VertexGradient, VertexStiffness, VertexStrains};
 use super::vertex_hessian;
-use crate::linalg::instruction_set::{LANES, Lanes, kernel};
+use crate::linalg::instruction_set::{InstructionSet, LANES, Lanes, kernel};
 use crate::mechanics::Vector3;
 
 /// Unknowns (x₋, θ⁰, x, θ¹, x₊) of a vertex.
 pub(super) const VERTEX_UNKNOWNS: usize = 11;
 
-/// Framed edges, structure of arrays; meaning and units as in [`EdgeFrame`].
-#[derive(Clone)]
-#[repr(align(64))]
-struct EdgeLanes {
-    tangent: [Lanes; 3],
-    length: Lanes,
-    director_1: [Lanes; 3],
-    director_2: [Lanes; 3],
-    holonomy: [Lanes; 3],
-}
-
-#[inline(always)]
-fn vector(lanes: &[Lanes; 3], lane: usize) -> Vector3 {
-    Vector3::new(lanes[0][lane], lanes[1][lane], lanes[2][lane])
-}
-
-impl EdgeLanes {
-    fn set(&mut self, lane: usize, edge: &EdgeFrame) {
-        for axis in 0..3 {
-            self.tangent[axis][lane] = edge.tangent[axis];
-            self.director_1[axis][lane] = edge.director_1[axis];
-            self.director_2[axis][lane] = edge.director_2[axis];
-            self.holonomy[axis][lane] = edge.holonomy[axis];
-        }
-        self.length[lane] = edge.length;
-    }
-
-    #[inline(always)]
-    fn get(&self, lane: usize) -> EdgeFrame {
-        EdgeFrame {
-            tangent: vector(&self.tangent, lane),
-            length: self.length[lane],
-            director_1: vector(&self.director_1, lane),
-            director_2: vector(&self.director_2, lane),
-            holonomy: vector(&self.holonomy, lane),
-        }
-    }
-}
-
-/// Strains, structure of arrays, as in [`VertexStrains`].
-#[derive(Clone)]
+/// Strains, structure of arrays; meaning and units as in [`VertexStrains`].
+#[derive(Clone, Debug)]
 #[repr(align(64))]
 struct StrainLanes {
     curvature: [Lanes; 4],
@@ -57,6 +20,14 @@ struct StrainLanes {
 }
 
 impl StrainLanes {
+    fn new() -> Self {
+        Self {
+            curvature: [[0.0; LANES]; 4],
+            twist: [0.0; LANES],
+        }
+    }
+
+    #[inline(always)]
     fn set(&mut self, lane: usize, strains: &VertexStrains) {
         for k in 0..4 {
             self.curvature[k][lane] = strains.curvature[k];
@@ -74,12 +45,14 @@ impl StrainLanes {
     }
 }
 
-/// Vertices with their edges, structure of arrays.
-#[derive(Clone)]
+/// Up to [`LANES`] vertices with their edges, structure of arrays.
+#[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(super) struct VertexLanes {
-    before: EdgeLanes,
-    after: EdgeLanes,
+    before: FrameLanes,
+    after: FrameLanes,
+    /// Reference directors of the edges.
+    reference: [VectorLanes; 2],
     strains: StrainLanes,
     natural: StrainLanes,
     bending: [Lanes; 2],
@@ -87,39 +60,52 @@ pub(super) struct VertexLanes {
 }
 
 impl VertexLanes {
-    pub fn new() -> Self {
-        let edge = EdgeLanes {
-            tangent: [[1.0; LANES], [0.0; LANES], [0.0; LANES]],
-            length: [1.0; LANES],
-            director_1: [[0.0; LANES]; 3],
-            director_2: [[0.0; LANES]; 3],
-            holonomy: [[0.0; LANES]; 3],
-        };
-        let strains = StrainLanes {
-            curvature: [[0.0; LANES]; 4],
-            twist: [0.0; LANES],
-        };
-        Self {
-            before: edge.clone(),
-            after: edge,
-            strains: strains.clone(),
-            natural: strains,
+    /// Natural strains and stiffness of `vertices`; lanes out of use hold a straight rod without stiffness.
+    pub fn new(vertices: &[Vertex]) -> Self {
+        let mut lanes = Self {
+            before: FrameLanes::new(),
+            after: FrameLanes::new(),
+            reference: [every_lane(Vector3::y()); 2],
+            strains: StrainLanes::new(),
+            natural: StrainLanes::new(),
             bending: [[0.0; LANES]; 2],
             twisting: [0.0; LANES],
+        };
+        for (lane, vertex) in vertices.iter().enumerate() {
+            lanes.natural.set(lane, &vertex.natural);
+            lanes.bending[0][lane] = vertex.stiffness.bending[0];
+            lanes.bending[1][lane] = vertex.stiffness.bending[1];
+            lanes.twisting[lane] = vertex.stiffness.twisting;
         }
+        lanes
     }
 
-    /// Puts up to [`LANES`] vertices into the lanes; the other lanes keep what they have.
-    pub fn fill(&mut self, vertices: &[Vertex], strains: &[VertexStrains], edges: &[EdgeFrame]) {
-        for (lane, (vertex, strains)) in vertices.iter().zip(strains).enumerate() {
-            self.before.set(lane, &edges[vertex.before]);
-            self.after.set(lane, &edges[vertex.after]);
-            self.strains.set(lane, strains);
-            self.natural.set(lane, &vertex.natural);
-            self.bending[0][lane] = vertex.stiffness.bending[0];
-            self.bending[1][lane] = vertex.stiffness.bending[1];
-            self.twisting[lane] = vertex.stiffness.twisting;
-        }
+    /// Puts the frames and reference directors of the edges of a vertex into a lane.
+    pub fn set_edges(&mut self, lane: usize, edges: [&EdgeFrame; 2], reference: [&Vector3; 2]) {
+        self.before.set(lane, edges[0]);
+        self.after.set(lane, edges[1]);
+        set_vector(&mut self.reference[0], lane, reference[0]);
+        set_vector(&mut self.reference[1], lane, reference[1]);
+    }
+
+    /// Computes the curvatures of every lane, and sine and cosine of the angle between the reference
+    /// directors.
+    pub fn bend(&mut self, set: InstructionSet) -> [Lanes; 2] {
+        let (mut curvature, mut angle) = ([[0.0; LANES]; 4], [[0.0; LANES]; 2]);
+        bend(set, self, &mut curvature, &mut angle);
+        self.strains.curvature = curvature;
+        angle
+    }
+
+    /// Sets the twist of a lane, rad.
+    pub fn set_twist(&mut self, lane: usize, twist: f64) {
+        self.strains.twist[lane] = twist;
+    }
+
+    /// Bending energy and twisting energy of a lane, J.
+    pub fn energies(&self, lane: usize) -> (f64, f64) {
+        let (strains, natural) = (self.strains.get(lane), self.natural.get(lane));
+        vertex::energies(&strains, &natural, &self.stiffness(lane))
     }
 
     #[inline(always)]
@@ -127,6 +113,26 @@ impl VertexLanes {
         VertexStiffness {
             bending: [self.bending[0][lane], self.bending[1][lane]],
             twisting: self.twisting[lane],
+        }
+    }
+}
+
+kernel! {
+    /// [`vertex::curvatures`] of every lane, and sine and cosine of the angle from the reference director
+    /// before, transported, to that after.
+    fn bend(vertices: &VertexLanes, curvature: &mut [Lanes; 4], angle: &mut [Lanes; 2]) {
+        for lane in 0..LANES {
+            let (before, after) = (vertices.before.get(lane), vertices.after.get(lane));
+            let reference = vector(&vertices.reference[0], lane);
+            let carried = parallel_transport(&reference, &before.tangent, &after.tangent);
+            let reference = vector(&vertices.reference[1], lane);
+            angle[0][lane] = carried.cross(&reference).dot(&after.tangent);
+            angle[1][lane] = carried.dot(&reference);
+            let [c0, c1, c2, c3] = vertex::curvatures(&before, &after);
+            curvature[0][lane] = c0;
+            curvature[1][lane] = c1;
+            curvature[2][lane] = c2;
+            curvature[3][lane] = c3;
         }
     }
 }

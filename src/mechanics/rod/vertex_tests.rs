@@ -223,7 +223,7 @@ fn with_holonomy(
 ) -> [[f64; 8]; 8] {
     let mut full = [[0.0; 8]; 8];
     let holonomy = |j: usize| {
-        crate::mechanics::rod::elastic::holonomy_hessian(&source[j], &edges[j], moments[j])
+        crate::mechanics::rod::holonomy::holonomy_hessian(&source[j], &edges[j], moments[j])
     };
     let (e0e0, e1e1) = (blocks.e0e0 + holonomy(0), blocks.e1e1 + holonomy(1));
     for i in 0..3 {

@@ -12,12 +12,23 @@
 //!
 //! Solved once per step this is the two-step method of the thesis: forces explicit, then the rods. Here it is
 //! repeated around Newton's method for the rods under these forces, until the forces found anew would move
-//! nothing. Contact points and directions are then those of the end of the step, and the gaps closed to within the tolerance.
+//! no node farther than the displacement tolerance. Contact points and directions are then those of the end of
+//! the step.
+//!
+//! **What holds.** No creep in sticking; sliding exactly at μ; contact forces in balance; no restitution. Gaps
+//! are never less than zero by more than the square of that tolerance over the edge length, and the
+//! millionth of the motion that contact prevents.
+//!
+//! **What does not.** Nothing keeps edges from passing through each other between two configurations without
+//! overlap: that takes steps in which rods move by less than their radius. With friction the laws may have
+//! several solutions, or none; a step whose contact problem is not solved counts as failed and is halved.
+//! How contacts that do the same work share their force is up to a small compliance. The cost is a solution
+//! per contact and direction, and the cube of their number.
 
 use super::{Stage, System, copy_positions};
 use crate::linalg::SingularMatrix;
 use crate::mechanics::Vector3;
-use crate::mechanics::contact::{ContactConstraint, CoulombProblem};
+use crate::mechanics::contact::{ContactConstraint, CoulombProblem, ImplicitContact};
 use crate::mechanics::rod::{STRIDE, topology::position};
 use nalgebra::{DMatrix, DVector};
 
@@ -54,28 +65,43 @@ impl System {
         unknowns: &[f64],
         stage: &Stage,
     ) -> Result<f64, NoContactForces> {
-        if let Some(contact) = &mut self.contact {
-            contact.release_constraints();
-        }
+        let Some(mut contact) = self.contact.take() else {
+            return Ok(0.0);
+        };
+        contact.release_constraints();
+        let found = if contact.candidates().is_empty() && !self.has_planes {
+            Ok(0.0)
+        } else {
+            self.load_constraints(&mut contact, unknowns, stage)
+        };
+        self.contact = Some(contact);
+        found
+    }
+
+    /// Lists the constraints of `contact`, taken out of the system, and loads them with their forces; returns the
+    /// largest move of a node by all forces, m.
+    fn load_constraints(
+        &mut self,
+        contact: &mut ImplicitContact,
+        unknowns: &[f64],
+        stage: &Stage,
+    ) -> Result<f64, NoContactForces> {
         self.linearize(unknowns, Some(stage));
         self.factor()?;
-        let mut correction = vec![0.0; unknowns.len()];
+        let mut correction = std::mem::take(&mut self.correction);
+        correction.resize(unknowns.len(), 0.0);
         self.direction(&mut correction)?;
-        let Some(mut contact) = self.contact.take() else {
-            return Ok(largest_move(&correction));
-        };
         let nodes = 0..self.positions.len();
         let reaches: Vec<f64> = nodes
             .map(|node| position(&correction, node).norm())
             .collect();
         copy_positions(unknowns, &mut self.positions);
         contact.list_constraints(&self.positions, &reaches);
-        let found = self.solve_constraints(contact.constraints(), stage, &mut correction);
-        if let Ok(forces) = &found {
-            contact.load_constraints(forces);
-        }
-        self.contact = Some(contact);
-        found.map(|_| largest_move(&correction))
+        let forces = self.solve_constraints(contact.constraints(), stage, &mut correction)?;
+        contact.load_constraints(forces.as_slice());
+        let moved = largest_move(&correction);
+        self.correction = correction;
+        Ok(moved)
     }
 
     /// The forces of all constraints, and the correction of the unknowns with them in place of that without.
@@ -84,26 +110,29 @@ impl System {
         constraints: &[ContactConstraint],
         stage: &Stage,
         correction: &mut [f64],
-    ) -> Result<Vec<f64>, NoContactForces> {
+    ) -> Result<DVector<f64>, NoContactForces> {
         let rubs = constraints
             .iter()
             .any(|constraint| constraint.friction > 0.0);
         let directions = if rubs { 3 } else { 1 };
         let rows = directions * constraints.len();
         let row_of = |row: usize| (&constraints[row / directions], row % directions);
+        let unknowns = correction.len();
+        let mut responses = std::mem::take(&mut self.responses);
+        responses.clear();
+        responses.resize(rows * unknowns, 0.0);
         let mut free = DVector::zeros(rows);
-        let mut responses: Vec<Vec<f64>> = Vec::with_capacity(rows);
-        for row in 0..rows {
+        for (row, response) in responses.chunks_exact_mut(unknowns).enumerate() {
             let (constraint, axis) = row_of(row);
             let moved = constraint.relative_motion(|node| {
                 let so_far = self.positions[node] - stage.positions[node];
-                position(correction, node) + if axis > 0 { so_far } else { Vector3::zeros() }
+                let slid = if axis > 0 { so_far } else { Vector3::zeros() };
+                position(correction, node) + slid
             });
             free[row] = moved.dot(&constraint.frame[axis]);
             if axis == 0 {
                 free[row] += constraint.gap;
             }
-            let mut response = vec![0.0; correction.len()];
             for (&node, weight) in constraint.nodes.iter().zip(constraint.weights) {
                 for component in 0..3 {
                     let unknown = STRIDE * node + component;
@@ -112,23 +141,24 @@ impl System {
                     }
                 }
             }
-            self.matrix.solve(&mut response)?;
-            responses.push(response);
+            self.matrix.solve(response)?;
         }
+        let response_to = |row: usize| &responses[row * unknowns..][..unknowns];
         let delassus = DMatrix::from_fn(rows, rows, |row, column| {
             let (constraint, axis) = row_of(row);
-            let moved = constraint.relative_motion(|node| position(&responses[column], node));
+            let moved = constraint.relative_motion(|node| position(response_to(column), node));
             moved.dot(&constraint.frame[axis])
         });
         let friction = constraints.iter().map(|constraint| constraint.friction);
         let problem = CoulombProblem::new(delassus, free, friction.collect());
         let forces = problem.solve().map_err(|_| NoContactForces::Unsolved)?;
-        for (response, force) in responses.iter().zip(forces.iter()) {
-            for (own, response) in correction.iter_mut().zip(response) {
+        for (row, force) in forces.iter().enumerate() {
+            for (own, response) in correction.iter_mut().zip(response_to(row)) {
                 *own += force * response;
             }
         }
-        Ok(forces.as_slice().to_vec())
+        self.responses = responses;
+        Ok(forces)
     }
 }
 

@@ -80,6 +80,9 @@ pub struct System {
     positions: Vec<Vector3>,
     nodal_forces: Vec<Vector3>,
     displacements: Vec<Vector3>,
+    /// Scratch of the complementarity model: a correction of the unknowns, and one response of them per row.
+    correction: Vec<f64>,
+    responses: Vec<f64>,
     has_planes: bool,
     matrix: NewtonMatrix,
 }
@@ -115,6 +118,8 @@ impl System {
             has_planes: !scene.planes.is_empty(),
             nodal_forces: vec![Vector3::zeros(); assembly.rods.nodes],
             displacements: vec![Vector3::zeros(); assembly.rods.nodes],
+            correction: Vec::new(),
+            responses: Vec::new(),
             matrix: NewtonMatrix::new(&assembly, rods_rub, planes_rub),
             contact,
             assembly,
@@ -185,12 +190,8 @@ impl System {
         self.update_geometry(unknowns);
         self.residual.fill(0.0);
         self.matrix.clear();
-        self.matrix.add_elastic(
-            &self.assembly.rods,
-            &self.geometry,
-            &self.reference,
-            &mut self.residual,
-        );
+        self.matrix
+            .add_elastic(&self.assembly.rods, &self.geometry, &mut self.residual);
         self.add_simple_terms(unknowns, stage);
         if let Some(stage) = stage {
             self.matrix.add_inertia(&self.assembly, stage);
@@ -347,7 +348,8 @@ impl System {
         let Some(mut contact) = self.contact.take() else {
             return;
         };
-        if !contact.candidates().is_empty() || self.has_planes {
+        let may_touch = !contact.candidates().is_empty() || self.has_planes;
+        if may_touch && !contact.parameters().is_complementarity() {
             self.evaluate(unknowns, Some(stage));
             for node in 0..self.nodal_forces.len() {
                 let held = self.assembly.held[STRIDE * node];
@@ -389,19 +391,16 @@ impl System {
     }
 
     fn square(&self, residual: &[f64]) -> f64 {
-        let per_length = 1.0 / self.assembly.shortest_edge;
-        let mut sum = 0.0;
-        for (k, (&value, &held)) in residual.iter().zip(&self.assembly.held).enumerate() {
-            if !held {
-                let value = if k % STRIDE == 3 {
-                    value * per_length
-                } else {
-                    value
-                };
-                sum += value * value;
+        let weights = [1.0, 1.0, 1.0, 1.0 / self.assembly.shortest_edge];
+        let mut sums = [0.0; STRIDE];
+        let held = self.assembly.held.chunks_exact(STRIDE);
+        for (values, held) in residual.chunks_exact(STRIDE).zip(held) {
+            for k in 0..STRIDE {
+                let value = if held[k] { 0.0 } else { weights[k] * values[k] };
+                sums[k] += value * value;
             }
         }
-        sum
+        sums.iter().sum()
     }
 
     /// Name of the term that is largest at one unknown.

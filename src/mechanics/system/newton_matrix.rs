@@ -71,13 +71,11 @@ impl NewtonMatrix {
         &mut self,
         rods: &ElasticRods,
         geometry: &RodGeometry,
-        reference: &ReferenceFrames,
         gradient: &mut [f64],
     ) {
         let closing = &mut self.permanent_matrices[..self.closing];
         rods.add_derivatives(
             geometry,
-            reference,
             gradient,
             &mut self.band,
             closing,

@@ -65,23 +65,36 @@ pub fn contact(top: &Section<'_>, typed: Option<&typed::Contact>, smallest_radiu
             stiffness_factor: stiffness_factor(1.0),
         };
     }
+    let maximum_penetration = number(
+        "maximum_penetration",
+        &typed.maximum_penetration,
+        FRACTION,
+        0.05,
+    );
     if model == typed::ContactModel::Complementarity {
-        section.fault(
-            "model",
-            "this contact model is not built yet; allowed: \"imc\", \"ipc\", \"none\"",
-        );
+        for (key, present) in [
+            ("slip_tolerance", typed.slip_tolerance.is_some()),
+            ("stiffness_factor", typed.stiffness_factor.is_some()),
+        ] {
+            if present {
+                section.fault(
+                    key,
+                    "the model \"complementarity\" is rigid and sticks; leave the key out",
+                );
+            }
+        }
+        return Contact::Complementarity {
+            friction,
+            distance_tolerance,
+            maximum_penetration,
+        };
     }
     Contact::Imc {
         friction,
         distance_tolerance,
         slip_tolerance,
         stiffness_factor: stiffness_factor(1e5),
-        maximum_penetration: number(
-            "maximum_penetration",
-            &typed.maximum_penetration,
-            FRACTION,
-            0.05,
-        ),
+        maximum_penetration,
     }
 }
 
@@ -166,6 +179,23 @@ fn step(section: &Section<'_>, typed: &typed::Time, interval: f64) -> Step {
         }
     }
     Step::Fixed(section.with_default("step", &typed.step, POSITIVE, 1e-3))
+}
+
+/// Refuses rigid contact where it is not defined: it gives forces to the steps of implicit Euler.
+pub fn refuse_rigid_statics(top: &Section<'_>, contact: &Contact, time: &Time) {
+    let euler = matches!(
+        time,
+        Time::Dynamic {
+            scheme: Scheme::ImplicitEuler,
+            ..
+        }
+    );
+    if matches!(contact, Contact::Complementarity { .. }) && !euler {
+        top.below("contact").fault(
+            "model",
+            "\"complementarity\" needs a dynamic run with the scheme \"implicit-euler\"",
+        );
+    }
 }
 
 /// Refuses time steps below the smallest that the solver may take.

@@ -36,7 +36,10 @@ fn faults_name_file_line_column_key_and_range() {
     insta::assert_snapshot!(faults("mode = \"static\"", "end = 1\nstep = 0"), @"beam.toml:25:8: `time.step`: 0.0 is out of range; allowed: greater than 0");
     insta::assert_snapshot!(faults("mode = \"static\"", "end = 1\nstep = 1e-12"), @"beam.toml:25:8: `time.step`: 1e-12 s is out of range; allowed: at least solver.minimum_step = 1e-9 s");
     insta::assert_snapshot!(faults("mode = \"static\"", "mode = \"static\"\nend = 3"), @"beam.toml:25:7: `time.end`: a static run has no time steps; leave the key out");
-    insta::assert_snapshot!(faults("[output]", "[contact]\nmodel = \"complementarity\"\n[output]"), @r#"beam.toml:27:9: `contact.model`: this contact model is not built yet; allowed: "imc", "ipc", "none""#);
+    insta::assert_snapshot!(faults("[output]", "[contact]\nmodel = \"complementarity\"\nslip_tolerance = 1\n[output]"), @r#"
+beam.toml:27:9: `contact.model`: "complementarity" needs a dynamic run with the scheme "implicit-euler"
+beam.toml:28:18: `contact.slip_tolerance`: the model "complementarity" is rigid and sticks; leave the key out
+"#);
     insta::assert_snapshot!(faults("[output]", "[contact]\nmodel = \"ipc\"\nmaximum_penetration = 0.1\n[output]"), @r#"beam.toml:28:23: `contact.maximum_penetration`: the model "ipc" allows no penetration; leave the key out"#);
     insta::assert_snapshot!(faults("[output]", "[contact]\nmodel = \"ipc\"\ndistance_tolerance = \"6 mm\"\nfriction = -0.1\nslip_tolerance = 0\n[output]"), @r#"
 beam.toml:28:22: `contact.distance_tolerance`: 0.006 m is out of range; allowed: at most the smallest radius, 0.005 m
