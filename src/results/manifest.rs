@@ -75,6 +75,9 @@ pub struct CaseRecord {
     /// The part of it that went into steps with contact, s.
     #[serde(default)]
     pub wall_time_with_contact: f64,
+    /// Processor time of all these calls, s; `None` where the system does not tell.
+    #[serde(default)]
+    pub cpu_time: Option<f64>,
 }
 
 /// How a case stands.
@@ -179,6 +182,7 @@ pub(super) mod tests {
                     outcome,
                     wall_time: 0.1,
                     wall_time_with_contact: 0.05,
+                    cpu_time: Some(0.2),
                 },
             )]),
         }

@@ -17,9 +17,11 @@ pub enum Artifact {
 
 /// Numbers of flagella of the thesis (section 2.4.2).
 pub(super) const FLAGELLA: [usize; 4] = [2, 3, 5, 10];
-/// Simulated time of the thesis, and of a quick look, s.
+/// Simulated time of the thesis, s.
 const END: f64 = 250.0;
+/// Simulated time of a quick look, s; that at a difference has 20 s of contact.
 const QUICK_END: f64 = 20.0;
+const QUICK_END_OF_DIFFERENCE: f64 = 25.0;
 
 impl Artifact {
     /// All of them.
@@ -64,7 +66,11 @@ impl Artifact {
 
     /// Its runs, those of IMC before those of IPC.
     pub(super) fn runs(self, quick: bool) -> Vec<Bundling> {
-        let end = if quick { QUICK_END } else { END };
+        let end = match (quick, self) {
+            (false, _) => END,
+            (true, Self::Figure2_5) => QUICK_END_OF_DIFFERENCE,
+            (true, _) => QUICK_END,
+        };
         let both = |counts: &[usize]| {
             let models = [ContactModel::Imc, ContactModel::Ipc];
             let run = |model, flagella: &usize| Bundling {

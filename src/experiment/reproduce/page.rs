@@ -39,6 +39,8 @@ struct CaseNote {
     status: CaseStatus,
     simulated_time_s: f64,
     wall_time_s: f64,
+    /// Processor time of the process meanwhile, other runs at the same time included.
+    cpu_time_s: Option<f64>,
     threads: usize,
     version: String,
     /// Whether an earlier call had finished it.
@@ -63,6 +65,7 @@ impl Page {
             status: case.record.status,
             simulated_time_s: case.record.outcome.simulated_time,
             wall_time_s: case.record.wall_time,
+            cpu_time_s: case.record.cpu_time,
             threads: case.manifest.threads,
             version: case.manifest.version.clone(),
             was_finished: case.was_finished,
@@ -177,8 +180,20 @@ fn head(artifact: Artifact, options: &ReproduceOptions, cases: &[Case]) -> Strin
             cases.len()
         );
     }
+    if let Some(ratio) = wall_time_over_cpu_time(cases).filter(|_| jobs * threads == 1) {
+        timings += &format!(
+            " All wall time over all processor time is {ratio:.2}; beyond 1 the machine was busy with other work."
+        );
+    }
     add(timings);
     text
+}
+
+fn wall_time_over_cpu_time(cases: &[Case]) -> Option<f64> {
+    let cpu_times = cases.iter().map(|case| case.record.cpu_time);
+    let cpu_time: f64 = cpu_times.sum::<Option<f64>>()?;
+    let wall_time: f64 = cases.iter().map(|case| case.record.wall_time).sum();
+    (cpu_time > 0.0).then(|| wall_time / cpu_time)
 }
 
 /// A number of the page, or a dash.

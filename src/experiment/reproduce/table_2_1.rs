@@ -61,6 +61,7 @@ struct Row {
     /// Run time of IPC over that of IMC.
     run_time_ratio: Option<f64>,
     wall_time_s: f64,
+    cpu_time_s: Option<f64>,
     min_distance_ratio: Option<f64>,
     thesis_iterations_per_step: f64,
     thesis_time_per_step_s: f64,
@@ -141,6 +142,7 @@ fn row(case: &Case, printed: &Printed, barrier: Option<(&Case, &Printed)>) -> Ro
             .map(|(case, _)| case.record.wall_time_with_contact / run_time)
             .filter(|ratio| ratio.is_finite()),
         wall_time_s: case.record.wall_time,
+        cpu_time_s: case.record.cpu_time,
         min_distance_ratio: outcome.minimum_distance_ratio,
         thesis_iterations_per_step: printed.iterations_per_step,
         thesis_time_per_step_s: 1e-3 * printed.time_per_step_ms,

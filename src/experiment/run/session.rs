@@ -266,6 +266,7 @@ impl Session {
             outcome,
             wall_time: usage.wall_time.as_secs_f64(),
             wall_time_with_contact: usage.wall_time_with_contact.as_secs_f64(),
+            cpu_time: usage.cpu_time.map(|time| time.as_secs_f64()),
         };
         self.manifest.cases.insert(MAIN_CASE.into(), record);
         self.manifest.end = Some(jiff::Timestamp::now());
