@@ -24,6 +24,7 @@ pub use artifact::Artifact;
 
 use super::RunError;
 use crate::results::ResultsError;
+use bundling::Bundling;
 use page::Page;
 use std::path::PathBuf;
 
@@ -74,7 +75,16 @@ pub fn reproduce(
     options: &ReproduceOptions,
     report: &(dyn Fn(&str) + Sync),
 ) -> Result<Vec<PathBuf>, ReproduceError> {
-    let cases = cases::run_all(&artifact.runs(options.quick), options, report)?;
+    make(artifact, &artifact.runs(options.quick), options, report)
+}
+
+fn make(
+    artifact: Artifact,
+    runs: &[Bundling],
+    options: &ReproduceOptions,
+    report: &(dyn Fn(&str) + Sync),
+) -> Result<Vec<PathBuf>, ReproduceError> {
+    let cases = cases::run_all(runs, options, report)?;
     let mut page = Page::begin(artifact, options, &cases)?;
     match artifact {
         Artifact::Table2_1 => table_2_1::write(&mut page, &cases),
@@ -83,4 +93,73 @@ pub fn reproduce(
         Artifact::Figure2_6 => figure_2_6::write(&mut page, &cases),
     }?;
     Ok(page.finish()?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+    use std::sync::Mutex;
+
+    /// Two milliseconds of each run.
+    fn runs(artifact: Artifact) -> Vec<Bundling> {
+        let shortened = |run: &Bundling| Bundling { end: 2e-3, ..*run };
+        artifact.runs(true).iter().map(shortened).collect()
+    }
+
+    fn options(directory: &std::path::Path, jobs: usize) -> ReproduceOptions {
+        ReproduceOptions {
+            directory: directory.to_owned(),
+            quick: true,
+            jobs,
+            command_line: vec!["rodlab".into(), "reproduce".into()],
+        }
+    }
+
+    #[test]
+    fn every_artefact_has_its_page_its_table_and_its_figures() {
+        let directory = tempfile::tempdir().unwrap();
+        for artifact in Artifact::ALL {
+            let options = options(directory.path(), 2);
+            let written = make(artifact, &runs(artifact), &options, &|_| {}).unwrap();
+            let page = directory.path().join(artifact.name());
+            assert!(written.iter().all(|file| file.starts_with(&page)));
+            let text = fs::read_to_string(page.join("README.md")).unwrap();
+            assert!(
+                text.starts_with(&format!("# {}", artifact.title())),
+                "{text}"
+            );
+            assert!(text.contains("**Quick: 0.002 s were simulated"), "{text}");
+            let figures: Vec<&str> = text.lines().filter(|line| line.starts_with("![")).collect();
+            assert!(!figures.is_empty());
+            for figure in figures {
+                let (_, name) = figure.split_once("](").unwrap();
+                let svg = fs::read_to_string(page.join(name.trim_end_matches(')'))).unwrap();
+                assert!(svg.starts_with("<svg"));
+            }
+            let table = fs::read_to_string(page.join(format!("{}.csv", artifact.name()))).unwrap();
+            assert!(table.lines().count() > 1);
+        }
+    }
+
+    #[test]
+    fn runs_are_made_once_whatever_asks_for_them() {
+        let directory = tempfile::tempdir().unwrap();
+        let reports = Mutex::new(Vec::new());
+        let report = |line: &str| reports.lock().unwrap().push(line.to_owned());
+        let artifact = Artifact::Figure2_6;
+        let options = options(directory.path(), 1);
+        make(artifact, &runs(artifact), &options, &report).unwrap();
+        let table = || fs::read(directory.path().join("fig2.6/fig2.6.csv")).unwrap();
+        let first = table();
+        make(artifact, &runs(artifact)[..2], &options, &report).unwrap();
+        assert_ne!(table(), first);
+        make(artifact, &runs(artifact), &options, &report).unwrap();
+        assert_eq!(table(), first);
+        let reports = reports.into_inner().unwrap();
+        let again = reports
+            .iter()
+            .filter(|line| line.contains("had been run before"));
+        assert_eq!((reports.len(), again.count()), (8, 5));
+    }
 }
