@@ -152,6 +152,16 @@ impl Simulation {
         Ok(simulation)
     }
 
+    /// Sets forces of another solver, which act beside the loads of the scene from the next step on: for
+    /// coupling step by step. `forces` act on the nodes, N; `moments` about the tangent of the edge that
+    /// starts at each node, N m. They are no part of the state that checkpoints hold.
+    pub fn set_external_forces(&mut self, forces: &[Vector3], moments: &[f64]) {
+        let entries = self.system.external_forces.chunks_exact_mut(STRIDE);
+        for (entry, (force, moment)) in entries.zip(forces.iter().zip(moments)) {
+            entry.copy_from_slice(&[force.x, force.y, force.z, *moment]);
+        }
+    }
+
     /// Takes one step that ends no later than `until` (hit exactly when it is within the step).
     ///
     /// # Errors

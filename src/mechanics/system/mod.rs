@@ -75,6 +75,8 @@ pub struct System {
     pub residual: Vec<f64>,
     corrected_residual: Vec<f64>,
     dead_forces: Vec<f64>,
+    /// Forces (N) and moments (N m) of another solver on the unknowns.
+    pub external_forces: Vec<f64>,
     positions: Vec<Vector3>,
     nodal_forces: Vec<Vector3>,
     displacements: Vec<Vector3>,
@@ -111,6 +113,7 @@ impl System {
             residual: vec![0.0; assembly.unknowns.len()],
             corrected_residual: vec![0.0; assembly.unknowns.len()],
             dead_forces: vec![0.0; assembly.unknowns.len()],
+            external_forces: vec![0.0; assembly.unknowns.len()],
             positions: vec![Vector3::zeros(); assembly.rods.nodes],
             has_planes: !scene.planes.is_empty(),
             nodal_forces: vec![Vector3::zeros(); assembly.rods.nodes],
@@ -133,7 +136,13 @@ impl System {
         for drive in &self.assembly.drives {
             drive.apply(time, unknowns, &mut self.ghosts);
         }
+        for drive in &self.assembly.drives {
+            drive.turn_edges(time, &self.reference, unknowns);
+        }
         self.assembly.loads.dead_forces(time, &mut self.dead_forces);
+        for (dead, external) in self.dead_forces.iter_mut().zip(&self.external_forces) {
+            *dead += external;
+        }
     }
 
     /// Computes frames and strains at `unknowns`.
