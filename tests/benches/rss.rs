@@ -63,6 +63,7 @@ fn drag(criterion: &mut Criterion) {
     let model = FluidModel::RegularizedStokeslets {
         viscosity: 0.1,
         regularization: 1.02,
+        far_field_error: 1e-4,
     };
     for (name, side) in [("drag apart", 0.03), ("drag bundled", 0.003)] {
         for count in [2, 10] {

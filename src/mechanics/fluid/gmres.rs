@@ -1,7 +1,7 @@
 //! The generalised minimal residual method with right preconditioning (Saad 2003, Alg. 9.5).
 
+use super::flow::Flow;
 use super::instruction_set::{LANES, Lanes};
-use super::operator::FlowOperator;
 use super::preconditioner::Preconditioner;
 
 /// Directions kept before a restart. A solve takes 1 to 20 iterations; a restart is a sign of trouble.
@@ -47,7 +47,7 @@ impl Gmres {
     /// `most` iterations have been spent. Not-a-number ends the iteration too.
     pub fn solve(
         &mut self,
-        operator: &mut FlowOperator,
+        operator: &mut Flow,
         preconditioner: &mut Preconditioner,
         residual: &mut [f64],
         solution: &mut [f64],
@@ -91,7 +91,7 @@ impl Gmres {
     fn extend(
         &mut self,
         j: usize,
-        operator: &mut FlowOperator,
+        operator: &mut Flow,
         preconditioner: &mut Preconditioner,
     ) -> f64 {
         let (known, rest) = self.basis.split_at_mut(j + 1);

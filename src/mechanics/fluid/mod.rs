@@ -27,17 +27,21 @@
 //! Segments of different rods may come as close as they like, but within a few radii the flow between
 //! their surfaces (lubrication) is not resolved.
 
+mod chain;
 mod drag;
 mod elimination;
 mod error;
 mod filament;
+mod flow;
 mod gmres;
+mod hierarchy;
 mod initial_guess;
 mod instruction_set;
 mod lanes;
 mod logarithm;
 mod model;
 mod operator;
+mod patch;
 mod preconditioner;
 mod quadrature;
 mod resistive_force_theory;

@@ -1,9 +1,11 @@
 //! An approximate inverse of the flow operator from neighbourhoods, kept while the filaments move on.
 
 use super::FluidError;
+use super::chain::Link;
 use super::elimination::eliminate;
 use super::instruction_set::{InstructionSet, LANES, Lanes, kernel};
-use super::operator::{FlowOperator, PARALLEL_FROM};
+use super::operator::PARALLEL_FROM;
+use super::patch::Patch;
 use crate::mechanics::Vector3;
 use rayon::prelude::*;
 
@@ -38,8 +40,11 @@ struct Group {
     rows: Vec<Lanes>,
     /// Velocities of the neighbourhood, padded likewise.
     gathered: Vec<Lanes>,
-    /// Scratch: distances of all nodes, and the system to be solved.
+    /// Scratch: distances of all nodes, the neighbourhood in ascending order, its part of the operator, and
+    /// the system to be solved.
     distances: Vec<(f64, usize)>,
+    columns: Vec<usize>,
+    patch: Patch,
     system: Vec<f64>,
 }
 
@@ -70,26 +75,25 @@ impl Preconditioner {
     }
 
     /// Price of [`build`](Self::build) in units of one iteration, from operation counts: 2/3 m³ for the
-    /// elimination of m unknowns, 18 n² for the product with n nodes. As timed for 136 and 680 nodes, an
-    /// operation of the former takes 2.5 times as long as one of the latter.
-    pub fn price(&self, nodes: usize) -> f64 {
+    /// elimination of m unknowns, `product` for the product with n nodes. As timed for 136 and 680 nodes,
+    /// an operation of the former takes 2.5 times as long as one of the latter.
+    pub fn price(&self, nodes: usize, product: f64) -> f64 {
         let unknowns = (3 * self.neighbourhood.min(nodes)) as f64;
         let eliminations = self.groups.len() as f64 * unknowns * unknowns * unknowns * 2.0 / 3.0;
-        let product = 18.0 * (nodes * nodes) as f64;
         2.5 * eliminations / product
     }
 
-    /// Finds the neighbourhoods at the positions for which the operator was assembled, and inverts them.
+    /// Finds the neighbourhoods of nodes at these positions, and inverts their part of the operator.
     ///
     /// # Errors
     /// [`FluidError::Singular`] where a neighbourhood has no inverse.
     pub fn build(
         &mut self,
-        operator: &FlowOperator,
+        links: &[Link],
         positions: &[Vector3],
     ) -> Result<(), FluidError> {
         let (set, size) = (self.set, self.neighbourhood.min(positions.len()));
-        let build = |group: &mut Group| group.build(set, operator, positions, size);
+        let build = |group: &mut Group| group.build(set, links, positions, size);
         let worked = if self.parallel {
             self.groups
                 .par_iter_mut()
@@ -124,7 +128,7 @@ impl Group {
     fn build(
         &mut self,
         set: InstructionSet,
-        operator: &FlowOperator,
+        links: &[Link],
         positions: &[Vector3],
         size: usize,
     ) -> bool {
@@ -135,9 +139,16 @@ impl Group {
         // The rows W of the inverse of L solve Lᵀ Wᵀ = E, E the first columns of the identity.
         self.system.clear();
         self.system.resize(order * stride, 0.0);
-        for (k, &column) in self.neighbours.iter().enumerate() {
-            for (l, &row) in self.neighbours.iter().enumerate() {
-                let block = operator.block(row, column);
+        self.columns.clear();
+        self.columns.extend_from_slice(&self.neighbours);
+        self.columns.sort_unstable();
+        (self.patch).assemble(set, links, positions, &self.neighbours, &self.columns);
+        for (&column, slot) in self.columns.iter().zip(self.patch.columns()) {
+            let k = (self.neighbours.iter())
+                .position(|&node| node == column)
+                .expect("the same nodes");
+            for l in 0..self.neighbours.len() {
+                let block = self.patch.block(l, slot);
                 for c in 0..3 {
                     for d in 0..3 {
                         self.system[(3 * k + c) * stride + 3 * l + d] = block[(d, c)];

@@ -8,6 +8,7 @@ use std::f64::consts::PI;
 const STOKESLETS: FluidModel = FluidModel::RegularizedStokeslets {
     viscosity: 0.1,
     regularization: 1.02,
+    far_field_error: 1e-4,
 };
 
 /// The right-handed helix of thesis 2.4.2 at an angle about its axis.
@@ -64,6 +65,7 @@ fn straight_rod_drag(aspect: f64, nodes: usize) -> [f64; 2] {
     let model = FluidModel::RegularizedStokeslets {
         viscosity: 1.0,
         regularization: 1.02,
+        far_field_error: 1e-4,
     };
     let positions: Vec<Vector3> = (0..nodes)
         .map(|i| Vector3::new(i as f64 / (nodes - 1) as f64, 0.0, 0.0))
@@ -377,6 +379,7 @@ fn bad_descriptions_are_refused() {
         let model = FluidModel::RegularizedStokeslets {
             viscosity,
             regularization: 1.02,
+            far_field_error: 1e-4,
         };
         assert!(refused(&model, &good));
     }
