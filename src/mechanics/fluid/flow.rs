@@ -1,8 +1,8 @@
 //! The flow operator as the solver sees it: exact for few nodes, by clusters for many.
 
+use super::Filament;
 use super::hierarchy::HierarchicalOperator;
 use super::operator::FlowOperator;
-use super::Filament;
 use crate::mechanics::{Matrix3, Vector3};
 
 /// Nodes from which clusters are cheaper than all pairs.
@@ -83,5 +83,7 @@ impl Flow {
 /// Degree of the expansions for a relative error of the velocities. Helices 3 mm and 3 cm apart err by at
 /// most half of 0.03 · 0.37ᵖ at degree p, from p = 3 to 12.
 fn order_for(far_field_error: f64) -> usize {
-    ((far_field_error / 0.03).ln() / 0.37f64.ln()).ceil().max(2.0) as usize
+    ((far_field_error / 0.03).ln() / 0.37f64.ln())
+        .ceil()
+        .max(2.0) as usize
 }

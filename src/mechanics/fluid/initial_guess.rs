@@ -49,12 +49,7 @@ impl InitialGuess {
     }
 
     /// Sets `solution` to the guess and takes its image from `residual`, which holds b.
-    pub fn start(
-        &mut self,
-        operator: &mut Flow,
-        residual: &mut [f64],
-        solution: &mut [f64],
-    ) {
+    pub fn start(&mut self, operator: &mut Flow, residual: &mut [f64], solution: &mut [f64]) {
         for (combination, previous) in self.combinations.iter_mut().zip(&self.previous) {
             combination.copy_from_slice(previous);
         }

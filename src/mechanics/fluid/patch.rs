@@ -38,7 +38,8 @@ impl Patch {
             let segment = self.segment(place, links, positions);
             self.segments[place % chunks].set(place / chunks, &segment);
         }
-        self.blocks.resize(rows.len() * chunks, BlockLanes::default());
+        self.blocks
+            .resize(rows.len() * chunks, BlockLanes::default());
         for (&row, blocks) in rows.iter().zip(self.blocks.chunks_exact_mut(chunks)) {
             assemble_row(set, positions[row].into(), &self.segments, blocks);
         }

@@ -40,11 +40,18 @@ struct Group {
     rows: Vec<Lanes>,
     /// Velocities of the neighbourhood, padded likewise.
     gathered: Vec<Lanes>,
-    /// Scratch: distances of all nodes, the neighbourhood in ascending order, its part of the operator, and
-    /// the system to be solved.
+}
+
+/// Scratch of building a group.
+#[derive(Default)]
+struct Workshop {
+    /// Of all nodes from the group.
     distances: Vec<(f64, usize)>,
+    /// The neighbourhood in ascending order.
     columns: Vec<usize>,
+    /// Its part of the operator.
     patch: Patch,
+    /// The system to be solved.
     system: Vec<f64>,
 }
 
@@ -87,20 +94,21 @@ impl Preconditioner {
     ///
     /// # Errors
     /// [`FluidError::Singular`] where a neighbourhood has no inverse.
-    pub fn build(
-        &mut self,
-        links: &[Link],
-        positions: &[Vector3],
-    ) -> Result<(), FluidError> {
+    pub fn build(&mut self, links: &[Link], positions: &[Vector3]) -> Result<(), FluidError> {
         let (set, size) = (self.set, self.neighbourhood.min(positions.len()));
-        let build = |group: &mut Group| group.build(set, links, positions, size);
+        let build = |workshop: &mut Workshop, group: &mut Group| {
+            group.build(set, links, positions, size, workshop)
+        };
         let worked = if self.parallel {
             self.groups
                 .par_iter_mut()
-                .map(build)
+                .map_init(Workshop::default, build)
                 .reduce(|| true, |a, b| a & b)
         } else {
-            self.groups.iter_mut().map(build).fold(true, |a, b| a & b)
+            let mut workshop = Workshop::default();
+            (self.groups.iter_mut())
+                .map(|group| build(&mut workshop, group))
+                .fold(true, |a, b| a & b)
         };
         if worked {
             Ok(())
@@ -131,35 +139,42 @@ impl Group {
         links: &[Link],
         positions: &[Vector3],
         size: usize,
+        workshop: &mut Workshop,
     ) -> bool {
-        self.find_neighbours(positions, size);
+        let Workshop {
+            distances,
+            columns,
+            patch,
+            system,
+        } = workshop;
+        self.find_neighbours(positions, size, distances);
         let own = 3 * self.nodes;
         let order = 3 * self.neighbours.len();
         let stride = order + own;
         // The rows W of the inverse of L solve Lᵀ Wᵀ = E, E the first columns of the identity.
-        self.system.clear();
-        self.system.resize(order * stride, 0.0);
-        self.columns.clear();
-        self.columns.extend_from_slice(&self.neighbours);
-        self.columns.sort_unstable();
-        (self.patch).assemble(set, links, positions, &self.neighbours, &self.columns);
-        for (&column, slot) in self.columns.iter().zip(self.patch.columns()) {
+        system.clear();
+        system.resize(order * stride, 0.0);
+        columns.clear();
+        columns.extend_from_slice(&self.neighbours);
+        columns.sort_unstable();
+        patch.assemble(set, links, positions, &self.neighbours, columns);
+        for (&column, slot) in columns.iter().zip(patch.columns()) {
             let k = (self.neighbours.iter())
                 .position(|&node| node == column)
                 .expect("the same nodes");
             for l in 0..self.neighbours.len() {
-                let block = self.patch.block(l, slot);
+                let block = patch.block(l, slot);
                 for c in 0..3 {
                     for d in 0..3 {
-                        self.system[(3 * k + c) * stride + 3 * l + d] = block[(d, c)];
+                        system[(3 * k + c) * stride + 3 * l + d] = block[(d, c)];
                     }
                 }
             }
         }
         for i in 0..own {
-            self.system[i * stride + order + i] = 1.0;
+            system[i * stride + order + i] = 1.0;
         }
-        if !eliminate(set, &mut self.system, order, own) {
+        if !eliminate(set, system, order, own) {
             return false;
         }
         let width = order.div_ceil(LANES);
@@ -169,14 +184,19 @@ impl Group {
         self.rows.resize(own * width, [0.0; LANES]);
         for i in 0..own {
             for j in 0..order {
-                self.rows[i * width + j / LANES][j % LANES] = self.system[j * stride + order + i];
+                self.rows[i * width + j / LANES][j % LANES] = system[j * stride + order + i];
             }
         }
         true
     }
 
     /// The `size` nodes nearest to any node of the group; the group itself comes first, at distance zero.
-    fn find_neighbours(&mut self, positions: &[Vector3], size: usize) {
+    fn find_neighbours(
+        &mut self,
+        positions: &[Vector3],
+        size: usize,
+        distances: &mut Vec<(f64, usize)>,
+    ) {
         let group = self.first..self.first + self.nodes;
         let own = &positions[group.clone()];
         let distance = |x: &Vector3| {
@@ -184,24 +204,23 @@ impl Group {
                 .map(|y| (x - y).norm_squared())
                 .fold(f64::INFINITY, f64::min)
         };
-        self.distances.clear();
-        self.distances
-            .extend((positions.iter().enumerate()).map(|(node, x)| {
-                (
-                    if group.contains(&node) {
-                        -1.0
-                    } else {
-                        distance(x)
-                    },
-                    node,
-                )
-            }));
+        distances.clear();
+        distances.extend((positions.iter().enumerate()).map(|(node, x)| {
+            (
+                if group.contains(&node) {
+                    -1.0
+                } else {
+                    distance(x)
+                },
+                node,
+            )
+        }));
         let order = |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
-        self.distances.select_nth_unstable_by(size - 1, order);
-        self.distances[..size].sort_unstable_by(order);
+        distances.select_nth_unstable_by(size - 1, order);
+        distances[..size].sort_unstable_by(order);
         self.neighbours.clear();
         self.neighbours
-            .extend(self.distances[..size].iter().map(|&(_, node)| node));
+            .extend(distances[..size].iter().map(|&(_, node)| node));
     }
 }
 

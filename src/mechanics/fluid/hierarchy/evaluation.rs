@@ -5,8 +5,8 @@ use super::harmonics::{Complex, half, half_size, regular};
 use super::translation::{Coefficient, POTENTIALS};
 use crate::mechanics::Vector3;
 
-/// Functions whose values give the flow: three B, then the gradients of B and B₀, component by component.
-const FUNCTIONS: usize = 3 + 3 * POTENTIALS;
+/// Three functions at a time: first the three B, then the gradient of each of them and of B₀.
+const GROUPS: usize = 1 + POTENTIALS;
 
 /// The nodes of a leaf, relative to the centre of its expansion.
 #[derive(Default)]
@@ -18,8 +18,8 @@ pub(super) struct Targets {
 /// Scratch for [`Targets::evaluate`].
 pub(super) struct TargetTables {
     regular: Vec<Complex<LANES>>,
-    /// Factors of Re Υ and Im Υ in each function.
-    factors: Vec<Complex<FUNCTIONS>>,
+    /// Factors of Re Υ and Im Υ in the functions of each group.
+    factors: [Vec<Complex<3>>; GROUPS],
 }
 
 impl TargetTables {
@@ -27,7 +27,7 @@ impl TargetTables {
     pub fn new(order: usize) -> Self {
         Self {
             regular: vec![Default::default(); half_size(order)],
-            factors: vec![[[0.0; FUNCTIONS]; 2]; half_size(order)],
+            factors: std::array::from_fn(|_| vec![Default::default(); half_size(order)]),
         }
     }
 }
@@ -72,32 +72,27 @@ impl Targets {
 
 /// Factors of Re Υₙᵐ and Im Υₙᵐ, m ≥ 0, in the real functions Σ Υₙᵐ* Fₙᵐ over all m; for gradients
 /// Fₙ₊₁ᵐ takes the place of Fₙᵐ for ∂_z and −Fₙ₊₁ᵐ⁺¹ for ∂_x + i ∂_y.
-fn find_factors(order: usize, local: &[Coefficient], factors: &mut [Complex<FUNCTIONS>]) {
+fn find_factors(order: usize, local: &[Coefficient], factors: &mut [Vec<Complex<3>>; GROUPS]) {
+    let [values, gradients @ ..] = factors;
     for n in 0..=order {
         for m in 0..=n {
+            let here = half(n, m);
             let weight = if m == 0 { 1.0 } else { 2.0 };
-            let factor = &mut factors[half(n, m)];
-            for k in 0..3 {
-                factor[0][k] = weight * local[half(n, m)][0][k];
-                factor[1][k] = weight * local[half(n, m)][1][k];
-            }
-            for k in 0..POTENTIALS {
-                let mut set = |direction: usize, real: f64, imaginary: f64| {
-                    factor[0][3 + 3 * k + direction] = real;
-                    factor[1][3 + 3 * k + direction] = imaginary;
-                };
+            values[here] = local[here].map(|[x, y, z, _]| [x, y, z].map(|b| weight * b));
+            for (k, gradient) in gradients.iter_mut().enumerate() {
                 if n == order {
-                    (0..3).for_each(|direction| set(direction, 0.0, 0.0));
+                    gradient[here] = [[0.0; 3]; 2];
                     continue;
                 }
-                let at = |m: usize| local[half(n + 1, m)].map(|part| part[k]);
-                let [up_re, up_im] = at(m + 1);
+                let above = |m: usize| local[half(n + 1, m)].map(|part| part[k]);
+                let [re, im] = above(m);
+                let [up_re, up_im] = above(m + 1);
                 // The terms of m and −m together; Fₙ₊₁¹⁻ᵐ belongs to the latter.
-                let [low_re, low_im] = if m > 0 { at(m - 1) } else { [0.0; 2] };
-                set(0, low_re - up_re, low_im - up_im);
-                set(1, -(up_im + low_im), up_re + low_re);
-                let [re, im] = at(m);
-                set(2, weight * re, weight * im);
+                let [low_re, low_im] = if m > 0 { above(m - 1) } else { [0.0; 2] };
+                gradient[here] = [
+                    [low_re - up_re, -(up_im + low_im), weight * re],
+                    [low_im - up_im, up_re + low_re, weight * im],
+                ];
             }
         }
     }
@@ -109,29 +104,41 @@ kernel! {
         order: usize,
         offset: &[Lanes; 3],
         table: &mut [Complex<LANES>],
-        factors: &[Complex<FUNCTIONS>],
+        factors: &[Vec<Complex<3>>; GROUPS],
     ) -> [Lanes; 3] {
         regular(order, offset, table);
-        let mut values = [[0.0; LANES]; FUNCTIONS];
-        for (harmonic, factor) in table.iter().zip(factors) {
-            for part in 0..2 {
-                for (value, &factor) in values.iter_mut().zip(&factor[part]) {
-                    for lane in 0..LANES {
-                        value[lane] = factor.mul_add(harmonic[part][lane], value[lane]);
-                    }
+        let [values, gradients @ .., rest] = factors;
+        let mut flow = sum(table, values);
+        for (offset, gradient) in offset.iter().zip(gradients) {
+            let gradient = sum(table, gradient);
+            for direction in 0..3 {
+                for lane in 0..LANES {
+                    flow[direction][lane] =
+                        (-offset[lane]).mul_add(gradient[direction][lane], flow[direction][lane]);
                 }
             }
         }
-        let mut flow = [[0.0; LANES]; 3];
+        let rest = sum(table, rest);
         for direction in 0..3 {
             for lane in 0..LANES {
-                let mut u = values[direction][lane] - values[3 + 9 + direction][lane];
-                for k in 0..3 {
-                    u = (-offset[k][lane]).mul_add(values[3 + 3 * k + direction][lane], u);
-                }
-                flow[direction][lane] = u;
+                flow[direction][lane] -= rest[direction][lane];
             }
         }
         flow
     }
+}
+
+/// Three functions: sums of the real and imaginary parts in the table, times their factors.
+#[inline(always)]
+fn sum(table: &[Complex<LANES>], factors: &[Complex<3>]) -> [Lanes; 3] {
+    let mut sums = [[0.0; LANES]; 3];
+    for ([real, imaginary], factor) in table.iter().zip(factors) {
+        for k in 0..3 {
+            for lane in 0..LANES {
+                let sum = factor[0][k].mul_add(real[lane], sums[k][lane]);
+                sums[k][lane] = factor[1][k].mul_add(imaginary[lane], sum);
+            }
+        }
+    }
+    sums
 }

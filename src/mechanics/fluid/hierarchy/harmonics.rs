@@ -141,8 +141,10 @@ pub(super) fn complete<const W: usize>(order: usize, from: &[Complex<W>], to: &m
 fn square_of<const W: usize>(r: &[[f64; W]; 3]) -> [f64; W] {
     let mut square = [0.0; W];
     for lane in 0..W {
-        square[lane] =
-            r[2][lane].mul_add(r[2][lane], r[1][lane].mul_add(r[1][lane], r[0][lane] * r[0][lane]));
+        square[lane] = r[2][lane].mul_add(
+            r[2][lane],
+            r[1][lane].mul_add(r[1][lane], r[0][lane] * r[0][lane]),
+        );
     }
     square
 }

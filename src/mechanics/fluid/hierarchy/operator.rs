@@ -94,7 +94,12 @@ impl HierarchicalOperator {
         let (set, links, tree) = (self.set, &self.links, &self.tree);
         let near = &self.interactions.near;
         self.leaves.par_iter_mut().for_each(|leaf| {
-            let Leaf { cluster, patch, near: columns, .. } = leaf;
+            let Leaf {
+                cluster,
+                patch,
+                near: columns,
+                ..
+            } = leaf;
             let home = &tree.clusters[*cluster];
             let nodes = &tree.order[home.nodes.clone()];
             columns.clear();
@@ -200,7 +205,14 @@ impl HierarchicalOperator {
             for child in cluster.children.into_iter().flatten() {
                 let shift = self.tree.clusters[child].centre - cluster.centre;
                 let from = &after[(child - index - 1) * size..][..size];
-                raise(self.set, self.order, &shift.into(), from, parent, &mut tables);
+                raise(
+                    self.set,
+                    self.order,
+                    &shift.into(),
+                    from,
+                    parent,
+                    &mut tables,
+                );
             }
         }
     }

@@ -110,7 +110,13 @@ impl Sources {
         }
         tables.multipoles.fill(Default::default());
         for lanes in &self.lanes {
-            expand(set, order, lanes, &mut tables.regular, &mut tables.multipoles);
+            expand(
+                set,
+                order,
+                lanes,
+                &mut tables.regular,
+                &mut tables.multipoles,
+            );
         }
         for (sum, lanes) in multipoles.iter_mut().zip(&tables.multipoles) {
             for part in 0..2 {
@@ -180,7 +186,11 @@ fn gradient(n: usize, m: usize, table: &[Complex<LANES>]) -> [Complex<LANES>; 3]
     }
     let zero = [[0.0; LANES]; 2];
     let same = if m < n { &table[half(n - 1, m)] } else { &zero };
-    let upper = if m + 1 < n { &table[half(n - 1, m + 1)] } else { &zero };
+    let upper = if m + 1 < n {
+        &table[half(n - 1, m + 1)]
+    } else {
+        &zero
+    };
     // Υₙ₋₁ᵐ⁻¹; for m = 0 it is −Υₙ₋₁¹*, which is `upper`.
     let (lower, signs) = if m > 0 {
         (&table[half(n - 1, m - 1)], [1.0, 1.0])

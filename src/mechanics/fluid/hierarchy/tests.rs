@@ -31,7 +31,9 @@ fn helices(count: usize, side: f64) -> (Vec<Filament>, Vec<Vector3>) {
 }
 
 fn densities(nodes: usize) -> Vec<f64> {
-    (0..3 * nodes).map(|i| 1.0 + (0.7 * i as f64).sin()).collect()
+    (0..3 * nodes)
+        .map(|i| 1.0 + (0.7 * i as f64).sin())
+        .collect()
 }
 
 fn relative_error(got: &[f64], expected: &[f64]) -> f64 {
@@ -64,7 +66,10 @@ fn measure() {
                 fast.multiply(&f, &mut got);
             }
             let t = t.elapsed() / 10;
-            eprintln!("{order} {:.2e} {ta:?} {t:?}", relative_error(&got, &expected));
+            eprintln!(
+                "{order} {:.2e} {ta:?} {t:?}",
+                relative_error(&got, &expected)
+            );
         }
     }
 }

@@ -5,9 +5,7 @@
 //! therefore adds s·B to B₀.
 
 use super::super::instruction_set::{LANES, Lanes, kernel};
-use super::harmonics::{
-    Complex, complete, half, half_size, irregular, regular, whole, whole_size,
-};
+use super::harmonics::{Complex, complete, half, half_size, irregular, regular, whole, whole_size};
 
 /// Number of potentials.
 pub(super) const POTENTIALS: usize = 4;
