@@ -227,7 +227,9 @@ impl HierarchicalOperator {
             .for_each_init(
                 || ActionTables::new(order),
                 |tables, (target, (local, sources))| {
-                    tables.local.fill(Default::default());
+                    for local in &mut tables.local {
+                        local.fill(Default::default());
+                    }
                     for sources in sources.chunks(LANES) {
                         for lane in 0..LANES {
                             let source = sources.get(lane).copied();
@@ -239,21 +241,20 @@ impl HierarchicalOperator {
                                 tables.displacement[k][lane] = displacement[k];
                             }
                             let from = source.map(|source| &multipoles[source * size..][..size]);
-                            for (index, lanes) in tables.multipoles.iter_mut().enumerate() {
-                                let coefficient = from.map_or(Default::default(), |f| f[index]);
-                                for k in 0..POTENTIALS {
+                            for (k, lanes) in tables.multipoles.iter_mut().enumerate() {
+                                for (index, lanes) in lanes.iter_mut().enumerate() {
                                     for part in 0..2 {
-                                        lanes[k][part][lane] = coefficient[part][k];
+                                        lanes[part][lane] = from.map_or(0.0, |f| f[index][part][k]);
                                     }
                                 }
                             }
                         }
                         act(set, order, tables);
                     }
-                    for (sum, lanes) in local.iter_mut().zip(&tables.local) {
-                        for part in 0..2 {
-                            for k in 0..POTENTIALS {
-                                sum[part][k] = lanes[k][part].iter().sum();
+                    for (k, lanes) in tables.local.iter().enumerate() {
+                        for (sum, lanes) in local.iter_mut().zip(lanes) {
+                            for part in 0..2 {
+                                sum[part][k] = lanes[part].iter().sum();
                             }
                         }
                     }

@@ -43,7 +43,7 @@ fn relative_error(got: &[f64], expected: &[f64]) -> f64 {
 
 #[test]
 fn measure() {
-    for (count, side) in [(20, 0.03), (20, 0.003), (100, 0.03), (100, 0.003)] {
+    for (count, side) in [(100, 0.03)] {
         let (filaments, positions) = helices(count, side);
         let f = densities(positions.len());
         let mut exact = FlowOperator::new(&filaments, 1.02);
@@ -54,7 +54,7 @@ fn measure() {
         let t = std::time::Instant::now();
         exact.multiply(&f, &mut expected);
         eprintln!("{count} {side} exact {t_ea:?} {:?}", t.elapsed());
-        for order in [2, 4, 5, 6, 7, 8, 10, 12] {
+        for order in [6] {
             let mut fast = HierarchicalOperator::new(&filaments, 1.02, order);
             fast.assemble(&positions);
             let t = std::time::Instant::now();
@@ -62,10 +62,10 @@ fn measure() {
             let ta = t.elapsed();
             let mut got = vec![0.0; f.len()];
             let t = std::time::Instant::now();
-            for _ in 0..10 {
+            for _ in 0..300 {
                 fast.multiply(&f, &mut got);
             }
-            let t = t.elapsed() / 10;
+            let t = t.elapsed() / 300;
             eprintln!(
                 "{order} {:.2e} {ta:?} {t:?}",
                 relative_error(&got, &expected)

@@ -115,26 +115,32 @@ fn add_coefficient(f: &Coefficient, shift: &[f64; 3], sign: f64, to: &mut Coeffi
     }
 }
 
-/// Scratch for [`act`]: eight multipole expansions in lanes, by coefficient and potential, and what they
-/// act with.
+/// Scratch for [`act`]: multipole expansions of eight sources in lanes, and what they act with.
 pub(super) struct ActionTables {
     /// Displacements from the sources' centres to the target's.
     pub displacement: [Lanes; 3],
     /// Multipole expansions of the sources.
-    pub multipoles: Vec<[Complex<LANES>; POTENTIALS]>,
+    pub multipoles: [Vec<Complex<LANES>>; POTENTIALS],
     /// Local expansion at the target, by sources.
-    pub local: Vec<[Complex<LANES>; POTENTIALS]>,
+    pub local: [Vec<Complex<LANES>>; POTENTIALS],
     irregular: Vec<Complex<LANES>>,
+    /// Factors of the multipole expansion in one coefficient of the local one.
+    row: Vec<Factors>,
 }
+
+/// Re Θ, Im Θ of [`act`] for a, then the same for b.
+type Factors = [Lanes; 4];
 
 impl ActionTables {
     /// For expansions up to degree `order`.
     pub fn new(order: usize) -> Self {
+        let table = || vec![Complex::default(); half_size(order)];
         Self {
             displacement: Default::default(),
-            multipoles: vec![Default::default(); half_size(order)],
-            local: vec![Default::default(); half_size(order)],
+            multipoles: std::array::from_fn(|_| table()),
+            local: std::array::from_fn(|_| table()),
             irregular: vec![Default::default(); whole_size(order)],
+            row: vec![Factors::default(); half_size(order)],
         }
     }
 }
@@ -153,90 +159,99 @@ kernel! {
     /// With a + i b = Mₖˡ, l > 0, the terms of l and −l are a (Θ⁺ + Θ⁻) + i b (Θ⁻ − Θ⁺), where
     /// Θ⁺ = Θₙ₊ₖᵐ⁺ˡ and Θ⁻ = (−1)ˡ Θₙ₊ₖᵐ⁻ˡ.
     fn act(order: usize, tables: &mut ActionTables) {
-        let ActionTables { displacement, multipoles, local, irregular: theta } = tables;
+        let ActionTables { displacement, multipoles, local, irregular: theta, row } = tables;
         irregular(order, displacement, theta);
-        for coefficient in multipoles.iter_mut() {
-            let [x, y, z, rest] = coefficient;
-            for part in 0..2 {
-                for lane in 0..LANES {
-                    rest[part][lane] = displacement[2][lane].mul_add(
-                        z[part][lane],
-                        displacement[1][lane].mul_add(
-                            y[part][lane],
-                            displacement[0][lane].mul_add(x[part][lane], rest[part][lane]),
-                        ),
-                    );
-                }
-            }
+        let [x, y, z, rest] = multipoles;
+        for (((x, y), z), rest) in x.iter().zip(&*y).zip(&*z).zip(rest) {
+            add_along(displacement, [x, y, z], rest);
         }
         for n in 0..=order {
+            let parity = if n % 2 == 0 { 1.0 } else { -1.0 };
+            let row = &mut row[..half_size(order - n)];
             for m in 0..=n {
-                let mut sums = [[[0.0; LANES]; 2]; POTENTIALS];
                 for k in 0..=order - n {
-                    let row = whole(n + k, m as isize);
-                    add_zonal(&multipoles[half(k, 0)], &theta[row], &mut sums);
-                    let mut sign = 1.0;
+                    let centre = whole(n + k, m as isize);
+                    row[half(k, 0)] = zonal(parity, &theta[centre]);
+                    let mut sign = parity;
                     for l in 1..=k {
                         sign = -sign;
-                        let [plus, minus] = [&theta[row + l], &theta[row - l]];
-                        add_tesseral(&multipoles[half(k, l)], plus, minus, sign, &mut sums);
+                        row[half(k, l)] =
+                            tesseral(parity, &theta[centre + l], sign, &theta[centre - l]);
                     }
                 }
-                let parity = if n % 2 == 0 { 1.0 } else { -1.0 };
-                for (sum, local) in sums.iter().zip(&mut local[half(n, m)]) {
-                    for part in 0..2 {
-                        for lane in 0..LANES {
-                            local[part][lane] = sum[part][lane].mul_add(parity, local[part][lane]);
-                        }
-                    }
+                for (multipoles, local) in multipoles.iter().zip(&mut *local) {
+                    add_row(row, multipoles, &mut local[half(n, m)]);
                 }
             }
         }
     }
 }
 
-/// `sums` += Mₖ⁰ Θ; Mₖ⁰ is real.
+/// `rest` += D·B.
 #[inline(always)]
-fn add_zonal(
-    multipole: &[Complex<LANES>; POTENTIALS],
-    theta: &Complex<LANES>,
-    sums: &mut [Complex<LANES>; POTENTIALS],
+fn add_along(
+    displacement: &[Lanes; 3],
+    potentials: [&Complex<LANES>; 3],
+    rest: &mut Complex<LANES>,
 ) {
-    for (sum, [a, _]) in sums.iter_mut().zip(multipole) {
-        for lane in 0..LANES {
-            sum[0][lane] = a[lane].mul_add(theta[0][lane], sum[0][lane]);
-        }
-        for lane in 0..LANES {
-            sum[1][lane] = a[lane].mul_add(theta[1][lane], sum[1][lane]);
+    for (displacement, potential) in displacement.iter().zip(potentials) {
+        for part in 0..2 {
+            for lane in 0..LANES {
+                rest[part][lane] =
+                    displacement[lane].mul_add(potential[part][lane], rest[part][lane]);
+            }
         }
     }
 }
 
-/// `sums` += a (Θ⁺ + Θ⁻) + i b (Θ⁻ − Θ⁺), `sign` being what `minus` lacks.
+/// The factors of Mₖ⁰, which is real.
 #[inline(always)]
-fn add_tesseral(
-    multipole: &[Complex<LANES>; POTENTIALS],
-    plus: &Complex<LANES>,
-    minus: &Complex<LANES>,
-    sign: f64,
-    sums: &mut [Complex<LANES>; POTENTIALS],
-) {
-    let mut even = [[0.0; LANES]; 2];
-    let mut odd = [[0.0; LANES]; 2];
+fn zonal(parity: f64, theta: &Complex<LANES>) -> Factors {
+    let mut factors = Factors::default();
     for part in 0..2 {
         for lane in 0..LANES {
-            even[part][lane] = sign.mul_add(minus[part][lane], plus[part][lane]);
-            odd[part][lane] = sign.mul_add(minus[part][lane], -plus[part][lane]);
+            factors[part][lane] = parity * theta[part][lane];
         }
     }
-    for (sum, [a, b]) in sums.iter_mut().zip(multipole) {
-        for lane in 0..LANES {
-            let real = (-b[lane]).mul_add(odd[1][lane], sum[0][lane]);
-            sum[0][lane] = a[lane].mul_add(even[0][lane], real);
+    factors
+}
+
+/// The factors of a and b, signs included.
+#[inline(always)]
+fn tesseral(
+    plus_sign: f64,
+    plus: &Complex<LANES>,
+    minus_sign: f64,
+    minus: &Complex<LANES>,
+) -> Factors {
+    let mut factors = Factors::default();
+    for lane in 0..LANES {
+        factors[0][lane] = minus_sign.mul_add(minus[0][lane], plus_sign * plus[0][lane]);
+        factors[1][lane] = minus_sign.mul_add(minus[1][lane], plus_sign * plus[1][lane]);
+        factors[2][lane] = plus_sign.mul_add(plus[1][lane], -minus_sign * minus[1][lane]);
+        factors[3][lane] = minus_sign.mul_add(minus[0][lane], -plus_sign * plus[0][lane]);
+    }
+    factors
+}
+
+/// `sum` += Σ a (first two factors) + b (last two factors).
+#[inline(always)]
+fn add_row(row: &[Factors], multipoles: &[Complex<LANES>], sum: &mut Complex<LANES>) {
+    let mut sums = [[0.0; LANES]; 4];
+    for (factors, [a, b]) in row.iter().zip(multipoles) {
+        for part in 0..2 {
+            for lane in 0..LANES {
+                sums[part][lane] = a[lane].mul_add(factors[part][lane], sums[part][lane]);
+            }
+            for lane in 0..LANES {
+                sums[2 + part][lane] =
+                    b[lane].mul_add(factors[2 + part][lane], sums[2 + part][lane]);
+            }
         }
+    }
+    for part in 0..2 {
         for lane in 0..LANES {
-            let imaginary = b[lane].mul_add(odd[0][lane], sum[1][lane]);
-            sum[1][lane] = a[lane].mul_add(even[1][lane], imaginary);
+            sum[part][lane] += sums[part][lane] + sums[2 + part][lane];
         }
     }
 }
