@@ -29,20 +29,6 @@ impl Interactions {
             lists.resize(tree.clusters.len(), Vec::new());
         }
         self.visit(tree, 0, 0);
-        eprintln!(
-            "clusters {} far {} chunks {} near {}",
-            tree.clusters.len(),
-            self.far.iter().map(Vec::len).sum::<usize>(),
-            self.far.iter().map(|l| l.len().div_ceil(8)).sum::<usize>(),
-            self.near
-                .iter()
-                .zip(&tree.clusters)
-                .map(|(l, c)| l
-                    .iter()
-                    .map(|&s| c.nodes.len() * tree.clusters[s].nodes.len())
-                    .sum::<usize>())
-                .sum::<usize>()
-        );
     }
 
     fn visit(&mut self, tree: &Tree, target: usize, source: usize) {
