@@ -14,6 +14,9 @@ use std::f64::consts::PI;
 /// Relative residual ‖b − A f‖/‖b‖ at which a solve stops. The discretisation itself errs by some 10⁻³
 /// (thesis' helix), so that 10⁻⁶ is never what limits; smaller costs about an iteration per decade.
 const TOLERANCE: f64 = 1e-6;
+/// The same over the error allowed in the drag where the operator is approximate. The operator's own error
+/// in the velocities is about a twentieth of that, so that a smaller residual would mean nothing.
+const TOLERANCE_OF_FAR_FIELD_ERROR: f64 = 0.1;
 /// Iterations after which the preconditioner is held to be too coarse. Tight bundles take some twenty.
 const MOST_ITERATIONS: usize = 40;
 
@@ -73,6 +76,7 @@ pub(super) struct StokesletDrag {
     filaments: Vec<Filament>,
     links: Vec<Link>,
     operator: Flow,
+    /// Relative residual at which a solve stops.
     tolerance: f64,
     preconditioner: Preconditioner,
     /// Empty before the first solve.
@@ -107,7 +111,9 @@ impl StokesletDrag {
             links: links(filaments, regularization),
             tolerance: match operator {
                 Flow::Exact(_) => TOLERANCE,
-                Flow::Hierarchical(_) => TOLERANCE.max(0.1 * far_field_error),
+                Flow::Hierarchical(_) => {
+                    TOLERANCE.max(TOLERANCE_OF_FAR_FIELD_ERROR * far_field_error)
+                }
             },
             operator,
             preconditioner: Preconditioner::new(nodes, NEIGHBOURHOOD),

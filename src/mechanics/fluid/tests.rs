@@ -285,18 +285,14 @@ fn the_far_field_error_bounds_the_error_of_the_drag() {
     let mut approximate = models.map(|e| Fluid::new(&stokeslets(e), &filaments).unwrap());
     for step in 0..6 {
         let (positions, velocities) = swarm(step);
-        let (expected, _, r) = drag(&mut exact, &positions, &velocities);
+        let (expected, _, _) = drag(&mut exact, &positions, &velocities);
         let size: f64 = expected.iter().map(|f| f.norm_squared()).sum();
         for (fluid, bound) in approximate.iter_mut().zip(models) {
-            let (forces, _, r2) = drag(fluid, &positions, &velocities);
+            let (forces, _, _) = drag(fluid, &positions, &velocities);
             let difference: f64 = (forces.iter().zip(&expected))
                 .map(|(a, b)| (a - b).norm_squared())
                 .sum();
             let error = (difference / size).sqrt();
-            eprintln!(
-                "MEAS {step} {bound:e} {error:e} {} {}",
-                r.iterations, r2.iterations
-            );
             assert!(error < bound, "step {step}: {error:e} for {bound:e}");
         }
     }

@@ -9,7 +9,7 @@ use super::harmonics::half_size;
 use super::interactions::Interactions;
 use super::sources::{SourceTables, Sources};
 use super::translation::{
-    ActionTables, Coefficient, POTENTIALS, ShiftTables, act, lower, operations_of_action, raise,
+    ActionTables, Coefficient, ShiftTables, act, lower, operations_of_action, raise,
 };
 use super::tree::Tree;
 use crate::mechanics::{Matrix3, Vector3};
