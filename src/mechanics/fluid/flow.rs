@@ -5,8 +5,9 @@ use super::hierarchy::HierarchicalOperator;
 use super::operator::FlowOperator;
 use crate::mechanics::{Matrix3, Vector3};
 
-/// Nodes from which clusters are cheaper than all pairs.
-pub(super) const CROSSOVER: usize = 1024;
+/// Nodes from which clusters are cheaper than all pairs. A step of 15 helices (1,020 nodes, 3 cm apart) costs
+/// the same either way; 10 helices cost 1.6 times as much by clusters, 30 cost half as much.
+const CROSSOVER: usize = 1024;
 
 /// A product with A, exact or not.
 pub(super) enum Flow {
