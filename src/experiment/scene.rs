@@ -349,9 +349,11 @@ fn fluid_model(fluid: &Fluid) -> Option<FluidModel> {
         Fluid::Rss {
             viscosity,
             regularization,
+            far_field_error,
         } => Some(FluidModel::RegularizedStokeslets {
             viscosity,
             regularization,
+            far_field_error,
         }),
         Fluid::Resistive { viscosity } => Some(FluidModel::Resistive { viscosity }),
     }

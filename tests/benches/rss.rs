@@ -1,5 +1,5 @@
-//! Regularized Stokeslet segments for 2 and 10 helices of 68 nodes: assembly of the operator, a product,
-//! and the whole drag of a time series in which the helices turn and sway.
+//! Regularized Stokeslet segments: assembly of the exact operator and a product for 2 and 10 helices of 68
+//! nodes, and the whole drag of a time series in which 2 to 100 helices turn and sway.
 //!
 //! One thread unless `RAYON_NUM_THREADS` says otherwise: `RAYON_NUM_THREADS=2 cargo bench --bench rss`.
 
@@ -63,9 +63,10 @@ fn drag(criterion: &mut Criterion) {
     let model = FluidModel::RegularizedStokeslets {
         viscosity: 0.1,
         regularization: 1.02,
+        far_field_error: 1e-4,
     };
     for (name, side) in [("drag apart", 0.03), ("drag bundled", 0.003)] {
-        for count in [2, 10] {
+        for count in [2, 5, 10, 20, 50, 100] {
             let nodes = count * NODES;
             let mut fluid = Fluid::new(&model, &filaments(count)).expect("a good description");
             let mut forces = vec![Vector3::zeros(); nodes];

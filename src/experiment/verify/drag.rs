@@ -127,6 +127,7 @@ fn fluid_forces(
     let model = FluidModel::RegularizedStokeslets {
         viscosity,
         regularization: REGULARIZATION,
+        far_field_error: 0.0,
     };
     let filament = Filament {
         first_node: 0,

@@ -4,6 +4,11 @@ use super::stokeslet_drag::{StokesletDrag, StokesletMemory};
 use super::{Filament, FluidError, FluidModel, resistive_force_theory};
 use crate::mechanics::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
+use std::ops::RangeInclusive;
+
+/// Far-field errors that the expansions can keep. What they leave out of the regularised kernel and of the
+/// segments' lengths is less than the smallest.
+const FAR_FIELD_ERRORS: RangeInclusive<f64> = 1e-6..=1e-2;
 
 /// A viscous fluid around filaments.
 pub struct Fluid {
@@ -34,6 +39,7 @@ impl Fluid {
     ///
     /// # Errors
     /// [`FluidError::BadInput`] for a viscosity, regularisation or radius that is not positive and finite,
+    /// for a far-field error that is neither 0 nor from 10⁻⁶ to 10⁻²,
     /// for filaments of less than two nodes and for filaments that overlap.
     pub fn new(model: &FluidModel, filaments: &[Filament]) -> Result<Self, FluidError> {
         check(filaments)?;
@@ -41,10 +47,19 @@ impl Fluid {
             FluidModel::RegularizedStokeslets {
                 viscosity,
                 regularization,
+                far_field_error,
             } => {
                 positive("viscosity", viscosity)?;
                 positive("regularisation", regularization)?;
-                let drag = StokesletDrag::new(viscosity, regularization, filaments);
+                if far_field_error != 0.0 && !FAR_FIELD_ERRORS.contains(&far_field_error) {
+                    return Err(FluidError::BadInput(format!(
+                        "the far-field error of the fluid must be 0 or from {:e} to {:e}, not {far_field_error:e}",
+                        FAR_FIELD_ERRORS.start(),
+                        FAR_FIELD_ERRORS.end(),
+                    )));
+                }
+                let drag =
+                    StokesletDrag::new(viscosity, regularization, far_field_error, filaments);
                 Method::Stokeslets(Box::new(drag))
             }
             FluidModel::Resistive { viscosity } => {

@@ -1,6 +1,6 @@
 //! The generalised minimal residual method with right preconditioning (Saad 2003, Alg. 9.5).
 
-use super::operator::FlowOperator;
+use super::flow::Flow;
 use super::preconditioner::Preconditioner;
 use crate::linalg::instruction_set::{LANES, Lanes};
 
@@ -47,7 +47,7 @@ impl Gmres {
     /// `most` iterations have been spent. Not-a-number ends the iteration too.
     pub fn solve(
         &mut self,
-        operator: &mut FlowOperator,
+        operator: &mut Flow,
         preconditioner: &mut Preconditioner,
         residual: &mut [f64],
         solution: &mut [f64],
@@ -91,7 +91,7 @@ impl Gmres {
     fn extend(
         &mut self,
         j: usize,
-        operator: &mut FlowOperator,
+        operator: &mut Flow,
         preconditioner: &mut Preconditioner,
     ) -> f64 {
         let (known, rest) = self.basis.split_at_mut(j + 1);

@@ -1,7 +1,7 @@
 //! A first guess of the force densities from those of earlier steps.
 
+use super::flow::Flow;
 use super::gmres::{add_multiple, dot, scale};
-use super::operator::FlowOperator;
 
 /// Earlier solutions kept. For evenly spaced steps three contain the quadratic extrapolation.
 pub(super) const KEPT: usize = 3;
@@ -49,12 +49,7 @@ impl InitialGuess {
     }
 
     /// Sets `solution` to the guess and takes its image from `residual`, which holds b.
-    pub fn start(
-        &mut self,
-        operator: &mut FlowOperator,
-        residual: &mut [f64],
-        solution: &mut [f64],
-    ) {
+    pub fn start(&mut self, operator: &mut Flow, residual: &mut [f64], solution: &mut [f64]) {
         for (combination, previous) in self.combinations.iter_mut().zip(&self.previous) {
             combination.copy_from_slice(previous);
         }

@@ -8,6 +8,9 @@
 //! | `quadrature` | the same by adaptive quadrature, as a check |
 //! | `logarithm`, `lanes` | the same for eight segments at a time |
 //! | `operator` | the collocation matrix A of all nodes, stored; products |
+//! | `chain`, `patch` | parts of A: the blocks of some nodes with others |
+//! | `hierarchy` | products with A by clusters of nodes, at a cost like N log N |
+//! | `flow` | which of the two: exact for few nodes, by clusters for many |
 //! | `elimination`, `preconditioner` | approximate inverse of A from neighbourhoods |
 //! | `gmres`, `initial_guess` | solving A f = 8πη u, warm-started |
 //! | `stokeslet_drag` | a time series of such solves (thesis Eq. 2.27) |
@@ -21,22 +24,31 @@
 //! 10⁻⁸ would take from some five segment lengths on, need three square roots and three divisions, more
 //! than the closed form's two and two with one logarithm.
 //!
+//! By clusters (expansions of degree 8, drag to 10⁻⁴), 6,800 nodes of helices 3 cm apart leave 3.1 million of
+//! 46 million pairs to be summed exactly: assembly takes 22 ms instead of 320, a product some 13 ms instead
+//! of 64, on one core. The helices 3 mm apart instead, it is 63 and 43 ms. Below a thousand nodes all pairs
+//! are cheaper.
+//!
 //! # What is not guaranteed
 //! Nodes closer than about a quarter of ε make A ill-conditioned, as ever with regularized Stokeslets: at
 //! a spacing of ε/8 the tolerance of 10⁻⁶ in the velocities leaves 0.3 % in the drag, and solves get slow.
 //! Segments of different rods may come as close as they like, but within a few radii the flow between
 //! their surfaces (lubrication) is not resolved.
 
+mod chain;
 mod drag;
 mod elimination;
 mod error;
 mod filament;
+mod flow;
 mod gmres;
+mod hierarchy;
 mod initial_guess;
 mod lanes;
 mod logarithm;
 mod model;
 mod operator;
+mod patch;
 mod preconditioner;
 mod quadrature;
 mod resistive_force_theory;

@@ -1,8 +1,10 @@
 //! An approximate inverse of the flow operator from neighbourhoods, kept while the filaments move on.
 
 use super::FluidError;
+use super::chain::Link;
 use super::elimination::eliminate;
-use super::operator::{FlowOperator, PARALLEL_FROM};
+use super::operator::PARALLEL_FROM;
+use super::patch::Patch;
 use crate::linalg::instruction_set::{InstructionSet, LANES, Lanes, kernel};
 use crate::mechanics::Vector3;
 use rayon::prelude::*;
@@ -38,8 +40,18 @@ struct Group {
     rows: Vec<Lanes>,
     /// Velocities of the neighbourhood, padded likewise.
     gathered: Vec<Lanes>,
-    /// Scratch: distances of all nodes, and the system to be solved.
+}
+
+/// Scratch of building a group.
+#[derive(Default)]
+struct Workshop {
+    /// Of all nodes from the group.
     distances: Vec<(f64, usize)>,
+    /// The neighbourhood in ascending order.
+    columns: Vec<usize>,
+    /// Its part of the operator.
+    patch: Patch,
+    /// The system to be solved.
     system: Vec<f64>,
 }
 
@@ -70,33 +82,33 @@ impl Preconditioner {
     }
 
     /// Price of [`build`](Self::build) in units of one iteration, from operation counts: 2/3 m³ for the
-    /// elimination of m unknowns, 18 n² for the product with n nodes. As timed for 136 and 680 nodes, an
-    /// operation of the former takes 2.5 times as long as one of the latter.
-    pub fn price(&self, nodes: usize) -> f64 {
+    /// elimination of m unknowns, `product` for the product with n nodes. As timed for 136 and 680 nodes,
+    /// an operation of the former takes 2.5 times as long as one of the latter.
+    pub fn price(&self, nodes: usize, product: f64) -> f64 {
         let unknowns = (3 * self.neighbourhood.min(nodes)) as f64;
         let eliminations = self.groups.len() as f64 * unknowns * unknowns * unknowns * 2.0 / 3.0;
-        let product = 18.0 * (nodes * nodes) as f64;
         2.5 * eliminations / product
     }
 
-    /// Finds the neighbourhoods at the positions for which the operator was assembled, and inverts them.
+    /// Finds the neighbourhoods of nodes at these positions, and inverts their part of the operator.
     ///
     /// # Errors
     /// [`FluidError::Singular`] where a neighbourhood has no inverse.
-    pub fn build(
-        &mut self,
-        operator: &FlowOperator,
-        positions: &[Vector3],
-    ) -> Result<(), FluidError> {
+    pub fn build(&mut self, links: &[Link], positions: &[Vector3]) -> Result<(), FluidError> {
         let (set, size) = (self.set, self.neighbourhood.min(positions.len()));
-        let build = |group: &mut Group| group.build(set, operator, positions, size);
+        let build = |workshop: &mut Workshop, group: &mut Group| {
+            group.build(set, links, positions, size, workshop)
+        };
         let worked = if self.parallel {
             self.groups
                 .par_iter_mut()
-                .map(build)
+                .map_init(Workshop::default, build)
                 .reduce(|| true, |a, b| a & b)
         } else {
-            self.groups.iter_mut().map(build).fold(true, |a, b| a & b)
+            let mut workshop = Workshop::default();
+            (self.groups.iter_mut())
+                .map(|group| build(&mut workshop, group))
+                .fold(true, |a, b| a & b)
         };
         if worked {
             Ok(())
@@ -124,31 +136,45 @@ impl Group {
     fn build(
         &mut self,
         set: InstructionSet,
-        operator: &FlowOperator,
+        links: &[Link],
         positions: &[Vector3],
         size: usize,
+        workshop: &mut Workshop,
     ) -> bool {
-        self.find_neighbours(positions, size);
+        let Workshop {
+            distances,
+            columns,
+            patch,
+            system,
+        } = workshop;
+        self.find_neighbours(positions, size, distances);
         let own = 3 * self.nodes;
         let order = 3 * self.neighbours.len();
         let stride = order + own;
         // The rows W of the inverse of L solve Lᵀ Wᵀ = E, E the first columns of the identity.
-        self.system.clear();
-        self.system.resize(order * stride, 0.0);
-        for (k, &column) in self.neighbours.iter().enumerate() {
-            for (l, &row) in self.neighbours.iter().enumerate() {
-                let block = operator.block(row, column);
+        system.clear();
+        system.resize(order * stride, 0.0);
+        columns.clear();
+        columns.extend_from_slice(&self.neighbours);
+        columns.sort_unstable();
+        patch.assemble(set, links, positions, &self.neighbours, columns);
+        for (&column, slot) in columns.iter().zip(patch.columns()) {
+            let k = (self.neighbours.iter())
+                .position(|&node| node == column)
+                .expect("the same nodes");
+            for l in 0..self.neighbours.len() {
+                let block = patch.block(l, slot);
                 for c in 0..3 {
                     for d in 0..3 {
-                        self.system[(3 * k + c) * stride + 3 * l + d] = block[(d, c)];
+                        system[(3 * k + c) * stride + 3 * l + d] = block[(d, c)];
                     }
                 }
             }
         }
         for i in 0..own {
-            self.system[i * stride + order + i] = 1.0;
+            system[i * stride + order + i] = 1.0;
         }
-        if !eliminate(set, &mut self.system, order, own) {
+        if !eliminate(set, system, order, own) {
             return false;
         }
         let width = order.div_ceil(LANES);
@@ -158,14 +184,19 @@ impl Group {
         self.rows.resize(own * width, [0.0; LANES]);
         for i in 0..own {
             for j in 0..order {
-                self.rows[i * width + j / LANES][j % LANES] = self.system[j * stride + order + i];
+                self.rows[i * width + j / LANES][j % LANES] = system[j * stride + order + i];
             }
         }
         true
     }
 
     /// The `size` nodes nearest to any node of the group; the group itself comes first, at distance zero.
-    fn find_neighbours(&mut self, positions: &[Vector3], size: usize) {
+    fn find_neighbours(
+        &mut self,
+        positions: &[Vector3],
+        size: usize,
+        distances: &mut Vec<(f64, usize)>,
+    ) {
         let group = self.first..self.first + self.nodes;
         let own = &positions[group.clone()];
         let distance = |x: &Vector3| {
@@ -173,24 +204,23 @@ impl Group {
                 .map(|y| (x - y).norm_squared())
                 .fold(f64::INFINITY, f64::min)
         };
-        self.distances.clear();
-        self.distances
-            .extend((positions.iter().enumerate()).map(|(node, x)| {
-                (
-                    if group.contains(&node) {
-                        -1.0
-                    } else {
-                        distance(x)
-                    },
-                    node,
-                )
-            }));
+        distances.clear();
+        distances.extend((positions.iter().enumerate()).map(|(node, x)| {
+            (
+                if group.contains(&node) {
+                    -1.0
+                } else {
+                    distance(x)
+                },
+                node,
+            )
+        }));
         let order = |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
-        self.distances.select_nth_unstable_by(size - 1, order);
-        self.distances[..size].sort_unstable_by(order);
+        distances.select_nth_unstable_by(size - 1, order);
+        distances[..size].sort_unstable_by(order);
         self.neighbours.clear();
         self.neighbours
-            .extend(self.distances[..size].iter().map(|&(_, node)| node));
+            .extend(distances[..size].iter().map(|&(_, node)| node));
     }
 }
 

@@ -1,9 +1,10 @@
 //! Drag by regularized Stokeslet segments: one resistance problem per time step.
 
+use super::chain::{Link, links};
 use super::drag::FluidReport;
+use super::flow::Flow;
 use super::gmres::{Convergence, Gmres, dot};
 use super::initial_guess::{InitialGuess, KEPT};
-use super::operator::FlowOperator;
 use super::preconditioner::{NEIGHBOURHOOD, Preconditioner};
 use super::{Filament, FluidError};
 use crate::mechanics::{Matrix3, Vector3};
@@ -13,6 +14,9 @@ use std::f64::consts::PI;
 /// Relative residual ‖b − A f‖/‖b‖ at which a solve stops. The discretisation itself errs by some 10⁻³
 /// (thesis' helix), so that 10⁻⁶ is never what limits; smaller costs about an iteration per decade.
 const TOLERANCE: f64 = 1e-6;
+/// The same over the error allowed in the drag where the operator is approximate. The operator's own error
+/// in the velocities is about a twentieth of that, so that a smaller residual would mean nothing.
+const TOLERANCE_OF_FAR_FIELD_ERROR: f64 = 0.1;
 /// Iterations after which the preconditioner is held to be too coarse. Tight bundles take some twenty.
 const MOST_ITERATIONS: usize = 40;
 
@@ -70,7 +74,10 @@ impl Age {
 pub(super) struct StokesletDrag {
     viscosity: f64,
     filaments: Vec<Filament>,
-    operator: FlowOperator,
+    links: Vec<Link>,
+    operator: Flow,
+    /// Relative residual at which a solve stops.
+    tolerance: f64,
     preconditioner: Preconditioner,
     /// Empty before the first solve.
     preconditioned_at: Vec<Vector3>,
@@ -80,6 +87,8 @@ pub(super) struct StokesletDrag {
     positions: Vec<Vector3>,
     /// Voronoi lengths Δl of the nodes, m.
     lengths: Vec<f64>,
+    /// A_ii.
+    diagonal: Vec<Matrix3>,
     right_hand_side: Vec<f64>,
     residual: Vec<f64>,
     densities: Vec<f64>,
@@ -87,13 +96,25 @@ pub(super) struct StokesletDrag {
 
 impl StokesletDrag {
     /// Sets up all room that solves need.
-    pub fn new(viscosity: f64, regularization: f64, filaments: &[Filament]) -> Self {
-        let operator = FlowOperator::new(filaments, regularization);
+    pub fn new(
+        viscosity: f64,
+        regularization: f64,
+        far_field_error: f64,
+        filaments: &[Filament],
+    ) -> Self {
+        let operator = Flow::new(filaments, regularization, far_field_error);
         let nodes = operator.nodes();
         let unknowns = 3 * nodes;
         Self {
             viscosity,
             filaments: filaments.to_vec(),
+            links: links(filaments, regularization),
+            tolerance: match operator {
+                Flow::Exact(_) => TOLERANCE,
+                Flow::Hierarchical(_) => {
+                    TOLERANCE.max(TOLERANCE_OF_FAR_FIELD_ERROR * far_field_error)
+                }
+            },
             operator,
             preconditioner: Preconditioner::new(nodes, NEIGHBOURHOOD),
             preconditioned_at: Vec::with_capacity(nodes),
@@ -102,6 +123,7 @@ impl StokesletDrag {
             gmres: Gmres::new(unknowns),
             positions: vec![Vector3::zeros(); nodes],
             lengths: vec![0.0; nodes],
+            diagonal: vec![Matrix3::zeros(); nodes],
             right_hand_side: vec![0.0; unknowns],
             residual: vec![0.0; unknowns],
             densities: vec![0.0; unknowns],
@@ -134,8 +156,9 @@ impl StokesletDrag {
         let report = self.solve()?;
 
         let factor = 8.0 * PI * self.viscosity;
+        self.operator.diagonal(|k, block| self.diagonal[k] = block);
         for (k, node) in self.filaments.iter().flat_map(Filament::range).enumerate() {
-            let inverse = (self.operator.block(k, k).try_inverse()).ok_or(FluidError::Singular)?;
+            let inverse = (self.diagonal[k].try_inverse()).ok_or(FluidError::Singular)?;
             let length = factor * self.lengths[k];
             resistance[node] = (inverse + inverse.transpose()) * (0.5 * length);
             forces[node] = Vector3::from_column_slice(&self.densities[3 * k..3 * k + 3]) * -length;
@@ -174,9 +197,8 @@ impl StokesletDrag {
             .collect();
         if built != 0 {
             self.preconditioner = Preconditioner::new(nodes, memory.neighbourhood);
-            self.operator.assemble(&self.preconditioned_at);
             self.preconditioner
-                .build(&self.operator, &self.preconditioned_at)?;
+                .build(&self.links, &self.preconditioned_at)?;
         }
         self.age = memory.age;
         self.guess.restore(memory.densities);
@@ -194,11 +216,11 @@ impl StokesletDrag {
         if !(size.is_finite() && positions.is_finite()) {
             return Err(FluidError::NotFinite);
         }
-        let price = self.preconditioner.price(self.operator.nodes());
+        let price = (self.preconditioner).price(self.operator.nodes(), self.operator.operations());
         if self.preconditioned_at.is_empty() || self.age.is_over(price) {
             self.build_preconditioner()?;
         }
-        let tolerance = TOLERANCE * size;
+        let tolerance = self.tolerance * size;
         let Convergence {
             iterations,
             residual,
@@ -246,7 +268,7 @@ impl StokesletDrag {
 
     fn build_preconditioner(&mut self) -> Result<(), FluidError> {
         self.preconditioned_at.clear();
-        self.preconditioner.build(&self.operator, &self.positions)?;
+        self.preconditioner.build(&self.links, &self.positions)?;
         self.preconditioned_at.extend_from_slice(&self.positions);
         self.age = Age::default();
         Ok(())

@@ -8,6 +8,7 @@ use std::f64::consts::PI;
 const STOKESLETS: FluidModel = FluidModel::RegularizedStokeslets {
     viscosity: 0.1,
     regularization: 1.02,
+    far_field_error: 1e-4,
 };
 
 /// The right-handed helix of thesis 2.4.2 at an angle about its axis.
@@ -64,6 +65,7 @@ fn straight_rod_drag(aspect: f64, nodes: usize) -> [f64; 2] {
     let model = FluidModel::RegularizedStokeslets {
         viscosity: 1.0,
         regularization: 1.02,
+        far_field_error: 1e-4,
     };
     let positions: Vec<Vector3> = (0..nodes)
         .map(|i| Vector3::new(i as f64 / (nodes - 1) as f64, 0.0, 0.0))
@@ -235,14 +237,19 @@ fn power_is_dissipated() {
 
 /// Four turning helices that also draw together: their nodes at a step, and the velocities since the last.
 fn bundle(step: usize) -> (Vec<Vector3>, Vec<Vector3>) {
+    converging(4, 0.02, step)
+}
+
+/// Turning helices on a circle that draw together.
+fn converging(count: usize, radius: f64, step: usize) -> (Vec<Vector3>, Vec<Vector3>) {
     let at = |t: f64| -> Vec<Vector3> {
-        (0..4)
+        (0..count)
             .flat_map(|k| {
-                let direction = 0.5 * PI * k as f64;
+                let direction = 2.0 * PI * k as f64 / count as f64;
                 let centre = Vector3::new(direction.cos(), direction.sin(), 0.0);
                 helix(
                     68,
-                    centre * (0.02 - 0.1 * t),
+                    centre * (radius - 0.1 * t),
                     15.0 * t + 0.1 * (k as f64 + 20.0 * t).sin(),
                 )
             })
@@ -255,6 +262,40 @@ fn bundle(step: usize) -> (Vec<Vector3>, Vec<Vector3>) {
         .map(|(a, b)| (a - b) / 1e-3)
         .collect();
     (now, velocities)
+}
+
+/// Twenty helices, enough for clusters.
+fn swarm(step: usize) -> (Vec<Vector3>, Vec<Vector3>) {
+    converging(20, 0.1, step)
+}
+
+fn stokeslets(far_field_error: f64) -> FluidModel {
+    FluidModel::RegularizedStokeslets {
+        viscosity: 0.1,
+        regularization: 1.02,
+        far_field_error,
+    }
+}
+
+#[test]
+fn the_far_field_error_bounds_the_error_of_the_drag() {
+    let filaments = open_filaments(20, 68, 1e-3);
+    let mut exact = Fluid::new(&stokeslets(0.0), &filaments).unwrap();
+    let models = [1e-3, 1e-4, 1e-5];
+    let mut approximate = models.map(|e| Fluid::new(&stokeslets(e), &filaments).unwrap());
+    for step in 0..6 {
+        let (positions, velocities) = swarm(step);
+        let (expected, _, _) = drag(&mut exact, &positions, &velocities);
+        let size: f64 = expected.iter().map(|f| f.norm_squared()).sum();
+        for (fluid, bound) in approximate.iter_mut().zip(models) {
+            let (forces, _, _) = drag(fluid, &positions, &velocities);
+            let difference: f64 = (forces.iter().zip(&expected))
+                .map(|(a, b)| (a - b).norm_squared())
+                .sum();
+            let error = (difference / size).sqrt();
+            assert!(error < bound, "step {step}: {error:e} for {bound:e}");
+        }
+    }
 }
 
 #[test]
@@ -279,10 +320,24 @@ fn one_thread_and_four_threads_give_the_same_bytes() {
 
 #[test]
 fn restored_memory_continues_with_the_same_bytes() {
-    let filaments = open_filaments(4, 68, 1e-3);
+    continues_with_the_same_bytes(4, bundle, 60);
+}
+
+#[test]
+fn restored_memory_of_many_nodes_continues_with_the_same_bytes() {
+    continues_with_the_same_bytes(20, swarm, 12);
+}
+
+/// Steps on from the memory after six steps.
+fn continues_with_the_same_bytes(
+    count: usize,
+    scene: impl Fn(usize) -> (Vec<Vector3>, Vec<Vector3>),
+    steps: usize,
+) {
+    let filaments = open_filaments(count, 68, 1e-3);
     let mut fluid = Fluid::new(&STOKESLETS, &filaments).unwrap();
     for step in 0..6 {
-        let (positions, velocities) = bundle(step);
+        let (positions, velocities) = scene(step);
         drag(&mut fluid, &positions, &velocities);
     }
     let saved = postcard::to_stdvec(&fluid.memory()).unwrap();
@@ -290,8 +345,8 @@ fn restored_memory_continues_with_the_same_bytes() {
     restored
         .restore(postcard::from_bytes(&saved).unwrap())
         .unwrap();
-    for step in 6..60 {
-        let (positions, velocities) = bundle(step);
+    for step in 6..steps {
+        let (positions, velocities) = scene(step);
         let (forces, _, report) = drag(&mut fluid, &positions, &velocities);
         let (again, _, report_again) = drag(&mut restored, &positions, &velocities);
         assert_eq!(forces, again, "step {step}");
@@ -377,6 +432,7 @@ fn bad_descriptions_are_refused() {
         let model = FluidModel::RegularizedStokeslets {
             viscosity,
             regularization: 1.02,
+            far_field_error: 1e-4,
         };
         assert!(refused(&model, &good));
     }

@@ -108,6 +108,9 @@ pub fn fluid(top: &Section<'_>, typed: Option<&typed::Fluid>) -> Fluid {
     if model == typed::FluidModel::Resistive && typed.regularization.is_some() {
         section.fault("regularization", "only the model \"rss\" is regularised");
     }
+    if model == typed::FluidModel::Resistive && typed.far_field_error.is_some() {
+        section.fault("far_field_error", "only the model \"rss\" has a far field");
+    }
     match model {
         typed::FluidModel::None => Fluid::None,
         typed::FluidModel::Rss => Fluid::Rss {
@@ -118,11 +121,23 @@ pub fn fluid(top: &Section<'_>, typed: Option<&typed::Fluid>) -> Fluid {
                 POSITIVE,
                 1.02,
             ),
+            far_field_error: far_field_error(&section, typed),
         },
         typed::FluidModel::Resistive => Fluid::Resistive {
             viscosity: section.required("viscosity", &typed.viscosity, POSITIVE),
         },
     }
+}
+
+fn far_field_error(section: &Section<'_>, typed: &typed::Fluid) -> f64 {
+    let error = section.with_default("far_field_error", &typed.far_field_error, FINITE, 1e-4);
+    if error != 0.0 && !(1e-6..=1e-2).contains(&error) {
+        section.fault(
+            "far_field_error",
+            format!("{error:?} is out of range; allowed: 0, or from 1e-6 to 1e-2"),
+        );
+    }
+    error
 }
 
 /// Resolves mode and time steps.

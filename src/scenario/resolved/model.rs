@@ -55,6 +55,8 @@ pub enum Fluid {
         viscosity: f64,
         /// Regularisation as a multiple of the rod radius.
         regularization: f64,
+        /// Relative error allowed in the drag from the flow of distant nodes; 0 for none.
+        far_field_error: f64,
     },
     /// Resistive force theory.
     Resistive {

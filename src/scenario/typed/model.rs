@@ -91,6 +91,9 @@ pub struct Fluid {
     pub viscosity: Option<Quantity<Viscosity>>,
     /// Regularisation of "rss" as a multiple of the rod radius. Default: 1.02.
     pub regularization: Option<Quantity<Dimensionless>>,
+    /// Relative error allowed in the drag of "rss" from approximating the flow of distant nodes, 1e-6 to
+    /// 1e-2, or 0 for none. Scenes of less than a thousand nodes are exact whatever it is. Default: 1e-4.
+    pub far_field_error: Option<Quantity<Dimensionless>>,
 }
 
 /// Fluid models.

@@ -1,0 +1,64 @@
+//! Which clusters act on which through expansions, and which must be summed exactly.
+
+use super::tree::{Cluster, Tree};
+
+/// Largest ratio of the sum of two clusters' radii to the distance of their centres at which the one acts
+/// on the other through expansions. Errors fall with the order p like OPENING^p. Smaller needs lower
+/// orders, but leaves more pairs of nodes to be summed exactly.
+const OPENING: f64 = 0.5;
+/// Least distance over ε. The expansions hold the kernel's terms up to ε²/r²; what they lack is at most
+/// 15/8 (ε/r)⁴ of it, that is 10⁻⁵ here.
+const REGULARIZATIONS: f64 = 20.0;
+/// Least distance over the longest segment. Two Gauss points per segment err by about 0.006 (L/r)⁴.
+const SEGMENTS: f64 = 4.0;
+
+/// The clusters that act on each cluster.
+#[derive(Default)]
+pub(super) struct Interactions {
+    /// Through expansions.
+    pub far: Vec<Vec<usize>>,
+    /// Node by node; both are leaves.
+    pub near: Vec<Vec<usize>>,
+}
+
+impl Interactions {
+    /// Finds them: every pair of nodes is in exactly one pair of clusters.
+    pub fn find(&mut self, tree: &Tree) {
+        for lists in [&mut self.far, &mut self.near] {
+            lists.iter_mut().for_each(Vec::clear);
+            lists.resize(tree.clusters.len(), Vec::new());
+        }
+        self.visit(tree, 0, 0);
+    }
+
+    fn visit(&mut self, tree: &Tree, target: usize, source: usize) {
+        let (on, by) = (&tree.clusters[target], &tree.clusters[source]);
+        if are_far(on, by) {
+            self.far[target].push(source);
+            return;
+        }
+        match (on.children, by.children) {
+            (None, None) => self.near[target].push(source),
+            (Some(targets), sources) if sources.is_none() || on.nodes.len() >= by.nodes.len() => {
+                for child in targets {
+                    self.visit(tree, child, source);
+                }
+            }
+            (_, Some(sources)) => {
+                for child in sources {
+                    self.visit(tree, target, child);
+                }
+            }
+            (Some(_), None) => unreachable!("the second arm takes all targets with such sources"),
+        }
+    }
+}
+
+fn are_far(target: &Cluster, source: &Cluster) -> bool {
+    let distance = (target.centre - source.centre).norm();
+    let radii = target.target_radius + source.source_radius;
+    let gap = distance - radii;
+    radii <= OPENING * distance
+        && gap >= REGULARIZATIONS * source.regularization_squared.sqrt()
+        && gap >= SEGMENTS * source.longest_segment
+}

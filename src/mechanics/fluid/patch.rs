@@ -1,0 +1,135 @@
+//! A part of the collocation matrix: the rows of some nodes and the columns of others, stored.
+
+use super::chain::{Link, Slot, lay_out};
+use super::lanes::{
+    BlockLanes, SegmentLanes, VectorLanes, assemble_row, multiply_row, multiply_row_by_three,
+};
+use super::segment::{Segment, full};
+use crate::linalg::instruction_set::{InstructionSet, LANES};
+use crate::mechanics::{Matrix3, Vector3};
+
+/// Exact blocks A_ij of some nodes i with some nodes j, 48 bytes each and a few more for the neighbours
+/// of the latter. Slots are stored in lanes as in [`FlowOperator`](super::FlowOperator).
+#[derive(Default)]
+pub(super) struct Patch {
+    rows: Vec<usize>,
+    slots: Vec<Slot>,
+    segments: Vec<SegmentLanes>,
+    blocks: Vec<BlockLanes>,
+    vectors: [Vec<VectorLanes>; 3],
+}
+
+impl Patch {
+    /// Evaluates the blocks of `rows` with `columns`, the latter in ascending order.
+    pub fn assemble(
+        &mut self,
+        set: InstructionSet,
+        links: &[Link],
+        positions: &[Vector3],
+        rows: &[usize],
+        columns: &[usize],
+    ) {
+        self.rows.clear();
+        self.rows.extend_from_slice(rows);
+        lay_out(links, columns, &mut self.slots);
+        let chunks = self.slots.len().div_ceil(LANES);
+        self.segments.resize(chunks, SegmentLanes::default());
+        for place in 0..chunks * LANES {
+            let segment = self.segment(place, links, positions);
+            self.segments[place % chunks].set(place / chunks, &segment);
+        }
+        self.blocks
+            .resize(rows.len() * chunks, BlockLanes::default());
+        for (&row, blocks) in rows.iter().zip(self.blocks.chunks_exact_mut(chunks)) {
+            assemble_row(set, positions[row].into(), &self.segments, blocks);
+        }
+        for vector in &mut self.vectors {
+            vector.clear();
+            vector.resize(chunks, VectorLanes::default());
+        }
+    }
+
+    /// The segment that starts at a place; one without length, which moves nothing, where there is none.
+    fn segment(&self, place: usize, links: &[Link], positions: &[Vector3]) -> Segment {
+        match self.slots.get(place) {
+            Some(slot) if slot.joined => Segment::new(
+                &positions[slot.node],
+                &positions[self.slots[place + 1].node],
+                links[slot.node].regularization_squared,
+            ),
+            _ => Segment::new(&Vector3::zeros(), &Vector3::zeros(), 1.0),
+        }
+    }
+
+    /// The slots of the columns, in their order: what [`block`](Self::block) counts columns by.
+    pub fn columns(&self) -> impl Iterator<Item = usize> {
+        (self.slots.iter().enumerate())
+            .filter(|(_, slot)| slot.own)
+            .map(|(place, _)| place)
+    }
+
+    /// A_ij for a row by its number and a column by its slot.
+    pub fn block(&self, row: usize, slot: usize) -> Matrix3 {
+        let chunks = self.segments.len();
+        full(&self.blocks[row * chunks + slot % chunks].get(slot / chunks))
+    }
+
+    /// Calls `each` with every row's node and its diagonal block. The rows must be among the columns.
+    pub fn diagonal(&self, mut each: impl FnMut(usize, Matrix3)) {
+        for (row, &node) in self.rows.iter().enumerate() {
+            let slot = (self.slots.iter()).position(|slot| slot.own && slot.node == node);
+            each(node, self.block(row, slot.expect("a column for every row")));
+        }
+    }
+
+    /// `velocities` += A `densities`; the former by rows, the latter by nodes.
+    pub fn add_product(
+        &mut self,
+        set: InstructionSet,
+        densities: &[f64],
+        velocities: &mut [[f64; 3]],
+    ) {
+        spread(&self.slots, densities, &mut self.vectors[0]);
+        let rows = self.blocks.chunks_exact(self.segments.len());
+        for (row, velocity) in rows.zip(velocities) {
+            let product = multiply_row(set, row, &self.vectors[0]);
+            for (u, product) in velocity.iter_mut().zip(product) {
+                *u += product;
+            }
+        }
+    }
+
+    /// [`add_product`](Self::add_product) for three vectors, at little more than the price of one.
+    pub fn add_three_products(
+        &mut self,
+        set: InstructionSet,
+        densities: &[Vec<f64>; 3],
+        velocities: &mut [Vec<[f64; 3]>; 3],
+    ) {
+        for (density, vector) in densities.iter().zip(&mut self.vectors) {
+            spread(&self.slots, density, vector);
+        }
+        let rows = self.blocks.chunks_exact(self.segments.len());
+        for (k, row) in rows.enumerate() {
+            let products = multiply_row_by_three(set, row, &self.vectors);
+            for (velocity, product) in velocities.iter_mut().zip(products) {
+                for (u, product) in velocity[k].iter_mut().zip(product) {
+                    *u += product;
+                }
+            }
+        }
+    }
+}
+
+/// Puts the densities of the nodes into the lanes of the slots.
+fn spread(slots: &[Slot], densities: &[f64], lanes: &mut [VectorLanes]) {
+    let chunks = lanes.len();
+    for (place, slot) in slots.iter().enumerate() {
+        if slot.own {
+            let vector = &mut lanes[place % chunks].0;
+            for k in 0..3 {
+                vector[k][place / chunks] = densities[3 * slot.node + k];
+            }
+        }
+    }
+}
