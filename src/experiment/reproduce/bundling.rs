@@ -47,7 +47,7 @@ impl ContactModel {
 }
 
 impl Bundling {
-    /// Name of its directory, such as `m2_imc_mu0.3_250s`.
+    /// Its name, such as `m2_imc_mu0.3_250s`.
     pub fn id(&self) -> String {
         let Self {
             flagella,

@@ -3,13 +3,15 @@
 use super::bundling::Bundling;
 use super::{ReproduceError, ReproduceOptions};
 use crate::experiment::{RunError, RunOptions, RunStatus, run};
-use crate::results::{CaseRecord, CaseStatus, MAIN_CASE, Manifest};
+use crate::results::{CaseRecord, CaseStatus, MAIN_CASE, Manifest, scenario_hash};
 use std::path::PathBuf;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Folder of the runs of all artefacts.
 const CASES: &str = "cases";
+/// Digits of the scenario's hash in the name of a run's directory.
+const HASH_DIGITS: usize = 8;
 
 /// A run that came to an end.
 #[derive(Clone, Debug)]
@@ -76,7 +78,11 @@ fn run_one(
     options: &ReproduceOptions,
     threads: usize,
 ) -> Result<Case, ReproduceError> {
-    let directory = options.directory.join(CASES).join(bundling.id());
+    let prepared = bundling.prepare();
+    // Another version of the program may resolve the scenario to something else: that is another run.
+    let hash = scenario_hash(&prepared.scenario_toml);
+    let name = format!("{}-{}", bundling.id(), &hash[..HASH_DIGITS]);
+    let directory = options.directory.join(CASES).join(name);
     let run_options = RunOptions {
         command_line: options.command_line.clone(),
         progress: false,
@@ -86,7 +92,7 @@ fn run_one(
         .num_threads(threads)
         .build()
         .map_err(|error| ReproduceError::Threads(error.to_string()))?;
-    let was_finished = match pool.install(|| run(&bundling.prepare(), &run_options)) {
+    let was_finished = match pool.install(|| run(&prepared, &run_options)) {
         Ok(outcome) => outcome.status == RunStatus::AlreadyFinished,
         // Where the mechanics gives up, the thesis' simulations end, too: a result.
         Err(RunError::Simulation { .. }) => false,

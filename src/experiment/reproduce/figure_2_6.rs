@@ -24,7 +24,8 @@ pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceErro
     for case in cases {
         let friction = case.bundling.friction;
         let name = format!("fig2.6_mu{friction}");
-        page.figure(&name, &format!("μ = {friction}"), &snapshots_of(case)?)?;
+        let snapshots = rods_figure(&case.directory, &case.manifest.rods)?;
+        page.figure(&name, &format!("μ = {friction}"), &snapshots)?;
     }
     Ok(())
 }
@@ -39,9 +40,4 @@ fn row(case: &Case) -> Row {
         steps_with_contact: outcome.steps_with_contact,
         min_distance_ratio: outcome.minimum_distance_ratio,
     }
-}
-
-/// The rods of a case at times spread evenly over it, as SVG.
-pub(super) fn snapshots_of(case: &Case) -> Result<String, ReproduceError> {
-    Ok(rods_figure(&case.directory, &case.manifest.rods)?)
 }
