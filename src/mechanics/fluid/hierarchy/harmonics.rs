@@ -116,7 +116,7 @@ pub(super) fn irregular<const W: usize>(order: usize, r: &[[f64; W]; 3], table: 
 /// f₋ₘ of fₘ.
 #[inline(always)]
 pub(super) fn mirrored<const W: usize>(m: usize, f: &Complex<W>) -> Complex<W> {
-    let sign = if m % 2 == 0 { 1.0 } else { -1.0 };
+    let sign = if m.is_multiple_of(2) { 1.0 } else { -1.0 };
     let mut mirrored = *f;
     for lane in 0..W {
         mirrored[0][lane] *= sign;
