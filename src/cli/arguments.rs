@@ -1,7 +1,7 @@
 //! The arguments of the program and those common to all subcommands.
 
 use super::failure::Failure;
-use super::{check, completions, explain, init, plot, run, verify};
+use super::{check, completions, explain, init, plot, reproduce, run, verify};
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use std::io::IsTerminal;
 
@@ -43,6 +43,8 @@ pub enum Command {
     Explain(explain::ExplainArguments),
     /// Compare the engine with theory, check by check
     Verify(verify::VerifyArguments),
+    /// Make a table or figure of the thesis again
+    Reproduce(reproduce::ReproduceArguments),
     /// Draw the figures of a results directory
     Plot(plot::PlotArguments),
     /// Print a completion script for a shell

@@ -1,6 +1,7 @@
 //! Why the program fails, what it says and its exit code.
 
 use crate::experiment::RunError;
+use crate::experiment::reproduce::ReproduceError;
 use crate::results::ResultsError;
 use crate::scenario::ScenarioError;
 
@@ -13,6 +14,8 @@ pub enum Failure {
     Input(String),
     /// A run ended early, or its scene is impossible.
     Run(RunError),
+    /// An artefact of the thesis was not made.
+    Reproduce(ReproduceError),
     /// A results directory could not be read or written.
     Results(ResultsError),
     /// Physics checks failed.
@@ -30,6 +33,7 @@ impl Failure {
         match self {
             Self::Scenario(_) | Self::Input(_) => 2,
             Self::Run(error) => error.exit_code(),
+            Self::Reproduce(error) => error.exit_code(),
             Self::Results(error) => error.exit_code(),
             Self::Checks { .. } => 4,
             Self::System(_) => 1,
@@ -47,6 +51,7 @@ impl Failure {
             Self::Input(message) | Self::System(message) => eprintln!("error: {message}"),
             Self::Checks { failed } => eprintln!("error: {failed} physics checks failed"),
             Self::Run(error) => eprintln!("error: {error}"),
+            Self::Reproduce(error) => eprintln!("error: {error}"),
             Self::Results(error) => eprintln!("error: {error}"),
         }
     }
@@ -61,6 +66,12 @@ impl From<ScenarioError> for Failure {
 impl From<RunError> for Failure {
     fn from(error: RunError) -> Self {
         Self::Run(error)
+    }
+}
+
+impl From<ReproduceError> for Failure {
+    fn from(error: ReproduceError) -> Self {
+        Self::Reproduce(error)
     }
 }
 

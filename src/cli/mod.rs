@@ -22,6 +22,7 @@ mod init;
 mod logging;
 mod output;
 mod plot;
+mod reproduce;
 mod run;
 mod schema;
 mod verify;
@@ -53,6 +54,7 @@ fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
         Command::Schema => schema::schema(),
         Command::Explain(command) => explain::explain(command),
         Command::Verify(command) => verify::verify(command),
+        Command::Reproduce(command) => reproduce::reproduce(command, &arguments.common),
         Command::Plot(command) => plot::plot(command),
         Command::Completions(command) => completions::completions(command),
     }

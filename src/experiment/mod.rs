@@ -5,6 +5,7 @@ mod derived;
 mod flagella;
 mod plot;
 mod prepared;
+pub mod reproduce;
 mod run;
 mod scene;
 pub mod verify;

@@ -33,17 +33,7 @@ pub fn plot_results(directory: &Path) -> Result<Vec<PathBuf>, ResultsError> {
         Ok::<(), ResultsError>(())
     };
     if directory.join(NODES).exists() {
-        let nodes = manifest.rods.iter().map(|rod| rod.nodes).sum();
-        let outputs = read_nodes(directory, nodes)?;
-        let pictures: Vec<Snapshot> = evenly_spread(&outputs, SNAPSHOTS)
-            .map(|output| snapshot(output, &manifest.rods, outputs.len() > 1))
-            .collect();
-        let points = pictures
-            .iter()
-            .flat_map(|picture| &picture.rods)
-            .flat_map(|rod| &rod.points);
-        let view = View::fitting(points);
-        write(RODS_FIGURE, snapshots(&pictures, &view))?;
+        write(RODS_FIGURE, rods_figure(directory, &manifest.rods)?)?;
     }
     let series = read_series(directory)?;
     if series.len() > 1 {
@@ -53,6 +43,23 @@ pub fn plot_results(directory: &Path) -> Result<Vec<PathBuf>, ResultsError> {
         )?;
     }
     Ok(written)
+}
+
+/// The rods at up to four times, evenly spread over the run, as SVG.
+///
+/// # Errors
+/// [`ResultsError::Io`] or [`ResultsError::Damaged`] where `nodes.csv` cannot be read.
+pub(super) fn rods_figure(directory: &Path, rods: &[RodRecord]) -> Result<String, ResultsError> {
+    let outputs = read_nodes(directory, rods.iter().map(|rod| rod.nodes).sum())?;
+    let pictures: Vec<Snapshot> = evenly_spread(&outputs, SNAPSHOTS)
+        .map(|output| snapshot(output, rods, outputs.len() > 1))
+        .collect();
+    let points = pictures
+        .iter()
+        .flat_map(|picture| &picture.rods)
+        .flat_map(|rod| &rod.points);
+    let view = View::fitting(points);
+    Ok(snapshots(&pictures, &view))
 }
 
 /// Up to `count` of the items, from the first to the last.

@@ -5,7 +5,7 @@ use super::flagella;
 use super::prepared::{Mode, OutputPlan, PreparedRun};
 use super::run::RunError;
 use crate::mechanics::Vector3;
-use crate::mechanics::contact::ContactParameters;
+use crate::mechanics::contact::{ContactModel, ContactParameters};
 use crate::mechanics::dynamics::{self, IntegrationParameters, Simulation, StepSize};
 use crate::mechanics::fluid::FluidModel;
 use crate::mechanics::scene as mechanics;
@@ -309,11 +309,36 @@ fn contact_parameters(contact: &Contact) -> Option<ContactParameters> {
             stiffness_factor,
             maximum_penetration,
         } => Some(ContactParameters {
+            model: ContactModel::ImplicitContact,
             distance_tolerance,
             friction,
             slip_tolerance,
             stiffness_factor,
             maximum_penetration,
+        }),
+        Contact::Ipc {
+            friction,
+            distance_tolerance,
+            slip_tolerance,
+            stiffness_factor,
+        } => Some(ContactParameters {
+            model: ContactModel::IncrementalPotential,
+            distance_tolerance,
+            friction,
+            slip_tolerance,
+            stiffness_factor,
+            maximum_penetration: 0.0,
+        }),
+        Contact::Complementarity {
+            friction,
+            distance_tolerance,
+            maximum_penetration,
+        } => Some(ContactParameters {
+            model: ContactModel::Complementarity,
+            distance_tolerance,
+            friction,
+            maximum_penetration,
+            ..ContactParameters::default()
         }),
     }
 }

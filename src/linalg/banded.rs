@@ -135,22 +135,34 @@ impl BandedFactor {
         let n = self.dimension;
         assert_eq!(right_hand_side.len(), n);
         let x = right_hand_side;
-        // The nearest neighbour comes last in either sum: only it waits for the previous unknown.
-        for i in 0..n {
-            let first = i.saturating_sub(HALF_BANDWIDTH);
-            let mut sum = x[i];
-            for j in first..i {
-                sum -= self.columns[j][i - j] * x[j];
-            }
-            x[i] = sum;
+        // Ten unknowns wait in registers: those next in turn, less what the ones before them took...
+        let mut next = [0.0; HALF_BANDWIDTH];
+        for (next, &value) in next.iter_mut().zip(&*x) {
+            *next = value;
         }
+        for i in 0..n {
+            let (column, known) = (&self.columns[i], next[0]);
+            x[i] = known;
+            let far = i + HALF_BANDWIDTH;
+            let last = if far < n { x[far] } else { 0.0 };
+            for r in 1..HALF_BANDWIDTH {
+                next[r - 1] = next[r] - column[r] * known;
+            }
+            next[HALF_BANDWIDTH - 1] = last - column[HALF_BANDWIDTH] * known;
+        }
+        // ... and those found last; the nearest comes last in the sum, which alone waits for it.
+        let mut found = [0.0; HALF_BANDWIDTH];
         for j in (0..n).rev() {
             let column = &self.columns[j];
             let mut sum = x[j] * column[0];
-            for r in (1..=HALF_BANDWIDTH.min(n - 1 - j)).rev() {
-                sum -= column[r] * x[j + r];
+            for r in (1..WIDTH).rev() {
+                sum -= column[r] * found[r - 1];
             }
             x[j] = sum;
+            for r in (1..HALF_BANDWIDTH).rev() {
+                found[r] = found[r - 1];
+            }
+            found[0] = sum;
         }
     }
 }

@@ -8,6 +8,7 @@
 //! updates.
 
 use super::error::{Inertia, SingularMatrix};
+use super::instruction_set::{InstructionSet, kernel};
 use super::node_block::{Block, DiagonalFactor, NODE, NodeVector, symmetric_pivots};
 use super::symbolic::SymbolicFactor;
 
@@ -59,20 +60,7 @@ impl BlockFactor {
         upper: &[Block],
     ) -> Result<Inertia, SingularMatrix> {
         self.load(diagonal, lower, upper);
-        #[cfg(target_arch = "x86_64")]
-        if is_x86_feature_detected!("avx2") {
-            // SAFETY: the processor has the instructions that the function was compiled for.
-            #[allow(unsafe_code)]
-            return unsafe { self.eliminate_in_wide_registers() };
-        }
-        self.eliminate()
-    }
-
-    /// [`Self::eliminate`] compiled for registers of four lanes; the operations and their order are the same.
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    fn eliminate_in_wide_registers(&mut self) -> Result<Inertia, SingularMatrix> {
-        self.eliminate()
+        eliminate_blocks(InstructionSet::best_of_width(NODE), self)
     }
 
     #[inline(always)]
@@ -191,6 +179,13 @@ impl BlockFactor {
         for (own, &node) in vector.iter().zip(&symbolic.order) {
             x[node] = *own;
         }
+    }
+}
+
+kernel! {
+    /// Factors the loaded blocks.
+    fn eliminate_blocks(factor: &mut BlockFactor) -> Result<Inertia, SingularMatrix> {
+        factor.eliminate()
     }
 }
 

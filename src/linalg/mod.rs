@@ -8,12 +8,14 @@
 //!
 //! Neither factorisation allocates once it is set up, and both run in one thread in a fixed order of
 //! operations without fused multiply-adds, so the same matrix gives the same bytes on every machine.
+//! `instruction_set` compiles kernels, here and in the mechanics, for the registers of the machine at hand.
 
 mod banded;
 mod block_factor;
 mod coupled;
 mod coupled_matrix;
 mod error;
+pub(crate) mod instruction_set;
 mod node_block;
 mod node_graph;
 mod symbolic;

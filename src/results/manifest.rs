@@ -72,6 +72,12 @@ pub struct CaseRecord {
     pub outcome: CaseOutcome,
     /// Wall time of all calls that worked on it, s.
     pub wall_time: f64,
+    /// The part of it that went into steps with contact, s.
+    #[serde(default)]
+    pub wall_time_with_contact: f64,
+    /// Processor time of all these calls, s; `None` where the system does not tell.
+    #[serde(default)]
+    pub cpu_time: Option<f64>,
 }
 
 /// How a case stands.
@@ -175,6 +181,8 @@ pub(super) mod tests {
                     status,
                     outcome,
                     wall_time: 0.1,
+                    wall_time_with_contact: 0.05,
+                    cpu_time: Some(0.2),
                 },
             )]),
         }

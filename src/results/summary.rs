@@ -61,6 +61,7 @@ impl SummaryRow {
 struct TimingRow<'a> {
     case: &'a str,
     wall_time_s: f64,
+    wall_time_with_contact_s: f64,
     cpu_time_s: Option<f64>,
     peak_memory_bytes: Option<u64>,
 }
@@ -75,6 +76,7 @@ pub fn write_timings(directory: &Path, cases: &[(&str, Usage)]) -> Result<(), Re
     let rows = cases.iter().map(|(case, usage)| TimingRow {
         case,
         wall_time_s: usage.wall_time.as_secs_f64(),
+        wall_time_with_contact_s: usage.wall_time_with_contact.as_secs_f64(),
         cpu_time_s: usage.cpu_time.map(|time| time.as_secs_f64()),
         peak_memory_bytes: usage.peak_memory,
     });
@@ -132,6 +134,7 @@ mod tests {
         let directory = tempfile::tempdir().unwrap();
         let usage = Usage {
             wall_time: Duration::from_millis(1500),
+            wall_time_with_contact: Duration::from_millis(250),
             cpu_time: None,
             peak_memory: Some(4096),
         };
@@ -139,7 +142,7 @@ mod tests {
         let text = fs::read_to_string(directory.path().join(TIMINGS)).unwrap();
         assert_eq!(
             text,
-            "case,wall_time_s,cpu_time_s,peak_memory_bytes\nmain,1.5,,4096\n"
+            "case,wall_time_s,wall_time_with_contact_s,cpu_time_s,peak_memory_bytes\nmain,1.5,0.25,,4096\n"
         );
     }
 }

@@ -9,6 +9,8 @@ use std::time::{Duration, Instant};
 pub struct Usage {
     /// Time on the clock.
     pub wall_time: Duration,
+    /// The part of it that went into steps with contact.
+    pub wall_time_with_contact: Duration,
     /// Processor time of all threads; `None` where the system does not tell.
     pub cpu_time: Option<Duration>,
     /// Largest resident memory of the process, bytes; `None` where the system does not tell.
@@ -20,6 +22,7 @@ impl Default for Usage {
     fn default() -> Self {
         Self {
             wall_time: Duration::ZERO,
+            wall_time_with_contact: Duration::ZERO,
             cpu_time: Some(Duration::ZERO),
             peak_memory: None,
         }
@@ -33,6 +36,7 @@ impl Add for Usage {
     fn add(self, later: Self) -> Self {
         Self {
             wall_time: self.wall_time + later.wall_time,
+            wall_time_with_contact: self.wall_time_with_contact + later.wall_time_with_contact,
             cpu_time: self.cpu_time.zip(later.cpu_time).map(|(a, b)| a + b),
             peak_memory: self.peak_memory.max(later.peak_memory),
         }
@@ -43,6 +47,7 @@ impl Add for Usage {
 pub struct UsageMeter {
     start: Instant,
     cpu_time_before: Option<Duration>,
+    with_contact: Duration,
 }
 
 impl UsageMeter {
@@ -51,7 +56,13 @@ impl UsageMeter {
         Self {
             start: Instant::now(),
             cpu_time_before: process_cpu_time(),
+            with_contact: Duration::ZERO,
         }
+    }
+
+    /// Counts the time of a step with contact.
+    pub fn add_step_with_contact(&mut self, wall_time: Duration) {
+        self.with_contact += wall_time;
     }
 
     /// Time on the clock since the start.
@@ -64,6 +75,7 @@ impl UsageMeter {
         let cpu_time = process_cpu_time().zip(self.cpu_time_before);
         Usage {
             wall_time: self.wall_time(),
+            wall_time_with_contact: self.with_contact,
             cpu_time: cpu_time.map(|(now, before)| now.saturating_sub(before)),
             peak_memory: peak_memory(),
         }
@@ -113,6 +125,7 @@ mod tests {
     fn costs_add_up_and_memory_is_the_larger() {
         let usage = |seconds, memory| Usage {
             wall_time: Duration::from_secs(seconds),
+            wall_time_with_contact: Duration::from_millis(100 * seconds),
             cpu_time: Some(Duration::from_secs(2 * seconds)),
             peak_memory: memory,
         };

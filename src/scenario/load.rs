@@ -43,10 +43,26 @@ pub fn load(path: &Path, overrides: &[String]) -> Result<Loaded, ScenarioError> 
 /// # Errors
 /// As [`load`].
 pub fn from_text(name: &str, text: &str, directory: &Path) -> Result<Loaded, ScenarioError> {
+    from_text_with(name, text, directory, &[])
+}
+
+/// [`from_text`], with overrides as [`load`] takes them.
+///
+/// # Errors
+/// As [`load`].
+pub fn from_text_with(
+    name: &str,
+    text: &str,
+    directory: &Path,
+    overrides: &[String],
+) -> Result<Loaded, ScenarioError> {
     let mut sources = Sources::default();
     let mut ancestors = Vec::new();
     let source = sources.add(format!("{name}.toml"), text.to_owned(), directory);
-    let document = parse_and_extend(&mut sources, &mut ancestors, source)?;
+    let mut document = parse_and_extend(&mut sources, &mut ancestors, source)?;
+    for text in overrides {
+        overrides::apply(&mut sources, &mut document, text)?;
+    }
     finish(name, sources, document)
 }
 

@@ -34,7 +34,7 @@ mod units;
 pub use error::{Located, ScenarioError};
 pub use explain::{explain, json_schema};
 pub use issue::{Issue, Issues, KeyPath, did_you_mean};
-pub use load::{Loaded, from_text, load};
+pub use load::{Loaded, from_text, from_text_with, load};
 pub use resolved::{
     BuilderRod, Clamp, Contact, CrossSection, Experiment, Flagella, Fluid, Handedness, Head, Hold,
     Load, LoadKind, Material, NaturalShape, Output, Place, Plane, Rod, Scenario, Scheme, Shape,

@@ -5,10 +5,14 @@ use rodlab::mechanics::dynamics::{Simulation, StepSize};
 use rodlab::{experiment, scenario};
 use std::path::Path;
 
-/// The scenario of `count` flagella, advanced by large steps to a time when they touch.
-fn touching(count: usize) -> Simulation {
+/// The scenario of `count` flagella with the contact model `contact`, advanced by large steps to a time when
+/// they touch.
+fn touching(count: usize, contact: &str) -> Simulation {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/flagella_base.toml");
-    let set = [format!("flagella.count={count}")];
+    let set = [
+        format!("flagella.count={count}"),
+        format!("contact.model={contact}"),
+    ];
     let loaded = scenario::load(&path, &set).expect("a valid scenario");
     let mut prepared = experiment::prepare(&loaded.scenario).expect("a valid scene");
     prepared.integration.step = StepSize::Auto {
@@ -34,10 +38,11 @@ fn touching(count: usize) -> Simulation {
 fn flagella_step(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("step of 1 ms in contact");
     group.sample_size(10);
-    for count in [2, 10] {
-        let mut simulation = touching(count);
+    for (count, contact) in [(2, "imc"), (2, "ipc"), (10, "imc"), (10, "ipc")] {
+        let mut simulation = touching(count, contact);
+        let name = format!("M = {count}, {}", contact.to_uppercase());
         let (mut steps, mut contacts, mut iterations) = (0, 0, 0);
-        group.bench_function(format!("M = {count}"), |bencher| {
+        group.bench_function(&name, |bencher| {
             bencher.iter(|| {
                 let report = simulation.advance(f64::INFINITY).expect("converges");
                 steps += 1;
@@ -47,7 +52,7 @@ fn flagella_step(criterion: &mut Criterion) {
         });
         let per_step = |total: usize| total as f64 / f64::from(steps);
         println!(
-            "M = {count}: {:.2} iterations and {:.1} contacts a step over {steps} steps",
+            "{name}: {:.2} iterations and {:.1} contacts a step over {steps} steps",
             per_step(iterations),
             per_step(contacts)
         );

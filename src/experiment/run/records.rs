@@ -41,6 +41,8 @@ pub(super) fn manifest_of_call(
         status: CaseStatus::Running,
         outcome: CaseOutcome::default(),
         wall_time: 0.0,
+        wall_time_with_contact: 0.0,
+        cpu_time: None,
     };
     Manifest {
         version: env!("CARGO_PKG_VERSION").into(),

@@ -158,7 +158,11 @@ impl Session {
                 if self.last_checkpoint.elapsed() >= self.checkpoint_every {
                     self.write_checkpoint(simulation)?;
                 }
+                let start = Instant::now();
                 let report = simulation.advance(target)?;
+                if report.contacts > 0 {
+                    self.meter.add_step_with_contact(start.elapsed());
+                }
                 self.standing.tally.add_step(&report);
                 self.progress.update(&report);
             }
@@ -261,6 +265,8 @@ impl Session {
             status,
             outcome,
             wall_time: usage.wall_time.as_secs_f64(),
+            wall_time_with_contact: usage.wall_time_with_contact.as_secs_f64(),
+            cpu_time: usage.cpu_time.map(|time| time.as_secs_f64()),
         };
         self.manifest.cases.insert(MAIN_CASE.into(), record);
         self.manifest.end = Some(jiff::Timestamp::now());

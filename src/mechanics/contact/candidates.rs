@@ -131,6 +131,26 @@ impl Candidates {
         self.is_within(positions, COMPLETE_FRACTION)
     }
 
+    /// A part of the way `displacements` from `positions` along which the set is complete; 0 where it is not
+    /// complete at `positions`, and may be greater than 1.
+    pub fn covered_part(&self, positions: &[Vector3], displacements: &[Vector3]) -> f64 {
+        if self.positions.len() != positions.len() {
+            return 0.0;
+        }
+        let allowed = COMPLETE_FRACTION * self.margin;
+        let nodes = positions.iter().zip(&self.positions).zip(displacements);
+        nodes
+            .map(|((now, before), displacement)| {
+                let (left, length) = (allowed - (now - before).norm(), displacement.norm());
+                if left <= 0.0 {
+                    0.0
+                } else {
+                    left / length.max(f64::MIN_POSITIVE)
+                }
+            })
+            .fold(f64::INFINITY, f64::min)
+    }
+
     /// How far every node has moved since the set was built, m.
     pub fn motion(&self, positions: &[Vector3], motion: &mut Vec<f64>) {
         motion.clear();

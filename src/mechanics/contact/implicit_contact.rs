@@ -2,47 +2,55 @@
 
 use super::candidates::{Candidates, approach};
 use super::closest_points::{ClosestPoints, edge_distance};
+use super::constraints::ContactConstraint;
 use super::contacts::{ActiveContact, CandidatePair, EdgeJacobian, PlaneContact, PlaneJacobian};
 use super::edge_contact::{Sliding, edge_force, edge_jacobian};
 use super::friction::FrictionLaw;
 use super::multipliers::Multipliers;
+use super::normal_law::{NormalLaw, NormalResponse};
 use super::parameters::ContactParameters;
 use super::plane_contact::{NodeSliding, plane_force, plane_jacobian};
-use super::potential::{NormalResponse, gap_of_force, normal_response, reach};
 use super::stiffness::adapted_stiffness;
 use super::surface::{ContactPlane, ContactSurface};
 use crate::mechanics::Vector3;
 
-/// The implicit contact model with Coulomb friction (thesis 2.2–2.3) for all rods and planes of a scene.
+/// Implicit contact with Coulomb friction (thesis 2.2–2.3) of all rods and planes of a scene, by the
+/// potential of the implicit contact model or by the barrier of incremental potential contact.
 ///
 /// In a time step: [`update_candidates`](Self::update_candidates), then per Newton iteration
-/// [`evaluate`](Self::evaluate) and per trial of the line search [`evaluate_forces`](Self::evaluate_forces);
+/// [`evaluate`](Self::evaluate) and per trial of the line search [`evaluate_forces`](Self::evaluate_forces),
+/// no farther along a straight way than [`largest_step`](Self::largest_step) allows;
 /// after it, [`candidates_are_complete`](Self::candidates_are_complete) and
 /// [`excessive_penetration`](Self::excessive_penetration).
 ///
 /// The distance of two edges has kinks where several pairs of points are equally near: parallel edges, and
-/// joints of a rod. Newton's method may need its line search there. Two edges that pass through each other
-/// within one step are not noticed.
+/// joints of a rod. Newton's method may need its line search there. With the implicit contact model two edges
+/// that pass through each other within one step are not noticed; with incremental potential contact
+/// [`largest_step`](Self::largest_step) keeps them from it.
 #[derive(Clone, Debug)]
 pub struct ImplicitContact {
     parameters: ContactParameters,
-    surface: ContactSurface,
-    planes: Vec<ContactPlane>,
-    candidates: Candidates,
+    pub(super) surface: ContactSurface,
+    pub(super) planes: Vec<ContactPlane>,
+    pub(super) candidates: Candidates,
     multipliers: Multipliers,
     stiffness: f64,
     least_stiffness: f64,
     /// How far every node has moved since the candidates were built, m; scratch.
-    motion: Vec<f64>,
-    contacts: Vec<ActiveContact>,
+    pub(super) motion: Vec<f64>,
+    /// Where a step has come to while it is searched for collisions, m; scratch.
+    pub(super) place: Vec<Vector3>,
+    pub(super) contacts: Vec<ActiveContact>,
     jacobians: Vec<EdgeJacobian>,
     /// What to add to the forces to have those of the linear laws, and those of the multipliers, N.
     linear_corrections: Vec<[f64; 12]>,
     multiplier_corrections: Vec<[f64; 12]>,
-    plane_contacts: Vec<PlaneContact>,
+    pub(super) plane_contacts: Vec<PlaneContact>,
     plane_jacobians: Vec<PlaneJacobian>,
+    /// Contacts of the complementarity model.
+    pub(super) constraints: Vec<ContactConstraint>,
     energy: f64,
-    contact_count: usize,
+    pub(super) contact_count: usize,
 }
 
 /// The positions at which contact is evaluated.
@@ -69,14 +77,14 @@ impl Motion<'_> {
 
 impl ImplicitContact {
     /// `least_stiffness` is the contact stiffness k at the start and the least that
-    /// [`Self::adapt_stiffness`] chooses; s times the force scale EI/L² suits.
+    /// [`Self::adapt_stiffness`] chooses; that of the force scale EI/L² suits.
     pub fn new(
         parameters: ContactParameters,
         surface: ContactSurface,
         planes: Vec<ContactPlane>,
         least_stiffness: f64,
     ) -> Self {
-        let candidates = Candidates::new(&surface, reach(parameters.distance_tolerance));
+        let candidates = Candidates::new(&surface, parameters.reach());
         Self {
             parameters,
             surface,
@@ -86,12 +94,14 @@ impl ImplicitContact {
             stiffness: least_stiffness,
             least_stiffness,
             motion: Vec::new(),
+            place: Vec::new(),
             contacts: Vec::new(),
             jacobians: Vec::new(),
             linear_corrections: Vec::new(),
             multiplier_corrections: Vec::new(),
             plane_contacts: Vec::new(),
             plane_jacobians: Vec::new(),
+            constraints: Vec::new(),
             energy: 0.0,
             contact_count: 0,
         }
@@ -125,10 +135,23 @@ impl ImplicitContact {
     pub fn update_candidates(&mut self, positions: &[Vector3]) -> bool {
         let changed = self.candidates.update(&self.surface, positions);
         if changed {
-            let (old, new) = (self.candidates.earlier_pairs(), self.candidates.pairs());
-            self.multipliers.carry_over(old, new);
+            self.carry_multipliers_over();
         }
         changed
+    }
+
+    /// Builds the candidates for `positions` within the iterations of a step; returns whether the set changed.
+    pub(super) fn renew_candidates(&mut self, positions: &[Vector3]) -> bool {
+        let changed = self.candidates.rebuild(&self.surface, positions);
+        if changed {
+            self.carry_multipliers_over();
+        }
+        changed
+    }
+
+    fn carry_multipliers_over(&mut self) {
+        let (old, new) = (self.candidates.earlier_pairs(), self.candidates.pairs());
+        self.multipliers.carry_over(old, new);
     }
 
     /// Rebuilds the candidates for these positions in any case; without positions there are none.
@@ -157,6 +180,9 @@ impl ImplicitContact {
     /// [`Self::abandon_multipliers`] the Jacobians are those of the force law linearised at the normal forces
     /// that the iteration carries along, the first ones those of the last step.
     pub fn begin_iterations(&mut self) {
+        if self.parameters.is_complementarity() {
+            return;
+        }
         self.multipliers.begin(self.candidates.pairs().len());
     }
 
@@ -173,7 +199,7 @@ impl ImplicitContact {
     /// Takes over the normal forces of the last evaluation as those of an accepted step.
     pub fn settle_multipliers(&mut self) {
         let candidates = self.candidates.pairs().len();
-        let reach = reach(self.parameters.distance_tolerance);
+        let reach = self.parameters.reach();
         self.multipliers.settle(candidates, &self.contacts, reach);
     }
 
@@ -199,6 +225,9 @@ impl ImplicitContact {
             time_step,
         };
         self.clear_results();
+        if self.parameters.is_complementarity() {
+            return self.evaluate_constraints(positions);
+        }
         self.evaluate_edges(motion, true);
         self.evaluate_planes(motion, true);
         self.multipliers.advance();
@@ -213,6 +242,9 @@ impl ImplicitContact {
             time_step,
         };
         self.clear_results();
+        if self.parameters.is_complementarity() {
+            return self.evaluate_constraints(positions);
+        }
         self.evaluate_edges(motion, false);
         self.evaluate_planes(motion, false);
     }
@@ -230,25 +262,24 @@ impl ImplicitContact {
 
     fn evaluate_edges(&mut self, motion: Motion, with_jacobians: bool) {
         let parameters = &self.parameters;
-        let tolerance = parameters.distance_tolerance;
+        let (tolerance, reach) = (parameters.distance_tolerance, parameters.reach());
         let friction = motion.friction(parameters.friction, parameters.slip_tolerance);
         self.candidates.motion(motion.positions, &mut self.motion);
         let pairs = self.candidates.pairs().iter();
         for (candidate, (pair, earlier)) in pairs.zip(self.candidates.gaps()).enumerate() {
             let loaded = with_jacobians && self.multipliers.is_loaded(candidate);
-            if !loaded && earlier - approach(pair, &self.motion) >= reach(tolerance) {
+            if !loaded && earlier - approach(pair, &self.motion) >= reach {
                 continue;
             }
             let nodes = pair.nodes.map(|node| motion.positions[node]);
             let closest = ClosestPoints::of(&nodes);
             let (distance, threshold) = (closest.distance(), self.surface.threshold(pair.edges));
             let gap = distance - threshold;
-            if !loaded && gap >= reach(tolerance) {
+            if !loaded && gap >= reach {
                 continue;
             }
-            let (scale, stiffness) = (0.5 * threshold, self.stiffness);
-            let law = |gap| normal_response(gap, scale, tolerance, stiffness);
-            let response = law(gap);
+            let law = NormalLaw::new(parameters, 0.5 * threshold, self.stiffness);
+            let response = law.response(gap);
             let sliding = friction.map(|law| Sliding {
                 law,
                 velocities: pair.nodes.map(|node| motion.velocity(node)),
@@ -264,10 +295,13 @@ impl ImplicitContact {
                 force,
             });
             if with_jacobians {
-                let inverse = |force| gap_of_force(force, scale, tolerance, stiffness);
-                let linear = self
-                    .multipliers
-                    .linear_law(candidate, gap, &response, law, inverse);
+                let linear = self.multipliers.linear_law(
+                    candidate,
+                    gap,
+                    &response,
+                    |gap| law.response(gap),
+                    |force| law.gap_of_force(force),
+                );
                 let tangent = linear.map_or(response, |linear| linear.tangent);
                 let jacobian = edge_jacobian(&nodes, &closest, &tangent, sliding.as_ref());
                 self.jacobians.push(jacobian);
@@ -294,17 +328,18 @@ impl ImplicitContact {
     }
 
     fn evaluate_planes(&mut self, motion: Motion, with_jacobians: bool) {
-        let tolerance = self.parameters.distance_tolerance;
+        let (tolerance, reach) = (self.parameters.distance_tolerance, self.parameters.reach());
         for (index, plane) in self.planes.iter().enumerate() {
             let law = motion.friction(plane.friction, self.parameters.slip_tolerance);
             for surface in self.surface.nodes() {
                 let (node, radius) = (surface.node, surface.radius);
                 let distance = plane.distance(&motion.positions[node]);
                 let gap = distance - radius;
-                if gap >= reach(tolerance) {
+                if gap >= reach {
                     continue;
                 }
-                let response = normal_response(gap, radius, tolerance, self.stiffness);
+                let response =
+                    NormalLaw::new(&self.parameters, radius, self.stiffness).response(gap);
                 let sliding = law.map(|law| NodeSliding {
                     law,
                     velocity: motion.velocity(node),
@@ -336,6 +371,15 @@ impl ImplicitContact {
     /// Active edge–edge contacts of the last evaluation, in the order of the candidates.
     pub fn contacts(&self) -> &[ActiveContact] {
         &self.contacts
+    }
+
+    /// Largest normal force between edges in the last accepted step, N; zero without contacts.
+    pub fn largest_normal_force(&self) -> f64 {
+        self.multipliers
+            .settled()
+            .iter()
+            .copied()
+            .fold(0.0, f64::max)
     }
 
     /// Force Jacobians, one per element of [`Self::contacts`]; symmetric without friction.
@@ -390,7 +434,10 @@ impl ImplicitContact {
         let Some(force) = self.largest_force_near_contact(positions, forces) else {
             return false;
         };
-        let (before, factor) = (self.stiffness, self.parameters.stiffness_factor);
+        let before = self.stiffness;
+        let factor = self
+            .parameters
+            .stiffness_per_force(self.surface.largest_moving_radius());
         self.stiffness = adapted_stiffness(before, force, factor, self.least_stiffness);
         self.stiffness != before
     }

@@ -1,4 +1,5 @@
-//! Contact between rods and with planes: broad phase, distances, the implicit contact model, friction.
+//! Contact between rods and with planes: broad phase, distances, the implicit contact model, incremental
+//! potential contact, friction.
 //!
 //! [`ImplicitContact`] is the door to this room; the other files follow the chain from geometry to force:
 //!
@@ -7,7 +8,10 @@
 //! | `surface` | edges as capsules, planes, which pairs are neighbours |
 //! | `broad_phase`, `candidates` | pairs of edges that may touch, kept over many steps |
 //! | `closest_points`, `distance` | centreline distance Δ of two edges and its derivatives (thesis Eqs. 2.3–2.6) |
-//! | `potential` | the contact energy of a gap (Eqs. 2.15, 2.16) |
+//! | `parameters` | the contact model and its numbers |
+//! | `normal_law`, `potential`, `barrier` | contact energy of a gap: Eqs. 2.15, 2.16 or the barrier of Eq. 2.1 |
+//! | `continuous_collision`, `step_bound` | how far a step may go without crossing the barrier |
+//! | `constraints`, `coulomb_problem` | contacts as constraints, and their forces by complementarity (thesis 3.3) |
 //! | `friction` | Coulomb friction, smoothed near zero slip (Eqs. 2.7–2.14) |
 //! | `edge_contact`, `plane_contact` | force and Jacobian of one contact |
 //! | `multipliers` | normal forces that Newton's method carries along |
@@ -16,20 +20,26 @@
 //! | `proximity` | least distance, penetration, overlaps of a new scene |
 //! | `memory` | what a restart needs |
 
+mod barrier;
 mod broad_phase;
 mod candidates;
 mod closest_points;
+mod constraints;
 mod contacts;
+mod continuous_collision;
+mod coulomb_problem;
 mod distance;
 mod edge_contact;
 mod friction;
 mod implicit_contact;
 mod memory;
 mod multipliers;
+mod normal_law;
 mod parameters;
 mod plane_contact;
 mod potential;
 mod proximity;
+mod step_bound;
 mod stiffness;
 mod surface;
 #[cfg(test)]
@@ -37,9 +47,12 @@ mod test_support;
 #[cfg(test)]
 mod tests;
 
+pub use constraints::ContactConstraint;
 pub use contacts::{ActiveContact, CandidatePair, EdgeJacobian, PlaneContact, PlaneJacobian};
+pub(crate) use coulomb_problem::CoulombProblem;
 pub use implicit_contact::ImplicitContact;
 pub use memory::{ContactMemory, MismatchedMemory};
-pub use parameters::ContactParameters;
+pub use parameters::{ContactModel, ContactParameters};
 pub use proximity::{ContactPair, Proximity};
+pub use step_bound::LargestStep;
 pub use surface::{ContactEdge, ContactPlane, ContactSurface};

@@ -23,7 +23,7 @@
 //! present gap.
 
 use super::contacts::{ActiveContact, CandidatePair};
-use super::potential::NormalResponse;
+use super::normal_law::NormalResponse;
 
 /// Part of a multiplier that one iteration may take away.
 ///

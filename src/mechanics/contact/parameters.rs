@@ -1,24 +1,77 @@
 //! Parameters of the contact model.
 
-/// Parameters of the implicit contact model (thesis 2.2–2.3).
+use super::{barrier, potential};
+
+/// Contact models, all with Coulomb friction (thesis Eqs. 2.7–2.14).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ContactModel {
+    /// The implicit contact model (thesis 2.2–2.3): a smooth penalty, which a large force may overcome.
+    ImplicitContact,
+    /// Incremental potential contact (Li et al. 2020): a barrier that is infinite at contact, and steps that
+    /// never cross it.
+    IncrementalPotential,
+    /// Rigid contact by Signorini's and Coulomb's laws (thesis 3.3): no contact energy, and true sticking.
+    Complementarity,
+}
+
+/// Parameters of a contact model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactParameters {
-    /// Distance tolerance δ, m: force acts within δ of the surfaces (Eq. 2.2).
+    /// The model.
+    pub model: ContactModel,
+    /// Distance tolerance δ, m: force acts within δ of the surfaces (Eqs. 2.1, 2.2).
     /// Smaller is more exact and stiffer; the thesis uses 1e-5 m for a radius of 1 mm.
     pub distance_tolerance: f64,
     /// Friction coefficient μ.
     pub friction: f64,
     /// Slip tolerance ν, m/s: slower sliding counts as sticking (Eq. 2.10).
     pub slip_tolerance: f64,
-    /// Factor s of the adaptive contact stiffness k = s max‖F‖ (Eq. 2.19).
+    /// Factor s of the adaptive contact stiffness. The implicit contact model has k = s max‖F‖ (Eq. 2.19),
+    /// the default; the barrier bears the force s max‖F‖ at a gap of δ/2, and there 1 suits.
     pub stiffness_factor: f64,
-    /// Penetration that ends the run, as a fraction of the sum of the two radii.
+    /// Penetration that ends the run, as a fraction of the sum of the two radii; without effect on
+    /// incremental potential contact, which allows none.
     pub maximum_penetration: f64,
+}
+
+impl ContactParameters {
+    /// Contact stiffness k per force near contact (J/N), for surfaces of radius `radius` (m).
+    pub fn stiffness_per_force(&self, radius: f64) -> f64 {
+        let factor = self.stiffness_factor;
+        match self.model {
+            ContactModel::ImplicitContact => factor,
+            ContactModel::IncrementalPotential => {
+                factor * barrier::stiffness_per_force(radius, self.distance_tolerance)
+            }
+            ContactModel::Complementarity => 0.0,
+        }
+    }
+
+    /// Largest surface gap at which there is a force, m.
+    pub(super) fn reach(&self) -> f64 {
+        match self.model {
+            ContactModel::ImplicitContact => potential::reach(self.distance_tolerance),
+            ContactModel::IncrementalPotential | ContactModel::Complementarity => {
+                self.distance_tolerance
+            }
+        }
+    }
+
+    /// Whether the model keeps surfaces from ever touching.
+    pub fn is_barrier(&self) -> bool {
+        self.model == ContactModel::IncrementalPotential
+    }
+
+    /// Whether contact forces are no functions of the gap, but found together for a whole step.
+    pub fn is_complementarity(&self) -> bool {
+        self.model == ContactModel::Complementarity
+    }
 }
 
 impl Default for ContactParameters {
     fn default() -> Self {
         Self {
+            model: ContactModel::ImplicitContact,
             distance_tolerance: 1e-5,
             friction: 0.0,
             slip_tolerance: 1e-4,

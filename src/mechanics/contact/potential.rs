@@ -13,6 +13,8 @@
 //! of the force at the lower joint, and by the jump to zero, 2e-13 of the energy at touch, at the upper one. The
 //! potential ends at [`REACH`], where the force has fallen below rounding error.
 
+use super::normal_law::NormalResponse;
+
 /// Distance between the surfaces, in units of δ, beyond which there is no force.
 ///
 /// The force falls like exp(−30 gap/δ): at δ, where Eq. 2.15 cuts it off, it is 1e-8 of what the adaptive
@@ -25,17 +27,6 @@ const SLOPE: f64 = 15.0;
 
 /// Iterations that find the gap of a force.
 const GAP_ITERATIONS: usize = 5;
-
-/// Energy of a gap and its derivatives.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct NormalResponse {
-    /// Energy E, J.
-    pub energy: f64,
-    /// Normal force N = −dE/dΔ, N, never negative.
-    pub force: f64,
-    /// dN/dΔ, N/m, never positive.
-    pub force_slope: f64,
-}
 
 /// The potential at a surface gap Δ − 2h̄ (m) between bodies of mean radius h̄ = `scale` (m), for the
 /// contact stiffness k = `stiffness` (J) and the distance tolerance δ = `tolerance` (m).

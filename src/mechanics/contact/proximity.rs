@@ -75,10 +75,17 @@ impl ImplicitContact {
             .min_by(|a, b| a.ratio().total_cmp(&b.ratio()))
     }
 
-    /// All pairs whose surfaces overlap at `positions`, sorted; a scene must not start so.
+    /// All pairs whose surfaces overlap at `positions`, or with incremental potential contact touch, sorted; a
+    /// scene must not start so.
     pub fn initial_overlaps(&self, positions: &[Vector3]) -> Vec<Proximity> {
+        let is_barrier = self.parameters().is_barrier();
+        let clearance = if is_barrier {
+            self.parameters().reach()
+        } else {
+            0.0
+        };
         let mut found = Vec::new();
-        BroadPhase::default().find(self.surface(), positions, 0.0, &mut found);
+        BroadPhase::default().find(self.surface(), positions, clearance, &mut found);
         let edges = found.iter().map(|(pair, distance)| Proximity {
             pair: ContactPair::Edges(pair.edges),
             distance: *distance,
@@ -96,7 +103,13 @@ impl ImplicitContact {
         });
         edges
             .chain(planes)
-            .filter(|proximity| proximity.penetration() > TOUCHING)
+            .filter(|proximity| {
+                if is_barrier {
+                    proximity.distance <= proximity.threshold
+                } else {
+                    proximity.penetration() > TOUCHING
+                }
+            })
             .collect()
     }
 }

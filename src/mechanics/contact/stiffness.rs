@@ -1,7 +1,8 @@
 //! The adaptive contact stiffness (thesis Eqs. 2.18, 2.19).
 //!
 //! k = s max‖F‖ over the nodes in contact, where F is the total force on a node without contact and
-//! friction: at this stiffness a contact that must bear F does so within δ of touching.
+//! friction: at this stiffness a contact that must bear F does so within δ of touching. The barrier of
+//! incremental potential contact follows the same rule with the factor that makes it bear F at δ/2.
 //!
 //! The forces change from step to step, and the stiffness should not follow every flicker: the contact
 //! force grows exponentially with the gap, so that a stiffness that is off by a factor of two moves the gap
@@ -12,8 +13,8 @@
 /// Factor of change that is not followed.
 const BAND: f64 = 2.0;
 
-/// The stiffness after `present`, given the largest force `force` (N), the factor s = `factor` and the
-/// least stiffness allowed.
+/// The stiffness after `present`, given the largest force `force` (N), the factor s = `factor`
+/// (J/N) and the least stiffness allowed.
 pub(super) fn adapted_stiffness(present: f64, force: f64, factor: f64, least: f64) -> f64 {
     let target = (factor * force).max(least);
     if target > BAND * present {

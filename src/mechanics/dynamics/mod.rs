@@ -15,4 +15,8 @@ pub use report::{Energies, SimulationError, SimulationState, StepReport};
 pub use simulation::Simulation;
 
 #[cfg(test)]
+mod barrier_tests;
+#[cfg(test)]
+mod complementarity_tests;
+#[cfg(test)]
 mod tests;

@@ -77,24 +77,29 @@ impl Newton {
             }
             self.start.copy_from_slice(unknowns);
             let before = Progress::of(system, &self.direction);
-            let expected = system.squared_linear_residual();
+            let expected = system
+                .uses_multipliers()
+                .then(|| system.squared_linear_residual());
             self.move_by(1.0, unknowns);
-            last_move = largest_move(&self.direction);
+            let longest = system.largest_step(&self.start, unknowns);
+            if longest < 1.0 {
+                self.move_by(longest, unknowns);
+            }
+            last_move = longest * largest_move(&self.direction);
             // The residual alone costs a quarter of the Jacobian, which the solution no longer needs.
             system.evaluate(unknowns, Some(stage));
-            let after = Progress::of(system, &self.direction);
             if system.worst_residual().0 <= stopping.force && last_move <= stopping.displacement {
                 continue;
             }
+            let after = Progress::of(system, &self.direction);
             system.linearize(unknowns, Some(stage));
             let accepted = after.suffices(&before)
-                || system.uses_multipliers()
-                    && iteration < MULTIPLIER_ITERATIONS
-                    && system.squared_multiplier_residual() <= expected;
+                || iteration < MULTIPLIER_ITERATIONS
+                    && expected.is_some_and(|e| system.squared_multiplier_residual() <= e);
             if !accepted {
                 system.abandon_multipliers();
-                let length = self.line_search(system, stage, unknowns, &before, &after);
-                last_move *= length;
+                let length = self.line_search(system, stage, unknowns, &before, &after, longest);
+                last_move = length * largest_move(&self.direction);
                 system.linearize(unknowns, Some(stage));
             }
         }
@@ -109,7 +114,8 @@ impl Newton {
     }
 
     /// Approaches a root of d·R along the direction d by regula falsi (Matthies and Strang 1979), after the
-    /// whole step has neither lowered the residual nor the force along it; leaves the unknowns there.
+    /// whole step, or the `longest` allowed, has neither lowered the residual nor the force along it; leaves the
+    /// unknowns there.
     fn line_search(
         &mut self,
         system: &mut System,
@@ -117,9 +123,10 @@ impl Newton {
         unknowns: &mut [f64],
         before: &Progress,
         full: &Progress,
+        longest: f64,
     ) -> f64 {
         let (mut low, mut high) = ((0.0, before.slope), None);
-        let (mut length, mut now) = (1.0, full.slope);
+        let (mut length, mut now) = (longest, full.slope);
         for _ in 0..LINE_SEARCH_STEPS {
             if !now.is_finite() || now * before.slope < 0.0 {
                 high = Some((length, now));

@@ -8,7 +8,7 @@ pub struct IntegrationParameters {
     /// Size of the time step.
     pub step: StepSize,
     /// Newton stops when the residual of every degree of freedom is below this multiple of the force
-    /// scale (EI/L² of the stiffest rod, or the largest load where that is larger).
+    /// scale: the largest of EI/L² of the stiffest rod, the nodal loads and the contact forces.
     /// Smaller costs an iteration or two; larger lets errors of that size into the momentum balance.
     pub force_tolerance: f64,
     /// ... and when the last correction moved no node by more than this multiple of the rod radius.

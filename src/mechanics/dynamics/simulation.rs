@@ -16,6 +16,15 @@ const STIFFENING: f64 = 10.0;
 /// Such growths before the step is halved instead.
 const STIFFENINGS: usize = 3;
 
+/// What rigid contact is for: the midpoint rule would extrapolate through it, and statics has no free motion that
+/// contact could prevent.
+const ONLY_EULER: &str = "contact by complementarity needs time steps of implicit Euler";
+/// Times that contact forces and the rods under them are found in turn before the step counts as failed.
+const CONTACT_PASSES: usize = 30;
+
+/// Part of the free way that a shortened predictor goes: less than all, so that it is free in spite of rounding.
+const PREDICTED_PART: f64 = 0.9;
+
 /// A scene in motion.
 pub struct Simulation {
     pub(super) system: System,
@@ -47,14 +56,22 @@ struct Attempt {
 
 enum Failure {
     Newton(Divergence),
-    Penetration { iterations: usize, what: String },
+    Penetration {
+        iterations: usize,
+        what: String,
+    },
+    /// Where the motion leads, or must lead, surfaces would cross.
+    Crossing {
+        iterations: usize,
+        what: &'static str,
+    },
 }
 
 impl Failure {
     fn iterations(&self) -> usize {
         match self {
             Self::Newton(divergence) => divergence.iterations,
-            Self::Penetration { iterations, .. } => *iterations,
+            Self::Penetration { iterations, .. } | Self::Crossing { iterations, .. } => *iterations,
         }
     }
 }
@@ -66,6 +83,9 @@ impl Simulation {
     /// [`SimulationError::BadScene`] names what is impossible.
     pub fn new(scene: &Scene, parameters: &IntegrationParameters) -> Result<Self, SimulationError> {
         let system = System::new(scene).map_err(SimulationError::BadScene)?;
+        if system.has_constraints() && parameters.scheme != Scheme::ImplicitEuler {
+            return Err(SimulationError::BadScene(ONLY_EULER.into()));
+        }
         let assembly = &system.assembly;
         let (unknowns, velocity) = (assembly.unknowns.clone(), assembly.velocity.clone());
         let nodes = assembly.rods.nodes;
@@ -132,6 +152,16 @@ impl Simulation {
         Ok(simulation)
     }
 
+    /// Sets forces of another solver, which act beside the loads of the scene from the next step on: for
+    /// coupling step by step. `forces` act on the nodes, N; `moments` about the tangent of the edge that
+    /// starts at each node, N m. They are no part of the state that checkpoints hold.
+    pub fn set_external_forces(&mut self, forces: &[Vector3], moments: &[f64]) {
+        let entries = self.system.external_forces.chunks_exact_mut(STRIDE);
+        for (entry, (force, moment)) in entries.zip(forces.iter().zip(moments)) {
+            entry.copy_from_slice(&[force.x, force.y, force.z, *moment]);
+        }
+    }
+
     /// Takes one step that ends no later than `until` (hit exactly when it is within the step).
     ///
     /// # Errors
@@ -184,8 +214,12 @@ impl Simulation {
     /// Finds the equilibrium at the present time: Newton's method without inertia.
     ///
     /// # Errors
-    /// [`SimulationError::NoConvergence`].
+    /// [`SimulationError::NoConvergence`], and [`SimulationError::BadScene`] with rigid contact, which gives
+    /// forces to time steps only.
     pub fn find_equilibrium(&mut self) -> Result<StepReport, SimulationError> {
+        if self.system.has_constraints() {
+            return Err(SimulationError::BadScene(ONLY_EULER.into()));
+        }
         let force = self
             .system
             .force_tolerance(self.parameters.force_tolerance, &self.unknowns);
@@ -236,6 +270,7 @@ impl Simulation {
         self.stage.positions.copy_from_slice(&self.positions);
         self.predict(stage_step);
         self.system.drive(stage_time, &mut self.trial);
+        self.shorten_predictor()?;
         self.system
             .adapt_contact_stiffness(&self.trial, &self.stage);
         let stopping = Stopping {
@@ -245,17 +280,29 @@ impl Simulation {
             displacement: self.parameters.displacement_tolerance * self.radius,
             iterations: self.parameters.maximum_iterations,
         };
-        let mut iterations = 0;
+        let (mut iterations, mut passes) = (0, 0);
         loop {
+            let mut settled = true;
+            if self.system.has_constraints() {
+                passes += 1;
+                iterations += 1;
+                settled = self.find_contact_forces(stopping.displacement, iterations)?;
+                if !settled && passes == CONTACT_PASSES {
+                    return Err(self.no_contact_forces(iterations));
+                }
+            }
             iterations += self
                 .newton
                 .solve(&mut self.system, &self.stage, &mut self.trial, &stopping)
                 .map_err(Failure::Newton)?;
             // A contact may be missing where rods have moved far; then go on with new candidates.
-            if self.system.candidates_are_complete(&self.trial) {
+            let complete = self.system.candidates_are_complete(&self.trial);
+            if complete && settled {
                 break;
             }
-            self.system.update_candidates(&self.trial);
+            if !complete {
+                self.system.update_candidates(&self.trial);
+            }
         }
         if let Some(contact) = &self.system.contact
             && let Some(overlap) = contact.excessive_penetration()
@@ -269,6 +316,10 @@ impl Simulation {
             }
             self.system.drive(goal, &mut self.trial);
             self.system.update_geometry(&self.trial);
+            if self.system.largest_step(&self.unknowns, &self.trial) < 1.0 {
+                let what = "the extrapolation of the midpoint rule leads through a contact";
+                return Err(Failure::Crossing { iterations, what });
+            }
         }
         Ok(Attempt {
             iterations,
@@ -291,6 +342,47 @@ impl Simulation {
             let change = self.velocity[k] - self.earlier_velocity[k];
             self.trial[k] = self.unknowns[k] + stage_step * (self.velocity[k] + growth * change);
         }
+    }
+
+    /// Finds the contact forces of complementarity at the trial; whether they move no node farther than
+    /// `tolerance`, m.
+    fn find_contact_forces(&mut self, tolerance: f64, iterations: usize) -> Result<bool, Failure> {
+        match self.system.find_contact_forces(&self.trial, &self.stage) {
+            Ok(correction) => Ok(correction <= tolerance),
+            Err(_) => Err(self.no_contact_forces(iterations)),
+        }
+    }
+
+    fn no_contact_forces(&self, iterations: usize) -> Failure {
+        let (_, unknown) = self.system.worst_residual();
+        Failure::Newton(Divergence {
+            iterations,
+            residual: f64::NAN,
+            unknown,
+        })
+    }
+
+    /// Shortens the predictor where it crosses a contact that must not be crossed, to rest if need be. Held
+    /// unknowns stay as prescribed.
+    fn shorten_predictor(&mut self) -> Result<(), Failure> {
+        let free = self.system.largest_step(&self.unknowns, &self.trial);
+        if free >= 1.0 {
+            return Ok(());
+        }
+        for part in [PREDICTED_PART * free, 0.0] {
+            for k in 0..self.trial.len() {
+                if !self.system.assembly.held[k] {
+                    self.trial[k] = self.unknowns[k] + part * (self.trial[k] - self.unknowns[k]);
+                }
+            }
+            if self.system.largest_step(&self.unknowns, &self.trial) >= 1.0 {
+                return Ok(());
+            }
+        }
+        Err(Failure::Crossing {
+            iterations: 0,
+            what: "the prescribed motion of a clamp leads through a contact",
+        })
     }
 
     /// Writes the velocity at the end of a step and returns the local error of the positions, m:
@@ -387,6 +479,9 @@ impl Simulation {
         let error = match failure {
             Failure::Newton(divergence) => self.no_convergence(step, &divergence),
             Failure::Penetration { what, .. } => {
+                SimulationError::Unphysical(format!("at t = {:.6e} s {what}", self.time))
+            }
+            Failure::Crossing { what, .. } => {
                 SimulationError::Unphysical(format!("at t = {:.6e} s {what}", self.time))
             }
         };

@@ -134,6 +134,71 @@ fn a_restored_simulation_continues_bit_for_bit() {
 }
 
 #[test]
+fn a_clamp_that_holds_a_whole_edge_turns_its_frame() {
+    // Held from the middle of the first edge to the last node: the energy is ½ GJ φ²/(L − l/2), whatever
+    // the other node of the edge is.
+    let (edges, turned) = (10, 4.0);
+    for [head, neighbour, tail] in [[0, 1, edges], [edges, edges - 1, 0]] {
+        let motion = Motion {
+            angle: vec![(0.0, 0.0), (1.0, turned)],
+            ..Motion::default()
+        };
+        let scene = Scene {
+            rods: vec![straight_rod(edges, 1.0)],
+            clamps: vec![
+                Clamp {
+                    motion,
+                    ..clamp(head)
+                },
+                Clamp {
+                    holds_frame: false,
+                    ..clamp(neighbour)
+                },
+                clamp(tail),
+            ],
+            ..Scene::default()
+        };
+        let parameters = IntegrationParameters {
+            step: StepSize::Fixed(0.1),
+            ..IntegrationParameters::default()
+        };
+        let mut simulation = Simulation::new(&scene, &parameters).unwrap();
+        while simulation.time() < 1.0 {
+            simulation.advance(1.0).unwrap();
+        }
+        simulation.find_equilibrium().unwrap();
+        let twisting = scene.rods[0].stiffness.twisting;
+        let expected = 0.5 * twisting * turned * turned / (1.0 - 0.5 / edges as f64);
+        let got = simulation.energies().twisting;
+        assert!((got / expected - 1.0).abs() < 1e-12, "{got} {expected}");
+    }
+}
+
+#[test]
+fn external_forces_act_like_loads() {
+    let heavy = heavy_cantilever(10);
+    let light = Scene {
+        loads: Vec::new(),
+        ..heavy.clone()
+    };
+    let parameters = IntegrationParameters::default();
+    let mut loaded = Simulation::new(&heavy, &parameters).unwrap();
+    let mut pushed = Simulation::new(&light, &parameters).unwrap();
+    let weight = heavy.rods[0].mass_per_length * 0.1 * -9.81;
+    let mut forces = vec![Vector3::new(0.0, 0.0, weight); 11];
+    forces[0] *= 0.5;
+    forces[10] *= 0.5;
+    pushed.set_external_forces(&forces, &[0.0; 11]);
+    for _ in 0..20 {
+        loaded.advance(1.0).unwrap();
+        pushed.advance(1.0).unwrap();
+    }
+    let tip = loaded.positions()[10];
+    assert!(tip.z < -1e-3);
+    assert!((pushed.positions()[10] - tip).norm() < 1e-9);
+}
+
+#[test]
 fn a_clamp_that_cannot_be_is_named() {
     let mut scene = heavy_cantilever(5);
     scene.clamps[0].node = 9;

@@ -1,6 +1,6 @@
 //! Gaussian elimination for the small dense systems of the preconditioner.
 
-use super::instruction_set::kernel;
+use crate::linalg::instruction_set::kernel;
 
 kernel! {
     /// Solves M X = B by Gaussian elimination with partial pivoting.
@@ -53,8 +53,8 @@ kernel! {
 
 #[cfg(test)]
 mod tests {
-    use super::super::instruction_set::InstructionSet;
     use super::*;
+    use crate::linalg::instruction_set::InstructionSet;
 
     /// An unsymmetric matrix whose leading entries vanish, so that pivoting matters.
     fn entry(i: usize, j: usize) -> f64 {

@@ -1,8 +1,8 @@
 //! The generalised minimal residual method with right preconditioning (Saad 2003, Alg. 9.5).
 
 use super::flow::Flow;
-use super::instruction_set::{LANES, Lanes};
 use super::preconditioner::Preconditioner;
+use crate::linalg::instruction_set::{LANES, Lanes};
 
 /// Directions kept before a restart. A solve takes 1 to 20 iterations; a restart is a sign of trouble.
 const RESTART: usize = 40;

@@ -1,7 +1,7 @@
 //! The segment kernel and the matrix–vector product over eight nodes at a time.
 
-use super::instruction_set::{LANES, Lanes, kernel};
 use super::segment::{Offset, Segment, Symmetric, combine};
+use crate::linalg::instruction_set::{LANES, Lanes, kernel};
 
 /// Chunks of eight lanes that go through one stage of the segment kernel before the next stage begins.
 /// A whole pair is one dependent chain of some 150 cycles; stages keep several of them in flight. Without

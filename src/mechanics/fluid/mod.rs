@@ -6,7 +6,7 @@
 //! |---|---|
 //! | `segment` | the flow of one segment in closed form (thesis Eq. 2.20–2.26, re-derived) |
 //! | `quadrature` | the same by adaptive quadrature, as a check |
-//! | `logarithm`, `lanes`, `instruction_set` | the same for eight segments at a time |
+//! | `logarithm`, `lanes` | the same for eight segments at a time |
 //! | `operator` | the collocation matrix A of all nodes, stored; products |
 //! | `chain`, `patch` | parts of A: the blocks of some nodes with others |
 //! | `hierarchy` | products with A by clusters of nodes, at a cost like N log N |
@@ -47,7 +47,6 @@ mod flow;
 mod gmres;
 mod hierarchy;
 mod initial_guess;
-mod instruction_set;
 mod lanes;
 mod logarithm;
 mod model;

@@ -1,11 +1,11 @@
 //! The collocation matrix of all filaments: velocities of nodes from force densities at nodes.
 
 use super::Filament;
-use super::instruction_set::{InstructionSet, LANES};
 use super::lanes::{
     BlockLanes, SegmentLanes, VectorLanes, assemble_row, multiply_row, multiply_row_by_three,
 };
 use super::segment::{Segment, full};
+use crate::linalg::instruction_set::{InstructionSet, LANES};
 use crate::mechanics::{Matrix3, Vector3};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -312,7 +312,6 @@ mod tests {
         let (filaments, positions) = scene();
         let densities: Vec<f64> = (0..108).map(|i| (i as f64).sin()).collect();
         let results: Vec<Vec<f64>> = InstructionSet::available()
-            .into_iter()
             .map(|set| {
                 let mut operator = FlowOperator::with_instruction_set(&filaments, 1.02, set);
                 operator.assemble(&positions);

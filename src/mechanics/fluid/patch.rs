@@ -1,11 +1,11 @@
 //! A part of the collocation matrix: the rows of some nodes and the columns of others, stored.
 
 use super::chain::{Link, Slot, lay_out};
-use super::instruction_set::{InstructionSet, LANES};
 use super::lanes::{
     BlockLanes, SegmentLanes, VectorLanes, assemble_row, multiply_row, multiply_row_by_three,
 };
 use super::segment::{Segment, full};
+use crate::linalg::instruction_set::{InstructionSet, LANES};
 use crate::mechanics::{Matrix3, Vector3};
 
 /// Exact blocks A_ij of some nodes i with some nodes j, 48 bytes each and a few more for the neighbours

@@ -3,9 +3,9 @@
 use super::FluidError;
 use super::chain::Link;
 use super::elimination::eliminate;
-use super::instruction_set::{InstructionSet, LANES, Lanes, kernel};
 use super::operator::PARALLEL_FROM;
 use super::patch::Patch;
+use crate::linalg::instruction_set::{InstructionSet, LANES, Lanes, kernel};
 use crate::mechanics::Vector3;
 use rayon::prelude::*;
 

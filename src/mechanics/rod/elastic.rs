@@ -1,12 +1,15 @@
 //! The elastic energy of all rods: E = E_s + E_b + E_t (thesis Eq. 1.6), its gradient and Hessian.
 
-use super::ReferenceFrames;
-use super::edge::{stretching_energy, stretching_gradient, stretching_hessian};
+use super::edge::stretching_energy;
+use super::edge_lanes::{self, EdgeLanes, SymmetricLanes};
+use super::frame_lanes::{VectorLanes, every_lane, vector};
 use super::geometry::RodGeometry;
 use super::topology::{RodRange, STRIDE, add_to_node};
-use super::vertex::{self, VertexDerivatives, VertexStiffness, VertexStrains, curvature_binormal};
+use super::vertex::{VertexStiffness, VertexStrains};
+use super::vertex_lanes::{self, GradientLanes, HessianLanes, VERTEX_UNKNOWNS, VertexLanes};
+use crate::linalg::instruction_set::LANES;
 use crate::linalg::{BandedSymmetric, Element};
-use crate::mechanics::{Matrix3, Vector3};
+use crate::mechanics::Vector3;
 
 /// An edge of prescribed direction and frame at a clamped node.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -112,112 +115,101 @@ impl ElasticRods {
                 edge.natural_length,
             );
         }
-        for (vertex, strains) in self.vertices.iter().zip(&geometry.strains) {
-            let (bending, twisting) = vertex::energies(strains, &vertex.natural, &vertex.stiffness);
-            energy.bending += bending;
-            energy.twisting += twisting;
+        for (vertices, lanes) in self.vertex_batches(geometry) {
+            for lane in 0..vertices.len() {
+                let (bending, twisting) = lanes.energies(lane);
+                energy.bending += bending;
+                energy.twisting += twisting;
+            }
         }
         energy
     }
 
     /// Adds the gradient to `gradient` (4 entries per node).
     pub fn add_gradient(&self, geometry: &RodGeometry, gradient: &mut [f64]) {
-        for edge in &self.edges {
-            let frame = &geometry.edges[edge.start];
-            let force = stretching_gradient(
-                edge.stretching,
-                &frame.tangent,
-                frame.length,
-                edge.natural_length,
-            );
-            add_to_node(gradient, edge.end, &force);
-            add_to_node(gradient, edge.start, &-force);
+        let mut local = [[0.0; LANES]; VERTEX_UNKNOWNS];
+        for (vertices, lanes) in self.vertex_batches(geometry) {
+            vertex_lanes::gradients(geometry.set, lanes, &mut local);
+            for (lane, vertex) in vertices.iter().enumerate() {
+                self.scatter_gradient(vertex, &local, lane, gradient);
+            }
         }
-        for (vertex, strains) in self.vertices.iter().zip(&geometry.strains) {
-            let (before, after) = (
-                &geometry.edges[vertex.before],
-                &geometry.edges[vertex.after],
-            );
-            let mut local =
-                vertex::gradient(before, after, strains, &vertex.natural, &vertex.stiffness);
-            local[self.ghost_of(vertex)].fill(0.0);
-            self.scatter_gradient(vertex, &local, gradient);
+        let mut force = every_lane(Vector3::zeros());
+        for (edges, lanes) in self.edge_batches(geometry) {
+            edge_lanes::forces(geometry.set, lanes, &mut force);
+            scatter_forces(edges, &force, gradient);
         }
     }
 
     /// Adds the gradient to `gradient` and the Hessian to `band` and `elements` (one 12×12 matrix for each
-    /// of [`Self::elements`], lower triangle mirrored).
+    /// of [`Self::elements`]). `spin_moment`, one entry per edge, ghosts included, is scratch.
     pub fn add_derivatives(
         &self,
         geometry: &RodGeometry,
-        reference: &ReferenceFrames,
         gradient: &mut [f64],
         band: &mut BandedSymmetric,
         elements: &mut [[[f64; 12]; 12]],
         spin_moment: &mut [f64],
     ) {
         spin_moment.fill(0.0);
-        for vertex in self.vertices.iter().zip(&geometry.strains) {
-            let (vertex, strains) = vertex;
-            let (before, after) = (
-                &geometry.edges[vertex.before],
-                &geometry.edges[vertex.after],
-            );
-            let mut local =
-                vertex::derivatives(before, after, strains, &vertex.natural, &vertex.stiffness);
-            self.ghost_of(vertex).for_each(|entry| local.forget(entry));
-            self.scatter_gradient(vertex, &local.gradient, gradient);
-            spin_moment[vertex.before] += local.gradient[3];
-            spin_moment[vertex.after] += local.gradient[7];
-            scatter_hessian(vertex, &local, band, elements);
+        let mut local = [[0.0; LANES]; VERTEX_UNKNOWNS];
+        let mut hessians = [[[0.0; LANES]; VERTEX_UNKNOWNS]; VERTEX_UNKNOWNS];
+        for (vertices, lanes) in self.vertex_batches(geometry) {
+            vertex_lanes::derivatives(geometry.set, lanes, &mut local, &mut hessians);
+            for (lane, vertex) in vertices.iter().enumerate() {
+                self.scatter_gradient(vertex, &local, lane, gradient);
+                spin_moment[vertex.before] += local[3][lane];
+                spin_moment[vertex.after] += local[7][lane];
+                scatter_hessian(vertex, &hessians, lane, band, elements);
+            }
         }
-        for edge in &self.edges {
-            let frame = &geometry.edges[edge.start];
-            let force = stretching_gradient(
-                edge.stretching,
-                &frame.tangent,
-                frame.length,
-                edge.natural_length,
-            );
-            add_to_node(gradient, edge.end, &force);
-            add_to_node(gradient, edge.start, &-force);
-            let hessian = stretching_hessian(
-                edge.stretching,
-                &frame.tangent,
-                frame.length,
-                edge.natural_length,
-            ) + holonomy_hessian(
-                &reference.tangent[edge.start],
-                frame,
-                spin_moment[edge.start],
-            );
-            self.scatter_edge_hessian(edge, &hessian, band, elements);
+        let (mut force, mut hessian) = (every_lane(Vector3::zeros()), [[0.0; LANES]; 6]);
+        for (edges, lanes) in self.edge_batches(geometry) {
+            let mut moments = [0.0; LANES];
+            for (moment, edge) in moments.iter_mut().zip(edges) {
+                *moment = spin_moment[edge.start];
+            }
+            edge_lanes::derivatives(geometry.set, lanes, &moments, &mut force, &mut hessian);
+            scatter_forces(edges, &force, gradient);
+            for (lane, edge) in edges.iter().enumerate() {
+                self.scatter_edge_hessian(edge, &hessian, lane, band, elements);
+            }
         }
     }
 
-    /// Places of the ghost edge of a vertex among (e⁰, φ⁰, e¹, φ¹); none where both edges are real.
-    fn ghost_of(&self, vertex: &Vertex) -> std::ops::Range<usize> {
-        if vertex.before >= self.nodes {
-            0..4
-        } else if vertex.after >= self.nodes {
-            4..8
-        } else {
-            0..0
-        }
+    /// Edges, as many at a time as there are lanes, and the lanes that hold them.
+    fn edge_batches<'a>(
+        &'a self,
+        geometry: &'a RodGeometry,
+    ) -> impl Iterator<Item = (&'a [Edge], &'a EdgeLanes)> {
+        self.edges.chunks(LANES).zip(&geometry.edge_lanes)
     }
 
-    fn scatter_gradient(&self, vertex: &Vertex, local: &[f64; 8], gradient: &mut [f64]) {
-        let expanded = expand_gradient(local);
+    /// Vertices, as many at a time as there are lanes, and the lanes that hold them.
+    fn vertex_batches<'a>(
+        &'a self,
+        geometry: &'a RodGeometry,
+    ) -> impl Iterator<Item = (&'a [Vertex], &'a VertexLanes)> {
+        self.vertices.chunks(LANES).zip(&geometry.vertex_lanes)
+    }
+
+    fn scatter_gradient(
+        &self,
+        vertex: &Vertex,
+        local: &GradientLanes,
+        lane: usize,
+        gradient: &mut [f64],
+    ) {
         match vertex.unknowns {
             VertexUnknowns::Consecutive { first, from, to } => {
-                for k in from..to {
-                    gradient[first + k - from] += expanded[k];
+                for (entry, local) in gradient[first..].iter_mut().zip(&local[from..to]) {
+                    *entry += local[lane];
                 }
             }
             VertexUnknowns::Closing { element } => {
-                for (k, &unknown) in self.elements[element].iter().enumerate() {
+                for (&unknown, local) in self.elements[element].iter().zip(local) {
                     if unknown != usize::MAX {
-                        gradient[unknown] += expanded[k];
+                        gradient[unknown] += local[lane];
                     }
                 }
             }
@@ -228,19 +220,23 @@ impl ElasticRods {
     fn scatter_edge_hessian(
         &self,
         edge: &Edge,
-        hessian: &Matrix3,
+        hessian: &SymmetricLanes,
+        lane: usize,
         band: &mut BandedSymmetric,
         elements: &mut [[[f64; 12]; 12]],
     ) {
-        if edge.end > edge.start {
-            let (a, b) = (STRIDE * edge.start, STRIDE * edge.end);
-            for i in 0..3 {
-                for j in 0..=i {
-                    band.add(a + i, a + j, hessian[(i, j)]);
-                    band.add(b + i, b + j, hessian[(i, j)]);
+        let [xx, xy, xz, yy, yz, zz] = hessian.map(|component| component[lane]);
+        let rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+        if edge.end == edge.start + 1 {
+            let first = STRIDE * edge.start;
+            let columns = &mut band.columns_mut()[first..first + STRIDE + 3];
+            for j in 0..3 {
+                for i in j..3 {
+                    columns[j][i - j] += rows[i][j];
+                    columns[STRIDE + j][i - j] += rows[i][j];
                 }
-                for j in 0..3 {
-                    band.add(b + i, a + j, -hessian[(i, j)]);
+                for i in 0..3 {
+                    columns[j][STRIDE + i - j] -= rows[i][j];
                 }
             }
         } else {
@@ -251,109 +247,64 @@ impl ElasticRods {
             let matrix = &mut elements[closing.expect("every ring has a closing vertex")];
             for i in 0..3 {
                 for j in 0..3 {
-                    matrix[i][j] += hessian[(i, j)];
-                    matrix[4 + i][4 + j] += hessian[(i, j)];
-                    matrix[4 + i][j] -= hessian[(i, j)];
-                    matrix[i][4 + j] -= hessian[(i, j)];
+                    matrix[i][j] += rows[i][j];
+                    matrix[4 + i][4 + j] += rows[i][j];
+                    matrix[4 + i][j] -= rows[i][j];
+                    matrix[i][4 + j] -= rows[i][j];
                 }
             }
         }
     }
 }
 
-/// ∇c over the edge vector, 1/m²: [κb⊗(t̃ + t) − 2/χ s×]/2l², where κb, t̃ and χ are those of the source
-/// tangent s and the present tangent t; see [`super::vertex`].
-pub fn holonomy_jacobian(source: &Vector3, frame: &vertex::EdgeFrame) -> Matrix3 {
-    let tangent = &frame.tangent;
-    let inverse_chi = 1.0 / (1.0 + source.dot(tangent));
-    let binormal = curvature_binormal(source, tangent);
-    let sum = (source + tangent) * inverse_chi + tangent;
-    (binormal * sum.transpose() - source.cross_matrix() * (2.0 * inverse_chi))
-        * (0.5 / (frame.length * frame.length))
-}
-
-/// Symmetric part of (∂E/∂φ) ∇c of one edge; see [`super::vertex`].
-pub(super) fn holonomy_hessian(
-    source: &Vector3,
-    frame: &vertex::EdgeFrame,
-    moment: f64,
-) -> Matrix3 {
-    let jacobian = holonomy_jacobian(source, frame);
-    (jacobian + jacobian.transpose()) * (0.5 * moment)
-}
-
-/// Gradient over (x₋, θ⁰, x, θ¹, x₊) from that over (e⁰, φ⁰, e¹, φ¹).
-#[inline(always)]
-fn expand_gradient(local: &[f64; 8]) -> [f64; 11] {
-    let mut expanded = [0.0; 11];
-    for axis in 0..3 {
-        expanded[axis] = -local[axis];
-        expanded[4 + axis] = local[axis] - local[4 + axis];
-        expanded[8 + axis] = local[4 + axis];
+/// Adds the gradients over edge vectors to those over their nodes.
+fn scatter_forces(edges: &[Edge], forces: &VectorLanes, gradient: &mut [f64]) {
+    for (lane, edge) in edges.iter().enumerate() {
+        let force = vector(forces, lane);
+        add_to_node(gradient, edge.end, &force);
+        add_to_node(gradient, edge.start, &-force);
     }
-    expanded[3] = local[3];
-    expanded[7] = local[7];
-    expanded
 }
 
-/// Lower triangle over (x₋, θ⁰, x, θ¹, x₊) from that over (e⁰, φ⁰, e¹, φ¹).
-#[inline(always)]
-fn expand_hessian(h: &[[f64; 8]; 8]) -> [[f64; 11]; 11] {
-    let mut full = [[0.0; 11]; 11];
-    let symmetric = |i: usize, j: usize| if i >= j { h[i][j] } else { h[j][i] };
-    for i in 0..3 {
-        for j in 0..3 {
-            let (a, c) = (symmetric(i, j), symmetric(4 + i, 4 + j));
-            let (b, b_transposed) = (h[4 + i][j], h[4 + j][i]);
-            if j <= i {
-                full[i][j] = a;
-                full[4 + i][4 + j] = a - b - b_transposed + c;
-                full[8 + i][8 + j] = c;
-            }
-            full[4 + i][j] = b - a;
-            full[8 + i][j] = -b;
-            full[8 + i][4 + j] = b - c;
-        }
-        full[3][i] = -h[3][i];
-        full[4 + i][3] = h[3][i] - h[4 + i][3];
-        full[8 + i][3] = h[4 + i][3];
-        full[7][i] = -h[7][i];
-        full[7][4 + i] = h[7][i] - h[7][4 + i];
-        full[8 + i][7] = h[7][4 + i];
-    }
-    full[3][3] = h[3][3];
-    full[7][3] = h[7][3];
-    full[7][7] = h[7][7];
-    full
-}
-
-#[inline(always)]
+/// Adds the Hessian of a vertex to the band, or to both triangles of its element.
 fn scatter_hessian(
     vertex: &Vertex,
-    local: &VertexDerivatives,
+    hessians: &HessianLanes,
+    lane: usize,
     band: &mut BandedSymmetric,
     elements: &mut [[[f64; 12]; 12]],
 ) {
-    let full = expand_hessian(&local.hessian);
     match vertex.unknowns {
         VertexUnknowns::Consecutive { first, from, to } => {
-            for j in from..to {
-                let column = &mut band.columns_mut()[first + j - from];
-                for i in j..to {
-                    column[i - j] += full[i][j];
+            let columns = &mut band.columns_mut()[first..first + to - from];
+            if let Ok(columns) = <&mut [_; VERTEX_UNKNOWNS]>::try_from(&mut *columns) {
+                // The same loops as below, but of known lengths.
+                for j in 0..VERTEX_UNKNOWNS {
+                    for r in 0..VERTEX_UNKNOWNS - j {
+                        columns[j][r] += hessians[j][r][lane];
+                    }
+                }
+                return;
+            }
+            for (j, column) in (from..to).zip(columns) {
+                for r in 0..to - j {
+                    column[r] += hessians[j][r][lane];
                 }
             }
         }
         VertexUnknowns::Closing { element } => {
             let matrix = &mut elements[element];
-            for i in 0..11 {
-                for j in 0..=i {
-                    matrix[i][j] += full[i][j];
-                    if i != j {
-                        matrix[j][i] += full[i][j];
-                    }
+            for j in 0..VERTEX_UNKNOWNS {
+                matrix[j][j] += hessians[j][0][lane];
+                for i in j + 1..VERTEX_UNKNOWNS {
+                    matrix[i][j] += hessians[j][i - j][lane];
+                    matrix[j][i] += hessians[j][i - j][lane];
                 }
             }
         }
     }
 }
+
+#[cfg(test)]
+#[path = "elastic_tests.rs"]
+mod tests;

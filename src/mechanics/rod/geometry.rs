@@ -1,9 +1,13 @@
 //! Edges, frames and strains of all rods at one set of unknowns.
 
+use super::edge_lanes::EdgeLanes;
+use super::frame_lanes::{self, every_lane, vector};
 use super::topology::{STRIDE, position};
-use super::transport::{parallel_transport, signed_angle, unwrapped};
-use super::vertex::{EdgeFrame, VertexStrains, curvatures};
+use super::transport::unwrapped;
+use super::vertex::EdgeFrame;
+use super::vertex_lanes::VertexLanes;
 use super::{ElasticRods, GhostEdge};
+use crate::linalg::instruction_set::{InstructionSet, LANES};
 use crate::mechanics::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -24,10 +28,14 @@ pub struct ReferenceFrames {
 /// Geometry of all rods at one set of unknowns; its storage is reused.
 #[derive(Clone, Debug)]
 pub struct RodGeometry {
+    /// Instructions that kernels may use.
+    pub(super) set: InstructionSet,
     /// Framed edges, one per node, then the ghost edges.
     pub edges: Vec<EdgeFrame>,
-    /// Strains, one per vertex.
-    pub strains: Vec<VertexStrains>,
+    /// Vertices with their strains, in batches.
+    pub(super) vertex_lanes: Vec<VertexLanes>,
+    /// Real edges, in batches.
+    pub(super) edge_lanes: Vec<EdgeLanes>,
     /// Reference directors, one per node, then those of the ghost edges.
     reference_director: Vec<Vector3>,
     reference_twist: Vec<f64>,
@@ -45,8 +53,10 @@ impl RodGeometry {
         };
         let edges = rods.nodes + rods.ghosts;
         Self {
+            set: InstructionSet::best(),
             edges: vec![unused; edges],
-            strains: vec![VertexStrains::default(); rods.vertices.len()],
+            vertex_lanes: rods.vertices.chunks(LANES).map(VertexLanes::new).collect(),
+            edge_lanes: rods.edges.chunks(LANES).map(EdgeLanes::new).collect(),
             reference_director: vec![Vector3::zeros(); edges],
             reference_twist: vec![0.0; rods.vertices.len()],
         }
@@ -60,35 +70,46 @@ impl RodGeometry {
         reference: &ReferenceFrames,
         ghosts: &[GhostEdge],
     ) {
-        for edge in &rods.edges {
-            let (k, end) = (edge.start, edge.end);
-            let vector = position(unknowns, end) - position(unknowns, k);
-            let length = vector.norm();
-            let tangent = vector / length;
-            let source = &reference.tangent[k];
-            let director = parallel_transport(&reference.director[k], source, &tangent);
-            let (sin, cos) = libm::sincos(unknowns[STRIDE * k + 3]);
-            let normal = tangent.cross(&director);
-            self.reference_director[k] = director;
-            self.edges[k] = EdgeFrame {
-                tangent,
-                length,
-                director_1: director * cos + normal * sin,
-                director_2: normal * cos - director * sin,
-                holonomy: source.cross(&tangent) * (-1.0 / ((1.0 + source.dot(&tangent)) * length)),
-            };
-        }
+        self.update_edges(rods, unknowns, reference);
         for (index, ghost) in ghosts.iter().enumerate() {
             let k = rods.nodes + index;
             self.reference_director[k] = ghost.director;
             self.edges[k] = EdgeFrame {
                 tangent: ghost.tangent,
-                length: 1.0,
+                // No move of a node turns it.
+                length: f64::INFINITY,
                 director_1: ghost.director,
                 director_2: ghost.tangent.cross(&ghost.director),
                 holonomy: Vector3::zeros(),
             };
         }
+        self.update_vertices(rods, unknowns, reference);
+    }
+
+    fn update_edges(&mut self, rods: &ElasticRods, unknowns: &[f64], reference: &ReferenceFrames) {
+        let mut directors = every_lane(Vector3::zeros());
+        for (edges, lanes) in rods.edges.chunks(LANES).zip(&mut self.edge_lanes) {
+            let EdgeLanes { from, frames, .. } = lanes;
+            for (lane, edge) in edges.iter().enumerate() {
+                let k = edge.start;
+                let vector = position(unknowns, edge.end) - position(unknowns, k);
+                let (source, director) = (&reference.tangent[k], &reference.director[k]);
+                from.set(lane, &vector, source, director, unknowns[STRIDE * k + 3]);
+            }
+            frame_lanes::transport(self.set, from, frames, &mut directors);
+            for (lane, edge) in edges.iter().enumerate() {
+                self.edges[edge.start] = frames.get(lane);
+                self.reference_director[edge.start] = vector(&directors, lane);
+            }
+        }
+    }
+
+    fn update_vertices(
+        &mut self,
+        rods: &ElasticRods,
+        unknowns: &[f64],
+        reference: &ReferenceFrames,
+    ) {
         let angle = |edge: usize| {
             if edge < rods.nodes {
                 unknowns[STRIDE * edge + 3]
@@ -96,25 +117,26 @@ impl RodGeometry {
                 0.0
             }
         };
-        for (v, vertex) in rods.vertices.iter().enumerate() {
-            let (before, after) = (&self.edges[vertex.before], &self.edges[vertex.after]);
-            let carried = parallel_transport(
-                &self.reference_director[vertex.before],
-                &before.tangent,
-                &after.tangent,
-            );
-            let raw = signed_angle(
-                &carried,
-                &self.reference_director[vertex.after],
-                &after.tangent,
-            );
-            let reference_twist = unwrapped(raw, reference.twist[v]);
-            self.reference_twist[v] = reference_twist;
-            self.strains[v] = VertexStrains {
-                curvature: curvatures(before, after),
-                twist: angle(vertex.after) - angle(vertex.before) + reference_twist
-                    - vertex.joint_twist,
-            };
+        for (batch, lanes) in self.vertex_lanes.iter_mut().enumerate() {
+            let first = LANES * batch;
+            let vertices = &rods.vertices[first..rods.vertices.len().min(first + LANES)];
+            for (lane, vertex) in vertices.iter().enumerate() {
+                let (before, after) = (vertex.before, vertex.after);
+                let directors = &self.reference_director;
+                lanes.set_edges(
+                    lane,
+                    [&self.edges[before], &self.edges[after]],
+                    [&directors[before], &directors[after]],
+                );
+            }
+            let [sine, cosine] = lanes.bend(self.set);
+            for (lane, vertex) in vertices.iter().enumerate() {
+                let between = libm::atan2(sine[lane], cosine[lane]);
+                let between = unwrapped(between, reference.twist[first + lane]);
+                self.reference_twist[first + lane] = between;
+                let turn = angle(vertex.after) - angle(vertex.before);
+                lanes.set_twist(lane, turn + between - vertex.joint_twist);
+            }
         }
     }
 

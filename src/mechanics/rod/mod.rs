@@ -2,21 +2,28 @@
 //!
 //! [`vertex`] holds bending and twisting, [`edge`] stretching; [`ElasticRods`] adds them up over all rods
 //! into a gradient and a band matrix. [`RodGeometry`] computes edges, frames and strains from the
-//! unknowns. Papers: Bergou et al. 2008 (Discrete elastic rods), Bergou et al. 2010 (Discrete viscous
-//! threads: time-parallel frames), Kaldor et al. 2010 (twist that counts turns), Panetta et al. 2019
-//! (the corrected Hessian).
+//! unknowns. Both go through edges and vertices in lanes, several at a time (`frame_lanes`, `edge_lanes`,
+//! `vertex_lanes`), with the formulas written for one.
+//!
+//! Papers: Bergou et al. 2008 (Discrete elastic rods), Bergou et al. 2010 (Discrete viscous threads:
+//! time-parallel frames), Kaldor et al. 2010 (twist that counts turns), Panetta et al. 2019 (the corrected
+//! Hessian).
 
 pub mod edge;
+mod edge_lanes;
 mod elastic;
+mod frame_lanes;
 mod geometry;
+mod holonomy;
 mod placement;
 pub mod topology;
 pub mod transport;
 pub mod vertex;
+mod vertex_hessian;
+mod vertex_lanes;
 
-pub use elastic::{
-    Edge, ElasticEnergy, ElasticRods, GhostEdge, Vertex, VertexUnknowns, holonomy_jacobian,
-};
+pub use elastic::{Edge, ElasticEnergy, ElasticRods, GhostEdge, Vertex, VertexUnknowns};
 pub use geometry::{ReferenceFrames, RodGeometry};
+pub use holonomy::holonomy_jacobian;
 pub use placement::Placement;
 pub use topology::{RodRange, STRIDE};

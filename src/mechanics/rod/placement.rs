@@ -86,6 +86,11 @@ impl Placement {
         })
     }
 
+    /// First material director of edge `k`.
+    pub fn material_director(&self, k: usize) -> Vector3 {
+        self.framed(k).director_1
+    }
+
     /// Material frame of edge `k`.
     fn framed(&self, k: usize) -> EdgeFrame {
         frame(

@@ -4,6 +4,7 @@ use crate::mechanics::Vector3;
 
 /// Parallel transport of `director` (normal to the unit vector `from`) along the shortest rotation that
 /// takes `from` to `to`: P v = v − (v·to)/(1 + from·to) (from + to).
+#[inline(always)]
 pub fn parallel_transport(director: &Vector3, from: &Vector3, to: &Vector3) -> Vector3 {
     director - (from + to) * (director.dot(to) / (1.0 + from.dot(to)))
 }
@@ -16,6 +17,9 @@ pub fn signed_angle(a: &Vector3, b: &Vector3, axis: &Vector3) -> f64 {
 /// `angle` shifted by full turns to lie within half a turn of `near`.
 pub fn unwrapped(angle: f64, near: f64) -> f64 {
     let turn = std::f64::consts::TAU;
+    if (near - angle).abs() < 0.5 * turn {
+        return angle;
+    }
     angle + turn * ((near - angle) / turn).round()
 }
 

@@ -3,6 +3,7 @@
 
 use super::*;
 use crate::mechanics::rod::transport::{any_normal, parallel_transport, rotated, signed_angle};
+use crate::mechanics::rod::vertex_hessian::{VertexHessian, hessian as hessian_blocks};
 use nalgebra::SVector;
 use num_dual::{DualNum, hessian};
 
@@ -169,19 +170,20 @@ fn derivatives_match_dual_numbers() {
 
         // Lengths in units of the edge, so that forces and moments weigh alike.
         let unit = |k: usize| if k % 4 == 3 { 1.0 } else { scale };
-        let only = gradient(&before, &after, &strains, &setup.natural, &setup.stiffness);
-        let both = derivatives(&before, &after, &strains, &setup.natural, &setup.stiffness);
+        let ours = gradient(&before, &after, &strains, &setup.natural, &setup.stiffness);
+        let blocks = hessian_blocks(&before, &after, &strains, &setup.natural, &setup.stiffness);
+        let moments = [ours.phi0, ours.phi1];
+        let ours = entries(&ours);
         let size = (0..8)
             .map(|i| (expected_gradient[i] * unit(i)).abs())
             .fold(0.0, f64::max);
         for i in 0..8 {
             assert!(
-                ((only[i] - expected_gradient[i]) * unit(i)).abs() < 1e-10 * size,
+                ((ours[i] - expected_gradient[i]) * unit(i)).abs() < 1e-10 * size,
                 "gradient {i}"
             );
-            assert!(((both.gradient[i] - expected_gradient[i]) * unit(i)).abs() < 1e-10 * size);
         }
-        let ours = with_holonomy(&both, &setup.source, &[before, after]);
+        let ours = with_holonomy(&blocks, &moments, &setup.source, &[before, after]);
         let size = (0..8)
             .flat_map(|i| (0..8).map(move |j| (i, j)))
             .map(|(i, j)| (expected_hessian[(i, j)] * unit(i) * unit(j)).abs())
@@ -198,24 +200,45 @@ fn derivatives_match_dual_numbers() {
     }
 }
 
-/// Adds (∂E/∂φ)∇c, which the rods add once per edge.
+fn entries(gradient: &VertexGradient) -> [f64; 8] {
+    let (e0, e1) = (&gradient.e0, &gradient.e1);
+    [
+        e0.x,
+        e0.y,
+        e0.z,
+        gradient.phi0,
+        e1.x,
+        e1.y,
+        e1.z,
+        gradient.phi1,
+    ]
+}
+
+/// Lower triangle of the whole Hessian, with (∂E/∂φ)∇c, which the rods add once per edge.
 fn with_holonomy(
-    both: &VertexDerivatives,
+    blocks: &VertexHessian,
+    moments: &[f64; 2],
     source: &[Vector3; 2],
     edges: &[EdgeFrame; 2],
 ) -> [[f64; 8]; 8] {
-    let mut full = both.hessian;
-    for j in 0..2 {
-        let block = crate::mechanics::rod::elastic::holonomy_hessian(
-            &source[j],
-            &edges[j],
-            both.gradient[4 * j + 3],
-        );
-        for a in 0..3 {
-            for b in 0..=a {
-                full[4 * j + a][4 * j + b] += block[(a, b)];
-            }
+    let mut full = [[0.0; 8]; 8];
+    let holonomy = |j: usize| {
+        crate::mechanics::rod::holonomy::holonomy_hessian(&source[j], &edges[j], moments[j])
+    };
+    let (e0e0, e1e1) = (blocks.e0e0 + holonomy(0), blocks.e1e1 + holonomy(1));
+    for i in 0..3 {
+        for j in 0..3 {
+            full[i][j] = e0e0[(i, j)];
+            full[4 + i][j] = blocks.e1e0[(i, j)];
+            full[4 + i][4 + j] = e1e1[(i, j)];
         }
+        full[3][i] = blocks.e0phi0[i];
+        full[7][i] = blocks.e0phi1[i];
+        full[4 + i][3] = blocks.e1phi0[i];
+        full[7][4 + i] = blocks.e1phi1[i];
     }
+    full[3][3] = blocks.phi0phi0;
+    full[7][3] = blocks.phi1phi0;
+    full[7][7] = blocks.phi1phi1;
     full
 }

@@ -57,7 +57,10 @@ pub fn find_equilibrium(
         limit(&mut direction, LARGEST_MOVE * extent);
         let initial: f64 = dot(&direction, &system.residual);
         let before = system.squared_residual();
-        let mut length = 1.0;
+        for k in 0..trial.len() {
+            trial[k] = unknowns[k] + direction[k];
+        }
+        let mut length = system.largest_step(unknowns, &trial);
         for _ in 0..REDUCTIONS {
             for k in 0..trial.len() {
                 trial[k] = unknowns[k] + length * direction[k];

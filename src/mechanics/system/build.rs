@@ -1,6 +1,6 @@
 //! From the description of a scene to numbered rods, masses, held unknowns and driven clamps.
 
-use super::clamps::Drive;
+use super::clamps::{Drive, HeldEdge};
 use super::loads::Loads;
 use crate::mechanics::Vector3;
 use crate::mechanics::rod::vertex::{VertexStiffness, VertexStrains};
@@ -267,6 +267,23 @@ impl Assembly {
                 // A wall at the node: a half vertex on either side that exists.
                 for (edge, ghost_first) in [(before, false), (after, true)] {
                     let Some(edge) = edge else { continue };
+                    let start = range.first_node + edge;
+                    let end = range.end_of(start);
+                    let other = if ghost_first { end } else { start } - range.first_node;
+                    let whole = drive_of_node[other].is_some_and(|(neighbour, frame)| {
+                        !frame && self.drives[neighbour].holds_position
+                    });
+                    if whole && self.drives[drive].holds_position {
+                        // The edge itself is the wall, and turns with the clamp.
+                        let director = placed.material_director(edge);
+                        self.held[STRIDE * start + 3] = true;
+                        self.drives[drive].edges.push(HeldEdge {
+                            start,
+                            end,
+                            director,
+                        });
+                        continue;
+                    }
                     let voronoi = 0.5 * natural_lengths[edge];
                     let placed_strains = placed.ghost_strains(k, edge, ghost_first);
                     let of_shape = |shape: &Placement| shape.ghost_strains(k, edge, ghost_first);
@@ -274,12 +291,11 @@ impl Assembly {
                     self.rods.ghosts += 1;
                     self.ghosts.push(self.drives[drive].frame);
                     self.drives[drive].ghosts.push(ghost - self.rods.nodes);
-                    let real = range.first_node + edge;
                     let angle = placed.angles[edge];
                     let (before, after, from, to, change) = if ghost_first {
-                        (ghost, real, 4, 11, angle)
+                        (ghost, start, 4, 11, angle)
                     } else {
-                        (real, ghost, 0, 7, -angle)
+                        (start, ghost, 0, 7, -angle)
                     };
                     self.reference.twist.push(placed_strains.twist - change);
                     let unknowns = self.unknowns_of(range, k, from, to);

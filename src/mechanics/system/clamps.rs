@@ -1,8 +1,11 @@
 //! Clamps: prescribed positions and frames as functions of time.
 
 use crate::mechanics::Vector3;
-use crate::mechanics::rod::transport::{any_normal, normal_part, rotated};
-use crate::mechanics::rod::{GhostEdge, STRIDE};
+use crate::mechanics::rod::topology::position;
+use crate::mechanics::rod::transport::{
+    any_normal, normal_part, parallel_transport, rotated, signed_angle, unwrapped,
+};
+use crate::mechanics::rod::{GhostEdge, ReferenceFrames, STRIDE};
 use crate::mechanics::scene::{Clamp, Motion, piecewise_linear};
 
 /// A clamp with everything resolved.
@@ -18,9 +21,22 @@ pub struct Drive {
     pub frame: GhostEdge,
     /// Ghost edges that follow the frame.
     pub ghosts: Vec<usize>,
+    /// Edges whose both ends are held; their material frames follow, too.
+    pub edges: Vec<HeldEdge>,
     motion: Motion,
     axis: Vector3,
     pivot: Vector3,
+}
+
+/// An edge whose nodes are both held, one of them with its frame.
+#[derive(Clone, Copy, Debug)]
+pub struct HeldEdge {
+    /// Node of the whole scene where it starts.
+    pub start: usize,
+    /// Node where it ends.
+    pub end: usize,
+    /// First material director at time zero.
+    pub director: Vector3,
 }
 
 impl Drive {
@@ -32,6 +48,7 @@ impl Drive {
             position,
             frame,
             ghosts: Vec::new(),
+            edges: Vec::new(),
             axis: clamp.motion.axis.unwrap_or(frame.tangent),
             pivot: clamp.motion.pivot.unwrap_or(position),
             motion: clamp.motion.clone(),
@@ -59,6 +76,22 @@ impl Drive {
             let director = rotated(&self.frame.director, &self.axis, angle);
             let director = normal_part(&director, &tangent).unwrap_or_else(|| any_normal(&tangent));
             ghosts[ghost] = GhostEdge { tangent, director };
+        }
+    }
+
+    /// Writes the angles of held edges at `time`, within half a turn of the angles found there; the
+    /// positions of all nodes are in place already.
+    pub fn turn_edges(&self, time: f64, reference: &ReferenceFrames, unknowns: &mut [f64]) {
+        let turned = self.angle(time);
+        for edge in &self.edges {
+            let along = position(unknowns, edge.end) - position(unknowns, edge.start);
+            let tangent = along.normalize();
+            let source = &reference.tangent[edge.start];
+            let carried = parallel_transport(&reference.director[edge.start], source, &tangent);
+            let director = rotated(&edge.director, &self.axis, turned);
+            let angle = signed_angle(&carried, &director, &tangent);
+            let unknown = STRIDE * edge.start + 3;
+            unknowns[unknown] = unwrapped(angle, unknowns[unknown]);
         }
     }
 }

@@ -12,11 +12,13 @@
 
 mod build;
 mod clamps;
+mod complementarity;
 mod loads;
 mod newton_matrix;
 
 pub use build::Assembly;
 pub use clamps::Drive;
+pub use complementarity::NoContactForces;
 use newton_matrix::NewtonMatrix;
 
 use super::contact::{ContactPlane, ContactSurface, ImplicitContact};
@@ -73,8 +75,14 @@ pub struct System {
     pub residual: Vec<f64>,
     corrected_residual: Vec<f64>,
     dead_forces: Vec<f64>,
+    /// Forces (N) and moments (N m) of another solver on the unknowns.
+    pub external_forces: Vec<f64>,
     positions: Vec<Vector3>,
     nodal_forces: Vec<Vector3>,
+    displacements: Vec<Vector3>,
+    /// Scratch of the complementarity model: a correction of the unknowns, and one response of them per row.
+    correction: Vec<f64>,
+    responses: Vec<f64>,
     has_planes: bool,
     matrix: NewtonMatrix,
 }
@@ -105,9 +113,13 @@ impl System {
             residual: vec![0.0; assembly.unknowns.len()],
             corrected_residual: vec![0.0; assembly.unknowns.len()],
             dead_forces: vec![0.0; assembly.unknowns.len()],
+            external_forces: vec![0.0; assembly.unknowns.len()],
             positions: vec![Vector3::zeros(); assembly.rods.nodes],
             has_planes: !scene.planes.is_empty(),
             nodal_forces: vec![Vector3::zeros(); assembly.rods.nodes],
+            displacements: vec![Vector3::zeros(); assembly.rods.nodes],
+            correction: Vec::new(),
+            responses: Vec::new(),
             matrix: NewtonMatrix::new(&assembly, rods_rub, planes_rub),
             contact,
             assembly,
@@ -124,7 +136,13 @@ impl System {
         for drive in &self.assembly.drives {
             drive.apply(time, unknowns, &mut self.ghosts);
         }
+        for drive in &self.assembly.drives {
+            drive.turn_edges(time, &self.reference, unknowns);
+        }
         self.assembly.loads.dead_forces(time, &mut self.dead_forces);
+        for (dead, external) in self.dead_forces.iter_mut().zip(&self.external_forces) {
+            *dead += external;
+        }
     }
 
     /// Computes frames and strains at `unknowns`.
@@ -172,12 +190,8 @@ impl System {
         self.update_geometry(unknowns);
         self.residual.fill(0.0);
         self.matrix.clear();
-        self.matrix.add_elastic(
-            &self.assembly.rods,
-            &self.geometry,
-            &self.reference,
-            &mut self.residual,
-        );
+        self.matrix
+            .add_elastic(&self.assembly.rods, &self.geometry, &mut self.residual);
         self.add_simple_terms(unknowns, stage);
         if let Some(stage) = stage {
             self.matrix.add_inertia(&self.assembly, stage);
@@ -307,6 +321,23 @@ impl System {
         contact.candidates_are_complete(&self.positions)
     }
 
+    /// Largest part of the straight way between two sets of unknowns along which no contact is crossed; 1
+    /// where the contact model allows penetration.
+    pub fn largest_step(&mut self, from: &[f64], to: &[f64]) -> f64 {
+        let Some(contact) = &mut self.contact else {
+            return 1.0;
+        };
+        copy_positions(from, &mut self.positions);
+        for (node, displacement) in self.displacements.iter_mut().enumerate() {
+            *displacement = position(to, node) - self.positions[node];
+        }
+        let step = contact.largest_step(&self.positions, &self.displacements);
+        if step.candidates_changed {
+            self.matrix.forget_pattern();
+        }
+        step.part
+    }
+
     /// Forgets the factorisation pattern, as after a restart from a checkpoint.
     pub fn forget_pattern(&mut self) {
         self.matrix.forget_pattern();
@@ -317,7 +348,8 @@ impl System {
         let Some(mut contact) = self.contact.take() else {
             return;
         };
-        if !contact.candidates().is_empty() || self.has_planes {
+        let may_touch = !contact.candidates().is_empty() || self.has_planes;
+        if may_touch && !contact.parameters().is_complementarity() {
             self.evaluate(unknowns, Some(stage));
             for node in 0..self.nodal_forces.len() {
                 let held = self.assembly.held[STRIDE * node];
@@ -359,19 +391,16 @@ impl System {
     }
 
     fn square(&self, residual: &[f64]) -> f64 {
-        let per_length = 1.0 / self.assembly.shortest_edge;
-        let mut sum = 0.0;
-        for (k, (&value, &held)) in residual.iter().zip(&self.assembly.held).enumerate() {
-            if !held {
-                let value = if k % STRIDE == 3 {
-                    value * per_length
-                } else {
-                    value
-                };
-                sum += value * value;
+        let weights = [1.0, 1.0, 1.0, 1.0 / self.assembly.shortest_edge];
+        let mut sums = [0.0; STRIDE];
+        let held = self.assembly.held.chunks_exact(STRIDE);
+        for (values, held) in residual.chunks_exact(STRIDE).zip(held) {
+            for k in 0..STRIDE {
+                let value = if held[k] { 0.0 } else { weights[k] * values[k] };
+                sums[k] += value * value;
             }
         }
-        sum
+        sums.iter().sum()
     }
 
     /// Name of the term that is largest at one unknown.
@@ -399,14 +428,22 @@ impl System {
         TERMS[largest.unwrap_or(0)]
     }
 
-    /// Tolerance for the residual: `relative` times the larger of EI/L² and the largest nodal load, but
-    /// no less than what rounding of the positions leaves, N.
+    /// Tolerance for the residual: `relative` times the largest of EI/L², the loads and the contact forces
+    /// of the last step, but no less than what rounding of the positions leaves, N.
     pub fn force_tolerance(&self, relative: f64, unknowns: &[f64]) -> f64 {
         let largest_load = self
             .dead_forces
             .iter()
             .fold(0.0_f64, |largest, f| largest.max(f.abs()));
-        let scale = self.assembly.force_scale.max(largest_load);
+        let largest_contact = self
+            .contact
+            .as_ref()
+            .map_or(0.0, ImplicitContact::largest_normal_force);
+        let scale = self
+            .assembly
+            .force_scale
+            .max(largest_load)
+            .max(largest_contact);
         let positions = unknowns.iter().enumerate().filter(|(k, _)| k % STRIDE != 3);
         let farthest = positions.fold(0.0_f64, |farthest, (_, x)| farthest.max(x.abs()));
         (relative * scale).max(8.0 * self.assembly.rounding_stiffness * farthest)
@@ -438,7 +475,8 @@ fn contact_of(scene: &Scene, assembly: &Assembly) -> Result<Option<ImplicitConta
         normal: plane.normal,
         friction: plane.friction.unwrap_or(parameters.friction),
     });
-    let least_stiffness = parameters.stiffness_factor * assembly.force_scale;
+    let stiffness_per_force = parameters.stiffness_per_force(surface.largest_moving_radius());
+    let least_stiffness = stiffness_per_force * assembly.force_scale;
     let mut contact = ImplicitContact::new(parameters, surface, planes.collect(), least_stiffness);
     let mut positions = vec![Vector3::zeros(); assembly.rods.nodes];
     copy_positions(&assembly.unknowns, &mut positions);
@@ -471,8 +509,13 @@ pub fn describe_overlap(
             )
         }
     };
+    let (meet, least) = if contact.parameters().is_barrier() {
+        ("touch or interpenetrate", "more than")
+    } else {
+        ("interpenetrate", "at least")
+    };
     format!(
-        "{first} and {second} interpenetrate: distance {:.6e} m, allowed is at least {:.6e} m",
+        "{first} and {second} {meet}: distance {:.6e} m, allowed is {least} {:.6e} m",
         overlap.distance, overlap.threshold
     )
 }

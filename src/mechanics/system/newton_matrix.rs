@@ -71,13 +71,11 @@ impl NewtonMatrix {
         &mut self,
         rods: &ElasticRods,
         geometry: &RodGeometry,
-        reference: &ReferenceFrames,
         gradient: &mut [f64],
     ) {
         let closing = &mut self.permanent_matrices[..self.closing];
         rods.add_derivatives(
             geometry,
-            reference,
             gradient,
             &mut self.band,
             closing,
@@ -166,7 +164,8 @@ impl NewtonMatrix {
                 }
             }
         }
-        if self.coupled.is_none() && !self.active.is_empty() {
+        let couples = !self.active.is_empty() || !self.permanent.is_empty();
+        if self.coupled.is_none() && couples {
             self.list_contact_elements(contact);
         }
     }

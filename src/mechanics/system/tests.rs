@@ -248,3 +248,45 @@ fn the_jacobian_of_contact_and_friction_is_exact() {
         }
     }
 }
+
+#[test]
+fn candidates_that_come_while_nothing_touches_are_in_the_pattern() {
+    let across = |height: f64| {
+        (0..5)
+            .map(|k| Vector3::new(0.4, 0.2 * (f64::from(k) - 2.0), 2.0 + height))
+            .collect::<Vec<_>>()
+    };
+    // A ring couples its ends, contact or not.
+    let scene = Scene {
+        rods: vec![rod("ring", ring(7), true), rod("rod", across(1.0), false)],
+        contact: Some(ContactParameters {
+            distance_tolerance: 0.02,
+            ..ContactParameters::default()
+        }),
+        ..Scene::default()
+    };
+    let mut system = System::new(&scene).unwrap();
+    let far = system.assembly.unknowns.clone();
+    let at_height = |height: f64| {
+        let mut unknowns = far.clone();
+        for node in 7..12 {
+            unknowns[STRIDE * node + 2] = 2.0 + height;
+        }
+        unknowns
+    };
+    let stage = stage_at(&system, far.clone());
+    // Lowered so slowly that the last candidates came before the first contact.
+    let mut height = 1.0;
+    let contacts = loop {
+        let unknowns = at_height(height);
+        system.update_candidates(&unknowns);
+        system.linearize(&unknowns, Some(&stage));
+        system.factor().unwrap();
+        let contacts = system.contact.as_ref().unwrap().contacts().len();
+        if contacts > 0 {
+            break contacts;
+        }
+        height -= 0.01;
+    };
+    assert!(contacts > 0 && height > 0.0);
+}

@@ -54,6 +54,8 @@ pub fn resolve(context: &Context<'_>, file: &ScenarioFile) -> Result<Scenario, I
     let time = model::time(&top, file);
     let solver = model::solver(&top, &file.solver);
     model::refuse_small_steps(&top, &time, &solver);
+    let contact = model::contact(&top, file.contact.as_ref(), smallest_radius);
+    model::refuse_rigid_statics(&top, &contact, &time);
     let scenario = experiment.map(|experiment| Scenario {
         name: context.name.to_owned(),
         title: file
@@ -64,7 +66,7 @@ pub fn resolve(context: &Context<'_>, file: &ScenarioFile) -> Result<Scenario, I
         clamps: load::clamps(&top, &file.clamps),
         loads: load::loads(&top, &file.loads),
         planes: load::planes(&top, &file.planes),
-        contact: model::contact(&top, file.contact.as_ref(), smallest_radius),
+        contact,
         fluid: model::fluid(&top, file.fluid.as_ref()),
         output: model::output(&top, &file.output, &time),
         rods,

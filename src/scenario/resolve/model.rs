@@ -21,42 +21,80 @@ pub fn contact(top: &Section<'_>, typed: Option<&typed::Contact>, smallest_radiu
         return Contact::None;
     };
     let section = top.below("contact");
-    match typed.model.unwrap_or(typed::ContactModel::Imc) {
-        typed::ContactModel::Imc => {}
-        typed::ContactModel::None => return Contact::None,
-        typed::ContactModel::Ipc | typed::ContactModel::Complementarity => {
-            section.fault(
-                "model",
-                "this contact model is not built yet; allowed: \"imc\", \"none\"",
-            );
-        }
+    let model = typed.model.unwrap_or(typed::ContactModel::Imc);
+    if model == typed::ContactModel::None {
+        return Contact::None;
     }
-    Contact::Imc {
-        friction: section.with_default("friction", &typed.friction, NON_NEGATIVE, 0.0),
-        distance_tolerance: section.with_default(
+    let number = |key, typed, range, default| section.with_default(key, typed, range, default);
+    let friction = number("friction", &typed.friction, NON_NEGATIVE, 0.0);
+    let distance_tolerance = section.with_default(
+        "distance_tolerance",
+        &typed.distance_tolerance,
+        POSITIVE,
+        0.01 * smallest_radius,
+    );
+    if distance_tolerance > smallest_radius {
+        section.fault(
             "distance_tolerance",
-            &typed.distance_tolerance,
-            POSITIVE,
-            0.01 * smallest_radius,
-        ),
-        slip_tolerance: section.with_default(
-            "slip_tolerance",
-            &typed.slip_tolerance,
-            POSITIVE,
-            1e-4,
-        ),
-        stiffness_factor: section.with_default(
+            format!(
+                "{distance_tolerance:?} m is out of range; allowed: at most the smallest radius, {smallest_radius:?} m"
+            ),
+        );
+    }
+    let slip_tolerance =
+        section.with_default("slip_tolerance", &typed.slip_tolerance, POSITIVE, 1e-4);
+    let stiffness_factor = |default| {
+        number(
             "stiffness_factor",
             &typed.stiffness_factor,
             POSITIVE,
-            1e5,
-        ),
-        maximum_penetration: section.with_default(
-            "maximum_penetration",
-            &typed.maximum_penetration,
-            FRACTION,
-            0.05,
-        ),
+            default,
+        )
+    };
+    if model == typed::ContactModel::Ipc {
+        if typed.maximum_penetration.is_some() {
+            section.fault(
+                "maximum_penetration",
+                "the model \"ipc\" allows no penetration; leave the key out",
+            );
+        }
+        return Contact::Ipc {
+            friction,
+            distance_tolerance,
+            slip_tolerance,
+            stiffness_factor: stiffness_factor(1.0),
+        };
+    }
+    let maximum_penetration = number(
+        "maximum_penetration",
+        &typed.maximum_penetration,
+        FRACTION,
+        0.05,
+    );
+    if model == typed::ContactModel::Complementarity {
+        for (key, present) in [
+            ("slip_tolerance", typed.slip_tolerance.is_some()),
+            ("stiffness_factor", typed.stiffness_factor.is_some()),
+        ] {
+            if present {
+                section.fault(
+                    key,
+                    "the model \"complementarity\" is rigid and sticks; leave the key out",
+                );
+            }
+        }
+        return Contact::Complementarity {
+            friction,
+            distance_tolerance,
+            maximum_penetration,
+        };
+    }
+    Contact::Imc {
+        friction,
+        distance_tolerance,
+        slip_tolerance,
+        stiffness_factor: stiffness_factor(1e5),
+        maximum_penetration,
     }
 }
 
@@ -156,6 +194,23 @@ fn step(section: &Section<'_>, typed: &typed::Time, interval: f64) -> Step {
         }
     }
     Step::Fixed(section.with_default("step", &typed.step, POSITIVE, 1e-3))
+}
+
+/// Refuses rigid contact where it is not defined: it gives forces to the steps of implicit Euler.
+pub fn refuse_rigid_statics(top: &Section<'_>, contact: &Contact, time: &Time) {
+    let euler = matches!(
+        time,
+        Time::Dynamic {
+            scheme: Scheme::ImplicitEuler,
+            ..
+        }
+    );
+    if matches!(contact, Contact::Complementarity { .. }) && !euler {
+        top.below("contact").fault(
+            "model",
+            "\"complementarity\" needs a dynamic run with the scheme \"implicit-euler\"",
+        );
+    }
 }
 
 /// Refuses time steps below the smallest that the solver may take.

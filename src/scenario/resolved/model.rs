@@ -21,6 +21,26 @@ pub enum Contact {
         /// Penetration that ends the run, as a fraction of the sum of the two radii.
         maximum_penetration: f64,
     },
+    /// Incremental potential contact (thesis Eq. 2.1).
+    Ipc {
+        /// Friction coefficient μ.
+        friction: f64,
+        /// Distance tolerance δ, m.
+        distance_tolerance: f64,
+        /// Slip tolerance ν, m/s.
+        slip_tolerance: f64,
+        /// Force that the barrier bears at a gap of δ/2, over the largest force near contact.
+        stiffness_factor: f64,
+    },
+    /// Rigid contact by Signorini's and Coulomb's laws (thesis 3.3).
+    Complementarity {
+        /// Friction coefficient μ.
+        friction: f64,
+        /// Distance within which a pair counts as a possible contact, m.
+        distance_tolerance: f64,
+        /// Penetration that ends the run, as a fraction of the sum of the two radii.
+        maximum_penetration: f64,
+    },
 }
 
 /// The surrounding fluid.

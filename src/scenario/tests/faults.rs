@@ -36,7 +36,16 @@ fn faults_name_file_line_column_key_and_range() {
     insta::assert_snapshot!(faults("mode = \"static\"", "end = 1\nstep = 0"), @"beam.toml:25:8: `time.step`: 0.0 is out of range; allowed: greater than 0");
     insta::assert_snapshot!(faults("mode = \"static\"", "end = 1\nstep = 1e-12"), @"beam.toml:25:8: `time.step`: 1e-12 s is out of range; allowed: at least solver.minimum_step = 1e-9 s");
     insta::assert_snapshot!(faults("mode = \"static\"", "mode = \"static\"\nend = 3"), @"beam.toml:25:7: `time.end`: a static run has no time steps; leave the key out");
-    insta::assert_snapshot!(faults("[output]", "[contact]\nmodel = \"ipc\"\n[output]"), @r#"beam.toml:27:9: `contact.model`: this contact model is not built yet; allowed: "imc", "none""#);
+    insta::assert_snapshot!(faults("[output]", "[contact]\nmodel = \"complementarity\"\nslip_tolerance = 1\n[output]"), @r#"
+beam.toml:27:9: `contact.model`: "complementarity" needs a dynamic run with the scheme "implicit-euler"
+beam.toml:28:18: `contact.slip_tolerance`: the model "complementarity" is rigid and sticks; leave the key out
+"#);
+    insta::assert_snapshot!(faults("[output]", "[contact]\nmodel = \"ipc\"\nmaximum_penetration = 0.1\n[output]"), @r#"beam.toml:28:23: `contact.maximum_penetration`: the model "ipc" allows no penetration; leave the key out"#);
+    insta::assert_snapshot!(faults("[output]", "[contact]\nmodel = \"ipc\"\ndistance_tolerance = \"6 mm\"\nfriction = -0.1\nslip_tolerance = 0\n[output]"), @r#"
+beam.toml:28:22: `contact.distance_tolerance`: 0.006 m is out of range; allowed: at most the smallest radius, 0.005 m
+beam.toml:29:12: `contact.friction`: -0.1 is out of range; allowed: at least 0
+beam.toml:30:18: `contact.slip_tolerance`: 0.0 is out of range; allowed: greater than 0
+"#);
     insta::assert_snapshot!(faults("[output]", "[sweep]\nrods = 1\n[output]"), @"beam.toml:26:2: `sweep`: sweeps are not in this version of rodlab (take the table out, and run the cases one by one with --set)");
     insta::assert_snapshot!(faults("[output]", "[fluid]\nmodel = \"resistive\"\n[output]"), @"beam.toml:26:1: `fluid`: missing key `viscosity` (a viscosity, greater than 0)");
     insta::assert_snapshot!(faults("nodes = true", "nodes = 1979-05-27"), @"beam.toml:27:9: `output.nodes`: expected `true` or `false`, found a date");

@@ -45,37 +45,39 @@ pub struct Flagella {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "contact")]
 pub struct Contact {
-    /// "imc" (the default here: the implicit contact model, thesis 2.2) or "none".
+    /// "imc" (the default here: the implicit contact model, thesis 2.2, a stiff penalty), "ipc" (incremental
+    /// potential contact: a barrier that surfaces never pass), "complementarity" (rigid contact that truly
+    /// sticks, thesis 3.3; dynamic runs with implicit Euler only) or "none".
     pub model: Option<ContactModel>,
     /// Coulomb friction coefficient. Default: 0.
     pub friction: Option<Quantity<Dimensionless>>,
-    /// Distance δ beyond the surfaces at which force begins. Smaller is more exact and stiffer. Default: a
-    /// hundredth of the smallest radius.
+    /// Distance δ beyond the surfaces at which force begins, at most the smallest radius. Smaller is more
+    /// exact and stiffer; "complementarity" only looks so far for contacts. Default: a hundredth of the
+    /// smallest radius.
     pub distance_tolerance: Option<Quantity<Length>>,
-    /// Sliding slower than this counts as sticking. Default: 1e-4 m/s.
+    /// Sliding slower than this counts as sticking; not with "complementarity". Default: 1e-4 m/s.
     pub slip_tolerance: Option<Quantity<Velocity>>,
-    /// Factor of the adaptive contact stiffness over the largest force. Default: 1e5.
+    /// Factor of the adaptive contact stiffness. "imc": stiffness over the largest force near contact, 1e5 by
+    /// default. "ipc": force that is borne at a gap of δ/2 over the largest force near contact, 1 by default.
     pub stiffness_factor: Option<Quantity<Dimensionless>>,
-    /// Penetration that ends the run, as a fraction of the sum of the two radii, between 0 and 1. Default:
-    /// 0.05.
+    /// Penetration that ends the run, as a fraction of the sum of the two radii, between 0 and 1; not with
+    /// "ipc". Default: 0.05.
     pub maximum_penetration: Option<Quantity<Dimensionless>>,
 }
 
 /// Contact models.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(inline)]
 pub enum ContactModel {
     /// The implicit contact model (thesis 2.2–2.3).
     Imc,
+    /// Incremental potential contact (thesis Eq. 2.1).
+    Ipc,
+    /// Rigid contact by Signorini's and Coulomb's laws (thesis 3.3).
+    Complementarity,
     /// Everything passes through.
     None,
-    /// Incremental potential contact: named by the contract, not in this version.
-    #[schemars(skip)]
-    Ipc,
-    /// Complementarity: named by the contract, not in this version.
-    #[schemars(skip)]
-    Complementarity,
 }
 
 /// The surrounding fluid, at low Reynolds number.

@@ -1,8 +1,8 @@
 //! From the local expansion of a leaf to the flow at its nodes.
 
-use super::super::instruction_set::{InstructionSet, LANES, Lanes, kernel};
 use super::harmonics::{Complex, half, half_size, regular};
 use super::translation::{Coefficient, POTENTIALS};
+use crate::linalg::instruction_set::{InstructionSet, LANES, Lanes, kernel};
 use crate::mechanics::Vector3;
 
 /// Three functions at a time: first the three B, then the gradient of each of them and of B₀.

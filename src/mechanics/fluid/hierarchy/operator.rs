@@ -2,7 +2,6 @@
 
 use super::super::Filament;
 use super::super::chain::{Link, links};
-use super::super::instruction_set::{InstructionSet, LANES};
 use super::super::patch::Patch;
 use super::evaluation::{TargetTables, Targets};
 use super::harmonics::half_size;
@@ -12,6 +11,7 @@ use super::translation::{
     ActionTables, Coefficient, ShiftTables, act, lower, operations_of_action, raise,
 };
 use super::tree::Tree;
+use crate::linalg::instruction_set::{InstructionSet, LANES};
 use crate::mechanics::{Matrix3, Vector3};
 use rayon::prelude::*;
 

@@ -1,9 +1,9 @@
 //! From force densities to the multipole expansion of a leaf.
 
 use super::super::chain::{Link, Slot, lay_out};
-use super::super::instruction_set::{InstructionSet, LANES, Lanes, kernel};
 use super::harmonics::{Complex, half, half_size, regular};
 use super::translation::{Coefficient, POTENTIALS};
+use crate::linalg::instruction_set::{InstructionSet, LANES, Lanes, kernel};
 use crate::mechanics::Vector3;
 
 /// Gauss points of a segment.

@@ -1,8 +1,8 @@
 //! Tests of the hierarchical operator against the exact one.
 
-use super::super::instruction_set::InstructionSet;
 use super::super::{Filament, FlowOperator};
 use super::*;
+use crate::linalg::instruction_set::InstructionSet;
 use crate::mechanics::Vector3;
 use std::f64::consts::PI;
 

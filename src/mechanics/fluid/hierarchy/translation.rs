@@ -4,8 +4,8 @@
 //! with a centre c, such that the flow derives from (x − c)·B + B₀ ([module](super)). A new centre c + s
 //! therefore adds s·B to B₀.
 
-use super::super::instruction_set::{LANES, Lanes, kernel};
 use super::harmonics::{Complex, complete, half, half_size, irregular, regular, whole, whole_size};
+use crate::linalg::instruction_set::{LANES, Lanes, kernel};
 
 /// Number of potentials.
 pub(super) const POTENTIALS: usize = 4;

@@ -5,18 +5,18 @@
 //! `mul_add` and no sum is reordered, all versions give the same bytes.
 
 /// Numbers per lane array: a full vector of AVX-512, two of AVX2.
-pub(super) const LANES: usize = 8;
+pub(crate) const LANES: usize = 8;
 
 /// One number per lane.
-pub(super) type Lanes = [f64; LANES];
+pub(crate) type Lanes = [f64; LANES];
 
 /// An instruction set that this processor has; a value exists only where it was detected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct InstructionSet(Kind);
+pub(crate) struct InstructionSet(Kind);
 
 /// Names of instruction sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(crate) enum Kind {
     /// Whatever the target guarantees; `mul_add` may be a slow function call.
     Portable,
     /// AVX2 and FMA.
@@ -29,28 +29,62 @@ pub(super) enum Kind {
 
 impl InstructionSet {
     /// All sets that this processor has, the best one last.
-    pub fn available() -> Vec<Self> {
-        let mut sets = vec![Self(Kind::Portable)];
-        #[cfg(target_arch = "x86_64")]
-        if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
-            sets.push(Self(Kind::Avx2));
-            if is_x86_feature_detected!("avx512f") {
-                sets.push(Self(Kind::Avx512));
-            }
-        }
-        sets
+    pub fn available() -> impl DoubleEndedIterator<Item = Self> {
+        let kinds: &[Kind] = &[
+            Kind::Portable,
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx2,
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx512,
+        ];
+        kinds
+            .iter()
+            .filter(|kind| kind.is_available())
+            .copied()
+            .map(Self)
+    }
+
+    /// The best set that this processor has.
+    pub fn best() -> Self {
+        Self::available()
+            .next_back()
+            .expect("the portable set is always there")
+    }
+
+    /// The best set whose registers hold no more than `lanes` numbers. Wider ones cost kernels over shorter
+    /// arrays more in shuffles than they save.
+    pub fn best_of_width(lanes: usize) -> Self {
+        Self::available()
+            .rfind(|set| set.0.register_width() <= lanes)
+            .unwrap_or(Self(Kind::Portable))
     }
 
     /// Which set it is.
     pub fn kind(self) -> Kind {
         self.0
     }
+}
 
-    /// The best set that this processor has.
-    pub fn best() -> Self {
-        *Self::available()
-            .last()
-            .expect("the portable set is always there")
+impl Kind {
+    /// Numbers that a register holds.
+    fn register_width(self) -> usize {
+        match self {
+            Self::Portable => 2,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => 4,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => 8,
+        }
+    }
+
+    fn is_available(self) -> bool {
+        match self {
+            Self::Portable => true,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => Self::Avx2.is_available() && is_x86_feature_detected!("avx512f"),
+        }
     }
 }
 
@@ -60,11 +94,11 @@ macro_rules! kernel {
     ($(#[$meta:meta])* fn $name:ident($($argument:ident: $kind:ty),* $(,)?) $(-> $result:ty)? $body:block) => {
         $(#[$meta])*
         #[allow(unsafe_code)]
-        pub(super) fn $name(
-            set: $crate::mechanics::fluid::instruction_set::InstructionSet,
+        pub(crate) fn $name(
+            set: $crate::linalg::instruction_set::InstructionSet,
             $($argument: $kind),*
         ) $(-> $result)? {
-            use $crate::mechanics::fluid::instruction_set::Kind;
+            use $crate::linalg::instruction_set::Kind;
             #[inline(always)]
             fn portable($($argument: $kind),*) $(-> $result)? $body
             #[cfg(target_arch = "x86_64")]
@@ -89,4 +123,4 @@ macro_rules! kernel {
         }
     };
 }
-pub(super) use kernel;
+pub(crate) use kernel;

@@ -1,0 +1,116 @@
+//! `rodlab reproduce`.
+
+use super::arguments::Common;
+use super::failure::Failure;
+use super::output::print;
+use crate::experiment::reproduce::{self, Artifact, ReproduceOptions};
+use clap::Args;
+use std::path::PathBuf;
+
+/// Arguments of `rodlab reproduce`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  rodlab reproduce --list
+  rodlab reproduce tab2.1 --quick
+  rodlab reproduce tab2.2 --jobs 4
+
+Runs that are finished are not made again, interrupted ones continue. With --jobs 1 a run has the machine to
+itself and its wall times can be compared.")]
+pub struct ReproduceArguments {
+    /// The table or figure, as --list shows it
+    #[arg(required_unless_present = "list", value_parser = artifact)]
+    pub artifact: Option<Artifact>,
+    /// List what can be reproduced, with a rough cost
+    #[arg(long, conflicts_with = "artifact")]
+    pub list: bool,
+    /// Simulate a short time only; every output says so
+    #[arg(long)]
+    pub quick: bool,
+    /// Where artefacts go, each into a folder of its name, and their runs, into the folder `cases`
+    #[arg(long, value_name = "DIR", default_value = "results/reproduced")]
+    pub out: PathBuf,
+    /// Runs at a time; they share the threads
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
+    pub jobs: u16,
+}
+
+fn artifact(name: &str) -> Result<Artifact, String> {
+    let names = || Artifact::ALL.map(Artifact::name).join(", ");
+    Artifact::named(name).ok_or_else(|| format!("there are {}", names()))
+}
+
+/// Makes an artefact and prints where its files are, or lists all.
+pub fn reproduce(arguments: &ReproduceArguments, common: &Common) -> Result<(), Failure> {
+    let Some(artifact) = arguments.artifact else {
+        return print(&list());
+    };
+    let options = ReproduceOptions {
+        directory: arguments.out.clone(),
+        quick: arguments.quick,
+        jobs: usize::from(arguments.jobs),
+        command_line: std::env::args_os()
+            .map(|argument| argument.to_string_lossy().into_owned())
+            .collect(),
+    };
+    let report = |line: &str| {
+        if !common.quiet {
+            eprintln!("{line}");
+        }
+    };
+    let written = reproduce::reproduce(artifact, &options, &report)?;
+    let lines: String = written
+        .iter()
+        .map(|path| format!("{}\n", path.display()))
+        .collect();
+    print(&lines)
+}
+
+/// A line per artefact: name, title, cost on one core.
+fn list() -> String {
+    let line = |artifact: Artifact| {
+        format!(
+            "{:<8}{:<66}{:>10}{:>10}\n",
+            artifact.name(),
+            artifact.title(),
+            duration(artifact.cost(false)),
+            duration(artifact.cost(true))
+        )
+    };
+    let header = format!("{:<74}{:>10}{:>10}\n", "", "one core", "--quick");
+    header + &Artifact::ALL.map(line).concat()
+}
+
+/// A rough duration in words.
+fn duration(seconds: f64) -> String {
+    if seconds < 90.0 {
+        format!("{seconds:.0} s")
+    } else if seconds < 5400.0 {
+        format!("{:.0} min", seconds / 60.0)
+    } else {
+        format!("{:.1} h", seconds / 3600.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_list_names_everything_that_is_accepted() {
+        let list = list();
+        for known in Artifact::ALL {
+            assert!(list.contains(known.name()) && list.contains(known.title()));
+            assert_eq!(artifact(known.name()), Ok(known));
+        }
+        assert!(artifact("fig9.9").unwrap_err().contains("tab2.1"));
+    }
+
+    #[test]
+    fn durations_are_rough() {
+        assert_eq!(
+            [42.4, 600.0, 9000.0].map(duration),
+            ["42 s", "10 min", "2.5 h"]
+        );
+    }
+}

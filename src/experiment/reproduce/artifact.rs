@@ -1,0 +1,143 @@
+//! What can be reproduced, and the runs that it takes.
+
+use super::bundling::{Bundling, ContactModel};
+
+/// A table or figure of the thesis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Artifact {
+    /// IMC against IPC: iterations and time.
+    Table2_1,
+    /// Convergence for growing friction.
+    Table2_2,
+    /// Difference between IMC and IPC.
+    Figure2_5,
+    /// Snapshots for growing friction.
+    Figure2_6,
+}
+
+/// Numbers of flagella of the thesis (section 2.4.2).
+pub(super) const FLAGELLA: [usize; 4] = [2, 3, 5, 10];
+/// Simulated time of the thesis, s.
+const END: f64 = 250.0;
+/// Simulated time of a quick look, s; that at a difference has 20 s of contact.
+const QUICK_END: f64 = 20.0;
+const QUICK_END_OF_DIFFERENCE: f64 = 25.0;
+
+impl Artifact {
+    /// All of them.
+    pub const ALL: [Self; 4] = [
+        Self::Table2_1,
+        Self::Table2_2,
+        Self::Figure2_5,
+        Self::Figure2_6,
+    ];
+
+    /// The artefact of a name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL
+            .into_iter()
+            .find(|artifact| artifact.name() == name)
+    }
+
+    /// What the command line and directories call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Table2_1 => "tab2.1",
+            Self::Table2_2 => "tab2.2",
+            Self::Figure2_5 => "fig2.5",
+            Self::Figure2_6 => "fig2.6",
+        }
+    }
+
+    /// What it shows, with its number.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Table2_1 => "Table 2.1: IMC and IPC, iterations and time of bundling flagella",
+            Self::Table2_2 => "Table 2.2: two flagella with growing friction, convergence",
+            Self::Figure2_5 => "Figure 2.5: difference between IMC and IPC, five flagella",
+            Self::Figure2_6 => "Figure 2.6: two flagella with growing friction, snapshots",
+        }
+    }
+
+    /// Rough cost of all its runs on one core, s.
+    pub fn cost(self, quick: bool) -> f64 {
+        self.runs(quick).iter().map(Bundling::cost).sum()
+    }
+
+    /// Its runs, those of IMC before those of IPC.
+    pub(super) fn runs(self, quick: bool) -> Vec<Bundling> {
+        let end = match (quick, self) {
+            (false, _) => END,
+            (true, Self::Figure2_5) => QUICK_END_OF_DIFFERENCE,
+            (true, _) => QUICK_END,
+        };
+        let both = |counts: &[usize]| {
+            let models = [ContactModel::Imc, ContactModel::Ipc];
+            let run = |model, flagella: &usize| Bundling {
+                flagella: *flagella,
+                model,
+                friction: 0.0,
+                end,
+            };
+            models
+                .into_iter()
+                .flat_map(|model| counts.iter().map(move |flagella| run(model, flagella)))
+                .collect()
+        };
+        let rubbing = |friction: f64| Bundling {
+            flagella: 2,
+            model: ContactModel::Imc,
+            friction,
+            end,
+        };
+        match self {
+            Self::Table2_1 => both(&FLAGELLA),
+            Self::Table2_2 => (1..=10)
+                .map(|tenths| rubbing(f64::from(tenths) / 10.0))
+                .collect(),
+            Self::Figure2_5 => both(&[5]),
+            Self::Figure2_6 => [0.0, 0.3, 0.7].map(rubbing).to_vec(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn artefacts_are_found_by_their_names() {
+        for artifact in Artifact::ALL {
+            assert_eq!(Artifact::named(artifact.name()), Some(artifact));
+        }
+        assert_eq!(Artifact::named("tab9.9"), None);
+    }
+
+    #[test]
+    fn runs_of_an_artefact_have_different_ids_and_are_scenarios() {
+        for artifact in Artifact::ALL {
+            for quick in [false, true] {
+                let runs = artifact.runs(quick);
+                let ids: BTreeSet<String> = runs.iter().map(Bundling::id).collect();
+                assert_eq!(ids.len(), runs.len(), "{artifact:?}");
+                for run in runs {
+                    assert_eq!(run.prepare().scene.rods.len(), run.flagella);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_runs_of_table_2_1_come_in_pairs_of_models() {
+        let runs = Artifact::Table2_1.runs(false);
+        let (penalty, barrier) = runs.split_at(FLAGELLA.len());
+        for (imc, ipc) in penalty.iter().zip(barrier) {
+            assert_eq!(
+                (imc.model, ipc.model),
+                (ContactModel::Imc, ContactModel::Ipc)
+            );
+            assert_eq!(imc.flagella, ipc.flagella);
+        }
+    }
+}

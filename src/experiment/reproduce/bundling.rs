@@ -1,0 +1,103 @@
+//! A run of bundling flagella with the parameters of the thesis, section 2.4.2.
+
+use crate::experiment::{PreparedRun, prepare};
+use crate::scenario::from_text_with;
+use std::path::Path;
+
+/// What the flagella scenarios have in common.
+const BASE: &str = include_str!("../../../scenarios/flagella_base.toml");
+
+/// A run of bundling flagella.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Bundling {
+    /// Number of flagella M.
+    pub flagella: usize,
+    /// Contact model.
+    pub model: ContactModel,
+    /// Friction coefficient μ.
+    pub friction: f64,
+    /// Simulated time, s.
+    pub end: f64,
+}
+
+/// Contact models that the thesis compares.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum ContactModel {
+    /// Implicit contact model.
+    Imc,
+    /// Incremental potential contact.
+    Ipc,
+}
+
+impl ContactModel {
+    /// Its abbreviation in the literature.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Imc => "IMC",
+            Self::Ipc => "IPC",
+        }
+    }
+
+    fn key(self) -> &'static str {
+        match self {
+            Self::Imc => "imc",
+            Self::Ipc => "ipc",
+        }
+    }
+}
+
+impl Bundling {
+    /// Name of its directory, such as `m2_imc_mu0.3_250s`.
+    pub fn id(&self) -> String {
+        let Self {
+            flagella,
+            model,
+            friction,
+            end,
+        } = self;
+        format!("m{flagella}_{}_mu{friction}_{end}s", model.key())
+    }
+
+    /// The run, ready to start.
+    pub fn prepare(&self) -> PreparedRun {
+        let overrides = [
+            format!("title=\"Bundling flagella, {}\"", self.id()),
+            format!("flagella.count={}", self.flagella),
+            format!("contact.model=\"{}\"", self.model.key()),
+            format!("contact.friction={:?}", self.friction),
+            format!("time.end={:?}", self.end),
+        ];
+        let loaded = from_text_with(&self.id(), BASE, Path::new(""), &overrides);
+        let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
+        prepare(&loaded.scenario).expect("a scene of the thesis is possible")
+    }
+
+    /// Rough cost on one core, s: 1 ms steps, whose fluid costs grow with the square of the flagella.
+    pub fn cost(&self) -> f64 {
+        let flagella = self.flagella as f64;
+        let rubbing = 1.0 + 3.0 * self.friction;
+        let step = (0.1e-3 * flagella + 0.04e-3 * flagella * flagella) * rubbing;
+        1e3 * self.end * step
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::Mode;
+
+    #[test]
+    fn ids_say_what_is_run() {
+        let bundling = Bundling {
+            flagella: 3,
+            model: ContactModel::Ipc,
+            friction: 0.7,
+            end: 20.0,
+        };
+        assert_eq!(bundling.id(), "m3_ipc_mu0.7_20s");
+        let prepared = bundling.prepare();
+        assert_eq!(prepared.name, bundling.id());
+        assert_eq!(prepared.mode, Mode::Dynamic { end: 20.0 });
+        assert_eq!(prepared.scene.contact.unwrap().friction, 0.7);
+    }
+}

@@ -1,0 +1,176 @@
+//! Contacts as constraints on the motion: what the complementarity model needs of the geometry (thesis 3.3).
+//!
+//! Near a configuration q the gap and the slip of a contact are linear in the displacements of its nodes,
+//!
+//! w_n = g + n·Σ w_m δx_m,   w_t = t·Σ w_m (x_m − x_mⁿ + δx_m),
+//!
+//! with the weights w of the contact points, which are also those by which a force at the contact points acts on the
+//! nodes. The forces that the model has found stay as they are, in direction and weights, until it
+//! finds new ones.
+
+use super::candidates::approach;
+use super::closest_points::ClosestPoints;
+use super::contacts::{ActiveContact, PlaneContact};
+use super::implicit_contact::ImplicitContact;
+use crate::mechanics::Vector3;
+
+/// What a constraint is between.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Bodies {
+    /// Index of the candidate pair of edges.
+    Edges(usize),
+    /// Index of the plane, under the first node.
+    Plane(usize),
+}
+
+/// A contact as a constraint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactConstraint {
+    bodies: Bodies,
+    /// The nodes; a plane has one, four times.
+    pub nodes: [usize; 4],
+    /// Weights of the nodes in the motion at the contact.
+    pub weights: [f64; 4],
+    /// Normal, from the second body to the first, and two tangents.
+    pub frame: [Vector3; 3],
+    /// Gap between the surfaces, m.
+    pub gap: f64,
+    /// Friction coefficient μ.
+    pub friction: f64,
+    /// Distance at which the surfaces touch, m.
+    threshold: f64,
+    /// Force on the first body, N.
+    force: Vector3,
+}
+
+impl ContactConstraint {
+    fn new(
+        bodies: Bodies,
+        nodes: [usize; 4],
+        weights: [f64; 4],
+        normal: Vector3,
+        [gap, threshold, friction]: [f64; 3],
+    ) -> Self {
+        let axis = Vector3::ith(normal.iamin(), 1.0);
+        let tangent = normal.cross(&axis).normalize();
+        Self {
+            bodies,
+            nodes,
+            weights,
+            frame: [normal, tangent, normal.cross(&tangent)],
+            gap,
+            friction,
+            threshold,
+            force: Vector3::zeros(),
+        }
+    }
+
+    /// Relative motion at the contact for a motion of all nodes.
+    pub fn relative_motion(&self, of_node: impl Fn(usize) -> Vector3) -> Vector3 {
+        (0..4)
+            .map(|m| of_node(self.nodes[m]) * self.weights[m])
+            .sum()
+    }
+}
+
+impl ImplicitContact {
+    /// Lists the contacts that the unhindered motion from `positions`, of at most `reaches` (m) per node, may close,
+    /// without forces. Friction slows the motion since `previous`.
+    pub fn list_constraints(&mut self, positions: &[Vector3], reaches: &[f64]) {
+        let slack = self.parameters().reach();
+        self.constraints.clear();
+        self.candidates.motion(positions, &mut self.motion);
+        let pairs = self.candidates.pairs().iter().zip(self.candidates.gaps());
+        for (candidate, (pair, earlier)) in pairs.enumerate() {
+            let closing = approach(pair, reaches) + slack;
+            if earlier - approach(pair, &self.motion) >= closing {
+                continue;
+            }
+            let closest = ClosestPoints::of(&pair.nodes.map(|node| positions[node]));
+            let (distance, threshold) = (closest.distance(), self.surface.threshold(pair.edges));
+            if distance - threshold < closing {
+                self.constraints.push(ContactConstraint::new(
+                    Bodies::Edges(candidate),
+                    pair.nodes,
+                    closest.weights(),
+                    closest.separation / distance,
+                    [distance - threshold, threshold, self.parameters().friction],
+                ));
+            }
+        }
+        for (index, plane) in self.planes.iter().enumerate() {
+            for surface in self.surface.nodes() {
+                let (node, radius) = (surface.node, surface.radius);
+                let gap = plane.distance(&positions[node]) - radius;
+                if gap < reaches[node] + slack {
+                    self.constraints.push(ContactConstraint::new(
+                        Bodies::Plane(index),
+                        [node; 4],
+                        [1.0, 0.0, 0.0, 0.0],
+                        plane.normal,
+                        [gap, radius, plane.friction],
+                    ));
+                }
+            }
+        }
+    }
+
+    /// The contacts that [`Self::list_constraints`] found.
+    pub fn constraints(&self) -> &[ContactConstraint] {
+        &self.constraints
+    }
+
+    /// Gives the listed contacts their forces, N, and drops those without; `components` has the component along the normal
+    /// for each, or those along all three axes of its frame.
+    pub fn load_constraints(&mut self, components: &[f64]) {
+        let directions = components.len() / self.constraints.len().max(1);
+        for (constraint, components) in self
+            .constraints
+            .iter_mut()
+            .zip(components.chunks(directions.max(1)))
+        {
+            let axes = constraint.frame.iter().zip(components);
+            constraint.force = axes.map(|(axis, component)| axis * *component).sum();
+        }
+        self.constraints
+            .retain(|constraint| constraint.force != Vector3::zeros());
+    }
+
+    /// Drops all constraints with their forces.
+    pub fn release_constraints(&mut self) {
+        self.constraints.clear();
+    }
+
+    /// Writes the forces of the loaded constraints as contacts, with the gaps at `positions`.
+    pub(super) fn evaluate_constraints(&mut self, positions: &[Vector3]) {
+        for constraint in &self.constraints {
+            let ContactConstraint {
+                nodes,
+                weights,
+                force,
+                threshold,
+                ..
+            } = *constraint;
+            let normal_force = force.dot(&constraint.frame[0]);
+            match constraint.bodies {
+                Bodies::Edges(candidate) => self.contacts.push(ActiveContact {
+                    candidate,
+                    nodes,
+                    distance: ClosestPoints::of(&nodes.map(|node| positions[node])).distance(),
+                    threshold,
+                    normal_force,
+                    force: std::array::from_fn(|row| weights[row / 3] * force[row % 3]),
+                }),
+                Bodies::Plane(plane) => self.plane_contacts.push(PlaneContact {
+                    node: nodes[0],
+                    plane,
+                    distance: self.planes[plane].distance(&positions[nodes[0]]),
+                    threshold,
+                    normal_force,
+                    force: force.into(),
+                }),
+            }
+        }
+        self.contact_count = self.constraints.len();
+    }
+}

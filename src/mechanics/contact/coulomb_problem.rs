@@ -1,0 +1,276 @@
+//! The frictional contact problem of one linearised step: Signorini's and Coulomb's laws for many contacts at
+//! once (thesis 3.3, Eqs. 3.1–3.3; Alart and Curnier 1991).
+//!
+//! Contact c has the force λ = (λ_n, λ_t) in its local frame, and the surfaces move by the gap and slip
+//! w = D λ + c, where D is the Delassus operator, symmetric and positive (semi)definite. Wanted is λ with
+//!
+//! - 0 ≤ λ_n ⊥ w_n ≥ 0 (Eq. 3.1),
+//! - ‖λ_t‖ ≤ μ λ_n, and λ_t = −μ λ_n w_t/‖w_t‖ where w_t ≠ 0 (Eq. 3.2).
+//!
+//! With any ρ > 0 this is the root of Alart and Curnier's function (Eq. 3.3),
+//!
+//! ```text
+//! Φ_n = λ_n − (λ_n − ρ_n w_n)₊,   Φ_t = λ_t − P(λ_t − ρ_t w_t),
+//! ```
+//!
+//! P being the projection on the disk of radius μ (λ_n − ρ_n w_n)₊. Φ is piecewise smooth, so that Newton's
+//! method with an element of its generalised Jacobian converges in a few steps near a solution. Farther
+//! away it may cycle: a step that does not lower ‖Φ‖ is replaced by sweeps of a projected Gauss–Seidel
+//! iteration, which is slow and hardly ever fails.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Newton steps, with the sweeps between them, before the problem counts as unsolved.
+const ITERATIONS: usize = 300;
+/// Halvings of a Newton step that makes things worse, before sweeps take its place.
+const HALVINGS: i32 = 4;
+/// Sweeps in place of a Newton step.
+const SWEEPS: usize = 30;
+/// Largest ‖Φ‖∞ of a solution, relative to the largest force.
+const TOLERANCE: f64 = 1e-9;
+/// Compliance added to the diagonal, relative to the largest: contacts that do the same work, as at the joint
+/// of two edges, share their force. It leaves a penetration of this fraction of the motion that contact
+/// prevents.
+const COMPLIANCE: f64 = 1e-6;
+
+/// A frictional contact problem. With `directions` 3, contact c owns the rows 3c (normal), 3c + 1 and 3c + 2
+/// (tangents); with 1 there is no friction and only the normal.
+#[derive(Clone, Debug)]
+pub(crate) struct CoulombProblem {
+    delassus: DMatrix<f64>,
+    /// Gap and slip without contact forces, m.
+    free: DVector<f64>,
+    friction: Vec<f64>,
+    directions: usize,
+    /// ρ of every row, N/m.
+    weights: DVector<f64>,
+}
+
+/// A problem that has no solution, or none that was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Unsolved;
+
+impl CoulombProblem {
+    /// The problem with the operator `delassus` (m/N), the free motion `free` (m) and a friction
+    /// coefficient per contact.
+    pub fn new(mut delassus: DMatrix<f64>, free: DVector<f64>, friction: Vec<f64>) -> Self {
+        let directions = free.len() / friction.len().max(1);
+        let compliance = COMPLIANCE * delassus.diagonal().amax();
+        for row in 0..free.len() {
+            delassus[(row, row)] += compliance;
+        }
+        let mut weights = delassus.diagonal().map(|entry| 1.0 / entry);
+        if directions == 3 {
+            // One weight for both tangents: the disk has no axes.
+            for tangent in (0..friction.len()).map(|contact| 3 * contact + 1) {
+                let weight = weights[tangent].min(weights[tangent + 1]);
+                weights[tangent] = weight;
+                weights[tangent + 1] = weight;
+            }
+        }
+        Self {
+            delassus,
+            free,
+            friction,
+            directions,
+            weights,
+        }
+    }
+
+    /// Finds the forces, N.
+    ///
+    /// # Errors
+    /// [`Unsolved`] when the iterations run out.
+    pub fn solve(&self) -> Result<DVector<f64>, Unsolved> {
+        let mut forces = DVector::zeros(self.free.len());
+        self.sweep(&mut forces);
+        let (mut function, mut jacobian) = self.linearize(&forces);
+        for _ in 0..ITERATIONS {
+            if function.amax() <= TOLERANCE * forces.amax() {
+                return Ok(forces);
+            }
+            let norm = function.norm();
+            let newton = jacobian.lu().solve(&function).and_then(|step| {
+                (0..=HALVINGS).find_map(|halvings| {
+                    let next = &forces - &step * 0.5_f64.powi(halvings);
+                    let there = self.linearize(&next);
+                    (there.0.norm() < norm).then_some((next, there))
+                })
+            });
+            (forces, (function, jacobian)) = newton.unwrap_or_else(|| {
+                let mut next = forces;
+                for _ in 0..SWEEPS {
+                    self.sweep(&mut next);
+                }
+                let there = self.linearize(&next);
+                (next, there)
+            });
+        }
+        Err(Unsolved)
+    }
+
+    /// One sweep of projected Gauss–Seidel: every contact in turn follows the laws while the others rest.
+    fn sweep(&self, forces: &mut DVector<f64>) {
+        for (contact, friction) in self.friction.iter().enumerate() {
+            let normal = self.directions * contact;
+            let gap = self.motion(normal, forces);
+            forces[normal] = (forces[normal] - self.weights[normal] * gap).max(0.0);
+            if self.directions == 3 {
+                let towards = [1, 2].map(|axis| {
+                    let row = normal + axis;
+                    forces[row] - self.weights[row] * self.motion(row, forces)
+                });
+                let size = towards[0].hypot(towards[1]);
+                let shrink = (friction * forces[normal] / size).min(1.0);
+                for axis in [0, 1] {
+                    forces[normal + 1 + axis] = if size > 0.0 {
+                        shrink * towards[axis]
+                    } else {
+                        0.0
+                    };
+                }
+            }
+        }
+    }
+
+    /// Gap or slip of a row, m.
+    fn motion(&self, row: usize, forces: &DVector<f64>) -> f64 {
+        // The operator is symmetric, and columns lie together in memory.
+        self.free[row] + self.delassus.column(row).dot(forces)
+    }
+
+    /// Φ and an element of its generalised Jacobian.
+    fn linearize(&self, forces: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
+        let motion = &self.free + &self.delassus * forces;
+        let mut function = forces.clone();
+        let mut jacobian = DMatrix::identity(forces.len(), forces.len());
+        for (contact, &friction) in self.friction.iter().enumerate() {
+            let normal = self.directions * contact;
+            let weight = self.weights[normal];
+            let pressure = forces[normal] - weight * motion[normal];
+            if pressure > 0.0 {
+                function[normal] = weight * motion[normal];
+                let row = self.delassus.row(normal) * weight;
+                jacobian.row_mut(normal).copy_from(&row);
+            }
+            if self.directions == 1 || !(pressure > 0.0) {
+                continue;
+            }
+            let rows = [normal + 1, normal + 2];
+            let towards = rows.map(|row| forces[row] - self.weights[row] * motion[row]);
+            let (size, radius) = (towards[0].hypot(towards[1]), friction * pressure);
+            // Rows of the derivative of `towards`, and of the pressure.
+            let along = rows.map(|row| {
+                let mut derivative = self.delassus.row(row) * -self.weights[row];
+                derivative[row] += 1.0;
+                derivative
+            });
+            if size <= radius {
+                for (row, along) in rows.iter().zip(&along) {
+                    function[*row] = self.weights[*row] * motion[*row];
+                    let difference = jacobian.row(*row) - along;
+                    jacobian.row_mut(*row).copy_from(&difference);
+                }
+                continue;
+            }
+            let unit = towards.map(|component| component / size);
+            let mut pressing = self.delassus.row(normal) * -weight;
+            pressing[normal] += 1.0;
+            let radial = &along[0] * unit[0] + &along[1] * unit[1];
+            for axis in [0, 1] {
+                let row = rows[axis];
+                function[row] = forces[row] - radius * unit[axis];
+                let turn = (&along[axis] - &radial * unit[axis]) * (radius / size);
+                let difference = jacobian.row(row) - &pressing * (friction * unit[axis]) - turn;
+                jacobian.row_mut(row).copy_from(&difference);
+            }
+        }
+        (function, jacobian)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_support::Random;
+    use super::*;
+
+    /// A random problem with an operator of rank `rank`.
+    fn random(seed: u64, contacts: usize, directions: usize, rank: usize) -> CoulombProblem {
+        let mut random = Random::new(seed);
+        let rows = directions * contacts;
+        let factor = DMatrix::from_fn(rows, rank, |_, _| random.symmetric());
+        // Free motions that forces can undo, which also a deficient operator admits.
+        let load = DVector::from_fn(rank, |_, _| random.symmetric());
+        let friction = (0..contacts).map(|_| 0.5 + 0.5 * random.symmetric());
+        let friction = friction.collect();
+        CoulombProblem::new(&factor * factor.transpose(), factor * load, friction)
+    }
+
+    /// Largest violation of the two laws, in units of the largest force and motion.
+    fn violation(problem: &CoulombProblem, forces: &DVector<f64>) -> f64 {
+        let motion = &problem.free + &problem.delassus * forces;
+        let (force_unit, motion_unit) = (forces.amax().max(1e-3), problem.free.amax());
+        let mut worst = 0.0_f64;
+        for (contact, friction) in problem.friction.iter().enumerate() {
+            let normal = problem.directions * contact;
+            let (force, gap) = (forces[normal] / force_unit, motion[normal] / motion_unit);
+            worst = worst.max(-force).max(-gap).max((force * gap).abs());
+            if problem.directions == 3 {
+                let force_t =
+                    nalgebra::Vector2::new(forces[normal + 1], forces[normal + 2]) / force_unit;
+                let slip =
+                    nalgebra::Vector2::new(motion[normal + 1], motion[normal + 2]) / motion_unit;
+                worst = worst.max(force_t.norm() - friction * force);
+                // Dissipation is the largest there is: −λ_t·w_t = μ λ_n ‖w_t‖.
+                worst = worst.max((force_t.dot(&slip) + friction * force * slip.norm()).abs());
+            }
+        }
+        worst
+    }
+
+    #[test]
+    fn solutions_obey_both_laws() {
+        for seed in 0..60 {
+            for (contacts, directions) in [(1, 3), (4, 1), (5, 3), (12, 3)] {
+                let rows = contacts * directions;
+                for rank in [rows, 2 * rows] {
+                    let problem = random(seed, contacts, directions, rank);
+                    let forces = problem.solve().unwrap();
+                    let violation = violation(&problem, &forces);
+                    assert!(violation < 1e-5, "{seed} {contacts} {rank}: {violation:e}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_block_on_an_incline_sticks_up_to_the_angle_of_friction() {
+        // Unit mass, unit step: the free motion is the pull of gravity along normal and tangent.
+        for friction in [0.2, 0.5, 1.0_f64] {
+            let limit = friction.atan();
+            for (angle, sticks) in [(limit - 1e-4, true), (limit + 1e-4, false)] {
+                let free = DVector::from_vec(vec![-angle.cos(), angle.sin(), 0.0]);
+                let problem = CoulombProblem::new(DMatrix::identity(3, 3), free, vec![friction]);
+                let forces = problem.solve().unwrap();
+                let (slip, traction) = (angle.sin() + forces[1], forces[1] / forces[0]);
+                assert!((forces[0] - angle.cos()).abs() < 1e-5);
+                if sticks {
+                    assert!(slip.abs() < 1e-5 && traction > -friction);
+                } else {
+                    assert!(slip > 5e-5 && (traction + friction).abs() < 1e-10);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn contacts_that_do_the_same_share_the_force() {
+        let problem = CoulombProblem::new(
+            DMatrix::from_element(2, 2, 1.0),
+            DVector::from_element(2, -1.0),
+            vec![0.0; 2],
+        );
+        let forces = problem.solve().unwrap();
+        assert!((forces[0] - 0.5).abs() < 1e-5 && (forces[0] - forces[1]).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,210 @@
+//! How far a step may go without crossing the barrier of incremental potential contact.
+
+use super::candidates::approach;
+use super::continuous_collision::{KEPT_GAP, safe_part};
+use super::implicit_contact::ImplicitContact;
+use crate::mechanics::Vector3;
+
+/// Most times that the candidates are built on one way. Every time the nodes may move by a radius of the
+/// thickest rod; a way that is longer is cut.
+const LEGS: usize = 16;
+
+/// How far nodes may move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LargestStep {
+    /// Part of the way that is free, from 0 to 1.
+    pub part: f64,
+    /// Whether the candidates had to be built anew on the way and are now others.
+    pub candidates_changed: bool,
+}
+
+impl ImplicitContact {
+    /// Largest part of the straight way of all nodes from `start` by `displacements` (m) along which no pair of
+    /// surfaces that may touch comes nearer than a tenth of its present gap; all of it with the implicit
+    /// contact model, which may penetrate.
+    ///
+    /// All pairs count that come near anywhere on the way: where the nodes leave the margin of the
+    /// candidates, these are built anew on the way. They are complete at the end of the free part.
+    ///
+    /// Surfaces that touch or overlap at `start` may not move at all.
+    pub fn largest_step(&mut self, start: &[Vector3], displacements: &[Vector3]) -> LargestStep {
+        let mut step = LargestStep {
+            part: 1.0,
+            candidates_changed: false,
+        };
+        if !self.parameters().is_barrier() {
+            return step;
+        }
+        let free = self.free_part_over_planes(start, displacements);
+        let mut place = std::mem::take(&mut self.place);
+        place.clear();
+        place.extend_from_slice(start);
+        step.part = 0.0;
+        for _ in 0..LEGS {
+            let leg = self.candidates.covered_part(&place, displacements);
+            let leg = leg.min(free - step.part);
+            let safe = self.free_part_between_edges(&place, displacements, leg);
+            step.part += safe;
+            if safe < leg || step.part >= free {
+                break;
+            }
+            for ((place, start), displacement) in place.iter_mut().zip(start).zip(displacements) {
+                *place = start + displacement * step.part;
+            }
+            step.candidates_changed |= self.renew_candidates(&place);
+        }
+        self.place = place;
+        step
+    }
+
+    /// The part up to `longest` that the candidates allow.
+    fn free_part_between_edges(
+        &mut self,
+        start: &[Vector3],
+        displacements: &[Vector3],
+        longest: f64,
+    ) -> f64 {
+        let reach = self.parameters().reach();
+        self.candidates.motion(start, &mut self.motion);
+        for (motion, displacement) in self.motion.iter_mut().zip(displacements) {
+            *motion += longest * displacement.norm();
+        }
+        let mut part = longest;
+        for (pair, earlier) in self.candidates.pairs().iter().zip(self.candidates.gaps()) {
+            if earlier - approach(pair, &self.motion) < reach {
+                let nodes = pair.nodes.map(|node| start[node]);
+                let moves = pair.nodes.map(|node| displacements[node]);
+                part = safe_part(&nodes, &moves, self.surface.threshold(pair.edges), part);
+            }
+        }
+        part
+    }
+
+    /// The part that the planes allow: the nodes approach them at constant speed.
+    fn free_part_over_planes(&self, start: &[Vector3], displacements: &[Vector3]) -> f64 {
+        let mut part = 1.0;
+        for plane in self.planes() {
+            for surface in self.surface.nodes() {
+                let gap = plane.distance(&start[surface.node]) - surface.radius;
+                let fall = -displacements[surface.node].dot(&plane.normal);
+                let room = ((1.0 - KEPT_GAP) * gap).max(0.0);
+                if gap <= 0.0 {
+                    return 0.0;
+                }
+                if fall * part > room {
+                    part = room / fall;
+                }
+            }
+        }
+        part
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::closest_points::edge_distance;
+    use super::super::test_support::Random;
+    use super::super::{ContactModel, ContactParameters, ContactPlane, ContactSurface};
+    use super::*;
+
+    const RADIUS: f64 = 1e-3;
+    const GAP: f64 = 1e-5;
+
+    /// Layers of straight rods across each other, a hundredth of a radius apart, the lowest over a plane.
+    fn stack(model: ContactModel) -> (ImplicitContact, Vec<Vector3>) {
+        let mut surface = ContactSurface::new();
+        let mut positions = Vec::new();
+        for rod in 0..16 {
+            let (layer, row) = (rod / 4, f64::from(rod % 4));
+            let height = RADIUS + GAP + f64::from(layer) * (2.0 * RADIUS + GAP);
+            let centreline: Vec<Vector3> = (0..8)
+                .map(|k| {
+                    let place = [4.3 * f64::from(k) - 6.0, 5.0 * row].map(|x| x * RADIUS);
+                    let turned = layer as usize % 2;
+                    Vector3::new(place[turned], place[1 - turned], height)
+                })
+                .collect();
+            surface.add_rod(positions.len(), &centreline, false, RADIUS, false);
+            positions.extend(centreline);
+        }
+        let plane = ContactPlane {
+            point: Vector3::zeros(),
+            normal: Vector3::z(),
+            friction: 0.0,
+        };
+        let parameters = ContactParameters {
+            model,
+            ..ContactParameters::default()
+        };
+        let contact = ImplicitContact::new(parameters, surface, vec![plane], 1.0);
+        (contact, positions)
+    }
+
+    /// Least gap between all surfaces, m, by brute force.
+    fn least_gap(contact: &ImplicitContact, positions: &[Vector3]) -> f64 {
+        let edges = contact.surface().edges();
+        let mut least = f64::INFINITY;
+        for i in 0..edges.len() {
+            for j in i + 1..edges.len() {
+                if contact.surface().may_touch(i, j) {
+                    let [a, b] = edges[i].nodes.map(|node| positions[node]);
+                    let [c, d] = edges[j].nodes.map(|node| positions[node]);
+                    least = least.min(edge_distance(&[a, b, c, d]) - 2.0 * RADIUS);
+                }
+            }
+        }
+        let heights = positions.iter().map(|x| x.z - RADIUS);
+        heights.fold(least, f64::min)
+    }
+
+    #[test]
+    fn nothing_crosses_on_the_way_however_long_it_is() {
+        let (mut longest, mut rebuilt) = (0.0_f64, 0);
+        for seed in 0..60 {
+            let (mut contact, start) = stack(ContactModel::IncrementalPotential);
+            let mut random = Random::new(seed);
+            // Apart or together, by up to a hundred radii.
+            let size = RADIUS * 10f64.powf(2.0 * random.symmetric());
+            let spread = Vector3::new(0.0, 0.0, 30.0 * (1.0 + random.symmetric()));
+            let moves: Vec<Vector3> = start
+                .iter()
+                .map(|x| spread * x.z + random.vector() * size)
+                .collect();
+            contact.update_candidates(&start);
+            let step = contact.largest_step(&start, &moves);
+            assert!(step.part > 0.0 && step.part <= 1.0);
+            for sample in 0..=40 {
+                let t = step.part * f64::from(sample) / 40.0;
+                let there: Vec<Vector3> =
+                    start.iter().zip(&moves).map(|(x, m)| x + m * t).collect();
+                assert!(least_gap(&contact, &there) > 0.099 * GAP, "{seed} at {t}");
+            }
+            let end: Vec<Vector3> = start
+                .iter()
+                .zip(&moves)
+                .map(|(x, m)| x + m * step.part)
+                .collect();
+            assert!(contact.candidates_are_complete(&end));
+            longest = longest.max(step.part);
+            rebuilt += usize::from(step.candidates_changed);
+        }
+        assert!(longest == 1.0 && rebuilt > 10, "{longest} {rebuilt}");
+    }
+
+    #[test]
+    fn a_penalty_sets_no_bound() {
+        let (mut contact, start) = stack(ContactModel::ImplicitContact);
+        let moves = vec![Vector3::z() * -1.0; start.len()];
+        assert_eq!(contact.largest_step(&start, &moves).part, 1.0);
+    }
+
+    #[test]
+    fn surfaces_in_contact_may_not_move() {
+        let (mut contact, mut positions) = stack(ContactModel::IncrementalPotential);
+        for x in &mut positions {
+            x.z -= GAP;
+        }
+        let moves = vec![Vector3::z(); positions.len()];
+        assert_eq!(contact.largest_step(&positions, &moves).part, 0.0);
+    }
+}

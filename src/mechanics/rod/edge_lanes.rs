@@ -1,0 +1,78 @@
+//! Stretching of [`LANES`] edges at a time, and what the spin of their frames adds: the formulas of
+//! [`super::edge`] and [`super::holonomy`] lane by lane.
+
+use super::edge::{stretching_gradient, stretching_hessian};
+use super::elastic::Edge;
+use super::frame_lanes::{FrameLanes, TransportLanes, VectorLanes, set_vector};
+use super::holonomy::holonomy_hessian;
+use crate::linalg::instruction_set::{LANES, Lanes, kernel};
+
+/// Symmetric 3×3 matrices, structure of arrays: xx, xy, xz, yy, yz, zz.
+pub(super) type SymmetricLanes = [Lanes; 6];
+
+/// Up to [`LANES`] edges, structure of arrays.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub(super) struct EdgeLanes {
+    /// What the frames are transported from.
+    pub from: TransportLanes,
+    /// The frames.
+    pub frames: FrameLanes,
+    natural_length: Lanes,
+    stiffness: Lanes,
+}
+
+impl EdgeLanes {
+    /// Natural lengths and stiffness of `edges`; lanes out of use hold edges without stiffness.
+    pub fn new(edges: &[Edge]) -> Self {
+        let mut lanes = Self {
+            from: TransportLanes::new(),
+            frames: FrameLanes::new(),
+            natural_length: [1.0; LANES],
+            stiffness: [0.0; LANES],
+        };
+        for (lane, edge) in edges.iter().enumerate() {
+            lanes.natural_length[lane] = edge.natural_length;
+            lanes.stiffness[lane] = edge.stretching;
+        }
+        lanes
+    }
+}
+
+kernel! {
+    /// [`stretching_gradient`] of every lane.
+    fn forces(edges: &EdgeLanes, forces: &mut VectorLanes) {
+        for lane in 0..LANES {
+            let (stiffness, natural) = (edges.stiffness[lane], edges.natural_length[lane]);
+            let frame = edges.frames.get(lane);
+            let force = stretching_gradient(stiffness, &frame.tangent, frame.length, natural);
+            set_vector(forces, lane, &force);
+        }
+    }
+}
+
+kernel! {
+    /// [`stretching_gradient`] of every lane, and [`stretching_hessian`] with [`holonomy_hessian`] for the
+    /// moments ∂E/∂φ.
+    fn derivatives(
+        edges: &EdgeLanes,
+        moments: &Lanes,
+        forces: &mut VectorLanes,
+        hessians: &mut SymmetricLanes,
+    ) {
+        for lane in 0..LANES {
+            let (stiffness, natural) = (edges.stiffness[lane], edges.natural_length[lane]);
+            let frame = edges.frames.get(lane);
+            let force = stretching_gradient(stiffness, &frame.tangent, frame.length, natural);
+            set_vector(forces, lane, &force);
+            let hessian = stretching_hessian(stiffness, &frame.tangent, frame.length, natural)
+                + holonomy_hessian(&edges.from.source(lane), &frame, moments[lane]);
+            hessians[0][lane] = hessian[(0, 0)];
+            hessians[1][lane] = hessian[(1, 0)];
+            hessians[2][lane] = hessian[(2, 0)];
+            hessians[3][lane] = hessian[(1, 1)];
+            hessians[4][lane] = hessian[(2, 1)];
+            hessians[5][lane] = hessian[(2, 2)];
+        }
+    }
+}

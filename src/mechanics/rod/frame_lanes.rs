@@ -1,0 +1,148 @@
+//! The frames of [`LANES`] edges at a time.
+
+use super::transport::parallel_transport;
+use super::vertex::EdgeFrame;
+use crate::linalg::instruction_set::{LANES, Lanes, kernel};
+use crate::mechanics::Vector3;
+
+/// Vectors, structure of arrays.
+pub(super) type VectorLanes = [Lanes; 3];
+
+/// The vector in a lane.
+#[inline(always)]
+pub(super) fn vector(lanes: &VectorLanes, lane: usize) -> Vector3 {
+    // Spelled out: `map` over the arrays keeps the loop over lanes from vectorising.
+    Vector3::new(lanes[0][lane], lanes[1][lane], lanes[2][lane])
+}
+
+/// Puts a vector into a lane.
+#[inline(always)]
+pub(super) fn set_vector(lanes: &mut VectorLanes, lane: usize, vector: &Vector3) {
+    for axis in 0..3 {
+        lanes[axis][lane] = vector[axis];
+    }
+}
+
+/// The same vector in every lane.
+pub(super) fn every_lane(vector: Vector3) -> VectorLanes {
+    [[vector.x; LANES], [vector.y; LANES], [vector.z; LANES]]
+}
+
+/// Framed edges, structure of arrays; meaning and units as in [`EdgeFrame`].
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub(super) struct FrameLanes {
+    tangent: VectorLanes,
+    length: Lanes,
+    director_1: VectorLanes,
+    director_2: VectorLanes,
+    holonomy: VectorLanes,
+}
+
+impl FrameLanes {
+    /// Edges along x, so that lanes out of use hold numbers.
+    pub fn new() -> Self {
+        Self {
+            tangent: every_lane(Vector3::x()),
+            length: [1.0; LANES],
+            director_1: every_lane(Vector3::y()),
+            director_2: every_lane(Vector3::z()),
+            holonomy: every_lane(Vector3::zeros()),
+        }
+    }
+
+    /// Puts an edge into a lane.
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, edge: &EdgeFrame) {
+        set_vector(&mut self.tangent, lane, &edge.tangent);
+        self.length[lane] = edge.length;
+        set_vector(&mut self.director_1, lane, &edge.director_1);
+        set_vector(&mut self.director_2, lane, &edge.director_2);
+        set_vector(&mut self.holonomy, lane, &edge.holonomy);
+    }
+
+    /// The edge in a lane.
+    #[inline(always)]
+    pub fn get(&self, lane: usize) -> EdgeFrame {
+        EdgeFrame {
+            tangent: vector(&self.tangent, lane),
+            length: self.length[lane],
+            director_1: vector(&self.director_1, lane),
+            director_2: vector(&self.director_2, lane),
+            holonomy: vector(&self.holonomy, lane),
+        }
+    }
+}
+
+/// What frames are made of, structure of arrays.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub(super) struct TransportLanes {
+    /// Edge vectors, m.
+    edge: VectorLanes,
+    /// Tangents and reference directors from which to transport.
+    source: VectorLanes,
+    director: VectorLanes,
+    /// Of the angle between reference and material director.
+    sine: Lanes,
+    cosine: Lanes,
+}
+
+impl TransportLanes {
+    /// Edges along x, so that lanes out of use hold numbers.
+    pub fn new() -> Self {
+        Self {
+            edge: every_lane(Vector3::x()),
+            source: every_lane(Vector3::x()),
+            director: every_lane(Vector3::y()),
+            sine: [0.0; LANES],
+            cosine: [1.0; LANES],
+        }
+    }
+
+    /// Puts an edge into a lane: its vector, the tangent and reference director from which it is
+    /// transported, and its angle, rad.
+    pub fn set(
+        &mut self,
+        lane: usize,
+        edge: &Vector3,
+        source: &Vector3,
+        director: &Vector3,
+        angle: f64,
+    ) {
+        set_vector(&mut self.edge, lane, edge);
+        set_vector(&mut self.source, lane, source);
+        set_vector(&mut self.director, lane, director);
+        (self.sine[lane], self.cosine[lane]) = libm::sincos(angle);
+    }
+
+    /// The tangent from which the edge in a lane is transported.
+    #[inline(always)]
+    pub fn source(&self, lane: usize) -> Vector3 {
+        vector(&self.source, lane)
+    }
+}
+
+kernel! {
+    /// Transports the reference directors of every lane to the present tangents, and turns the material
+    /// frames from them.
+    fn transport(from: &TransportLanes, frames: &mut FrameLanes, directors: &mut VectorLanes) {
+        for lane in 0..LANES {
+            let edge = vector(&from.edge, lane);
+            let source = from.source(lane);
+            let (sine, cosine) = (from.sine[lane], from.cosine[lane]);
+            let length = edge.norm();
+            let tangent = edge / length;
+            let director = parallel_transport(&vector(&from.director, lane), &source, &tangent);
+            let normal = tangent.cross(&director);
+            set_vector(directors, lane, &director);
+            frames.set(lane, &EdgeFrame {
+                tangent,
+                length,
+                director_1: director * cosine + normal * sine,
+                director_2: normal * cosine - director * sine,
+                holonomy: source.cross(&tangent) * (-1.0 / ((1.0 + source.dot(&tangent)) * length)),
+            });
+        }
+    }
+}

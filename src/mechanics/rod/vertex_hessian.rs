@@ -1,0 +1,201 @@
+//! The Hessian of the bending and twisting energy of a vertex; formulas and names as in [`super::vertex`].
+//!
+//! With the moments Q = ∂E/∂(strain) and the stiffness K it is Σ K ∇(strain)⊗∇(strain) + Σ Q ∇∇(strain).
+
+use super::vertex::{Common, EdgeFrame, Moments, VertexGradient, VertexStiffness, VertexStrains};
+use crate::mechanics::{Matrix3, Vector3};
+
+/// Blocks of the lower triangle of the Hessian over (e⁰, φ⁰, e¹, φ¹), but for (∂E/∂φ)∇c, which is added
+/// once per edge. The block of eⁱ and φʲ is a vector over eⁱ on either side of the diagonal.
+#[derive(Clone, Copy, Debug)]
+#[allow(missing_docs)] // the names are the rows and columns
+pub struct VertexHessian {
+    pub e0e0: Matrix3,
+    pub e1e0: Matrix3,
+    pub e1e1: Matrix3,
+    pub e0phi0: Vector3,
+    pub e0phi1: Vector3,
+    pub e1phi0: Vector3,
+    pub e1phi1: Vector3,
+    pub phi0phi0: f64,
+    pub phi1phi0: f64,
+    pub phi1phi1: f64,
+}
+
+/// Hessian of the energy of a vertex.
+#[inline(always)]
+pub fn hessian(
+    before: &EdgeFrame,
+    after: &EdgeFrame,
+    strains: &VertexStrains,
+    natural: &VertexStrains,
+    stiffness: &VertexStiffness,
+) -> VertexHessian {
+    let common = Common::new(before, after);
+    let moments = Moments::new(strains, natural, stiffness);
+    let [kappa_10, kappa_20, kappa_11, kappa_21] = strains.curvature;
+    let [bending_1, bending_2] = stiffness.bending;
+    // κ¹ turns into κ² and κ² into −κ¹ when the frame spins.
+    let first = [
+        curvature_gradient(
+            before,
+            after,
+            &common,
+            kappa_10,
+            &before.director_2,
+            [kappa_20, 0.0],
+        ),
+        curvature_gradient(
+            before,
+            after,
+            &common,
+            kappa_20,
+            &-before.director_1,
+            [-kappa_10, 0.0],
+        ),
+        curvature_gradient(
+            before,
+            after,
+            &common,
+            kappa_11,
+            &after.director_2,
+            [0.0, kappa_21],
+        ),
+        curvature_gradient(
+            before,
+            after,
+            &common,
+            kappa_21,
+            &-after.director_1,
+            [0.0, -kappa_11],
+        ),
+        twist_gradient(before, after, &common),
+    ];
+    let mut hessian = strain_curvature(before, after, &common, &moments);
+    hessian.add_square(bending_1, &first[0]);
+    hessian.add_square(bending_2, &first[1]);
+    hessian.add_square(bending_1, &first[2]);
+    hessian.add_square(bending_2, &first[3]);
+    hessian.add_square(stiffness.twisting, &first[4]);
+    hessian
+}
+
+impl VertexHessian {
+    /// Adds `weight` g⊗g.
+    #[inline(always)]
+    fn add_square(&mut self, weight: f64, g: &VertexGradient) {
+        let (e0, phi0) = (g.e0 * weight, g.phi0 * weight);
+        let (e1, phi1) = (g.e1 * weight, g.phi1 * weight);
+        self.e0e0 += outer(&e0, &g.e0);
+        self.e1e0 += outer(&e1, &g.e0);
+        self.e1e1 += outer(&e1, &g.e1);
+        self.e0phi0 += g.e0 * phi0;
+        self.e0phi1 += g.e0 * phi1;
+        self.e1phi0 += g.e1 * phi0;
+        self.e1phi1 += g.e1 * phi1;
+        self.phi0phi0 += g.phi0 * phi0;
+        self.phi1phi0 += g.phi0 * phi1;
+        self.phi1phi1 += g.phi1 * phi1;
+    }
+}
+
+/// Gradient of the curvature κ = d·κb, which changes at the rates `spins` when the frames spin.
+#[inline(always)]
+fn curvature_gradient(
+    before: &EdgeFrame,
+    after: &EdgeFrame,
+    common: &Common,
+    kappa: f64,
+    director: &Vector3,
+    spins: [f64; 2],
+) -> VertexGradient {
+    let (g0, g1) = common.natural_gradient(kappa, &(director * common.two_over_chi));
+    VertexGradient {
+        e0: g0 + before.holonomy * spins[0],
+        phi0: spins[0],
+        e1: g1 + after.holonomy * spins[1],
+        phi1: spins[1],
+    }
+}
+
+#[inline(always)]
+fn twist_gradient(before: &EdgeFrame, after: &EdgeFrame, common: &Common) -> VertexGradient {
+    let half = common.binormal * 0.5;
+    VertexGradient {
+        e0: half * common.inverse_length_0 - before.holonomy,
+        phi0: -1.0,
+        e1: half * common.inverse_length_1 + after.holonomy,
+        phi1: 1.0,
+    }
+}
+
+/// Σ Q ∇∇(strain).
+#[inline(always)]
+fn strain_curvature(
+    before: &EdgeFrame,
+    after: &EdgeFrame,
+    common: &Common,
+    moments: &Moments,
+) -> VertexHessian {
+    let (m0, m1) = moments.directors(before, after);
+    let (t0, t1, mean) = (&common.t0, &common.t1, &common.mean_tangent);
+    let binormal = &common.binormal;
+    let (l0, l1) = (common.inverse_length_0, common.inverse_length_1);
+    let inverse_chi = 0.5 * common.two_over_chi;
+    let (c0, c1) = (&before.holonomy, &after.holonomy);
+
+    let s = binormal.dot(&(m0 + m1));
+    let sigma = (m0 + m1) * common.two_over_chi;
+    let (g0, g1) = common.natural_gradient(s, &sigma);
+    let s_chi = s * inverse_chi;
+
+    // Spins: ∂S/∂φʲ and its gradients, from Nʲ = tʲ × Mʲ in the place of Mʲ.
+    let (n0, n1) = (t0.cross(&m0), t1.cross(&m1));
+    let (s_phi0, s_phi1) = (binormal.dot(&n0), binormal.dot(&n1));
+    let (g0_phi0, g1_phi0) = common.natural_gradient(s_phi0, &(n0 * common.two_over_chi));
+    let (g0_phi1, g1_phi1) = common.natural_gradient(s_phi1, &(n1 * common.two_over_chi));
+    let phi0phi0 = -binormal.dot(&m0);
+    let phi1phi1 = -binormal.dot(&m1);
+
+    let identity = Matrix3::identity();
+    let twist = 0.5 * moments.twisting;
+    let mut e0e0 = outer_symmetric(mean, &g0) * -l0
+        - (identity - outer(t0, t0)) * (s_chi * l0 * l0)
+        + outer_symmetric(binormal, &(m0 - (mean + t0) * twist)) * (0.5 * l0 * l0);
+    let mut e1e1 = outer_symmetric(mean, &g1) * -l1
+        - (identity - outer(t1, t1)) * (s_chi * l1 * l1)
+        + outer_symmetric(binormal, &(m1 - (mean + t1) * twist)) * (0.5 * l1 * l1);
+    let mut e0e1 = outer(mean, &g1) * -l0
+        - outer(&g0, mean) * l1
+        - ((identity + outer(t0, t1)) * s_chi
+            + (sigma - t0 * (twist * common.two_over_chi)).cross_matrix()
+            + outer(binormal, mean) * twist)
+            * (l0 * l1);
+    e0e0 += outer_symmetric(&g0_phi0, c0) + outer(c0, c0) * phi0phi0;
+    e1e1 += outer_symmetric(&g1_phi1, c1) + outer(c1, c1) * phi1phi1;
+    e0e1 += outer(&g0_phi1, c1) + outer(c0, &g1_phi0);
+    VertexHessian {
+        e0e0,
+        e1e0: e0e1.transpose(),
+        e1e1,
+        e0phi0: g0_phi0 + c0 * phi0phi0,
+        e0phi1: g0_phi1,
+        e1phi0: g1_phi0,
+        e1phi1: g1_phi1 + c1 * phi1phi1,
+        phi0phi0,
+        phi1phi0: 0.0,
+        phi1phi1,
+    }
+}
+
+/// a⊗b.
+#[inline(always)]
+fn outer(a: &Vector3, b: &Vector3) -> Matrix3 {
+    a * b.transpose()
+}
+
+/// a⊗b + b⊗a.
+#[inline(always)]
+fn outer_symmetric(a: &Vector3, b: &Vector3) -> Matrix3 {
+    outer(a, b) + outer(b, a)
+}

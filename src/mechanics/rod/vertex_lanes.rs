@@ -1,0 +1,204 @@
+//! Strains, gradient and Hessian of [`LANES`] vertices at a time: the formulas of [`super::vertex`] lane by lane.
+
+use super::elastic::Vertex;
+use super::frame_lanes::{FrameLanes, VectorLanes, every_lane, set_vector, vector};
+use super::transport::parallel_transport;
+use super::vertex::{self, EdgeFrame, VertexGradient, VertexStiffness, VertexStrains};
+use super::vertex_hessian;
+use crate::linalg::instruction_set::{InstructionSet, LANES, Lanes, kernel};
+use crate::mechanics::Vector3;
+
+/// Unknowns (x₋, θ⁰, x, θ¹, x₊) of a vertex.
+pub(super) const VERTEX_UNKNOWNS: usize = 11;
+
+/// Strains, structure of arrays; meaning and units as in [`VertexStrains`].
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+struct StrainLanes {
+    curvature: [Lanes; 4],
+    twist: Lanes,
+}
+
+impl StrainLanes {
+    fn new() -> Self {
+        Self {
+            curvature: [[0.0; LANES]; 4],
+            twist: [0.0; LANES],
+        }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, lane: usize, strains: &VertexStrains) {
+        for k in 0..4 {
+            self.curvature[k][lane] = strains.curvature[k];
+        }
+        self.twist[lane] = strains.twist;
+    }
+
+    #[inline(always)]
+    fn get(&self, lane: usize) -> VertexStrains {
+        let c = &self.curvature;
+        VertexStrains {
+            curvature: [c[0][lane], c[1][lane], c[2][lane], c[3][lane]],
+            twist: self.twist[lane],
+        }
+    }
+}
+
+/// Up to [`LANES`] vertices with their edges, structure of arrays.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub(super) struct VertexLanes {
+    before: FrameLanes,
+    after: FrameLanes,
+    /// Reference directors of the edges.
+    reference: [VectorLanes; 2],
+    strains: StrainLanes,
+    natural: StrainLanes,
+    bending: [Lanes; 2],
+    twisting: Lanes,
+}
+
+impl VertexLanes {
+    /// Natural strains and stiffness of `vertices`; lanes out of use hold a straight rod without stiffness.
+    pub fn new(vertices: &[Vertex]) -> Self {
+        let mut lanes = Self {
+            before: FrameLanes::new(),
+            after: FrameLanes::new(),
+            reference: [every_lane(Vector3::y()); 2],
+            strains: StrainLanes::new(),
+            natural: StrainLanes::new(),
+            bending: [[0.0; LANES]; 2],
+            twisting: [0.0; LANES],
+        };
+        for (lane, vertex) in vertices.iter().enumerate() {
+            lanes.natural.set(lane, &vertex.natural);
+            lanes.bending[0][lane] = vertex.stiffness.bending[0];
+            lanes.bending[1][lane] = vertex.stiffness.bending[1];
+            lanes.twisting[lane] = vertex.stiffness.twisting;
+        }
+        lanes
+    }
+
+    /// Puts the frames and reference directors of the edges of a vertex into a lane.
+    pub fn set_edges(&mut self, lane: usize, edges: [&EdgeFrame; 2], reference: [&Vector3; 2]) {
+        self.before.set(lane, edges[0]);
+        self.after.set(lane, edges[1]);
+        set_vector(&mut self.reference[0], lane, reference[0]);
+        set_vector(&mut self.reference[1], lane, reference[1]);
+    }
+
+    /// Computes the curvatures of every lane, and sine and cosine of the angle between the reference
+    /// directors.
+    pub fn bend(&mut self, set: InstructionSet) -> [Lanes; 2] {
+        let (mut curvature, mut angle) = ([[0.0; LANES]; 4], [[0.0; LANES]; 2]);
+        bend(set, self, &mut curvature, &mut angle);
+        self.strains.curvature = curvature;
+        angle
+    }
+
+    /// Sets the twist of a lane, rad.
+    pub fn set_twist(&mut self, lane: usize, twist: f64) {
+        self.strains.twist[lane] = twist;
+    }
+
+    /// Bending energy and twisting energy of a lane, J.
+    pub fn energies(&self, lane: usize) -> (f64, f64) {
+        let (strains, natural) = (self.strains.get(lane), self.natural.get(lane));
+        vertex::energies(&strains, &natural, &self.stiffness(lane))
+    }
+
+    #[inline(always)]
+    fn stiffness(&self, lane: usize) -> VertexStiffness {
+        VertexStiffness {
+            bending: [self.bending[0][lane], self.bending[1][lane]],
+            twisting: self.twisting[lane],
+        }
+    }
+}
+
+kernel! {
+    /// [`vertex::curvatures`] of every lane, and sine and cosine of the angle from the reference director
+    /// before, transported, to that after.
+    fn bend(vertices: &VertexLanes, curvature: &mut [Lanes; 4], angle: &mut [Lanes; 2]) {
+        for lane in 0..LANES {
+            let (before, after) = (vertices.before.get(lane), vertices.after.get(lane));
+            let reference = vector(&vertices.reference[0], lane);
+            let carried = parallel_transport(&reference, &before.tangent, &after.tangent);
+            let reference = vector(&vertices.reference[1], lane);
+            angle[0][lane] = carried.cross(&reference).dot(&after.tangent);
+            angle[1][lane] = carried.dot(&reference);
+            let [c0, c1, c2, c3] = vertex::curvatures(&before, &after);
+            curvature[0][lane] = c0;
+            curvature[1][lane] = c1;
+            curvature[2][lane] = c2;
+            curvature[3][lane] = c3;
+        }
+    }
+}
+
+/// Gradients over (x₋, θ⁰, x, θ¹, x₊).
+pub(super) type GradientLanes = [Lanes; VERTEX_UNKNOWNS];
+
+/// Lower triangles of Hessians over (x₋, θ⁰, x, θ¹, x₊): entry (i, j) at `[j][i - j]`, as in a band matrix.
+pub(super) type HessianLanes = [[Lanes; VERTEX_UNKNOWNS]; VERTEX_UNKNOWNS];
+
+kernel! {
+    /// [`vertex::gradient`] and [`vertex_hessian::hessian`] of every lane.
+    fn derivatives(vertices: &VertexLanes, gradients: &mut GradientLanes, hessians: &mut HessianLanes) {
+        for lane in 0..LANES {
+            let (before, after) = (vertices.before.get(lane), vertices.after.get(lane));
+            let (strains, natural) = (vertices.strains.get(lane), vertices.natural.get(lane));
+            let stiffness = vertices.stiffness(lane);
+            let gradient = vertex::gradient(&before, &after, &strains, &natural, &stiffness);
+            let h = vertex_hessian::hessian(&before, &after, &strains, &natural, &stiffness);
+            store_gradient(&gradient, lane, gradients);
+            for i in 0..3 {
+                for j in 0..3 {
+                    let (a, b, c) = (h.e0e0[(i, j)], h.e1e0[(i, j)], h.e1e1[(i, j)]);
+                    if j <= i {
+                        hessians[j][i - j][lane] = a;
+                        hessians[4 + j][i - j][lane] = a - b - h.e1e0[(j, i)] + c;
+                        hessians[8 + j][i - j][lane] = c;
+                    }
+                    hessians[j][4 + i - j][lane] = b - a;
+                    hessians[j][8 + i - j][lane] = -b;
+                    hessians[4 + j][4 + i - j][lane] = b - c;
+                }
+                hessians[i][3 - i][lane] = -h.e0phi0[i];
+                hessians[i][7 - i][lane] = -h.e0phi1[i];
+                hessians[3][1 + i][lane] = h.e0phi0[i] - h.e1phi0[i];
+                hessians[3][5 + i][lane] = h.e1phi0[i];
+                hessians[4 + i][3 - i][lane] = h.e0phi1[i] - h.e1phi1[i];
+                hessians[7][1 + i][lane] = h.e1phi1[i];
+            }
+            hessians[3][0][lane] = h.phi0phi0;
+            hessians[3][4][lane] = h.phi1phi0;
+            hessians[7][0][lane] = h.phi1phi1;
+        }
+    }
+}
+
+kernel! {
+    /// [`vertex::gradient`] of every lane.
+    fn gradients(vertices: &VertexLanes, gradients: &mut GradientLanes) {
+        for lane in 0..LANES {
+            let (before, after) = (vertices.before.get(lane), vertices.after.get(lane));
+            let (strains, natural) = (vertices.strains.get(lane), vertices.natural.get(lane));
+            let stiffness = vertices.stiffness(lane);
+            let gradient = vertex::gradient(&before, &after, &strains, &natural, &stiffness);
+            store_gradient(&gradient, lane, gradients);
+        }
+    }
+}
+
+#[inline(always)]
+fn store_gradient(gradient: &VertexGradient, lane: usize, gradients: &mut GradientLanes) {
+    for axis in 0..3 {
+        gradients[axis][lane] = -gradient.e0[axis];
+        gradients[4 + axis][lane] = gradient.e0[axis] - gradient.e1[axis];
+        gradients[8 + axis][lane] = gradient.e1[axis];
+    }
+    gradients[3][lane] = gradient.phi0;
+    gradients[7][lane] = gradient.phi1;
+}
