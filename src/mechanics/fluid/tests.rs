@@ -436,6 +436,9 @@ fn bad_descriptions_are_refused() {
         };
         assert!(refused(&model, &good));
     }
+    for error in [-1e-4, 1e-7, 0.1, f64::NAN] {
+        assert!(refused(&stokeslets(error), &good));
+    }
     let mut overlapping = good.clone();
     overlapping[1].first_node = 9;
     assert!(refused(&STOKESLETS, &overlapping));

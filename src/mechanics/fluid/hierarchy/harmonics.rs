@@ -164,3 +164,62 @@ fn times<const W: usize>(
     }
     product
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ORDER: usize = 12;
+
+    fn regular_table(r: [f64; 3]) -> Vec<[f64; 2]> {
+        let mut table = vec![Complex::default(); half_size(ORDER)];
+        let mut all = vec![Complex::default(); whole_size(ORDER)];
+        regular::<1>(ORDER, &r.map(|x| [x]), &mut table);
+        complete(ORDER, &table, &mut all);
+        all.iter().map(|[[re], [im]]| [*re, *im]).collect()
+    }
+
+    fn irregular_table(r: [f64; 3]) -> Vec<[f64; 2]> {
+        let mut table = vec![Complex::default(); whole_size(ORDER)];
+        irregular::<1>(ORDER, &r.map(|x| [x]), &mut table);
+        table.iter().map(|[[re], [im]]| [*re, *im]).collect()
+    }
+
+    #[test]
+    fn inverse_distances_expand() {
+        let (x, y) = ([1.2, -0.7, 0.9], [0.1, 0.2, -0.15]);
+        let distance = (0..3)
+            .map(|k| (x[k] - y[k]) * (x[k] - y[k]))
+            .sum::<f64>()
+            .sqrt();
+        let sum: f64 = (regular_table(y).iter().zip(irregular_table(x)))
+            .map(|(a, b)| a[0] * b[0] + a[1] * b[1])
+            .sum();
+        assert!((sum * distance - 1.0).abs() < 1e-9, "{sum} {distance}");
+    }
+
+    #[test]
+    fn regular_harmonics_add_up() {
+        let (x, y) = ([0.3, -0.7, 0.5], [0.4, 0.2, -0.6]);
+        let [a, b] = [x, y].map(regular_table);
+        let c = regular_table(std::array::from_fn(|k| x[k] + y[k]));
+        for n in 0..=ORDER {
+            for m in -(n as isize)..=n as isize {
+                let mut sum = [0.0; 2];
+                for k in 0..=n {
+                    for l in -(k as isize)..=k as isize {
+                        if (m - l).unsigned_abs() <= n - k {
+                            let (f, g) = (a[whole(k, l)], b[whole(n - k, m - l)]);
+                            sum[0] += f[0] * g[0] - f[1] * g[1];
+                            sum[1] += f[0] * g[1] + f[1] * g[0];
+                        }
+                    }
+                }
+                let expected = c[whole(n, m)];
+                for part in 0..2 {
+                    assert!((sum[part] - expected[part]).abs() < 1e-14, "{n} {m}");
+                }
+            }
+        }
+    }
+}

@@ -29,6 +29,8 @@ pub(in super::super) struct HierarchicalOperator {
     /// Of all clusters one after the other, as `locals`.
     multipoles: Vec<Coefficient>,
     locals: Vec<Coefficient>,
+    /// Scratch of raising and lowering.
+    shifts: ShiftTables,
 }
 
 #[derive(Default)]
@@ -65,6 +67,7 @@ impl HierarchicalOperator {
             leaves: Vec::new(),
             multipoles: Vec::new(),
             locals: Vec::new(),
+            shifts: ShiftTables::new(order),
         }
     }
 
@@ -197,7 +200,7 @@ impl HierarchicalOperator {
     /// Multipole expansions of the parents.
     fn raise(&mut self) {
         let size = half_size(self.order);
-        let mut tables = ShiftTables::new(self.order);
+        let tables = &mut self.shifts;
         for (index, cluster) in self.tree.clusters.iter().enumerate().rev() {
             // Children come after their parent.
             let (before, after) = self.multipoles.split_at_mut((index + 1) * size);
@@ -205,14 +208,7 @@ impl HierarchicalOperator {
             for child in cluster.children.into_iter().flatten() {
                 let shift = self.tree.clusters[child].centre - cluster.centre;
                 let from = &after[(child - index - 1) * size..][..size];
-                raise(
-                    self.set,
-                    self.order,
-                    &shift.into(),
-                    from,
-                    parent,
-                    &mut tables,
-                );
+                raise(self.set, self.order, &shift.into(), from, parent, tables);
             }
         }
     }
@@ -265,14 +261,14 @@ impl HierarchicalOperator {
     /// Adds the local expansions of the parents to those of the children.
     fn lower(&mut self) {
         let size = half_size(self.order);
-        let mut tables = ShiftTables::new(self.order);
+        let tables = &mut self.shifts;
         for (index, cluster) in self.tree.clusters.iter().enumerate() {
             let (before, after) = self.locals.split_at_mut((index + 1) * size);
             let parent = &before[index * size..];
             for child in cluster.children.into_iter().flatten() {
                 let shift = self.tree.clusters[child].centre - cluster.centre;
                 let to = &mut after[(child - index - 1) * size..][..size];
-                lower(self.set, self.order, &shift.into(), parent, to, &mut tables);
+                lower(self.set, self.order, &shift.into(), parent, to, tables);
             }
         }
     }

@@ -1,9 +1,12 @@
 //! Tests of the hierarchical operator against the exact one.
 
 use super::super::{Filament, FlowOperator};
+use super::interactions::Interactions;
+use super::tree::Tree;
 use super::*;
 use crate::linalg::instruction_set::InstructionSet;
 use crate::mechanics::Vector3;
+use crate::mechanics::fluid::chain::links;
 use std::f64::consts::PI;
 
 const NODES: usize = 68;
@@ -93,6 +96,30 @@ fn rings_and_rods_of_different_radii_keep_their_error() {
     let mut operator = HierarchicalOperator::new(&filaments, 1.02, 10);
     let error = relative_error(&product(&mut operator, &positions), &expected);
     assert!(error < 1e-6, "{error:e}");
+}
+
+#[test]
+fn every_pair_of_nodes_is_in_one_pair_of_clusters() {
+    let (filaments, positions) = mixture();
+    let mut tree = Tree::default();
+    tree.build(&links(&filaments, 1.02), &positions);
+    let mut interactions = Interactions::default();
+    interactions.find(&tree);
+    let nodes = |cluster: usize| &tree.order[tree.clusters[cluster].nodes.clone()];
+    let mut met = vec![0; positions.len() * positions.len()];
+    for lists in [&interactions.far, &interactions.near] {
+        assert!(lists.iter().any(|sources| !sources.is_empty()));
+        for (target, sources) in lists.iter().enumerate() {
+            for &source in sources {
+                for &i in nodes(target) {
+                    for &j in nodes(source) {
+                        met[i * positions.len() + j] += 1;
+                    }
+                }
+            }
+        }
+    }
+    assert!(met.iter().all(|&times| times == 1));
 }
 
 #[test]

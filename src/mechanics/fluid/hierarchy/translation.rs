@@ -166,7 +166,7 @@ kernel! {
             add_along(displacement, [x, y, z], rest);
         }
         for n in 0..=order {
-            let parity = if n % 2 == 0 { 1.0 } else { -1.0 };
+            let parity = if n.is_multiple_of(2) { 1.0 } else { -1.0 };
             let row = &mut row[..half_size(order - n)];
             for m in 0..=n {
                 for k in 0..=order - n {
