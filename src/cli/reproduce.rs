@@ -49,7 +49,9 @@ pub fn reproduce(arguments: &ReproduceArguments, common: &Common) -> Result<(), 
         directory: arguments.out.clone(),
         quick: arguments.quick,
         jobs: usize::from(arguments.jobs),
-        command_line: std::env::args_os()
+        // Pages are for others: where the program lies on this machine is none of their business.
+        command_line: std::iter::once("rodlab".into())
+            .chain(std::env::args_os().skip(1))
             .map(|argument| argument.to_string_lossy().into_owned())
             .collect(),
     };
