@@ -5,9 +5,9 @@ use rodlab::mechanics::dynamics::{Simulation, StepSize};
 use rodlab::{experiment, scenario};
 use std::path::Path;
 
-/// The scenario of `count` flagella with the contact model `contact`, advanced by large steps to a time when
-/// they touch.
-fn touching(count: usize, contact: &str) -> Simulation {
+/// The scenario of `count` flagella with the contact model `contact`, advanced by large steps to `time` (s),
+/// when they touch in many places.
+fn touching(count: usize, contact: &str, time: f64) -> Simulation {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/flagella_base.toml");
     let set = [
         format!("flagella.count={count}"),
@@ -20,8 +20,8 @@ fn touching(count: usize, contact: &str) -> Simulation {
         maximum: 0.01,
     };
     let mut large_steps = Simulation::new(&prepared.scene, &prepared.integration).expect("sound");
-    while large_steps.time() < 6.0 {
-        large_steps.advance(6.0).expect("converges");
+    while large_steps.time() < time {
+        large_steps.advance(time).expect("converges");
     }
     prepared.integration.step = StepSize::Fixed(1e-3);
     let mut simulation = Simulation::new(&prepared.scene, &prepared.integration).expect("sound");
@@ -38,8 +38,13 @@ fn touching(count: usize, contact: &str) -> Simulation {
 fn flagella_step(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("step of 1 ms in contact");
     group.sample_size(10);
-    for (count, contact) in [(2, "imc"), (2, "ipc"), (10, "imc"), (10, "ipc")] {
-        let mut simulation = touching(count, contact);
+    for (count, contact, time) in [
+        (2, "imc", 12.0),
+        (2, "ipc", 12.0),
+        (10, "imc", 25.0),
+        (10, "ipc", 25.0),
+    ] {
+        let mut simulation = touching(count, contact, time);
         let name = format!("M = {count}, {}", contact.to_uppercase());
         let (mut steps, mut contacts, mut iterations) = (0, 0, 0);
         group.bench_function(&name, |bencher| {

@@ -3,11 +3,13 @@
 //! The loop is [`Simulation::advance`]: drag at the start of the step, contact candidates, an implicit
 //! stage solved by Newton's method, smaller steps where that fails, and acceptance.
 
+mod failure;
 mod newton;
 mod observe;
 mod parameters;
 mod report;
 mod simulation;
+mod stage;
 mod step_control;
 
 pub use parameters::{IntegrationParameters, Scheme, StepSize};

@@ -1,14 +1,16 @@
 //! A running simulation: owns the state and advances it step by step.
 
-use super::newton::{Newton, Stopping};
+use super::failure::Failure;
+use super::newton::Newton;
 use super::parameters::{IntegrationParameters, Scheme, StepSize};
 use super::report::{SimulationError, StepReport};
+use super::stage::Attempt;
 use super::step_control::{StepControl, Verdict};
 use crate::mechanics::contact::ActiveContact;
 use crate::mechanics::fluid::{Filament, Fluid, FluidModel};
 use crate::mechanics::rod::{STRIDE, topology::position};
 use crate::mechanics::scene::Scene;
-use crate::mechanics::system::{Divergence, Stage, System, copy_positions, describe_overlap};
+use crate::mechanics::system::{Stage, System, copy_positions};
 use crate::mechanics::{Matrix3, Vector3, statics};
 
 /// Factor by which the contact stiffness grows when a step ends with too much penetration.
@@ -19,11 +21,6 @@ const STIFFENINGS: usize = 3;
 /// What rigid contact is for: the midpoint rule would extrapolate through it, and statics has no free motion that
 /// contact could prevent.
 const ONLY_EULER: &str = "contact by complementarity needs time steps of implicit Euler";
-/// Times that contact forces and the rods under them are found in turn before the step counts as failed.
-const CONTACT_PASSES: usize = 30;
-
-/// Part of the free way that a shortened predictor goes: less than all, so that it is free in spite of rounding.
-const PREDICTED_PART: f64 = 0.9;
 
 /// A scene in motion.
 pub struct Simulation {
@@ -46,34 +43,6 @@ pub struct Simulation {
     pub(super) fluid_forces: Vec<Vector3>,
     pub(super) edge_angles: Vec<f64>,
     pub(super) radius: f64,
-}
-
-/// What one attempt at a step found.
-struct Attempt {
-    iterations: usize,
-    error: f64,
-}
-
-enum Failure {
-    Newton(Divergence),
-    Penetration {
-        iterations: usize,
-        what: String,
-    },
-    /// Where the motion leads, or must lead, surfaces would cross.
-    Crossing {
-        iterations: usize,
-        what: &'static str,
-    },
-}
-
-impl Failure {
-    fn iterations(&self) -> usize {
-        match self {
-            Self::Newton(divergence) => divergence.iterations,
-            Self::Penetration { iterations, .. } | Self::Crossing { iterations, .. } => *iterations,
-        }
-    }
 }
 
 impl Simulation {
@@ -257,171 +226,6 @@ impl Simulation {
         }
     }
 
-    /// Solves the implicit stage of a step to `goal`; leaves its solution in `trial`.
-    fn attempt(&mut self, goal: f64) -> Result<Attempt, Failure> {
-        let step = goal - self.time;
-        let (stage_step, stage_time) = match self.parameters.scheme {
-            Scheme::ImplicitEuler => (step, goal),
-            Scheme::ImplicitMidpoint => (0.5 * step, self.time + 0.5 * step),
-        };
-        self.stage.step = stage_step;
-        self.stage.start.copy_from_slice(&self.unknowns);
-        self.stage.velocity.copy_from_slice(&self.velocity);
-        self.stage.positions.copy_from_slice(&self.positions);
-        self.predict(stage_step);
-        self.system.drive(stage_time, &mut self.trial);
-        self.shorten_predictor()?;
-        self.system
-            .adapt_contact_stiffness(&self.trial, &self.stage);
-        let stopping = Stopping {
-            force: self
-                .system
-                .force_tolerance(self.parameters.force_tolerance, &self.unknowns),
-            displacement: self.parameters.displacement_tolerance * self.radius,
-            iterations: self.parameters.maximum_iterations,
-        };
-        let (mut iterations, mut passes) = (0, 0);
-        loop {
-            let mut settled = true;
-            if self.system.has_constraints() {
-                passes += 1;
-                iterations += 1;
-                settled = self.find_contact_forces(stopping.displacement, iterations)?;
-                if !settled && passes == CONTACT_PASSES {
-                    return Err(self.no_contact_forces(iterations));
-                }
-            }
-            iterations += self
-                .newton
-                .solve(&mut self.system, &self.stage, &mut self.trial, &stopping)
-                .map_err(Failure::Newton)?;
-            // A contact may be missing where rods have moved far; then go on with new candidates.
-            let complete = self.system.candidates_are_complete(&self.trial);
-            if complete && settled {
-                break;
-            }
-            if !complete {
-                self.system.update_candidates(&self.trial);
-            }
-        }
-        if let Some(contact) = &self.system.contact
-            && let Some(overlap) = contact.excessive_penetration()
-        {
-            let what = describe_overlap(&overlap, contact, &self.system.assembly);
-            return Err(Failure::Penetration { iterations, what });
-        }
-        if self.parameters.scheme == Scheme::ImplicitMidpoint {
-            for (end, start) in self.trial.iter_mut().zip(&self.unknowns) {
-                *end = 2.0 * *end - start;
-            }
-            self.system.drive(goal, &mut self.trial);
-            self.system.update_geometry(&self.trial);
-            if self.system.largest_step(&self.unknowns, &self.trial) < 1.0 {
-                let what = "the extrapolation of the midpoint rule leads through a contact";
-                return Err(Failure::Crossing { iterations, what });
-            }
-        }
-        Ok(Attempt {
-            iterations,
-            error: self.velocity_after(step),
-        })
-    }
-
-    /// Extrapolates positions and angles to the implicit stage with the acceleration of the last step.
-    fn predict(&mut self, stage_step: f64) {
-        let fraction = match self.parameters.scheme {
-            Scheme::ImplicitEuler => 1.0,
-            Scheme::ImplicitMidpoint => 0.5,
-        };
-        let growth = if self.earlier_step > 0.0 {
-            fraction * stage_step / self.earlier_step
-        } else {
-            0.0
-        };
-        for k in 0..self.trial.len() {
-            let change = self.velocity[k] - self.earlier_velocity[k];
-            self.trial[k] = self.unknowns[k] + stage_step * (self.velocity[k] + growth * change);
-        }
-    }
-
-    /// Finds the contact forces of complementarity at the trial; whether they move no node farther than
-    /// `tolerance`, m.
-    fn find_contact_forces(&mut self, tolerance: f64, iterations: usize) -> Result<bool, Failure> {
-        match self.system.find_contact_forces(&self.trial, &self.stage) {
-            Ok(correction) => Ok(correction <= tolerance),
-            Err(_) => Err(self.no_contact_forces(iterations)),
-        }
-    }
-
-    fn no_contact_forces(&self, iterations: usize) -> Failure {
-        let (_, unknown) = self.system.worst_residual();
-        Failure::Newton(Divergence {
-            iterations,
-            residual: f64::NAN,
-            unknown,
-        })
-    }
-
-    /// Shortens the predictor where it crosses a contact that must not be crossed, to rest if need be. Held
-    /// unknowns stay as prescribed.
-    fn shorten_predictor(&mut self) -> Result<(), Failure> {
-        let free = self.system.largest_step(&self.unknowns, &self.trial);
-        if free >= 1.0 {
-            return Ok(());
-        }
-        for part in [PREDICTED_PART * free, 0.0] {
-            for k in 0..self.trial.len() {
-                if !self.system.assembly.held[k] {
-                    self.trial[k] = self.unknowns[k] + part * (self.trial[k] - self.unknowns[k]);
-                }
-            }
-            if self.system.largest_step(&self.unknowns, &self.trial) >= 1.0 {
-                return Ok(());
-            }
-        }
-        Err(Failure::Crossing {
-            iterations: 0,
-            what: "the prescribed motion of a clamp leads through a contact",
-        })
-    }
-
-    /// Writes the velocity at the end of a step and returns the local error of the positions, m:
-    /// ½ h |v₁ − v₀| for implicit Euler; h/12 times the second difference of the velocity for the
-    /// midpoint rule.
-    fn velocity_after(&mut self, step: f64) -> f64 {
-        let growth = if self.earlier_step > 0.0 {
-            step / self.earlier_step
-        } else {
-            0.0
-        };
-        let mut error = 0.0;
-        for k in 0..self.trial.len() {
-            let mean = (self.trial[k] - self.unknowns[k]) / step;
-            let (after, local) = match self.parameters.scheme {
-                Scheme::ImplicitEuler => (mean, 0.5 * step * (mean - self.velocity[k])),
-                Scheme::ImplicitMidpoint => {
-                    // A prescribed motion has corners, across which reflection would ring.
-                    let held = self.system.assembly.held[k];
-                    let after = if held {
-                        mean
-                    } else {
-                        2.0 * mean - self.velocity[k]
-                    };
-                    let earlier_change = growth * (self.velocity[k] - self.earlier_velocity[k]);
-                    (
-                        after,
-                        step / 12.0 * (after - self.velocity[k] - earlier_change),
-                    )
-                }
-            };
-            self.next_velocity[k] = after;
-            if k % STRIDE != 3 {
-                error = f64::max(error, local.abs());
-            }
-        }
-        error
-    }
-
     fn judge(&mut self, step: f64, attempt: &Attempt) -> Verdict {
         let StepSize::Auto { tolerance, .. } = self.parameters.step else {
             return Verdict::Accepted;
@@ -474,22 +278,6 @@ impl Simulation {
         }
     }
 
-    /// Returns to the last accepted state and says why the step failed.
-    fn give_up(&mut self, step: f64, failure: Failure) -> SimulationError {
-        let error = match failure {
-            Failure::Newton(divergence) => self.no_convergence(step, &divergence),
-            Failure::Penetration { what, .. } => {
-                SimulationError::Unphysical(format!("at t = {:.6e} s {what}", self.time))
-            }
-            Failure::Crossing { what, .. } => {
-                SimulationError::Unphysical(format!("at t = {:.6e} s {what}", self.time))
-            }
-        };
-        self.system.drive(self.time, &mut self.unknowns);
-        self.system.update_geometry(&self.unknowns);
-        error
-    }
-
     /// Counts the contacts of the last evaluation and finds the nearest.
     fn report_contacts(&self, report: &mut StepReport) {
         let Some(contact) = &self.system.contact else {
@@ -501,36 +289,5 @@ impl Simulation {
         };
         report.minimum_distance = smallest(|pair| pair.distance);
         report.minimum_distance_ratio = smallest(|pair| pair.distance / pair.threshold);
-    }
-
-    /// Term, rod and node of the largest residual at a failed configuration.
-    fn culprit(&mut self, stage: Option<&Stage>, unknown: usize) -> (&'static str, String, usize) {
-        let term = self.system.largest_term(&self.trial, stage, unknown);
-        let (rod, node) = self.system.assembly.locate(unknown / STRIDE);
-        (term, self.system.assembly.names[rod].clone(), node)
-    }
-
-    fn no_convergence(&mut self, step: f64, divergence: &Divergence) -> SimulationError {
-        let stage = self.stage.clone();
-        let (term, rod, node) = self.culprit(Some(&stage), divergence.unknown);
-        SimulationError::NoConvergence {
-            time: self.time,
-            step,
-            residual: divergence.residual,
-            term,
-            rod,
-            node,
-        }
-    }
-
-    fn no_equilibrium(&mut self, divergence: &Divergence) -> SimulationError {
-        let (term, rod, node) = self.culprit(None, divergence.unknown);
-        SimulationError::NoEquilibrium {
-            iterations: divergence.iterations,
-            residual: divergence.residual,
-            term,
-            rod,
-            node,
-        }
     }
 }

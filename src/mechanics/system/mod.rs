@@ -15,13 +15,18 @@ mod clamps;
 mod complementarity;
 mod loads;
 mod newton_matrix;
+mod residual;
+mod touching;
 
 pub use build::Assembly;
 pub use clamps::Drive;
 pub use complementarity::NoContactForces;
 use newton_matrix::NewtonMatrix;
+pub use residual::TERMS;
+use touching::contact_of;
+pub use touching::describe_overlap;
 
-use super::contact::{ContactPlane, ContactSurface, ImplicitContact};
+use super::contact::ImplicitContact;
 use super::rod::{
     ElasticEnergy, GhostEdge, ReferenceFrames, RodGeometry, STRIDE, topology::position,
 };
@@ -86,9 +91,6 @@ pub struct System {
     has_planes: bool,
     matrix: NewtonMatrix,
 }
-
-/// The terms of the residual, for the message that says which one diverged.
-pub const TERMS: [&str; 4] = ["inertia and drag", "elastic", "external load", "contact"];
 
 impl System {
     /// Sets up a scene at time zero.
@@ -365,159 +367,11 @@ impl System {
         self.contact = Some(contact);
     }
 
-    /// Largest residual of a free unknown in N (moments divided by the shortest edge), and its unknown.
-    pub fn worst_residual(&self) -> (f64, usize) {
-        let mut worst = (0.0, 0);
-        let per_length = 1.0 / self.assembly.shortest_edge;
-        for (k, (&value, &held)) in self.residual.iter().zip(&self.assembly.held).enumerate() {
-            if held {
-                continue;
-            }
-            let size = if k % STRIDE == 3 {
-                value.abs() * per_length
-            } else {
-                value.abs()
-            };
-            if size > worst.0 || size.is_nan() {
-                worst = (size, k);
-            }
-        }
-        worst
-    }
-
-    /// Sum of squares of the residual of the free unknowns, moments divided by the shortest edge, N².
-    pub fn squared_residual(&self) -> f64 {
-        self.square(&self.residual)
-    }
-
-    fn square(&self, residual: &[f64]) -> f64 {
-        let weights = [1.0, 1.0, 1.0, 1.0 / self.assembly.shortest_edge];
-        let mut sums = [0.0; STRIDE];
-        let held = self.assembly.held.chunks_exact(STRIDE);
-        for (values, held) in residual.chunks_exact(STRIDE).zip(held) {
-            for k in 0..STRIDE {
-                let value = if held[k] { 0.0 } else { weights[k] * values[k] };
-                sums[k] += value * value;
-            }
-        }
-        sums.iter().sum()
-    }
-
-    /// Name of the term that is largest at one unknown.
-    pub fn largest_term(
-        &mut self,
-        unknowns: &[f64],
-        stage: Option<&Stage>,
-        unknown: usize,
-    ) -> &'static str {
-        let total = self.residual[unknown];
-        let mut elastic = vec![0.0; self.residual.len()];
-        self.update_geometry(unknowns);
-        self.assembly
-            .rods
-            .add_gradient(&self.geometry, &mut elastic);
-        let mut inertia = vec![0.0; self.residual.len()];
-        if let Some(stage) = stage {
-            add_inertia(&self.assembly, stage, unknowns, &mut inertia);
-        }
-        let load = -self.dead_forces[unknown];
-        let known = [inertia[unknown], elastic[unknown], load];
-        let contact = total - known.iter().sum::<f64>();
-        let sizes = [known[0], known[1], known[2], contact];
-        let largest = (0..4).max_by(|&a, &b| sizes[a].abs().total_cmp(&sizes[b].abs()));
-        TERMS[largest.unwrap_or(0)]
-    }
-
-    /// Tolerance for the residual: `relative` times the largest of EI/L², the loads and the contact forces
-    /// of the last step, but no less than what rounding of the positions leaves, N.
-    pub fn force_tolerance(&self, relative: f64, unknowns: &[f64]) -> f64 {
-        let largest_load = self
-            .dead_forces
-            .iter()
-            .fold(0.0_f64, |largest, f| largest.max(f.abs()));
-        let largest_contact = self
-            .contact
-            .as_ref()
-            .map_or(0.0, ImplicitContact::largest_normal_force);
-        let scale = self
-            .assembly
-            .force_scale
-            .max(largest_load)
-            .max(largest_contact);
-        let positions = unknowns.iter().enumerate().filter(|(k, _)| k % STRIDE != 3);
-        let farthest = positions.fold(0.0_f64, |farthest, (_, x)| farthest.max(x.abs()));
-        (relative * scale).max(8.0 * self.assembly.rounding_stiffness * farthest)
-    }
-
     /// The Jacobian of the last linearisation as a dense matrix over all unknowns, held ones with unit
     /// diagonals; for tests and small eigenproblems.
     pub fn dense_matrix(&self) -> nalgebra::DMatrix<f64> {
         self.matrix.to_dense()
     }
-}
-
-fn contact_of(scene: &Scene, assembly: &Assembly) -> Result<Option<ImplicitContact>, String> {
-    let Some(parameters) = scene.contact else {
-        return Ok(None);
-    };
-    let mut surface = ContactSurface::new();
-    for (range, rod) in assembly.rods.rods.iter().zip(&scene.rods) {
-        surface.add_rod(
-            range.first_node,
-            &rod.centreline,
-            rod.closed,
-            rod.radius,
-            rod.held,
-        );
-    }
-    let planes = scene.planes.iter().map(|plane| ContactPlane {
-        point: plane.point,
-        normal: plane.normal,
-        friction: plane.friction.unwrap_or(parameters.friction),
-    });
-    let stiffness_per_force = parameters.stiffness_per_force(surface.largest_moving_radius());
-    let least_stiffness = stiffness_per_force * assembly.force_scale;
-    let mut contact = ImplicitContact::new(parameters, surface, planes.collect(), least_stiffness);
-    let mut positions = vec![Vector3::zeros(); assembly.rods.nodes];
-    copy_positions(&assembly.unknowns, &mut positions);
-    if let Some(overlap) = contact.initial_overlaps(&positions).first() {
-        return Err(describe_overlap(overlap, &contact, assembly));
-    }
-    contact.update_candidates(&positions);
-    Ok(Some(contact))
-}
-
-/// A sentence that names two bodies that are too close.
-pub fn describe_overlap(
-    overlap: &super::contact::Proximity,
-    contact: &ImplicitContact,
-    assembly: &Assembly,
-) -> String {
-    use super::contact::ContactPair;
-    let edge_name = |edge: usize| {
-        let edge = contact.surface().edges()[edge];
-        let (rod, node) = assembly.locate(edge.nodes[0]);
-        format!("edge {node} of rod `{}`", assembly.names[rod])
-    };
-    let (first, second) = match overlap.pair {
-        ContactPair::Edges([a, b]) => (edge_name(a), edge_name(b)),
-        ContactPair::NodeAndPlane { node, plane } => {
-            let (rod, along) = assembly.locate(node);
-            (
-                format!("node {along} of rod `{}`", assembly.names[rod]),
-                format!("plane {plane}"),
-            )
-        }
-    };
-    let (meet, least) = if contact.parameters().is_barrier() {
-        ("touch or interpenetrate", "more than")
-    } else {
-        ("interpenetrate", "at least")
-    };
-    format!(
-        "{first} and {second} {meet}: distance {:.6e} m, allowed is {least} {:.6e} m",
-        overlap.distance, overlap.threshold
-    )
 }
 
 /// Copies the positions out of the unknowns.

@@ -1,0 +1,187 @@
+//! The implicit stage of one step: predictor, Newton's method, contact, and the local error.
+
+use super::Simulation;
+use super::failure::Failure;
+use super::newton::Stopping;
+use super::parameters::Scheme;
+use crate::mechanics::rod::STRIDE;
+use crate::mechanics::system::{Divergence, describe_overlap};
+
+/// Times that contact forces and the rods under them are found in turn before the step counts as failed.
+const CONTACT_PASSES: usize = 30;
+
+/// Part of the free way that a shortened predictor goes: less than all, so that it is free in spite of rounding.
+const PREDICTED_PART: f64 = 0.9;
+
+/// What one attempt at a step found.
+pub(super) struct Attempt {
+    pub iterations: usize,
+    pub error: f64,
+}
+
+impl Simulation {
+    /// Solves the implicit stage of a step to `goal`; leaves its solution in `trial`.
+    pub(super) fn attempt(&mut self, goal: f64) -> Result<Attempt, Failure> {
+        let step = goal - self.time;
+        let (stage_step, stage_time) = match self.parameters.scheme {
+            Scheme::ImplicitEuler => (step, goal),
+            Scheme::ImplicitMidpoint => (0.5 * step, self.time + 0.5 * step),
+        };
+        self.stage.step = stage_step;
+        self.stage.start.copy_from_slice(&self.unknowns);
+        self.stage.velocity.copy_from_slice(&self.velocity);
+        self.stage.positions.copy_from_slice(&self.positions);
+        self.predict(stage_step);
+        self.system.drive(stage_time, &mut self.trial);
+        self.shorten_predictor()?;
+        self.system
+            .adapt_contact_stiffness(&self.trial, &self.stage);
+        let stopping = Stopping {
+            force: self
+                .system
+                .force_tolerance(self.parameters.force_tolerance, &self.unknowns),
+            displacement: self.parameters.displacement_tolerance * self.radius,
+            iterations: self.parameters.maximum_iterations,
+        };
+        let (mut iterations, mut passes) = (0, 0);
+        loop {
+            let mut settled = true;
+            if self.system.has_constraints() {
+                passes += 1;
+                iterations += 1;
+                settled = self.find_contact_forces(stopping.displacement, iterations)?;
+                if !settled && passes == CONTACT_PASSES {
+                    return Err(self.no_contact_forces(iterations));
+                }
+            }
+            iterations += self
+                .newton
+                .solve(&mut self.system, &self.stage, &mut self.trial, &stopping)
+                .map_err(Failure::Newton)?;
+            // A contact may be missing where rods have moved far; then go on with new candidates.
+            let complete = self.system.candidates_are_complete(&self.trial);
+            if complete && settled {
+                break;
+            }
+            if !complete {
+                self.system.update_candidates(&self.trial);
+            }
+        }
+        if let Some(contact) = &self.system.contact
+            && let Some(overlap) = contact.excessive_penetration()
+        {
+            let what = describe_overlap(&overlap, contact, &self.system.assembly);
+            return Err(Failure::Penetration { iterations, what });
+        }
+        if self.parameters.scheme == Scheme::ImplicitMidpoint {
+            for (end, start) in self.trial.iter_mut().zip(&self.unknowns) {
+                *end = 2.0 * *end - start;
+            }
+            self.system.drive(goal, &mut self.trial);
+            self.system.update_geometry(&self.trial);
+            if self.system.largest_step(&self.unknowns, &self.trial) < 1.0 {
+                let what = "the extrapolation of the midpoint rule leads through a contact";
+                return Err(Failure::Crossing { iterations, what });
+            }
+        }
+        Ok(Attempt {
+            iterations,
+            error: self.velocity_after(step),
+        })
+    }
+
+    /// Extrapolates positions and angles to the implicit stage with the acceleration of the last step.
+    fn predict(&mut self, stage_step: f64) {
+        let fraction = match self.parameters.scheme {
+            Scheme::ImplicitEuler => 1.0,
+            Scheme::ImplicitMidpoint => 0.5,
+        };
+        let growth = if self.earlier_step > 0.0 {
+            fraction * stage_step / self.earlier_step
+        } else {
+            0.0
+        };
+        for k in 0..self.trial.len() {
+            let change = self.velocity[k] - self.earlier_velocity[k];
+            self.trial[k] = self.unknowns[k] + stage_step * (self.velocity[k] + growth * change);
+        }
+    }
+
+    /// Finds the contact forces of complementarity at the trial; whether they move no node farther than
+    /// `tolerance`, m.
+    fn find_contact_forces(&mut self, tolerance: f64, iterations: usize) -> Result<bool, Failure> {
+        match self.system.find_contact_forces(&self.trial, &self.stage) {
+            Ok(correction) => Ok(correction <= tolerance),
+            Err(_) => Err(self.no_contact_forces(iterations)),
+        }
+    }
+
+    fn no_contact_forces(&self, iterations: usize) -> Failure {
+        let (_, unknown) = self.system.worst_residual();
+        Failure::Newton(Divergence {
+            iterations,
+            residual: f64::NAN,
+            unknown,
+        })
+    }
+
+    /// Shortens the predictor where it crosses a contact that must not be crossed, to rest if need be. Held
+    /// unknowns stay as prescribed.
+    fn shorten_predictor(&mut self) -> Result<(), Failure> {
+        let free = self.system.largest_step(&self.unknowns, &self.trial);
+        if free >= 1.0 {
+            return Ok(());
+        }
+        for part in [PREDICTED_PART * free, 0.0] {
+            for k in 0..self.trial.len() {
+                if !self.system.assembly.held[k] {
+                    self.trial[k] = self.unknowns[k] + part * (self.trial[k] - self.unknowns[k]);
+                }
+            }
+            if self.system.largest_step(&self.unknowns, &self.trial) >= 1.0 {
+                return Ok(());
+            }
+        }
+        Err(Failure::Crossing {
+            iterations: 0,
+            what: "the prescribed motion of a clamp leads through a contact",
+        })
+    }
+
+    /// Writes the velocity at the end of a step and returns the local error of the positions, m:
+    /// ½ h |v₁ − v₀| for implicit Euler; h/12 times the second difference of the velocity for the
+    /// midpoint rule.
+    fn velocity_after(&mut self, step: f64) -> f64 {
+        let growth = if self.earlier_step > 0.0 {
+            step / self.earlier_step
+        } else {
+            0.0
+        };
+        let mut error = 0.0;
+        for k in 0..self.trial.len() {
+            let mean = (self.trial[k] - self.unknowns[k]) / step;
+            let (after, local) = match self.parameters.scheme {
+                Scheme::ImplicitEuler => (mean, 0.5 * step * (mean - self.velocity[k])),
+                Scheme::ImplicitMidpoint => {
+                    // A prescribed motion has corners, across which reflection would ring.
+                    let held = self.system.assembly.held[k];
+                    let after = if held {
+                        mean
+                    } else {
+                        2.0 * mean - self.velocity[k]
+                    };
+                    let earlier_change = growth * (self.velocity[k] - self.earlier_velocity[k]);
+                    (
+                        after,
+                        step / 12.0 * (after - self.velocity[k] - earlier_change),
+                    )
+                }
+            };
+            self.next_velocity[k] = after;
+            if k % STRIDE != 3 {
+                error = f64::max(error, local.abs());
+            }
+        }
+        error
+    }
+}
