@@ -12,13 +12,18 @@
 //! |---|---|
 //! | [`cli`] | one file per subcommand: parse, call one library function, print |
 //! | [`scenario`] | the TOML schema as Rust types, units, validation with source positions |
-//! | [`experiment`] | scenario → scene, the run loop, `verify` |
+//! | [`experiment`] | scenario → scene, the run loop, `verify`, `reproduce` |
 //! | [`mechanics`] | rods, contact, fluid, time stepping, equilibria |
 //! | [`linalg`] | banded and sparse factorisations |
 //! | [`results`] | results directories, checkpoints, VTK |
 //! | [`figure`] | pictures of plain curves and rows |
 //!
-//! The time step loop is [`mechanics::dynamics`]; the elastic energies are [`mechanics::rod`].
+//! Inside [`mechanics`], [`rod`](mechanics::rod), [`contact`](mechanics::contact) and
+//! [`fluid`](mechanics::fluid) do not know each other; [`system`](mechanics::system) adds their forces up into one
+//! residual, which [`dynamics`](mechanics::dynamics) steps in time and [`statics`](mechanics::statics) brings to
+//! rest. The time step loop is [`mechanics::dynamics::Simulation::advance`]. `tests/architecture.rs` holds the
+//! direction of imports.
+//!
 //! All quantities are in SI units unless a name says otherwise.
 
 pub mod cli;
