@@ -1,7 +1,7 @@
 //! The arguments of the program and those common to all subcommands.
 
 use super::failure::Failure;
-use super::{check, completions, explain, init, plot, reproduce, run, verify};
+use super::{check, completions, explain, init, measure, plot, reproduce, run, solve, verify};
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use std::io::IsTerminal;
 
@@ -41,6 +41,10 @@ pub enum Command {
     Schema,
     /// Explain a key of scenario files in words
     Explain(explain::ExplainArguments),
+    /// Solve a problem exactly; the answer is JSON on standard output
+    Solve(solve::SolveArguments),
+    /// Find the gravito-bending length of a real rod or strip from its shape
+    Measure(measure::MeasureArguments),
     /// Compare the engine with theory, check by check
     Verify(verify::VerifyArguments),
     /// Make a table or figure of the thesis again

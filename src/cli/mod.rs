@@ -20,11 +20,13 @@ mod explain;
 mod failure;
 mod init;
 mod logging;
+mod measure;
 mod output;
 mod plot;
 mod reproduce;
 mod run;
 mod schema;
+mod solve;
 mod verify;
 
 use arguments::{Arguments, Command};
@@ -53,6 +55,8 @@ fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
         Command::Init(command) => init::init(command),
         Command::Schema => schema::schema(),
         Command::Explain(command) => explain::explain(command),
+        Command::Solve(command) => solve::solve(command),
+        Command::Measure(command) => measure::measure(command),
         Command::Verify(command) => verify::verify(command),
         Command::Reproduce(command) => reproduce::reproduce(command, &arguments.common),
         Command::Plot(command) => plot::plot(command),

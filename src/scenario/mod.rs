@@ -40,4 +40,4 @@ pub use resolved::{
     Load, LoadKind, Material, NaturalShape, Output, Place, Plane, Rod, Scenario, Scheme, Shape,
     Solver, Step, Stiffness, Time,
 };
-pub use units::seconds;
+pub use units::{metres, seconds};
