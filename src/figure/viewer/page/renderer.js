@@ -194,7 +194,7 @@ class Renderer {
     gl.uniform3fv(uniforms.eye, camera.position());
     gl.uniform3fv(uniforms.light, unit(add(add(eye, up, 0.75), right, -0.55)));
     const distance = norm(add(camera.position(), camera.target, -1));
-    gl.uniform2f(uniforms.depths, distance - 0.5 * camera.reach, distance + 1.5 * camera.reach);
+    gl.uniform2f(uniforms.depths, distance - 0.1 * camera.reach, distance + 1.6 * camera.reach);
     gl.uniform3fv(uniforms.haze, look.haze);
     gl.uniform1i(uniforms.mode, field ? 1 : 0);
     if (field) {
