@@ -62,15 +62,17 @@ pub fn case_folders(directory: &Path) -> Result<Vec<CaseFolder>, ResultsError> {
     Ok(names.into_iter().map(folder).collect())
 }
 
-/// Swept parameters have the dotted keys of scenario files; outcomes have no dots.
-pub fn is_parameter(column: &str) -> bool {
-    column.contains('.')
+/// The swept parameters of a `summary.csv`: its columns between `case` and `status`.
+pub fn parameter_columns(summary: &Table) -> impl Iterator<Item = &str> {
+    let columns = summary.columns().iter().map(String::as_str).skip(1);
+    columns.take_while(|column| *column != "status")
 }
 
-fn parameters(table: &Table, row: usize) -> Vec<(String, String)> {
-    let keys = table.columns().iter().zip(table.row(row));
-    keys.filter(|(key, _)| is_parameter(key))
-        .map(|(key, value)| (key.clone(), value.clone()))
+fn parameters(summary: &Table, row: usize) -> Vec<(String, String)> {
+    let values = summary.row(row).iter().skip(1).cloned();
+    parameter_columns(summary)
+        .map(str::to_owned)
+        .zip(values)
         .collect()
 }
 

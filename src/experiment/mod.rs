@@ -13,7 +13,7 @@ pub mod verify;
 mod view;
 
 pub use derived::{DerivedNumbers, DerivedRod, derived_numbers};
-pub use plot::plot_results;
+pub use plot::{CustomFigure, PlotError, custom_figure, plot_results, write_figure};
 pub use prepared::{Mode, OutputPlan, PreparedRun};
 pub use run::{RunError, RunOptions, RunOutcome, RunStatus, run};
 pub use scene::{prepare, try_scene};

@@ -28,7 +28,7 @@ pub use atomic::write_whole;
 pub use checkpoint::CheckpointFiles;
 pub use directory::{
     NODE_FORCES, NODES, Opened, PAGE, RODS_FIGURE, ResultsDirectory, SCENARIO, SERIES,
-    SERIES_FIGURE, SUMMARY, TIMINGS, VTK_COLLECTION, VTK_FOLDER,
+    SERIES_FIGURE, SUMMARY, SWEEP_FIGURE, TIMINGS, VTK_COLLECTION, VTK_FOLDER,
 };
 pub use error::ResultsError;
 pub use forces::{NodeForces, read_node_forces};

@@ -149,6 +149,7 @@ mod tests {
     fn frame(time: f64) -> Frame {
         Frame {
             time,
+            twist_rates: Vec::new(),
             positions: (0..5)
                 .map(|k| Vector3::new(time, k as f64 / 8.0, 1e-9))
                 .collect(),

@@ -139,7 +139,10 @@ impl Browser {
     /// Presses a key.
     pub fn press(&mut self, key: &str) {
         for kind in ["keyDown", "keyUp"] {
-            self.call("Input.dispatchKeyEvent", json!({ "type": kind, "key": key }));
+            self.call(
+                "Input.dispatchKeyEvent",
+                json!({ "type": kind, "key": key }),
+            );
         }
         self.settle();
     }
@@ -179,16 +182,15 @@ impl Browser {
 
     fn note(&mut self, event: &Value) {
         let parameters = &event["params"];
-        let complains = match event["method"].as_str() {
-            Some("Runtime.exceptionThrown") => true,
-            Some("Runtime.consoleAPICalled") => {
-                ["error", "warning", "assert"].contains(&parameters["type"].as_str().unwrap_or(""))
-            }
-            Some("Log.entryAdded") => {
-                ["error", "warning"].contains(&parameters["entry"]["level"].as_str().unwrap_or(""))
-            }
-            _ => false,
-        };
+        let complains =
+            match event["method"].as_str() {
+                Some("Runtime.exceptionThrown") => true,
+                Some("Runtime.consoleAPICalled") => ["error", "warning", "assert"]
+                    .contains(&parameters["type"].as_str().unwrap_or("")),
+                Some("Log.entryAdded") => ["error", "warning"]
+                    .contains(&parameters["entry"]["level"].as_str().unwrap_or("")),
+                _ => false,
+            };
         if complains {
             self.complaints.push(parameters.to_string());
         }
@@ -235,16 +237,21 @@ fn page_target(port: u16) -> String {
     let start = Instant::now();
     loop {
         let mut stream = TcpStream::connect(("127.0.0.1", port)).expect("the browser listens");
-        stream.set_read_timeout(Some(Duration::from_secs(2))).unwrap();
-        let request =
-            format!("GET /json/list HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nConnection: close\r\n\r\n");
+        stream
+            .set_read_timeout(Some(Duration::from_secs(2)))
+            .unwrap();
+        let request = format!(
+            "GET /json/list HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nConnection: close\r\n\r\n"
+        );
         stream.write_all(request.as_bytes()).unwrap();
         let mut bytes = Vec::new();
         // The browser may keep the connection open; what came until then is all.
         let _ = stream.read_to_end(&mut bytes);
         let text = String::from_utf8_lossy(&bytes);
         let key = "\"webSocketDebuggerUrl\": \"";
-        let pages = text.split('{').filter(|target| target.contains("\"type\": \"page\""));
+        let pages = text
+            .split('{')
+            .filter(|target| target.contains("\"type\": \"page\""));
         let addresses = pages.filter_map(|target| target.split(key).nth(1)?.split('"').next());
         if let Some(address) = addresses.map(str::to_owned).next() {
             return address;

@@ -32,6 +32,6 @@ void main() {
   vec3 shade = base * (0.26 + 0.16 * sky + 0.68 * diffuse) * mix(0.5, 1.0, smoothstep(0.0, 0.55, facing));
   shade += 0.2 * shine;
   float far = clamp((distance(eye, place) - depths.x) / (depths.y - depths.x), 0.0, 1.0);
-  shade = mix(shade, linear(haze), 0.4 * far);
+  shade = mix(shade, linear(haze), (mode == 0 ? 0.4 : 0.2) * far);
   fragment = vec4(pow(shade, vec3(1.0 / 2.2)), 1.0);
 }
