@@ -114,8 +114,12 @@ impl Ranged for Axis {
 }
 
 impl ValueFormatter<f64> for Axis {
-    fn format(value: &f64) -> String {
-        number_label(*value)
+    fn format_ext(&self, value: &f64) -> String {
+        let step = match self.scale {
+            AxisScale::Linear => (self.range.end - self.range.start) / 5.0,
+            AxisScale::Logarithmic => *value,
+        };
+        number_label(*value, step)
     }
 }
 
@@ -127,15 +131,30 @@ fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
     })
 }
 
-/// Four digits at most, in scientific form where the number is small or large.
-fn number_label(value: f64) -> String {
+/// A number with as many digits as tell it from another `step` away, in scientific form where it is small or
+/// large.
+fn number_label(value: f64, step: f64) -> String {
+    let power = |size: f64| size.log10().floor() as i32;
     let size = value.abs();
-    if value == 0.0 || (1e-3..1e5).contains(&size) {
-        let rounded = (value * 1e4).round() / 1e4;
-        format!("{rounded}")
-    } else {
-        format!("{value:.1e}").replace(".0e", "e")
+    // Ticks that are sums of steps miss zero by rounding.
+    if size < 1e-9 * step {
+        return "0".into();
     }
+    let without_zeros = |text: String| match text.split_once('.') {
+        Some(_) => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        None => text,
+    };
+    if (1e-3..1e5).contains(&size) {
+        let decimals = (1 - power(step)).clamp(0, 12) as usize;
+        return without_zeros(format!("{value:.decimals$}"));
+    }
+    let exponent = power(size);
+    let decimals = (1 + exponent - power(step)).clamp(0, 12) as usize;
+    let mantissa = value / 10f64.powi(exponent);
+    format!(
+        "{}e{exponent}",
+        without_zeros(format!("{mantissa:.decimals$}"))
+    )
 }
 
 #[cfg(test)]
@@ -183,15 +202,19 @@ mod tests {
     }
 
     #[test]
-    fn labels_are_short() {
-        for (value, label) in [
-            (0.0, "0"),
-            (0.30000000000000004, "0.3"),
-            (-12.5, "-12.5"),
-            (1.5e-7, "1.5e-7"),
-            (1e-6, "1e-6"),
+    fn labels_have_the_digits_that_tell_ticks_apart() {
+        for (value, step, label) in [
+            (0.0, 1.0, "0"),
+            (1e-17, 0.1, "0"),
+            (0.30000000000000004, 0.1, "0.3"),
+            (-12.5, 0.5, "-12.5"),
+            (500.0, 500.0, "500"),
+            (0.0020027, 1e-7, "0.0020027"),
+            (1.5e-7, 0.5e-7, "1.5e-7"),
+            (1e-6, 1e-6, "1e-6"),
+            (-2.5e8, 1e7, "-2.5e8"),
         ] {
-            assert_eq!(number_label(value), label);
+            assert_eq!(number_label(value, step), label);
         }
     }
 }

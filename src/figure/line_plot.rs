@@ -68,7 +68,12 @@ pub fn line_plots(plots: &[LinePlot], horizontal_label: &str) -> String {
 /// point has no place on a logarithmic axis.
 pub fn styled_line_plots(plots: &[LinePlot], horizontal_label: &str, style: &PlotStyle) -> String {
     let mut svg = String::new();
-    let legends: Vec<Legend> = plots.iter().map(Legend::of).collect();
+    let legends: Vec<Legend> = (0..plots.len())
+        .map(|index| {
+            let above = index.checked_sub(1).map(|above| &plots[above]);
+            Legend::of(&plots[index], above)
+        })
+        .collect();
     let heights = legends.iter().map(|legend| legend.height + BODY);
     let (width, height) = (WIDTH, heights.sum::<u32>().max(BODY));
     let (fine_width, fine_height) = (pixels(width), pixels(height));
@@ -153,8 +158,11 @@ fn draw(plot: &LinePlot, area: &Area, axes: Axes, marks: bool) {
                 let marks: Vec<_> = stretch.iter().map(mark).collect();
                 chart.draw_series(marks).expect(DRAWN_IN_MEMORY);
             }
-            let series = LineSeries::new(stretch, color(index).stroke_width(pixels(2)));
-            chart.draw_series(series).expect(DRAWN_IN_MEMORY);
+            // A single point is no line.
+            if stretch.len() > 1 {
+                let series = LineSeries::new(stretch, color(index).stroke_width(pixels(2)));
+                chart.draw_series(series).expect(DRAWN_IN_MEMORY);
+            }
         }
     }
 }
@@ -173,8 +181,13 @@ impl Legend {
     /// Where rows begin, pixels: above the vertical axis.
     const LEFT: u32 = 92;
 
-    fn of(plot: &LinePlot) -> Self {
-        let named = if plot.curves.len() > 1 {
+    /// No names stand over a single curve, nor where they are those of the plot above.
+    fn of(plot: &LinePlot, above: Option<&LinePlot>) -> Self {
+        let names = |plot: &LinePlot| -> Vec<String> {
+            plot.curves.iter().map(|curve| curve.name.clone()).collect()
+        };
+        let repeats = above.is_some_and(|above| names(above) == names(plot));
+        let named = if plot.curves.len() > 1 && !repeats {
             plot.curves.as_slice()
         } else {
             &[]
@@ -352,7 +365,8 @@ mod tests {
                 .map(|k| curve(&format!("curve number {k}"), 1.0))
                 .collect(),
         };
-        let legend = Legend::of(&plot);
+        assert!(Legend::of(&plot, Some(&plot)).places.is_empty());
+        let legend = Legend::of(&plot, None);
         assert!(legend.height >= 4 * Legend::ROW, "{}", legend.height);
         assert!(legend.places.iter().all(|(x, _)| *x < WIDTH - 100));
     }

@@ -2,6 +2,7 @@
 
 use crate::figure::Curve;
 use crate::results::Table;
+use std::collections::BTreeSet;
 
 /// Which group each row of a table belongs to.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -21,7 +22,7 @@ impl Grouping {
             .collect();
         let name = |row: usize| {
             let pairs = columns.iter().zip(&cells);
-            let pairs = pairs.map(|(column, cells)| format!("{column} = {}", cells[row]));
+            let pairs = pairs.map(|(column, cells)| format!("{column} = {}", shown(cells[row])));
             pairs.collect::<Vec<_>>().join(", ")
         };
         let mut names: Vec<String> = Vec::new();
@@ -56,13 +57,57 @@ pub(super) fn curves(x: &[Option<f64>], y: &[Option<f64>], grouping: &Grouping) 
     grouping.names.iter().enumerate().map(curve).collect()
 }
 
+/// Number of unlike cells of a column, empty ones not counted.
+pub(super) fn value_count(table: &Table, column: &str) -> usize {
+    let cells = table.column(column).into_iter().flatten();
+    let unlike: BTreeSet<&str> = cells.filter(|cell| !cell.is_empty()).collect();
+    unlike.len()
+}
+
 /// Whether a column holds more than one value.
 pub(super) fn varies(table: &Table, column: &str) -> bool {
-    let mut cells = table
-        .column(column)
-        .into_iter()
-        .flatten()
-        .filter(|cell| !cell.is_empty());
-    let first = cells.next();
-    cells.any(|cell| Some(cell) != first)
+    value_count(table, column) > 1
+}
+
+/// A cell as a legend shows it: numbers to four digits.
+pub(super) fn shown(cell: &str) -> String {
+    match cell.parse::<f64>() {
+        Ok(number) if number.is_finite() => {
+            let rounded: f64 = format!("{number:.3e}")
+                .parse()
+                .expect("a number as written");
+            format!("{rounded}")
+        }
+        _ => cell.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_shown_shortly() {
+        for (cell, text) in [
+            ("0.13572088083", "0.1357"),
+            ("1.0", "1"),
+            ("imc", "imc"),
+            ("12345", "12340"),
+        ] {
+            assert_eq!(shown(cell), text);
+        }
+    }
+
+    #[test]
+    fn points_of_a_curve_come_in_the_order_of_x_and_gaps_stay() {
+        let grouping = Grouping {
+            names: vec!["a".into(), "b".into()],
+            groups: vec![0, 1, 0, 0],
+        };
+        let x = [Some(3.0), Some(1.0), Some(2.0), None];
+        let y = [Some(9.0), Some(1.0), None, Some(7.0)];
+        let curves = curves(&x, &y, &grouping);
+        assert_eq!(curves[0].points, [(2.0, None), (3.0, Some(9.0))]);
+        assert_eq!(curves[1].points, [(1.0, Some(1.0))]);
+    }
 }

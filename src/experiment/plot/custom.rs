@@ -1,7 +1,7 @@
 //! One's own figure: any column over any other, from `summary.csv` or `series.csv`.
 
 use super::PlotError;
-use super::curves::{Grouping, curves, varies};
+use super::curves::{Grouping, curves, shown, varies};
 use super::labels::label;
 use crate::experiment::case_folders::{case_folders, parameter_columns};
 use crate::figure::{AxisScale, Curve, LinePlot, PlotStyle, styled_line_plots};
@@ -125,7 +125,7 @@ fn all_series(
             None if folder.parameters.is_empty() => folder.name,
             None => {
                 let pairs = folder.parameters.iter();
-                let pairs = pairs.map(|(key, value)| format!("{key} = {value}"));
+                let pairs = pairs.map(|(key, value)| format!("{key} = {}", shown(value)));
                 pairs.collect::<Vec<_>>().join(", ")
             }
             Some(group) => {
@@ -133,7 +133,7 @@ fn all_series(
                 let Some((key, value)) = value else {
                     return Err(unknown(group, &[summary]));
                 };
-                format!("{key} = {value}")
+                format!("{key} = {}", shown(value))
             }
         };
         series.push((name, Table::read(&path)?));

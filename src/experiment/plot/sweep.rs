@@ -1,6 +1,6 @@
 //! The figure of a sweep: outcomes over the swept parameters.
 
-use super::curves::{Grouping, curves, varies};
+use super::curves::{Grouping, curves, value_count, varies};
 use super::labels::label;
 use crate::experiment::case_folders::parameter_columns;
 use crate::figure::{AxisScale, LinePlot, PlotStyle, styled_line_plots};
@@ -10,15 +10,16 @@ use crate::results::Table;
 const OUTCOMES: usize = 6;
 
 /// Outcomes that say how far and how hard the machine worked; they are drawn after those of physics.
-const EFFORT: [&str; 5] = [
+const EFFORT: [&str; 6] = [
     "simulated_time_s",
     "steps",
     "retries",
     "newton_iterations_mean",
     "newton_iterations_mean_with_contact",
+    "fluid_iterations_mean",
 ];
 
-/// Draws every outcome that varies over the first swept number, a curve for each value of the other
+/// Draws every outcome that varies over the swept number of most values, a curve for each value of the other
 /// parameters; `None` where no number is swept or no outcome varies.
 ///
 /// Axes are logarithmic where their numbers are positive and range over more than a decade.
@@ -26,7 +27,8 @@ pub(super) fn sweep_figure(summary: &Table) -> Option<String> {
     let parameters: Vec<&str> = parameter_columns(summary)
         .filter(|key| varies(summary, key))
         .collect();
-    let across = *parameters.iter().find(|key| is_numeric(summary, key))?;
+    let numbers = parameters.iter().filter(|key| is_numeric(summary, key));
+    let across = *numbers.rev().max_by_key(|key| value_count(summary, key))?;
     let groups: Vec<&str> = parameters
         .iter()
         .copied()

@@ -1,7 +1,7 @@
 // Colour bars that colour-blind readers can follow.
 
-// Viridis (Smith and van der Walt 2015) for sizes, cut before its darkest end, which would vanish at night.
-const SEQUENTIAL = ["#46327e", "#365c8d", "#277f8e", "#1fa187", "#4ac16d", "#a0da39", "#fde725"];
+// Viridis (Smith and van der Walt 2015) for sizes, without its darkest end, which would vanish at night.
+const SEQUENTIAL = ["#5a4aa5", "#365c8d", "#277f8e", "#1fa187", "#4ac16d", "#a0da39", "#fde725"];
 // Blue over grey to orange for what has a sign.
 const DIVERGING = ["#0b4f9c", "#2f86c9", "#86bfe0", "#d4d8dc", "#eeb07a", "#d9762b", "#9c3f06"];
 

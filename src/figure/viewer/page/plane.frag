@@ -18,12 +18,12 @@ float lines(float apart) {
   vec2 from = abs(fract(at - 0.5) - 0.5) / width;
   // Lines nearer than a few pixels melt into a tone.
   vec2 clear = 1.0 - smoothstep(0.2, 0.5, width);
-  vec2 line = (1.0 - smoothstep(0.3, 1.0, from)) * clear;
+  vec2 line = (1.0 - smoothstep(0.4, 1.1, from)) * clear;
   return max(line.x, line.y);
 }
 
 void main() {
   float fade = 1.0 - smoothstep(0.35, 1.0, length(place) / size);
-  float strength = max(0.09 * lines(spacing), 0.2 * lines(5.0 * spacing));
+  float strength = max(0.13 * lines(spacing), 0.26 * lines(5.0 * spacing));
   fragment = vec4(ink, fade * max(strength, fill));
 }

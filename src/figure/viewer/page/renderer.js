@@ -2,8 +2,10 @@
 
 /** Nodes in a row of a texture; the shaders know it. */
 const ROW = 1024;
+/** Bytes of an instance: four node numbers, radius, colour. */
+const INSTANCE_BYTES = 24;
 /** Triangles that a modest graphics card draws smoothly. */
-const TRIANGLES = 900000;
+const TRIANGLES = 400000;
 
 class Renderer {
   constructor(canvas) {
@@ -86,42 +88,49 @@ class Renderer {
       }
       first += rod.nodes;
     });
-    const view = new DataView(new ArrayBuffer(24 * segments.length));
-    segments.forEach((segment, k) => {
-      segment.nodes.forEach((node, n) => view.setInt32(24 * k + 4 * n, node, true));
-      view.setFloat32(24 * k + 16, segment.radius, true);
-      view.setFloat32(24 * k + 20, segment.index, true);
+    this.segments = segments.length;
+    // Segments at the ends of rods once more, for their round ends.
+    const ends = segments.filter(({ nodes }) => nodes[0] === nodes[1] || nodes[2] === nodes[3]);
+    this.ends = ends.length;
+    const view = new DataView(new ArrayBuffer(INSTANCE_BYTES * (this.segments + this.ends)));
+    [...segments, ...ends].forEach((segment, k) => {
+      const at = INSTANCE_BYTES * k;
+      segment.nodes.forEach((node, n) => view.setInt32(at + 4 * n, node, true));
+      view.setFloat32(at + 16, segment.radius, true);
+      view.setFloat32(at + 20, segment.index, true);
     });
     const gl = this.gl;
     gl.bindBuffer(gl.ARRAY_BUFFER, this.instances);
     gl.bufferData(gl.ARRAY_BUFFER, view.buffer, gl.STATIC_DRAW);
-    this.segments = segments.length;
   }
 
-  /** The mesh of a segment: rings along it and onto its round ends, as fine as the number of segments allows. */
+  /** The meshes of a segment and of its round ends: rings as many and as fine as the number of segments allows. */
   makeRings() {
     const budget = TRIANGLES / Math.max(this.segments, 1);
-    const around = budget > 700 ? 20 : budget > 250 ? 14 : 8;
-    const along = Math.max(1, Math.min(8, Math.floor(budget / (2 * around)) - 6));
-    const places = [-1, -0.66, -0.33].map((cap) => [0, cap]);
-    for (let k = 0; k <= along; k++) places.push([k / along, 0]);
-    places.push(...[0.33, 0.66, 1].map((cap) => [1, cap]));
+    const around = budget > 400 ? 20 : budget > 160 ? 14 : 8;
+    const along = Math.max(1, Math.min(6, Math.floor(budget / (2 * around))));
     const rings = [], triangles = [];
-    places.forEach(([s, cap], row) => {
+    // Rings at places (along, onto the round end), joined each to the one before.
+    const sleeve = (places) => places.forEach(([s, cap], row) => {
       for (let k = 0; k <= around; k++) {
         rings.push(s, cap, (2 * Math.PI * k) / around);
         if (row > 0 && k > 0) {
-          const b = row * (around + 1) + k, a = b - around - 1;
+          const b = rings.length / 3 - 1, a = b - around - 1;
           triangles.push(a - 1, a, b, a - 1, b, b - 1);
         }
       }
     });
+    sleeve(Array.from({ length: along + 1 }, (_, k) => [k / along, 0]));
+    this.bodyCorners = triangles.length;
+    const caps = [0, 0.25, 0.5, 0.75, 1];
+    sleeve(caps.map((cap) => [0, cap - 1]));
+    sleeve(caps.map((cap) => [1, cap]));
+    this.endCorners = triangles.length - this.bodyCorners;
     const gl = this.gl;
     gl.bindBuffer(gl.ARRAY_BUFFER, this.rings);
     gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(rings), gl.STATIC_DRAW);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.triangles);
     gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, new Uint16Array(triangles), gl.STATIC_DRAW);
-    this.corners = triangles.length;
   }
 
   /** Copies the numbers of all nodes at a frame into a texture. */
@@ -208,14 +217,19 @@ class Renderer {
     gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 12, 0);
     gl.vertexAttribDivisor(0, 0);
     gl.bindBuffer(gl.ARRAY_BUFFER, this.instances);
-    gl.enableVertexAttribArray(1);
-    gl.vertexAttribIPointer(1, 4, gl.INT, 24, 0);
-    gl.vertexAttribDivisor(1, 1);
-    gl.enableVertexAttribArray(2);
-    gl.vertexAttribPointer(2, 2, gl.FLOAT, false, 24, 16);
-    gl.vertexAttribDivisor(2, 1);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.triangles);
-    gl.drawElementsInstanced(gl.TRIANGLES, this.corners, gl.UNSIGNED_SHORT, 0, this.segments);
+    for (const location of [1, 2]) {
+      gl.enableVertexAttribArray(location);
+      gl.vertexAttribDivisor(location, 1);
+    }
+    const drawInstances = (first, count, firstCorner, corners) => {
+      const at = INSTANCE_BYTES * first;
+      gl.vertexAttribIPointer(1, 4, gl.INT, INSTANCE_BYTES, at);
+      gl.vertexAttribPointer(2, 2, gl.FLOAT, false, INSTANCE_BYTES, at + 16);
+      gl.drawElementsInstanced(gl.TRIANGLES, corners, gl.UNSIGNED_SHORT, 2 * firstCorner, count);
+    };
+    drawInstances(0, this.segments, 0, this.bodyCorners);
+    if (this.ends) drawInstances(this.segments, this.ends, this.bodyCorners, this.endCorners);
     for (const location of [0, 1, 2]) {
       gl.vertexAttribDivisor(location, 0);
       gl.disableVertexAttribArray(location);
@@ -257,7 +271,7 @@ class Renderer {
     gl.uniformMatrix4fv(uniforms.projection, false, projection);
     gl.uniform3fv(uniforms.lower, shown.lower);
     gl.uniform3fv(uniforms.level, shown.level);
-    gl.uniform1f(uniforms.diameter, 13 * density);
+    gl.uniform1f(uniforms.diameter, 11 * density);
     gl.bindBuffer(gl.ARRAY_BUFFER, this.contacts);
     gl.bufferData(gl.ARRAY_BUFFER, shown.contacts.subarray(3 * from, 3 * to), gl.STREAM_DRAW);
     gl.enableVertexAttribArray(0);
