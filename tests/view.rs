@@ -146,3 +146,22 @@ fn keep(name: &str, png: &[u8]) {
     fs::create_dir_all(&folder).unwrap();
     fs::write(folder.join(name), png).unwrap();
 }
+
+#[test]
+fn what_cannot_be_shown_is_refused_in_words() {
+    let directory = tempfile::tempdir().unwrap();
+    let refuse = |name: &str| {
+        let output = Command::new(env!("CARGO_BIN_EXE_rodlab"))
+            .current_dir(directory.path())
+            .args(["view", name])
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(2));
+        assert!(!directory.path().join(name).join("view.html").exists());
+        String::from_utf8(output.stderr).unwrap()
+    };
+    assert!(refuse("nowhere").contains("no results directory"));
+    page(directory.path());
+    fs::remove_file(directory.path().join("fall/nodes.csv")).unwrap();
+    assert!(refuse("fall").contains("`nodes = true` under [output]"));
+}
