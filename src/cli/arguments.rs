@@ -1,7 +1,9 @@
 //! The arguments of the program and those common to all subcommands.
 
 use super::failure::Failure;
-use super::{check, completions, explain, init, measure, plot, reproduce, run, solve, verify};
+use super::{
+    check, completions, explain, init, measure, plot, reproduce, run, solve, verify, view,
+};
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use std::io::IsTerminal;
 
@@ -51,6 +53,8 @@ pub enum Command {
     Reproduce(reproduce::ReproduceArguments),
     /// Draw the figures of a results directory
     Plot(plot::PlotArguments),
+    /// Make an interactive 3-D page of a results directory
+    View(view::ViewArguments),
     /// Print a completion script for a shell
     Completions(completions::CompletionsArguments),
 }

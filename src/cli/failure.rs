@@ -1,7 +1,7 @@
 //! Why the program fails, what it says and its exit code.
 
-use crate::experiment::RunError;
 use crate::experiment::reproduce::ReproduceError;
+use crate::experiment::{PlotError, RunError, ViewError};
 use crate::results::ResultsError;
 use crate::scenario::ScenarioError;
 
@@ -18,6 +18,10 @@ pub enum Failure {
     Reproduce(ReproduceError),
     /// A results directory could not be read or written.
     Results(ResultsError),
+    /// A figure was not drawn.
+    Plot(PlotError),
+    /// There is no page of rods in motion.
+    View(ViewError),
     /// Physics checks failed.
     Checks {
         /// How many.
@@ -35,6 +39,8 @@ impl Failure {
             Self::Run(error) => error.exit_code(),
             Self::Reproduce(error) => error.exit_code(),
             Self::Results(error) => error.exit_code(),
+            Self::Plot(error) => error.exit_code(),
+            Self::View(error) => error.exit_code(),
             Self::Checks { .. } => 4,
             Self::System(_) => 1,
         }
@@ -53,6 +59,8 @@ impl Failure {
             Self::Run(error) => eprintln!("error: {error}"),
             Self::Reproduce(error) => eprintln!("error: {error}"),
             Self::Results(error) => eprintln!("error: {error}"),
+            Self::Plot(error) => eprintln!("error: {error}"),
+            Self::View(error) => eprintln!("error: {error}"),
         }
     }
 }
@@ -78,5 +86,17 @@ impl From<ReproduceError> for Failure {
 impl From<ResultsError> for Failure {
     fn from(error: ResultsError) -> Self {
         Self::Results(error)
+    }
+}
+
+impl From<PlotError> for Failure {
+    fn from(error: PlotError) -> Self {
+        Self::Plot(error)
+    }
+}
+
+impl From<ViewError> for Failure {
+    fn from(error: ViewError) -> Self {
+        Self::View(error)
     }
 }

@@ -28,6 +28,7 @@ mod run;
 mod schema;
 mod solve;
 mod verify;
+mod view;
 
 use arguments::{Arguments, Command};
 use clap::Parser;
@@ -60,6 +61,7 @@ fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
         Command::Verify(command) => verify::verify(command),
         Command::Reproduce(command) => reproduce::reproduce(command, &arguments.common),
         Command::Plot(command) => plot::plot(command),
+        Command::View(command) => view::view(command, &arguments.common),
         Command::Completions(command) => completions::completions(command),
     }
 }

@@ -20,16 +20,18 @@ mod recorder;
 mod series;
 mod stream;
 mod summary;
+mod table;
 mod usage;
 mod vtk;
 
 pub use atomic::write_whole;
 pub use checkpoint::CheckpointFiles;
 pub use directory::{
-    NODE_FORCES, NODES, Opened, RODS_FIGURE, ResultsDirectory, SCENARIO, SERIES, SERIES_FIGURE,
-    SUMMARY, TIMINGS, VTK_COLLECTION, VTK_FOLDER,
+    NODE_FORCES, NODES, Opened, PAGE, RODS_FIGURE, ResultsDirectory, SCENARIO, SERIES,
+    SERIES_FIGURE, SUMMARY, SWEEP_FIGURE, TIMINGS, VTK_COLLECTION, VTK_FOLDER,
 };
 pub use error::ResultsError;
+pub use forces::{NodeForces, read_node_forces};
 pub use frame::Frame;
 pub use manifest::{
     CaseRecord, CaseStatus, MAIN_CASE, MANIFEST, Manifest, RodRecord, scenario_hash,
@@ -39,4 +41,5 @@ pub use outcome::CaseOutcome;
 pub use recorder::{Recorder, RecorderPlan, StreamLengths};
 pub use series::{SeriesRow, read_series};
 pub use summary::{SummaryRow, write_summary, write_timings};
+pub use table::Table;
 pub use usage::{Usage, UsageMeter};
