@@ -2,6 +2,7 @@
 
 use crate::experiment::RunError;
 use crate::experiment::reproduce::ReproduceError;
+use crate::experiment::sweep::SweepError;
 use crate::results::ResultsError;
 use crate::scenario::ScenarioError;
 
@@ -14,6 +15,15 @@ pub enum Failure {
     Input(String),
     /// A run ended early, or its scene is impossible.
     Run(RunError),
+    /// A sweep could not be run.
+    Sweep(SweepError),
+    /// Cases of a sweep failed, or were not run.
+    Cases {
+        /// The exit code of the worst.
+        exit_code: u8,
+        /// What to say.
+        message: String,
+    },
     /// An artefact of the thesis was not made.
     Reproduce(ReproduceError),
     /// A results directory could not be read or written.
@@ -33,6 +43,8 @@ impl Failure {
         match self {
             Self::Scenario(_) | Self::Input(_) => 2,
             Self::Run(error) => error.exit_code(),
+            Self::Sweep(error) => error.exit_code(),
+            Self::Cases { exit_code, .. } => *exit_code,
             Self::Reproduce(error) => error.exit_code(),
             Self::Results(error) => error.exit_code(),
             Self::Checks { .. } => 4,
@@ -48,9 +60,12 @@ impl Failure {
                     eprint!("{}", error.render(colour));
                 }
             }
-            Self::Input(message) | Self::System(message) => eprintln!("error: {message}"),
+            Self::Input(message) | Self::System(message) | Self::Cases { message, .. } => {
+                eprintln!("error: {message}");
+            }
             Self::Checks { failed } => eprintln!("error: {failed} physics checks failed"),
             Self::Run(error) => eprintln!("error: {error}"),
+            Self::Sweep(error) => eprintln!("error: {error}"),
             Self::Reproduce(error) => eprintln!("error: {error}"),
             Self::Results(error) => eprintln!("error: {error}"),
         }
@@ -66,6 +81,16 @@ impl From<ScenarioError> for Failure {
 impl From<RunError> for Failure {
     fn from(error: RunError) -> Self {
         Self::Run(error)
+    }
+}
+
+impl From<SweepError> for Failure {
+    fn from(error: SweepError) -> Self {
+        match error {
+            // Scenarios show the lines that are at fault.
+            SweepError::Scenario(error) => error.into(),
+            error => Self::Sweep(error),
+        }
     }
 }
 

@@ -25,6 +25,7 @@ mod plot;
 mod reproduce;
 mod run;
 mod schema;
+mod sweep;
 mod verify;
 
 use arguments::{Arguments, Command};

@@ -8,10 +8,12 @@ mod prepared;
 pub mod reproduce;
 mod run;
 mod scene;
+pub mod sweep;
 pub mod verify;
+mod workers;
 
 pub use derived::{DerivedNumbers, DerivedRod, derived_numbers};
 pub use plot::plot_results;
 pub use prepared::{Mode, OutputPlan, PreparedRun};
-pub use run::{RunError, RunOptions, RunOutcome, RunStatus, run};
+pub use run::{AmongBars, RunError, RunOptions, RunOutcome, RunStatus, StopRequest, run};
 pub use scene::{prepare, try_scene};
