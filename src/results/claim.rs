@@ -130,6 +130,21 @@ impl Claims {
         }))
     }
 
+    /// Removes the claims of the dead. Only where no case is left to be claimed: otherwise who is about to take
+    /// over would not notice another one that was faster.
+    ///
+    /// # Errors
+    /// [`ResultsError::Io`] where the folder cannot be read.
+    pub fn bury(&self) -> Result<(), ResultsError> {
+        for path in self.all_files()? {
+            if !self.is_alive(&path, read_owner(&path).as_ref()) {
+                // What cannot be removed is in nobody's way.
+                let _ = fs::remove_file(path);
+            }
+        }
+        Ok(())
+    }
+
     fn create(&self, path: &Path) -> io::Result<()> {
         let mut file = OpenOptions::new().write(true).create_new(true).open(path)?;
         let text = serde_json::to_vec(&self.owner).expect("an owner has string keys only");

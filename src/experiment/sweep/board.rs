@@ -113,7 +113,12 @@ impl<'a> Board<'a> {
 
     /// Writes summary, timings and manifest of the whole, rows in the order of `cases`.
     pub fn publish(&self, cases: &[Case]) -> Result<(), ResultsError> {
-        self.write(cases, Some(jiff::Timestamp::now()))
+        self.write(cases, Some(jiff::Timestamp::now()))?;
+        let counts = self.counts(cases);
+        if counts.finished == counts.total() {
+            self.directory.claims.bury()?;
+        }
+        Ok(())
     }
 
     fn write(&self, cases: &[Case], end: Option<jiff::Timestamp>) -> Result<(), ResultsError> {

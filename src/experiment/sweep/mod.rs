@@ -259,4 +259,17 @@ fn family_in(directory: &Path) -> Result<(Family, Manifest), SweepError> {
 }
 
 #[cfg(test)]
-mod tests;
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_are_a_partition_of_the_cases() {
+        for (count, of) in [(10, 3), (2, 5), (7, 1)] {
+            let mut all: Vec<usize> = (1..=of)
+                .flat_map(|number| Shard { number, of }.indices(count))
+                .collect();
+            all.sort_unstable();
+            assert!(all.into_iter().eq(0..count));
+        }
+    }
+}
