@@ -1,7 +1,9 @@
 //! The arguments of the program and those common to all subcommands.
 
 use super::failure::Failure;
-use super::{check, completions, explain, init, plot, reproduce, run, verify};
+use super::{
+    check, completions, explain, gather, init, plot, reproduce, run, status, submit, verify,
+};
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use std::io::IsTerminal;
 
@@ -47,6 +49,12 @@ pub enum Command {
     Reproduce(reproduce::ReproduceArguments),
     /// Draw the figures of a results directory
     Plot(plot::PlotArguments),
+    /// Run a sweep as a Slurm job array
+    Submit(submit::SubmitArguments),
+    /// Show how the cases of a sweep stand, and the Slurm tasks that run them
+    Status(status::StatusArguments),
+    /// Make the tables of a sweep from its cases
+    Gather(gather::GatherArguments),
     /// Print a completion script for a shell
     Completions(completions::CompletionsArguments),
 }

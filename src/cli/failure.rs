@@ -1,5 +1,6 @@
 //! Why the program fails, what it says and its exit code.
 
+use crate::cluster::ClusterError;
 use crate::experiment::RunError;
 use crate::experiment::reproduce::ReproduceError;
 use crate::experiment::sweep::SweepError;
@@ -24,6 +25,8 @@ pub enum Failure {
         /// What to say.
         message: String,
     },
+    /// Slurm did not do what it was asked to.
+    Cluster(ClusterError),
     /// An artefact of the thesis was not made.
     Reproduce(ReproduceError),
     /// A results directory could not be read or written.
@@ -48,7 +51,7 @@ impl Failure {
             Self::Reproduce(error) => error.exit_code(),
             Self::Results(error) => error.exit_code(),
             Self::Checks { .. } => 4,
-            Self::System(_) => 1,
+            Self::Cluster(_) | Self::System(_) => 1,
         }
     }
 
@@ -66,6 +69,7 @@ impl Failure {
             Self::Checks { failed } => eprintln!("error: {failed} physics checks failed"),
             Self::Run(error) => eprintln!("error: {error}"),
             Self::Sweep(error) => eprintln!("error: {error}"),
+            Self::Cluster(error) => eprintln!("error: {error}"),
             Self::Reproduce(error) => eprintln!("error: {error}"),
             Self::Results(error) => eprintln!("error: {error}"),
         }
@@ -91,6 +95,12 @@ impl From<SweepError> for Failure {
             SweepError::Scenario(error) => error.into(),
             error => Self::Sweep(error),
         }
+    }
+}
+
+impl From<ClusterError> for Failure {
+    fn from(error: ClusterError) -> Self {
+        Self::Cluster(error)
     }
 }
 

@@ -18,6 +18,7 @@ mod check;
 mod completions;
 mod explain;
 mod failure;
+mod gather;
 mod init;
 mod logging;
 mod output;
@@ -25,6 +26,8 @@ mod plot;
 mod reproduce;
 mod run;
 mod schema;
+mod status;
+mod submit;
 mod sweep;
 mod verify;
 
@@ -57,6 +60,9 @@ fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
         Command::Verify(command) => verify::verify(command),
         Command::Reproduce(command) => reproduce::reproduce(command, &arguments.common),
         Command::Plot(command) => plot::plot(command),
+        Command::Submit(command) => submit::submit(command),
+        Command::Status(command) => status::status(command),
+        Command::Gather(command) => gather::gather(command),
         Command::Completions(command) => completions::completions(command),
     }
 }

@@ -123,6 +123,11 @@ pub fn report(family: &Family, outcome: &SweepOutcome) -> Result<(), Failure> {
         );
     }
     print(&text)?;
+    verdict(outcome)
+}
+
+/// The failure of the worst case, if any failed.
+pub fn verdict(outcome: &SweepOutcome) -> Result<(), Failure> {
     match outcome.exit_code() {
         0 => Ok(()),
         exit_code => Err(Failure::Cases {

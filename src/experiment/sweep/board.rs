@@ -142,9 +142,11 @@ impl<'a> Board<'a> {
             write_sweep_summary(path, &keys, &rows)?;
             let timings = records.iter().map(|(id, record)| (*id, record.usage()));
             write_timings(path, &timings.collect::<Vec<_>>())?;
-            let earlier = Manifest::read(path)?;
+            // What the first process that came here knew; others may have read the scenario from here.
+            let first = Manifest::read(path)?.unwrap_or_else(|| self.manifest.clone());
             Manifest {
-                start: earlier.map_or(self.manifest.start, |earlier| earlier.start),
+                name: first.name,
+                start: first.start,
                 end,
                 cases: records
                     .into_iter()

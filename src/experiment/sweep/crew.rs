@@ -104,13 +104,9 @@ impl<'a> Crew<'a> {
         self.directory.case(id)
     }
 
-    /// The case of a search at a number of the searched key.
-    pub fn searched_job(&self, index: usize, number: f64) -> Job {
-        Job {
-            case: self.family.searched_case(index, number),
-            index,
-            searched: Some(number),
-        }
+    /// What is swept.
+    pub fn family(&self) -> &Family {
+        self.family
     }
 
     /// Runs all cases of the share, and waits for those that other processes work on.

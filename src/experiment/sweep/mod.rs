@@ -82,40 +82,29 @@ impl Shard {
 /// [`SweepError`] where the sweep could not begin, or its directory could not be written. Cases that failed
 /// are no error here: [`SweepOutcome`] counts them.
 pub fn run_sweep(family: &Family, options: &SweepOptions) -> Result<SweepOutcome, SweepError> {
-    let first = check_every_value(family)?;
-    let cases: Vec<Case> = (0..family.count() as usize)
-        .map(|index| family.case(index))
-        .collect();
+    let cases = all_cases(family);
     refuse_repeated(&cases)?;
-    let manifest = first_manifest(family, &first, options)?;
-    let directory = SweepDirectory::open(&options.run.directory, &manifest, options.run.force)?;
+    let (directory, manifest) = open(family, &options.run)?;
     let board = Board::new(&directory, family, manifest);
     let interruption = Interruption::watch();
     let crew = Crew::new(family, &directory, &board, options, &interruption);
     let heartbeat = Heartbeat::start(crew.claimed());
-    let searched = match family.search() {
+    match family.search() {
         Some(search) => search::run(&crew, search, cases.len())?,
+        None => crew.run_all(&cases)?,
+    }
+    drop(heartbeat);
+    let all = all_and_found(family, cases, &directory)?;
+    let published = board.publish(&all.cases);
+    let share: Vec<&Case> = match family.search() {
+        Some(_) => all.cases.iter().collect(),
         None => {
-            crew.run_all(&cases)?;
-            Searched {
-                cases,
-                found: Vec::new(),
-            }
+            let indices = options.shard.indices(all.cases.len());
+            indices.map(|index| &all.cases[index]).collect()
         }
     };
-    drop(heartbeat);
-    let published = board.publish(&searched.cases);
-    let all = &searched.cases;
-    let share: Vec<&Case> = match family.search() {
-        Some(_) => all.iter().collect(),
-        None => options
-            .shard
-            .indices(all.len())
-            .map(|index| &all[index])
-            .collect(),
-    };
     let outcome = SweepOutcome {
-        found: searched.found,
+        found: all.found,
         ..crew.outcome(share)
     };
     // What ended the sweep counts more than what followed from it.
@@ -127,6 +116,43 @@ pub fn run_sweep(family: &Family, options: &SweepOptions) -> Result<SweepOutcome
         search::write(&directory, family, &outcome.found)?;
     }
     Ok(outcome)
+}
+
+/// The cases that were, or are to be, run, and what searches found.
+fn all_and_found(
+    family: &Family,
+    cases: Vec<Case>,
+    directory: &SweepDirectory,
+) -> Result<Searched, SweepError> {
+    match family.search() {
+        Some(search) => search::replay(family, search, directory),
+        None => Ok(Searched {
+            cases,
+            found: Vec::new(),
+        }),
+    }
+}
+
+/// Makes the directory of a sweep whose cases other processes are to run.
+///
+/// # Errors
+/// As [`run_sweep`].
+pub fn establish(family: &Family, options: &RunOptions) -> Result<(), SweepError> {
+    refuse_repeated(&all_cases(family))?;
+    open(family, options).map(drop)
+}
+
+fn open(family: &Family, options: &RunOptions) -> Result<(SweepDirectory, Manifest), SweepError> {
+    let first = check_every_value(family)?;
+    let manifest = first_manifest(family, &first, options)?;
+    let directory = SweepDirectory::open(&options.directory, &manifest, options.force)?;
+    Ok((directory, manifest))
+}
+
+fn all_cases(family: &Family) -> Vec<Case> {
+    (0..family.count() as usize)
+        .map(|index| family.case(index))
+        .collect()
 }
 
 /// What a case would cost, roughly, and the number of its unknowns.
@@ -181,13 +207,13 @@ fn refuse_repeated(cases: &[Case]) -> Result<(), SweepError> {
 fn first_manifest(
     family: &Family,
     first: &PreparedRun,
-    options: &SweepOptions,
+    options: &RunOptions,
 ) -> Result<Manifest, SweepError> {
     let scenario = family.to_toml()?;
     Ok(Manifest {
         version: env!("CARGO_PKG_VERSION").into(),
         commit: option_env!("RODLAB_COMMIT").map(Into::into),
-        command_line: options.run.command_line.clone(),
+        command_line: options.command_line.clone(),
         name: family.name().to_owned(),
         experiment: first.experiment.clone(),
         title: first.title.clone(),
@@ -216,32 +242,33 @@ pub fn gather(directory: &Path) -> Result<SweepOutcome, SweepError> {
     let (family, manifest) = family_in(directory)?;
     let sweep = SweepDirectory::open(directory, &manifest, false)?;
     let board = Board::new(&sweep, &family, manifest);
-    let cases: Vec<Case> = (0..family.count() as usize)
-        .map(|index| family.case(index))
-        .collect();
-    board.publish(&cases)?;
+    let all = all_and_found(&family, all_cases(&family), &sweep)?;
+    board.publish(&all.cases)?;
+    if family.search().is_some() {
+        search::write(&sweep, &family, &all.found)?;
+    }
     Ok(SweepOutcome {
         directory: directory.to_owned(),
-        counts: board.counts(&cases),
+        counts: board.counts(&all.cases),
         interrupted: None,
-        found: Vec::new(),
+        found: all.found,
     })
 }
 
-/// How the cases of a sweep's directory stand, by id, in the order of the sweep; nothing is written.
+/// How the cases of a sweep's directory stand, in the order of the sweep; of a search, those that were begun.
 ///
 /// # Errors
 /// [`SweepError`] where the directory holds no sweep, or cannot be read.
 pub fn standing(directory: &Path) -> Result<Vec<(Case, CaseRecord)>, SweepError> {
-    let (family, _) = family_in(directory)?;
-    (0..family.count() as usize)
-        .map(|index| {
-            let case = family.case(index);
-            let record = board::record_in(&directory.join(crate::results::CASES).join(&case.id))?;
-            let record = record.unwrap_or_else(|| CaseRecord::new(CaseStatus::Pending));
-            Ok((case, record))
-        })
-        .collect()
+    let (family, manifest) = family_in(directory)?;
+    let sweep = SweepDirectory::open(directory, &manifest, false)?;
+    let all = all_and_found(&family, all_cases(&family), &sweep)?;
+    let standing = all.cases.into_iter().map(|case| {
+        let record = board::record_in(&sweep.case(&case.id))?;
+        let record = record.unwrap_or_else(|| CaseRecord::new(CaseStatus::Pending));
+        Ok((case, record))
+    });
+    standing.collect()
 }
 
 /// The family whose results a directory holds, and its manifest.

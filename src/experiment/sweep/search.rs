@@ -2,13 +2,15 @@
 //!
 //! Each evaluation is a case like any other, so that a search that is interrupted repeats only what is left.
 
+use super::board::record_in;
 use super::crew::{Crew, Job};
 use super::objective::objective;
 use super::{SweepError, workers};
-use crate::results::{CaseStatus, ResultsError, SweepDirectory, write_whole};
+use crate::results::{CaseRecord, CaseStatus, ResultsError, SweepDirectory, write_whole};
 use crate::scenario::{Case, Family, Parameter, Search, SearchMethod};
 use std::cell::RefCell;
 use std::ops::ControlFlow;
+use std::path::Path;
 use std::sync::Mutex;
 
 /// What the searches found, a row per case of the keys that are not searched.
@@ -36,6 +38,7 @@ enum Trouble {
     Stopped,
     /// There is nothing to find, or no way to go on; in words.
     Words(String),
+    /// The sweep must be given up.
     Fault(SweepError),
 }
 
@@ -47,67 +50,113 @@ pub(super) struct Searched {
     pub found: Vec<Found>,
 }
 
-/// Makes the search for each of `count` cases of the other keys.
-pub(super) fn run(crew: &Crew<'_>, search: &Search, count: usize) -> Result<Searched, SweepError> {
-    let results = Mutex::new(Vec::new());
+/// A search and what it evaluated: the number of the searched key, and its case.
+type Traced = (Found, Vec<(f64, Case)>);
+
+/// Makes the search for the cases of the other keys in the share of this process; [`replay`] tells what came out.
+pub(super) fn run(crew: &Crew<'_>, search: &Search, count: usize) -> Result<(), SweepError> {
     let fault = Mutex::new(None);
-    let shard: Vec<usize> = crew.shard().indices(count).collect();
-    workers::for_each(shard.len(), crew.jobs(), |place| {
-        let index = shard[place];
-        let evaluations = RefCell::new(Vec::new());
-        let evaluate = |number: f64| {
-            let job = crew.searched_job(index, number);
-            let value = evaluate(crew, search, &job);
-            let mut evaluations = evaluations.borrow_mut();
-            if evaluations.iter().all(|(known, _)| *known != number) {
-                evaluations.push((number, job.case));
-            }
-            value
+    let share: Vec<usize> = crew.shard().indices(count).collect();
+    workers::for_each(share.len(), crew.jobs(), |place| {
+        let index = share[place];
+        let evaluate = |number: f64, case: &Case| {
+            let record = crew
+                .run_one(&Job {
+                    case: case.clone(),
+                    index,
+                    searched: Some(number),
+                })
+                .ok_or(Trouble::Stopped)?;
+            outcome_of(search, case, &record, &crew.case_directory(&case.id))
         };
-        let mut interval = [search.from, search.to];
-        let end = match search.method {
-            SearchMethod::Bisect => bisect(search, &mut interval, evaluate),
-            SearchMethod::Golden => golden(search, &mut interval, evaluate),
-        };
-        let mut evaluations = evaluations.into_inner();
-        evaluations.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let (value, trouble) = match end {
-            Ok(value) => (Some(value), None),
-            Err(Trouble::Words(words)) => (None, Some(words)),
-            Err(Trouble::Stopped) => (None, Some("interrupted".to_owned())),
-            Err(Trouble::Fault(error)) => {
+        match trace(crew.family(), search, index, evaluate) {
+            Ok(_) => ControlFlow::Continue(()),
+            Err(error) => {
                 fault.lock().expect("no search panics").get_or_insert(error);
-                return ControlFlow::Break(());
+                ControlFlow::Break(())
             }
-        };
-        let found = Found {
-            index,
-            value,
-            interval,
-            evaluations: evaluations.len(),
-            trouble,
-        };
-        results
-            .lock()
-            .expect("no search panics")
-            .push((found, evaluations));
-        ControlFlow::Continue(())
+        }
     })?;
-    if let Some(error) = fault.into_inner().expect("no search panics") {
-        return Err(error);
-    }
-    let mut results = results.into_inner().expect("no search panics");
-    results.sort_by_key(|(found, _)| found.index);
-    let cases = results.iter().flat_map(|(_, evaluations)| evaluations);
-    Ok(Searched {
-        cases: cases.map(|(_, case)| case.clone()).collect(),
-        found: results.iter().map(|(found, _)| found.clone()).collect(),
-    })
+    fault
+        .into_inner()
+        .expect("no search panics")
+        .map_or(Ok(()), Err)
 }
 
-fn evaluate(crew: &Crew<'_>, search: &Search, job: &Job) -> Result<f64, Trouble> {
-    let record = crew.run_one(job).ok_or(Trouble::Stopped)?;
-    let id = &job.case.id;
+/// What all searches came to, as far as their cases have been run, by this process or others.
+pub(super) fn replay(
+    family: &Family,
+    search: &Search,
+    directory: &SweepDirectory,
+) -> Result<Searched, SweepError> {
+    let mut searched = Searched {
+        cases: Vec::new(),
+        found: Vec::new(),
+    };
+    for index in 0..family.count() as usize {
+        let evaluate = |_: f64, case: &Case| {
+            let path = directory.case(&case.id);
+            let record = record_in(&path).map_err(|error| Trouble::Fault(error.into()))?;
+            outcome_of(search, case, &record.ok_or(Trouble::Stopped)?, &path)
+        };
+        let (found, mut evaluations) = trace(family, search, index, evaluate)?;
+        evaluations.sort_by(|a, b| a.0.total_cmp(&b.0));
+        searched.found.push(found);
+        searched
+            .cases
+            .extend(evaluations.into_iter().map(|(_, case)| case));
+    }
+    Ok(searched)
+}
+
+/// Makes one search.
+fn trace(
+    family: &Family,
+    search: &Search,
+    index: usize,
+    evaluate: impl Fn(f64, &Case) -> Result<f64, Trouble>,
+) -> Result<Traced, SweepError> {
+    let evaluations = RefCell::new(Vec::new());
+    let evaluate = |number: f64| {
+        let case = family.searched_case(index, number);
+        let value = evaluate(number, &case);
+        let begun = !matches!(value, Err(Trouble::Stopped));
+        let mut evaluations = evaluations.borrow_mut();
+        if begun && evaluations.iter().all(|(known, _)| *known != number) {
+            evaluations.push((number, case));
+        }
+        value
+    };
+    let mut interval = [search.from, search.to];
+    let end = match search.method {
+        SearchMethod::Bisect => bisect(search, &mut interval, evaluate),
+        SearchMethod::Golden => golden(search, &mut interval, evaluate),
+    };
+    let evaluations = evaluations.into_inner();
+    let (value, trouble) = match end {
+        Ok(value) => (Some(value), None),
+        Err(Trouble::Words(words)) => (None, Some(words)),
+        Err(Trouble::Stopped) => (None, Some("not all its cases were run".to_owned())),
+        Err(Trouble::Fault(error)) => return Err(error),
+    };
+    let found = Found {
+        index,
+        value,
+        interval,
+        evaluations: evaluations.len(),
+        trouble,
+    };
+    Ok((found, evaluations))
+}
+
+/// The objective of a case, or what is in the way.
+fn outcome_of(
+    search: &Search,
+    case: &Case,
+    record: &CaseRecord,
+    directory: &Path,
+) -> Result<f64, Trouble> {
+    let id = &case.id;
     match record.status {
         CaseStatus::Finished => {}
         status if status.is_final() => {
@@ -118,7 +167,7 @@ fn evaluate(crew: &Crew<'_>, search: &Search, job: &Job) -> Result<f64, Trouble>
         }
         _ => return Err(Trouble::Stopped),
     }
-    let value = objective(&crew.case_directory(id), &search.objective).map_err(Trouble::Fault)?;
+    let value = objective(directory, &search.objective).map_err(Trouble::Fault)?;
     value.ok_or_else(|| Trouble::Words(format!("case `{id}` has no `{}`", search.objective)))
 }
 
