@@ -10,14 +10,14 @@ use std::path::PathBuf;
 /// Arguments of `rodlab gather`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Brings summary.csv, timings.csv and manifest.json up to date with the cases, whoever ran them, and draws the
-figures. Works while tasks run, too.")]
+Brings summary.csv, timings.csv and manifest.json up to date with the cases, whoever ran them. Works while tasks
+run, too.")]
 pub struct GatherArguments {
     /// The results directory of a sweep
     pub directory: PathBuf,
 }
 
-/// Makes the tables and figures of a sweep from its cases.
+/// Makes the tables of a sweep from its cases.
 pub fn gather(arguments: &GatherArguments) -> Result<(), Failure> {
     let outcome = sweep::gather(&arguments.directory)?;
     print(&format!("{}\n", outcome.counts))?;

@@ -27,7 +27,9 @@ pub use search::{Found, SEARCH_TABLE};
 use super::run::Interruption;
 use super::workers;
 use super::{DerivedNumbers, PreparedRun, RunOptions, derived_numbers, prepare};
-use crate::results::{CaseRecord, CaseStatus, Manifest, SweepDirectory, host_name, scenario_hash};
+use crate::results::{
+    CASES, CaseRecord, CaseStatus, Manifest, SweepDirectory, host_name, scenario_hash,
+};
 use crate::scenario::{Case, Family, Loaded, ScenarioError};
 use board::Board;
 use crew::Crew;
@@ -94,7 +96,7 @@ pub fn run_sweep(family: &Family, options: &SweepOptions) -> Result<SweepOutcome
         None => crew.run_all(&cases)?,
     }
     drop(heartbeat);
-    let all = all_and_found(family, cases, &directory)?;
+    let all = all_and_found(family, cases, directory.path())?;
     let published = board.publish(&all.cases);
     let share: Vec<&Case> = match family.search() {
         Some(_) => all.cases.iter().collect(),
@@ -122,7 +124,7 @@ pub fn run_sweep(family: &Family, options: &SweepOptions) -> Result<SweepOutcome
 fn all_and_found(
     family: &Family,
     cases: Vec<Case>,
-    directory: &SweepDirectory,
+    directory: &Path,
 ) -> Result<Searched, SweepError> {
     match family.search() {
         Some(search) => search::replay(family, search, directory),
@@ -242,7 +244,7 @@ pub fn gather(directory: &Path) -> Result<SweepOutcome, SweepError> {
     let (family, manifest) = family_in(directory)?;
     let sweep = SweepDirectory::open(directory, &manifest, false)?;
     let board = Board::new(&sweep, &family, manifest);
-    let all = all_and_found(&family, all_cases(&family), &sweep)?;
+    let all = all_and_found(&family, all_cases(&family), directory)?;
     board.publish(&all.cases)?;
     if family.search().is_some() {
         search::write(&sweep, &family, &all.found)?;
@@ -256,15 +258,15 @@ pub fn gather(directory: &Path) -> Result<SweepOutcome, SweepError> {
 }
 
 /// How the cases of a sweep's directory stand, in the order of the sweep; of a search, those that were begun.
+/// Nothing is written.
 ///
 /// # Errors
 /// [`SweepError`] where the directory holds no sweep, or cannot be read.
 pub fn standing(directory: &Path) -> Result<Vec<(Case, CaseRecord)>, SweepError> {
-    let (family, manifest) = family_in(directory)?;
-    let sweep = SweepDirectory::open(directory, &manifest, false)?;
-    let all = all_and_found(&family, all_cases(&family), &sweep)?;
+    let (family, _) = family_in(directory)?;
+    let all = all_and_found(&family, all_cases(&family), directory)?;
     let standing = all.cases.into_iter().map(|case| {
-        let record = board::record_in(&sweep.case(&case.id))?;
+        let record = board::record_in(&directory.join(CASES).join(&case.id))?;
         let record = record.unwrap_or_else(|| CaseRecord::new(CaseStatus::Pending));
         Ok((case, record))
     });

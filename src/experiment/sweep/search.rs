@@ -6,7 +6,7 @@ use super::board::record_in;
 use super::crew::{Crew, Job};
 use super::objective::objective;
 use super::{SweepError, workers};
-use crate::results::{CaseRecord, CaseStatus, ResultsError, SweepDirectory, write_whole};
+use crate::results::{CASES, CaseRecord, CaseStatus, ResultsError, SweepDirectory, write_whole};
 use crate::scenario::{Case, Family, Parameter, Search, SearchMethod};
 use std::cell::RefCell;
 use std::ops::ControlFlow;
@@ -87,7 +87,7 @@ pub(super) fn run(crew: &Crew<'_>, search: &Search, count: usize) -> Result<(), 
 pub(super) fn replay(
     family: &Family,
     search: &Search,
-    directory: &SweepDirectory,
+    directory: &Path,
 ) -> Result<Searched, SweepError> {
     let mut searched = Searched {
         cases: Vec::new(),
@@ -95,7 +95,7 @@ pub(super) fn replay(
     };
     for index in 0..family.count() as usize {
         let evaluate = |_: f64, case: &Case| {
-            let path = directory.case(&case.id);
+            let path = directory.join(CASES).join(&case.id);
             let record = record_in(&path).map_err(|error| Trouble::Fault(error.into()))?;
             outcome_of(search, case, &record.ok_or(Trouble::Stopped)?, &path)
         };
