@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! cli ──> experiment ──> mechanics ──> linalg
-//!  └──────────┴──> scenario, results, figure
+//!  └──────────┴──> scenario, results, figure, cluster
 //! ```
 //!
 //! | room | what lives there |
@@ -16,6 +16,7 @@
 //! | [`mechanics`] | rods, contact, fluid, time stepping, equilibria |
 //! | [`linalg`] | banded and sparse factorisations |
 //! | [`results`] | results directories, checkpoints, VTK |
+//! | [`cluster`] | Slurm job arrays |
 //! | [`figure`] | pictures of plain curves and rows |
 //!
 //! Inside [`mechanics`], [`rod`](mechanics::rod), [`contact`](mechanics::contact) and
@@ -27,6 +28,7 @@
 //! All quantities are in SI units unless a name says otherwise.
 
 pub mod cli;
+pub mod cluster;
 pub mod experiment;
 pub mod figure;
 pub mod linalg;

@@ -5,10 +5,17 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Rooms of the crate and what each may import beside itself.
-const ROOMS: [(&str, &[&str]); 7] = [
+const ROOMS: [(&str, &[&str]); 8] = [
     (
         "cli",
-        &["experiment", "mechanics", "scenario", "results", "figure"],
+        &[
+            "experiment",
+            "mechanics",
+            "scenario",
+            "results",
+            "figure",
+            "cluster",
+        ],
     ),
     (
         "experiment",
@@ -19,6 +26,7 @@ const ROOMS: [(&str, &[&str]); 7] = [
     ("scenario", &[]),
     ("results", &[]),
     ("figure", &[]),
+    ("cluster", &[]),
 ];
 
 /// Rooms inside `mechanics` and what each may import beside itself.

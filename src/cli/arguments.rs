@@ -2,7 +2,8 @@
 
 use super::failure::Failure;
 use super::{
-    check, completions, explain, init, measure, plot, reproduce, run, solve, verify, view,
+    check, completions, explain, gather, init, measure, plot, reproduce, run, solve, status,
+    submit, verify, view,
 };
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use std::io::IsTerminal;
@@ -55,6 +56,12 @@ pub enum Command {
     Plot(plot::PlotArguments),
     /// Make an interactive 3-D page of a results directory
     View(view::ViewArguments),
+    /// Run a sweep as a Slurm job array
+    Submit(submit::SubmitArguments),
+    /// Show how the cases of a sweep stand, and the Slurm tasks that run them
+    Status(status::StatusArguments),
+    /// Make the tables of a sweep from its cases
+    Gather(gather::GatherArguments),
     /// Print a completion script for a shell
     Completions(completions::CompletionsArguments),
 }

@@ -18,6 +18,7 @@ mod check;
 mod completions;
 mod explain;
 mod failure;
+mod gather;
 mod init;
 mod logging;
 mod measure;
@@ -27,6 +28,9 @@ mod reproduce;
 mod run;
 mod schema;
 mod solve;
+mod status;
+mod submit;
+mod sweep;
 mod verify;
 mod view;
 
@@ -62,6 +66,9 @@ fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
         Command::Reproduce(command) => reproduce::reproduce(command, &arguments.common),
         Command::Plot(command) => plot::plot(command),
         Command::View(command) => view::view(command, &arguments.common),
+        Command::Submit(command) => submit::submit(command),
+        Command::Status(command) => status::status(command),
+        Command::Gather(command) => gather::gather(command),
         Command::Completions(command) => completions::completions(command),
     }
 }

@@ -9,12 +9,14 @@ mod prepared;
 pub mod reproduce;
 mod run;
 mod scene;
+pub mod sweep;
 pub mod verify;
 mod view;
+mod workers;
 
 pub use derived::{DerivedNumbers, DerivedRod, derived_numbers};
 pub use plot::{CustomFigure, PlotError, custom_figure, plot_results, write_figure};
 pub use prepared::{Mode, OutputPlan, PreparedRun};
-pub use run::{RunError, RunOptions, RunOutcome, RunStatus, run};
+pub use run::{AmongBars, RunError, RunOptions, RunOutcome, RunStatus, StopRequest, run};
 pub use scene::{prepare, try_scene};
 pub use view::{ViewError, WrittenPage, write_page};

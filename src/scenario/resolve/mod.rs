@@ -7,6 +7,8 @@ mod rod;
 mod section;
 mod shape;
 
+pub use polyline::read as read_polyline;
+
 use super::issue::{Issues, KeyPath};
 use super::resolved::{Experiment, Scenario};
 use super::typed::{self, ScenarioFile};

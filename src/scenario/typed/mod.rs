@@ -8,6 +8,7 @@ mod model;
 mod quantity;
 mod rod;
 mod shape;
+mod sweep;
 
 pub use load::{Clamp, Load, Place, Plane};
 pub use model::{
@@ -16,6 +17,7 @@ pub use model::{
 pub use quantity::{Quantity, Vector};
 pub use rod::{CrossSection, Material, Rod, Stiffness};
 pub use shape::{Arc, Helix, NaturalShape, Points, Ring, Shape, Straight};
+pub use sweep::{End, Sample, SampleMethod, Search, SearchMethod, Sweep};
 
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -62,6 +64,9 @@ pub struct ScenarioFile {
     pub output: Output,
     /// Number, geometry and drive of the flagella of the experiment "flagella".
     pub flagella: Option<Flagella>,
+    /// Many cases of this scenario: keys with lists or ranges of values.
+    #[expect(dead_code, reason = "sweeps are taken out before files are decoded")]
+    pub sweep: Option<Sweep>,
 }
 
 /// The experiments.
