@@ -15,10 +15,8 @@ const SAFETY: f64 = 0.9;
 const GROWTH: [f64; 2] = [0.2, 1.5];
 /// Iterations above which a step is thought too large for Newton's method, and shrinks.
 const MANY_ITERATIONS: usize = 10;
-/// Growth of a step below that of the fixed grid, after one that succeeded.
-///
-/// In a tangle of two flagella with μ = 1 faster growth meets the next failure sooner: 2 and 1.2 cost 5.9 and 3.9 iterations a
-/// step against 3.0, for half and three quarters of the steps, within the same processor time.
+/// Growth of a step below that of the fixed grid, after one that succeeded. Chosen by trial in a tangle of two flagella
+/// with μ = 1, over 0.3 s: faster growth takes fewer steps and meets the next failure sooner.
 const RECOVERY: f64 = 1.1;
 /// An error beyond this multiple of the tolerance refuses the step.
 const REFUSAL: f64 = 4.0;
