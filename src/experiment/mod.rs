@@ -3,6 +3,8 @@
 mod curve;
 mod derived;
 mod flagella;
+mod knot_observer;
+mod knot_tightening;
 mod plot;
 mod prepared;
 pub mod reproduce;
@@ -11,6 +13,7 @@ mod scene;
 pub mod verify;
 
 pub use derived::{DerivedNumbers, DerivedRod, derived_numbers};
+pub use knot_observer::KnotObserver;
 pub use plot::plot_results;
 pub use prepared::{Mode, OutputPlan, PreparedRun};
 pub use run::{RunError, RunOptions, RunOutcome, RunStatus, run};

@@ -1,5 +1,6 @@
 //! A run that is ready to start: what every experiment builds from its scenario.
 
+use super::KnotObserver;
 use crate::mechanics::dynamics::IntegrationParameters;
 use crate::mechanics::scene::Scene;
 
@@ -22,6 +23,8 @@ pub struct PreparedRun {
     pub integration: IntegrationParameters,
     /// What is written, and how often.
     pub output: OutputPlan,
+    /// What measures the knot, where there is one.
+    pub knot: Option<KnotObserver>,
 }
 
 /// Whether the scene moves in time or rests.

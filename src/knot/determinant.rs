@@ -87,7 +87,8 @@ fn crossings(closed: &[Vector3], direction: &Vector3) -> Option<Vec<Crossing>> {
             let between = [c[0] - a[0], c[1] - a[1]];
             let turn = cross(first, second);
             let (s, t) = (cross(between, second) / turn, cross(between, first) / turn);
-            if !s.is_finite() || !t.is_finite() {
+            // Parallel segments are infinitely far from crossing, unless they lie on one line.
+            if s.is_nan() || t.is_nan() {
                 return None;
             }
             let margin = 1e-9;
@@ -175,4 +176,67 @@ fn inverse(value: i128) -> i128 {
         exponent >>= 1;
     }
     result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    fn curve(points: usize, at: impl Fn(f64) -> Vector3) -> Vec<Vector3> {
+        (0..points)
+            .map(|k| at(k as f64 / (points - 1) as f64))
+            .collect()
+    }
+
+    #[test]
+    fn a_line_and_an_arc_are_unknots() {
+        let line = curve(20, |t| Vector3::new(t, 0.0, 0.0));
+        assert_eq!(determinant(&line), Some(1));
+        let arc = curve(20, |t| Vector3::new((4.0 * t).cos(), (4.0 * t).sin(), t));
+        assert_eq!(determinant(&arc), Some(1));
+    }
+
+    #[test]
+    fn parallel_segments_are_no_crossings() {
+        // The tail of a pulled rod is parallel to the path that closes it.
+        let mut hook = curve(20, |t| Vector3::new(t, 0.0, 0.0));
+        hook.extend(curve(20, |t| Vector3::new(1.0 - t, 0.5, 0.0)));
+        hook.extend(curve(20, |t| Vector3::new(2.0 * t, 1.0, 0.0)));
+        assert_eq!(determinant(&hook), Some(1));
+    }
+
+    #[test]
+    fn torus_knots_and_the_figure_eight_have_their_determinants() {
+        let torus = |q: f64| {
+            move |t: f64| {
+                let angle = 0.01 + (TAU - 0.02) * t;
+                let radius = 2.0 + (q * angle).cos();
+                Vector3::new(
+                    radius * (2.0 * angle).cos(),
+                    radius * (2.0 * angle).sin(),
+                    -(q * angle).sin(),
+                )
+            }
+        };
+        for q in [3, 5, 7, 9] {
+            let closed = curve(400, torus(f64::from(q)));
+            assert_eq!(cofactor(&crossings_of(&closed)), q as u64, "(2, {q})");
+        }
+        let figure_eight = curve(400, |t| {
+            let angle = TAU * t * 0.999;
+            let radius = 2.0 + (2.0 * angle).cos();
+            Vector3::new(
+                radius * (3.0 * angle).cos(),
+                radius * (3.0 * angle).sin(),
+                (4.0 * angle).sin(),
+            )
+        });
+        assert_eq!(cofactor(&crossings_of(&figure_eight)), 5);
+    }
+
+    /// Crossings of a curve closed by its last segment.
+    fn crossings_of(closed: &[Vector3]) -> Vec<Crossing> {
+        crossings(closed, &Vector3::new(0.123, 0.218, 0.968).normalize()).unwrap()
+    }
 }

@@ -37,7 +37,7 @@ pub use issue::{Issue, Issues, KeyPath, did_you_mean};
 pub use load::{Loaded, from_text, from_text_with, load};
 pub use resolved::{
     BuilderRod, Clamp, Contact, CrossSection, Experiment, Flagella, Fluid, Handedness, Head, Hold,
-    Load, LoadKind, Material, NaturalShape, Output, Place, Plane, Rod, Scenario, Scheme, Shape,
-    Solver, Step, Stiffness, Time,
+    Knot, KnotEnds, Load, LoadKind, Material, NaturalShape, Output, Place, Plane, Rod, Scenario,
+    Scheme, Shape, Solver, Step, Stiffness, Time,
 };
 pub use units::seconds;
