@@ -9,7 +9,7 @@ use crate::mechanics::scene::Scene;
 pub struct PreparedRun {
     /// Short name for directories: the stem of the scenario file.
     pub name: String,
-    /// Name of the experiment, `scene` or `flagella`.
+    /// Name of the experiment, `scene`, `flagella` or `knot-tightening`.
     pub experiment: String,
     /// Title for people.
     pub title: String,

@@ -179,9 +179,8 @@ mod tests {
     fn strands_stand_apart() {
         for n in 1..=6 {
             // Six turns need a longer braid.
-            let end_to_end = if n == 6 { 0.3 } else { 0.4 };
             let knot = Overhand {
-                end_to_end,
+                length: if n == 6 { 1.4 } else { 1.0 },
                 ..knot(n)
             };
             let curve = overhand_nodes(&knot, 2001).unwrap();

@@ -2,7 +2,7 @@
 
 use super::bundling::Bundling;
 use super::{ReproduceError, ReproduceOptions};
-use crate::experiment::{RunError, RunOptions, RunStatus, run};
+use crate::experiment::{PreparedRun, RunError, RunOptions, RunStatus, run};
 use crate::results::{CaseRecord, CaseStatus, MAIN_CASE, Manifest, scenario_hash};
 use std::path::PathBuf;
 use std::sync::Mutex;
@@ -13,11 +13,21 @@ const CASES: &str = "cases";
 /// Digits of the scenario's hash in the name of a run's directory.
 const HASH_DIGITS: usize = 8;
 
+/// What an artefact asks to be run.
+pub(super) trait Run: Clone + Sync + Send {
+    /// Its name, for directories.
+    fn id(&self) -> String;
+    /// The run, ready to start.
+    fn prepare(&self) -> PreparedRun;
+    /// Simulated time, s.
+    fn end(&self) -> f64;
+}
+
 /// A run that came to an end.
 #[derive(Clone, Debug)]
-pub(super) struct Case {
+pub(super) struct Case<R = Bundling> {
     /// What was run.
-    pub bundling: Bundling,
+    pub run: R,
     /// Its results directory.
     pub directory: PathBuf,
     /// What came out; the status tells whether the simulated time was reached.
@@ -37,23 +47,23 @@ pub(super) fn threads_of_a_run(jobs: usize) -> usize {
 ///
 /// Each run has a thread pool to itself: in a common one a thread that waits for others of its own run
 /// could take up another run, and time would be counted where it was not spent.
-pub(super) fn run_all(
-    runs: &[Bundling],
+pub(super) fn run_all<R: Run>(
+    runs: &[R],
     options: &ReproduceOptions,
     report: &(dyn Fn(&str) + Sync),
-) -> Result<Vec<Case>, ReproduceError> {
+) -> Result<Vec<Case<R>>, ReproduceError> {
     let next = AtomicUsize::new(0);
     let stopped = AtomicBool::new(false);
-    let results: Vec<Mutex<Option<Result<Case, ReproduceError>>>> =
+    let results: Vec<Mutex<Option<Result<Case<R>, ReproduceError>>>> =
         runs.iter().map(|_| Mutex::new(None)).collect();
     let threads = threads_of_a_run(options.jobs);
     let work = || {
         while !stopped.load(Ordering::Relaxed) {
             let index = next.fetch_add(1, Ordering::Relaxed);
-            let Some(bundling) = runs.get(index) else {
+            let Some(asked) = runs.get(index) else {
                 break;
             };
-            let result = run_one(bundling, options, threads);
+            let result = run_one(asked, options, threads);
             match &result {
                 Ok(case) => report(&case.in_a_line()),
                 Err(_) => stopped.store(true, Ordering::Relaxed),
@@ -73,15 +83,15 @@ pub(super) fn run_all(
         .collect()
 }
 
-fn run_one(
-    bundling: &Bundling,
+fn run_one<R: Run>(
+    asked: &R,
     options: &ReproduceOptions,
     threads: usize,
-) -> Result<Case, ReproduceError> {
-    let prepared = bundling.prepare();
+) -> Result<Case<R>, ReproduceError> {
+    let prepared = asked.prepare();
     // Another version of the program may resolve the scenario to something else: that is another run.
     let hash = scenario_hash(&prepared.scenario_toml);
-    let name = format!("{}-{}", bundling.id(), &hash[..HASH_DIGITS]);
+    let name = format!("{}-{}", asked.id(), &hash[..HASH_DIGITS]);
     let directory = options.directory.join(CASES).join(name);
     let run_options = RunOptions {
         command_line: options.command_line.clone(),
@@ -100,7 +110,7 @@ fn run_one(
     };
     let manifest = Manifest::read(&directory)?.expect("a run leaves its manifest");
     Ok(Case {
-        bundling: *bundling,
+        run: asked.clone(),
         directory,
         record: manifest.cases[MAIN_CASE],
         manifest,
@@ -108,19 +118,17 @@ fn run_one(
     })
 }
 
-impl Case {
+impl<R: Run> Case<R> {
     /// How it ended, for progress reports.
     fn in_a_line(&self) -> String {
-        let Self {
-            bundling, record, ..
-        } = self;
+        let Self { run, record, .. } = self;
         let how = if self.was_finished {
             "had been run before".to_owned()
         } else {
             format!("{:.1} s of wall time", record.wall_time)
         };
         let end = record.outcome.simulated_time;
-        format!("{}: {} at {end} s, {how}", bundling.id(), self.status())
+        format!("{}: {} at {end} s, {how}", run.id(), self.status())
     }
 
     /// Its status in words.
