@@ -180,7 +180,8 @@ mod tests {
         for n in 1..=6 {
             // Six turns need a longer braid.
             let knot = Overhand {
-                length: if n == 6 { 1.4 } else { 1.0 },
+                length: if n == 6 { 1.5 } else { 1.0 },
+                end_to_end: if n == 6 { 0.55 } else { 0.4 },
                 ..knot(n)
             };
             let curve = overhand_nodes(&knot, 2001).unwrap();

@@ -20,8 +20,9 @@ struct Row {
     jawed_2015: f64,
 }
 
-/// Ratios are means over this range of traction, which all knots pass before they invert.
-const RANGE: [f64; 2] = [3e-3, 3e-2];
+/// A fall of the traction below this part of its peak is inversion; the polyline's corners that slip over each other
+/// make it fluctuate less.
+const INVERSION: f64 = 0.7;
 
 /// Writes traction over shortening, both scaled with n².
 pub(super) fn write(page: &mut Page, cases: &[Case<Tightening>]) -> Result<(), ReproduceError> {
@@ -82,16 +83,14 @@ fn measured(case: &Case<Tightening>) -> Result<Vec<Row>, ReproduceError> {
         .collect())
 }
 
-/// Mean, least and largest ratio of simulation and law in the range before the first fall of the traction below eight
-/// tenths of what it was, which is inversion.
+/// Mean, least and largest ratio of simulation and law before inversion.
 fn ratios(unknotting_number: usize, rows: &[Row]) -> Vec<String> {
     let mut peak = 0.0;
     let before_inversion = rows.iter().take_while(|row| {
         peak = row.scaled_force.max(peak);
-        row.scaled_force > 0.8 * peak
+        row.scaled_force > INVERSION * peak
     });
     let ratios: Vec<f64> = before_inversion
-        .filter(|row| (RANGE[0]..RANGE[1]).contains(&row.scaled_force))
         .map(|row| row.scaled_shortening / row.jawed_2015)
         .collect();
     let count = ratios.len();

@@ -2,7 +2,7 @@
 
 use super::cases::{Case, Run};
 use crate::experiment::{PreparedRun, prepare};
-use crate::results::{KnotRow, ResultsError, read_knot_series};
+use crate::results::{KnotRow, ResultsError, SeriesRow, read_knot_series};
 use crate::scenario::from_text_with;
 use std::path::Path;
 
@@ -149,15 +149,20 @@ impl Run for Tightening {
 /// Part of the time of pulling that is left out, until friction has turned into the direction of slip everywhere.
 const LEFT_OUT: f64 = 0.1;
 
-/// The rows of a run while its ends move, but for the beginning.
-pub(super) fn pulled_rows(case: &Case<Tightening>) -> Result<Vec<KnotRow>, ResultsError> {
+/// The series of a run while its ends move, but for the beginning.
+pub(super) fn pulled_series(
+    case: &Case<Tightening>,
+) -> Result<Vec<(SeriesRow, KnotRow)>, ResultsError> {
     let rows = read_knot_series(&case.directory)?.into_iter();
     let Tightening { settling, end, .. } = case.run;
     let start = settling + LEFT_OUT * (end - settling);
-    Ok(rows
-        .filter(|(series, _)| series.time_s > start)
-        .map(|(_, knot)| knot)
-        .collect())
+    Ok(rows.filter(|(series, _)| series.time_s > start).collect())
+}
+
+/// What was measured of the knot in [`pulled_series`].
+pub(super) fn pulled_rows(case: &Case<Tightening>) -> Result<Vec<KnotRow>, ResultsError> {
+    let rows = pulled_series(case)?.into_iter();
+    Ok(rows.map(|(_, knot)| knot).collect())
 }
 
 #[cfg(test)]
