@@ -1,5 +1,6 @@
 //! A run of bundling flagella with the parameters of the thesis, section 2.4.2.
 
+use super::cases::Run;
 use crate::experiment::{PreparedRun, prepare};
 use crate::scenario::from_text_with;
 use std::path::Path;
@@ -51,9 +52,9 @@ impl ContactModel {
     }
 }
 
-impl Bundling {
+impl Run for Bundling {
     /// Its name, such as `m2_imc_mu0.3_250s`.
-    pub fn id(&self) -> String {
+    fn id(&self) -> String {
         let Self {
             flagella,
             model,
@@ -69,8 +70,7 @@ impl Bundling {
         }
     }
 
-    /// The run, ready to start.
-    pub fn prepare(&self) -> PreparedRun {
+    fn prepare(&self) -> PreparedRun {
         let overrides = [
             format!("title=\"Bundling flagella, {}\"", self.id()),
             format!("flagella.count={}", self.flagella),
@@ -84,6 +84,12 @@ impl Bundling {
         prepare(&loaded.scenario).expect("a scene of the thesis is possible")
     }
 
+    fn end(&self) -> f64 {
+        self.end
+    }
+}
+
+impl Bundling {
     /// Rough cost on one core, s: 1 ms steps, whose fluid costs grow with the square of the flagella.
     pub fn cost(&self) -> f64 {
         let flagella = self.flagella as f64;

@@ -142,6 +142,7 @@ impl System {
             drive.turn_edges(time, &self.reference, unknowns);
         }
         self.assembly.loads.dead_forces(time, &mut self.dead_forces);
+        self.assembly.loads.update_damping(time);
         for (dead, external) in self.dead_forces.iter_mut().zip(&self.external_forces) {
             *dead += external;
         }
