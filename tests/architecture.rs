@@ -30,10 +30,11 @@ const ROOMS: [(&str, &[&str]); 8] = [
 ];
 
 /// Rooms inside `mechanics` and what each may import beside itself.
-const MECHANICS: [(&str, &[&str]); 7] = [
+const MECHANICS: [(&str, &[&str]); 8] = [
     ("rod", &[]),
     ("contact", &[]),
     ("fluid", &[]),
+    ("kirchhoff", &[]),
     ("scene", &["contact", "fluid"]),
     ("system", &["rod", "contact", "scene"]),
     ("statics", &["rod", "system"]),

@@ -2,7 +2,8 @@
 
 use super::failure::Failure;
 use super::{
-    check, completions, explain, gather, init, plot, reproduce, run, status, submit, verify,
+    check, completions, explain, gather, init, measure, plot, reproduce, run, solve, status,
+    submit, verify, view,
 };
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use std::io::IsTerminal;
@@ -43,6 +44,10 @@ pub enum Command {
     Schema,
     /// Explain a key of scenario files in words
     Explain(explain::ExplainArguments),
+    /// Solve a problem exactly; the answer is JSON on standard output
+    Solve(solve::SolveArguments),
+    /// Find the gravito-bending length of a real rod or strip from its shape
+    Measure(measure::MeasureArguments),
     /// Compare the engine with theory, check by check
     Verify(verify::VerifyArguments),
     /// Make a table or figure of the thesis again
@@ -53,8 +58,10 @@ pub enum Command {
     Submit(submit::SubmitArguments),
     /// Show how the cases of a sweep stand, and the Slurm tasks that run them
     Status(status::StatusArguments),
-    /// Make the tables of a sweep from its cases
+    /// Make the tables and figures of a sweep from its cases
     Gather(gather::GatherArguments),
+    /// Make an interactive 3-D page of a results directory
+    View(view::ViewArguments),
     /// Print a completion script for a shell
     Completions(completions::CompletionsArguments),
 }

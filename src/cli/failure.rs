@@ -1,9 +1,9 @@
 //! Why the program fails, what it says and its exit code.
 
 use crate::cluster::ClusterError;
-use crate::experiment::RunError;
 use crate::experiment::reproduce::ReproduceError;
 use crate::experiment::sweep::SweepError;
+use crate::experiment::{PlotError, RunError, ViewError};
 use crate::results::ResultsError;
 use crate::scenario::ScenarioError;
 
@@ -31,6 +31,10 @@ pub enum Failure {
     Reproduce(ReproduceError),
     /// A results directory could not be read or written.
     Results(ResultsError),
+    /// A figure was not drawn.
+    Plot(PlotError),
+    /// There is no page of rods in motion.
+    View(ViewError),
     /// Physics checks failed.
     Checks {
         /// How many.
@@ -50,6 +54,8 @@ impl Failure {
             Self::Cases { exit_code, .. } => *exit_code,
             Self::Reproduce(error) => error.exit_code(),
             Self::Results(error) => error.exit_code(),
+            Self::Plot(error) => error.exit_code(),
+            Self::View(error) => error.exit_code(),
             Self::Checks { .. } => 4,
             Self::Cluster(_) | Self::System(_) => 1,
         }
@@ -72,6 +78,8 @@ impl Failure {
             Self::Cluster(error) => eprintln!("error: {error}"),
             Self::Reproduce(error) => eprintln!("error: {error}"),
             Self::Results(error) => eprintln!("error: {error}"),
+            Self::Plot(error) => eprintln!("error: {error}"),
+            Self::View(error) => eprintln!("error: {error}"),
         }
     }
 }
@@ -113,5 +121,17 @@ impl From<ReproduceError> for Failure {
 impl From<ResultsError> for Failure {
     fn from(error: ResultsError) -> Self {
         Self::Results(error)
+    }
+}
+
+impl From<PlotError> for Failure {
+    fn from(error: PlotError) -> Self {
+        Self::Plot(error)
+    }
+}
+
+impl From<ViewError> for Failure {
+    fn from(error: ViewError) -> Self {
+        Self::View(error)
     }
 }

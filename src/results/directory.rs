@@ -24,6 +24,10 @@ pub const TIMINGS: &str = "timings.csv";
 pub const RODS_FIGURE: &str = "rods.svg";
 /// The series over time, drawn.
 pub const SERIES_FIGURE: &str = "series.svg";
+/// Outcomes of a sweep over its parameters, drawn.
+pub const SWEEP_FIGURE: &str = "sweep.svg";
+/// The interactive page of the rods in motion.
+pub const PAGE: &str = "view.html";
 /// The ParaView collection.
 pub const VTK_COLLECTION: &str = "rods.pvd";
 /// Folder of the frames of the collection.
@@ -32,7 +36,7 @@ pub const VTK_FOLDER: &str = "vtk";
 pub(super) const LOCK: &str = ".lock";
 
 /// What a run may write: names in a results directory, swept by `--force`.
-const FILES: [&str; 10] = [
+const FILES: [&str; 15] = [
     SCENARIO,
     SERIES,
     NODES,
@@ -42,6 +46,11 @@ const FILES: [&str; 10] = [
     VTK_COLLECTION,
     RODS_FIGURE,
     SERIES_FIGURE,
+    SWEEP_FIGURE,
+    "rods.png",
+    "series.png",
+    "sweep.png",
+    PAGE,
     MANIFEST,
 ];
 

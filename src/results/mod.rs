@@ -25,6 +25,7 @@ mod series;
 mod stream;
 mod summary;
 mod sweep_directory;
+mod table;
 mod usage;
 mod vtk;
 
@@ -32,10 +33,11 @@ pub use atomic::write_whole;
 pub use checkpoint::CheckpointFiles;
 pub use claim::{Claim, Claiming, Claims, HEARTBEAT, Owner, host_name};
 pub use directory::{
-    NODE_FORCES, NODES, Opened, RODS_FIGURE, ResultsDirectory, SCENARIO, SERIES, SERIES_FIGURE,
-    SUMMARY, TIMINGS, VTK_COLLECTION, VTK_FOLDER,
+    NODE_FORCES, NODES, Opened, PAGE, RODS_FIGURE, ResultsDirectory, SCENARIO, SERIES,
+    SERIES_FIGURE, SUMMARY, SWEEP_FIGURE, TIMINGS, VTK_COLLECTION, VTK_FOLDER,
 };
 pub use error::ResultsError;
+pub use forces::{NodeForces, read_node_forces};
 pub use frame::Frame;
 pub use manifest::{
     CaseRecord, CaseStatus, MAIN_CASE, MANIFEST, Manifest, RodRecord, scenario_hash,
@@ -46,4 +48,5 @@ pub use recorder::{Recorder, RecorderPlan, StreamLengths};
 pub use series::{SeriesRow, read_series};
 pub use summary::{SummaryRow, write_summary, write_sweep_summary, write_timings};
 pub use sweep_directory::{CASES, SweepDirectory};
+pub use table::Table;
 pub use usage::{Usage, UsageMeter};

@@ -45,4 +45,4 @@ pub use resolved::{
 };
 pub use sweep::{Case, Family, Parameter, Search};
 pub use typed::SearchMethod;
-pub use units::seconds;
+pub use units::{metres, seconds};

@@ -203,6 +203,14 @@ pub fn parse_any(text: &str) -> Option<f64> {
         .map(|known| scaled(number, known.size))
 }
 
+/// Reads a length that is given outside of scenario files: a number of metres, or text with a unit.
+///
+/// # Errors
+/// A message that says what is wrong and which units are allowed.
+pub fn metres(text: &str) -> Result<f64, String> {
+    text.trim().parse().or_else(|_| parse::<Length>(text))
+}
+
 /// The sentence that lists the units of a dimension.
 pub fn allowed<D: Dimension>() -> String {
     if D::UNITS.is_empty() {

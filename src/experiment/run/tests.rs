@@ -438,7 +438,7 @@ fn a_static_run_writes_one_row_at_time_zero() {
 fn results_can_be_plotted() {
     let directory = uninterrupted();
     let figures = crate::experiment::plot_results(directory.path()).unwrap();
-    assert_eq!(figures.len(), 2);
+    assert_eq!(figures.len(), 4);
     let rods = fs::read_to_string(&figures[0]).unwrap();
     assert!(
         ["t = 0 s", "t = 0.3 s", "t = 0.6 s", "t = 1 s"]
@@ -446,7 +446,7 @@ fn results_can_be_plotted() {
             .all(|title| rods.contains(title)),
         "{rods}"
     );
-    let series = fs::read_to_string(&figures[1]).unwrap();
+    let series = fs::read_to_string(&figures[2]).unwrap();
     assert!(
         ["kinetic", "gravitational", "Newton iterations"]
             .iter()
