@@ -38,6 +38,9 @@ pub(super) struct Case<R = Bundling> {
     pub was_finished: bool,
 }
 
+/// How a run came to an end.
+type Ended<R> = Result<Case<R>, ReproduceError>;
+
 /// Threads of a run when `jobs` of them share those of the program.
 pub(super) fn threads_of_a_run(jobs: usize) -> usize {
     (rayon::current_num_threads() / jobs).max(1)
@@ -54,8 +57,7 @@ pub(super) fn run_all<R: Run>(
 ) -> Result<Vec<Case<R>>, ReproduceError> {
     let next = AtomicUsize::new(0);
     let stopped = AtomicBool::new(false);
-    let results: Vec<Mutex<Option<Result<Case<R>, ReproduceError>>>> =
-        runs.iter().map(|_| Mutex::new(None)).collect();
+    let results: Vec<Mutex<Option<Ended<R>>>> = runs.iter().map(|_| Mutex::new(None)).collect();
     let threads = threads_of_a_run(options.jobs);
     let work = || {
         while !stopped.load(Ordering::Relaxed) {
