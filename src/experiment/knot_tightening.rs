@@ -112,3 +112,75 @@ fn described(centreline: Vec<Vector3>, material: &Material, rod: &BuilderRod) ->
         held: false,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::prepare;
+    use crate::mechanics::dynamics::Simulation;
+    use crate::scenario::from_text_with;
+    use std::path::Path;
+
+    fn prepared(overrides: &[&str]) -> Result<crate::experiment::PreparedRun, String> {
+        let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
+        let text = include_str!("../../scenarios/trefoil.toml");
+        let loaded = from_text_with("trefoil", text, Path::new(""), &overrides);
+        let scenario = loaded.map_err(|error| error.to_string())?.scenario;
+        prepare(&scenario).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn ends_move_apart_along_the_axis_after_settling() {
+        let run = prepared(&[]).unwrap();
+        let corners: Vec<_> = run
+            .scene
+            .clamps
+            .iter()
+            .map(|clamp| &clamp.motion.translation)
+            .collect();
+        for (corners, sign) in corners.into_iter().zip([-1.0, 1.0]) {
+            assert_eq!(corners[0], (2.0, Vector3::zeros()));
+            assert_eq!(corners[1].0, 52.0);
+            let expected = Vector3::x() * sign * 6e-3 * 50.0;
+            assert!((corners[1].1 - expected).norm() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn both_ends_are_pulled_alike_and_the_knot_stays() {
+        let settings = [
+            "knot.settling_time=0.0",
+            "material.density=10.0",
+            "time.end=1.0",
+        ];
+        let run = prepared(&settings).unwrap();
+        let mut simulation = Simulation::new(&run.scene, &run.integration).unwrap();
+        while simulation.time() < 0.25 {
+            simulation.advance(0.25).unwrap();
+        }
+        let observer = run.knot.unwrap();
+        let row = observer.measure(&simulation);
+        assert!(observer.recognises(&row));
+        assert!(row.traction_start_n > 0.0);
+        assert!((row.traction_end_n / row.traction_start_n - 1.0).abs() < 0.05);
+        assert!((row.end_to_end_m - 0.283).abs() < 1e-12);
+        // A loose trefoil: 2πR is less than the shortening by the braid.
+        let radius = row.loop_radius_m.unwrap();
+        assert!((0.09..0.13).contains(&radius), "{radius}");
+    }
+
+    #[test]
+    fn impossible_knots_are_refused_with_the_reason() {
+        for (override_, reason) in [
+            ("knot.unknotting_number=0", "1 to 6"),
+            ("knot.unknotting_number=7", "1 to 6"),
+            ("knot.end_to_end=1.5", "less than the length of the rod"),
+            ("knot.end_to_end=0.05", "wide"),
+            ("time.end=100.0", "beyond the length of the rod"),
+            ("contact.model=\"none\"", "a knot needs contact"),
+        ] {
+            let error = prepared(&[override_]).unwrap_err();
+            assert!(error.contains(reason), "{override_}: {error}");
+        }
+    }
+}
