@@ -54,8 +54,8 @@ beam.toml:30:18: `contact.slip_tolerance`: 0.0 is out of range; allowed: greater
     insta::assert_snapshot!(faults("experiment = \"scene\"\n", ""), @r#"beam.toml:1:1: missing key `experiment` ("scene", "flagella" or "knot-tightening")"#);
     insta::assert_snapshot!(faults("experiment = \"scene\"\n", "experiment = \"folding\"\n"), @r#"beam.toml:1:14: `experiment`: "folding" is not known here; allowed: scene, flagella, knot-tightening"#);
     insta::assert_snapshot!(read("").unwrap_err().to_string(), @r###"
-beam.toml:1:1: missing key `experiment` ("scene", "flagella" or "knot-tightening")
 beam.toml:1:1: `time`: missing key `end` (a time, greater than 0)
+beam.toml:1:1: missing key `experiment` ("scene", "flagella" or "knot-tightening")
 "###);
 }
 
