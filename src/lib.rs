@@ -4,7 +4,7 @@
 //! The rooms, and who may import whom (an arrow means "may import"):
 //!
 //! ```text
-//! cli ──> experiment ──> mechanics ──> linalg
+//! cli ──> experiment ──> knot ──> mechanics ──> linalg
 //!  └──────────┴──> scenario, results, figure, cluster
 //! ```
 //!
@@ -13,6 +13,7 @@
 //! | [`cli`] | one file per subcommand: parse, call one library function, print |
 //! | [`scenario`] | the TOML schema as Rust types, units, validation with source positions |
 //! | [`experiment`] | scenario → scene, the run loop, `verify`, `reproduce` |
+//! | [`knot`] | knots from parameters, the knot determinant, theory of tightening |
 //! | [`mechanics`] | rods, contact, fluid, time stepping, equilibria |
 //! | [`linalg`] | banded and sparse factorisations |
 //! | [`results`] | results directories, checkpoints, VTK |
@@ -31,6 +32,7 @@ pub mod cli;
 pub mod cluster;
 pub mod experiment;
 pub mod figure;
+pub mod knot;
 pub mod linalg;
 pub mod mechanics;
 pub mod results;

@@ -54,14 +54,14 @@ pub enum Command {
     Reproduce(reproduce::ReproduceArguments),
     /// Draw the figures of a results directory
     Plot(plot::PlotArguments),
+    /// Make an interactive 3-D page of a results directory
+    View(view::ViewArguments),
     /// Run a sweep as a Slurm job array
     Submit(submit::SubmitArguments),
     /// Show how the cases of a sweep stand, and the Slurm tasks that run them
     Status(status::StatusArguments),
     /// Make the tables and figures of a sweep from its cases
     Gather(gather::GatherArguments),
-    /// Make an interactive 3-D page of a results directory
-    View(view::ViewArguments),
     /// Print a completion script for a shell
     Completions(completions::CompletionsArguments),
 }

@@ -21,6 +21,8 @@ pub enum Template {
     Scene,
     /// Helical flagella turned at their heads in a viscous fluid.
     Flagella,
+    /// An overhand knot whose ends are pulled apart.
+    KnotTightening,
 }
 
 impl Template {
@@ -28,6 +30,7 @@ impl Template {
         match self {
             Self::Scene => include_str!("templates/scene.toml"),
             Self::Flagella => include_str!("templates/flagella.toml"),
+            Self::KnotTightening => include_str!("templates/knot_tightening.toml"),
         }
     }
 }

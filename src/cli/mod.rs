@@ -65,10 +65,10 @@ fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
         Command::Verify(command) => verify::verify(command),
         Command::Reproduce(command) => reproduce::reproduce(command, &arguments.common),
         Command::Plot(command) => plot::plot(command),
+        Command::View(command) => view::view(command, &arguments.common),
         Command::Submit(command) => submit::submit(command),
         Command::Status(command) => status::status(command),
         Command::Gather(command) => gather::gather(command),
-        Command::View(command) => view::view(command, &arguments.common),
         Command::Completions(command) => completions::completions(command),
     }
 }

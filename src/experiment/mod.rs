@@ -4,6 +4,8 @@ mod case_folders;
 mod curve;
 mod derived;
 mod flagella;
+mod knot_observer;
+mod knot_tightening;
 mod plot;
 mod prepared;
 pub mod reproduce;
@@ -15,6 +17,7 @@ mod view;
 mod workers;
 
 pub use derived::{DerivedNumbers, DerivedRod, derived_numbers};
+pub use knot_observer::KnotObserver;
 pub use plot::{CustomFigure, PlotError, custom_figure, plot_results, write_figure};
 pub use prepared::{Mode, OutputPlan, PreparedRun};
 pub use run::{AmongBars, RunError, RunOptions, RunOutcome, RunStatus, StopRequest, run};

@@ -1,5 +1,6 @@
 //! A run that is ready to start: what every experiment builds from its scenario.
 
+use super::KnotObserver;
 use crate::mechanics::dynamics::IntegrationParameters;
 use crate::mechanics::scene::Scene;
 
@@ -8,7 +9,7 @@ use crate::mechanics::scene::Scene;
 pub struct PreparedRun {
     /// Short name for directories: the stem of the scenario file.
     pub name: String,
-    /// Name of the experiment, `scene` or `flagella`.
+    /// Name of the experiment, `scene`, `flagella` or `knot-tightening`.
     pub experiment: String,
     /// Title for people.
     pub title: String,
@@ -22,6 +23,8 @@ pub struct PreparedRun {
     pub integration: IntegrationParameters,
     /// What is written, and how often.
     pub output: OutputPlan,
+    /// What measures the knot, where there is one.
+    pub knot: Option<KnotObserver>,
 }
 
 /// Whether the scene moves in time or rests.

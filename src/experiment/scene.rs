@@ -1,9 +1,10 @@
 //! From a validated scenario to a scene that is ready to run.
 
 use super::curve::{SampledCurve, sample};
-use super::flagella;
+use super::knot_observer::KnotObserver;
 use super::prepared::{Mode, OutputPlan, PreparedRun};
 use super::run::RunError;
+use super::{flagella, knot_tightening};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactModel, ContactParameters};
 use crate::mechanics::dynamics::{self, IntegrationParameters, Simulation, StepSize};
@@ -21,15 +22,27 @@ use crate::scenario::{
 /// nodes beyond the end of their rod. Each names its key.
 pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
     let mut scene = mechanics::Scene::default();
-    if let Experiment::Flagella {
-        material,
-        rod,
-        flagella,
-    } = &scenario.experiment
-    {
-        flagella::add(&mut scene, material, rod, flagella);
-    }
     let mut issues = Issues::default();
+    match &scenario.experiment {
+        Experiment::Scene => {}
+        Experiment::Flagella {
+            material,
+            rod,
+            flagella,
+        } => flagella::add(&mut scene, material, rod, flagella),
+        Experiment::KnotTightening {
+            material,
+            rod,
+            knot,
+        } => {
+            let end = match scenario.time {
+                Time::Static => 0.0,
+                Time::Dynamic { end, .. } => end,
+            };
+            let added = knot_tightening::add(&mut scene, material, rod, knot, end);
+            added.map_err(|issue| issues.push(issue)).ok();
+        }
+    }
     for (index, rod) in scenario.rods.iter().enumerate() {
         match place_rod(rod, &KeyPath::from("rods").index(index)) {
             Ok(description) => scene.rods.push(description),
@@ -59,6 +72,7 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
     scene.planes = scenario.planes.iter().map(place_plane).collect();
     scene.contact = contact_parameters(&scenario.contact);
     scene.fluid = fluid_model(&scenario.fluid);
+    let knot = knot_observer(scenario, &scene);
     issues.or_ok(PreparedRun {
         name: scenario.name.clone(),
         experiment: scenario.experiment.name().to_owned(),
@@ -77,6 +91,20 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
             forces: scenario.output.forces,
             vtk: scenario.output.vtk,
         },
+        knot,
+    })
+}
+
+fn knot_observer(scenario: &Scenario, scene: &mechanics::Scene) -> Option<KnotObserver> {
+    let Experiment::KnotTightening { rod, knot, .. } = &scenario.experiment else {
+        return None;
+    };
+    Some(KnotObserver {
+        radius: rod.radius,
+        bending_stiffness: scene.rods.first()?.stiffness.bending[0],
+        length: knot.length,
+        tolerance: scene.contact?.distance_tolerance,
+        determinant: 2 * knot.unknotting_number as u64 + 1,
     })
 }
 

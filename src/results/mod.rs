@@ -45,7 +45,7 @@ pub use manifest::{
 pub use nodes::{NodePositions, read_nodes};
 pub use outcome::CaseOutcome;
 pub use recorder::{Recorder, RecorderPlan, StreamLengths};
-pub use series::{SeriesRow, read_series};
+pub use series::{KnotRow, SeriesRow, read_knot_series, read_series};
 pub use summary::{SummaryRow, write_summary, write_sweep_summary, write_timings};
 pub use sweep_directory::{CASES, SweepDirectory};
 pub use table::Table;

@@ -5,7 +5,7 @@ use super::forces::write_forces;
 use super::frame::Frame;
 use super::nodes::write_nodes;
 use super::stream::CsvStream;
-use super::{ResultsError, RodRecord, SeriesRow, vtk};
+use super::{ResultsError, RodRecord, vtk};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -93,11 +93,12 @@ impl Recorder {
         self.nodes.is_some() || self.needs_forces()
     }
 
-    /// Writes output number `index`; afterwards readers see it.
+    /// Writes output number `index`; afterwards readers see it. The columns of the series are the fields of `row`: a
+    /// [`SeriesRow`](super::SeriesRow) alone, or with what else an experiment observes.
     pub fn record(
         &mut self,
         index: usize,
-        row: &SeriesRow,
+        row: &impl Serialize,
         frame: &Frame,
     ) -> Result<(), ResultsError> {
         if let Some(nodes) = &mut self.nodes {
@@ -133,6 +134,7 @@ impl Recorder {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::results::{KnotRow, SeriesRow};
     use nalgebra::Vector3;
     use std::fs;
 
@@ -201,6 +203,28 @@ mod tests {
             forces.lines().nth(1),
             Some("0.0,beam,0,1.0,0.0,0.0,0.0,0.0,0.0,0.0,-0.002,0.0,2.5")
         );
+    }
+
+    #[test]
+    fn a_knot_adds_its_columns() {
+        let directory = tempfile::tempdir().unwrap();
+        let plan = RecorderPlan::default();
+        let mut recorder = Recorder::create(directory.path(), rods(), plan).unwrap();
+        let knot = KnotRow {
+            end_to_end_m: 0.25,
+            knot_determinant: Some(3),
+            ..KnotRow::default()
+        };
+        let rows = (row(0.1), knot);
+        recorder.record(0, &rows, &Frame::default()).unwrap();
+        let text = fs::read_to_string(directory.path().join(SERIES)).unwrap();
+        let header = text.lines().next().unwrap();
+        assert!(header.contains(
+            "gravitational_energy_j,end_to_end_m,shortening_m,traction_start_n,traction_end_n,loop_radius_m,\
+             force_normalized,epsilon,contact_force_n,knot_determinant"
+        ));
+        let read = crate::results::read_knot_series(directory.path()).unwrap();
+        assert_eq!(read, [rows]);
     }
 
     #[test]

@@ -39,10 +39,45 @@ pub struct SeriesRow {
     pub gravitational_energy_j: f64,
 }
 
+/// What `series.csv` has beside the columns of [`SeriesRow`] when a knot is pulled tight.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct KnotRow {
+    /// Distance of the ends.
+    pub end_to_end_m: f64,
+    /// Length of the rod less the distance of its ends.
+    pub shortening_m: f64,
+    /// Force with which the first end is pulled outwards.
+    pub traction_start_n: f64,
+    /// Force with which the last end is pulled outwards.
+    pub traction_end_n: f64,
+    /// Radius R of the circle fitted to the loop, the part that is out of contact; empty without contact.
+    pub loop_radius_m: Option<f64>,
+    /// F̄ = F h²/EI with the mean of the tractions F.
+    pub force_normalized: f64,
+    /// ε = √(h/R).
+    pub epsilon: Option<f64>,
+    /// Sum of all normal forces between the strands.
+    pub contact_force_n: f64,
+    /// Determinant of the knot; empty where it cannot be told.
+    pub knot_determinant: Option<u64>,
+}
+
 /// Reads `series.csv` of a results directory; a last row that a crash left in part is left out.
 ///
 /// # Errors
 /// [`ResultsError::Io`] where there is no such file, [`ResultsError::Damaged`] where it is no such table.
 pub fn read_series(directory: &Path) -> Result<Vec<SeriesRow>, ResultsError> {
     read_rows(&directory.join(SERIES))
+}
+
+/// Reads the columns of a knot from `series.csv`, each with its row.
+///
+/// # Errors
+/// As [`read_series`]; [`ResultsError::Damaged`] also where no knot was observed.
+pub fn read_knot_series(directory: &Path) -> Result<Vec<(SeriesRow, KnotRow)>, ResultsError> {
+    let rows = read_series(directory)?;
+    Ok(rows
+        .into_iter()
+        .zip(read_rows(&directory.join(SERIES))?)
+        .collect())
 }

@@ -40,8 +40,8 @@ pub use issue::{Issue, Issues, KeyPath, did_you_mean};
 pub use load::{Loaded, from_text, from_text_with, load};
 pub use resolved::{
     BuilderRod, Clamp, Contact, CrossSection, Experiment, Flagella, Fluid, Handedness, Head, Hold,
-    Load, LoadKind, Material, NaturalShape, Output, Place, Plane, Rod, Scenario, Scheme, Shape,
-    Solver, Step, Stiffness, Time,
+    Knot, KnotEnds, Load, LoadKind, Material, NaturalShape, Output, Place, Plane, Rod, Scenario,
+    Scheme, Shape, Solver, Step, Stiffness, Time,
 };
 pub use sweep::{Case, Family, Parameter, Search};
 pub use typed::SearchMethod;

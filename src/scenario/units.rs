@@ -178,6 +178,14 @@ pub fn seconds(text: &str) -> Result<f64, String> {
     text.trim().parse().or_else(|_| parse::<Time>(text))
 }
 
+/// Reads a length that is given outside of scenario files: a number of metres, or text with a unit.
+///
+/// # Errors
+/// A message that says what is wrong and which units are allowed.
+pub fn metres(text: &str) -> Result<f64, String> {
+    text.trim().parse().or_else(|_| parse::<Length>(text))
+}
+
 /// The number in front of a unit, and the unit.
 ///
 /// # Errors
@@ -201,14 +209,6 @@ pub fn parse_any(text: &str) -> Option<f64> {
     units
         .find(|known| known.symbol == unit)
         .map(|known| scaled(number, known.size))
-}
-
-/// Reads a length that is given outside of scenario files: a number of metres, or text with a unit.
-///
-/// # Errors
-/// A message that says what is wrong and which units are allowed.
-pub fn metres(text: &str) -> Result<f64, String> {
-    text.trim().parse().or_else(|_| parse::<Length>(text))
 }
 
 /// The sentence that lists the units of a dimension.

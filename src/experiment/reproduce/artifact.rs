@@ -1,6 +1,8 @@
 //! What can be reproduced, and the runs that it takes.
 
-use super::bundling::{Bundling, ContactModel};
+use super::bundling::{Bundling, ContactModel, DISTANCE_TOLERANCE};
+use super::figure_2_5;
+use super::tightening::Tightening;
 
 /// A table or figure of the thesis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,6 +15,18 @@ pub enum Artifact {
     Figure2_5,
     /// Snapshots for growing friction.
     Figure2_6,
+    /// Traction of a trefoil.
+    Figure2_7,
+    /// Traction of overhand knots.
+    Figure2_8,
+}
+
+/// The runs of an artefact.
+pub(super) enum Runs {
+    /// Bundling flagella.
+    Bundling(Vec<Bundling>),
+    /// Knots pulled tight.
+    Tightening(Vec<Tightening>),
 }
 
 /// Numbers of flagella of the thesis (section 2.4.2).
@@ -25,11 +39,13 @@ const QUICK_END_OF_DIFFERENCE: f64 = 25.0;
 
 impl Artifact {
     /// All of them.
-    pub const ALL: [Self; 4] = [
+    pub const ALL: [Self; 6] = [
         Self::Table2_1,
         Self::Table2_2,
         Self::Figure2_5,
         Self::Figure2_6,
+        Self::Figure2_7,
+        Self::Figure2_8,
     ];
 
     /// The artefact of a name.
@@ -46,6 +62,8 @@ impl Artifact {
             Self::Table2_2 => "tab2.2",
             Self::Figure2_5 => "fig2.5",
             Self::Figure2_6 => "fig2.6",
+            Self::Figure2_7 => "fig2.7",
+            Self::Figure2_8 => "fig2.8",
         }
     }
 
@@ -56,27 +74,41 @@ impl Artifact {
             Self::Table2_2 => "Table 2.2: two flagella with growing friction, convergence",
             Self::Figure2_5 => "Figure 2.5: difference between IMC and IPC, five flagella",
             Self::Figure2_6 => "Figure 2.6: two flagella with growing friction, snapshots",
+            Self::Figure2_7 => "Figure 2.7: a trefoil pulled tight, traction and theory",
+            Self::Figure2_8 => "Figure 2.8: overhand knots pulled tight, traction and theory",
         }
     }
 
     /// Rough cost of all its runs on one core, s.
     pub fn cost(self, quick: bool) -> f64 {
-        self.runs(quick).iter().map(Bundling::cost).sum()
+        match self.runs(quick) {
+            Runs::Bundling(runs) => runs.iter().map(Bundling::cost).sum(),
+            Runs::Tightening(runs) => runs.iter().map(Tightening::cost).sum(),
+        }
     }
 
-    /// Its runs, those of IMC before those of IPC.
-    pub(super) fn runs(self, quick: bool) -> Vec<Bundling> {
+    /// Its runs; of flagella those of IMC before those of IPC.
+    pub(super) fn runs(self, quick: bool) -> Runs {
+        match self {
+            Self::Figure2_7 => Runs::Tightening(Tightening::of_figure_2_7(quick)),
+            Self::Figure2_8 => Runs::Tightening(Tightening::of_figure_2_8(quick)),
+            _ => Runs::Bundling(self.bundlings(quick)),
+        }
+    }
+
+    fn bundlings(self, quick: bool) -> Vec<Bundling> {
         let end = match (quick, self) {
             (false, _) => END,
             (true, Self::Figure2_5) => QUICK_END_OF_DIFFERENCE,
             (true, _) => QUICK_END,
         };
-        let both = |counts: &[usize]| {
+        let both = |counts: &[usize], distance_tolerance: f64| {
             let models = [ContactModel::Imc, ContactModel::Ipc];
             let run = |model, flagella: &usize| Bundling {
                 flagella: *flagella,
                 model,
                 friction: 0.0,
+                distance_tolerance,
                 end,
             };
             models
@@ -88,21 +120,24 @@ impl Artifact {
             flagella: 2,
             model: ContactModel::Imc,
             friction,
+            distance_tolerance: DISTANCE_TOLERANCE,
             end,
         };
         match self {
-            Self::Table2_1 => both(&FLAGELLA),
+            Self::Table2_1 => both(&FLAGELLA, DISTANCE_TOLERANCE),
             Self::Table2_2 => (1..=10)
                 .map(|tenths| rubbing(f64::from(tenths) / 10.0))
                 .collect(),
-            Self::Figure2_5 => both(&[5]),
+            Self::Figure2_5 => both(&[5], figure_2_5::DISTANCE_TOLERANCE),
             Self::Figure2_6 => [0.0, 0.3, 0.7].map(rubbing).to_vec(),
+            Self::Figure2_7 | Self::Figure2_8 => Vec::new(),
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::cases::Run;
     use super::*;
     use std::collections::BTreeSet;
 
@@ -118,19 +153,26 @@ mod tests {
     fn runs_of_an_artefact_have_different_ids_and_are_scenarios() {
         for artifact in Artifact::ALL {
             for quick in [false, true] {
-                let runs = artifact.runs(quick);
-                let ids: BTreeSet<String> = runs.iter().map(Bundling::id).collect();
-                assert_eq!(ids.len(), runs.len(), "{artifact:?}");
-                for run in runs {
-                    assert_eq!(run.prepare().scene.rods.len(), run.flagella);
-                }
+                let (ids, rods): (Vec<String>, Vec<[usize; 2]>) = match artifact.runs(quick) {
+                    Runs::Bundling(runs) => runs
+                        .iter()
+                        .map(|run| (run.id(), [run.prepare().scene.rods.len(), run.flagella]))
+                        .unzip(),
+                    Runs::Tightening(runs) => runs
+                        .iter()
+                        .map(|run| (run.id(), [run.prepare().scene.rods.len(), 1]))
+                        .unzip(),
+                };
+                assert!(rods.iter().all(|[built, asked]| built == asked));
+                let different: BTreeSet<&String> = ids.iter().collect();
+                assert_eq!(different.len(), ids.len(), "{artifact:?}");
             }
         }
     }
 
     #[test]
     fn the_runs_of_table_2_1_come_in_pairs_of_models() {
-        let runs = Artifact::Table2_1.runs(false);
+        let runs = Artifact::Table2_1.bundlings(false);
         let (penalty, barrier) = runs.split_at(FLAGELLA.len());
         for (imc, ipc) in penalty.iter().zip(barrier) {
             assert_eq!(

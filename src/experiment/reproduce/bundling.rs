@@ -1,5 +1,6 @@
 //! A run of bundling flagella with the parameters of the thesis, section 2.4.2.
 
+use super::cases::Run;
 use crate::experiment::{PreparedRun, prepare};
 use crate::scenario::from_text_with;
 use std::path::Path;
@@ -16,9 +17,14 @@ pub(super) struct Bundling {
     pub model: ContactModel,
     /// Friction coefficient μ.
     pub friction: f64,
+    /// Distance tolerance δ, m.
+    pub distance_tolerance: f64,
     /// Simulated time, s.
     pub end: f64,
 }
+
+/// Distance tolerance of the thesis, m.
+pub(super) const DISTANCE_TOLERANCE: f64 = 1e-5;
 
 /// Contact models that the thesis compares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,25 +52,31 @@ impl ContactModel {
     }
 }
 
-impl Bundling {
+impl Run for Bundling {
     /// Its name, such as `m2_imc_mu0.3_250s`.
-    pub fn id(&self) -> String {
+    fn id(&self) -> String {
         let Self {
             flagella,
             model,
             friction,
+            distance_tolerance,
             end,
         } = self;
-        format!("m{flagella}_{}_mu{friction}_{end}s", model.key())
+        let name = format!("m{flagella}_{}_mu{friction}_{end}s", model.key());
+        if *distance_tolerance == DISTANCE_TOLERANCE {
+            name
+        } else {
+            format!("{name}_delta{distance_tolerance:e}")
+        }
     }
 
-    /// The run, ready to start.
-    pub fn prepare(&self) -> PreparedRun {
+    fn prepare(&self) -> PreparedRun {
         let overrides = [
             format!("title=\"Bundling flagella, {}\"", self.id()),
             format!("flagella.count={}", self.flagella),
             format!("contact.model=\"{}\"", self.model.key()),
             format!("contact.friction={:?}", self.friction),
+            format!("contact.distance_tolerance={:?}", self.distance_tolerance),
             format!("time.end={:?}", self.end),
         ];
         let loaded = from_text_with(&self.id(), BASE, Path::new(""), &overrides);
@@ -72,6 +84,12 @@ impl Bundling {
         prepare(&loaded.scenario).expect("a scene of the thesis is possible")
     }
 
+    fn end(&self) -> f64 {
+        self.end
+    }
+}
+
+impl Bundling {
     /// Rough cost on one core, s: 1 ms steps, whose fluid costs grow with the square of the flagella.
     pub fn cost(&self) -> f64 {
         let flagella = self.flagella as f64;
@@ -92,6 +110,7 @@ mod tests {
             flagella: 3,
             model: ContactModel::Ipc,
             friction: 0.7,
+            distance_tolerance: DISTANCE_TOLERANCE,
             end: 20.0,
         };
         assert_eq!(bundling.id(), "m3_ipc_mu0.7_20s");
@@ -99,5 +118,12 @@ mod tests {
         assert_eq!(prepared.name, bundling.id());
         assert_eq!(prepared.mode, Mode::Dynamic { end: 20.0 });
         assert_eq!(prepared.scene.contact.unwrap().friction, 0.7);
+        let tighter = Bundling {
+            distance_tolerance: 2e-6,
+            ..bundling
+        };
+        assert_eq!(tighter.id(), "m3_ipc_mu0.7_20s_delta2e-6");
+        let contact = tighter.prepare().scene.contact.unwrap();
+        assert_eq!(contact.distance_tolerance, 2e-6);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::bundling::Bundling;
 use super::{ReproduceError, ReproduceOptions};
-use crate::experiment::{RunError, RunOptions, RunStatus, run, workers};
+use crate::experiment::{PreparedRun, RunError, RunOptions, RunStatus, run, workers};
 use crate::results::{CaseRecord, MAIN_CASE, Manifest, scenario_hash};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -13,11 +13,21 @@ const CASES: &str = "cases";
 /// Digits of the scenario's hash in the name of a run's directory.
 const HASH_DIGITS: usize = 8;
 
+/// What an artefact asks to be run.
+pub(super) trait Run: Clone + Sync + Send {
+    /// Its name, for directories.
+    fn id(&self) -> String;
+    /// The run, ready to start.
+    fn prepare(&self) -> PreparedRun;
+    /// Simulated time, s.
+    fn end(&self) -> f64;
+}
+
 /// A run that came to an end.
 #[derive(Clone, Debug)]
-pub(super) struct Case {
+pub(super) struct Case<R = Bundling> {
     /// What was run.
-    pub bundling: Bundling,
+    pub run: R,
     /// Its results directory.
     pub directory: PathBuf,
     /// What came out; the status tells whether the simulated time was reached.
@@ -29,12 +39,12 @@ pub(super) struct Case {
 }
 
 /// Runs whatever has not been run yet, `options.jobs` at a time, in order.
-pub(super) fn run_all(
-    runs: &[Bundling],
+pub(super) fn run_all<R: Run>(
+    runs: &[R],
     options: &ReproduceOptions,
     report: &(dyn Fn(&str) + Sync),
-) -> Result<Vec<Case>, ReproduceError> {
-    let results: Vec<OnceLock<Result<Case, ReproduceError>>> =
+) -> Result<Vec<Case<R>>, ReproduceError> {
+    let results: Vec<OnceLock<Result<Case<R>, ReproduceError>>> =
         runs.iter().map(|_| OnceLock::new()).collect();
     workers::for_each(runs.len(), options.jobs, |index| {
         let result = run_one(&runs[index], options);
@@ -57,11 +67,11 @@ pub(super) fn run_all(
         .collect()
 }
 
-fn run_one(bundling: &Bundling, options: &ReproduceOptions) -> Result<Case, ReproduceError> {
-    let prepared = bundling.prepare();
+fn run_one<R: Run>(asked: &R, options: &ReproduceOptions) -> Result<Case<R>, ReproduceError> {
+    let prepared = asked.prepare();
     // Another version of the program may resolve the scenario to something else: that is another run.
     let hash = scenario_hash(&prepared.scenario_toml);
-    let name = format!("{}-{}", bundling.id(), &hash[..HASH_DIGITS]);
+    let name = format!("{}-{}", asked.id(), &hash[..HASH_DIGITS]);
     let directory = options.directory.join(CASES).join(name);
     let run_options = RunOptions {
         command_line: options.command_line.clone(),
@@ -76,7 +86,7 @@ fn run_one(bundling: &Bundling, options: &ReproduceOptions) -> Result<Case, Repr
     };
     let manifest = Manifest::read(&directory)?.expect("a run leaves its manifest");
     Ok(Case {
-        bundling: *bundling,
+        run: asked.clone(),
         directory,
         record: manifest.cases[MAIN_CASE].clone(),
         manifest,
@@ -84,19 +94,17 @@ fn run_one(bundling: &Bundling, options: &ReproduceOptions) -> Result<Case, Repr
     })
 }
 
-impl Case {
+impl<R: Run> Case<R> {
     /// How it ended, for progress reports.
     fn in_a_line(&self) -> String {
-        let Self {
-            bundling, record, ..
-        } = self;
+        let Self { run, record, .. } = self;
         let how = if self.was_finished {
             "had been run before".to_owned()
         } else {
             format!("{:.1} s of wall time", record.wall_time)
         };
         let end = record.outcome.simulated_time;
-        format!("{}: {} at {end} s, {how}", bundling.id(), self.status())
+        format!("{}: {} at {end} s, {how}", run.id(), self.status())
     }
 
     /// Its status in words.

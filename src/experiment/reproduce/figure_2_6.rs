@@ -22,7 +22,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceErro
     let rows: Vec<Row> = cases.iter().map(row).collect();
     page.csv(&rows)?;
     for case in cases {
-        let friction = case.bundling.friction;
+        let friction = case.run.friction;
         let name = format!("fig2.6_mu{friction}");
         let snapshots = rods_figure(&case.directory, &case.manifest.rods)?;
         page.figure(&name, &format!("μ = {friction}"), &snapshots)?;
@@ -33,7 +33,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceErro
 fn row(case: &Case) -> Row {
     let outcome = &case.record.outcome;
     Row {
-        friction: case.bundling.friction,
+        friction: case.run.friction,
         status: case.status(),
         simulated_end_s: outcome.simulated_time,
         first_contact_s: outcome.first_contact,

@@ -7,24 +7,28 @@
 //! |---|---|
 //! | `artifact` | what there is, and its runs |
 //! | `bundling` | a run of bundling flagella (thesis 2.4.2) |
+//! | `tightening` | a knot pulled tight (thesis 2.5) |
 //! | `cases` | running the runs |
 //! | `page` | CSV, Markdown and manifest of an artefact |
-//! | `table_2_1`, `table_2_2`, `figure_2_5`, `figure_2_6` | one artefact each |
+//! | `table_2_1`, `table_2_2`, `figure_2_5` to `figure_2_8` | one artefact each |
 
 mod artifact;
 mod bundling;
 mod cases;
 mod figure_2_5;
 mod figure_2_6;
+mod figure_2_7;
+mod figure_2_8;
 mod page;
 mod table_2_1;
 mod table_2_2;
+mod tightening;
 
 pub use artifact::Artifact;
 
 use super::RunError;
 use crate::results::ResultsError;
-use bundling::Bundling;
+use artifact::Runs;
 use page::Page;
 use std::path::PathBuf;
 
@@ -80,18 +84,32 @@ pub fn reproduce(
 
 fn make(
     artifact: Artifact,
-    runs: &[Bundling],
+    runs: &Runs,
     options: &ReproduceOptions,
     report: &(dyn Fn(&str) + Sync),
 ) -> Result<Vec<PathBuf>, ReproduceError> {
-    let cases = cases::run_all(runs, options, report)?;
-    let mut page = Page::begin(artifact, options, &cases)?;
-    match artifact {
-        Artifact::Table2_1 => table_2_1::write(&mut page, &cases),
-        Artifact::Table2_2 => table_2_2::write(&mut page, &cases),
-        Artifact::Figure2_5 => figure_2_5::write(&mut page, &cases),
-        Artifact::Figure2_6 => figure_2_6::write(&mut page, &cases),
-    }?;
+    let page = match runs {
+        Runs::Bundling(runs) => {
+            let cases = cases::run_all(runs, options, report)?;
+            let mut page = Page::begin(artifact, options, &cases)?;
+            match artifact {
+                Artifact::Table2_1 => table_2_1::write(&mut page, &cases),
+                Artifact::Table2_2 => table_2_2::write(&mut page, &cases),
+                Artifact::Figure2_5 => figure_2_5::write(&mut page, &cases),
+                _ => figure_2_6::write(&mut page, &cases),
+            }?;
+            page
+        }
+        Runs::Tightening(runs) => {
+            let cases = cases::run_all(runs, options, report)?;
+            let mut page = Page::begin(artifact, options, &cases)?;
+            match artifact {
+                Artifact::Figure2_7 => figure_2_7::write(&mut page, &cases),
+                _ => figure_2_8::write(&mut page, &cases),
+            }?;
+            page
+        }
+    };
     Ok(page.finish()?)
 }
 
@@ -101,10 +119,16 @@ mod tests {
     use std::fs;
     use std::sync::Mutex;
 
-    /// Two milliseconds of each run.
-    fn runs(artifact: Artifact) -> Vec<Bundling> {
-        let shortened = |run: &Bundling| Bundling { end: 2e-3, ..*run };
-        artifact.runs(true).iter().map(shortened).collect()
+    /// A few steps of each run.
+    fn runs(artifact: Artifact) -> Runs {
+        let mut runs = artifact.runs(true);
+        match &mut runs {
+            Runs::Bundling(runs) => runs.iter_mut().for_each(|run| run.end = 2e-3),
+            Runs::Tightening(runs) => runs
+                .iter_mut()
+                .for_each(|run| (run.settling, run.end) = (0.0, 1e-2)),
+        }
+        runs
     }
 
     fn options(directory: &std::path::Path, jobs: usize) -> ReproduceOptions {
@@ -129,7 +153,7 @@ mod tests {
                 text.starts_with(&format!("# {}", artifact.title())),
                 "{text}"
             );
-            assert!(text.contains("**Quick: 0.002 s were simulated"), "{text}");
+            assert!(text.contains("**Quick: 0.0"), "{text}");
             let figures: Vec<&str> = text.lines().filter(|line| line.starts_with("![")).collect();
             assert!(!figures.is_empty());
             for figure in figures {
@@ -152,7 +176,11 @@ mod tests {
         make(artifact, &runs(artifact), &options, &report).unwrap();
         let table = || fs::read(directory.path().join("fig2.6/fig2.6.csv")).unwrap();
         let first = table();
-        make(artifact, &runs(artifact)[..2], &options, &report).unwrap();
+        let Runs::Bundling(all) = runs(artifact) else {
+            panic!("flagella bundle in figure 2.6");
+        };
+        let two = Runs::Bundling(all[..2].to_vec());
+        make(artifact, &two, &options, &report).unwrap();
         assert_ne!(table(), first);
         make(artifact, &runs(artifact), &options, &report).unwrap();
         assert_eq!(table(), first);

@@ -1,6 +1,6 @@
 //! The files of an artefact: CSV, Markdown, figures, and a manifest that says how they were made.
 
-use super::cases::Case;
+use super::cases::{Case, Run};
 use super::{Artifact, ReproduceOptions};
 use crate::experiment::workers::threads_of_a_job;
 use crate::results::{CaseStatus, MANIFEST, ResultsError, write_whole};
@@ -50,10 +50,10 @@ struct CaseNote {
 
 impl Page {
     /// Makes the directory and the head of the page.
-    pub fn begin(
+    pub fn begin<R: Run>(
         artifact: Artifact,
         options: &ReproduceOptions,
-        cases: &[Case],
+        cases: &[Case<R>],
     ) -> Result<Self, ResultsError> {
         let directory = options.directory.join(artifact.name());
         std::fs::create_dir_all(&directory).map_err(|source| ResultsError::Io {
@@ -61,8 +61,8 @@ impl Page {
             path: directory.clone(),
             source,
         })?;
-        let note = |case: &Case| CaseNote {
-            case: case.bundling.id(),
+        let note = |case: &Case<R>| CaseNote {
+            case: case.run.id(),
             status: case.record.status,
             simulated_time_s: case.record.outcome.simulated_time,
             wall_time_s: case.record.wall_time,
@@ -144,7 +144,7 @@ impl Page {
 }
 
 /// Title, command, and what a reader must know of times and timings.
-fn head(artifact: Artifact, options: &ReproduceOptions, cases: &[Case]) -> String {
+fn head<R: Run>(artifact: Artifact, options: &ReproduceOptions, cases: &[Case<R>]) -> String {
     let mut text = format!("# {}\n\n", artifact.title());
     let mut add = |paragraph: String| {
         // Writing to a string cannot fail.
@@ -156,13 +156,10 @@ fn head(artifact: Artifact, options: &ReproduceOptions, cases: &[Case]) -> Strin
         artifact.name(),
         env!("CARGO_PKG_VERSION")
     ));
-    let end = cases
-        .iter()
-        .map(|case| case.bundling.end)
-        .fold(0.0, f64::max);
+    let end = cases.iter().map(|case| case.run.end()).fold(0.0, f64::max);
     if options.quick {
         add(format!(
-            "**Quick: {end} s were simulated, the thesis has 250 s. Totals and ends are those of the short time.**"
+            "**Quick: {end} s were simulated, which is not all. Totals and ends are those of the short time.**"
         ));
     }
     let jobs = options.jobs.min(cases.len());
@@ -190,7 +187,7 @@ fn head(artifact: Artifact, options: &ReproduceOptions, cases: &[Case]) -> Strin
     text
 }
 
-fn wall_time_over_cpu_time(cases: &[Case]) -> Option<f64> {
+fn wall_time_over_cpu_time<R: Run>(cases: &[Case<R>]) -> Option<f64> {
     let cpu_times = cases.iter().map(|case| case.record.cpu_time);
     let cpu_time: f64 = cpu_times.sum::<Option<f64>>()?;
     let wall_time: f64 = cases.iter().map(|case| case.record.wall_time).sum();

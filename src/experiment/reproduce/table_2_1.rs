@@ -124,11 +124,11 @@ pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceErro
 fn row(case: &Case, printed: &Printed, barrier: Option<(&Case, &Printed)>) -> Row {
     let outcome = &case.record.outcome;
     let run_time = case.record.wall_time_with_contact;
-    let is_penalty = case.bundling.model == ContactModel::Imc;
+    let is_penalty = case.run.model == ContactModel::Imc;
     let barrier = barrier.filter(|_| is_penalty);
     Row {
-        model: case.bundling.model.name(),
-        flagella: case.bundling.flagella,
+        model: case.run.model.name(),
+        flagella: case.run.flagella,
         status: case.status(),
         simulated_time_s: outcome.simulated_time,
         steps: outcome.steps,

@@ -84,7 +84,7 @@ fn row((case, thesis): (&Case, &(f64, f64, f64))) -> Row {
     let outcome = &case.record.outcome;
     let &(thesis_iterations_per_step, thesis_total_iterations, thesis_simulated_end_s) = thesis;
     Row {
-        friction: case.bundling.friction,
+        friction: case.run.friction,
         status: case.status(),
         iterations_per_step: outcome.newton_iterations_mean_with_contact(),
         total_iterations: outcome.newton_iterations_with_contact,

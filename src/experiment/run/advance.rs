@@ -1,9 +1,10 @@
 //! What the run loop asks of a simulation.
 
+use crate::experiment::KnotObserver;
 use crate::mechanics::dynamics::{
     Energies, Simulation, SimulationError, SimulationState, StepReport,
 };
-use crate::results::Frame;
+use crate::results::{Frame, KnotRow};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -24,6 +25,8 @@ pub(super) trait Advance {
     fn minimum_distance(&self) -> f64;
     /// The nodes now; with velocities and forces where asked for.
     fn frame(&self, with_forces: bool) -> Frame;
+    /// What is measured of a knot.
+    fn measure(&self, observer: &KnotObserver) -> KnotRow;
     /// What a checkpoint must hold.
     fn state(&self) -> Self::State;
     /// Continues from a checkpoint.
@@ -67,6 +70,10 @@ impl Advance for Simulation {
             frame.contact_forces = self.contact_forces();
         }
         frame
+    }
+
+    fn measure(&self, observer: &KnotObserver) -> KnotRow {
+        observer.measure(self)
     }
 
     fn state(&self) -> SimulationState {

@@ -7,7 +7,9 @@ use super::records::{manifest_of_call, recorder_plan, rod_records};
 use super::stop::{Stop, StopRequest};
 use super::tally::Tally;
 use super::{RunError, RunOptions, RunOutcome, RunStatus};
-use crate::experiment::{Mode, PreparedRun};
+use crate::experiment::knot_observer::changed_knot;
+use crate::experiment::{KnotObserver, Mode, PreparedRun};
+use crate::mechanics::dynamics::SimulationError;
 use crate::results::{
     CaseRecord, CaseStatus, CheckpointFiles, Frame, MAIN_CASE, Manifest, Recorder,
     ResultsDirectory, ResultsError, SCENARIO, StreamLengths, SummaryRow, Usage, UsageMeter,
@@ -32,6 +34,7 @@ pub(super) struct Session {
     timeout: Option<Duration>,
     resumed_from: Option<f64>,
     progress: Progress,
+    knot: Option<KnotObserver>,
 }
 
 /// How far a run has come.
@@ -119,6 +122,7 @@ impl Session {
             meter,
             timeout: options.timeout,
             resumed_from,
+            knot: prepared.knot,
         })
     }
 
@@ -191,9 +195,20 @@ impl Session {
         } else {
             Frame::default()
         };
-        self.recorder.record(self.standing.outputs, &row, &frame)?;
+        let Some(observer) = self.knot else {
+            self.recorder.record(self.standing.outputs, &row, &frame)?;
+            self.standing.outputs += 1;
+            return Ok(());
+        };
+        let knot = simulation.measure(&observer);
+        self.recorder
+            .record(self.standing.outputs, &(row, knot), &frame)?;
         self.standing.outputs += 1;
-        Ok(())
+        if observer.recognises(&knot) {
+            return Ok(());
+        }
+        let changed = changed_knot(time, observer.determinant, knot.knot_determinant);
+        Err(Stop::Simulation(SimulationError::Unphysical(changed)))
     }
 
     fn write_checkpoint(&mut self, simulation: &impl Advance) -> Result<(), ResultsError> {

@@ -2,13 +2,13 @@
 
 use super::advance::Advance;
 use super::*;
-use crate::experiment::{Mode, OutputPlan};
+use crate::experiment::{KnotObserver, Mode, OutputPlan};
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::{Energies, IntegrationParameters, SimulationError, StepReport};
 use crate::mechanics::scene::{NaturalShape, RodDescription, Scene, Stiffness};
 use crate::results::{
-    CaseStatus, Frame, MANIFEST, Manifest, NODE_FORCES, NODES, SCENARIO, SERIES, SUMMARY, TIMINGS,
-    VTK_COLLECTION,
+    CaseStatus, Frame, KnotRow, MANIFEST, Manifest, NODE_FORCES, NODES, SCENARIO, SERIES, SUMMARY,
+    TIMINGS, VTK_COLLECTION,
 };
 use proptest::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -119,6 +119,10 @@ impl Advance for Pendulum {
         }
     }
 
+    fn measure(&self, _: &KnotObserver) -> KnotRow {
+        KnotRow::default()
+    }
+
     fn state(&self) -> Self {
         self.clone()
     }
@@ -170,6 +174,7 @@ fn prepared(mode: Mode) -> PreparedRun {
             forces: true,
             vtk: true,
         },
+        knot: None,
     }
 }
 

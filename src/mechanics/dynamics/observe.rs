@@ -3,6 +3,7 @@
 use super::Simulation;
 use super::report::{Energies, SimulationError, SimulationState};
 use crate::mechanics::Vector3;
+use crate::mechanics::contact::ActiveContact;
 use crate::mechanics::rod::STRIDE;
 
 impl Simulation {
@@ -42,6 +43,14 @@ impl Simulation {
     /// Force of the fluid on each node in the last step, N; empty without fluid.
     pub fn fluid_forces(&self) -> Vec<Vector3> {
         self.fluid_forces.clone()
+    }
+
+    /// Pairs of edges that bear on each other in the last step.
+    pub fn contacts(&self) -> &[ActiveContact] {
+        self.system
+            .contact
+            .as_ref()
+            .map_or(&[], |contact| contact.contacts())
     }
 
     /// Contact force on each node in the last step, N; empty without contact.

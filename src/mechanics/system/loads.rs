@@ -12,8 +12,9 @@ pub struct Loads {
     dead: Vec<DeadLoad>,
     /// Moments on edges.
     pub moments: Vec<EdgeMoment>,
-    /// Coefficient of the velocity of each unknown, N s/m or N m s; empty without drag.
+    /// Coefficient of the velocity of each unknown at the present time, N s/m or N m s; empty without drag.
     pub damping: Vec<f64>,
+    drags: Vec<Drag>,
     /// Acceleration of gravity, with schedules, for the potential energy.
     gravity: Vec<(Vector3, Vec<(f64, f64)>)>,
 }
@@ -23,6 +24,13 @@ pub struct Loads {
 struct DeadLoad {
     /// Entries (unknown, force).
     entries: Vec<(usize, f64)>,
+    schedule: Vec<(f64, f64)>,
+}
+
+/// Linear drag: a coefficient for each unknown, N s/m or N m s.
+#[derive(Clone, Debug)]
+struct Drag {
+    coefficients: Vec<f64>,
     schedule: Vec<(f64, f64)>,
 }
 
@@ -124,7 +132,7 @@ impl Loads {
                     if let Some(rod) = rod {
                         range(*rod)?;
                     }
-                    loads.damping.resize(STRIDE * assembly.rods.nodes, 0.0);
+                    let mut coefficients = vec![0.0; STRIDE * assembly.rods.nodes];
                     for edge in &assembly.rods.edges {
                         let (owner, _) = assembly.locate(edge.start);
                         if !along(*rod, &assembly.rods.rods[owner]) {
@@ -132,12 +140,17 @@ impl Loads {
                         }
                         for node in [edge.start, edge.end] {
                             for axis in 0..3 {
-                                loads.damping[STRIDE * node + axis] +=
+                                coefficients[STRIDE * node + axis] +=
                                     0.5 * edge.natural_length * translation;
                             }
                         }
-                        loads.damping[STRIDE * edge.start + 3] += edge.natural_length * rotation;
+                        coefficients[STRIDE * edge.start + 3] += edge.natural_length * rotation;
                     }
+                    loads.damping.resize(coefficients.len(), 0.0);
+                    loads.drags.push(Drag {
+                        coefficients,
+                        schedule: load.schedule.clone(),
+                    });
                 }
             }
             if !entries.is_empty() {
@@ -147,7 +160,19 @@ impl Loads {
                 });
             }
         }
+        loads.update_damping(0.0);
         Ok(loads)
+    }
+
+    /// Sets the coefficients of drag to those of `time`.
+    pub fn update_damping(&mut self, time: f64) {
+        self.damping.fill(0.0);
+        for drag in &self.drags {
+            let factor = factor(&drag.schedule, time);
+            for (sum, coefficient) in self.damping.iter_mut().zip(&drag.coefficients) {
+                *sum += factor * coefficient;
+            }
+        }
     }
 
     /// Writes the dead forces at `time`.

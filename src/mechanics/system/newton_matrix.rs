@@ -21,6 +21,8 @@ pub struct NewtonMatrix {
     coupled: Option<CoupledSystem>,
     held: Vec<bool>,
     symmetric: bool,
+    /// Whether the symmetric elimination has failed with this pattern.
+    lost_symmetry: bool,
     /// Closing vertices and moments, always present.
     permanent: Vec<Element>,
     permanent_matrices: Vec<ElementMatrix>,
@@ -49,6 +51,7 @@ impl NewtonMatrix {
             factor: BandedFactor::new(dimension),
             coupled: None,
             held: assembly.held.clone(),
+            lost_symmetry: false,
             symmetric: assembly.loads.moments.is_empty() && !friction && !friction_on_planes,
             permanent_matrices: vec![ZERO; permanent.len()],
             permanent,
@@ -210,6 +213,7 @@ impl NewtonMatrix {
     /// Drops the pattern; it is found again when something couples.
     pub fn forget_pattern(&mut self) {
         self.coupled = None;
+        self.lost_symmetry = false;
     }
 
     pub fn factor(&mut self) -> Result<Option<Inertia>, SingularMatrix> {
@@ -226,7 +230,7 @@ impl NewtonMatrix {
                     self.held.len(),
                     &elements,
                     &self.held,
-                    self.symmetric,
+                    self.symmetric && !self.lost_symmetry,
                 ))
             }
         };
@@ -240,14 +244,24 @@ impl NewtonMatrix {
         coupled.factor()
     }
 
+    /// Solves with the factors of the last [`Self::factor`].
+    ///
+    /// Where strands of nearly parallel edges press on each other without friction, the pivots of the symmetric
+    /// elimination become so small that rounding spoils it; the general one, at twice the cost, then stands in until
+    /// the pattern changes.
     pub fn solve(&mut self, right_hand_side: &mut [f64]) -> Result<(), SingularMatrix> {
-        match &mut self.coupled {
-            Some(coupled) if !self.uses_band => coupled.solve(right_hand_side),
-            _ => {
-                self.factor.solve(right_hand_side);
-                Ok(())
-            }
+        let Some(coupled) = self.coupled.as_mut().filter(|_| !self.uses_band) else {
+            self.factor.solve(right_hand_side);
+            return Ok(());
+        };
+        let solved = coupled.solve(right_hand_side);
+        if solved.is_ok() || !self.symmetric || self.lost_symmetry {
+            return solved;
         }
+        self.lost_symmetry = true;
+        self.coupled = None;
+        self.factor()?;
+        self.solve(right_hand_side)
     }
 
     pub fn to_dense(&self) -> nalgebra::DMatrix<f64> {

@@ -182,6 +182,29 @@ fn the_jacobian_of_elasticity_inertia_and_drag_is_exact() {
 }
 
 #[test]
+fn drag_follows_its_schedule() {
+    let mut scene = elastic_scene();
+    scene.loads.push(Load {
+        kind: LoadKind::Drag {
+            rod: None,
+            translation: 0.3,
+            rotation: 0.2,
+        },
+        schedule: vec![(0.0, 1.0), (2.0, 0.5)],
+    });
+    let mut system = System::new(&scene).unwrap();
+    let at_start = system.assembly.loads.damping.clone();
+    assert!(at_start.iter().any(|coefficient| *coefficient > 0.0));
+    let mut unknowns = system.assembly.unknowns.clone();
+    for (time, factor) in [(1.0, 0.75), (3.0, 0.5), (0.0, 1.0)] {
+        system.drive(time, &mut unknowns);
+        for (now, start) in system.assembly.loads.damping.iter().zip(&at_start) {
+            assert!((now - factor * start).abs() < 1e-15);
+        }
+    }
+}
+
+#[test]
 fn the_jacobian_of_a_moment_is_exact() {
     let mut scene = elastic_scene();
     scene.loads.push(Load {

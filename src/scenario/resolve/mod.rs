@@ -1,5 +1,6 @@
 //! From the scenario as typed to the scenario as resolved: units, defaults, ranges.
 
+mod knot;
 mod load;
 mod model;
 mod polyline;
@@ -10,7 +11,7 @@ mod shape;
 pub use polyline::read as read_polyline;
 
 use super::issue::{Issues, KeyPath};
-use super::resolved::{Experiment, Scenario};
+use super::resolved::{Contact, Experiment, Scenario, Time};
 use super::typed::{self, ScenarioFile};
 use section::Section;
 use std::cell::RefCell;
@@ -31,7 +32,8 @@ pub struct Context<'a> {
 pub fn resolve(context: &Context<'_>, file: &ScenarioFile) -> Result<Scenario, Issues> {
     let issues = RefCell::new(Issues::default());
     let top = Section::new(KeyPath::root(), &issues);
-    let experiment = experiment(&top, file);
+    let time = model::time(&top, file);
+    let experiment = experiment(&top, file, &time);
     let rods = rod::rods(context, &top, file);
     if rods.is_empty() && matches!(file.experiment, Some(typed::Experiment::Scene)) {
         top.missing("rods", "a scene needs at least one [[rods]]");
@@ -50,14 +52,18 @@ pub fn resolve(context: &Context<'_>, file: &ScenarioFile) -> Result<Scenario, I
         .map(|rod| rod.radius)
         .chain(experiment.iter().filter_map(|experiment| match experiment {
             Experiment::Scene => None,
-            Experiment::Flagella { rod, .. } => Some(rod.radius),
+            Experiment::Flagella { rod, .. } | Experiment::KnotTightening { rod, .. } => {
+                Some(rod.radius)
+            }
         }))
         .fold(f64::INFINITY, f64::min);
-    let time = model::time(&top, file);
     let solver = model::solver(&top, &file.solver);
     model::refuse_small_steps(&top, &time, &solver);
     let contact = model::contact(&top, file.contact.as_ref(), smallest_radius);
     model::refuse_rigid_statics(&top, &contact, &time);
+    if contact == Contact::None && matches!(experiment, Some(Experiment::KnotTightening { .. })) {
+        top.missing("contact", "a knot needs contact: a table [contact]");
+    }
     let scenario = experiment.map(|experiment| Scenario {
         name: context.name.to_owned(),
         title: file
@@ -82,12 +88,32 @@ pub fn resolve(context: &Context<'_>, file: &ScenarioFile) -> Result<Scenario, I
 }
 
 /// The experiment and its own tables; `None` if a fault was reported.
-fn experiment(top: &Section<'_>, file: &ScenarioFile) -> Option<Experiment> {
-    match top.needed("experiment", file.experiment, "\"scene\" or \"flagella\"")? {
+fn experiment(top: &Section<'_>, file: &ScenarioFile, time: &Time) -> Option<Experiment> {
+    let names = "\"scene\", \"flagella\" or \"knot-tightening\"";
+    let experiment = top.needed("experiment", file.experiment, names)?;
+    for (key, present, owner) in [
+        (
+            "flagella",
+            file.flagella.is_some(),
+            typed::Experiment::Flagella,
+        ),
+        (
+            "knot",
+            file.knot.is_some(),
+            typed::Experiment::KnotTightening,
+        ),
+    ] {
+        let builder = experiment != typed::Experiment::Scene;
+        if present && builder && experiment != owner {
+            top.fault(key, "this table is for another experiment");
+        }
+    }
+    match experiment {
         typed::Experiment::Scene => {
             for (key, present) in [
                 ("rod", file.rod.is_some()),
                 ("flagella", file.flagella.is_some()),
+                ("knot", file.knot.is_some()),
             ] {
                 if present {
                     top.fault(
@@ -99,19 +125,34 @@ fn experiment(top: &Section<'_>, file: &ScenarioFile) -> Option<Experiment> {
             Some(Experiment::Scene)
         }
         typed::Experiment::Flagella => {
-            let rod = top.needed(
-                "rod",
-                file.rod.as_ref(),
-                "a table [rod] with radius and nodes",
-            );
+            let built = built_rod(top, file);
             let flagella = top.needed("flagella", file.flagella.as_ref(), "a table [flagella]");
-            let material = top.needed(
-                "material",
-                file.material.as_ref(),
-                "a table [material] with youngs_modulus, poissons_ratio and density",
-            );
-            let (rod, flagella, material) = (rod?, flagella?, material?);
+            let ((rod, material), flagella) = (built?, flagella?);
             model::flagella(top, material, rod, flagella)
         }
+        typed::Experiment::KnotTightening => {
+            let built = built_rod(top, file);
+            let knot = top.needed("knot", file.knot.as_ref(), "a table [knot]");
+            let ((rod, material), knot) = (built?, knot?);
+            knot::knot_tightening(top, material, rod, knot, time)
+        }
     }
+}
+
+/// Rod and material of a builder; `None` if one is missing, which is reported.
+fn built_rod<'a>(
+    top: &Section<'_>,
+    file: &'a ScenarioFile,
+) -> Option<(&'a typed::BuilderRod, &'a typed::Material)> {
+    let rod = top.needed(
+        "rod",
+        file.rod.as_ref(),
+        "a table [rod] with radius and nodes",
+    );
+    let material = top.needed(
+        "material",
+        file.material.as_ref(),
+        "a table [material] with youngs_modulus, poissons_ratio and density",
+    );
+    Some((rod?, material?))
 }

@@ -4,12 +4,14 @@
 //! serialised form uses the keys of scenario files, so that it is itself a scenario file.
 
 mod flagella;
+mod knot;
 mod load;
 mod model;
 mod rod;
 mod run;
 
 pub use flagella::{BuilderRod, Flagella, Head};
+pub use knot::{Knot, KnotEnds};
 pub use load::{Clamp, Hold, Load, LoadKind, Place, Plane};
 pub use model::{Contact, Fluid};
 pub use rod::{CrossSection, Handedness, Material, NaturalShape, Rod, Shape, Stiffness};
@@ -67,6 +69,15 @@ pub enum Experiment {
         /// Number, geometry and drive.
         flagella: Flagella,
     },
+    /// An overhand knot whose ends are pulled apart.
+    KnotTightening {
+        /// Material of the rod.
+        material: Material,
+        /// Radius and nodes of the rod.
+        rod: BuilderRod,
+        /// The knot and how it is pulled.
+        knot: Knot,
+    },
 }
 
 impl Experiment {
@@ -75,6 +86,7 @@ impl Experiment {
         match self {
             Self::Scene => "scene",
             Self::Flagella { .. } => "flagella",
+            Self::KnotTightening { .. } => "knot-tightening",
         }
     }
 }

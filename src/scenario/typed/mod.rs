@@ -3,6 +3,7 @@
 //! The comments of these types are the descriptions in the JSON Schema and the words of `rodlab explain`.
 
 mod kinds;
+mod knot;
 mod load;
 mod model;
 mod quantity;
@@ -10,6 +11,7 @@ mod rod;
 mod shape;
 mod sweep;
 
+pub use knot::Knot;
 pub use load::{Clamp, Load, Place, Plane};
 pub use model::{
     BuilderRod, Contact, ContactModel, Flagella, Fluid, FluidModel, Mode, Output, Solver, Time,
@@ -26,7 +28,8 @@ use serde::Deserialize;
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "scenario")]
 pub struct ScenarioFile {
-    /// What is simulated: "scene" (the rods listed here) or "flagella" (helices turned at their heads).
+    /// What is simulated: "scene" (the rods listed here), "flagella" (helices turned at their heads) or
+    /// "knot-tightening" (an overhand knot whose ends are pulled apart).
     pub experiment: Option<Experiment>,
     /// Title for people; the name of the file where absent.
     pub title: Option<String>,
@@ -64,13 +67,15 @@ pub struct ScenarioFile {
     pub output: Output,
     /// Number, geometry and drive of the flagella of the experiment "flagella".
     pub flagella: Option<Flagella>,
+    /// The knot of the experiment "knot-tightening" and how it is pulled tight.
+    pub knot: Option<Knot>,
     /// Many cases of this scenario: keys with lists or ranges of values.
     #[expect(dead_code, reason = "sweeps are taken out before files are decoded")]
     pub sweep: Option<Sweep>,
 }
 
 /// The experiments.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(inline)]
 pub enum Experiment {
@@ -78,4 +83,6 @@ pub enum Experiment {
     Scene,
     /// Helical flagella turned at their heads.
     Flagella,
+    /// An overhand knot whose ends are pulled apart.
+    KnotTightening,
 }

@@ -1,0 +1,186 @@
+//! Knot tightening (thesis 2.5): an overhand knot whose ends are pulled apart at constant speed.
+//!
+//! **Geometry.** The knot of [`overhand_nodes`] lies around the x axis, its ends on it; the rod is naturally straight
+//! and starts without twist.
+//!
+//! **Drive.** First the knot settles: the ends rest, and a drag that damps the loop critically brings the strands into
+//! contact; it fades before the ends move. Then both ends move outwards along the axis and, clamped, keep their
+//! frames, so that they do not turn against each other.
+
+use crate::knot::{Overhand, overhand_nodes};
+use crate::mechanics::Vector3;
+use crate::mechanics::scene::{
+    Clamp, Load, LoadKind, Motion, NaturalShape, RodDescription, Scene, Stiffness,
+};
+use crate::scenario::{BuilderRod, CrossSection, Issue, KeyPath, Knot, KnotEnds, Material};
+use std::f64::consts::TAU;
+
+/// Part of the settling time after which its drag begins to fade.
+const FULL_DRAG: f64 = 0.7;
+/// Damping rate of the settling drag over the frequency √(EI/ρA)/R² of the loop; 2 is critical.
+const SETTLING_DRAG: f64 = 4.0;
+
+/// Adds the knotted rod, what holds and moves its ends, and its drag.
+///
+/// # Errors
+/// An issue where the knot does not fit between the ends.
+pub fn add(
+    scene: &mut Scene,
+    material: &Material,
+    rod: &BuilderRod,
+    knot: &Knot,
+    end: f64,
+) -> Result<(), Issue> {
+    let shape = Overhand {
+        unknotting_number: knot.unknotting_number,
+        length: knot.length,
+        radius: rod.radius,
+        end_to_end: knot.end_to_end,
+    };
+    let centreline = overhand_nodes(&shape, rod.nodes).map_err(|message| {
+        Issue::new(KeyPath::from("knot").key("end_to_end"), message)
+            .with_help("lengthen the rod or let the ends start farther apart".to_owned())
+    })?;
+    let index = scene.rods.len();
+    for (node, direction) in [(0, -Vector3::x()), (rod.nodes - 1, Vector3::x())] {
+        let pulled = direction * knot.pull_speed * (end - knot.settling_time).max(0.0);
+        scene.clamps.push(Clamp {
+            rod: index,
+            node,
+            holds_position: true,
+            holds_frame: knot.ends == KnotEnds::Clamped,
+            motion: Motion {
+                translation: vec![
+                    (knot.settling_time, Vector3::zeros()),
+                    (end.max(knot.settling_time + 1.0), pulled),
+                ],
+                ..Motion::default()
+            },
+        });
+    }
+    let description = described(centreline, material, rod);
+    let loop_radius = (knot.length - knot.end_to_end) / TAU;
+    let mass_per_length = description.mass_per_length;
+    let frequency =
+        (description.stiffness.bending[0] / mass_per_length).sqrt() / loop_radius.powi(2);
+    let settling = SETTLING_DRAG * mass_per_length * frequency;
+    scene.rods.push(description);
+    for (translation, schedule) in [
+        (
+            settling,
+            vec![
+                (FULL_DRAG * knot.settling_time, 1.0),
+                (knot.settling_time, 0.0),
+            ],
+        ),
+        (knot.damping, Vec::new()),
+    ] {
+        scene.loads.push(Load {
+            kind: LoadKind::Drag {
+                rod: Some(index),
+                translation,
+                rotation: 0.0,
+            },
+            schedule,
+        });
+    }
+    Ok(())
+}
+
+fn described(centreline: Vec<Vector3>, material: &Material, rod: &BuilderRod) -> RodDescription {
+    let section = CrossSection::Circle;
+    let stiffness = section.stiffness(rod.radius, material);
+    let [second_moment_1, second_moment_2] = section.second_moments(rod.radius);
+    RodDescription {
+        name: "knot".to_owned(),
+        centreline,
+        closed: false,
+        end_tangents: [Some(Vector3::x()); 2],
+        first_director: Some(Vector3::y()),
+        twist: 0.0,
+        natural_shape: NaturalShape::Straight,
+        stiffness: Stiffness {
+            stretching: stiffness.stretching,
+            bending: [stiffness.bending_1, stiffness.bending_2],
+            twisting: stiffness.twisting,
+        },
+        radius: rod.radius,
+        mass_per_length: material.density * section.area(rod.radius),
+        rotational_inertia_per_length: material.density * (second_moment_1 + second_moment_2),
+        velocity: Vector3::zeros(),
+        angular_velocity: Vector3::zeros(),
+        held: false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::prepare;
+    use crate::mechanics::dynamics::Simulation;
+    use crate::scenario::from_text_with;
+    use std::path::Path;
+
+    fn prepared(overrides: &[&str]) -> Result<crate::experiment::PreparedRun, String> {
+        let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
+        let text = include_str!("../../scenarios/trefoil.toml");
+        let loaded = from_text_with("trefoil", text, Path::new(""), &overrides);
+        let scenario = loaded.map_err(|error| error.to_string())?.scenario;
+        prepare(&scenario).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn ends_move_apart_along_the_axis_after_settling() {
+        let run = prepared(&[]).unwrap();
+        let corners: Vec<_> = run
+            .scene
+            .clamps
+            .iter()
+            .map(|clamp| &clamp.motion.translation)
+            .collect();
+        for (corners, sign) in corners.into_iter().zip([-1.0, 1.0]) {
+            assert_eq!(corners[0], (2.0, Vector3::zeros()));
+            assert_eq!(corners[1].0, 52.0);
+            let expected = Vector3::x() * sign * 6e-3 * 50.0;
+            assert!((corners[1].1 - expected).norm() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn both_ends_are_pulled_alike_and_the_knot_stays() {
+        let settings = [
+            "knot.settling_time=0.0",
+            "material.density=10.0",
+            "time.end=1.0",
+        ];
+        let run = prepared(&settings).unwrap();
+        let mut simulation = Simulation::new(&run.scene, &run.integration).unwrap();
+        while simulation.time() < 0.25 {
+            simulation.advance(0.25).unwrap();
+        }
+        let observer = run.knot.unwrap();
+        let row = observer.measure(&simulation);
+        assert!(observer.recognises(&row));
+        assert!(row.traction_start_n > 0.0);
+        assert!((row.traction_end_n / row.traction_start_n - 1.0).abs() < 0.05);
+        assert!((row.end_to_end_m - 0.283).abs() < 1e-12);
+        // A loose trefoil: 2πR is less than the shortening by the braid.
+        let radius = row.loop_radius_m.unwrap();
+        assert!((0.09..0.13).contains(&radius), "{radius}");
+    }
+
+    #[test]
+    fn impossible_knots_are_refused_with_the_reason() {
+        for (override_, reason) in [
+            ("knot.unknotting_number=0", "1 to 6"),
+            ("knot.unknotting_number=7", "1 to 6"),
+            ("knot.end_to_end=1.5", "less than the length of the rod"),
+            ("knot.end_to_end=0.05", "wide"),
+            ("time.end=100.0", "beyond the length of the rod"),
+            ("contact.model=\"none\"", "a knot needs contact"),
+        ] {
+            let error = prepared(&[override_]).unwrap_err();
+            assert!(error.contains(reason), "{override_}: {error}");
+        }
+    }
+}

@@ -1,0 +1,242 @@
+//! The knot determinant: |Δ(−1)| with the Alexander polynomial Δ, 2n + 1 for the overhand knot of unknotting number n.
+//!
+//! From a projection: an arc runs from one passage below to the next, and every crossing gives the equation
+//! 2 over − before − after = 0 of Fox's colourings. The determinant is any cofactor of that matrix. It is
+//! computed modulo the prime 2⁶¹ − 1, exactly while it is smaller than half of that.
+
+use crate::mechanics::Vector3;
+
+const PRIME: i128 = (1 << 61) - 1;
+/// How far outside the curve its ends are joined, in multiples of its extent.
+const FAR: f64 = 20.0;
+
+/// A passage of one segment over another in the projection.
+struct Crossing {
+    /// Number of the segment above and the part of it that is passed.
+    over: f64,
+    /// The same of the segment below.
+    under: f64,
+}
+
+/// Determinant of the knot that arises when the ends of an open curve are joined far away.
+///
+/// The joining path leaves the ends along the line through both, away from each other, and closes outside the
+/// curve's extent: for a rod pulled at both ends this is the knot that people mean. `None` if two segments cross
+/// in space, or if no direction of projection was found in which all crossings are clear.
+pub fn determinant(nodes: &[Vector3]) -> Option<u64> {
+    let (first, last) = (nodes.first()?, nodes.last()?);
+    let closed = closed_far_away(nodes, first, last);
+    // Directions without symmetry; a degenerate projection is the exception, and then the next one serves.
+    let directions = [
+        Vector3::new(0.123, 0.218, 0.968),
+        Vector3::new(-0.317, 0.441, 0.839),
+        Vector3::new(0.281, -0.529, 0.801),
+        Vector3::new(0.407, 0.352, -0.843),
+    ];
+    directions.iter().find_map(|direction| {
+        let crossings = crossings(&closed, &direction.normalize())?;
+        Some(cofactor(&crossings))
+    })
+}
+
+fn closed_far_away(nodes: &[Vector3], first: &Vector3, last: &Vector3) -> Vec<Vector3> {
+    let extent = nodes
+        .iter()
+        .map(|node| (node - first).norm())
+        .fold(0.0, f64::max);
+    let along = (last - first)
+        .try_normalize(1e-9 * extent)
+        .unwrap_or_else(Vector3::x);
+    let aside = along.cross(&Vector3::new(0.267, 0.535, 0.802));
+    let aside = aside.try_normalize(1e-3).unwrap_or_else(Vector3::y);
+    let out = FAR * extent;
+    let mut closed = nodes.to_vec();
+    closed.push(last + along * out);
+    closed.push(last + along * out + aside * out);
+    closed.push(first - along * out + aside * out);
+    closed.push(first - along * out);
+    closed
+}
+
+/// All crossings of a closed polygon seen along `direction`; `None` if one is not clear.
+fn crossings(closed: &[Vector3], direction: &Vector3) -> Option<Vec<Crossing>> {
+    let [right, up] = {
+        let right = direction.cross(&Vector3::new(0.6, -0.7, 0.4)).normalize();
+        [right, direction.cross(&right)]
+    };
+    let points: Vec<[f64; 3]> = closed
+        .iter()
+        .map(|point| [right.dot(point), up.dot(point), direction.dot(point)])
+        .collect();
+    let count = points.len();
+    let end = |segment: usize| points[(segment + 1) % count];
+    let mut crossings = Vec::new();
+    for i in 0..count {
+        let (a, b) = (points[i], end(i));
+        for j in i + 2..count {
+            if i == 0 && j == count - 1 {
+                continue;
+            }
+            let (c, d) = (points[j], end(j));
+            if !boxes_overlap(&a, &b, &c, &d) {
+                continue;
+            }
+            let cross = |p: [f64; 2], q: [f64; 2]| p[0] * q[1] - p[1] * q[0];
+            let first = [b[0] - a[0], b[1] - a[1]];
+            let second = [d[0] - c[0], d[1] - c[1]];
+            let between = [c[0] - a[0], c[1] - a[1]];
+            let turn = cross(first, second);
+            let (s, t) = (cross(between, second) / turn, cross(between, first) / turn);
+            // Parallel segments are infinitely far from crossing, unless they lie on one line.
+            if s.is_nan() || t.is_nan() {
+                return None;
+            }
+            let margin = 1e-9;
+            let inside = |u: f64| (-margin..=1.0 + margin).contains(&u);
+            if !inside(s) || !inside(t) {
+                continue;
+            }
+            let clear = |u: f64| (margin..=1.0 - margin).contains(&u);
+            let heights = [a[2] + s * (b[2] - a[2]), c[2] + t * (d[2] - c[2])];
+            if !clear(s) || !clear(t) || heights[0] == heights[1] {
+                return None;
+            }
+            let places = [i as f64 + s, j as f64 + t];
+            let (over, under) = if heights[0] > heights[1] {
+                (places[0], places[1])
+            } else {
+                (places[1], places[0])
+            };
+            crossings.push(Crossing { over, under });
+        }
+    }
+    Some(crossings)
+}
+
+fn boxes_overlap(a: &[f64; 3], b: &[f64; 3], c: &[f64; 3], d: &[f64; 3]) -> bool {
+    (0..2).all(|axis| {
+        a[axis].min(b[axis]) <= c[axis].max(d[axis]) && c[axis].min(d[axis]) <= a[axis].max(b[axis])
+    })
+}
+
+/// |det| of the colouring matrix without its last row and column.
+fn cofactor(crossings: &[Crossing]) -> u64 {
+    let mut unders: Vec<f64> = crossings.iter().map(|crossing| crossing.under).collect();
+    unders.sort_by(f64::total_cmp);
+    let arcs = unders.len();
+    // Arc k runs from passage k − 1 below to passage k; the last passage is followed by arc 0.
+    let arc = |place: f64| unders.partition_point(|&under| under < place) % arcs.max(1);
+    let size = arcs.saturating_sub(1);
+    let mut matrix = vec![vec![0i128; arcs]; arcs];
+    for (row, crossing) in matrix.iter_mut().zip(crossings) {
+        let before = arc(crossing.under);
+        row[arc(crossing.over)] += 2;
+        row[before] -= 1;
+        row[(before + 1) % arcs] -= 1;
+    }
+    determinant_modulo_prime(matrix, size)
+}
+
+fn determinant_modulo_prime(mut matrix: Vec<Vec<i128>>, size: usize) -> u64 {
+    let mut determinant = 1i128;
+    for column in 0..size {
+        let Some(pivot) = (column..size).find(|&row| matrix[row][column].rem_euclid(PRIME) != 0)
+        else {
+            return 0;
+        };
+        if pivot != column {
+            matrix.swap(pivot, column);
+            determinant = -determinant;
+        }
+        let value = matrix[column][column].rem_euclid(PRIME);
+        determinant = (determinant * value).rem_euclid(PRIME);
+        let inverse = inverse(value);
+        let pivot_row = matrix[column].clone();
+        for row in &mut matrix[column + 1..size] {
+            let factor = (row[column].rem_euclid(PRIME) * inverse).rem_euclid(PRIME);
+            if factor != 0 {
+                for k in column..size {
+                    row[k] = (row[k] - factor * pivot_row[k].rem_euclid(PRIME)).rem_euclid(PRIME);
+                }
+            }
+        }
+    }
+    let determinant = determinant.rem_euclid(PRIME);
+    determinant.min(PRIME - determinant) as u64
+}
+
+/// Inverse modulo the prime, by Fermat's little theorem.
+fn inverse(value: i128) -> i128 {
+    let (mut base, mut exponent, mut result) = (value, PRIME - 2, 1i128);
+    while exponent > 0 {
+        if exponent & 1 == 1 {
+            result = result * base % PRIME;
+        }
+        base = base * base % PRIME;
+        exponent >>= 1;
+    }
+    result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    fn curve(points: usize, at: impl Fn(f64) -> Vector3) -> Vec<Vector3> {
+        (0..points)
+            .map(|k| at(k as f64 / (points - 1) as f64))
+            .collect()
+    }
+
+    #[test]
+    fn a_line_and_an_arc_are_unknots() {
+        let line = curve(20, |t| Vector3::new(t, 0.0, 0.0));
+        assert_eq!(determinant(&line), Some(1));
+        let arc = curve(20, |t| Vector3::new((4.0 * t).cos(), (4.0 * t).sin(), t));
+        assert_eq!(determinant(&arc), Some(1));
+    }
+
+    #[test]
+    fn parallel_segments_are_no_crossings() {
+        // The tail of a pulled rod is parallel to the path that closes it.
+        let mut hook = curve(20, |t| Vector3::new(t, 0.0, 0.0));
+        hook.extend(curve(20, |t| Vector3::new(1.0 - t, 0.5, 0.0)));
+        hook.extend(curve(20, |t| Vector3::new(2.0 * t, 1.0, 0.0)));
+        assert_eq!(determinant(&hook), Some(1));
+    }
+
+    #[test]
+    fn torus_knots_and_the_figure_eight_have_their_determinants() {
+        let torus = |q: f64| {
+            move |t: f64| {
+                let angle = 0.01 + (TAU - 0.02) * t;
+                let radius = 2.0 + (q * angle).cos();
+                Vector3::new(
+                    radius * (2.0 * angle).cos(),
+                    radius * (2.0 * angle).sin(),
+                    -(q * angle).sin(),
+                )
+            }
+        };
+        for q in [3, 5, 7, 9] {
+            let closed = curve(400, torus(f64::from(q)));
+            assert_eq!(cofactor(&crossings_of(&closed)), q as u64, "(2, {q})");
+        }
+        let figure_eight = curve(400, |t| {
+            let angle = TAU * t * 0.999;
+            let radius = 2.0 + (2.0 * angle).cos();
+            Vector3::new(
+                radius * (3.0 * angle).cos(),
+                radius * (3.0 * angle).sin(),
+                (4.0 * angle).sin(),
+            )
+        });
+        assert_eq!(cofactor(&crossings_of(&figure_eight)), 5);
+    }
+
+    /// Crossings of a curve closed by its last segment.
+    fn crossings_of(closed: &[Vector3]) -> Vec<Crossing> {
+        crossings(closed, &Vector3::new(0.123, 0.218, 0.968).normalize()).unwrap()
+    }
+}

@@ -1,0 +1,25 @@
+//! Knots: shapes from parameters, invariants, measures of a tied rod, and theory.
+//!
+//! | file | what |
+//! |---|---|
+//! | `overhand` | centrelines of open overhand knots of any unknotting number |
+//! | `determinant` | the knot determinant of an open curve, its ends closed far away |
+//! | `circle` | the circle that fits points in space best |
+//! | `loop_elastica` | the planar elastica that leaves and enters a braid tangentially |
+//! | `traction` | traction laws of Audoly et al. 2007 and Jawed et al. 2015 |
+//! | `elliptic` | complete elliptic integrals |
+
+mod circle;
+mod determinant;
+mod elliptic;
+mod loop_elastica;
+mod overhand;
+mod traction;
+
+pub use circle::{FittedCircle, fit_circle};
+pub use determinant::determinant;
+pub use loop_elastica::LoopElastica;
+pub use overhand::{Overhand, overhand_nodes};
+pub use traction::{
+    TREFOIL_FRICTION, audoly_traction, braid_and_loop, jawed_shortening, relaxed_loop,
+};

@@ -1,0 +1,105 @@
+//! Resolving the knot builder.
+
+use super::rod::{material, refuse_degenerate};
+use super::section::{NON_NEGATIVE, POSITIVE, Section};
+use crate::scenario::resolved::{BuilderRod, CrossSection, Experiment, Knot, KnotEnds, Time};
+use crate::scenario::typed;
+use std::f64::consts::TAU;
+
+/// Fewest nodes that resolve a loop.
+const FEWEST_NODES: usize = 51;
+/// Most nodes of the rod.
+const MOST_NODES: usize = 100_000;
+/// Largest unknotting number whose shape is known.
+const LARGEST_UNKNOTTING_NUMBER: usize = 6;
+/// Speed of each end by "auto", over √(EI/ρA)/R.
+const SPEED: f64 = 0.01;
+/// Share of drag in the traction by "auto".
+const DRAG_SHARE: f64 = 0.002;
+/// Default of the settling time in periods R² √(ρA/EI), and the least, s.
+const SETTLING: (f64, f64) = (6.0, 2.0);
+
+/// Resolves the knot and how it is pulled; `None` if a whole number is at fault, which is reported.
+pub fn knot_tightening(
+    top: &Section<'_>,
+    material_table: &typed::Material,
+    rod: &typed::BuilderRod,
+    typed: &typed::Knot,
+    time: &Time,
+) -> Option<Experiment> {
+    let section = top.below("knot");
+    let rod_section = top.below("rod");
+    let unknotting_number = section.count(
+        "unknotting_number",
+        typed.unknotting_number,
+        1..=LARGEST_UNKNOTTING_NUMBER,
+    );
+    let nodes = rod_section.count("nodes", rod.nodes, FEWEST_NODES..=MOST_NODES);
+    let material = material(&top.below("material"), material_table);
+    let radius = rod_section.required("radius", &rod.radius, POSITIVE);
+    let stiffness = CrossSection::Circle.stiffness(radius, &material);
+    refuse_degenerate(&rod_section, &stiffness);
+    let length = section.required("length", &typed.length, POSITIVE);
+    let end_to_end = section.required("end_to_end", &typed.end_to_end, POSITIVE);
+    if end_to_end >= length {
+        section.fault(
+            "end_to_end",
+            format!(
+                "{end_to_end:?} m is out of range; allowed: less than the length of the rod, {length:?} m"
+            ),
+        );
+    }
+    // Bending waves of the loop, taken as a circle.
+    let loop_radius = (length - end_to_end) / TAU;
+    let mass_per_length = material.density * CrossSection::Circle.area(radius);
+    let diffusivity = (stiffness.bending_1 / mass_per_length).sqrt();
+    let given_speed = typed.pull_speed.as_ref();
+    let pull_speed = match given_speed.filter(|typed| !typed.is_word("auto")) {
+        Some(typed) => section.number("pull_speed", typed, POSITIVE),
+        None => SPEED * diffusivity / loop_radius,
+    };
+    let (periods, least) = SETTLING;
+    let settling_time = section.with_default(
+        "settling_time",
+        &typed.settling_time,
+        NON_NEGATIVE,
+        (periods * loop_radius * loop_radius / diffusivity).max(least),
+    );
+    let given_damping = typed.damping.as_ref();
+    let damping = match given_damping.filter(|typed| !typed.is_word("auto")) {
+        Some(typed) => section.number("damping", typed, NON_NEGATIVE),
+        None => {
+            let traction = 0.5 * stiffness.bending_1 / (loop_radius * loop_radius);
+            DRAG_SHARE * traction / (0.5 * pull_speed * length)
+        }
+    };
+    if let Time::Dynamic { end, .. } = time {
+        let pulled = end_to_end + 2.0 * pull_speed * (end - settling_time).max(0.0);
+        if pulled >= length {
+            let latest = settling_time + 0.5 * (length - end_to_end) / pull_speed;
+            top.below("time").fault(
+                "end",
+                format!(
+                    "the ends would be pulled {pulled:.4} m apart, beyond the length of the rod; allowed: less than {latest:.4} s"
+                ),
+            );
+        }
+    } else {
+        top.below("time")
+            .fault("mode", "knots are pulled tight in time: use \"dynamic\"");
+    }
+    let (unknotting_number, nodes) = (unknotting_number?, nodes?);
+    Some(Experiment::KnotTightening {
+        material,
+        rod: BuilderRod { radius, nodes },
+        knot: Knot {
+            unknotting_number,
+            length,
+            end_to_end,
+            ends: typed.ends.unwrap_or(KnotEnds::Clamped),
+            pull_speed,
+            settling_time,
+            damping,
+        },
+    })
+}
