@@ -37,7 +37,7 @@ impl Progress {
             None => ProgressBar::new(LENGTH).with_style(template("{wide_bar} {msg}, {eta} left")),
             Some(among) => among.bars.add(
                 ProgressBar::new(LENGTH)
-                    .with_style(template("{prefix:.dim} {wide_bar} {msg}, {eta} left"))
+                    .with_style(template("{prefix:.dim} {bar:20} {wide_msg}"))
                     .with_prefix(among.name.clone()),
             ),
         }
