@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! cli ──> experiment ──> knot ──> mechanics ──> linalg
-//!  └──────────┴──> scenario, results, figure
+//!  └──────────┴──> scenario, results, figure, cluster
 //! ```
 //!
 //! | room | what lives there |
@@ -17,6 +17,7 @@
 //! | [`mechanics`] | rods, contact, fluid, time stepping, equilibria |
 //! | [`linalg`] | banded and sparse factorisations |
 //! | [`results`] | results directories, checkpoints, VTK |
+//! | [`cluster`] | Slurm job arrays |
 //! | [`figure`] | pictures of plain curves and rows |
 //!
 //! Inside [`mechanics`], [`rod`](mechanics::rod), [`contact`](mechanics::contact) and
@@ -28,6 +29,7 @@
 //! All quantities are in SI units unless a name says otherwise.
 
 pub mod cli;
+pub mod cluster;
 pub mod experiment;
 pub mod figure;
 pub mod knot;

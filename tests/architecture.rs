@@ -5,10 +5,17 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Rooms of the crate and what each may import beside itself.
-const ROOMS: [(&str, &[&str]); 8] = [
+const ROOMS: [(&str, &[&str]); 9] = [
     (
         "cli",
-        &["experiment", "mechanics", "scenario", "results", "figure"],
+        &[
+            "experiment",
+            "mechanics",
+            "scenario",
+            "results",
+            "figure",
+            "cluster",
+        ],
     ),
     (
         "experiment",
@@ -20,13 +27,15 @@ const ROOMS: [(&str, &[&str]); 8] = [
     ("scenario", &[]),
     ("results", &[]),
     ("figure", &[]),
+    ("cluster", &[]),
 ];
 
 /// Rooms inside `mechanics` and what each may import beside itself.
-const MECHANICS: [(&str, &[&str]); 7] = [
+const MECHANICS: [(&str, &[&str]); 8] = [
     ("rod", &[]),
     ("contact", &[]),
     ("fluid", &[]),
+    ("kirchhoff", &[]),
     ("scene", &["contact", "fluid"]),
     ("system", &["rod", "contact", "scene"]),
     ("statics", &["rod", "system"]),

@@ -142,7 +142,12 @@ fn signals_leave_a_checkpoint_from_which_the_run_continues_to_the_same_bytes() {
     let longer = ["--set", "time.end=1 s", "--out"];
     let run = |out| rodlab(directory.path(), &[&longer[..], &[out]].concat());
     run("whole").assert().success();
-    for (signal, out) in [("-INT", "interrupted"), ("-TERM", "terminated")] {
+    for (signal, out, code) in [
+        ("-INT", "interrupted", 130),
+        ("-TERM", "terminated", 130),
+        // How batch systems tell that the time is nearly up.
+        ("-USR1", "warned", 5),
+    ] {
         let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_rodlab"))
             .current_dir(directory.path())
             .args(["run", "falling.toml"])
@@ -162,7 +167,7 @@ fn signals_leave_a_checkpoint_from_which_the_run_continues_to_the_same_bytes() {
             .status()
             .unwrap();
         assert!(sent.success());
-        assert_eq!(child.wait().unwrap().code(), Some(130));
+        assert_eq!(child.wait().unwrap().code(), Some(code));
         assert!(directory.path().join(out).join("checkpoint.0").exists());
         run(out).assert().success();
         assert_same_results(directory.path(), "whole", out);

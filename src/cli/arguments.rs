@@ -1,7 +1,10 @@
 //! The arguments of the program and those common to all subcommands.
 
 use super::failure::Failure;
-use super::{check, completions, explain, init, plot, reproduce, run, verify};
+use super::{
+    check, completions, explain, gather, init, measure, plot, reproduce, run, solve, status,
+    submit, verify, view,
+};
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use std::io::IsTerminal;
 
@@ -41,12 +44,24 @@ pub enum Command {
     Schema,
     /// Explain a key of scenario files in words
     Explain(explain::ExplainArguments),
+    /// Solve a problem exactly; the answer is JSON on standard output
+    Solve(solve::SolveArguments),
+    /// Find the gravito-bending length of a real rod or strip from its shape
+    Measure(measure::MeasureArguments),
     /// Compare the engine with theory, check by check
     Verify(verify::VerifyArguments),
     /// Make a table or figure of the thesis again
     Reproduce(reproduce::ReproduceArguments),
     /// Draw the figures of a results directory
     Plot(plot::PlotArguments),
+    /// Make an interactive 3-D page of a results directory
+    View(view::ViewArguments),
+    /// Run a sweep as a Slurm job array
+    Submit(submit::SubmitArguments),
+    /// Show how the cases of a sweep stand, and the Slurm tasks that run them
+    Status(status::StatusArguments),
+    /// Make the tables of a sweep from its cases
+    Gather(gather::GatherArguments),
     /// Print a completion script for a shell
     Completions(completions::CompletionsArguments),
 }

@@ -4,7 +4,9 @@ use super::arguments::Common;
 use super::failure::Failure;
 use super::output::print;
 use super::run::prepare;
+use crate::experiment::sweep::check_every_value;
 use crate::experiment::{DerivedNumbers, derived_numbers, try_scene};
+use crate::scenario::Family;
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -31,8 +33,13 @@ pub fn check(arguments: &CheckArguments, common: &Common) -> Result<(), Failure>
     let mut last = None;
     for path in &arguments.scenarios {
         match check_one(path, &arguments.overrides) {
-            Ok(numbers) if arguments.json => print(&format!("{}\n", numbers.to_json()))?,
-            Ok(numbers) => print(&format!("{}: good\n{numbers}", path.display()))?,
+            Ok(checked) if arguments.json => print(&format!("{}\n", checked.numbers.to_json()))?,
+            Ok(checked) => print(&format!(
+                "{}: {}\n{}",
+                path.display(),
+                checked.in_words(),
+                checked.numbers
+            ))?,
             Err(failure) => {
                 if let Some(earlier) = last.replace(failure) {
                     earlier.report(common.colours_stderr());
@@ -43,8 +50,31 @@ pub fn check(arguments: &CheckArguments, common: &Common) -> Result<(), Failure>
     last.map_or(Ok(()), Err)
 }
 
-fn check_one(path: &Path, overrides: &[String]) -> Result<DerivedNumbers, Failure> {
-    let prepared = prepare(path, overrides)?;
+/// What is known of a scenario; of a sweep, the numbers are those of its first case.
+struct Checked {
+    cases: u128,
+    numbers: DerivedNumbers,
+}
+
+impl Checked {
+    fn in_words(&self) -> String {
+        match self.cases {
+            1 => "good".to_owned(),
+            cases => format!("good, {cases} cases; the first:"),
+        }
+    }
+}
+
+fn check_one(path: &Path, overrides: &[String]) -> Result<Checked, Failure> {
+    let family = Family::load(path, overrides, &[])?;
+    let prepared = if family.is_sweep() {
+        check_every_value(&family)?
+    } else {
+        prepare(&family)?
+    };
     try_scene(&prepared)?;
-    Ok(derived_numbers(&prepared))
+    Ok(Checked {
+        cases: family.count(),
+        numbers: derived_numbers(&prepared),
+    })
 }

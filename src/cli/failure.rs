@@ -1,7 +1,9 @@
 //! Why the program fails, what it says and its exit code.
 
-use crate::experiment::RunError;
+use crate::cluster::ClusterError;
 use crate::experiment::reproduce::ReproduceError;
+use crate::experiment::sweep::SweepError;
+use crate::experiment::{PlotError, RunError, ViewError};
 use crate::results::ResultsError;
 use crate::scenario::ScenarioError;
 
@@ -14,10 +16,25 @@ pub enum Failure {
     Input(String),
     /// A run ended early, or its scene is impossible.
     Run(RunError),
+    /// A sweep could not be run.
+    Sweep(SweepError),
+    /// Cases of a sweep failed, or were not run.
+    Cases {
+        /// The exit code of the worst.
+        exit_code: u8,
+        /// What to say.
+        message: String,
+    },
+    /// Slurm did not do what it was asked to.
+    Cluster(ClusterError),
     /// An artefact of the thesis was not made.
     Reproduce(ReproduceError),
     /// A results directory could not be read or written.
     Results(ResultsError),
+    /// A figure was not drawn.
+    Plot(PlotError),
+    /// There is no page of rods in motion.
+    View(ViewError),
     /// Physics checks failed.
     Checks {
         /// How many.
@@ -33,10 +50,14 @@ impl Failure {
         match self {
             Self::Scenario(_) | Self::Input(_) => 2,
             Self::Run(error) => error.exit_code(),
+            Self::Sweep(error) => error.exit_code(),
+            Self::Cases { exit_code, .. } => *exit_code,
             Self::Reproduce(error) => error.exit_code(),
             Self::Results(error) => error.exit_code(),
+            Self::Plot(error) => error.exit_code(),
+            Self::View(error) => error.exit_code(),
             Self::Checks { .. } => 4,
-            Self::System(_) => 1,
+            Self::Cluster(_) | Self::System(_) => 1,
         }
     }
 
@@ -48,11 +69,17 @@ impl Failure {
                     eprint!("{}", error.render(colour));
                 }
             }
-            Self::Input(message) | Self::System(message) => eprintln!("error: {message}"),
+            Self::Input(message) | Self::System(message) | Self::Cases { message, .. } => {
+                eprintln!("error: {message}");
+            }
             Self::Checks { failed } => eprintln!("error: {failed} physics checks failed"),
             Self::Run(error) => eprintln!("error: {error}"),
+            Self::Sweep(error) => eprintln!("error: {error}"),
+            Self::Cluster(error) => eprintln!("error: {error}"),
             Self::Reproduce(error) => eprintln!("error: {error}"),
             Self::Results(error) => eprintln!("error: {error}"),
+            Self::Plot(error) => eprintln!("error: {error}"),
+            Self::View(error) => eprintln!("error: {error}"),
         }
     }
 }
@@ -69,6 +96,22 @@ impl From<RunError> for Failure {
     }
 }
 
+impl From<SweepError> for Failure {
+    fn from(error: SweepError) -> Self {
+        match error {
+            // Scenarios show the lines that are at fault.
+            SweepError::Scenario(error) => error.into(),
+            error => Self::Sweep(error),
+        }
+    }
+}
+
+impl From<ClusterError> for Failure {
+    fn from(error: ClusterError) -> Self {
+        Self::Cluster(error)
+    }
+}
+
 impl From<ReproduceError> for Failure {
     fn from(error: ReproduceError) -> Self {
         Self::Reproduce(error)
@@ -78,5 +121,17 @@ impl From<ReproduceError> for Failure {
 impl From<ResultsError> for Failure {
     fn from(error: ResultsError) -> Self {
         Self::Results(error)
+    }
+}
+
+impl From<PlotError> for Failure {
+    fn from(error: PlotError) -> Self {
+        Self::Plot(error)
+    }
+}
+
+impl From<ViewError> for Failure {
+    fn from(error: ViewError) -> Self {
+        Self::View(error)
     }
 }

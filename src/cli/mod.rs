@@ -18,14 +18,21 @@ mod check;
 mod completions;
 mod explain;
 mod failure;
+mod gather;
 mod init;
 mod logging;
+mod measure;
 mod output;
 mod plot;
 mod reproduce;
 mod run;
 mod schema;
+mod solve;
+mod status;
+mod submit;
+mod sweep;
 mod verify;
+mod view;
 
 use arguments::{Arguments, Command};
 use clap::Parser;
@@ -53,9 +60,15 @@ fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
         Command::Init(command) => init::init(command),
         Command::Schema => schema::schema(),
         Command::Explain(command) => explain::explain(command),
+        Command::Solve(command) => solve::solve(command),
+        Command::Measure(command) => measure::measure(command),
         Command::Verify(command) => verify::verify(command),
         Command::Reproduce(command) => reproduce::reproduce(command, &arguments.common),
         Command::Plot(command) => plot::plot(command),
+        Command::View(command) => view::view(command, &arguments.common),
+        Command::Submit(command) => submit::submit(command),
+        Command::Status(command) => status::status(command),
+        Command::Gather(command) => gather::gather(command),
         Command::Completions(command) => completions::completions(command),
     }
 }

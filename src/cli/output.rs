@@ -1,6 +1,7 @@
 //! Writing to standard output.
 
 use super::failure::Failure;
+use serde::Serialize;
 use std::io::{ErrorKind, Write};
 
 /// Writes text to standard output. A reader that has gone away, as `head` does, is no fault.
@@ -15,4 +16,12 @@ pub fn print(text: &str) -> Result<(), Failure> {
         ))),
         _ => Ok(()),
     }
+}
+
+/// Writes a value to standard output as JSON, with a line per key.
+pub fn print_json(value: &impl Serialize) -> Result<(), Failure> {
+    let text = serde_json::to_string_pretty(value).map_err(|error| {
+        Failure::System(format!("the answer cannot be written as JSON: {error}"))
+    })?;
+    print(&(text + "\n"))
 }

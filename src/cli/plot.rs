@@ -2,20 +2,84 @@
 
 use super::failure::Failure;
 use super::output::print;
-use crate::experiment::plot_results;
-use clap::Args;
+use crate::experiment::{CustomFigure, custom_figure, plot_results, write_figure};
+use crate::figure::AxisScale;
+use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
 /// Arguments of `rodlab plot`.
 #[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
 pub struct PlotArguments {
-    /// The results directory, of a finished or a running run
+    /// The results directory: of a run or a sweep, finished or still at work
     pub directory: PathBuf,
+    /// Column along the horizontal axis of a figure of your own [default: time, or the first swept number]
+    #[arg(long, value_name = "COLUMN", requires = "y")]
+    pub x: Option<String>,
+    /// Column to draw, of summary.csv (a point for each case) or series.csv (a curve for each case)
+    #[arg(long, value_name = "COLUMN", num_args = 1..)]
+    pub y: Vec<String>,
+    /// Swept parameter, or column of summary.csv, whose every value gets a curve
+    #[arg(long, value_name = "COLUMN", requires = "y")]
+    pub group: Option<String>,
+    /// Logarithmic axes [default: where numbers are positive and range over a decade]
+    #[arg(long, value_name = "AXES", requires = "y")]
+    pub log_axes: Option<LogAxes>,
+    /// Where to write a figure of your own, as .svg and .png [default: own.svg in the directory]
+    #[arg(long, value_name = "FILE", requires = "y")]
+    pub out: Option<PathBuf>,
 }
 
-/// Draws the figures of a results directory and prints where they are.
+const EXAMPLES: &str = "\
+Examples:
+  rodlab plot results/flagella_quick             rods and series over time
+  rodlab plot results/sweep                      outcomes over the swept parameters
+  rodlab plot results/flagella_quick --y bending_energy_j min_distance_m
+  rodlab plot results/sweep --x contact.friction --y newton_iterations_mean --group flagella.count --log-axes y
+
+Every figure is written as SVG and as PNG.";
+
+/// Which axes are logarithmic.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LogAxes {
+    /// The horizontal axis.
+    X,
+    /// The vertical axes.
+    Y,
+    /// All axes.
+    Xy,
+    /// No axis.
+    None,
+}
+
+impl LogAxes {
+    fn scales(self) -> [AxisScale; 2] {
+        let (linear, logarithmic) = (AxisScale::Linear, AxisScale::Logarithmic);
+        match self {
+            Self::X => [logarithmic, linear],
+            Self::Y => [linear, logarithmic],
+            Self::Xy => [logarithmic; 2],
+            Self::None => [linear; 2],
+        }
+    }
+}
+
+/// Draws the figures of a results directory, or one of the user's own, and prints where they are.
 pub fn plot(arguments: &PlotArguments) -> Result<(), Failure> {
-    let written = plot_results(&arguments.directory)?;
+    let written = if arguments.y.is_empty() {
+        plot_results(&arguments.directory)?
+    } else {
+        let figure = CustomFigure {
+            x: arguments.x.clone(),
+            y: arguments.y.clone(),
+            group: arguments.group.clone(),
+            scales: arguments.log_axes.map(LogAxes::scales),
+        };
+        let svg = custom_figure(&arguments.directory, &figure)?;
+        let own = || arguments.directory.join("own.svg");
+        let path = arguments.out.clone().unwrap_or_else(own);
+        write_figure(&path, &svg)?.to_vec()
+    };
     let lines: String = written
         .iter()
         .map(|path| format!("{}\n", path.display()))

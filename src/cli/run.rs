@@ -3,8 +3,10 @@
 use super::arguments::Common;
 use super::failure::Failure;
 use super::output::print;
+use super::sweep;
+use crate::experiment::sweep::Shard;
 use crate::experiment::{self, PreparedRun, RunOptions, RunOutcome, RunStatus, try_scene};
-use crate::scenario::{self, seconds};
+use crate::scenario::{Family, seconds};
 use clap::Args;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -17,8 +19,11 @@ Examples:
   rodlab run scenarios/flagella_quick.toml
   rodlab run scenarios/flagella_m2.toml --set flagella.count=4 --set time.end=\"1 min\" --out results/m4
   rodlab run scenarios/flagella_m10.toml --timeout 8h     ends with exit code 5; run again to continue
+  rodlab run beam.toml --vary rods.beam.radius=\"2 mm:8 mm:1 mm\" --vary contact.friction=0,0.3 --jobs 4
+  rodlab run sweep.toml --shard 2/8                       the second eighth of the cases, for any scheduler
 
-A run that is interrupted continues when the same command is given again; a finished one is left alone.")]
+A run that is interrupted continues when the same command is given again; a finished one is left alone.
+So it is with each case of a sweep, and several processes may share the work on one results directory.")]
 pub struct RunArguments {
     /// The scenario file
     pub scenario: PathBuf,
@@ -31,9 +36,27 @@ pub struct RunArguments {
     /// Start over, whatever results are there
     #[arg(long)]
     pub force: bool,
-    /// Print the resolved scenario instead of running it
+    /// Print the resolved scenario, or the cases of a sweep with a guess of their cost, and run nothing
     #[arg(long)]
     pub dry_run: bool,
+    /// Run a case for each value of a key, given as FROM:TO:STEP or A,B,C; of several keys, every combination
+    #[arg(long, value_name = "KEY=VALUES")]
+    pub vary: Vec<String>,
+    /// Cases at a time; they share the threads [default: as many as threads]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub jobs: Option<u16>,
+    /// Run the K-th of N shares of the cases only
+    #[arg(long, value_name = "K/N", default_value = "1/1", value_parser = sweep::shard)]
+    pub shard: Shard,
+    /// Run cases again that failed before
+    #[arg(long)]
+    pub retry_failed: bool,
+    /// Begin no further case after one that failed
+    #[arg(long)]
+    pub fail_fast: bool,
+    /// Run more than 100000 cases
+    #[arg(long)]
+    pub yes: bool,
     /// Stop with a checkpoint after this wall time, such as 90, \"10 min\" or 8h
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub timeout: Option<Duration>,
@@ -46,28 +69,32 @@ fn duration(text: &str) -> Result<Duration, String> {
 
 /// Runs a scenario.
 pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), Failure> {
-    let prepared = prepare(&arguments.scenario, &arguments.overrides)?;
-    if arguments.dry_run {
-        // The scene must be possible, too.
-        try_scene(&prepared)?;
-        return print(&prepared.scenario_toml);
-    }
+    let family = Family::load(&arguments.scenario, &arguments.overrides, &arguments.vary)?;
     let directory = arguments
         .out
         .clone()
-        .unwrap_or_else(|| Path::new("results").join(&prepared.name));
+        .unwrap_or_else(|| Path::new("results").join(family.name()));
     let options = RunOptions {
         force: arguments.force,
         progress: !common.quiet,
         timeout: arguments.timeout,
         ..RunOptions::new(directory)
     };
+    if family.is_sweep() {
+        return sweep::run(arguments, &family, options);
+    }
+    let prepared = prepare(&family)?;
+    if arguments.dry_run {
+        // The scene must be possible, too.
+        try_scene(&prepared)?;
+        return print(&prepared.scenario_toml);
+    }
     print(&summary(&experiment::run(&prepared, &options)?))
 }
 
-/// Loads a scenario and builds its scene.
-pub fn prepare(path: &Path, overrides: &[String]) -> Result<PreparedRun, Failure> {
-    let loaded = scenario::load(path, overrides)?;
+/// Builds the scene of a family of one.
+pub fn prepare(family: &Family) -> Result<PreparedRun, Failure> {
+    let loaded = family.scenario_of(0)?;
     experiment::prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues).into())
 }
 

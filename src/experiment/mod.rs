@@ -1,5 +1,6 @@
 //! Experiments: a scenario becomes a scene, is run, and gives an outcome.
 
+mod case_folders;
 mod curve;
 mod derived;
 mod flagella;
@@ -10,11 +11,15 @@ mod prepared;
 pub mod reproduce;
 mod run;
 mod scene;
+pub mod sweep;
 pub mod verify;
+mod view;
+mod workers;
 
 pub use derived::{DerivedNumbers, DerivedRod, derived_numbers};
 pub use knot_observer::KnotObserver;
-pub use plot::plot_results;
+pub use plot::{CustomFigure, PlotError, custom_figure, plot_results, write_figure};
 pub use prepared::{Mode, OutputPlan, PreparedRun};
-pub use run::{RunError, RunOptions, RunOutcome, RunStatus, run};
+pub use run::{AmongBars, RunError, RunOptions, RunOutcome, RunStatus, StopRequest, run};
 pub use scene::{prepare, try_scene};
+pub use view::{ViewError, WrittenPage, write_page};

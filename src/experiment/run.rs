@@ -13,12 +13,14 @@ mod tally;
 mod tests;
 
 pub use error::RunError;
+pub(super) use interruption::Interruption;
+pub use progress::AmongBars;
+pub use stop::StopRequest;
 
 use super::PreparedRun;
 use crate::mechanics::dynamics::Simulation;
 use crate::results::{CaseOutcome, MAIN_CASE, Manifest, Opened, ResultsDirectory, scenario_hash};
 use advance::Advance;
-use interruption::Interruption;
 use session::Session;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -34,6 +36,8 @@ pub struct RunOptions {
     pub command_line: Vec<String>,
     /// Show a progress bar on standard error (none appears where that is no terminal).
     pub progress: bool,
+    /// The bars among which that of this run appears, where it has company.
+    pub among: Option<AmongBars>,
     /// Wall time after which the run stops with a checkpoint.
     pub timeout: Option<Duration>,
     /// Wall time between checkpoints.
@@ -50,6 +54,7 @@ impl RunOptions {
                 .map(|argument| argument.to_string_lossy().into_owned())
                 .collect(),
             progress: true,
+            among: None,
             timeout: None,
             checkpoint_every: Duration::from_secs(60),
         }
@@ -91,15 +96,22 @@ pub enum RunStatus {
 /// # Errors
 /// See [`RunError`]; its [`exit_code`](RunError::exit_code) is that of the program.
 pub fn run(prepared: &PreparedRun, options: &RunOptions) -> Result<RunOutcome, RunError> {
+    let interruption = Interruption::watch();
+    run_until(prepared, options, &|| interruption.requested())
+}
+
+/// [`run`], until `stop_requested`, which is asked between steps.
+///
+/// # Errors
+/// See [`RunError`].
+pub(super) fn run_until(
+    prepared: &PreparedRun,
+    options: &RunOptions,
+    stop_requested: &dyn Fn() -> Option<StopRequest>,
+) -> Result<RunOutcome, RunError> {
     let mut simulation =
         Simulation::new(&prepared.scene, &prepared.integration).map_err(RunError::Scene)?;
-    let interruption = Interruption::install().unwrap_or_else(|error| {
-        tracing::warn!("Ctrl-C will end the run without a checkpoint: {error}");
-        Interruption::default()
-    });
-    run_simulation(&mut simulation, prepared, options, &|| {
-        interruption.requested()
-    })
+    run_simulation(&mut simulation, prepared, options, stop_requested)
 }
 
 /// Runs a simulation at time zero to the end of the prepared run, or until `stop_requested`, asked between steps.
@@ -107,7 +119,7 @@ fn run_simulation(
     simulation: &mut impl Advance,
     prepared: &PreparedRun,
     options: &RunOptions,
-    stop_requested: &dyn Fn() -> bool,
+    stop_requested: &dyn Fn() -> Option<StopRequest>,
 ) -> Result<RunOutcome, RunError> {
     let hash = scenario_hash(&prepared.scenario_toml);
     match ResultsDirectory::open(&options.directory, &hash, options.force)? {

@@ -1,9 +1,9 @@
 //! Curves over a common axis, one plot above the other.
 
+use super::axis::{Axis, AxisScale};
 use super::palette;
 use plotters::prelude::*;
 use plotters::style::RGBColor;
-use std::ops::Range;
 
 /// A plot of one or more curves.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,9 +24,14 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// The stretches of the curve between its breaks.
-    fn stretches(&self) -> impl Iterator<Item = Vec<(f64, f64)>> {
-        let stretches = self.points.split(|(_, y)| y.is_none());
+    /// The stretches of the curve between its breaks, on axes of the given scales.
+    fn stretches(
+        &self,
+        [horizontal, vertical]: [AxisScale; 2],
+    ) -> impl Iterator<Item = Vec<(f64, f64)>> {
+        let stretches = self
+            .points
+            .split(move |(x, y)| !(horizontal.holds(*x) && y.is_some_and(|y| vertical.holds(y))));
         stretches.map(|stretch| {
             stretch
                 .iter()
@@ -36,25 +41,62 @@ impl Curve {
     }
 }
 
-/// Size of the page and of a plot, pixels.
+/// Width of the page and height of a plot without its legend, pixels.
 const WIDTH: u32 = 800;
-const HEIGHT: u32 = 220;
+const BODY: u32 = 194;
 
 /// Grid points per pixel: plotters rounds all coordinates to a grid, on which smooth curves would be stairs.
 const FINENESS: u32 = 8;
 
-/// Draws plots one above the other as an SVG, all over the same horizontal axis.
+/// How plots are drawn.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct PlotStyle {
+    /// Scale of the common horizontal axis.
+    pub horizontal: AxisScale,
+    /// Scales of the vertical axes, plot by plot; linear where there is none.
+    pub vertical: Vec<AxisScale>,
+    /// Whether each point is marked.
+    pub marks: bool,
+}
+
+/// Draws plots one above the other as an SVG, all over the same horizontal axis, with linear axes.
 pub fn line_plots(plots: &[LinePlot], horizontal_label: &str) -> String {
+    styled_line_plots(plots, horizontal_label, &PlotStyle::default())
+}
+
+/// Draws plots one above the other as an SVG, all over the same horizontal axis. Curves are broken where a
+/// point has no place on a logarithmic axis.
+pub fn styled_line_plots(plots: &[LinePlot], horizontal_label: &str, style: &PlotStyle) -> String {
     let mut svg = String::new();
-    let rows = plots.len().max(1);
-    let (width, height) = (WIDTH, HEIGHT * rows as u32);
-    let (fine_width, fine_height) = (FINENESS * width, FINENESS * height);
+    let legends: Vec<Legend> = (0..plots.len())
+        .map(|index| {
+            let above = index.checked_sub(1).map(|above| &plots[above]);
+            Legend::of(&plots[index], above)
+        })
+        .collect();
+    let heights = legends.iter().map(|legend| legend.height + BODY);
+    let (width, height) = (WIDTH, heights.sum::<u32>().max(BODY));
+    let (fine_width, fine_height) = (pixels(width), pixels(height));
     {
         let page = SVGBackend::with_string(&mut svg, (fine_width, fine_height)).into_drawing_area();
         page.fill(&WHITE).expect(DRAWN_IN_MEMORY);
-        let horizontal = range(plots.iter().flat_map(points).map(|(x, _)| x));
-        for (plot, area) in plots.iter().zip(page.split_evenly((rows, 1))) {
-            draw(plot, &area, horizontal.clone(), horizontal_label);
+        let across = plots.iter().flat_map(points).map(|(x, _)| x);
+        let horizontal = Axis::around(style.horizontal, across);
+        let mut rest = page.clone();
+        for (index, (plot, legend)) in plots.iter().zip(&legends).enumerate() {
+            let (head, below) = rest.split_vertically(pixels(legend.height));
+            let (body, below) = below.split_vertically(pixels(BODY));
+            let scale = style.vertical.get(index).copied().unwrap_or_default();
+            let vertical = Axis::around(scale, points(plot).filter_map(|(_, y)| y));
+            let axes = Axes {
+                scales: [style.horizontal, scale],
+                horizontal: horizontal.clone(),
+                vertical,
+                horizontal_label,
+            };
+            legend.draw(plot, &head);
+            draw(plot, &body, axes, style.marks);
+            rest = below;
         }
         page.present().expect(DRAWN_IN_MEMORY);
     }
@@ -70,101 +112,125 @@ const DRAWN_IN_MEMORY: &str = "an SVG drawn in memory does not fail";
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 
+/// The axes of one plot.
+struct Axes<'a> {
+    scales: [AxisScale; 2],
+    horizontal: Axis,
+    vertical: Axis,
+    horizontal_label: &'a str,
+}
+
 /// Pixels in units of the fine grid.
 fn pixels(count: u32) -> u32 {
     FINENESS * count
 }
 
-fn draw(plot: &LinePlot, area: &Area, horizontal: Range<f64>, horizontal_label: &str) {
-    let font = ("sans-serif", pixels(13)).into_font();
-    let (head, body) = area.split_vertically(pixels(26));
-    let vertical = range(points(plot).filter_map(|(_, y)| y));
-    let mut chart = ChartBuilder::on(&body)
+fn font() -> FontDesc<'static> {
+    ("sans-serif", pixels(13)).into_font()
+}
+
+fn draw(plot: &LinePlot, area: &Area, axes: Axes, marks: bool) {
+    let font = font();
+    let mut chart = ChartBuilder::on(area)
         .margin_left(pixels(8))
         .margin_right(pixels(16))
         .x_label_area_size(pixels(44))
         .y_label_area_size(pixels(84))
-        .build_cartesian_2d(horizontal, vertical)
+        .build_cartesian_2d(axes.horizontal, axes.vertical)
         .expect(DRAWN_IN_MEMORY);
     chart
         .configure_mesh()
         .light_line_style(TRANSPARENT)
         .bold_line_style(BLACK.mix(0.1).stroke_width(pixels(1)))
         .axis_style(BLACK.stroke_width(pixels(1)))
-        .label_style(font.clone())
+        .label_style(font)
         .set_all_tick_mark_size(pixels(4))
-        .x_desc(horizontal_label)
+        .x_desc(axes.horizontal_label)
         .y_desc(&plot.label)
         .y_labels(5)
-        .x_label_formatter(&|value| number_label(*value))
-        .y_label_formatter(&|value| number_label(*value))
         .draw()
         .expect(DRAWN_IN_MEMORY);
     for (index, curve) in plot.curves.iter().enumerate() {
-        for stretch in curve.stretches() {
-            let series = LineSeries::new(stretch, curve_style(index));
-            chart.draw_series(series).expect(DRAWN_IN_MEMORY);
+        for stretch in curve.stretches(axes.scales) {
+            if marks {
+                let mark =
+                    |point: &(f64, f64)| Circle::new(*point, pixels(3), color(index).filled());
+                let marks: Vec<_> = stretch.iter().map(mark).collect();
+                chart.draw_series(marks).expect(DRAWN_IN_MEMORY);
+            }
+            // A single point is no line.
+            if stretch.len() > 1 {
+                let series = LineSeries::new(stretch, color(index).stroke_width(pixels(2)));
+                chart.draw_series(series).expect(DRAWN_IN_MEMORY);
+            }
         }
     }
-    if plot.curves.len() > 1 {
-        draw_legend(plot, &head, font);
+}
+
+/// Names of the curves above a plot, each behind a stroke of its colour, in as many rows as they need.
+struct Legend {
+    /// Left ends of the strokes and the rows they stand in, pixels.
+    places: Vec<(u32, u32)>,
+    /// Height of all rows, pixels.
+    height: u32,
+}
+
+impl Legend {
+    /// Height of a row, and of the space above a plot without a legend, pixels.
+    const ROW: u32 = 26;
+    /// Where rows begin, pixels: above the vertical axis.
+    const LEFT: u32 = 92;
+
+    /// No names stand over a single curve, nor where they are those of the plot above.
+    fn of(plot: &LinePlot, above: Option<&LinePlot>) -> Self {
+        let names = |plot: &LinePlot| -> Vec<String> {
+            plot.curves.iter().map(|curve| curve.name.clone()).collect()
+        };
+        let repeats = above.is_some_and(|above| names(above) == names(plot));
+        let named = if plot.curves.len() > 1 && !repeats {
+            plot.curves.as_slice()
+        } else {
+            &[]
+        };
+        let (mut x, mut row) = (Self::LEFT, 0);
+        let mut places = Vec::new();
+        for curve in named {
+            let width = 44 + 8 * curve.name.chars().count() as u32;
+            if x + width > WIDTH && x > Self::LEFT {
+                (x, row) = (Self::LEFT, row + 1);
+            }
+            places.push((x, row));
+            x += width;
+        }
+        Self {
+            places,
+            height: Self::ROW * (row + 1),
+        }
+    }
+
+    fn draw(&self, plot: &LinePlot, area: &Area) {
+        let stroke = pixels(16) as i32;
+        for (index, (curve, &(x, row))) in plot.curves.iter().zip(&self.places).enumerate() {
+            let (x, y) = (pixels(x) as i32, pixels(14 + Self::ROW * row) as i32);
+            let style = color(index).stroke_width(pixels(2));
+            let line = PathElement::new([(x, y), (x + stroke, y)], style);
+            let beside = (x + stroke * 3 / 2, y - pixels(6) as i32);
+            let name = Text::new(curve.name.as_str(), beside, font());
+            area.draw(&line).expect(DRAWN_IN_MEMORY);
+            area.draw(&name).expect(DRAWN_IN_MEMORY);
+        }
     }
 }
 
-/// Names of the curves in a row above the plot, each behind a stroke of its colour.
-fn draw_legend(plot: &LinePlot, area: &Area, font: FontDesc) {
-    let stroke = pixels(16) as i32;
-    let (mut x, y) = (pixels(92) as i32, pixels(14) as i32);
-    for (index, curve) in plot.curves.iter().enumerate() {
-        let line = PathElement::new([(x, y), (x + stroke, y)], curve_style(index));
-        let name = Text::new(
-            curve.name.as_str(),
-            (x + stroke * 3 / 2, y - pixels(6) as i32),
-            font.clone(),
-        );
-        area.draw(&line).expect(DRAWN_IN_MEMORY);
-        area.draw(&name).expect(DRAWN_IN_MEMORY);
-        x += pixels(44 + 8 * curve.name.chars().count() as u32) as i32;
-    }
-}
-
-fn curve_style(index: usize) -> ShapeStyle {
+fn color(index: usize) -> RGBColor {
     let [red, green, blue] = palette::Color::of(index).bytes();
-    RGBColor(red, green, blue).stroke_width(pixels(2))
+    RGBColor(red, green, blue)
 }
 
 fn points(plot: &LinePlot) -> impl Iterator<Item = (f64, Option<f64>)> {
     plot.curves
         .iter()
         .flat_map(|curve| curve.points.iter().copied())
-}
-
-/// Range of the finite values with a little room; never empty.
-fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
-    let finite = values.filter(|value| value.is_finite());
-    let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-        (low.min(value), high.max(value))
-    });
-    if low > high {
-        return 0.0..1.0;
-    }
-    let size = if high > low {
-        high - low
-    } else {
-        low.abs().max(f64::MIN_POSITIVE)
-    };
-    low - 0.02 * size..high + 0.02 * size
-}
-
-/// Four digits at most, in scientific form where the number is small or large.
-fn number_label(value: f64) -> String {
-    let size = value.abs();
-    if value == 0.0 || (1e-3..1e5).contains(&size) {
-        let rounded = (value * 1e4).round() / 1e4;
-        format!("{rounded}")
-    } else {
-        format!("{value:.1e}")
-    }
 }
 
 #[cfg(test)]
@@ -247,7 +313,10 @@ mod tests {
             name: "broken".into(),
             points,
         };
-        let lengths: Vec<usize> = curve.stretches().map(|stretch| stretch.len()).collect();
+        let lengths: Vec<usize> = curve
+            .stretches([AxisScale::Linear; 2])
+            .map(|stretch| stretch.len())
+            .collect();
         assert_eq!(lengths, [2, 3]);
         let svg = line_plots(
             &[LinePlot {
@@ -265,14 +334,40 @@ mod tests {
     }
 
     #[test]
-    fn labels_are_short() {
-        for (value, label) in [
-            (0.0, "0"),
-            (0.30000000000000004, "0.3"),
-            (-12.5, "-12.5"),
-            (1.5e-7, "1.5e-7"),
-        ] {
-            assert_eq!(number_label(value), label);
-        }
+    fn what_has_no_place_on_a_logarithmic_axis_breaks_the_curve() {
+        let values = [1.0, 10.0, 0.0, -3.0, 100.0];
+        let curve = Curve {
+            name: "broken".into(),
+            points: (1..).map(f64::from).zip(values.map(Some)).collect(),
+        };
+        let scales = [AxisScale::Linear, AxisScale::Logarithmic];
+        let stretches: Vec<usize> = curve.stretches(scales).map(|one| one.len()).collect();
+        assert_eq!(stretches.iter().filter(|length| **length > 0).count(), 2);
+        let plot = LinePlot {
+            label: "y".into(),
+            curves: vec![curve],
+        };
+        let style = PlotStyle {
+            vertical: vec![AxisScale::Logarithmic],
+            marks: true,
+            ..PlotStyle::default()
+        };
+        let svg = styled_line_plots(&[plot], "x", &style);
+        assert_eq!(svg.matches("<circle").count(), 3);
+        assert!(!svg.contains("NaN"));
+    }
+
+    #[test]
+    fn many_names_stand_in_several_rows() {
+        let plot = LinePlot {
+            label: "y".into(),
+            curves: (0..20)
+                .map(|k| curve(&format!("curve number {k}"), 1.0))
+                .collect(),
+        };
+        assert!(Legend::of(&plot, Some(&plot)).places.is_empty());
+        let legend = Legend::of(&plot, None);
+        assert!(legend.height >= 4 * Legend::ROW, "{}", legend.height);
+        assert!(legend.places.iter().all(|(x, _)| *x < WIDTH - 100));
     }
 }

@@ -74,6 +74,11 @@ impl View {
         }
     }
 
+    /// Unit vector to the eye.
+    pub(super) fn eye(&self) -> Vector3<f64> {
+        self.eye
+    }
+
     pub(super) fn project(&self, point: &Vector3<f64>) -> Projected {
         Projected {
             x: self.right.dot(point),

@@ -6,6 +6,7 @@
 pub mod contact;
 pub mod dynamics;
 pub mod fluid;
+pub mod kirchhoff;
 pub mod rod;
 pub mod scene;
 pub mod statics;

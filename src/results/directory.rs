@@ -24,15 +24,19 @@ pub const TIMINGS: &str = "timings.csv";
 pub const RODS_FIGURE: &str = "rods.svg";
 /// The series over time, drawn.
 pub const SERIES_FIGURE: &str = "series.svg";
+/// Outcomes of a sweep over its parameters, drawn.
+pub const SWEEP_FIGURE: &str = "sweep.svg";
+/// The interactive page of the rods in motion.
+pub const PAGE: &str = "view.html";
 /// The ParaView collection.
 pub const VTK_COLLECTION: &str = "rods.pvd";
 /// Folder of the frames of the collection.
 pub const VTK_FOLDER: &str = "vtk";
 /// Held locked by the process that writes.
-const LOCK: &str = ".lock";
+pub(super) const LOCK: &str = ".lock";
 
 /// What a run may write: names in a results directory, swept by `--force`.
-const FILES: [&str; 10] = [
+const FILES: [&str; 15] = [
     SCENARIO,
     SERIES,
     NODES,
@@ -42,6 +46,11 @@ const FILES: [&str; 10] = [
     VTK_COLLECTION,
     RODS_FIGURE,
     SERIES_FIGURE,
+    SWEEP_FIGURE,
+    "rods.png",
+    "series.png",
+    "sweep.png",
+    PAGE,
     MANIFEST,
 ];
 
@@ -113,7 +122,7 @@ impl ResultsDirectory {
 }
 
 /// The manifest of earlier work on the same scenario; `None` where there is a fresh start to be made.
-fn recognise(
+pub(super) fn recognise(
     path: &Path,
     scenario_hash: &str,
     force: bool,
@@ -186,7 +195,7 @@ fn lock(path: &Path) -> Result<File, ResultsError> {
     }
 }
 
-fn sweep_temporary_files(path: &Path) -> io::Result<()> {
+pub(super) fn sweep_temporary_files(path: &Path) -> io::Result<()> {
     for entry in fs::read_dir(path)? {
         let entry = entry?;
         if entry
@@ -201,7 +210,7 @@ fn sweep_temporary_files(path: &Path) -> io::Result<()> {
 }
 
 /// Removes what runs write, the manifest last: cut short, the directory is still recognised.
-fn remove_results(path: &Path) -> Result<(), ResultsError> {
+pub(super) fn remove_results(path: &Path) -> Result<(), ResultsError> {
     for name in SLOTS.iter().chain(&FILES) {
         let file = path.join(name);
         match fs::remove_file(&file) {
@@ -234,7 +243,7 @@ fn remove_frames(folder: &Path) -> Result<(), ResultsError> {
     Ok(())
 }
 
-fn not_writable(path: &Path) -> impl FnOnce(io::Error) -> ResultsError {
+pub(super) fn not_writable(path: &Path) -> impl FnOnce(io::Error) -> ResultsError {
     let directory = path.to_owned();
     move |source| ResultsError::NotWritable { directory, source }
 }

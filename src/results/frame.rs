@@ -12,6 +12,8 @@ pub struct Frame {
     pub positions: Vec<Vector3<f64>>,
     /// Angle of the edge that starts at each node, rad; what stands where no edge starts is not read.
     pub edge_angles: Vec<f64>,
+    /// Twist per length at each node, rad/m; may be empty unless node forces are written.
+    pub twist_rates: Vec<f64>,
     /// Velocities of the nodes, m/s; may be empty unless node forces or VTK are written.
     pub velocities: Vec<Vector3<f64>>,
     /// Forces of the fluid on the nodes, N; empty without fluid.

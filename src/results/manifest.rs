@@ -1,11 +1,12 @@
 //! `manifest.json`: what was run, by what, where, when, and how it ended.
 
-use super::{CaseOutcome, ResultsError, write_whole};
+use super::{CaseOutcome, ResultsError, Usage, write_whole};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::Path;
+use std::time::Duration;
 
 /// Name of the manifest in a results directory.
 pub const MANIFEST: &str = "manifest.json";
@@ -64,7 +65,7 @@ pub struct RodRecord {
 }
 
 /// State and outcome of a case.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CaseRecord {
     /// How it stands.
     pub status: CaseStatus,
@@ -78,12 +79,45 @@ pub struct CaseRecord {
     /// Processor time of all these calls, s; `None` where the system does not tell.
     #[serde(default)]
     pub cpu_time: Option<f64>,
+    /// Largest resident memory of a process that worked on it, bytes; `None` where the system does not tell.
+    #[serde(default)]
+    pub peak_memory: Option<u64>,
+    /// Why it ended early.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error: Option<String>,
+}
+
+impl CaseRecord {
+    /// A case that has come to nothing yet.
+    pub fn new(status: CaseStatus) -> Self {
+        Self {
+            status,
+            outcome: CaseOutcome::default(),
+            wall_time: 0.0,
+            wall_time_with_contact: 0.0,
+            cpu_time: None,
+            peak_memory: None,
+            error: None,
+        }
+    }
+
+    /// What it cost.
+    pub fn usage(&self) -> Usage {
+        Usage {
+            wall_time: Duration::from_secs_f64(self.wall_time),
+            wall_time_with_contact: Duration::from_secs_f64(self.wall_time_with_contact),
+            cpu_time: self.cpu_time.map(Duration::from_secs_f64),
+            peak_memory: self.peak_memory,
+        }
+    }
 }
 
 /// How a case stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CaseStatus {
+    /// Not begun.
+    Pending,
     /// Running now, or killed without a word.
     Running,
     /// Reached its end.
@@ -96,8 +130,37 @@ pub enum CaseStatus {
     NoConvergence,
     /// A physics check failed.
     Unphysical,
-    /// Results could not be written.
+    /// The scenario of the case is impossible.
+    Invalid,
+    /// Results could not be written; the same command tries again.
     Failed,
+}
+
+impl CaseStatus {
+    /// Whether the case came to an end that the same command would only repeat.
+    pub fn is_final(self) -> bool {
+        match self {
+            Self::Finished | Self::NoConvergence | Self::Unphysical | Self::Invalid => true,
+            Self::Pending | Self::Running | Self::Interrupted | Self::TimeLimit | Self::Failed => {
+                false
+            }
+        }
+    }
+
+    /// The status in words.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Pending => "not begun",
+            Self::Running => "running",
+            Self::Finished => "finished",
+            Self::Interrupted => "interrupted",
+            Self::TimeLimit => "stopped by a time limit",
+            Self::NoConvergence => "no convergence",
+            Self::Unphysical => "a physics check failed",
+            Self::Invalid => "an impossible scenario",
+            Self::Failed => "results could not be written",
+        }
+    }
 }
 
 impl Manifest {
@@ -183,6 +246,8 @@ pub(super) mod tests {
                     wall_time: 0.1,
                     wall_time_with_contact: 0.05,
                     cpu_time: Some(0.2),
+                    peak_memory: Some(4096),
+                    error: None,
                 },
             )]),
         }
@@ -203,7 +268,7 @@ pub(super) mod tests {
     fn only_a_manifest_whose_cases_are_all_finished_is_finished() {
         let mut manifest = example("ab", CaseStatus::Finished);
         assert!(manifest.is_finished());
-        let mut other = manifest.cases[MAIN_CASE];
+        let mut other = manifest.cases[MAIN_CASE].clone();
         other.status = CaseStatus::TimeLimit;
         manifest.cases.insert("other".into(), other);
         assert!(!manifest.is_finished());

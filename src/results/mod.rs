@@ -4,11 +4,15 @@
 //! keeps [`CheckpointFiles`], and ends with [`write_summary`] and [`write_timings`]. Nothing here knows
 //! mechanics: rods are names, node counts and arrays.
 //!
+//! The directory of a sweep ([`SweepDirectory`]) has such a directory for each case; [`Claims`] tell the processes
+//! that share it who works on which.
+//!
 //! Files that are written once appear whole ([`write_whole`]); files that grow are flushed at each output
 //! time and cut back to the length noted in the checkpoint when a run is continued.
 
 mod atomic;
 mod checkpoint;
+mod claim;
 mod directory;
 mod error;
 mod forces;
@@ -20,16 +24,20 @@ mod recorder;
 mod series;
 mod stream;
 mod summary;
+mod sweep_directory;
+mod table;
 mod usage;
 mod vtk;
 
 pub use atomic::write_whole;
 pub use checkpoint::CheckpointFiles;
+pub use claim::{Claim, Claiming, Claims, HEARTBEAT, Owner, host_name};
 pub use directory::{
-    NODE_FORCES, NODES, Opened, RODS_FIGURE, ResultsDirectory, SCENARIO, SERIES, SERIES_FIGURE,
-    SUMMARY, TIMINGS, VTK_COLLECTION, VTK_FOLDER,
+    NODE_FORCES, NODES, Opened, PAGE, RODS_FIGURE, ResultsDirectory, SCENARIO, SERIES,
+    SERIES_FIGURE, SUMMARY, SWEEP_FIGURE, TIMINGS, VTK_COLLECTION, VTK_FOLDER,
 };
 pub use error::ResultsError;
+pub use forces::{NodeForces, read_node_forces};
 pub use frame::Frame;
 pub use manifest::{
     CaseRecord, CaseStatus, MAIN_CASE, MANIFEST, Manifest, RodRecord, scenario_hash,
@@ -38,5 +46,7 @@ pub use nodes::{NodePositions, read_nodes};
 pub use outcome::CaseOutcome;
 pub use recorder::{Recorder, RecorderPlan, StreamLengths};
 pub use series::{KnotRow, SeriesRow, read_knot_series, read_series};
-pub use summary::{SummaryRow, write_summary, write_timings};
+pub use summary::{SummaryRow, write_summary, write_sweep_summary, write_timings};
+pub use sweep_directory::{CASES, SweepDirectory};
+pub use table::Table;
 pub use usage::{Usage, UsageMeter};

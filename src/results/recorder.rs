@@ -151,6 +151,7 @@ mod tests {
     fn frame(time: f64) -> Frame {
         Frame {
             time,
+            twist_rates: vec![2.5; 5],
             positions: (0..5)
                 .map(|k| Vector3::new(time, k as f64 / 8.0, 1e-9))
                 .collect(),
@@ -200,7 +201,7 @@ mod tests {
         let forces = read(NODE_FORCES);
         assert_eq!(
             forces.lines().nth(1),
-            Some("0.0,beam,0,1.0,0.0,0.0,0.0,0.0,0.0,0.0,-0.002,0.0")
+            Some("0.0,beam,0,1.0,0.0,0.0,0.0,0.0,0.0,0.0,-0.002,0.0,2.5")
         );
     }
 

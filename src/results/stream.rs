@@ -83,14 +83,18 @@ impl CsvStream {
     }
 }
 
-/// Reads all rows of a stream; a last line that a crash or a run at work left in part is left out.
+/// Reads the whole lines of a file; a last line that a crash or a run at work left in part is left out.
+pub(super) fn read_whole_lines(path: &Path) -> Result<Vec<u8>, ResultsError> {
+    let mut bytes = fs::read(path).map_err(ResultsError::io("read", path))?;
+    let newline = bytes.iter().rposition(|byte| *byte == b'\n');
+    bytes.truncate(newline.map_or(0, |newline| newline + 1));
+    Ok(bytes)
+}
+
+/// Reads all rows of a stream, but a last one in part.
 pub(super) fn read_rows<Row: DeserializeOwned>(path: &Path) -> Result<Vec<Row>, ResultsError> {
-    let bytes = fs::read(path).map_err(ResultsError::io("read", path))?;
-    let whole_lines = bytes
-        .iter()
-        .rposition(|byte| *byte == b'\n')
-        .map_or(0, |newline| newline + 1);
-    let mut reader = csv::Reader::from_reader(&bytes[..whole_lines]);
+    let bytes = read_whole_lines(path)?;
+    let mut reader = csv::Reader::from_reader(bytes.as_slice());
     let rows: Result<Vec<Row>, csv::Error> = reader.deserialize().collect();
     rows.map_err(|error| ResultsError::Damaged {
         path: path.to_owned(),

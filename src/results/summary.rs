@@ -83,16 +83,48 @@ pub fn write_timings(directory: &Path, cases: &[(&str, Usage)]) -> Result<(), Re
     write_table(&directory.join(TIMINGS), rows)
 }
 
+/// Writes `summary.csv` of a sweep: `case`, a column for each of `keys`, then the other columns. Each row has
+/// the values of the keys with it.
+pub fn write_sweep_summary(
+    directory: &Path,
+    keys: &[&str],
+    rows: &[(Vec<String>, SummaryRow)],
+) -> Result<(), ResultsError> {
+    let plain = table(rows.iter().map(|(_, row)| row));
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .from_reader(plain.as_slice());
+    let header: Vec<String> = keys.iter().map(|key| (*key).to_owned()).collect();
+    let parameters = std::iter::once(&header).chain(rows.iter().map(|(values, _)| values));
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for (record, values) in reader.records().zip(parameters) {
+        let record = record.expect("the table was written here");
+        let case = record.iter().take(1);
+        let fields = case
+            .chain(values.iter().map(String::as_str))
+            .chain(record.iter().skip(1));
+        writer
+            .write_record(fields)
+            .expect("plain rows go into memory");
+    }
+    let bytes = writer.into_inner().expect("memory takes all bytes");
+    write_whole(&directory.join(SUMMARY), &bytes)
+}
+
 fn write_table(
     path: &Path,
     rows: impl Iterator<Item = impl Serialize>,
 ) -> Result<(), ResultsError> {
+    write_whole(path, &table(rows))
+}
+
+/// Column names and rows.
+fn table(rows: impl Iterator<Item = impl Serialize>) -> Vec<u8> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for row in rows {
         writer.serialize(row).expect("plain rows go into memory");
     }
-    let bytes = writer.into_inner().expect("memory takes all bytes");
-    write_whole(path, &bytes)
+    writer.into_inner().expect("memory takes all bytes")
 }
 
 #[cfg(test)]
@@ -127,6 +159,25 @@ mod tests {
         let mut reader = csv::Reader::from_path(directory.path().join(SUMMARY)).unwrap();
         let read: Vec<SummaryRow> = reader.deserialize().map(Result::unwrap).collect();
         assert_eq!(read, rows);
+    }
+
+    #[test]
+    fn the_summary_of_a_sweep_has_the_swept_keys_after_the_case() {
+        let directory = tempfile::tempdir().unwrap();
+        let row = |case| SummaryRow::new(case, CaseStatus::Finished, &CaseOutcome::default());
+        let rows = [
+            (vec!["0.1".into(), "imc, \"old\"".into()], row("a")),
+            (vec!["0.2".into(), "ipc".into()], row("b")),
+        ];
+        write_sweep_summary(directory.path(), &["contact.friction", "title"], &rows).unwrap();
+        let text = fs::read_to_string(directory.path().join(SUMMARY)).unwrap();
+        let lines: Vec<&str> = text.lines().collect();
+        assert!(lines[0].starts_with("case,contact.friction,title,status,simulated_time_s,"));
+        assert!(lines[1].starts_with("a,0.1,\"imc, \"\"old\"\"\",finished,0.0,"));
+        assert!(lines[2].starts_with("b,0.2,ipc,finished,"));
+        let mut reader = csv::Reader::from_path(directory.path().join(SUMMARY)).unwrap();
+        let read: Vec<SummaryRow> = reader.deserialize().map(Result::unwrap).collect();
+        assert_eq!(read, [row("a"), row("b")]);
     }
 
     #[test]

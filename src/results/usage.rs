@@ -11,7 +11,7 @@ pub struct Usage {
     pub wall_time: Duration,
     /// The part of it that went into steps with contact.
     pub wall_time_with_contact: Duration,
-    /// Processor time of all threads; `None` where the system does not tell.
+    /// Processor time of all threads that worked on it; `None` where the system does not tell.
     pub cpu_time: Option<Duration>,
     /// Largest resident memory of the process, bytes; `None` where the system does not tell.
     pub peak_memory: Option<u64>,
@@ -55,7 +55,7 @@ impl UsageMeter {
     pub fn start() -> Self {
         Self {
             start: Instant::now(),
-            cpu_time_before: process_cpu_time(),
+            cpu_time_before: cpu_time(),
             with_contact: Duration::ZERO,
         }
     }
@@ -72,7 +72,7 @@ impl UsageMeter {
 
     /// Cost since the start; the peak of memory is that of the whole life of the process.
     pub fn usage(&self) -> Usage {
-        let cpu_time = process_cpu_time().zip(self.cpu_time_before);
+        let cpu_time = cpu_time().zip(self.cpu_time_before);
         Usage {
             wall_time: self.wall_time(),
             wall_time_with_contact: self.with_contact,
@@ -80,6 +80,22 @@ impl UsageMeter {
             peak_memory: peak_memory(),
         }
     }
+}
+
+/// Processor time so far of those who do the work at hand: of the threads of the pool that does it, or of the
+/// whole process.
+fn cpu_time() -> Option<Duration> {
+    match rayon::current_thread_index() {
+        Some(_) => rayon::broadcast(|_| thread_cpu_time()).into_iter().sum(),
+        None => process_cpu_time(),
+    }
+}
+
+/// Time that this thread has spent on a processor, from `/proc/thread-self/schedstat`, in ns.
+fn thread_cpu_time() -> Option<Duration> {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    let nanoseconds = text.split_whitespace().next()?.parse().ok()?;
+    Some(Duration::from_nanos(nanoseconds))
 }
 
 /// User and system time of the process, from `/proc/self/stat` (fields 14 and 15 of proc(5)).
@@ -119,6 +135,30 @@ mod tests {
         }
         let usage = meter.usage();
         assert!(usage.peak_memory.unwrap() > 64 << 20, "{usage:?}");
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn work_in_a_pool_is_not_charged_for_work_beside_it() {
+        let pool = || {
+            rayon::ThreadPoolBuilder::new()
+                .num_threads(1)
+                .build()
+                .unwrap()
+        };
+        let spin = |time: Duration| {
+            let meter = UsageMeter::start();
+            while meter.usage().cpu_time.unwrap() < time {
+                std::hint::black_box((0..1000u64).sum::<u64>());
+            }
+        };
+        let (idle, busy) = (pool(), pool());
+        let charged = idle.install(|| {
+            let meter = UsageMeter::start();
+            busy.install(|| spin(Duration::from_millis(50)));
+            meter.usage().cpu_time.unwrap()
+        });
+        assert!(charged < Duration::from_millis(25), "{charged:?}");
     }
 
     #[test]

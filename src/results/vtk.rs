@@ -192,6 +192,7 @@ mod tests {
         Frame {
             time: 0.3,
             positions: (0..7).map(spiral).collect(),
+            twist_rates: Vec::new(),
             edge_angles: vec![0.0; 7],
             velocities: (7..14).map(spiral).collect(),
             fluid_forces: Vec::new(),

@@ -25,17 +25,35 @@ pub struct Loaded {
 /// # Errors
 /// Everything that is wrong with it, as far as it can be told in one go, with file, line and column.
 pub fn load(path: &Path, overrides: &[String]) -> Result<Loaded, ScenarioError> {
+    let (sources, document) = merged(path, overrides)?;
+    finish(&name_of(path), sources, document)
+}
+
+/// By which name results of a scenario file are called: its stem.
+pub(super) fn name_of(path: &Path) -> String {
+    path.file_stem().map_or_else(
+        || "scenario".to_owned(),
+        |stem| stem.to_string_lossy().into_owned(),
+    )
+}
+
+/// A scenario file with those that it extends and with overrides.
+pub(super) fn merged(path: &Path, overrides: &[String]) -> Result<(Sources, Node), ScenarioError> {
     let mut sources = Sources::default();
     let mut ancestors = Vec::new();
-    let mut document = read(&mut sources, &mut ancestors, path)?;
+    let document = read(&mut sources, &mut ancestors, path)?;
+    overridden(sources, document, overrides)
+}
+
+fn overridden(
+    mut sources: Sources,
+    mut document: Node,
+    overrides: &[String],
+) -> Result<(Sources, Node), ScenarioError> {
     for text in overrides {
         overrides::apply(&mut sources, &mut document, text)?;
     }
-    let name = path.file_stem().map_or_else(
-        || "scenario".to_owned(),
-        |stem| stem.to_string_lossy().into_owned(),
-    );
-    finish(&name, sources, document)
+    Ok((sources, document))
 }
 
 /// Resolves the text of a scenario, called `name`, that names other files relative to `directory`.
@@ -56,27 +74,39 @@ pub fn from_text_with(
     directory: &Path,
     overrides: &[String],
 ) -> Result<Loaded, ScenarioError> {
-    let mut sources = Sources::default();
-    let mut ancestors = Vec::new();
-    let source = sources.add(format!("{name}.toml"), text.to_owned(), directory);
-    let mut document = parse_and_extend(&mut sources, &mut ancestors, source)?;
-    for text in overrides {
-        overrides::apply(&mut sources, &mut document, text)?;
-    }
+    let (sources, document) = merged_text(name, text, directory, overrides)?;
     finish(name, sources, document)
 }
 
-fn finish(name: &str, sources: Sources, document: Node) -> Result<Loaded, ScenarioError> {
+/// [`merged`] for the text of a scenario.
+pub(super) fn merged_text(
+    name: &str,
+    text: &str,
+    directory: &Path,
+    overrides: &[String],
+) -> Result<(Sources, Node), ScenarioError> {
+    let mut sources = Sources::default();
+    let mut ancestors = Vec::new();
+    let source = sources.add(format!("{name}.toml"), text.to_owned(), directory);
+    let document = parse_and_extend(&mut sources, &mut ancestors, source)?;
+    overridden(sources, document, overrides)
+}
+
+/// Resolves a document.
+pub(super) fn finish(
+    name: &str,
+    sources: Sources,
+    document: Node,
+) -> Result<Loaded, ScenarioError> {
     if document.entry("sweep").is_some() {
         let issue = Issue {
             labels_key: true,
             ..Issue::new(
                 KeyPath::from("sweep"),
-                "sweeps are not in this version of rodlab",
+                "one case was asked for, and this is a sweep",
             )
         };
-        let help = "take the table out, and run the cases one by one with --set".to_owned();
-        return Err(located(&sources, &document, issue.with_help(help).into()));
+        return Err(located(&sources, &document, issue.into()));
     }
     let resolved = decode(&document).and_then(|file| {
         let directory_of = |path: &KeyPath| {
@@ -106,7 +136,8 @@ impl Loaded {
     }
 }
 
-fn located(sources: &Sources, document: &Node, issues: Issues) -> ScenarioError {
+/// Faults with the places of their keys.
+pub(super) fn located(sources: &Sources, document: &Node, issues: Issues) -> ScenarioError {
     let mut located: Vec<Located> = issues
         .0
         .into_iter()

@@ -4,10 +4,11 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `source`, `document` | the texts; TOML as a tree whose every key knows its place |
+//! | `source`, `document`, `document_text` | the texts; TOML as a tree whose every key knows its place, and back |
 //! | `load`, `overrides` | reading a file and what it `extends`, `--set key=value` |
 //! | `decode`, `typed` | serde from the tree to the file as typed: unknown keys, wrong types |
 //! | `units`, `resolve` | SI units, defaults, ranges: from the file as typed to the scenario as resolved |
+//! | `sweep` | many cases of one scenario: lists, ranges, samples, searches |
 //! | `resolved`, `cross_section`, `canonical` | the [`Scenario`], its stiffnesses, its own TOML |
 //! | `issue`, `error` | faults by key path; the same with file, line and column |
 //! | `explain` | JSON Schema, and keys in words |
@@ -18,6 +19,7 @@ mod canonical;
 mod cross_section;
 mod decode;
 mod document;
+mod document_text;
 mod error;
 mod explain;
 mod issue;
@@ -26,6 +28,7 @@ mod overrides;
 mod resolve;
 mod resolved;
 mod source;
+mod sweep;
 #[cfg(test)]
 mod tests;
 mod typed;
@@ -40,4 +43,6 @@ pub use resolved::{
     Knot, KnotEnds, Load, LoadKind, Material, NaturalShape, Output, Place, Plane, Rod, Scenario,
     Scheme, Shape, Solver, Step, Stiffness, Time,
 };
-pub use units::seconds;
+pub use sweep::{Case, Family, Parameter, Search};
+pub use typed::SearchMethod;
+pub use units::{metres, seconds};

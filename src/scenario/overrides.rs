@@ -38,23 +38,28 @@ pub fn apply(sources: &mut Sources, document: &mut Node, text: &str) -> Result<(
         let message = "this key cannot be set from the command line".to_owned();
         return Err(fault(sources, path, message, None));
     }
-    let place = Place {
+    let key_span = Span {
         source,
-        key: 0..key.len(),
-        value: parse_value(source, key.len() + 1, value),
+        bytes: 0..key.len(),
     };
-    set(document, &steps, place).map_err(|(message, help)| fault(sources, path, message, help))
+    let value = parse_value(source, key.len() + 1, value);
+    assign(document, key.trim(), &key_span, value)
+        .map_err(|(message, help)| fault(sources, path, message, help))
 }
 
-/// Where an override stands, and its value.
-struct Place {
-    source: usize,
-    key: std::ops::Range<usize>,
+/// Sets a dotted key, which stands at `key_span`; else says what is wrong and what to type instead.
+pub fn assign(
+    document: &mut Node,
+    key: &str,
+    key_span: &Span,
     value: Node,
+) -> Result<(), (String, Option<String>)> {
+    let steps: Vec<&str> = key.split('.').map(str::trim).collect();
+    set(document, &steps, key_span, value)
 }
 
 /// Reads the value as TOML; what is not TOML is text. `offset` is where it begins in its source.
-fn parse_value(source: usize, offset: usize, text: &str) -> Node {
+pub fn parse_value(source: usize, offset: usize, text: &str) -> Node {
     const KEY: &str = "value = ";
     let parsed = document::parse(source, &format!("{KEY}{text}"))
         .ok()
@@ -97,17 +102,18 @@ fn relabel(node: &mut Node, bytes: &std::ops::Range<usize>) {
 }
 
 /// Walks down to the key and sets it; else says what is wrong and what to type instead.
-fn set(node: &mut Node, steps: &[&str], place: Place) -> Result<(), (String, Option<String>)> {
+fn set(
+    node: &mut Node,
+    steps: &[&str],
+    key_span: &Span,
+    value: Node,
+) -> Result<(), (String, Option<String>)> {
     let Some((&step, rest)) = steps.split_first() else {
-        *node = place.value;
+        *node = value;
         return Ok(());
     };
     match &mut node.value {
         Value::Table(entries) => {
-            let key_span = Span {
-                source: place.source,
-                bytes: place.key.clone(),
-            };
             let index = entries.iter().position(|entry| entry.key == step);
             let index = index.unwrap_or_else(|| {
                 entries.push(Entry {
@@ -121,13 +127,13 @@ fn set(node: &mut Node, steps: &[&str], place: Place) -> Result<(), (String, Opt
                 entries.len() - 1
             });
             if rest.is_empty() {
-                entries[index].key_span = key_span;
+                entries[index].key_span = key_span.clone();
             }
-            set(&mut entries[index].node, rest, place)
+            set(&mut entries[index].node, rest, key_span, value)
         }
         Value::Array(elements) => {
             let index = find_element(elements, step)?;
-            set(&mut elements[index], rest, place)
+            set(&mut elements[index], rest, key_span, value)
         }
         _ => Err((
             format!(

@@ -178,6 +178,39 @@ pub fn seconds(text: &str) -> Result<f64, String> {
     text.trim().parse().or_else(|_| parse::<Time>(text))
 }
 
+/// Reads a length that is given outside of scenario files: a number of metres, or text with a unit.
+///
+/// # Errors
+/// A message that says what is wrong and which units are allowed.
+pub fn metres(text: &str) -> Result<f64, String> {
+    text.trim().parse().or_else(|_| parse::<Length>(text))
+}
+
+/// The number in front of a unit, and the unit.
+///
+/// # Errors
+/// A message, where `text` does not begin with a number.
+pub fn split_number(text: &str) -> Result<(f64, &str), String> {
+    let text = text.trim();
+    let (number, unit) = text.split_at(number_length(text));
+    let number = number
+        .parse()
+        .map_err(|_| format!("{text:?} does not begin with a number"))?;
+    Ok((number, unit.trim()))
+}
+
+/// Converts a number with any known unit to SI units; a symbol means the same wherever it is allowed.
+pub fn parse_any(text: &str) -> Option<f64> {
+    let text = text.trim();
+    let (number, unit) = text.split_at(number_length(text));
+    number.parse::<f64>().ok()?;
+    let unit = normalised(unit);
+    let mut units = DIMENSIONS.iter().flat_map(|(_, units)| units.iter());
+    units
+        .find(|known| known.symbol == unit)
+        .map(|known| scaled(number, known.size))
+}
+
 /// The sentence that lists the units of a dimension.
 pub fn allowed<D: Dimension>() -> String {
     if D::UNITS.is_empty() {
@@ -268,6 +301,22 @@ mod tests {
         insta::assert_snapshot!(parse::<Density>("3").unwrap_err(), @r#""3" has no unit; write it without quotes for SI units, or allowed units: kg/m^3, g/cm^3"#);
         insta::assert_snapshot!(parse::<Density>("mm").unwrap_err(), @r#""mm" does not begin with a number; allowed units: kg/m^3, g/cm^3"#);
         insta::assert_snapshot!(parse::<Dimensionless>("3 mm").unwrap_err(), @r#""3 mm" is a length, but this key takes a pure number; this key takes a pure number"#);
+    }
+
+    #[test]
+    fn a_symbol_means_the_same_in_every_dimension() {
+        let units = || DIMENSIONS.iter().flat_map(|(_, units)| units.iter());
+        for unit in units() {
+            let same = units().filter(|other| other.symbol == unit.symbol);
+            assert!(
+                same.into_iter().all(|other| other.size == unit.size),
+                "{unit:?}"
+            );
+        }
+        assert_eq!(parse_any("1.6 mm"), Some(1.6e-3));
+        assert_eq!(parse_any("15 rpm"), Some(15.0 * (TURN / 60.0)));
+        assert_eq!(parse_any("imc"), None);
+        assert_eq!(split_number("-1.5e-3 N m"), Ok((-1.5e-3, "N m")));
     }
 
     #[test]

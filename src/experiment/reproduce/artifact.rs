@@ -1,6 +1,7 @@
 //! What can be reproduced, and the runs that it takes.
 
-use super::bundling::{Bundling, ContactModel};
+use super::bundling::{Bundling, ContactModel, DISTANCE_TOLERANCE};
+use super::figure_2_5;
 use super::tightening::Tightening;
 
 /// A table or figure of the thesis.
@@ -101,12 +102,13 @@ impl Artifact {
             (true, Self::Figure2_5) => QUICK_END_OF_DIFFERENCE,
             (true, _) => QUICK_END,
         };
-        let both = |counts: &[usize]| {
+        let both = |counts: &[usize], distance_tolerance: f64| {
             let models = [ContactModel::Imc, ContactModel::Ipc];
             let run = |model, flagella: &usize| Bundling {
                 flagella: *flagella,
                 model,
                 friction: 0.0,
+                distance_tolerance,
                 end,
             };
             models
@@ -118,14 +120,15 @@ impl Artifact {
             flagella: 2,
             model: ContactModel::Imc,
             friction,
+            distance_tolerance: DISTANCE_TOLERANCE,
             end,
         };
         match self {
-            Self::Table2_1 => both(&FLAGELLA),
+            Self::Table2_1 => both(&FLAGELLA, DISTANCE_TOLERANCE),
             Self::Table2_2 => (1..=10)
                 .map(|tenths| rubbing(f64::from(tenths) / 10.0))
                 .collect(),
-            Self::Figure2_5 => both(&[5]),
+            Self::Figure2_5 => both(&[5], figure_2_5::DISTANCE_TOLERANCE),
             Self::Figure2_6 => [0.0, 0.3, 0.7].map(rubbing).to_vec(),
             Self::Figure2_7 | Self::Figure2_8 => Vec::new(),
         }

@@ -17,9 +17,14 @@ pub(super) struct Bundling {
     pub model: ContactModel,
     /// Friction coefficient μ.
     pub friction: f64,
+    /// Distance tolerance δ, m.
+    pub distance_tolerance: f64,
     /// Simulated time, s.
     pub end: f64,
 }
+
+/// Distance tolerance of the thesis, m.
+pub(super) const DISTANCE_TOLERANCE: f64 = 1e-5;
 
 /// Contact models that the thesis compares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,9 +59,15 @@ impl Run for Bundling {
             flagella,
             model,
             friction,
+            distance_tolerance,
             end,
         } = self;
-        format!("m{flagella}_{}_mu{friction}_{end}s", model.key())
+        let name = format!("m{flagella}_{}_mu{friction}_{end}s", model.key());
+        if *distance_tolerance == DISTANCE_TOLERANCE {
+            name
+        } else {
+            format!("{name}_delta{distance_tolerance:e}")
+        }
     }
 
     fn prepare(&self) -> PreparedRun {
@@ -65,6 +76,7 @@ impl Run for Bundling {
             format!("flagella.count={}", self.flagella),
             format!("contact.model=\"{}\"", self.model.key()),
             format!("contact.friction={:?}", self.friction),
+            format!("contact.distance_tolerance={:?}", self.distance_tolerance),
             format!("time.end={:?}", self.end),
         ];
         let loaded = from_text_with(&self.id(), BASE, Path::new(""), &overrides);
@@ -98,6 +110,7 @@ mod tests {
             flagella: 3,
             model: ContactModel::Ipc,
             friction: 0.7,
+            distance_tolerance: DISTANCE_TOLERANCE,
             end: 20.0,
         };
         assert_eq!(bundling.id(), "m3_ipc_mu0.7_20s");
@@ -105,5 +118,12 @@ mod tests {
         assert_eq!(prepared.name, bundling.id());
         assert_eq!(prepared.mode, Mode::Dynamic { end: 20.0 });
         assert_eq!(prepared.scene.contact.unwrap().friction, 0.7);
+        let tighter = Bundling {
+            distance_tolerance: 2e-6,
+            ..bundling
+        };
+        assert_eq!(tighter.id(), "m3_ipc_mu0.7_20s_delta2e-6");
+        let contact = tighter.prepare().scene.contact.unwrap();
+        assert_eq!(contact.distance_tolerance, 2e-6);
     }
 }

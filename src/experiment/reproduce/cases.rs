@@ -2,11 +2,11 @@
 
 use super::bundling::Bundling;
 use super::{ReproduceError, ReproduceOptions};
-use crate::experiment::{PreparedRun, RunError, RunOptions, RunStatus, run};
-use crate::results::{CaseRecord, CaseStatus, MAIN_CASE, Manifest, scenario_hash};
+use crate::experiment::{PreparedRun, RunError, RunOptions, RunStatus, run, workers};
+use crate::results::{CaseRecord, MAIN_CASE, Manifest, scenario_hash};
+use std::ops::ControlFlow;
 use std::path::PathBuf;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::OnceLock;
 
 /// Folder of the runs of all artefacts.
 const CASES: &str = "cases";
@@ -41,55 +41,35 @@ pub(super) struct Case<R = Bundling> {
 /// How a run came to an end.
 type Ended<R> = Result<Case<R>, ReproduceError>;
 
-/// Threads of a run when `jobs` of them share those of the program.
-pub(super) fn threads_of_a_run(jobs: usize) -> usize {
-    (rayon::current_num_threads() / jobs).max(1)
-}
-
 /// Runs whatever has not been run yet, `options.jobs` at a time, in order.
-///
-/// Each run has a thread pool to itself: in a common one a thread that waits for others of its own run
-/// could take up another run, and time would be counted where it was not spent.
 pub(super) fn run_all<R: Run>(
     runs: &[R],
     options: &ReproduceOptions,
     report: &(dyn Fn(&str) + Sync),
 ) -> Result<Vec<Case<R>>, ReproduceError> {
-    let next = AtomicUsize::new(0);
-    let stopped = AtomicBool::new(false);
-    let results: Vec<Mutex<Option<Ended<R>>>> = runs.iter().map(|_| Mutex::new(None)).collect();
-    let threads = threads_of_a_run(options.jobs);
-    let work = || {
-        while !stopped.load(Ordering::Relaxed) {
-            let index = next.fetch_add(1, Ordering::Relaxed);
-            let Some(asked) = runs.get(index) else {
-                break;
-            };
-            let result = run_one(asked, options, threads);
-            match &result {
-                Ok(case) => report(&case.in_a_line()),
-                Err(_) => stopped.store(true, Ordering::Relaxed),
+    let results: Vec<OnceLock<Ended<R>>> = runs.iter().map(|_| OnceLock::new()).collect();
+    workers::for_each(runs.len(), options.jobs, |index| {
+        let result = run_one(&runs[index], options);
+        let flow = match &result {
+            Ok(case) => {
+                report(&case.in_a_line());
+                ControlFlow::Continue(())
             }
-            *results[index].lock().expect("no run panics") = Some(result);
-        }
-    };
-    std::thread::scope(|scope| {
-        for _ in 0..options.jobs.min(runs.len()) {
-            scope.spawn(work);
-        }
-    });
+            Err(_) => ControlFlow::Break(()),
+        };
+        // Each index comes once.
+        let _ = results[index].set(result);
+        flow
+    })
+    .map_err(|error| ReproduceError::Threads(error.to_string()))?;
     // Runs are begun in order: before one that was not, another has failed.
     results
         .into_iter()
-        .map_while(|result| result.into_inner().expect("no run panics"))
+        .map_while(OnceLock::into_inner)
         .collect()
 }
 
-fn run_one<R: Run>(
-    asked: &R,
-    options: &ReproduceOptions,
-    threads: usize,
-) -> Result<Case<R>, ReproduceError> {
+fn run_one<R: Run>(asked: &R, options: &ReproduceOptions) -> Result<Case<R>, ReproduceError> {
     let prepared = asked.prepare();
     // Another version of the program may resolve the scenario to something else: that is another run.
     let hash = scenario_hash(&prepared.scenario_toml);
@@ -100,11 +80,7 @@ fn run_one<R: Run>(
         progress: false,
         ..RunOptions::new(&directory)
     };
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|error| ReproduceError::Threads(error.to_string()))?;
-    let was_finished = match pool.install(|| run(&prepared, &run_options)) {
+    let was_finished = match run(&prepared, &run_options) {
         Ok(outcome) => outcome.status == RunStatus::AlreadyFinished,
         // Where the mechanics gives up, the thesis' simulations end, too: a result.
         Err(RunError::Simulation { .. }) => false,
@@ -114,7 +90,7 @@ fn run_one<R: Run>(
     Ok(Case {
         run: asked.clone(),
         directory,
-        record: manifest.cases[MAIN_CASE],
+        record: manifest.cases[MAIN_CASE].clone(),
         manifest,
         was_finished,
     })
@@ -135,15 +111,7 @@ impl<R: Run> Case<R> {
 
     /// Its status in words.
     pub fn status(&self) -> &'static str {
-        match self.record.status {
-            CaseStatus::Finished => "finished",
-            CaseStatus::NoConvergence => "no convergence",
-            CaseStatus::Unphysical => "a physics check failed",
-            CaseStatus::Running
-            | CaseStatus::Interrupted
-            | CaseStatus::TimeLimit
-            | CaseStatus::Failed => "stopped",
-        }
+        self.record.status.in_words()
     }
 
     /// Wall time per step with contact, s.

@@ -1,7 +1,8 @@
 //! The files of an artefact: CSV, Markdown, figures, and a manifest that says how they were made.
 
-use super::cases::{Case, Run, threads_of_a_run};
+use super::cases::{Case, Run};
 use super::{Artifact, ReproduceOptions};
+use crate::experiment::workers::threads_of_a_job;
 use crate::results::{CaseStatus, MANIFEST, ResultsError, write_whole};
 use serde::Serialize;
 use std::fmt::Write;
@@ -167,7 +168,7 @@ fn head<R: Run>(artifact: Artifact, options: &ReproduceOptions, cases: &[Case<R>
     } else {
         format!("{jobs} at a time, which slows each of them")
     };
-    let threads = threads_of_a_run(options.jobs);
+    let threads = threads_of_a_job(options.jobs);
     let before = cases.iter().filter(|case| case.was_finished).count();
     let mut timings =
         format!("Wall times: runs of this call were made {at_a_time}; threads of each: {threads}.");

@@ -64,6 +64,7 @@ impl Advance for Simulation {
             ..Frame::default()
         };
         if with_forces {
+            frame.twist_rates = self.twist_rates();
             frame.velocities = self.velocities().to_vec();
             frame.fluid_forces = self.fluid_forces();
             frame.contact_forces = self.contact_forces();

@@ -1,6 +1,8 @@
-//! Ctrl-C and SIGTERM end a run after the step at hand, with a checkpoint.
+//! Ctrl-C and SIGTERM end a run after the step at hand, with a checkpoint; so does SIGUSR1, by which batch
+//! systems tell that the time is nearly up.
 
-use signal_hook::consts::{SIGINT, SIGTERM};
+use super::stop::StopRequest;
+use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1};
 use signal_hook::{SigId, flag, low_level};
 use std::io;
 use std::sync::Arc;
@@ -8,8 +10,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Watches for a request to stop, from its creation until it is dropped.
 #[derive(Default)]
-pub(super) struct Interruption {
-    requested: Arc<AtomicBool>,
+pub(in crate::experiment) struct Interruption {
+    interrupted: Arc<AtomicBool>,
+    time_is_up: Arc<AtomicBool>,
     handlers: Vec<SigId>,
 }
 
@@ -17,23 +20,39 @@ pub(super) struct Interruption {
 const EXIT_CODE: i32 = 130;
 
 impl Interruption {
-    /// Installs the handlers. A second signal ends the program at once, without a checkpoint.
-    pub fn install() -> io::Result<Self> {
+    /// Installs the handlers; where that fails, a warning says so and signals end the program at once.
+    pub fn watch() -> Self {
+        Self::install().unwrap_or_else(|error| {
+            tracing::warn!("Ctrl-C will end the run without a checkpoint: {error}");
+            Self::default()
+        })
+    }
+
+    /// A second signal ends the program at once, without a checkpoint.
+    fn install() -> io::Result<Self> {
         let mut interruption = Self::default();
         for signal in [SIGINT, SIGTERM] {
-            let requested = &interruption.requested;
+            let interrupted = &interruption.interrupted;
             // In this order: the first signal finds the flag down, and raises it.
             let second =
-                flag::register_conditional_shutdown(signal, EXIT_CODE, Arc::clone(requested))?;
-            let first = flag::register(signal, Arc::clone(requested))?;
+                flag::register_conditional_shutdown(signal, EXIT_CODE, Arc::clone(interrupted))?;
+            let first = flag::register(signal, Arc::clone(interrupted))?;
             interruption.handlers.extend([second, first]);
         }
+        let warning = flag::register(SIGUSR1, Arc::clone(&interruption.time_is_up))?;
+        interruption.handlers.push(warning);
         Ok(interruption)
     }
 
     /// Whether the run was asked to stop.
-    pub fn requested(&self) -> bool {
-        self.requested.load(Ordering::Relaxed)
+    pub fn requested(&self) -> Option<StopRequest> {
+        if self.interrupted.load(Ordering::Relaxed) {
+            Some(StopRequest::Interrupt)
+        } else if self.time_is_up.load(Ordering::Relaxed) {
+            Some(StopRequest::TimeLimit)
+        } else {
+            None
+        }
     }
 }
 

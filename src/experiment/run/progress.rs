@@ -1,7 +1,7 @@
 //! The progress bar.
 
 use crate::mechanics::dynamics::StepReport;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use std::time::{Duration, Instant};
 
 /// Ticks of a whole bar.
@@ -17,19 +17,34 @@ pub(super) struct Progress {
     drawn: Option<Instant>,
 }
 
+/// The bars of the runs of a sweep, and what this run is called among them.
+#[derive(Clone, Debug)]
+pub struct AmongBars {
+    /// All bars.
+    pub bars: MultiProgress,
+    /// Name of the run.
+    pub name: String,
+}
+
 impl Progress {
+    /// A bar of its own, or among those of other runs. Nothing is drawn unless `visible`, nor where standard
+    /// error is no terminal.
+    pub fn bar(visible: bool, among: Option<&AmongBars>) -> ProgressBar {
+        let template =
+            |text: &str| ProgressStyle::with_template(text).expect("the template is right");
+        match among {
+            _ if !visible => ProgressBar::hidden(),
+            None => ProgressBar::new(LENGTH).with_style(template("{wide_bar} {msg}, {eta} left")),
+            Some(among) => among.bars.add(
+                ProgressBar::new(LENGTH)
+                    .with_style(template("{prefix:.dim} {wide_bar} {msg}, {eta} left"))
+                    .with_prefix(among.name.clone()),
+            ),
+        }
+    }
+
     /// A bar that starts at the simulated time `start` and is full at `end`, both in s.
-    ///
-    /// Nothing is drawn unless `visible`, nor where standard error is no terminal.
-    pub fn new(visible: bool, start: f64, end: f64) -> Self {
-        let bar = if visible {
-            ProgressBar::new(LENGTH)
-        } else {
-            ProgressBar::hidden()
-        };
-        let style = ProgressStyle::with_template("{wide_bar} {msg}, {eta} left")
-            .expect("the template is right");
-        bar.set_style(style);
+    pub fn new(bar: ProgressBar, start: f64, end: f64) -> Self {
         let progress = Self {
             bar,
             end,

@@ -4,8 +4,7 @@ use super::RunOptions;
 use crate::experiment::PreparedRun;
 use crate::mechanics::scene::RodDescription;
 use crate::results::{
-    CaseOutcome, CaseRecord, CaseStatus, MAIN_CASE, Manifest, RecorderPlan, RodRecord,
-    scenario_hash,
+    CaseRecord, CaseStatus, MAIN_CASE, Manifest, RecorderPlan, RodRecord, host_name, scenario_hash,
 };
 use std::collections::BTreeMap;
 
@@ -37,13 +36,7 @@ pub(super) fn manifest_of_call(
     earlier: Option<&Manifest>,
     continued: bool,
 ) -> Manifest {
-    let running = CaseRecord {
-        status: CaseStatus::Running,
-        outcome: CaseOutcome::default(),
-        wall_time: 0.0,
-        wall_time_with_contact: 0.0,
-        cpu_time: None,
-    };
+    let running = CaseRecord::new(CaseStatus::Running);
     Manifest {
         version: env!("CARGO_PKG_VERSION").into(),
         commit: option_env!("RODLAB_COMMIT").map(Into::into),
@@ -62,12 +55,4 @@ pub(super) fn manifest_of_call(
         seeds: BTreeMap::new(),
         cases: BTreeMap::from([(MAIN_CASE.into(), running)]),
     }
-}
-
-/// Name of the machine, where the system tells it in a file or in the environment.
-fn host_name() -> Option<String> {
-    let from_file = std::fs::read_to_string("/proc/sys/kernel/hostname").ok();
-    from_file
-        .map(|name| name.trim().to_owned())
-        .or_else(|| std::env::var("HOSTNAME").ok())
 }

@@ -4,7 +4,7 @@ use super::advance::Advance;
 use super::output_times::OutputTimes;
 use super::progress::Progress;
 use super::records::{manifest_of_call, recorder_plan, rod_records};
-use super::stop::Stop;
+use super::stop::{Stop, StopRequest};
 use super::tally::Tally;
 use super::{RunError, RunOptions, RunOutcome, RunStatus};
 use crate::experiment::knot_observer::changed_knot;
@@ -107,8 +107,9 @@ impl Session {
         };
         let radii = prepared.scene.rods.iter().map(|rod| rod.radius);
         let visible = options.progress && prepared.mode != Mode::Static;
+        let bar = Progress::bar(visible, options.among.as_ref());
         Ok(Self {
-            progress: Progress::new(visible, simulation.time(), times.time(times.last())),
+            progress: Progress::new(bar, simulation.time(), times.time(times.last())),
             diameter: 2.0 * radii.fold(0.0, f64::max),
             directory,
             manifest,
@@ -130,7 +131,7 @@ impl Session {
         &mut self,
         simulation: &mut impl Advance,
         mode: Mode,
-        stop_requested: &dyn Fn() -> bool,
+        stop_requested: &dyn Fn() -> Option<StopRequest>,
     ) -> Result<(), Stop> {
         match mode {
             Mode::Static => {
@@ -145,13 +146,13 @@ impl Session {
     fn integrate(
         &mut self,
         simulation: &mut impl Advance,
-        stop_requested: &dyn Fn() -> bool,
+        stop_requested: &dyn Fn() -> Option<StopRequest>,
     ) -> Result<(), Stop> {
         while self.standing.outputs <= self.times.last() {
             let target = self.times.time(self.standing.outputs);
             while simulation.time() < target {
-                if stop_requested() {
-                    return Err(Stop::Interrupted);
+                if let Some(request) = stop_requested() {
+                    return Err(request.into());
                 }
                 if self
                     .timeout
@@ -254,7 +255,8 @@ impl Session {
         let status = result
             .as_ref()
             .map_or_else(Stop::status, |()| CaseStatus::Finished);
-        let written = self.write_tables(status);
+        let reason = result.as_ref().err().map(Stop::reason);
+        let written = self.write_tables(status, reason);
         match result {
             Ok(()) => written?,
             // Whatever hinders the tables now has most likely ended the run itself.
@@ -271,7 +273,11 @@ impl Session {
         })
     }
 
-    fn write_tables(&mut self, status: CaseStatus) -> Result<(), ResultsError> {
+    fn write_tables(
+        &mut self,
+        status: CaseStatus,
+        error: Option<String>,
+    ) -> Result<(), ResultsError> {
         let path = self.directory.path();
         let (outcome, usage) = (self.standing.tally.outcome, self.usage());
         write_summary(path, &[SummaryRow::new(MAIN_CASE, status, &outcome)])?;
@@ -282,6 +288,8 @@ impl Session {
             wall_time: usage.wall_time.as_secs_f64(),
             wall_time_with_contact: usage.wall_time_with_contact.as_secs_f64(),
             cpu_time: usage.cpu_time.map(|time| time.as_secs_f64()),
+            peak_memory: usage.peak_memory,
+            error,
         };
         self.manifest.cases.insert(MAIN_CASE.into(), record);
         self.manifest.end = Some(jiff::Timestamp::now());

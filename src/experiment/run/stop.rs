@@ -5,12 +5,30 @@ use crate::mechanics::dynamics::SimulationError;
 use crate::results::{CaseStatus, ResultsError};
 use std::path::PathBuf;
 
+/// A wish from outside to stop after the step at hand, with a checkpoint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StopRequest {
+    /// A person, or the system, interrupts.
+    Interrupt,
+    /// The time is up.
+    TimeLimit,
+}
+
 /// Why the steps ended early.
 pub(super) enum Stop {
     Interrupted,
     TimeLimit,
     Simulation(SimulationError),
     Results(ResultsError),
+}
+
+impl From<StopRequest> for Stop {
+    fn from(request: StopRequest) -> Self {
+        match request {
+            StopRequest::Interrupt => Self::Interrupted,
+            StopRequest::TimeLimit => Self::TimeLimit,
+        }
+    }
 }
 
 impl From<SimulationError> for Stop {
@@ -36,6 +54,16 @@ impl Stop {
             ) => CaseStatus::NoConvergence,
             Self::Simulation(SimulationError::Unphysical(_)) => CaseStatus::Unphysical,
             Self::Simulation(SimulationError::BadScene(_)) | Self::Results(_) => CaseStatus::Failed,
+        }
+    }
+
+    /// The reason in words, for the record of the case.
+    pub fn reason(&self) -> String {
+        match self {
+            Self::Interrupted => "interrupted".to_owned(),
+            Self::TimeLimit => "time limit reached".to_owned(),
+            Self::Simulation(error) => error.to_string(),
+            Self::Results(error) => error.to_string(),
         }
     }
 

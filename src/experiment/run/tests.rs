@@ -192,14 +192,14 @@ fn go_on(directory: &Path) -> Result<RunOutcome, RunError> {
         &mut Pendulum::new(),
         &prepared(DYNAMIC),
         &quiet(directory),
-        &|| false,
+        &|| None,
     )
 }
 
 /// A request to stop that comes after a number of steps.
-fn after_steps(steps: usize) -> impl Fn() -> bool {
+fn after_steps(steps: usize) -> impl Fn() -> Option<StopRequest> {
     let asked = Cell::new(0);
-    move || asked.replace(asked.get() + 1) >= steps
+    move || (asked.replace(asked.get() + 1) >= steps).then_some(StopRequest::Interrupt)
 }
 
 fn interrupt(directory: &Path, steps: usize) -> RunError {
@@ -291,10 +291,8 @@ fn a_finished_run_is_left_alone_and_force_runs_it_again() {
         force: true,
         ..quiet(directory.path())
     };
-    let outcome = run_simulation(&mut Pendulum::new(), &prepared(DYNAMIC), &options, &|| {
-        false
-    })
-    .unwrap();
+    let outcome =
+        run_simulation(&mut Pendulum::new(), &prepared(DYNAMIC), &options, &|| None).unwrap();
     assert_eq!(outcome.status, RunStatus::Finished);
     assert_ne!(fs::read(directory.path().join(MANIFEST)).unwrap(), before);
 }
@@ -370,20 +368,15 @@ fn the_time_limit_and_checkpoints_at_every_step_change_nothing() {
         timeout: Some(Duration::ZERO),
         ..quiet(directory.path())
     };
-    let error = run_simulation(&mut Pendulum::new(), &prepared(DYNAMIC), &options, &|| {
-        false
-    })
-    .unwrap_err();
+    let error =
+        run_simulation(&mut Pendulum::new(), &prepared(DYNAMIC), &options, &|| None).unwrap_err();
     assert_eq!(error.exit_code(), 5);
     assert_eq!(status(directory.path()), CaseStatus::TimeLimit);
     let options = RunOptions {
         checkpoint_every: Duration::ZERO,
         ..quiet(directory.path())
     };
-    run_simulation(&mut Pendulum::new(), &prepared(DYNAMIC), &options, &|| {
-        false
-    })
-    .unwrap();
+    run_simulation(&mut Pendulum::new(), &prepared(DYNAMIC), &options, &|| None).unwrap();
     same_bytes(directory.path(), uninterrupted().path());
 }
 
@@ -395,7 +388,7 @@ fn no_convergence_leaves_a_checkpoint_and_exit_code_3() {
         ..Pendulum::new()
     };
     let options = quiet(directory.path());
-    let error = run_simulation(&mut failing, &prepared(DYNAMIC), &options, &|| false).unwrap_err();
+    let error = run_simulation(&mut failing, &prepared(DYNAMIC), &options, &|| None).unwrap_err();
     assert_eq!(error.exit_code(), 3);
     let message = error.to_string();
     assert!(
@@ -433,10 +426,8 @@ fn a_static_run_writes_one_row_at_time_zero() {
     let directory = tempfile::tempdir().unwrap();
     let options = quiet(directory.path());
     let mut simulation = Pendulum::new();
-    let outcome = run_simulation(&mut simulation, &prepared(Mode::Static), &options, &|| {
-        false
-    })
-    .unwrap();
+    let outcome =
+        run_simulation(&mut simulation, &prepared(Mode::Static), &options, &|| None).unwrap();
     assert_eq!(outcome.case.newton_iterations_mean(), Some(7.0));
     let series = fs::read_to_string(directory.path().join(SERIES)).unwrap();
     assert_eq!(series.lines().count(), 2);
@@ -452,7 +443,7 @@ fn a_static_run_writes_one_row_at_time_zero() {
 fn results_can_be_plotted() {
     let directory = uninterrupted();
     let figures = crate::experiment::plot_results(directory.path()).unwrap();
-    assert_eq!(figures.len(), 2);
+    assert_eq!(figures.len(), 4);
     let rods = fs::read_to_string(&figures[0]).unwrap();
     assert!(
         ["t = 0 s", "t = 0.3 s", "t = 0.6 s", "t = 1 s"]
@@ -460,7 +451,7 @@ fn results_can_be_plotted() {
             .all(|title| rods.contains(title)),
         "{rods}"
     );
-    let series = fs::read_to_string(&figures[1]).unwrap();
+    let series = fs::read_to_string(&figures[2]).unwrap();
     assert!(
         ["kinetic", "gravitational", "Newton iterations"]
             .iter()

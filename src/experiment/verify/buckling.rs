@@ -2,10 +2,10 @@
 
 use super::rods::{STIFFNESS_RATIO, clamp, line, unit_rod, unit_stiffness};
 use super::theory::beam::{CLAMPED_COLUMN, clamped_twist_moment, ring_twist};
-use super::theory::numerics::bisect;
 use super::{Check, Claim, FamilyError};
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::{IntegrationParameters, Simulation, SimulationError};
+use crate::mechanics::kirchhoff::numerics::bisect;
 use crate::mechanics::scene::{NaturalShape, RodDescription, Scene};
 use std::f64::consts::TAU;
 

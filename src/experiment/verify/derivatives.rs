@@ -1,10 +1,10 @@
 //! Gradient and Hessian of all terms against finite differences, at random states.
 
 use super::rods::{clamp, unit_rod};
-use super::theory::numerics::uniform_numbers;
 use super::{Check, Claim, FamilyError};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::ContactParameters;
+use crate::mechanics::kirchhoff::numerics::uniform_numbers;
 use crate::mechanics::scene::{NaturalShape, Plane, RodDescription, Scene};
 use crate::mechanics::system::{Stage, System};
 use std::f64::consts::TAU;

@@ -1,12 +1,12 @@
 //! Cantilevers that bend far, against the elastica.
 
 use super::rods::{clamp, gravity, line, steady, unit_rod};
-use super::theory::elastica::{Cantilever, CantileverLoad};
 use super::{Check, Claim, FamilyError};
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::{
     IntegrationParameters, Scheme, Simulation, SimulationError, StepSize,
 };
+use crate::mechanics::kirchhoff::{Cantilever, CantileverLoad};
 use crate::mechanics::scene::{LoadKind, Scene};
 
 const HEAVY: Claim = Claim {

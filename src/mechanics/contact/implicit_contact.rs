@@ -219,34 +219,36 @@ impl ImplicitContact {
     /// Centrelines that cross (Δ = 0) have no direction of separation: the forces are not numbers there, for
     /// the line search to refuse.
     pub fn evaluate(&mut self, positions: &[Vector3], previous: &[Vector3], time_step: f64) {
-        let motion = Motion {
-            positions,
-            previous,
-            time_step,
-        };
-        self.clear_results();
-        if self.parameters.is_complementarity() {
-            return self.evaluate_constraints(positions);
-        }
-        self.evaluate_edges(motion, true);
-        self.evaluate_planes(motion, true);
-        self.multipliers.advance();
+        self.evaluate_contacts(positions, previous, time_step, true);
     }
 
     /// The same without Jacobians, for line searches; [`Self::jacobians`] and
     /// [`Self::plane_jacobians`] are empty afterwards.
     pub fn evaluate_forces(&mut self, positions: &[Vector3], previous: &[Vector3], time_step: f64) {
+        self.evaluate_contacts(positions, previous, time_step, false);
+    }
+
+    fn evaluate_contacts(
+        &mut self,
+        positions: &[Vector3],
+        previous: &[Vector3],
+        time_step: f64,
+        with_jacobians: bool,
+    ) {
+        self.clear_results();
+        if self.parameters.is_complementarity() {
+            return self.evaluate_constraints(positions);
+        }
         let motion = Motion {
             positions,
             previous,
             time_step,
         };
-        self.clear_results();
-        if self.parameters.is_complementarity() {
-            return self.evaluate_constraints(positions);
+        self.evaluate_edges(motion, with_jacobians);
+        self.evaluate_planes(motion, with_jacobians);
+        if with_jacobians {
+            self.multipliers.advance();
         }
-        self.evaluate_edges(motion, false);
-        self.evaluate_planes(motion, false);
     }
 
     fn clear_results(&mut self) {

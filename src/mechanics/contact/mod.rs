@@ -18,6 +18,7 @@
 //! | `stiffness` | the adaptive contact stiffness (Eqs. 2.18, 2.19) |
 //! | `implicit_contact`, `contacts` | all contacts of a scene |
 //! | `proximity` | least distance, penetration, overlaps of a new scene |
+//! | `touching` | where surfaces touch, for pictures |
 //! | `memory` | what a restart needs |
 
 mod barrier;
@@ -46,6 +47,7 @@ mod surface;
 mod test_support;
 #[cfg(test)]
 mod tests;
+mod touching;
 
 pub use constraints::ContactConstraint;
 pub use contacts::{ActiveContact, CandidatePair, EdgeJacobian, PlaneContact, PlaneJacobian};
@@ -56,3 +58,4 @@ pub use parameters::{ContactModel, ContactParameters};
 pub use proximity::{ContactPair, Proximity};
 pub use step_bound::LargestStep;
 pub use surface::{ContactEdge, ContactPlane, ContactSurface};
+pub use touching::touching_points;

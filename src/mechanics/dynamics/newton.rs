@@ -13,6 +13,9 @@ pub struct Stopping {
     pub displacement: f64,
     /// Most iterations.
     pub iterations: usize,
+    /// Whether to give up earlier, where the residual does not fall: a smaller step may be the
+    /// cheaper way.
+    pub gives_up: bool,
 }
 
 /// Scratch of Newton's method.
@@ -24,6 +27,13 @@ pub struct Newton {
 
 /// Iterations in which contact forces are carried along; a step that needs more goes on without.
 const MULTIPLIER_ITERATIONS: usize = 10;
+/// Iterations that must lower the residual to [`TRIAL_REDUCTION`] of its largest value in them, or a smaller step is
+/// the cheaper way.
+///
+/// At friction coefficients near one the line search may crawl along the edge between sticking and sliding for all the
+/// iterations there are. Fewer iterations or a smaller part give up steps that would have converged.
+const TRIAL_ITERATIONS: usize = 5;
+const TRIAL_REDUCTION: f64 = 0.2;
 /// Reductions of the step along one direction before it is taken as it is.
 const LINE_SEARCH_STEPS: usize = 12;
 /// A step is accepted when the force along the direction has fallen below this fraction.
@@ -42,7 +52,7 @@ impl Newton {
     /// linear solves. The frames and the residual of `system` are those of the solution.
     ///
     /// # Errors
-    /// [`Divergence`] when the iterations run out or a number is not finite.
+    /// [`Divergence`] when the iterations run out or lead nowhere, or a number is not finite.
     pub fn solve(
         &mut self,
         system: &mut System,
@@ -51,6 +61,7 @@ impl Newton {
         stopping: &Stopping,
     ) -> Result<usize, Divergence> {
         let mut last_move = 0.0;
+        let mut largest_residual = 0.0_f64;
         system.begin_iterations();
         system.linearize(unknowns, Some(stage));
         for iteration in 0..=stopping.iterations {
@@ -66,6 +77,13 @@ impl Newton {
             if !residual.is_finite() || iteration == stopping.iterations {
                 return Err(failed);
             }
+            if stopping.gives_up && iteration > 0 && iteration % TRIAL_ITERATIONS == 0 {
+                if residual > TRIAL_REDUCTION * largest_residual {
+                    return Err(failed);
+                }
+                largest_residual = 0.0;
+            }
+            largest_residual = largest_residual.max(residual);
             let solved = system
                 .factor()
                 .and_then(|_| system.direction(&mut self.direction));

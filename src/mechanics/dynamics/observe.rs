@@ -35,6 +35,11 @@ impl Simulation {
             .collect()
     }
 
+    /// Twist per length at each node, rad/m; zero at free ends.
+    pub fn twist_rates(&self) -> Vec<f64> {
+        self.system.assembly.rods.twist_rates(&self.system.geometry)
+    }
+
     /// Force of the fluid on each node in the last step, N; empty without fluid.
     pub fn fluid_forces(&self) -> Vec<Vector3> {
         self.fluid_forces.clone()

@@ -42,6 +42,15 @@ pub enum StepSize {
     },
 }
 
+impl StepSize {
+    /// Largest step that may be taken, s.
+    pub fn largest(&self) -> f64 {
+        match *self {
+            Self::Fixed(step) | Self::Auto { maximum: step, .. } => step,
+        }
+    }
+}
+
 impl Default for IntegrationParameters {
     fn default() -> Self {
         Self {

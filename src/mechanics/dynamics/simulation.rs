@@ -169,7 +169,9 @@ impl Simulation {
             };
             report.retries += 1;
             if smaller < step {
-                self.control.failed(smaller);
+                if self.stays_careful() {
+                    self.control.failed(smaller);
+                }
                 goal = self.time + smaller;
             }
         }
@@ -226,9 +228,20 @@ impl Simulation {
         }
     }
 
+    /// Whether the steps after a failed one begin small: where the step is automatic, and where rods rub, since the
+    /// slip that fails one step fails many. Steps of a fixed grid that fail for another reason, an impact on a
+    /// barrier say, are over when they are done.
+    fn stays_careful(&self) -> bool {
+        matches!(self.parameters.step, StepSize::Auto { .. }) || self.system.rubs()
+    }
+
     fn judge(&mut self, step: f64, attempt: &Attempt) -> Verdict {
-        let StepSize::Auto { tolerance, .. } = self.parameters.step else {
-            return Verdict::Accepted;
+        let tolerance = match self.parameters.step {
+            StepSize::Auto { tolerance, .. } => tolerance,
+            StepSize::Fixed(whole) => {
+                self.control.recover(whole);
+                return Verdict::Accepted;
+            }
         };
         let order = match self.parameters.scheme {
             Scheme::ImplicitEuler => 2,

@@ -13,6 +13,10 @@ const CONTACT_PASSES: usize = 30;
 /// Part of the free way that a shortened predictor goes: less than all, so that it is free in spite of rounding.
 const PREDICTED_PART: f64 = 0.9;
 
+/// Part of the largest step from which down Newton's method gets all its iterations. Without this a step could be
+/// halved until M/h² drowns the residual in rounding error, where no iteration converges.
+const PATIENT_PART: f64 = 1.0 / 64.0;
+
 /// What one attempt at a step found.
 pub(super) struct Attempt {
     pub iterations: usize,
@@ -42,6 +46,7 @@ impl Simulation {
                 .force_tolerance(self.parameters.force_tolerance, &self.unknowns),
             displacement: self.parameters.displacement_tolerance * self.radius,
             iterations: self.parameters.maximum_iterations,
+            gives_up: self.system.rubs() && step > PATIENT_PART * self.parameters.step.largest(),
         };
         let (mut iterations, mut passes) = (0, 0);
         loop {

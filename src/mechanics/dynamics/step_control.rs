@@ -1,4 +1,8 @@
 //! Which time step comes next: a fixed grid of times, or steps chosen by the local error.
+//!
+//! Where rods rub and a step of the grid fails, the next ones stay small, grow slowly, and still hit every time of the grid.
+//! A tangle of rubbing rods that slips fails at the whole step many times in a row, and each
+//! failure costs more than all the small steps in its place.
 
 use super::parameters::StepSize;
 use serde::{Deserialize, Serialize};
@@ -11,13 +15,16 @@ const SAFETY: f64 = 0.9;
 const GROWTH: [f64; 2] = [0.2, 1.5];
 /// Iterations above which a step is thought too large for Newton's method, and shrinks.
 const MANY_ITERATIONS: usize = 10;
+/// Growth of a step below that of the fixed grid, after one that succeeded. Chosen by trial in a tangle of two flagella
+/// with μ = 1, over 0.3 s: faster growth takes fewer steps and meets the next failure sooner.
+const RECOVERY: f64 = 1.1;
 /// An error beyond this multiple of the tolerance refuses the step.
 const REFUSAL: f64 = 4.0;
 
 /// The memory of the step control; part of a checkpoint.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StepControl {
-    /// Next step of automatic control, s.
+    /// Next step of automatic control, or of a fixed grid where steps have failed, s.
     proposal: f64,
 }
 
@@ -47,7 +54,7 @@ impl StepControl {
             StepSize::Fixed(step) => {
                 // Times k·step as products: sums would drift, and a step cut short returns to the grid.
                 let done = (time / step + SNAP).floor();
-                ((done + 1.0) * step, step)
+                (self.goal_on_the_way(time, (done + 1.0) * step, step), step)
             }
             StepSize::Auto { maximum, .. } => {
                 let step = self.proposal.min(maximum);
@@ -59,6 +66,25 @@ impl StepControl {
         } else {
             goal
         }
+    }
+
+    /// End of the next step from `time` towards `next`, a time of the grid of steps `whole`: all the way, unless
+    /// steps have failed.
+    fn goal_on_the_way(&self, time: f64, next: f64, whole: f64) -> f64 {
+        let remaining = next - time - SNAP * whole;
+        if self.proposal >= remaining {
+            next
+        } else if 2.0 * self.proposal >= remaining {
+            // Two equal steps rather than a tiny one at the end.
+            0.5 * (time + next)
+        } else {
+            time + self.proposal
+        }
+    }
+
+    /// Lets the steps of a fixed grid grow towards their whole size, after one that succeeded.
+    pub fn recover(&mut self, whole: f64) {
+        self.proposal = whole.min(RECOVERY * self.proposal);
     }
 
     /// The size of a step to report: that of the grid for a whole step, free of the rounding of times.
@@ -125,6 +151,30 @@ mod tests {
             assert!((end - expected).abs() < 1e-12);
         }
         assert_eq!((ends[3], ends[7]), (1.0, 2.0));
+    }
+
+    #[test]
+    fn failed_steps_of_a_fixed_grid_stay_small_and_recover_on_the_grid() {
+        let size = StepSize::Fixed(1.0);
+        let mut control = StepControl::new(&size);
+        control.failed(0.25);
+        let (mut time, mut steps) = (3.0, Vec::new());
+        while time < 10.0 {
+            let goal = control.goal(&size, time, 10.0);
+            steps.push((time, goal - time));
+            time = goal;
+            control.recover(1.0);
+        }
+        for whole in 3..10 {
+            let on_the_grid = |&&(start, _): &&(f64, f64)| start == f64::from(whole);
+            assert!(steps.iter().any(|step| on_the_grid(&step)), "{steps:?}");
+        }
+        assert_eq!(steps[0].1, 0.25);
+        assert!(
+            steps.iter().all(|(_, step)| *step > 0.2 && *step <= 1.0),
+            "no step is tiny: {steps:?}"
+        );
+        assert_eq!(steps.last().unwrap().1, 1.0);
     }
 
     #[test]

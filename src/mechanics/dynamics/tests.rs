@@ -171,6 +171,11 @@ fn a_clamp_that_holds_a_whole_edge_turns_its_frame() {
         let expected = 0.5 * twisting * turned * turned / (1.0 - 0.5 / edges as f64);
         let got = simulation.energies().twisting;
         assert!((got / expected - 1.0).abs() < 1e-12, "{got} {expected}");
+        let rate = turned / (1.0 - 0.5 / edges as f64);
+        let rates = simulation.twist_rates();
+        for got in &rates[1..edges - 1] {
+            assert!((got.abs() / rate - 1.0).abs() < 1e-9, "{got} {rate}");
+        }
     }
 }
 

@@ -105,6 +105,29 @@ impl ElasticEnergy {
 }
 
 impl ElasticRods {
+    /// Twist per length at each node, τ/l̄ with the Voronoi length l̄ at present, rad/m; zero at free ends.
+    pub fn twist_rates(&self, geometry: &RodGeometry) -> Vec<f64> {
+        let mut rates = vec![0.0; self.nodes];
+        let half_length = |edge: usize| {
+            let is_ghost = edge >= self.nodes;
+            if is_ghost {
+                0.0
+            } else {
+                0.5 * geometry.edges[edge].length
+            }
+        };
+        for (index, vertex) in self.vertices.iter().enumerate() {
+            let node = if vertex.after < self.nodes {
+                vertex.after
+            } else {
+                vertex.before + 1
+            };
+            let length = half_length(vertex.before) + half_length(vertex.after);
+            rates[node] = geometry.twist(index) / length;
+        }
+        rates
+    }
+
     /// Energy at `geometry`.
     pub fn energy(&self, geometry: &RodGeometry) -> ElasticEnergy {
         let mut energy = ElasticEnergy::default();

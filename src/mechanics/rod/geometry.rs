@@ -140,6 +140,11 @@ impl RodGeometry {
         }
     }
 
+    /// Twist τ of a vertex, rad.
+    pub fn twist(&self, vertex: usize) -> f64 {
+        self.vertex_lanes[vertex / LANES].twist(vertex % LANES)
+    }
+
     /// Makes the present frames the source of the next step.
     pub fn commit(&self, reference: &mut ReferenceFrames) {
         for k in 0..reference.tangent.len() {

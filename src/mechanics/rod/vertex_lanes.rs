@@ -102,6 +102,11 @@ impl VertexLanes {
         self.strains.twist[lane] = twist;
     }
 
+    /// The twist of a lane, rad.
+    pub fn twist(&self, lane: usize) -> f64 {
+        self.strains.twist[lane]
+    }
+
     /// Bending energy and twisting energy of a lane, J.
     pub fn energies(&self, lane: usize) -> (f64, f64) {
         let (strains, natural) = (self.strains.get(lane), self.natural.get(lane));

@@ -26,7 +26,7 @@ pub use residual::TERMS;
 use touching::contact_of;
 pub use touching::describe_overlap;
 
-use super::contact::ImplicitContact;
+use super::contact::{ContactModel, ImplicitContact};
 use super::rod::{
     ElasticEnergy, GhostEdge, ReferenceFrames, RodGeometry, STRIDE, topology::position,
 };
@@ -313,6 +313,14 @@ impl System {
                 self.matrix.forget_pattern();
             }
         }
+    }
+
+    /// Whether rods rub on each other by a penalty, which any step may overcome.
+    pub fn rubs(&self) -> bool {
+        self.contact.as_ref().is_some_and(|contact| {
+            let parameters = contact.parameters();
+            parameters.friction > 0.0 && parameters.model == ContactModel::ImplicitContact
+        })
     }
 
     /// Whether no contact can be missing at `unknowns` for want of candidates.

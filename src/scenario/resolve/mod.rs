@@ -8,6 +8,8 @@ mod rod;
 mod section;
 mod shape;
 
+pub use polyline::read as read_polyline;
+
 use super::issue::{Issues, KeyPath};
 use super::resolved::{Contact, Experiment, Scenario, Time};
 use super::typed::{self, ScenarioFile};

@@ -60,7 +60,7 @@ fn first_repeated(points: &[[f64; 3]]) -> Option<usize> {
 /// Reads a CSV file of corners: a header line that names the columns x, y and z (with or without the
 /// suffix `_m`; other columns are passed over), then a row per corner, in m. Lines that begin with `#` are
 /// comments.
-fn read(path: &Path) -> Result<Vec<[f64; 3]>, String> {
+pub fn read(path: &Path) -> Result<Vec<[f64; 3]>, String> {
     let place = path.display();
     let mut reader = csv::ReaderBuilder::new()
         .comment(Some(b'#'))

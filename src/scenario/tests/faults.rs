@@ -46,7 +46,7 @@ beam.toml:28:22: `contact.distance_tolerance`: 0.006 m is out of range; allowed:
 beam.toml:29:12: `contact.friction`: -0.1 is out of range; allowed: at least 0
 beam.toml:30:18: `contact.slip_tolerance`: 0.0 is out of range; allowed: greater than 0
 "#);
-    insta::assert_snapshot!(faults("[output]", "[sweep]\nrods = 1\n[output]"), @"beam.toml:26:2: `sweep`: sweeps are not in this version of rodlab (take the table out, and run the cases one by one with --set)");
+    insta::assert_snapshot!(faults("[output]", "[sweep]\nrods = 1\n[output]"), @"beam.toml:26:2: `sweep`: one case was asked for, and this is a sweep");
     insta::assert_snapshot!(faults("[output]", "[fluid]\nmodel = \"resistive\"\n[output]"), @"beam.toml:26:1: `fluid`: missing key `viscosity` (a viscosity, greater than 0)");
     insta::assert_snapshot!(faults("[output]", "[fluid]\nviscosity = 1\nfar_field_error = 1e-9\n[output]"), @"beam.toml:28:19: `fluid.far_field_error`: 1e-9 is out of range; allowed: 0, or from 1e-6 to 1e-2");
     insta::assert_snapshot!(faults("nodes = true", "nodes = 1979-05-27"), @"beam.toml:27:9: `output.nodes`: expected `true` or `false`, found a date");
@@ -54,8 +54,8 @@ beam.toml:30:18: `contact.slip_tolerance`: 0.0 is out of range; allowed: greater
     insta::assert_snapshot!(faults("experiment = \"scene\"\n", ""), @r#"beam.toml:1:1: missing key `experiment` ("scene", "flagella" or "knot-tightening")"#);
     insta::assert_snapshot!(faults("experiment = \"scene\"\n", "experiment = \"folding\"\n"), @r#"beam.toml:1:14: `experiment`: "folding" is not known here; allowed: scene, flagella, knot-tightening"#);
     insta::assert_snapshot!(read("").unwrap_err().to_string(), @r###"
-beam.toml:1:1: missing key `experiment` ("scene", "flagella" or "knot-tightening")
 beam.toml:1:1: `time`: missing key `end` (a time, greater than 0)
+beam.toml:1:1: missing key `experiment` ("scene", "flagella" or "knot-tightening")
 "###);
 }
 

@@ -9,6 +9,7 @@ mod model;
 mod quantity;
 mod rod;
 mod shape;
+mod sweep;
 
 pub use knot::Knot;
 pub use load::{Clamp, Load, Place, Plane};
@@ -18,6 +19,7 @@ pub use model::{
 pub use quantity::{Quantity, Vector};
 pub use rod::{CrossSection, Material, Rod, Stiffness};
 pub use shape::{Arc, Helix, NaturalShape, Points, Ring, Shape, Straight};
+pub use sweep::{End, Sample, SampleMethod, Search, SearchMethod, Sweep};
 
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -67,6 +69,9 @@ pub struct ScenarioFile {
     pub flagella: Option<Flagella>,
     /// The knot of the experiment "knot-tightening" and how it is pulled tight.
     pub knot: Option<Knot>,
+    /// Many cases of this scenario: keys with lists or ranges of values.
+    #[expect(dead_code, reason = "sweeps are taken out before files are decoded")]
+    pub sweep: Option<Sweep>,
 }
 
 /// The experiments.

@@ -1,8 +1,6 @@
 //! Independent answers that the checks compare with, each computed here from its continuum theory.
 
 pub mod beam;
-pub mod elastica;
 pub mod friction;
 pub mod localized_buckling;
-pub mod numerics;
 pub mod stokeslet;

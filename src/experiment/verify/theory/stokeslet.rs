@@ -1,7 +1,7 @@
 //! Drag of rods by regularised Stokeslet segments, with quadrature in place of closed forms and a dense
 //! solution in place of Krylov iterations.
 
-use super::numerics::gauss_legendre;
+use crate::mechanics::kirchhoff::numerics::gauss_legendre;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use std::f64::consts::PI;
 

@@ -65,7 +65,7 @@ impl Cantilever {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::verify::theory::numerics::gauss_legendre;
+    use crate::mechanics::kirchhoff::numerics::gauss_legendre;
 
     #[test]
     fn a_tip_load_satisfies_the_first_integral() {

@@ -1,0 +1,25 @@
+//! `rodlab gather`.
+
+use super::failure::Failure;
+use super::output::print;
+use super::sweep::verdict;
+use crate::experiment::sweep;
+use clap::Args;
+use std::path::PathBuf;
+
+/// Arguments of `rodlab gather`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Brings summary.csv, timings.csv and manifest.json up to date with the cases, whoever ran them. Works while tasks
+run, too.")]
+pub struct GatherArguments {
+    /// The results directory of a sweep
+    pub directory: PathBuf,
+}
+
+/// Makes the tables of a sweep from its cases.
+pub fn gather(arguments: &GatherArguments) -> Result<(), Failure> {
+    let outcome = sweep::gather(&arguments.directory)?;
+    print(&format!("{}\n", outcome.counts))?;
+    verdict(&outcome)
+}

@@ -1,0 +1,84 @@
+//! `rodlab measure`: material lengths of real rods and strips from their shape under gravity.
+
+use super::failure::Failure;
+use super::output::print_json;
+use super::solve::positive_length;
+use crate::mechanics::kirchhoff::{HangingStrip, HeavyLoop};
+use clap::{Args, Subcommand};
+use serde::Serialize;
+
+/// Arguments of `rodlab measure`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  rodlab measure loop-height --height \"34 mm\" --uncertainty \"0.5 mm\"
+  rodlab measure hanging-plate --length \"20 cm\" --drop \"7 cm\" --uncertainty \"1 mm\"
+
+The answer is JSON: the gravito-bending length L_gb in metres, and by how much it is uncertain. Bending
+stiffness / weight per length = 2 L_gb³.")]
+pub struct MeasureArguments {
+    /// What was measured
+    #[command(subcommand)]
+    shape: Shape,
+}
+
+#[derive(Debug, Subcommand)]
+enum Shape {
+    /// The height of the loop of a rod folded over onto itself on a table
+    LoopHeight {
+        /// Height of the centreline's highest point above where it lies, in metres or with a unit
+        #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
+        height: f64,
+        /// Standard uncertainty of the height
+        #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
+        uncertainty: Option<f64>,
+    },
+    /// How far the free end of a strip hangs down whose other end is held horizontally
+    HangingPlate {
+        /// Length beyond the holder, in metres or with a unit
+        #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
+        length: f64,
+        /// How far the free end lies below the held one
+        #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
+        drop: f64,
+        /// Standard uncertainty of the drop
+        #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
+        uncertainty: Option<f64>,
+    },
+}
+
+#[derive(Serialize)]
+struct Answer {
+    gravito_bending_length_m: f64,
+    uncertainty_m: Option<f64>,
+}
+
+/// Finds the gravito-bending length and prints it.
+pub fn measure(arguments: &MeasureArguments) -> Result<(), Failure> {
+    match arguments.shape {
+        Shape::LoopHeight {
+            height,
+            uncertainty,
+        } => {
+            let unit_height = HeavyLoop::new().height;
+            print_json(&Answer {
+                gravito_bending_length_m: height / unit_height,
+                uncertainty_m: uncertainty.map(|uncertainty| uncertainty / unit_height),
+            })
+        }
+        Shape::HangingPlate {
+            length,
+            drop,
+            uncertainty,
+        } => {
+            let strip = HangingStrip::of_drop(drop / length)
+                .map_err(|error| Failure::Input(error.to_string()))?;
+            // With ε = drop/length, L_gb = length/ℓ(ε): |dL_gb/d drop| = ℓ'(ε)/ℓ².
+            let by_drop = strip.length_by_drop / strip.length.powi(2);
+            print_json(&Answer {
+                gravito_bending_length_m: length / strip.length,
+                uncertainty_m: uncertainty.map(|uncertainty| uncertainty * by_drop),
+            })
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! `rodlab solve`: one exact answer as JSON.
+
+use super::failure::Failure;
+use super::output::print_json;
+use crate::mechanics::kirchhoff::{HangingStrip, HeavyLoop, Helix, critical_distance};
+use crate::scenario::metres;
+use clap::{Args, Subcommand, ValueEnum};
+use serde::Serialize;
+
+/// Arguments of `rodlab solve`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  rodlab solve helix --direction=1,1,-1
+  rodlab solve loop-height --gravito-bending-length \"3 cm\"
+  rodlab solve hanging-plate --length 0.2 --gravito-bending-length 0.1
+
+The gravito-bending length L_gb of a rod is (E h²/(8 ρ g))^(1/3) with its radius h, that of a strip
+(E h²/(24 ρ g))^(1/3) with its thickness h: bending stiffness / weight per length = 2 L_gb³.")]
+pub struct SolveArguments {
+    /// What to solve
+    #[command(subcommand)]
+    problem: Problem,
+}
+
+#[derive(Debug, Subcommand)]
+enum Problem {
+    /// The first loss of stability of a helical rod with clamped ends
+    #[command(after_help = "\
+A rod of length 1 and bending stiffness 1, naturally straight, is held at both ends in the shape of a helix of
+curvature κ and torsion τ with the twisting moment ω. `critical` is the norm of (κ, τ, ω) along the direction
+at which it ceases to be stable (Borum & Bretl 2020): null where it stays stable up to 100.")]
+    Helix(HelixArguments),
+    /// The height of the loop of a heavy rod folded over onto itself on a table
+    LoopHeight {
+        /// Gravito-bending length, in metres or with a unit
+        #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
+        gravito_bending_length: f64,
+    },
+    /// How far the free end of a strip hangs down whose other end is held horizontally
+    HangingPlate {
+        /// Length beyond the holder, in metres or with a unit
+        #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
+        length: f64,
+        /// Gravito-bending length, in metres or with a unit
+        #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
+        gravito_bending_length: f64,
+    },
+}
+
+#[derive(Debug, Args)]
+struct HelixArguments {
+    /// Direction; its length does not matter
+    #[arg(long, value_name = "κ,τ,ω", value_parser = direction, allow_hyphen_values = true)]
+    direction: Helix,
+    /// How
+    #[arg(long, default_value = "theory")]
+    method: HelixMethod,
+}
+
+/// Ways to a helix's critical distance.
+#[derive(Clone, Copy, Debug, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+enum HelixMethod {
+    /// Conjugate points of the continuous rod.
+    Theory,
+}
+
+#[derive(Serialize)]
+struct HelixAnswer {
+    critical: Option<f64>,
+    kappa: f64,
+    tau: f64,
+    omega: f64,
+    method: HelixMethod,
+    error_estimate: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct LoopAnswer {
+    height_m: f64,
+    free_length_m: f64,
+    gravito_bending_length_m: f64,
+}
+
+#[derive(Serialize)]
+struct StripAnswer {
+    drop_m: f64,
+    reach_m: f64,
+    length_m: f64,
+    gravito_bending_length_m: f64,
+}
+
+/// Solves a problem and prints the answer.
+pub fn solve(arguments: &SolveArguments) -> Result<(), Failure> {
+    match &arguments.problem {
+        Problem::Helix(arguments) => print_json(&helix(arguments)),
+        Problem::LoopHeight {
+            gravito_bending_length,
+        } => {
+            let heavy_loop = HeavyLoop::new();
+            print_json(&LoopAnswer {
+                height_m: heavy_loop.height * gravito_bending_length,
+                free_length_m: heavy_loop.length * gravito_bending_length,
+                gravito_bending_length_m: *gravito_bending_length,
+            })
+        }
+        Problem::HangingPlate {
+            length,
+            gravito_bending_length,
+        } => {
+            let strip = HangingStrip::of_length(length / gravito_bending_length)
+                .map_err(|error| Failure::Input(error.to_string()))?;
+            print_json(&StripAnswer {
+                drop_m: strip.drop * length,
+                reach_m: strip.reach * length,
+                length_m: *length,
+                gravito_bending_length_m: *gravito_bending_length,
+            })
+        }
+    }
+}
+
+/// With the direction as a unit vector; at the boundary (κ, τ, ω) is `critical` times it.
+fn helix(arguments: &HelixArguments) -> HelixAnswer {
+    let HelixArguments { direction, method } = arguments;
+    let unit = direction.scaled(1.0 / direction.distance());
+    let critical = critical_distance(&unit);
+    HelixAnswer {
+        critical: critical.map(|critical| critical.distance),
+        kappa: unit.curvature,
+        tau: unit.torsion,
+        omega: unit.twisting_moment,
+        method: *method,
+        error_estimate: critical.map(|critical| critical.error_estimate),
+    }
+}
+
+fn direction(text: &str) -> Result<Helix, String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
+    let Ok([curvature, torsion, twisting_moment]) = numbers.as_deref() else {
+        return Err("three numbers with commas between them are needed, as in 1,1,-1".into());
+    };
+    let helix = Helix {
+        curvature: *curvature,
+        torsion: *torsion,
+        twisting_moment: *twisting_moment,
+    };
+    if !helix.distance().is_finite() || helix.distance() == 0.0 {
+        return Err("the direction must be finite and not zero".into());
+    }
+    if helix.curvature < 0.0 {
+        return Err(
+            "the curvature κ must not be negative: turn the rod about its axis instead".into(),
+        );
+    }
+    Ok(helix)
+}
+
+/// A length above zero, in metres.
+pub(super) fn positive_length(text: &str) -> Result<f64, String> {
+    let length = metres(text)?;
+    if length > 0.0 && length.is_finite() {
+        Ok(length)
+    } else {
+        Err("must be a length above 0".into())
+    }
+}

@@ -1,0 +1,174 @@
+//! `rodlab submit`.
+
+use super::failure::Failure;
+use super::output::print;
+use super::sweep::refuse_too_many;
+use crate::cluster::{self, Jobs, Program, Request, TaskState};
+use crate::experiment::RunOptions;
+use crate::experiment::sweep::{self, Shard};
+use crate::results::{CaseRecord, SCENARIO};
+use crate::scenario::{Case, Family};
+use clap::Args;
+use std::path::{Path, PathBuf};
+
+/// Tasks of a job array unless the user says otherwise.
+const TASKS: usize = 64;
+
+/// Arguments of `rodlab submit`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  rodlab submit sweep.toml --partition short --time 2:00:00 --memory 2G --cores 4 --tasks 32
+  rodlab submit sweep.toml --array-limit 10 --extra=--constraint=avx2 --prologue \"module load gcc\"
+  rodlab submit sweep.toml --wrapper \"apptainer exec rodlab.sif\" --print    the script only
+
+Each task of the job array runs one share of the cases. A minute before its time limit it writes checkpoints and
+puts itself into the queue again. The same command again submits what is neither finished nor in the queue, for
+example after `scancel`. `rodlab status DIR` shows how it stands, `rodlab gather DIR` makes the tables of the whole.")]
+pub struct SubmitArguments {
+    /// The scenario file, with what is varied
+    pub scenario: PathBuf,
+    /// Set a key of the scenario; may be given several times
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub overrides: Vec<String>,
+    /// Run a case for each value of a key, as in `rodlab run`
+    #[arg(long, value_name = "KEY=VALUES")]
+    pub vary: Vec<String>,
+    /// Where the results go, seen by all machines [default: results/<name of the scenario>]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Tasks of the job array, among which the cases are shared [default: one per case, at most 64]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub tasks: Option<u32>,
+    /// Tasks that run at a time
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub array_limit: Option<u32>,
+    /// The partition
+    #[arg(long, value_name = "NAME")]
+    pub partition: Option<String>,
+    /// Time limit of a task in the words of Slurm, such as 8:00:00
+    #[arg(long, value_name = "TIME")]
+    pub time: Option<String>,
+    /// Memory of a task, such as 2G
+    #[arg(long, value_name = "SIZE")]
+    pub memory: Option<String>,
+    /// Cores of a task; so many of its cases run at a time
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
+    pub cores: u16,
+    /// The account that is charged
+    #[arg(long, value_name = "NAME")]
+    pub account: Option<String>,
+    /// A further option of sbatch, such as --extra=--constraint=avx2; may be given several times
+    #[arg(long, value_name = "OPTION", allow_hyphen_values = true)]
+    pub extra: Vec<String>,
+    /// A line of shell before the program starts, such as \"module load gcc\"; may be given several times
+    #[arg(long, value_name = "LINE")]
+    pub prologue: Vec<String>,
+    /// Words in front of the program, such as \"apptainer exec rodlab.sif\"
+    #[arg(long, value_name = "WORDS")]
+    pub wrapper: Option<String>,
+    /// Submit more than 100000 cases
+    #[arg(long)]
+    pub yes: bool,
+    /// Print the batch script instead of submitting it
+    #[arg(long)]
+    pub print: bool,
+}
+
+/// Submits what is neither finished nor in the queue.
+pub fn submit(arguments: &SubmitArguments) -> Result<(), Failure> {
+    let family = Family::load(&arguments.scenario, &arguments.overrides, &arguments.vary)?;
+    refuse_too_many(&family, arguments.yes)?;
+    if !family.is_sweep() {
+        return Err(Failure::Input(
+            "nothing is varied: a job array needs a [sweep] or --vary".to_owned(),
+        ));
+    }
+    if family.search().is_some() {
+        return Err(Failure::Input(
+            "a search runs its cases one after the other: use `rodlab run`".to_owned(),
+        ));
+    }
+    let directory = arguments
+        .out
+        .clone()
+        .unwrap_or_else(|| Path::new("results").join(family.name()));
+    let directory = std::path::absolute(&directory)
+        .map_err(|error| Failure::System(format!("{}: {error}", directory.display())))?;
+    let known = Jobs::read(&directory)?;
+    let mut jobs = known.unwrap_or_else(|| Jobs {
+        tasks: tasks_of(&family, arguments.tasks),
+        jobs: Vec::new(),
+    });
+    let executable = std::env::current_exe()
+        .map_err(|error| Failure::System(format!("where this program lies: {error}")))?;
+    let program = Program {
+        executable,
+        scenario: directory.join(SCENARIO),
+        directory: directory.clone(),
+        tasks: jobs.tasks,
+    };
+    let request = request(arguments, family.name());
+    if arguments.print {
+        let all: Vec<usize> = (1..=jobs.tasks).collect();
+        return print(&cluster::script(&program, &request, &all));
+    }
+    sweep::establish(&family, &RunOptions::new(&directory))?;
+    let queue = cluster::tasks(&jobs.jobs)?;
+    let left: Vec<usize> = unfinished_tasks(&sweep::standing(&directory)?, jobs.tasks)
+        .into_iter()
+        .filter(|task| {
+            queue
+                .get(task)
+                .is_none_or(|task| task.state == TaskState::Ended)
+        })
+        .collect();
+    if left.is_empty() {
+        return print("nothing to submit: every task is finished, or in the queue\n");
+    }
+    let job = cluster::submit(&program, &request, &left, &mut jobs)?;
+    print(&format!(
+        "{:<24}{job}\n{:<24}{} of {}\n{:<24}{}\n",
+        "job",
+        "tasks",
+        left.len(),
+        jobs.tasks,
+        "results",
+        directory.display()
+    ))
+}
+
+fn tasks_of(family: &Family, asked: Option<u32>) -> usize {
+    let cases = usize::try_from(family.count()).unwrap_or(usize::MAX);
+    asked.map_or(TASKS, |tasks| tasks as usize).min(cases)
+}
+
+/// Tasks with cases that are not over.
+fn unfinished_tasks(standing: &[(Case, CaseRecord)], tasks: usize) -> Vec<usize> {
+    (1..=tasks)
+        .filter(|number| {
+            let shard = Shard {
+                number: *number,
+                of: tasks,
+            };
+            shard
+                .indices(standing.len())
+                .any(|index| !standing[index].1.status.is_final())
+        })
+        .collect()
+}
+
+fn request(arguments: &SubmitArguments, name: &str) -> Request {
+    Request {
+        name: name.to_owned(),
+        partition: arguments.partition.clone(),
+        time: arguments.time.clone(),
+        memory: arguments.memory.clone(),
+        cores: arguments.cores,
+        account: arguments.account.clone(),
+        array_limit: arguments.array_limit,
+        extra: arguments.extra.clone(),
+        prologue: arguments.prologue.clone(),
+        wrapper: arguments.wrapper.clone(),
+    }
+}

@@ -1,0 +1,182 @@
+//! Sweeps of `rodlab run`: which cases there are, and what became of them.
+
+use super::failure::Failure;
+use super::output::print;
+use super::run::RunArguments;
+use crate::experiment::RunOptions;
+use crate::experiment::sweep::{
+    self, Found, SEARCH_TABLE, Shard, SweepOptions, SweepOutcome, derived_numbers_of,
+};
+use crate::scenario::{Family, Parameter};
+use std::fmt::Write;
+use std::num::NonZeroUsize;
+
+/// Cases beyond which `--yes` must be given.
+const MOST_CASES: u128 = 100_000;
+/// Cases whose cost is derived one by one; for more it is extrapolated.
+const COSTED_CASES: usize = 1000;
+
+/// Reads `K/N`.
+pub fn shard(text: &str) -> Result<Shard, String> {
+    let (number, of) = text.split_once('/').ok_or("expected K/N, such as 1/4")?;
+    let whole = |text: &str| text.trim().parse::<usize>();
+    match (whole(number), whole(of)) {
+        (Ok(number), Ok(of)) if (1..=of).contains(&number) => Ok(Shard { number, of }),
+        _ => Err("expected K/N with 1 ≤ K ≤ N, such as 1/4".to_owned()),
+    }
+}
+
+/// Runs a sweep, or lists its cases.
+pub fn run(arguments: &RunArguments, family: &Family, options: RunOptions) -> Result<(), Failure> {
+    refuse_too_many(family, arguments.yes)?;
+    let jobs = arguments.jobs.map(usize::from);
+    let jobs = jobs.unwrap_or_else(rayon::current_num_threads);
+    if arguments.dry_run {
+        return list(family, arguments.shard, jobs);
+    }
+    let options = SweepOptions {
+        run: options,
+        jobs: NonZeroUsize::new(jobs).unwrap_or(NonZeroUsize::MIN),
+        shard: arguments.shard,
+        retry_failed: arguments.retry_failed,
+        fail_fast: arguments.fail_fast,
+    };
+    report(family, &sweep::run_sweep(family, &options)?)
+}
+
+/// Refuses numbers of cases that are more likely a slip of the fingers.
+pub fn refuse_too_many(family: &Family, yes: bool) -> Result<(), Failure> {
+    let count = family.count();
+    let countable = usize::try_from(count).is_ok();
+    if count > MOST_CASES && !(yes && countable) {
+        return Err(Failure::Input(format!(
+            "the sweep has {count} cases; if you mean it, add --yes"
+        )));
+    }
+    Ok(())
+}
+
+/// Prints the cases of a share, their values and what they would cost.
+fn list(family: &Family, shard: Shard, jobs: usize) -> Result<(), Failure> {
+    sweep::check_every_value(family)?;
+    let count = family.count() as usize;
+    let mut text = String::new();
+    for index in shard.indices(count) {
+        let case = family.case(index);
+        // Writing to a string cannot fail.
+        let _ = write!(text, "{}", case.id);
+        for Parameter { key, typed, .. } in &case.parameters {
+            let _ = write!(text, "  {key} = {typed}");
+        }
+        text.push('\n');
+    }
+    let cases = shard.indices(count).count();
+    let _ = writeln!(
+        text,
+        "{cases} cases, {jobs} at a time; {}",
+        cost(family, shard, jobs)?
+    );
+    if let Some(search) = family.search() {
+        let _ = writeln!(
+            text,
+            "each a search by `{}`, of several cases",
+            search.objective
+        );
+    }
+    print(&text)
+}
+
+/// A guess of the time that the cases take.
+fn cost(family: &Family, shard: Shard, jobs: usize) -> Result<String, Failure> {
+    let indices: Vec<usize> = shard.indices(family.count() as usize).collect();
+    let costed = indices.len().min(COSTED_CASES);
+    let mut seconds = 0.0;
+    for place in 0..costed {
+        // Spread over the sweep: its ends may cost differently.
+        let index = indices[place * indices.len() / costed];
+        match derived_numbers_of(family, index)?.rough_wall_time {
+            Some(time) => seconds += time,
+            None => return Ok("no guess of the time they take".to_owned()),
+        }
+    }
+    let seconds = seconds * indices.len() as f64 / (costed.max(1) * jobs) as f64;
+    Ok(format!(
+        "roughly {seconds:.1} s, without contact, right to a factor of three"
+    ))
+}
+
+/// Prints what a sweep came to; cases that failed decide the exit code.
+pub fn report(family: &Family, outcome: &SweepOutcome) -> Result<(), Failure> {
+    let mut text = format!("{}\n", outcome.counts);
+    let mut line = |name: &str, value: String| {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{name:<24}{value}");
+    };
+    line("results", outcome.directory.display().to_string());
+    for found in &outcome.found {
+        line("found", found_in_words(family, found));
+    }
+    if !outcome.found.is_empty() {
+        line(
+            "table",
+            outcome.directory.join(SEARCH_TABLE).display().to_string(),
+        );
+    }
+    print(&text)?;
+    verdict(outcome)
+}
+
+/// The failure of the worst case, if any failed.
+pub fn verdict(outcome: &SweepOutcome) -> Result<(), Failure> {
+    match outcome.exit_code() {
+        0 => Ok(()),
+        exit_code => Err(Failure::Cases {
+            exit_code,
+            message: why(outcome),
+        }),
+    }
+}
+
+fn found_in_words(family: &Family, found: &Found) -> String {
+    let case = family.searched_case(found.index, found.value.unwrap_or(found.interval[0]));
+    let mut words: Vec<String> = case
+        .parameters
+        .iter()
+        .map(|parameter| format!("{} = {}", parameter.key, parameter.typed))
+        .collect();
+    if let Some(trouble) = &found.trouble {
+        words.pop();
+        words.push(trouble.clone());
+    }
+    format!("{} ({} cases)", words.join(", "), found.evaluations)
+}
+
+fn why(outcome: &SweepOutcome) -> String {
+    let directory = outcome.directory.display();
+    if outcome.interrupted.is_some() {
+        return format!("stopped; the same command continues in `{directory}`");
+    }
+    if outcome.counts.not_good() > 0 {
+        return format!(
+            "{} cases failed; `{directory}/manifest.json` says why, and --retry-failed tries them again",
+            outcome.counts.not_good()
+        );
+    }
+    if outcome.counts.unfinished > 0 {
+        return format!("not all cases were run; the same command continues in `{directory}`");
+    }
+    "the search came to no end".to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_are_counted_from_one() {
+        assert_eq!(shard("2/3"), Ok(Shard { number: 2, of: 3 }));
+        for text in ["0/3", "4/3", "2", "a/b", "-1/2", "1/0"] {
+            assert!(shard(text).is_err(), "{text}");
+        }
+    }
+}

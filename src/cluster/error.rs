@@ -1,0 +1,43 @@
+//! What can go wrong with Slurm.
+
+use std::io;
+use std::path::PathBuf;
+
+/// Why Slurm did not do what it was asked to.
+#[derive(Debug, thiserror::Error)]
+pub enum ClusterError {
+    /// A program of Slurm is missing (exit code 1).
+    #[error("cannot call `{program}`: {source}; is Slurm on this machine, and on the PATH?")]
+    Missing {
+        /// The program.
+        program: &'static str,
+        /// What the operating system said.
+        source: io::Error,
+    },
+    /// A program of Slurm failed (exit code 1).
+    #[error("`{program}` failed: {message}")]
+    Failed {
+        /// The program.
+        program: &'static str,
+        /// What it said.
+        message: String,
+    },
+    /// A file of the results directory could not be read or written (exit code 1).
+    #[error("cannot {action} `{}`: {source}", path.display())]
+    Io {
+        /// What was tried.
+        action: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// What the operating system said.
+        source: io::Error,
+    },
+    /// The record of the jobs is damaged (exit code 1).
+    #[error("`{}` cannot be understood: {reason}", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+}

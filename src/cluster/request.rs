@@ -1,0 +1,46 @@
+//! What is asked of Slurm.
+
+/// What is asked of Slurm for each task of a job array; what is not asked for is as the cluster has it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Request {
+    /// Name of the job.
+    pub name: String,
+    /// `--partition`.
+    pub partition: Option<String>,
+    /// `--time`, in the words of Slurm, such as `8:00:00`.
+    pub time: Option<String>,
+    /// `--mem`, such as `2G`.
+    pub memory: Option<String>,
+    /// `--cpus-per-task`.
+    pub cores: u16,
+    /// `--account`.
+    pub account: Option<String>,
+    /// Tasks that run at a time.
+    pub array_limit: Option<u32>,
+    /// Further options of `sbatch`, a line each, such as `--constraint=avx2`.
+    pub extra: Vec<String>,
+    /// Lines of shell before the program starts, such as `module load gcc`.
+    pub prologue: Vec<String>,
+    /// Words in front of the program, such as `apptainer exec rodlab.sif`.
+    pub wrapper: Option<String>,
+}
+
+impl Request {
+    /// The options in the order in which the script has them.
+    pub(super) fn options(&self) -> Vec<String> {
+        let mut options = vec![
+            format!("--job-name={}", self.name),
+            format!("--cpus-per-task={}", self.cores),
+        ];
+        for (option, value) in [
+            ("partition", &self.partition),
+            ("time", &self.time),
+            ("mem", &self.memory),
+            ("account", &self.account),
+        ] {
+            options.extend(value.as_ref().map(|value| format!("--{option}={value}")));
+        }
+        options.extend(self.extra.iter().cloned());
+        options
+    }
+}

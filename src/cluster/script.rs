@@ -1,0 +1,189 @@
+//! The batch script of a job array.
+
+use super::Request;
+use super::submission::LOGS;
+use std::path::{Path, PathBuf};
+
+/// Seconds before its time limit at which Slurm tells a task, so that it writes its checkpoints.
+const WARNING_SECONDS: u32 = 60;
+/// Times that a task puts itself into the queue again. It does so only after progress, or after it was killed;
+/// a task that is killed at once each time must come to an end, too.
+const MOST_RESTARTS: u32 = 100;
+
+/// The program that the tasks run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Program {
+    /// The executable.
+    pub executable: PathBuf,
+    /// The results directory, absolute.
+    pub directory: PathBuf,
+    /// The scenario in it.
+    pub scenario: PathBuf,
+    /// Number of tasks, which is that of the shares.
+    pub tasks: usize,
+}
+
+/// The script that runs the given tasks (counted from 1).
+///
+/// Task K runs the K-th share of the cases. A task that is told that its time is nearly up writes checkpoints
+/// and puts itself into the queue again; so does one whose program was killed. One that is cancelled writes
+/// checkpoints, if Slurm leaves it the time, and stays out of the queue.
+pub fn script(program: &Program, request: &Request, tasks: &[usize]) -> String {
+    let logs = program.directory.join(LOGS).join("%A_%a.log");
+    let limit = request
+        .array_limit
+        .map_or(String::new(), |limit| format!("%{limit}"));
+    let mut options = request.options();
+    options.extend([
+        format!("--array={}{limit}", ranges(tasks)),
+        format!("--output={}", logs.display()),
+        "--open-mode=append".to_owned(),
+        "--requeue".to_owned(),
+        format!("--signal=B:USR1@{WARNING_SECONDS}"),
+    ]);
+    let options: String = options
+        .iter()
+        .map(|option| format!("#SBATCH {option}\n"))
+        .collect();
+    let prologue: String = request
+        .prologue
+        .iter()
+        .map(|line| format!("{line}\n"))
+        .collect();
+    let wrapper = request
+        .wrapper
+        .as_ref()
+        .map_or(String::new(), |words| format!("{words} "));
+    format!(
+        r#"#!/bin/bash
+# Written by `rodlab submit`: each task runs its share of the cases, and goes on where it was.
+{options}
+{prologue}
+{wrapper}{executable} run {scenario} --out {directory} \
+    --shard "$SLURM_ARRAY_TASK_ID/{tasks}" --jobs {cores} --threads {cores} &
+program=$!
+
+# Signals come to this script. A wait that a signal cuts short must be taken up again.
+signalled=yes
+cancelled=
+trap 'signalled=yes; kill -USR1 $program' USR1
+trap 'signalled=yes; cancelled=yes; kill -USR1 $program' TERM INT
+while [ -n "$signalled" ]; do
+    signalled=
+    wait $program
+    code=$?
+done
+
+# 5: out of time, with checkpoints; 137: killed.
+if [ -z "$cancelled" ] && {{ [ $code = 5 ] || [ $code = 137 ]; }} \
+    && [ "${{SLURM_RESTART_COUNT:-0}}" -lt {MOST_RESTARTS} ]; then
+    scontrol requeue "${{SLURM_ARRAY_JOB_ID}}_${{SLURM_ARRAY_TASK_ID}}"
+fi
+exit $code
+"#,
+        executable = quoted(&program.executable),
+        scenario = quoted(&program.scenario),
+        directory = quoted(&program.directory),
+        tasks = program.tasks,
+        cores = request.cores,
+    )
+}
+
+/// A path as one word of the shell.
+fn quoted(path: &Path) -> String {
+    format!("'{}'", path.display().to_string().replace('\'', r"'\''"))
+}
+
+/// Growing numbers as Slurm writes them: `1-3,7`.
+fn ranges(tasks: &[usize]) -> String {
+    let mut parts: Vec<[usize; 2]> = Vec::new();
+    for task in tasks {
+        match parts.last_mut() {
+            Some([_, last]) if *last + 1 == *task => *last = *task,
+            _ => parts.push([*task, *task]),
+        }
+    }
+    let text = |[first, last]: &[usize; 2]| {
+        if first == last {
+            first.to_string()
+        } else {
+            format!("{first}-{last}")
+        }
+    };
+    parts.iter().map(text).collect::<Vec<_>>().join(",")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_joined_to_ranges() {
+        assert_eq!(ranges(&[1, 2, 3, 7, 9, 10]), "1-3,7,9-10");
+        assert_eq!(ranges(&[4]), "4");
+    }
+
+    #[test]
+    fn the_script_asks_for_what_was_requested() {
+        let program = Program {
+            executable: "/opt/rod's/rodlab".into(),
+            directory: "/data/swings".into(),
+            scenario: "/data/swings/scenario.toml".into(),
+            tasks: 8,
+        };
+        let request = Request {
+            name: "swings".into(),
+            partition: Some("short".into()),
+            time: Some("1:00:00".into()),
+            memory: Some("2G".into()),
+            cores: 4,
+            account: None,
+            array_limit: Some(3),
+            extra: vec!["--constraint=avx2".into()],
+            prologue: vec!["module load gcc".into()],
+            wrapper: Some("apptainer exec rods.sif".into()),
+        };
+        let script = script(&program, &request, &[1, 2, 5]);
+        let head = script.split("# Signals").next().unwrap();
+        insta::assert_snapshot!(head, @r#"
+        #!/bin/bash
+        # Written by `rodlab submit`: each task runs its share of the cases, and goes on where it was.
+        #SBATCH --job-name=swings
+        #SBATCH --cpus-per-task=4
+        #SBATCH --partition=short
+        #SBATCH --time=1:00:00
+        #SBATCH --mem=2G
+        #SBATCH --constraint=avx2
+        #SBATCH --array=1-2,5%3
+        #SBATCH --output=/data/swings/slurm/%A_%a.log
+        #SBATCH --open-mode=append
+        #SBATCH --requeue
+        #SBATCH --signal=B:USR1@60
+
+        module load gcc
+
+        apptainer exec rods.sif '/opt/rod'\''s/rodlab' run '/data/swings/scenario.toml' --out '/data/swings' \
+            --shard "$SLURM_ARRAY_TASK_ID/8" --jobs 4 --threads 4 &
+        program=$!
+        "#);
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn the_shell_understands_the_script() {
+        let program = Program {
+            executable: "rodlab".into(),
+            directory: "/data/a b".into(),
+            scenario: "/data/a b/scenario.toml".into(),
+            tasks: 1,
+        };
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("script");
+        std::fs::write(&path, script(&program, &Request::default(), &[1])).unwrap();
+        let checked = std::process::Command::new("bash")
+            .arg("-n")
+            .arg(path)
+            .status();
+        assert!(checked.unwrap().success());
+    }
+}

@@ -1,0 +1,113 @@
+//! Rows of a table as curves, a curve for each group of rows.
+
+use crate::figure::Curve;
+use crate::results::Table;
+use std::collections::BTreeSet;
+
+/// Which group each row of a table belongs to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Grouping {
+    /// Names of the groups in the order of their first rows.
+    pub names: Vec<String>,
+    /// Number of the group of each row.
+    pub groups: Vec<usize>,
+}
+
+impl Grouping {
+    /// Rows with the same cells in `columns` are a group; without columns all rows are one.
+    pub fn of(table: &Table, columns: &[&str]) -> Self {
+        let cells: Vec<Vec<&str>> = columns
+            .iter()
+            .filter_map(|column| Some(table.column(column)?.collect()))
+            .collect();
+        let name = |row: usize| {
+            let pairs = columns.iter().zip(&cells);
+            let pairs = pairs.map(|(column, cells)| format!("{column} = {}", shown(cells[row])));
+            pairs.collect::<Vec<_>>().join(", ")
+        };
+        let mut names: Vec<String> = Vec::new();
+        let groups = (0..table.len())
+            .map(|row| {
+                let name = name(row);
+                names
+                    .iter()
+                    .position(|known| *known == name)
+                    .unwrap_or_else(|| {
+                        names.push(name);
+                        names.len() - 1
+                    })
+            })
+            .collect();
+        Self { names, groups }
+    }
+}
+
+/// The curves of (x, y) by group, points in the order of x; rows without x are left out.
+pub(super) fn curves(x: &[Option<f64>], y: &[Option<f64>], grouping: &Grouping) -> Vec<Curve> {
+    let curve = |(group, name): (usize, &String)| {
+        let rows = (0..x.len()).filter(|row| grouping.groups[*row] == group);
+        let mut points: Vec<(f64, Option<f64>)> =
+            rows.filter_map(|row| Some((x[row]?, y[row]))).collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Curve {
+            name: name.clone(),
+            points,
+        }
+    };
+    grouping.names.iter().enumerate().map(curve).collect()
+}
+
+/// Number of unlike cells of a column, empty ones not counted.
+pub(super) fn value_count(table: &Table, column: &str) -> usize {
+    let cells = table.column(column).into_iter().flatten();
+    let unlike: BTreeSet<&str> = cells.filter(|cell| !cell.is_empty()).collect();
+    unlike.len()
+}
+
+/// Whether a column holds more than one value.
+pub(super) fn varies(table: &Table, column: &str) -> bool {
+    value_count(table, column) > 1
+}
+
+/// A cell as a legend shows it: numbers to four digits.
+pub(super) fn shown(cell: &str) -> String {
+    match cell.parse::<f64>() {
+        Ok(number) if number.is_finite() => {
+            let rounded: f64 = format!("{number:.3e}")
+                .parse()
+                .expect("a number as written");
+            format!("{rounded}")
+        }
+        _ => cell.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_shown_shortly() {
+        for (cell, text) in [
+            ("0.13572088083", "0.1357"),
+            ("1.0", "1"),
+            ("imc", "imc"),
+            ("12345", "12340"),
+        ] {
+            assert_eq!(shown(cell), text);
+        }
+    }
+
+    #[test]
+    fn points_of_a_curve_come_in_the_order_of_x_and_gaps_stay() {
+        let grouping = Grouping {
+            names: vec!["a".into(), "b".into()],
+            groups: vec![0, 1, 0, 0],
+        };
+        let x = [Some(3.0), Some(1.0), Some(2.0), None];
+        let y = [Some(9.0), Some(1.0), None, Some(7.0)];
+        let curves = curves(&x, &y, &grouping);
+        assert_eq!(curves[0].points, [(2.0, None), (3.0, Some(9.0))]);
+        assert_eq!(curves[1].points, [(1.0, Some(1.0))]);
+    }
+}

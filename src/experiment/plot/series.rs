@@ -1,0 +1,73 @@
+//! The series of a run over time.
+
+use crate::figure::{Curve, LinePlot};
+use crate::results::SeriesRow;
+
+/// A column of the series.
+type Column = fn(&SeriesRow) -> Option<f64>;
+
+/// Energies in one plot, then contacts, distance and iterations; what is always zero or empty is left out.
+pub(super) fn series_plots(series: &[SeriesRow]) -> Vec<LinePlot> {
+    let energies: [(&str, Column); 6] = [
+        ("kinetic", |row| Some(row.kinetic_energy_j)),
+        ("stretching", |row| Some(row.stretching_energy_j)),
+        ("bending", |row| Some(row.bending_energy_j)),
+        ("twisting", |row| Some(row.twisting_energy_j)),
+        ("contact", |row| Some(row.contact_energy_j)),
+        ("gravitational", |row| Some(row.gravitational_energy_j)),
+    ];
+    let others: [(&str, Column); 3] = [
+        ("Contacts", |row| {
+            row.contacts.map(|contacts| contacts as f64)
+        }),
+        ("Smallest distance in mm", |row| {
+            row.min_distance_m.map(|distance| 1e3 * distance)
+        }),
+        ("Newton iterations", |row| row.newton_iterations),
+    ];
+    let curve = |name: &str, column: Column| Curve {
+        name: name.into(),
+        points: series.iter().map(|row| (row.time_s, column(row))).collect(),
+    };
+    let energies: Vec<Curve> = energies
+        .into_iter()
+        .map(|(name, column)| curve(name, column))
+        .filter(|curve| curve.points.iter().any(|(_, energy)| *energy != Some(0.0)))
+        .collect();
+    let energy = LinePlot {
+        label: "Energy in J".into(),
+        curves: energies,
+    };
+    let others = others.into_iter().map(|(label, column)| LinePlot {
+        label: label.into(),
+        curves: vec![curve(label, column)],
+    });
+    let plots = std::iter::once(energy).chain(others);
+    let has_values = |curve: &Curve| curve.points.iter().any(|(_, y)| y.is_some());
+    plots
+        .filter(|plot| plot.curves.iter().any(has_values))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn energies_that_are_always_zero_and_empty_columns_are_not_plotted() {
+        let row = |time_s| SeriesRow {
+            time_s,
+            contacts: Some(3),
+            bending_energy_j: 1e-3 * time_s,
+            ..SeriesRow::default()
+        };
+        let plots = series_plots(&[row(0.0), row(1.0)]);
+        let labels: Vec<&str> = plots.iter().map(|plot| plot.label.as_str()).collect();
+        assert_eq!(labels, ["Energy in J", "Contacts"]);
+        assert_eq!(plots[0].curves.len(), 1);
+        assert_eq!(
+            plots[0].curves[0].points,
+            [(0.0, Some(0.0)), (1.0, Some(1e-3))]
+        );
+    }
+}

@@ -1,0 +1,63 @@
+#version 300 es
+// A tube of true radius around the Catmull–Rom spline through the nodes of a rod, one segment an instance.
+// Positions come from textures of the two outputs between which the shown time lies.
+precision highp float;
+precision highp int;
+precision highp usampler2D;
+
+in vec3 ring;       // along the segment 0…1, onto the round ends −1…1, angle around
+in ivec4 nodes;     // before, start, end, after; the same as its neighbour where a rod ends
+in vec2 rod;        // radius in m, colour index
+
+uniform usampler2D positions[2];
+uniform sampler2D values[2];
+uniform float blend;
+uniform vec3 lower;
+uniform vec3 level;
+uniform mat4 projection;
+
+out vec3 normal;
+out vec3 place;
+out float value;
+flat out int colour;
+
+ivec2 texel(int node) {
+  return ivec2(node & 1023, node >> 10);
+}
+
+vec3 at(int node) {
+  ivec2 where = texel(node);
+  vec3 before = vec3(texelFetch(positions[0], where, 0).xyz);
+  vec3 after = vec3(texelFetch(positions[1], where, 0).xyz);
+  return lower + level * mix(before, after, blend);
+}
+
+float valueAt(int node) {
+  ivec2 where = texel(node);
+  return mix(texelFetch(values[0], where, 0).r, texelFetch(values[1], where, 0).r, blend);
+}
+
+void main() {
+  vec3 a = at(nodes.y), b = at(nodes.z), chord = b - a;
+  bool starts = nodes.x == nodes.y, ends = nodes.z == nodes.w;
+  vec3 leaving = starts ? chord : 0.5 * (b - at(nodes.x));
+  vec3 arriving = ends ? chord : 0.5 * (at(nodes.w) - a);
+
+  float s = ring.x, r = 1.0 - s;
+  vec3 centre = r * r * (1.0 + 2.0 * s) * a + s * s * (3.0 - 2.0 * s) * b
+    + s * r * (r * leaving - s * arriving);
+  vec3 tangent = normalize(6.0 * s * r * chord + r * (1.0 - 3.0 * s) * leaving + s * (3.0 * s - 2.0) * arriving);
+
+  // Directions around: fixed on the segment, made normal to the tangent of the ring.
+  vec3 along = normalize(chord);
+  vec3 aside = abs(along.z) < 0.8 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0);
+  vec3 first = normalize(aside - tangent * dot(tangent, aside));
+  vec3 second = cross(tangent, first);
+
+  float cap = (ring.y < 0.0 && !starts) || (ring.y > 0.0 && !ends) ? 0.0 : 1.5707963 * ring.y;
+  normal = cos(cap) * (cos(ring.z) * first + sin(ring.z) * second) + sin(cap) * tangent;
+  place = centre + rod.x * normal;
+  value = mix(valueAt(nodes.y), valueAt(nodes.z), s);
+  colour = int(rod.y);
+  gl_Position = projection * vec4(place, 1.0);
+}

@@ -1,0 +1,88 @@
+//! Where surfaces touch, for pictures: no forces, no memory.
+
+use super::broad_phase::BroadPhase;
+use super::closest_points::ClosestPoints;
+use super::surface::{ContactPlane, ContactSurface};
+use crate::mechanics::Vector3;
+
+/// Points at which rods touch each other or a plane: where the gap between the surfaces is below
+/// `clearance` (m). A point lies in the middle of the gap between two rods, or on the plane.
+///
+/// `positions`: of all nodes, m.
+pub fn touching_points(
+    surface: &ContactSurface,
+    planes: &[ContactPlane],
+    positions: &[Vector3],
+    clearance: f64,
+) -> Vec<Vector3> {
+    let mut pairs = Vec::new();
+    BroadPhase::default().find(surface, positions, clearance, &mut pairs);
+    let mut points: Vec<Vector3> = pairs
+        .iter()
+        .map(|(pair, _)| {
+            let nodes = pair.nodes.map(|node| positions[node]);
+            let closest = ClosestPoints::of(&nodes);
+            let on_second = nodes[2] + (nodes[3] - nodes[2]) * closest.ratios[1];
+            let [first, second] = pair.edges.map(|edge| surface.edges()[edge].radius);
+            // The middle of the gap: nearer to the centreline of the thinner rod.
+            let part = 0.5 * (1.0 + (second - first) / closest.distance());
+            on_second + closest.separation * part
+        })
+        .collect();
+    for plane in planes {
+        for node in surface.nodes() {
+            let position = positions[node.node];
+            let distance = plane.distance(&position);
+            if distance < node.radius + clearance {
+                points.push(position - plane.normal * distance);
+            }
+        }
+    }
+    points
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A thin rod along x on the plane z = 0, a thick one along y above it.
+    fn cross(gap: f64) -> (ContactSurface, Vec<Vector3>) {
+        let mut surface = ContactSurface::new();
+        let low = [
+            Vector3::new(-1.0, 0.0, 0.1),
+            Vector3::new(1.0, 0.0, 0.1 + 1e-6),
+        ];
+        let height = 0.1 + 0.1 + 0.3 + gap;
+        let high = [
+            Vector3::new(0.0, -1.0, height),
+            Vector3::new(0.0, 1.0, height),
+        ];
+        surface.add_rod(0, &low, false, 0.1, false);
+        surface.add_rod(2, &high, false, 0.3, false);
+        (surface, [low, high].concat())
+    }
+
+    #[test]
+    fn rods_of_unlike_radius_touch_between_their_surfaces() {
+        let (surface, positions) = cross(0.01);
+        let points = touching_points(&surface, &[], &positions, 0.02);
+        assert_eq!(points.len(), 1);
+        assert!(
+            (points[0] - Vector3::new(0.0, 0.0, 0.205)).norm() < 1e-5,
+            "{points:?}"
+        );
+        assert!(touching_points(&surface, &[], &positions, 0.005).is_empty());
+    }
+
+    #[test]
+    fn nodes_touch_planes_at_their_feet() {
+        let (surface, positions) = cross(1.0);
+        let floor = ContactPlane {
+            point: Vector3::zeros(),
+            normal: Vector3::z(),
+            friction: 0.0,
+        };
+        let points = touching_points(&surface, &[floor], &positions, 1e-3);
+        assert_eq!(points, [-Vector3::x(), Vector3::x()]);
+    }
+}

@@ -1,0 +1,112 @@
+//! Helical equilibria of a naturally straight Kirchhoff rod and the linearised equations about them.
+
+use crate::mechanics::{Matrix3, Vector3};
+use nalgebra::SMatrix;
+
+/// Rotation θ and displacement ρ of a cross-section, then the changes μ and ν of moment and force.
+pub type StateMatrix = SMatrix<f64, 12, 12>;
+
+/// A helical equilibrium: a point of the (κ, τ, ω) space of Borum & Bretl 2020.
+///
+/// Lengths are in a unit L, moments in EI/L and forces in EI/L². In the frame (tangent, binormal,
+/// tangent × binormal), which follows the centreline, Darboux vector, moment and force are constant:
+/// u = (τ, κ, 0), m = (ω, κ, 0) and n = (ω − τ) u.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Helix {
+    /// Curvature κ of the centreline.
+    pub curvature: f64,
+    /// Torsion τ of the centreline.
+    pub torsion: f64,
+    /// Twisting moment ω.
+    pub twisting_moment: f64,
+}
+
+impl Helix {
+    /// Norm of (κ, τ, ω): the distance from the straight rod without twist.
+    pub fn distance(&self) -> f64 {
+        let Self {
+            curvature,
+            torsion,
+            twisting_moment,
+        } = self;
+        Vector3::new(*curvature, *torsion, *twisting_moment).norm()
+    }
+
+    /// The helix whose (κ, τ, ω) is `factor` times this one's.
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self {
+            curvature: factor * self.curvature,
+            torsion: factor * self.torsion,
+            twisting_moment: factor * self.twisting_moment,
+        }
+    }
+
+    /// Matrix A of the linearised equations y' = A y, y = (θ, ρ, μ, ν), in the frame of the centreline.
+    ///
+    /// A cross-section that turns by θ and moves by ρ changes the moment by μ and the force by ν. With
+    /// d/ds = ( )' + u × ( ) in the turning frame, t = (1, 0, 0) and the stiffness K = diag(c, 1, 1),
+    ///
+    /// - θ' + u × θ = K⁻¹ (μ − θ × m): bending and twist change by the part of μ that is not mere rotation,
+    /// - ρ' + u × ρ = θ × t: no stretch, no shear,
+    /// - μ' + u × μ = −(θ × t) × n − t × ν: balance of moments,
+    /// - ν' + u × ν = 0: balance of forces.
+    ///
+    /// The rod is isotropic: the material frame's own turning about the tangent does not appear. Nor do
+    /// the conjugate points depend on c = GJ/EI, which is 1 here.
+    pub fn linearised_equations(&self) -> StateMatrix {
+        let darboux = Vector3::new(self.torsion, self.curvature, 0.0);
+        let moment = Vector3::new(self.twisting_moment, self.curvature, 0.0);
+        let force = (self.twisting_moment - self.torsion) * darboux;
+        let across_tangent = -Vector3::x().cross_matrix();
+        let turning = -darboux.cross_matrix();
+        let mut matrix = StateMatrix::zeros();
+        let mut set = |row: usize, column: usize, block: Matrix3| {
+            matrix
+                .fixed_view_mut::<3, 3>(3 * row, 3 * column)
+                .copy_from(&block);
+        };
+        let [rotation, displacement, moment_change, force_change] = [0, 1, 2, 3];
+        set(rotation, rotation, turning + moment.cross_matrix());
+        set(rotation, moment_change, Matrix3::identity());
+        set(displacement, rotation, across_tangent);
+        set(displacement, displacement, turning);
+        set(
+            moment_change,
+            rotation,
+            force.cross_matrix() * across_tangent,
+        );
+        set(moment_change, moment_change, turning);
+        set(moment_change, force_change, across_tangent);
+        set(force_change, force_change, turning);
+        matrix
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// exp(A s) keeps the symplectic form of (θ, ρ) and their momenta (μ − ½ θ × m, ν).
+    #[test]
+    fn the_equations_are_hamiltonian() {
+        let helix = Helix {
+            curvature: 0.7,
+            torsion: -0.4,
+            twisting_moment: 1.3,
+        };
+        let moment = Vector3::new(1.3, 0.7, 0.0);
+        let mut to_momenta = StateMatrix::identity();
+        to_momenta
+            .fixed_view_mut::<3, 3>(6, 0)
+            .copy_from(&(0.5 * moment.cross_matrix()));
+        let back = to_momenta.try_inverse().unwrap();
+        let canonical = to_momenta * helix.linearised_equations() * back;
+        let mut form = StateMatrix::zeros();
+        for k in 0..6 {
+            form[(k, k + 6)] = 1.0;
+            form[(k + 6, k)] = -1.0;
+        }
+        let product = form * canonical;
+        assert!((product - product.transpose()).abs().max() < 1e-14);
+    }
+}

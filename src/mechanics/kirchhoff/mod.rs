@@ -1,0 +1,29 @@
+//! Continuous rods: inextensible, unshearable Kirchhoff rods, solved without a mesh.
+//!
+//! What the discrete rod converges to, in closed form or from ordinary differential equations; for exact
+//! answers, and for judging the discrete rod.
+//!
+//! | file | what |
+//! |---|---|
+//! | `cantilever` | elastica under its own weight or a load at its tip |
+//! | `hanging_strip` | strip held horizontally at one end, which hangs down |
+//! | `heavy_loop` | height of a rod that is folded over onto itself |
+//! | `helix` | helical equilibria and the linearised equations about them |
+//! | `conjugate_point` | first loss of stability of a helix with clamped ends |
+//! | `straight_rod` | the same for the straight rod, twisted and pulled, in closed form |
+//! | `numerics` | bisection, Runge–Kutta and quadrature |
+
+mod cantilever;
+mod conjugate_point;
+mod hanging_strip;
+mod heavy_loop;
+mod helix;
+pub mod numerics;
+mod straight_rod;
+
+pub use cantilever::{Cantilever, CantileverLoad};
+pub use conjugate_point::{CriticalDistance, critical_distance};
+pub use hanging_strip::{HangingStrip, StripError};
+pub use heavy_loop::HeavyLoop;
+pub use helix::Helix;
+pub use straight_rod::stability_determinant;

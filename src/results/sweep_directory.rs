@@ -1,0 +1,202 @@
+//! The directory of a sweep: a results directory for each case, and tables of all.
+
+use super::directory::{LOCK, not_writable, recognise, remove_results, sweep_temporary_files};
+use super::{Claims, Manifest, ResultsError, SCENARIO, write_whole};
+use std::fs::{self, File, OpenOptions};
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+/// Folder of the results of the cases.
+pub const CASES: &str = "cases";
+/// Folder of the claims.
+const CLAIMS: &str = "claims";
+
+/// The directory of a sweep. Several processes may have it open; the files of a case are written by the one
+/// that claimed it, those of the whole under a lock.
+pub struct SweepDirectory {
+    path: PathBuf,
+    /// Who works on which case.
+    pub claims: Claims,
+}
+
+impl SweepDirectory {
+    /// Opens the directory of a sweep whose first manifest, should there be none, is `manifest`; its hash tells
+    /// whether an old directory is of the same sweep. With `force` old results are removed.
+    ///
+    /// # Errors
+    /// Those of [`ResultsDirectory::open`](super::ResultsDirectory::open); with `force`
+    /// [`ResultsError::Locked`], too, while other processes work on its cases.
+    pub fn open(path: &Path, manifest: &Manifest, force: bool) -> Result<Self, ResultsError> {
+        recognise(path, &manifest.scenario_hash, force)?;
+        fs::create_dir_all(path).map_err(not_writable(path))?;
+        let _lock = lock(path)?;
+        let known = recognise(path, &manifest.scenario_hash, force)?;
+        sweep_temporary_files(path).map_err(not_writable(path))?;
+        let claims = path.join(CLAIMS);
+        if known.is_none() {
+            if claims.exists() && Claims::new(&claims).any_alive()? {
+                return Err(ResultsError::Locked {
+                    directory: path.to_owned(),
+                });
+            }
+            remove_cases(&path.join(CASES))?;
+            remove_claims(&claims)?;
+            remove_results(path)?;
+            // First of all files: by it the directory is known for what it is.
+            manifest.write(path)?;
+        }
+        write_whole(&path.join(SCENARIO), manifest.scenario.as_bytes())?;
+        for folder in [&path.join(CASES), &claims] {
+            fs::create_dir_all(folder).map_err(not_writable(folder))?;
+        }
+        Ok(Self {
+            path: path.to_owned(),
+            claims: Claims::new(&claims),
+        })
+    }
+
+    /// Where it lies.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The results directory of a case.
+    pub fn case(&self, id: &str) -> PathBuf {
+        self.path.join(CASES).join(id)
+    }
+
+    /// Writes files of the whole while no other process does.
+    ///
+    /// # Errors
+    /// Those of `write`, and [`ResultsError::NotWritable`].
+    pub fn write_alone(
+        &self,
+        write: impl FnOnce(&Path) -> Result<(), ResultsError>,
+    ) -> Result<(), ResultsError> {
+        let _lock = lock(&self.path)?;
+        write(&self.path)
+    }
+}
+
+/// Waits for the lock; it is released when the file is dropped or the process dies.
+fn lock(path: &Path) -> Result<File, ResultsError> {
+    let file = OpenOptions::new()
+        .create(true)
+        .truncate(false)
+        .write(true)
+        .open(path.join(LOCK))
+        .map_err(not_writable(path))?;
+    match file.lock() {
+        // Without locks two processes may write a table at a time; each appears whole, and the last counts.
+        Err(error) if error.kind() != ErrorKind::Unsupported => Err(not_writable(path)(error)),
+        _ => Ok(file),
+    }
+}
+
+/// Removes the results of all cases, and nothing else.
+fn remove_cases(folder: &Path) -> Result<(), ResultsError> {
+    for case in entries(folder)? {
+        if !case.is_dir() {
+            continue;
+        }
+        sweep_temporary_files(&case).map_err(not_writable(&case))?;
+        remove_results(&case)?;
+        remove_file(&case.join(LOCK))?;
+        // Stays where somebody else's files are in it.
+        let _ = fs::remove_dir(&case);
+    }
+    let _ = fs::remove_dir(folder);
+    Ok(())
+}
+
+fn remove_claims(folder: &Path) -> Result<(), ResultsError> {
+    entries(folder)?
+        .iter()
+        .try_for_each(|claim| remove_file(claim))
+}
+
+fn remove_file(path: &Path) -> Result<(), ResultsError> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != ErrorKind::NotFound => {
+            Err(ResultsError::io("remove", path)(error))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// What a folder holds; nothing where there is none.
+fn entries(folder: &Path) -> Result<Vec<PathBuf>, ResultsError> {
+    let listed = match fs::read_dir(folder) {
+        Ok(listed) => listed,
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
+        Err(error) => return Err(ResultsError::io("read", folder)(error)),
+    };
+    listed
+        .map(|entry| Ok(entry.map_err(ResultsError::io("read", folder))?.path()))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::manifest::tests::example;
+    use super::super::{CaseStatus, Claiming, SERIES};
+    use super::*;
+
+    #[test]
+    fn force_removes_the_cases_but_not_under_the_hands_of_another_process() {
+        let parent = tempfile::tempdir().unwrap();
+        let path = parent.path().join("sweep");
+        let manifest = example("ab", CaseStatus::Running);
+        let directory = SweepDirectory::open(&path, &manifest, false).unwrap();
+        let case = directory.case("a");
+        fs::create_dir(&case).unwrap();
+        fs::write(case.join(SERIES), "time_s\n").unwrap();
+        fs::write(case.join("notes.txt"), "mine").unwrap();
+        SweepDirectory::open(&path, &manifest, false).unwrap();
+        assert!(case.join(SERIES).exists());
+
+        // A claim that cannot be read may be somebody's.
+        fs::write(path.join(CLAIMS).join("a.0"), "").unwrap();
+        let error = SweepDirectory::open(&path, &manifest, true).err().unwrap();
+        assert!(matches!(error, ResultsError::Locked { .. }), "{error}");
+        fs::remove_file(path.join(CLAIMS).join("a.0")).unwrap();
+        SweepDirectory::open(&path, &manifest, true).unwrap();
+        assert!(!case.join(SERIES).exists());
+        assert!(case.join("notes.txt").exists());
+    }
+
+    #[test]
+    fn directories_of_others_are_refused() {
+        let parent = tempfile::tempdir().unwrap();
+        let path = parent.path().join("sweep");
+        SweepDirectory::open(&path, &example("ab", CaseStatus::Running), false).unwrap();
+        let other = example("cd", CaseStatus::Running);
+        let error = SweepDirectory::open(&path, &other, false).err().unwrap();
+        assert!(
+            matches!(error, ResultsError::AnotherScenario { .. }),
+            "{error}"
+        );
+        let error = SweepDirectory::open(parent.path(), &other, true)
+            .err()
+            .unwrap();
+        assert!(matches!(error, ResultsError::NotResults { .. }), "{error}");
+    }
+
+    #[test]
+    fn processes_share_a_directory_case_by_case() {
+        let directory = tempfile::tempdir().unwrap();
+        let manifest = example("ab", CaseStatus::Running);
+        let [one, other] =
+            [(); 2].map(|()| SweepDirectory::open(directory.path(), &manifest, false).unwrap());
+        let claimed = one.claims.claim("a").unwrap();
+        assert!(matches!(claimed, Claiming::Claimed(_)));
+        assert!(matches!(
+            other.claims.claim("a").unwrap(),
+            Claiming::Held(_)
+        ));
+        assert!(matches!(
+            other.claims.claim("b").unwrap(),
+            Claiming::Claimed(_)
+        ));
+    }
+}

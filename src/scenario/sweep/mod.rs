@@ -1,0 +1,26 @@
+//! Sweeps: one scenario file, many cases.
+//!
+//! | file | what |
+//! |---|---|
+//! | `family` | a scenario and all its cases |
+//! | `case` | one case: its values and its id |
+//! | `axis`, `range` | lists, ranges and zipped lists of values |
+//! | `sample`, `sobol` | samples of ranges |
+//! | `points`, `vary` | points from a CSV file and from the command line |
+//! | `search` | the search for one value |
+
+mod axis;
+mod case;
+mod family;
+mod points;
+mod range;
+mod sample;
+mod search;
+mod sobol;
+#[cfg(test)]
+mod tests;
+mod vary;
+
+pub use case::{Case, Parameter};
+pub use family::Family;
+pub use search::Search;

@@ -1,0 +1,153 @@
+//! `--vary key=a,b,c` and `--vary key=from:to:step`.
+
+use super::axis::{Axis, MOST_VALUES, SweptKey};
+use super::range::{Interval, Number, Scale};
+use crate::scenario::document::{Node, Value};
+use crate::scenario::overrides::parse_value;
+use crate::scenario::source::Span;
+
+/// Reads the argument; `source` is its index among the sources.
+///
+/// # Errors
+/// A message that says what is wrong.
+pub fn read(source: usize, argument: &str) -> Result<Axis, String> {
+    let Some((key, values)) = argument.split_once('=') else {
+        return Err("expected key=from:to:step or key=a,b,c".to_owned());
+    };
+    let whole = Span {
+        source,
+        bytes: key.len() + 1..argument.len(),
+    };
+    let node = |value| Node {
+        value,
+        span: whole.clone(),
+    };
+    let parts: Vec<&str> = values.split(':').collect();
+    let numbers: Option<Vec<Number>> = parts
+        .iter()
+        .map(|part| Number::read(&Value::String((*part).trim().to_owned())).ok())
+        .collect();
+    let values: Vec<Node> = match numbers.as_deref() {
+        Some([from, to, step]) => stepped(from, to, step)?.into_iter().map(node).collect(),
+        _ => {
+            let mut offset = key.len() + 1;
+            split_list(values)
+                .into_iter()
+                .map(|text| {
+                    let value = parse_value(source, offset, text);
+                    offset += text.len() + 1;
+                    value
+                })
+                .collect()
+        }
+    };
+    if values.is_empty() {
+        return Err("the list is empty; give at least one value".to_owned());
+    }
+    Ok(Axis {
+        keys: vec![SweptKey {
+            key: key.trim().to_owned(),
+            span: Span {
+                source,
+                bytes: 0..key.len(),
+            },
+        }],
+        points: values.into_iter().map(|value| vec![value]).collect(),
+    })
+}
+
+fn stepped(from: &Number, to: &Number, step: &Number) -> Result<Vec<Value>, String> {
+    if step.unit != from.unit {
+        return Err(format!(
+            "the step needs the unit of the ends; found {:?} and {:?}",
+            step.unit, from.unit
+        ));
+    }
+    Interval::new(from, to, Scale::Linear)?.stepped(step.value, MOST_VALUES)
+}
+
+/// Splits at the commas outside of brackets, braces and quotes.
+fn split_list(text: &str) -> Vec<&str> {
+    let (mut depth, mut quoted, mut start) = (0usize, false, 0);
+    let mut parts = Vec::new();
+    for (position, character) in text.char_indices() {
+        match character {
+            '"' => quoted = !quoted,
+            '[' | '{' if !quoted => depth += 1,
+            ']' | '}' if !quoted => depth = depth.saturating_sub(1),
+            ',' if !quoted && depth == 0 => {
+                parts.push(&text[start..position]);
+                start = position + 1;
+            }
+            _ => {}
+        }
+    }
+    if !text[start..].trim().is_empty() || !parts.is_empty() {
+        parts.push(&text[start..]);
+    }
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn values(argument: &str) -> Vec<String> {
+        let axis = read(0, argument).unwrap();
+        let text = |point: &Vec<Node>| format!("{:?}", point[0].value);
+        axis.points.iter().map(text).collect()
+    }
+
+    #[test]
+    fn lists_and_ranges_are_told_apart() {
+        assert_eq!(
+            values("contact.model=imc,ipc"),
+            [r#"String("imc")"#, r#"String("ipc")"#]
+        );
+        assert_eq!(values("flagella.count=2,3"), ["Integer(2)", "Integer(3)"]);
+        assert_eq!(
+            values("contact.friction=0.1:0.3:0.1"),
+            ["Float(0.1)", "Float(0.2)", "Float(0.3)"]
+        );
+        assert_eq!(
+            values("rods.0.radius=1mm:2mm:0.5mm"),
+            [
+                r#"String("1.0 mm")"#,
+                r#"String("1.5 mm")"#,
+                r#"String("2.0 mm")"#
+            ]
+        );
+        assert_eq!(values("loads.0.acceleration=[0,0,-1],[0,0,-2]").len(), 2);
+        assert_eq!(values("title=\"a, b\",c").len(), 2);
+        assert_eq!(values("flagella.count=4"), ["Integer(4)"]);
+    }
+
+    #[test]
+    fn faults_say_what_is_expected() {
+        assert!(
+            read(0, "friction")
+                .unwrap_err()
+                .contains("key=from:to:step")
+        );
+        assert!(read(0, "friction=").unwrap_err().contains("empty"));
+        assert!(read(0, "radius=1 mm:2 mm:1").unwrap_err().contains("unit"));
+        assert!(
+            read(0, "friction=0:1:-1")
+                .unwrap_err()
+                .contains("do not lead")
+        );
+    }
+
+    proptest! {
+        #[test]
+        fn no_argument_makes_it_panic(text in ".{0,40}") {
+            let _ = read(0, &text);
+        }
+
+        #[test]
+        fn no_list_makes_it_panic(text in "[a-z]=[-0-9.,:\\[\\]{}\" a-z=\n]{0,30}") {
+            let _ = read(0, &text);
+        }
+    }
+}

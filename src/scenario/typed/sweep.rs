@@ -1,0 +1,94 @@
+//! Sweeps as typed.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+
+/// Many cases of one scenario: every combination of the values of the keys listed here. Each key is dotted and
+/// has a list of values or a range { from, to, count, scale }, as in `flagella.count = [2, 3, 5]`.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(rename = "sweep")]
+#[expect(
+    dead_code,
+    reason = "read key by key in `scenario::sweep`; this is its schema"
+)]
+pub struct Sweep {
+    /// Keys that vary together: tables of lists of the same length, the first values of all, the second, ...
+    #[serde(default)]
+    pub zip: Vec<BTreeMap<String, Vec<serde_json::Value>>>,
+    /// CSV file with a header line of dotted keys and a row per case, relative to this file.
+    pub points: Option<String>,
+    /// Samples of the ranges that have no `count`.
+    pub sample: Option<Sample>,
+    /// A search for one value of one key, instead of a grid of values.
+    pub search: Option<Search>,
+}
+
+/// Samples of the ranges of a sweep that have no `count`.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "sample")]
+pub struct Sample {
+    /// "sobol" (evenly spread, at most 10 ranges) or "random" (independent).
+    pub method: SampleMethod,
+    /// Number of samples, at least 1.
+    pub count: i64,
+    /// Seed of "random", or of the random shift of "sobol". Default: 0, for "sobol" no shift.
+    #[serde(default)]
+    pub seed: i64,
+}
+
+/// Ways to sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+pub enum SampleMethod {
+    /// The Sobol' sequence.
+    Sobol,
+    /// Independent uniform numbers.
+    Random,
+}
+
+/// A search for the value of one key at which an outcome takes a value, or is least.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "search")]
+pub struct Search {
+    /// "bisect" (where the objective passes `target`) or "golden" (where it is least).
+    pub method: SearchMethod,
+    /// The dotted key that is varied.
+    pub parameter: String,
+    /// A column of summary.csv, or of series.csv, whose last row counts.
+    pub objective: String,
+    /// One end of the interval: a number, or text with a unit.
+    pub from: End,
+    /// The other end.
+    pub to: End,
+    /// Width of the interval at which the search ends, in the unit of `from` and `to`.
+    pub tolerance: End,
+    /// Value of the objective that "bisect" looks for. Default: 0.
+    #[serde(default)]
+    pub target: f64,
+}
+
+/// Ways to search.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+pub enum SearchMethod {
+    /// Halve the interval on which the objective passes the target.
+    Bisect,
+    /// Shrink the interval around the least value by the golden ratio.
+    Golden,
+}
+
+/// A number, or text with a unit, of whatever dimension the key has.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(inline)]
+pub enum End {
+    /// A whole number.
+    Whole(i64),
+    /// A number in SI units.
+    Number(f64),
+    /// A number with a unit.
+    Text(String),
+}

@@ -1,0 +1,262 @@
+//! A headless Chromium, driven by its DevTools protocol.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::{Value, json};
+use std::fs;
+use std::io::Write;
+use std::net::TcpStream;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
+use tungstenite::{Message, WebSocket};
+
+/// Longest that the browser may take to start or to answer.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// The browser with one page.
+pub struct Browser {
+    process: Child,
+    socket: WebSocket<TcpStream>,
+    calls: u64,
+    /// What the page said on its console, and uncaught errors.
+    complaints: Vec<String>,
+    _profile: TempDir,
+}
+
+impl Browser {
+    /// Starts a browser; `None`, with a word on standard error, where there is none and none can be installed.
+    pub fn start() -> Option<Self> {
+        let Some(program) = installed().or_else(install) else {
+            // Not by `eprintln!`, which the test harness swallows.
+            let _ = writeln!(
+                std::io::stderr(),
+                "SKIPPED: no Chromium, and scripts/install-chromium could not install it"
+            );
+            return None;
+        };
+        let profile = tempfile::tempdir().unwrap();
+        let process = Command::new(program)
+            .args([
+                "--headless",
+                "--no-sandbox",
+                "--disable-dev-shm-usage",
+                "--use-gl=angle",
+                "--use-angle=swiftshader",
+                "--enable-unsafe-swiftshader",
+                "--disable-background-networking",
+                "--hide-scrollbars",
+                "--window-size=1280,800",
+                "--remote-debugging-port=0",
+            ])
+            .arg(format!("--user-data-dir={}", profile.path().display()))
+            .arg("about:blank")
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("the browser starts");
+        let port = port(profile.path());
+        let stream = TcpStream::connect(("127.0.0.1", port)).expect("the browser listens");
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        let page = page_target(port);
+        let (socket, _) = tungstenite::client(page, stream).expect("the browser talks");
+        let mut browser = Self {
+            process,
+            socket,
+            calls: 0,
+            complaints: Vec::new(),
+            _profile: profile,
+        };
+        for domain in ["Page", "Runtime", "Log"] {
+            browser.call(&format!("{domain}.enable"), json!({}));
+        }
+        Some(browser)
+    }
+
+    /// Opens a file and waits until it has drawn.
+    pub fn open(&mut self, file: &Path) {
+        let address = format!("file://{}", file.canonicalize().unwrap().display());
+        self.call("Page.navigate", json!({ "url": address }));
+        let start = Instant::now();
+        while self.evaluate("document.readyState + location.protocol") != "completefile:" {
+            assert!(start.elapsed() < PATIENCE, "the page does not load");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        self.settle();
+    }
+
+    /// Waits until the page has drawn what was asked of it.
+    pub fn settle(&mut self) {
+        self.evaluate(
+            "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(0))))",
+        );
+    }
+
+    /// The value of an expression of JavaScript in the page.
+    pub fn evaluate(&mut self, expression: &str) -> Value {
+        let arguments =
+            json!({ "expression": expression, "awaitPromise": true, "returnByValue": true });
+        let answer = self.call("Runtime.evaluate", arguments);
+        assert!(
+            answer["exceptionDetails"].is_null(),
+            "{expression}: {answer}"
+        );
+        answer["result"]["value"].clone()
+    }
+
+    /// Sets an input or a choice as a user does, and waits until it is drawn.
+    pub fn set(&mut self, id: &str, value: &str) {
+        self.evaluate(&format!(
+            "{{ const one = document.getElementById('{id}'); one.value = '{value}';
+               for (const kind of ['input', 'change']) one.dispatchEvent(new Event(kind, {{ bubbles: true }})); }}"
+        ));
+        self.settle();
+    }
+
+    /// Clicks an element, and waits until what it does is drawn.
+    pub fn click(&mut self, id: &str) {
+        self.evaluate(&format!("document.getElementById('{id}').click()"));
+        self.settle();
+    }
+
+    /// Drags the left mouse button over the page, pixels.
+    pub fn drag(&mut self, from: [f64; 2], to: [f64; 2]) {
+        for (kind, [x, y], buttons) in [
+            ("mousePressed", from, 1),
+            ("mouseMoved", to, 1),
+            ("mouseReleased", to, 0),
+        ] {
+            self.call(
+                "Input.dispatchMouseEvent",
+                json!({ "type": kind, "x": x, "y": y, "button": "left", "buttons": buttons, "clickCount": 1 }),
+            );
+        }
+        self.settle();
+    }
+
+    /// Presses a key.
+    pub fn press(&mut self, key: &str) {
+        for kind in ["keyDown", "keyUp"] {
+            self.call(
+                "Input.dispatchKeyEvent",
+                json!({ "type": kind, "key": key }),
+            );
+        }
+        self.settle();
+    }
+
+    /// A picture of the page, as PNG.
+    pub fn screenshot(&mut self) -> Vec<u8> {
+        let answer = self.call("Page.captureScreenshot", json!({ "format": "png" }));
+        let data = answer["data"].as_str().expect("a picture");
+        STANDARD.decode(data).expect("base64")
+    }
+
+    /// Errors and warnings that the page has made so far.
+    pub fn complaints(&self) -> &[String] {
+        &self.complaints
+    }
+
+    /// Calls a method of the protocol and returns its result; notes what the page complains of meanwhile.
+    fn call(&mut self, method: &str, parameters: Value) -> Value {
+        self.calls += 1;
+        let message = json!({ "id": self.calls, "method": method, "params": parameters });
+        self.socket
+            .send(Message::text(message.to_string()))
+            .expect("the browser listens");
+        loop {
+            let message = self.socket.read().expect("the browser answers in time");
+            let Message::Text(text) = message else {
+                continue;
+            };
+            let mut answer: Value = serde_json::from_str(&text).expect("JSON");
+            if answer["id"] == self.calls {
+                assert!(answer["error"].is_null(), "{method}: {answer}");
+                return answer["result"].take();
+            }
+            self.note(&answer);
+        }
+    }
+
+    fn note(&mut self, event: &Value) {
+        let parameters = &event["params"];
+        let complains =
+            match event["method"].as_str() {
+                Some("Runtime.exceptionThrown") => true,
+                Some("Runtime.consoleAPICalled") => ["error", "warning", "assert"]
+                    .contains(&parameters["type"].as_str().unwrap_or("")),
+                Some("Log.entryAdded") => ["error", "warning"]
+                    .contains(&parameters["entry"]["level"].as_str().unwrap_or("")),
+                _ => false,
+            };
+        if complains {
+            self.complaints.push(parameters.to_string());
+        }
+    }
+}
+
+impl Drop for Browser {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+fn installed() -> Option<PathBuf> {
+    let path = std::env::var_os("PATH")?;
+    let names = ["chromium", "chromium-browser", "google-chrome"];
+    std::env::split_paths(&path)
+        .flat_map(|folder| names.map(|name| folder.join(name)))
+        .find(|program| program.is_file())
+}
+
+fn install() -> Option<PathBuf> {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/install-chromium");
+    let succeeded = Command::new(script).status().is_ok_and(|end| end.success());
+    succeeded.then(installed).flatten()
+}
+
+/// The port on which the browser listens; it writes it into its profile.
+fn port(profile: &Path) -> u16 {
+    let start = Instant::now();
+    loop {
+        let text = fs::read_to_string(profile.join("DevToolsActivePort")).unwrap_or_default();
+        if let Some(port) = text.lines().next().and_then(|line| line.parse().ok()) {
+            return port;
+        }
+        assert!(start.elapsed() < PATIENCE, "the browser does not start");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+/// The address of the page's own conversation, from the browser's list of targets.
+fn page_target(port: u16) -> String {
+    use std::io::Read;
+    let start = Instant::now();
+    loop {
+        let mut stream = TcpStream::connect(("127.0.0.1", port)).expect("the browser listens");
+        stream
+            .set_read_timeout(Some(Duration::from_secs(2)))
+            .unwrap();
+        let request = format!(
+            "GET /json/list HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nConnection: close\r\n\r\n"
+        );
+        stream.write_all(request.as_bytes()).unwrap();
+        let mut bytes = Vec::new();
+        // The browser may keep the connection open; what came until then is all.
+        let _ = stream.read_to_end(&mut bytes);
+        let text = String::from_utf8_lossy(&bytes);
+        let key = "\"webSocketDebuggerUrl\": \"";
+        let pages = text
+            .split('{')
+            .filter(|target| target.contains("\"type\": \"page\""));
+        let addresses = pages.filter_map(|target| target.split(key).nth(1)?.split('"').next());
+        if let Some(address) = addresses.map(str::to_owned).next() {
+            return address;
+        }
+        assert!(start.elapsed() < PATIENCE, "the browser has no page");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+}

@@ -1,0 +1,114 @@
+//! `rodlab solve` and `rodlab measure` from outside: JSON on standard output, and what they refuse.
+
+use serde_json::Value;
+use std::process::Command;
+
+fn rodlab(arguments: &[&str]) -> (i32, String, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_rodlab"))
+        .args(arguments)
+        .output()
+        .unwrap();
+    (
+        output.status.code().unwrap(),
+        String::from_utf8(output.stdout).unwrap(),
+        String::from_utf8(output.stderr).unwrap(),
+    )
+}
+
+fn answer(arguments: &[&str]) -> Value {
+    let (code, stdout, stderr) = rodlab(arguments);
+    assert_eq!(code, 0, "{stderr}");
+    serde_json::from_str(&stdout).unwrap()
+}
+
+#[test]
+fn a_helix_direction_has_its_critical_distance() {
+    let found = answer(&["solve", "helix", "--direction=2,2,-2"]);
+    assert!((found["critical"].as_f64().unwrap() - 6.790424).abs() < 1e-6);
+    assert!((found["tau"].as_f64().unwrap() - 3f64.sqrt().recip()).abs() < 1e-15);
+    assert_eq!(found["method"], "theory");
+    assert!(found["error_estimate"].as_f64().unwrap() < 1e-9);
+}
+
+#[test]
+fn a_direction_that_stays_stable_is_unbounded() {
+    let found = answer(&["solve", "helix", "--direction=0,1,2"]);
+    assert!(found["critical"].is_null() && found["error_estimate"].is_null());
+}
+
+#[test]
+fn directions_without_meaning_are_refused() {
+    for (direction, complaint) in [
+        ("0,0,0", "not zero"),
+        ("-1,0,0", "must not be negative"),
+        ("1,2", "three numbers"),
+        ("1,nan,0", "finite"),
+    ] {
+        let (code, stdout, stderr) =
+            rodlab(&["solve", "helix", &format!("--direction={direction}")]);
+        assert_eq!((code, stdout.as_str()), (2, ""));
+        assert!(stderr.contains(complaint), "{stderr}");
+    }
+}
+
+#[test]
+fn what_is_solved_is_measured_back() {
+    let solved = answer(&["solve", "loop-height", "--gravito-bending-length", "3 cm"]);
+    let height = solved["height_m"].as_f64().unwrap();
+    assert!((height / 0.03 - 1.142240).abs() < 1e-6);
+    let measured = answer(&[
+        "measure",
+        "loop-height",
+        "--height",
+        &height.to_string(),
+        "--uncertainty",
+        "1 mm",
+    ]);
+    let length = measured["gravito_bending_length_m"].as_f64().unwrap();
+    let uncertainty = measured["uncertainty_m"].as_f64().unwrap();
+    assert!((length - 0.03).abs() < 1e-12);
+    assert!((uncertainty * 1.142240 - 1e-3).abs() < 1e-9);
+
+    let strip = ["--length", "20 cm"];
+    let solved = answer(
+        &[
+            &["solve", "hanging-plate", "--gravito-bending-length", "0.1"],
+            &strip[..],
+        ]
+        .concat(),
+    );
+    let drop = solved["drop_m"].as_f64().unwrap();
+    let measure = |drop: f64| {
+        let drop = drop.to_string();
+        let arguments = [
+            "measure",
+            "hanging-plate",
+            "--uncertainty",
+            "1 mm",
+            "--drop",
+        ];
+        let found = answer(&[&arguments[..], &[&drop], &strip].concat());
+        (
+            found["gravito_bending_length_m"].as_f64().unwrap(),
+            found["uncertainty_m"].as_f64().unwrap(),
+        )
+    };
+    let (length, uncertainty) = measure(drop);
+    assert!((length - 0.1).abs() < 1e-9);
+    // The uncertainty is half of what a millimetre up and down does.
+    let spread = 0.5 * (measure(drop - 1e-3).0 - measure(drop + 1e-3).0);
+    assert!((uncertainty / spread - 1.0).abs() < 1e-3);
+}
+
+#[test]
+fn shapes_without_meaning_are_refused() {
+    for arguments in [
+        &["measure", "hanging-plate", "--length", "1", "--drop", "1.2"][..],
+        &["measure", "loop-height", "--height", "-1"],
+        &["measure", "loop-height", "--height", "3 kg"],
+        &["solve", "loop-height"],
+    ] {
+        let (code, stdout, _) = rodlab(arguments);
+        assert_eq!((code, stdout.as_str()), (2, ""), "{arguments:?}");
+    }
+}
