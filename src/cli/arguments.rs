@@ -60,7 +60,7 @@ pub enum Command {
     Submit(submit::SubmitArguments),
     /// Show how the cases of a sweep stand, and the Slurm tasks that run them
     Status(status::StatusArguments),
-    /// Make the tables of a sweep from its cases
+    /// Make the tables and figures of a sweep from its cases
     Gather(gather::GatherArguments),
     /// Print a completion script for a shell
     Completions(completions::CompletionsArguments),

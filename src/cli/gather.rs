@@ -3,23 +3,27 @@
 use super::failure::Failure;
 use super::output::print;
 use super::sweep::verdict;
-use crate::experiment::sweep;
+use crate::experiment::{plot_results, sweep};
 use clap::Args;
 use std::path::PathBuf;
 
 /// Arguments of `rodlab gather`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Brings summary.csv, timings.csv and manifest.json up to date with the cases, whoever ran them. Works while tasks
-run, too.")]
+Brings summary.csv, timings.csv and manifest.json up to date with the cases, whoever ran them, and draws the
+figures of `rodlab plot`. Works while tasks run, too.")]
 pub struct GatherArguments {
     /// The results directory of a sweep
     pub directory: PathBuf,
 }
 
-/// Makes the tables of a sweep from its cases.
+/// Makes the tables and figures of a sweep from its cases.
 pub fn gather(arguments: &GatherArguments) -> Result<(), Failure> {
     let outcome = sweep::gather(&arguments.directory)?;
-    print(&format!("{}\n", outcome.counts))?;
+    let figures: String = plot_results(&arguments.directory)?
+        .iter()
+        .map(|path| format!("{}\n", path.display()))
+        .collect();
+    print(&format!("{}\n{figures}", outcome.counts))?;
     verdict(&outcome)
 }

@@ -415,7 +415,8 @@ fn integration_parameters(scenario: &Scenario) -> IntegrationParameters {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{Loaded, from_text, load};
+    use crate::experiment::sweep::check_every_value;
+    use crate::scenario::{Family, Loaded, from_text};
     use std::path::Path;
 
     const TWO_RODS: &str = r#"
@@ -500,7 +501,12 @@ moment = [1, 0, 0]
         let mut names = Vec::new();
         for entry in std::fs::read_dir(directory).unwrap() {
             let path = entry.unwrap().path();
-            let loaded = load(&path, &[]).unwrap_or_else(|error| panic!("{error}"));
+            let family = Family::load(&path, &[], &[]).unwrap_or_else(|error| panic!("{error}"));
+            check_every_value(&family).unwrap_or_else(|error| panic!("{error}"));
+            if family.search().is_some() {
+                continue;
+            }
+            let loaded = family.scenario_of(0).unwrap();
             let run = prepare(&loaded.scenario).unwrap_or_else(|error| panic!("{error}"));
             let again = from_text(&run.name, &run.scenario_toml, Path::new("")).unwrap();
             assert_eq!(again.scenario, loaded.scenario, "{}", path.display());

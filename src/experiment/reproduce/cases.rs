@@ -38,16 +38,14 @@ pub(super) struct Case<R = Bundling> {
     pub was_finished: bool,
 }
 
-/// How a run came to an end.
-type Ended<R> = Result<Case<R>, ReproduceError>;
-
 /// Runs whatever has not been run yet, `options.jobs` at a time, in order.
 pub(super) fn run_all<R: Run>(
     runs: &[R],
     options: &ReproduceOptions,
     report: &(dyn Fn(&str) + Sync),
 ) -> Result<Vec<Case<R>>, ReproduceError> {
-    let results: Vec<OnceLock<Ended<R>>> = runs.iter().map(|_| OnceLock::new()).collect();
+    let results: Vec<OnceLock<Result<Case<R>, ReproduceError>>> =
+        runs.iter().map(|_| OnceLock::new()).collect();
     workers::for_each(runs.len(), options.jobs, |index| {
         let result = run_one(&runs[index], options);
         let flow = match &result {
