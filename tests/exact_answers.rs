@@ -31,6 +31,19 @@ fn a_helix_direction_has_its_critical_distance() {
 }
 
 #[test]
+fn the_discrete_rod_has_nearly_the_same_and_says_how_nearly() {
+    let arguments = ["solve", "helix", "--direction=1,1,-1", "--method", "der"];
+    let found = answer(&arguments);
+    let error = (found["critical"].as_f64().unwrap() - 6.790424).abs();
+    let estimate = found["error_estimate"].as_f64().unwrap();
+    assert!((error / estimate - 1.0).abs() < 0.05, "{error} {estimate}");
+    assert_eq!(found["method"], "der");
+    let (code, stdout, stderr) = rodlab(&[&arguments[..], &["--edges", "7"]].concat());
+    assert_eq!((code, stdout.as_str()), (2, ""));
+    assert!(stderr.contains("from 8"), "{stderr}");
+}
+
+#[test]
 fn a_direction_that_stays_stable_is_unbounded() {
     let found = answer(&["solve", "helix", "--direction=0,1,2"]);
     assert!(found["critical"].is_null() && found["error_estimate"].is_null());

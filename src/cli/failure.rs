@@ -4,6 +4,7 @@ use crate::cluster::ClusterError;
 use crate::experiment::reproduce::ReproduceError;
 use crate::experiment::sweep::SweepError;
 use crate::experiment::{PlotError, RunError, ViewError};
+use crate::mechanics::dynamics::SimulationError;
 use crate::results::ResultsError;
 use crate::scenario::ScenarioError;
 
@@ -35,6 +36,8 @@ pub enum Failure {
     Plot(PlotError),
     /// There is no page of rods in motion.
     View(ViewError),
+    /// No equilibrium was found.
+    NoEquilibrium(SimulationError),
     /// Physics checks failed.
     Checks {
         /// How many.
@@ -56,6 +59,7 @@ impl Failure {
             Self::Results(error) => error.exit_code(),
             Self::Plot(error) => error.exit_code(),
             Self::View(error) => error.exit_code(),
+            Self::NoEquilibrium(_) => 3,
             Self::Checks { .. } => 4,
             Self::Cluster(_) | Self::System(_) => 1,
         }
@@ -74,6 +78,7 @@ impl Failure {
             }
             Self::Checks { failed } => eprintln!("error: {failed} physics checks failed"),
             Self::Run(error) => eprintln!("error: {error}"),
+            Self::NoEquilibrium(error) => eprintln!("error: {error}"),
             Self::Sweep(error) => eprintln!("error: {error}"),
             Self::Cluster(error) => eprintln!("error: {error}"),
             Self::Reproduce(error) => eprintln!("error: {error}"),

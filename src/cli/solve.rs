@@ -2,18 +2,21 @@
 
 use super::failure::Failure;
 use super::output::print_json;
+use crate::experiment::{FEWEST_EDGES, estimated_critical_distance};
 use crate::mechanics::kirchhoff::{HangingStrip, HeavyLoop, Helix, critical_distance};
 use crate::scenario::metres;
 use clap::{Args, Subcommand, ValueEnum};
 use serde::Serialize;
+
+/// Most edges of a discrete rod; beyond, round-off outweighs the error of the mesh.
+const MOST_EDGES: usize = 2000;
 
 /// Arguments of `rodlab solve`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   rodlab solve helix --direction=1,1,-1
-  rodlab solve loop-height --gravito-bending-length \"3 cm\"
-  rodlab solve hanging-plate --length 0.2 --gravito-bending-length 0.1
+@@  rodlab solve hanging-plate --length 0.2 --gravito-bending-length 0.1
 
 The gravito-bending length L_gb of a rod is (E h²/(8 ρ g))^(1/3) with its radius h, that of a strip
 (E h²/(24 ρ g))^(1/3) with its thickness h: bending stiffness / weight per length = 2 L_gb³.")]
@@ -29,7 +32,8 @@ enum Problem {
     #[command(after_help = "\
 A rod of length 1 and bending stiffness 1, naturally straight, is held at both ends in the shape of a helix of
 curvature κ and torsion τ with the twisting moment ω. `critical` is the norm of (κ, τ, ω) along the direction
-at which it ceases to be stable (Borum & Bretl 2020): null where it stays stable up to 100.")]
+at which it ceases to be stable (Borum & Bretl 2020): null where it stays stable up to 100. With --method der it
+is found by the discrete rod instead: null where that stays stable up to half the number of its edges.")]
     Helix(HelixArguments),
     /// The height of the loop of a heavy rod folded over onto itself on a table
     LoopHeight {
@@ -56,6 +60,9 @@ struct HelixArguments {
     /// How
     #[arg(long, default_value = "theory")]
     method: HelixMethod,
+    /// Edges of the discrete rod; a rod of twice as many is solved for the error estimate
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = edges)]
+    edges: usize,
 }
 
 /// Ways to a helix's critical distance.
@@ -64,6 +71,8 @@ struct HelixArguments {
 enum HelixMethod {
     /// Conjugate points of the continuous rod.
     Theory,
+    /// Signs of the pivots of the discrete elastic rod.
+    Der,
 }
 
 #[derive(Serialize)]
@@ -94,7 +103,7 @@ struct StripAnswer {
 /// Solves a problem and prints the answer.
 pub fn solve(arguments: &SolveArguments) -> Result<(), Failure> {
     match &arguments.problem {
-        Problem::Helix(arguments) => print_json(&helix(arguments)),
+        Problem::Helix(arguments) => print_json(&helix(arguments)?),
         Problem::LoopHeight {
             gravito_bending_length,
         } => {
@@ -122,17 +131,35 @@ pub fn solve(arguments: &SolveArguments) -> Result<(), Failure> {
 }
 
 /// With the direction as a unit vector; at the boundary (κ, τ, ω) is `critical` times it.
-fn helix(arguments: &HelixArguments) -> HelixAnswer {
-    let HelixArguments { direction, method } = arguments;
+fn helix(arguments: &HelixArguments) -> Result<HelixAnswer, Failure> {
+    let HelixArguments {
+        direction,
+        method,
+        edges,
+    } = arguments;
     let unit = direction.scaled(1.0 / direction.distance());
-    let critical = critical_distance(&unit);
-    HelixAnswer {
+    let critical = match method {
+        HelixMethod::Theory => critical_distance(&unit),
+        HelixMethod::Der => {
+            estimated_critical_distance(&unit, *edges).map_err(Failure::NoEquilibrium)?
+        }
+    };
+    Ok(HelixAnswer {
         critical: critical.map(|critical| critical.distance),
         kappa: unit.curvature,
         tau: unit.torsion,
         omega: unit.twisting_moment,
         method: *method,
         error_estimate: critical.map(|critical| critical.error_estimate),
+    })
+}
+
+fn edges(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(edges) if (FEWEST_EDGES..=MOST_EDGES).contains(&edges) => Ok(edges),
+        _ => Err(format!(
+            "a number of edges from {FEWEST_EDGES} to {MOST_EDGES} is needed"
+        )),
     }
 }
 

@@ -11,6 +11,7 @@ mod derivatives;
 mod determinism;
 mod drag;
 mod friction;
+mod helix;
 mod localized_buckling;
 mod rods;
 mod statics;
@@ -32,11 +33,12 @@ type Family = fn(full: bool) -> Result<Vec<Check>, FamilyError>;
 type FamilyError = Box<dyn Error + Send + Sync>;
 
 /// All families, in the order of the table.
-const FAMILIES: [(&str, Family); 10] = [
+const FAMILIES: [(&str, Family); 11] = [
     ("derivatives", derivatives::checks),
     ("statics", statics::checks),
     ("vibration", vibration::checks),
     ("buckling", buckling::checks),
+    ("helix", helix::checks),
     ("localised buckling", localized_buckling::checks),
     ("friction", friction::checks),
     ("drag", drag::checks),

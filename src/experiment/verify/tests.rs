@@ -39,6 +39,11 @@ fn conservation_passes() {
 }
 
 #[test]
+fn helix_passes() {
+    assert_passes(helix::checks);
+}
+
+#[test]
 fn symmetry_passes() {
     assert_passes(symmetry::checks);
 }

@@ -21,6 +21,7 @@ const STIFFENINGS: usize = 3;
 /// What rigid contact is for: the midpoint rule would extrapolate through it, and statics has no free motion that
 /// contact could prevent.
 const ONLY_EULER: &str = "contact by complementarity needs time steps of implicit Euler";
+const NO_ENERGY: &str = "with friction an equilibrium has no energy whose least it could be";
 
 /// A scene in motion.
 pub struct Simulation {
@@ -211,6 +212,30 @@ impl Simulation {
             }
             Err(divergence) => Err(self.no_equilibrium(&divergence)),
         }
+    }
+
+    /// Goes to the nearest equilibrium at the present time, which need not be stable; returns the number of
+    /// directions in which its energy falls: 0 where it is stable.
+    ///
+    /// # Errors
+    /// [`SimulationError::NoConvergence`], and [`SimulationError::BadScene`] with rigid contact or friction,
+    /// where forces have no energy.
+    pub fn find_nearby_equilibrium(&mut self) -> Result<usize, SimulationError> {
+        if self.system.has_constraints() {
+            return Err(SimulationError::BadScene(ONLY_EULER.into()));
+        }
+        let force = self
+            .system
+            .force_tolerance(self.parameters.force_tolerance, &self.unknowns);
+        self.trial.copy_from_slice(&self.unknowns);
+        let inertia = statics::nearby_equilibrium(&mut self.system, &mut self.trial, force)
+            .map_err(|divergence| self.no_equilibrium(&divergence))?
+            .ok_or_else(|| SimulationError::BadScene(NO_ENERGY.into()))?;
+        self.unknowns.copy_from_slice(&self.trial);
+        self.velocity.fill(0.0);
+        self.earlier_velocity.fill(0.0);
+        self.publish();
+        Ok(inertia.negative)
     }
 
     /// Drag and local resistance at the start of a step; returns the Krylov iterations.

@@ -41,6 +41,36 @@ impl Helix {
         }
     }
 
+    /// Tangent at arc length `s`. At s = 0 tangent and binormal are the x and the y axis.
+    pub fn tangent(&self, s: f64) -> Vector3 {
+        let (axis, rate) = self.axis();
+        let along = axis.dot(&Vector3::x()) * axis;
+        let (sine, cosine) = (rate * s).sin_cos();
+        along + cosine * (Vector3::x() - along) + sine * axis.cross(&Vector3::x())
+    }
+
+    /// Point of the centreline at arc length `s`: the integral of [`tangent`](Self::tangent) from 0.
+    pub fn position(&self, s: f64) -> Vector3 {
+        let (axis, rate) = self.axis();
+        if rate == 0.0 {
+            return s * Vector3::x();
+        }
+        let along = axis.dot(&Vector3::x()) * axis;
+        let (sine, cosine) = (rate * s).sin_cos();
+        s * along
+            + (sine * (Vector3::x() - along) + (1.0 - cosine) * axis.cross(&Vector3::x())) / rate
+    }
+
+    /// Unit vector along which the helix winds, and the rate √(κ² + τ²) of turning about it.
+    fn axis(&self) -> (Vector3, f64) {
+        let rate = self.curvature.hypot(self.torsion);
+        if rate == 0.0 {
+            (Vector3::x(), rate)
+        } else {
+            (Vector3::new(self.torsion, self.curvature, 0.0) / rate, rate)
+        }
+    }
+
     /// Matrix A of the linearised equations y' = A y, y = (θ, ρ, μ, ν), in the frame of the centreline.
     ///
     /// A cross-section that turns by θ and moves by ρ changes the moment by μ and the force by ν. With
@@ -85,6 +115,26 @@ impl Helix {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Against the end of the rod as in the thesis, Eq. 6.2 without its misprints.
+    #[test]
+    fn the_centreline_is_a_helix() {
+        let helix = Helix {
+            curvature: 2.0,
+            torsion: -3.0,
+            twisting_moment: 0.0,
+        };
+        let rate = 13f64.sqrt();
+        let (sine, cosine) = rate.sin_cos();
+        let lengthwise = 9.0 / 13.0 + 4.0 * sine / 13.0 / rate;
+        let binormal = -6.0 * (1.0 - sine / rate) / 13.0;
+        let normal = 2.0 * (cosine - 1.0) / 13.0;
+        let end = helix.position(1.0);
+        assert!((end - Vector3::new(lengthwise, binormal, normal)).norm() < 1e-14);
+        let step = 1e-5;
+        let slope = (helix.position(0.7 + step) - helix.position(0.7 - step)) / (2.0 * step);
+        assert!((slope - helix.tangent(0.7)).norm() < 1e-9);
+    }
 
     /// exp(A s) keeps the symplectic form of (θ, ρ) and their momenta (μ − ½ θ × m, ν).
     #[test]
