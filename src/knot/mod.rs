@@ -21,5 +21,6 @@ pub use determinant::determinant;
 pub use loop_elastica::LoopElastica;
 pub use overhand::{Overhand, overhand_nodes};
 pub use traction::{
-    TREFOIL_FRICTION, audoly_traction, braid_and_loop, jawed_shortening, relaxed_loop,
+    TREFOIL_FRICTION, audoly_traction, braid_and_loop, jawed_shortening, jawed_traction,
+    relaxed_loop,
 };

@@ -3,6 +3,7 @@
 //! F̄ = F h²/EI is the traction with the radius h of the rod, ε = √(h/R) the tightness with the radius R of the loop.
 
 use super::loop_elastica::LoopElastica;
+use crate::mechanics::kirchhoff::numerics::bisect;
 use std::f64::consts::{PI, TAU};
 
 /// σ of the trefoil in Eq. 2.29 of the thesis, as printed by Audoly et al. 2007.
@@ -28,6 +29,15 @@ pub fn jawed_shortening(scaled_traction: f64, friction: f64) -> f64 {
     let factor = 8.0 * 3f64.sqrt() * PI * PI;
     let gap = (12.0 * factor * scaled_traction / friction).cbrt();
     gap * gap / (gap + LoopElastica::over(gap).length()) / factor
+}
+
+/// The scaled traction n² F̄ at which [`jawed_shortening`] is the given n² h/e: its inverse.
+pub fn jawed_traction(scaled_shortening: f64, friction: f64) -> f64 {
+    // It grows with the traction; knots of rods lie far inside of this range of decades.
+    let logarithm = bisect(-35.0, 5.0, |logarithm| {
+        jawed_shortening(logarithm.exp(), friction) - scaled_shortening
+    });
+    logarithm.exp()
 }
 
 /// A loop and the braid below it: lengths in m, energy over EI in 1/m.
@@ -100,6 +110,14 @@ mod tests {
         let x = (12.0 * factor * traction / friction).cbrt();
         let loose = x * x / TAU / factor;
         assert!((jawed_shortening(traction, friction) / loose - 1.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn traction_and_shortening_are_inverse() {
+        for traction in [1e-8, 1e-4, 1e-2] {
+            let shortening = jawed_shortening(traction, 0.07);
+            assert!((jawed_traction(shortening, 0.07) / traction - 1.0).abs() < 1e-6);
+        }
     }
 
     #[test]

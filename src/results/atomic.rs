@@ -4,6 +4,7 @@ use super::ResultsError;
 use std::fs::File;
 use std::io::Write;
 use std::path::Path;
+use tempfile::NamedTempFile;
 
 /// Prefix of files being written; what is left of them after a crash is swept at the next start.
 pub(super) const TEMPORARY_PREFIX: &str = ".rodlab-";
@@ -23,6 +24,17 @@ fn write_and_rename(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
+    let file = written_aside(directory, bytes)?;
+    file.as_file().sync_all()?;
+    file.persist(path)?;
+    // The new name is safe only once the directory that holds it is.
+    #[cfg(unix)]
+    File::open(directory)?.sync_all()?;
+    Ok(())
+}
+
+/// A temporary file in `directory` that holds `bytes`.
+fn written_aside(directory: &Path, bytes: &[u8]) -> std::io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(TEMPORARY_PREFIX);
     // Temporary files are private by default; results are as readable as the user's mask allows.
@@ -30,11 +42,16 @@ fn write_and_rename(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let mut file = builder.tempfile_in(directory)?;
     file.write_all(bytes)?;
-    file.as_file().sync_all()?;
-    file.persist(path)?;
-    // The new name is safe only once the directory that holds it is.
-    #[cfg(unix)]
-    File::open(directory)?.sync_all()?;
+    Ok(file)
+}
+
+/// Makes a file that appears with its bytes in it, unless there is one of its name already. It is not synced.
+///
+/// # Errors
+/// `AlreadyExists` where there is one; any other fault of the file system.
+pub(super) fn create_whole(directory: &Path, name: &str, bytes: &[u8]) -> std::io::Result<()> {
+    let file = written_aside(directory, bytes)?;
+    file.persist_noclobber(directory.join(name))?;
     Ok(())
 }
 

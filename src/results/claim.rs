@@ -9,10 +9,11 @@
 //! claims have not been touched for [`Claims::patience`] while we looked. Clocks are never compared.
 
 use super::ResultsError;
+use super::atomic::{TEMPORARY_PREFIX, create_whole};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::fs::{self, File, OpenOptions};
-use std::io::{self, ErrorKind, Write};
+use std::fs::{self, File};
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::{Duration, Instant, SystemTime};
@@ -100,8 +101,9 @@ impl Claims {
             former = owner;
         }
         let generation = files.last().map_or(0, |(generation, _)| generation + 1);
-        let path = self.folder.join(format!("{case}.{generation}"));
-        match self.create(&path) {
+        let name = format!("{case}.{generation}");
+        let path = self.folder.join(&name);
+        match self.create(&name) {
             Ok(()) if overruled.is_some_and(|newest| read_owner(&newest) != former) => {
                 // While we judged, somebody else took over, came to an end and let go.
                 let _ = fs::remove_file(path);
@@ -145,13 +147,10 @@ impl Claims {
         Ok(())
     }
 
-    fn create(&self, path: &Path) -> io::Result<()> {
-        let mut file = OpenOptions::new().write(true).create_new(true).open(path)?;
+    /// A claim appears with its owner in it: an empty one would look like that of a process unknown.
+    fn create(&self, name: &str) -> io::Result<()> {
         let text = serde_json::to_vec(&self.owner).expect("an owner has string keys only");
-        file.write_all(&text).inspect_err(|_| {
-            // A full disk: an empty claim would hold the case for nobody.
-            let _ = fs::remove_file(path);
-        })
+        create_whole(&self.folder, name, &text)
     }
 
     fn is_alive(&self, path: &Path, owner: Option<&Owner>) -> bool {
@@ -199,8 +198,13 @@ impl Claims {
 
     fn all_files(&self) -> Result<Vec<PathBuf>, ResultsError> {
         let paths: io::Result<Vec<PathBuf>> = fs::read_dir(&self.folder).and_then(|entries| {
-            entries
-                .map(|entry| entry.map(|entry| entry.path()))
+            let being_written = |path: &PathBuf| {
+                let name = path.file_name().unwrap_or_default().to_string_lossy();
+                name.starts_with(TEMPORARY_PREFIX)
+            };
+            let paths = entries.map(|entry| entry.map(|entry| entry.path()));
+            paths
+                .filter(|path| !path.as_ref().is_ok_and(being_written))
                 .collect()
         });
         paths.map_err(ResultsError::io("read", &self.folder))

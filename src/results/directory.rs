@@ -26,6 +26,8 @@ pub const RODS_FIGURE: &str = "rods.svg";
 pub const SERIES_FIGURE: &str = "series.svg";
 /// Outcomes of a sweep over its parameters, drawn.
 pub const SWEEP_FIGURE: &str = "sweep.svg";
+/// Traction of a knot over its tightness, drawn.
+pub const TRACTION_FIGURE: &str = "traction.svg";
 /// The interactive page of the rods in motion.
 pub const PAGE: &str = "view.html";
 /// The ParaView collection.
@@ -36,7 +38,7 @@ pub const VTK_FOLDER: &str = "vtk";
 pub(super) const LOCK: &str = ".lock";
 
 /// What a run may write: names in a results directory, swept by `--force`.
-const FILES: [&str; 15] = [
+const FILES: [&str; 17] = [
     SCENARIO,
     SERIES,
     NODES,
@@ -47,9 +49,11 @@ const FILES: [&str; 15] = [
     RODS_FIGURE,
     SERIES_FIGURE,
     SWEEP_FIGURE,
+    TRACTION_FIGURE,
     "rods.png",
     "series.png",
     "sweep.png",
+    "traction.png",
     PAGE,
     MANIFEST,
 ];

@@ -34,7 +34,7 @@ pub use checkpoint::CheckpointFiles;
 pub use claim::{Claim, Claiming, Claims, HEARTBEAT, Owner, host_name};
 pub use directory::{
     NODE_FORCES, NODES, Opened, PAGE, RODS_FIGURE, ResultsDirectory, SCENARIO, SERIES,
-    SERIES_FIGURE, SUMMARY, SWEEP_FIGURE, TIMINGS, VTK_COLLECTION, VTK_FOLDER,
+    SERIES_FIGURE, SUMMARY, SWEEP_FIGURE, TIMINGS, TRACTION_FIGURE, VTK_COLLECTION, VTK_FOLDER,
 };
 pub use error::ResultsError;
 pub use forces::{NodeForces, read_node_forces};

@@ -4,6 +4,7 @@ use super::{
     SWINGS, assert_same, begin, directory, manifest, outcome, succeed, tables, undisturbed,
 };
 use std::fs;
+use std::hash::{BuildHasher, RandomState};
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use std::time::{Duration, Instant};
@@ -11,7 +12,33 @@ use tempfile::TempDir;
 
 #[test]
 #[cfg(unix)]
-fn killed_at_any_moment_the_same_command_ends_with_the_same_bytes() {
+fn killed_at_a_random_moment_the_same_command_ends_with_the_same_bytes() {
+    let directory = directory(SWINGS);
+    let start = Instant::now();
+    let expected = undisturbed(&directory);
+    let whole = start.elapsed();
+    for attempt in 0..10 {
+        let name = format!("killed_{attempt}");
+        let run = ["run", "swings.toml", "--out", &name, "--jobs", "2"];
+        let moment = whole.mul_f64(random_part());
+        let mut child = begin(&directory, &run);
+        std::thread::sleep(moment);
+        child.kill().unwrap();
+        child.wait().unwrap();
+        succeed(&directory, &run);
+        println!("killed after {moment:?} of {whole:?}");
+        assert_same(&tables(&directory.path().join(&name)), &expected);
+    }
+}
+
+/// A number from 0 to 1, another one at each call.
+fn random_part() -> f64 {
+    RandomState::new().hash_one(0) as f64 / u64::MAX as f64
+}
+
+#[test]
+#[cfg(unix)]
+fn killed_again_and_again_the_same_command_ends_with_the_same_bytes() {
     let directory = directory(SWINGS);
     let start = Instant::now();
     let expected = undisturbed(&directory);

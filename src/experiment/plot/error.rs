@@ -1,7 +1,7 @@
 //! Why a figure is not drawn.
 
 use crate::results::ResultsError;
-use crate::scenario::did_you_mean;
+use crate::scenario::{ScenarioError, did_you_mean};
 use std::path::PathBuf;
 
 /// Why a figure is not drawn.
@@ -35,6 +35,9 @@ pub enum PlotError {
         /// The file that one stands in.
         second_table: &'static str,
     },
+    /// The scenario of the results could not be read.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
     /// A file could not be read or written.
     #[error(transparent)]
     Results(#[from] ResultsError),

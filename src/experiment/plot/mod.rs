@@ -6,6 +6,7 @@ mod error;
 mod labels;
 mod series;
 mod sweep;
+mod traction;
 
 pub use custom::{CustomFigure, custom_figure};
 pub use error::PlotError;
@@ -13,11 +14,12 @@ pub use error::PlotError;
 use crate::figure::{RodCurve, Snapshot, View, line_plots, png, snapshots};
 use crate::results::{
     Manifest, NODES, NodePositions, RODS_FIGURE, ResultsError, RodRecord, SERIES, SERIES_FIGURE,
-    SUMMARY, SWEEP_FIGURE, Table, read_nodes, read_series, write_whole,
+    SUMMARY, SWEEP_FIGURE, TRACTION_FIGURE, Table, read_nodes, read_series, write_whole,
 };
 use series::series_plots;
 use std::path::{Path, PathBuf};
 use sweep::sweep_figure;
+use traction::traction_figure;
 
 /// Snapshots in a figure.
 const SNAPSHOTS: usize = 4;
@@ -27,10 +29,12 @@ const SNAPSHOTS: usize = 4;
 /// `rods.svg`: the rods at up to four times, evenly spread over the run; needs `nodes.csv`.
 /// `series.svg`: energies, contacts, distance and iterations over time; needs more than one output.
 /// `sweep.svg`: outcomes over the swept parameters; needs a `summary.csv` in which a number is swept.
+/// `traction.svg`: traction over tightness of a knot, with theory.
 /// Works while a run is at work, and on what an interrupted one left.
 ///
 /// # Errors
-/// [`PlotError::NotResults`], or [`PlotError::Results`] where files cannot be read or written.
+/// [`PlotError::NotResults`], or [`PlotError::Results`] or [`PlotError::Scenario`] where files cannot be read or
+/// written.
 pub fn plot_results(directory: &Path) -> Result<Vec<PathBuf>, PlotError> {
     let Some(manifest) = Manifest::read(directory)? else {
         return Err(PlotError::NotResults(directory.to_owned()));
@@ -55,6 +59,9 @@ pub fn plot_results(directory: &Path) -> Result<Vec<PathBuf>, PlotError> {
         && let Some(figure) = sweep_figure(&Table::read(&summary)?)
     {
         write(SWEEP_FIGURE, figure)?;
+    }
+    if let Some(figure) = traction_figure(directory)? {
+        write(TRACTION_FIGURE, figure)?;
     }
     Ok(written)
 }

@@ -43,6 +43,18 @@ pub enum Contact {
     },
 }
 
+impl Contact {
+    /// Friction coefficient μ; 0 where nothing touches.
+    pub fn friction(&self) -> f64 {
+        match *self {
+            Self::None => 0.0,
+            Self::Imc { friction, .. }
+            | Self::Ipc { friction, .. }
+            | Self::Complementarity { friction, .. } => friction,
+        }
+    }
+}
+
 /// The surrounding fluid.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "model", rename_all = "kebab-case")]
