@@ -3,7 +3,7 @@
 use super::PlotError;
 use crate::figure::{AxisScale, Curve, LinePlot, PlotStyle, styled_line_plots};
 use crate::knot::{TREFOIL_FRICTION, audoly_traction, jawed_traction};
-use crate::results::{KnotRow, SCENARIO, SERIES, read_knot_series};
+use crate::results::{KnotRow, SCENARIO, SERIES, Table, read_knot_series};
 use crate::scenario::{Experiment, load};
 use std::path::Path;
 
@@ -16,7 +16,8 @@ use std::path::Path;
 /// # Errors
 /// [`PlotError::Scenario`] or [`PlotError::Results`] where files of the run cannot be read.
 pub(super) fn traction_figure(directory: &Path) -> Result<Option<String>, PlotError> {
-    if !directory.join(SERIES).exists() {
+    let series = directory.join(SERIES);
+    if !series.exists() || Table::read(&series)?.column("force_normalized").is_none() {
         return Ok(None);
     }
     let scenario = load(&directory.join(SCENARIO), &[])?.scenario;
