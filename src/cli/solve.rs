@@ -16,7 +16,9 @@ const MOST_EDGES: usize = 2000;
 #[command(after_help = "\
 Examples:
   rodlab solve helix --direction=1,1,-1
-@@  rodlab solve hanging-plate --length 0.2 --gravito-bending-length 0.1
+  rodlab solve helix --direction=1,1,-1 --method der --edges 100
+  rodlab solve loop-height --gravito-bending-length \"3 cm\"
+  rodlab solve hanging-plate --length 0.2 --gravito-bending-length 0.1
 
 The gravito-bending length L_gb of a rod is (E h²/(8 ρ g))^(1/3) with its radius h, that of a strip
 (E h²/(24 ρ g))^(1/3) with its thickness h: bending stiffness / weight per length = 2 L_gb³.")]
