@@ -72,14 +72,14 @@ pub fn reproduce(arguments: &ReproduceArguments, common: &Common) -> Result<(), 
 fn list() -> String {
     let line = |artifact: Artifact| {
         format!(
-            "{:<8}{:<66}{:>10}{:>10}\n",
+            "{:<12}{:<66}{:>10}{:>10}\n",
             artifact.name(),
             artifact.title(),
             duration(artifact.cost(false)),
             duration(artifact.cost(true))
         )
     };
-    let header = format!("{:<74}{:>10}{:>10}\n", "", "one core", "--quick");
+    let header = format!("{:<78}{:>10}{:>10}\n", "", "one core", "--quick");
     header + &Artifact::ALL.map(line).concat()
 }
 

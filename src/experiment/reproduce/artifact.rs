@@ -1,10 +1,11 @@
 //! What can be reproduced, and the runs that it takes.
 
-use super::bundling::{Bundling, ContactModel, DISTANCE_TOLERANCE};
+use super::bundling::{Bundling, ContactModel, DISTANCE_TOLERANCE, STEP};
+use super::drag_steps;
 use super::figure_2_5;
 use super::tightening::Tightening;
 
-/// A table or figure of the thesis.
+/// A table or figure of the thesis, or one about this engine itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Artifact {
     /// IMC against IPC: iterations and time.
@@ -19,6 +20,10 @@ pub enum Artifact {
     Figure2_7,
     /// Traction of overhand knots.
     Figure2_8,
+    /// Cost of a step over the number of flagella.
+    Cost,
+    /// Error over the size of the time step.
+    DragSteps,
 }
 
 /// The runs of an artefact.
@@ -31,21 +36,31 @@ pub(super) enum Runs {
 
 /// Numbers of flagella of the thesis (section 2.4.2).
 pub(super) const FLAGELLA: [usize; 4] = [2, 3, 5, 10];
+/// Numbers of flagella whose cost is measured.
+const FLAGELLA_OF_COST: [usize; 6] = [2, 5, 10, 20, 50, 100];
 /// Simulated time of the thesis, s.
 const END: f64 = 250.0;
 /// Simulated time of a quick look, s; that at a difference has 20 s of contact.
 const QUICK_END: f64 = 20.0;
 const QUICK_END_OF_DIFFERENCE: f64 = 25.0;
+/// Simulated time over which costs are measured, s: 400 steps, of which the first dozens build the preconditioner.
+const END_OF_COST: f64 = 0.4;
+const QUICK_END_OF_COST: f64 = 0.05;
+/// Simulated time of the comparison of steps, s.
+const END_OF_STEPS: f64 = 20.0;
+const QUICK_END_OF_STEPS: f64 = 5.0;
 
 impl Artifact {
     /// All of them.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 8] = [
         Self::Table2_1,
         Self::Table2_2,
         Self::Figure2_5,
         Self::Figure2_6,
         Self::Figure2_7,
         Self::Figure2_8,
+        Self::Cost,
+        Self::DragSteps,
     ];
 
     /// The artefact of a name.
@@ -64,6 +79,8 @@ impl Artifact {
             Self::Figure2_6 => "fig2.6",
             Self::Figure2_7 => "fig2.7",
             Self::Figure2_8 => "fig2.8",
+            Self::Cost => "cost",
+            Self::DragSteps => "drag-steps",
         }
     }
 
@@ -76,6 +93,8 @@ impl Artifact {
             Self::Figure2_6 => "Figure 2.6: two flagella with growing friction, snapshots",
             Self::Figure2_7 => "Figure 2.7: a trefoil pulled tight, traction and theory",
             Self::Figure2_8 => "Figure 2.8: overhand knots pulled tight, traction and theory",
+            Self::Cost => "Cost of a step over the number of flagella",
+            Self::DragSteps => "Error of larger and automatic steps, two flagella",
         }
     }
 
@@ -98,6 +117,10 @@ impl Artifact {
 
     fn bundlings(self, quick: bool) -> Vec<Bundling> {
         let end = match (quick, self) {
+            (false, Self::Cost) => END_OF_COST,
+            (true, Self::Cost) => QUICK_END_OF_COST,
+            (false, Self::DragSteps) => END_OF_STEPS,
+            (true, Self::DragSteps) => QUICK_END_OF_STEPS,
             (false, _) => END,
             (true, Self::Figure2_5) => QUICK_END_OF_DIFFERENCE,
             (true, _) => QUICK_END,
@@ -109,6 +132,7 @@ impl Artifact {
                 model,
                 friction: 0.0,
                 distance_tolerance,
+                step: STEP,
                 end,
             };
             models
@@ -116,12 +140,17 @@ impl Artifact {
                 .flat_map(|model| counts.iter().map(move |flagella| run(model, flagella)))
                 .collect()
         };
-        let rubbing = |friction: f64| Bundling {
-            flagella: 2,
+        let free = |flagella: usize| Bundling {
+            flagella,
             model: ContactModel::Imc,
-            friction,
+            friction: 0.0,
             distance_tolerance: DISTANCE_TOLERANCE,
+            step: STEP,
             end,
+        };
+        let rubbing = |friction: f64| Bundling {
+            friction,
+            ..free(2)
         };
         match self {
             Self::Table2_1 => both(&FLAGELLA, DISTANCE_TOLERANCE),
@@ -130,6 +159,10 @@ impl Artifact {
                 .collect(),
             Self::Figure2_5 => both(&[5], figure_2_5::DISTANCE_TOLERANCE),
             Self::Figure2_6 => [0.0, 0.3, 0.7].map(rubbing).to_vec(),
+            Self::Cost => FLAGELLA_OF_COST.map(free).to_vec(),
+            Self::DragSteps => drag_steps::STEPS
+                .map(|step| Bundling { step, ..free(2) })
+                .to_vec(),
             Self::Figure2_7 | Self::Figure2_8 => Vec::new(),
         }
     }

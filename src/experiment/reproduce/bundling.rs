@@ -19,8 +19,32 @@ pub(super) struct Bundling {
     pub friction: f64,
     /// Distance tolerance δ, m.
     pub distance_tolerance: f64,
+    /// Time step.
+    pub step: Step,
     /// Simulated time, s.
     pub end: f64,
+}
+
+/// Time step of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Step {
+    /// Always the same, s.
+    Fixed(f64),
+    /// Chosen by the local error.
+    Auto,
+}
+
+/// Time step of the thesis, 1 ms.
+pub(super) const STEP: Step = Step::Fixed(1e-3);
+
+impl Step {
+    /// As scenario files have it.
+    pub fn key(self) -> String {
+        match self {
+            Self::Fixed(step) => format!("{step:?}"),
+            Self::Auto => "\"auto\"".into(),
+        }
+    }
 }
 
 /// Distance tolerance of the thesis, m.
@@ -60,13 +84,17 @@ impl Run for Bundling {
             model,
             friction,
             distance_tolerance,
+            step,
             end,
         } = self;
-        let name = format!("m{flagella}_{}_mu{friction}_{end}s", model.key());
-        if *distance_tolerance == DISTANCE_TOLERANCE {
-            name
-        } else {
-            format!("{name}_delta{distance_tolerance:e}")
+        let mut name = format!("m{flagella}_{}_mu{friction}_{end}s", model.key());
+        if *distance_tolerance != DISTANCE_TOLERANCE {
+            name += &format!("_delta{distance_tolerance:e}");
+        }
+        match *step {
+            STEP => name,
+            Step::Fixed(step) => format!("{name}_step{step}"),
+            Step::Auto => name + "_auto",
         }
     }
 
@@ -77,6 +105,7 @@ impl Run for Bundling {
             format!("contact.model=\"{}\"", self.model.key()),
             format!("contact.friction={:?}", self.friction),
             format!("contact.distance_tolerance={:?}", self.distance_tolerance),
+            format!("time.step={}", self.step.key()),
             format!("time.end={:?}", self.end),
         ];
         let loaded = from_text_with(&self.id(), BASE, Path::new(""), &overrides);
@@ -90,12 +119,18 @@ impl Run for Bundling {
 }
 
 impl Bundling {
-    /// Rough cost on one core, s: 1 ms steps, whose fluid costs grow with the square of the flagella.
+    /// Rough cost on one core, s: of steps whose fluid costs grow with the square of the flagella, up to the thousand
+    /// nodes above which the fluid is computed by clusters.
     pub fn cost(&self) -> f64 {
         let flagella = self.flagella as f64;
         let rubbing = 1.0 + 3.0 * self.friction;
-        let step = (0.1e-3 * flagella + 0.04e-3 * flagella * flagella) * rubbing;
-        1e3 * self.end * step
+        let cost_of_step = 0.1e-3 * flagella + 0.04e-3 * flagella * flagella.min(40.0);
+        let step = match self.step {
+            Step::Fixed(step) => step,
+            // As seen with two flagella in contact.
+            Step::Auto => 3e-3,
+        };
+        self.end / step * cost_of_step * rubbing
     }
 }
 
@@ -103,6 +138,7 @@ impl Bundling {
 mod tests {
     use super::*;
     use crate::experiment::Mode;
+    use crate::mechanics::dynamics::StepSize;
 
     #[test]
     fn ids_say_what_is_run() {
@@ -111,6 +147,7 @@ mod tests {
             model: ContactModel::Ipc,
             friction: 0.7,
             distance_tolerance: DISTANCE_TOLERANCE,
+            step: STEP,
             end: 20.0,
         };
         assert_eq!(bundling.id(), "m3_ipc_mu0.7_20s");
@@ -125,5 +162,18 @@ mod tests {
         assert_eq!(tighter.id(), "m3_ipc_mu0.7_20s_delta2e-6");
         let contact = tighter.prepare().scene.contact.unwrap();
         assert_eq!(contact.distance_tolerance, 2e-6);
+        let coarser = Bundling {
+            step: Step::Fixed(5e-3),
+            ..bundling
+        };
+        assert_eq!(coarser.id(), "m3_ipc_mu0.7_20s_step0.005");
+        assert_eq!(coarser.prepare().integration.step, StepSize::Fixed(5e-3));
+        let automatic = Bundling {
+            step: Step::Auto,
+            ..bundling
+        };
+        assert_eq!(automatic.id(), "m3_ipc_mu0.7_20s_auto");
+        let step = automatic.prepare().integration.step;
+        assert!(matches!(step, StepSize::Auto { .. }));
     }
 }

@@ -5,30 +5,21 @@
 
 use super::ReproduceError;
 use super::cases::Case;
+use super::difference::{Difference, differences, nodes_of};
 use super::page::Page;
 use crate::figure::{Curve, LinePlot, line_plots};
-use crate::results::{NodePositions, ResultsError, RodRecord, read_nodes};
-use serde::Serialize;
 
 /// Distance tolerance δ of the figure, m: a fifth of that of the thesis, since ē shrinks with it. Smaller is stiffer without need.
 pub(super) const DISTANCE_TOLERANCE: f64 = 2e-6;
 /// Time after the first contact over which the difference is summed up, s.
 const FIRST_SECONDS: f64 = 20.0;
 
-/// A row of the CSV file.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-struct Row {
-    time_s: f64,
-    /// ē of thesis Eq. 2.28.
-    mean_difference_radii: f64,
-}
-
 /// Writes the difference over time; the cases are IMC and IPC.
 pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceError> {
     let [imc, ipc] = [&cases[0], &cases[1]].map(nodes_of);
     let radius = cases[0].manifest.rods[0].radius;
     let rows = differences(&imc?, &ipc?, radius);
-    let largest = |rows: &mut dyn Iterator<Item = &Row>| {
+    let largest = |rows: &mut dyn Iterator<Item = &Difference>| {
         rows.map(|row| row.mean_difference_radii)
             .fold(0.0, f64::max)
     };
@@ -66,47 +57,4 @@ pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceErro
         &figure,
     )?;
     Ok(())
-}
-
-fn nodes_of(case: &Case) -> Result<Vec<NodePositions>, ResultsError> {
-    let count = |rod: &RodRecord| rod.nodes;
-    read_nodes(&case.directory, case.manifest.rods.iter().map(count).sum())
-}
-
-/// ē at the output times that both runs reached: they are the same products of the same interval.
-fn differences(first: &[NodePositions], second: &[NodePositions], radius: f64) -> Vec<Row> {
-    let pairs = first
-        .iter()
-        .zip(second)
-        .take_while(|(a, b)| a.time == b.time);
-    pairs
-        .map(|(a, b)| {
-            let distances = a.positions.iter().zip(&b.positions);
-            let sum: f64 = distances.map(|(x, y)| (x - y).norm()).sum();
-            Row {
-                time_s: a.time,
-                mean_difference_radii: sum / (a.positions.len() as f64 * radius),
-            }
-        })
-        .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use nalgebra::Vector3;
-
-    #[test]
-    fn differences_are_means_in_radii_as_far_as_both_runs_go() {
-        let output = |time: f64, shift: f64| NodePositions {
-            time,
-            positions: vec![Vector3::zeros(), Vector3::new(0.0, shift, 0.0)],
-        };
-        let first = [output(0.0, 0.0), output(0.5, 3e-3), output(1.0, 0.0)];
-        let second = [output(0.0, 0.0), output(0.5, -1e-3), output(0.9, 0.0)];
-        let rows = differences(&first, &second, 1e-3);
-        assert_eq!(rows.len(), 2);
-        assert_eq!(rows[0].mean_difference_radii, 0.0);
-        assert!((rows[1].mean_difference_radii - 2.0).abs() < 1e-15);
-    }
 }

@@ -11,10 +11,15 @@
 //! | `cases` | running the runs |
 //! | `page` | CSV, Markdown and manifest of an artefact |
 //! | `table_2_1`, `table_2_2`, `figure_2_5` to `figure_2_8` | one artefact each |
+//! | `cost`, `drag_steps` | what steps cost, and what larger ones lose |
+//! | `difference` | distance of the nodes between two runs (thesis Eq. 2.28) |
 
 mod artifact;
 mod bundling;
 mod cases;
+mod cost;
+mod difference;
+mod drag_steps;
 mod figure_2_5;
 mod figure_2_6;
 mod figure_2_7;
@@ -96,6 +101,8 @@ fn make(
                 Artifact::Table2_1 => table_2_1::write(&mut page, &cases),
                 Artifact::Table2_2 => table_2_2::write(&mut page, &cases),
                 Artifact::Figure2_5 => figure_2_5::write(&mut page, &cases),
+                Artifact::Cost => cost::write(&mut page, &cases),
+                Artifact::DragSteps => drag_steps::write(&mut page, &cases),
                 _ => figure_2_6::write(&mut page, &cases),
             }?;
             page

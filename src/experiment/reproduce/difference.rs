@@ -1,0 +1,64 @@
+//! The normalised difference ē of two runs (thesis Eq. 2.28).
+
+use super::cases::Case;
+use crate::results::{NodePositions, ResultsError, RodRecord, read_nodes};
+use serde::Serialize;
+
+/// How far two runs are apart at a time; a row of CSV files.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub(super) struct Difference {
+    pub time_s: f64,
+    /// ē: mean distance of the nodes over the radius h.
+    pub mean_difference_radii: f64,
+}
+
+/// Positions of all nodes of a run at its output times.
+///
+/// # Errors
+/// [`ResultsError`] where `nodes.csv` is not to be read.
+pub(super) fn nodes_of(case: &Case) -> Result<Vec<NodePositions>, ResultsError> {
+    let count = |rod: &RodRecord| rod.nodes;
+    read_nodes(&case.directory, case.manifest.rods.iter().map(count).sum())
+}
+
+/// ē at the output times that both runs reached: they are the same products of the same interval. The radius is in m.
+pub(super) fn differences(
+    first: &[NodePositions],
+    second: &[NodePositions],
+    radius: f64,
+) -> Vec<Difference> {
+    let pairs = first
+        .iter()
+        .zip(second)
+        .take_while(|(a, b)| a.time == b.time);
+    pairs
+        .map(|(a, b)| {
+            let distances = a.positions.iter().zip(&b.positions);
+            let sum: f64 = distances.map(|(x, y)| (x - y).norm()).sum();
+            Difference {
+                time_s: a.time,
+                mean_difference_radii: sum / (a.positions.len() as f64 * radius),
+            }
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector3;
+
+    #[test]
+    fn differences_are_means_in_radii_as_far_as_both_runs_go() {
+        let output = |time: f64, shift: f64| NodePositions {
+            time,
+            positions: vec![Vector3::zeros(), Vector3::new(0.0, shift, 0.0)],
+        };
+        let first = [output(0.0, 0.0), output(0.5, 3e-3), output(1.0, 0.0)];
+        let second = [output(0.0, 0.0), output(0.5, -1e-3), output(0.9, 0.0)];
+        let rows = differences(&first, &second, 1e-3);
+        assert_eq!(rows.len(), 2);
+        assert_eq!(rows[0].mean_difference_radii, 0.0);
+        assert!((rows[1].mean_difference_radii - 2.0).abs() < 1e-15);
+    }
+}

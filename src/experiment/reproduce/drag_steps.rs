@@ -1,0 +1,124 @@
+//! What larger and automatic steps lose against steps of 1 ms.
+
+use super::ReproduceError;
+use super::bundling::{STEP, Step};
+use super::cases::Case;
+use super::difference::{Difference, differences, nodes_of};
+use super::page::{Page, number};
+use crate::figure::{AxisScale, Curve, LinePlot, PlotStyle, styled_line_plots};
+use serde::Serialize;
+
+/// Time steps that are compared; the first is the measure of the others.
+pub(super) const STEPS: [Step; 6] = [
+    STEP,
+    Step::Fixed(2e-3),
+    Step::Fixed(5e-3),
+    Step::Fixed(1e-2),
+    Step::Fixed(2e-2),
+    Step::Auto,
+];
+
+/// A row of the CSV file; differences are ē of thesis Eq. 2.28.
+#[derive(Serialize)]
+struct Row {
+    step: String,
+    status: &'static str,
+    steps: u64,
+    iterations_per_step: f64,
+    wall_time_s: f64,
+    first_contact_s: Option<f64>,
+    /// Largest up to the first contact of the solution with steps of 1 ms.
+    difference_before_contact_radii: Option<f64>,
+    /// Largest over the whole time that both runs reached.
+    difference_radii: Option<f64>,
+}
+
+/// Writes the table and ē over time.
+pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceError> {
+    let fine = nodes_of(&cases[0])?;
+    let radius = cases[0].manifest.rods[0].radius;
+    let contact = cases[0].record.outcome.first_contact;
+    let (mut rows, mut curves) = (Vec::new(), Vec::new());
+    for case in cases {
+        let differences = differences(&fine, &nodes_of(case)?, radius);
+        rows.push(row(case, &differences, contact));
+        if case.run.step != STEP {
+            curves.push(curve(case, &differences));
+        }
+    }
+    page.text(
+        "ē is the mean distance of the nodes from the solution with steps of 1 ms, in radii (thesis Eq. 2.28), at the \
+         output times. The drag is linearised in each node's own velocity, which is taken at the end of the step; what \
+         other nodes' motion does to it is that of the start of the step.",
+    );
+    let header = [
+        "Step in s",
+        "Steps",
+        "Iterations per step",
+        "Wall time in s",
+        "First contact in s",
+        "Largest ē before contact",
+        "Largest ē",
+    ];
+    let lines: Vec<Vec<String>> = rows.iter().map(line).collect();
+    page.table(&header, &lines);
+    page.csv(&rows)?;
+    let plot = LinePlot {
+        label: "ē".into(),
+        curves,
+    };
+    let style = PlotStyle {
+        vertical: vec![AxisScale::Logarithmic],
+        ..PlotStyle::default()
+    };
+    let figure = styled_line_plots(&[plot], "Time in s", &style);
+    page.figure(
+        "drag-steps",
+        "Difference ē from steps of 1 ms in radii",
+        &figure,
+    )?;
+    Ok(())
+}
+
+fn row(case: &Case, differences: &[Difference], contact: Option<f64>) -> Row {
+    let outcome = &case.record.outcome;
+    let largest_until = |end: f64| {
+        differences
+            .iter()
+            .filter(|row| row.time_s <= end)
+            .map(|row| row.mean_difference_radii)
+            .reduce(f64::max)
+    };
+    Row {
+        step: case.run.step.key().trim_matches('"').to_owned(),
+        status: case.status(),
+        steps: outcome.steps,
+        iterations_per_step: outcome.newton_iterations as f64 / outcome.steps as f64,
+        wall_time_s: case.record.wall_time,
+        first_contact_s: outcome.first_contact,
+        difference_before_contact_radii: contact.and_then(largest_until),
+        difference_radii: largest_until(f64::INFINITY),
+    }
+}
+
+fn line(row: &Row) -> Vec<String> {
+    vec![
+        row.step.clone(),
+        row.steps.to_string(),
+        number(Some(row.iterations_per_step), 2),
+        number(Some(row.wall_time_s), 1),
+        number(row.first_contact_s, 3),
+        number(row.difference_before_contact_radii, 3),
+        number(row.difference_radii, 3),
+    ]
+}
+
+fn curve(case: &Case, differences: &[Difference]) -> Curve {
+    Curve {
+        name: case.run.step.key().trim_matches('"').to_owned(),
+        points: differences
+            .iter()
+            .map(|row| (row.time_s, Some(row.mean_difference_radii)))
+            .collect(),
+    }
+}
