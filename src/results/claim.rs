@@ -138,7 +138,8 @@ impl Claims {
     /// # Errors
     /// [`ResultsError::Io`] where the folder cannot be read.
     pub fn bury(&self) -> Result<(), ResultsError> {
-        for path in self.all_files()? {
+        // Those among them that were just being written, too.
+        for path in self.all_paths()? {
             if !self.is_alive(&path, read_owner(&path).as_ref()) {
                 // What cannot be removed is in nobody's way.
                 let _ = fs::remove_file(path);
@@ -197,17 +198,19 @@ impl Claims {
     }
 
     fn all_files(&self) -> Result<Vec<PathBuf>, ResultsError> {
-        let paths: io::Result<Vec<PathBuf>> = fs::read_dir(&self.folder).and_then(|entries| {
-            let being_written = |path: &PathBuf| {
-                let name = path.file_name().unwrap_or_default().to_string_lossy();
-                name.starts_with(TEMPORARY_PREFIX)
-            };
-            let paths = entries.map(|entry| entry.map(|entry| entry.path()));
-            paths
-                .filter(|path| !path.as_ref().is_ok_and(being_written))
-                .collect()
+        let mut paths = self.all_paths()?;
+        paths.retain(|path| {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            !name.starts_with(TEMPORARY_PREFIX)
         });
-        paths.map_err(ResultsError::io("read", &self.folder))
+        Ok(paths)
+    }
+
+    /// Claims, and what is being written to become one.
+    fn all_paths(&self) -> Result<Vec<PathBuf>, ResultsError> {
+        fs::read_dir(&self.folder)
+            .and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect())
+            .map_err(ResultsError::io("read", &self.folder))
     }
 }
 
@@ -343,6 +346,26 @@ mod tests {
             drop(claimed(&claims, "a").expect("taken over"));
             assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
         }
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn the_dead_are_buried_with_what_they_were_writing_and_the_living_are_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let dead = Owner {
+            boot: Some("before".into()),
+            ..Owner::this_process()
+        };
+        let claims = Claims::new(folder.path());
+        let _mine = claimed(&claims, "a").unwrap();
+        std::mem::forget(claimed(&of_another(folder.path(), dead.clone()), "b").unwrap());
+        let half_way = folder.path().join(format!("{TEMPORARY_PREFIX}c"));
+        fs::write(&half_way, serde_json::to_vec(&dead).unwrap()).unwrap();
+        let begun = folder.path().join(format!("{TEMPORARY_PREFIX}d"));
+        fs::write(&begun, serde_json::to_vec(&claims.owner).unwrap()).unwrap();
+        claims.bury().unwrap();
+        assert_eq!(claims.all_files().unwrap(), [folder.path().join("a.0")]);
+        assert!(!half_way.exists() && begun.exists());
     }
 
     #[test]
