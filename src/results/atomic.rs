@@ -1,4 +1,8 @@
 //! Files that appear whole: written aside, synced, renamed.
+//!
+//! To wait for the disk takes longer than many a case of a sweep. [`write_whole`] waits until the file would
+//! survive a loss of power, [`write_whole_before`] until it does together with the next one, and
+//! [`place_whole`] not at all.
 
 use super::ResultsError;
 use std::fs::File;
@@ -16,21 +20,54 @@ pub(super) const TEMPORARY_PREFIX: &str = ".rodlab-";
 /// # Errors
 /// [`ResultsError::Io`] naming `path`.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), ResultsError> {
-    write_and_rename(path, bytes).map_err(ResultsError::io("write", path))
-}
-
-fn write_and_rename(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let directory = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    let file = written_aside(directory, bytes)?;
-    file.as_file().sync_all()?;
-    file.persist(path)?;
+    write_whole_before(path, bytes)?;
     // The new name is safe only once the directory that holds it is.
     #[cfg(unix)]
-    File::open(directory)?.sync_all()?;
+    sync(directory_of(path))?;
     Ok(())
+}
+
+/// The same where [`write_whole`] follows in the same directory, which makes the name of this file safe, too.
+///
+/// # Errors
+/// [`ResultsError::Io`] naming `path`.
+pub(super) fn write_whole_before(path: &Path, bytes: &[u8]) -> Result<(), ResultsError> {
+    written_aside(directory_of(path), bytes)
+        .and_then(|file| {
+            file.as_file().sync_all()?;
+            Ok(file.persist(path)?)
+        })
+        .map(drop)
+        .map_err(ResultsError::io("write", path))
+}
+
+/// The same for a file that is worth nothing without others that follow: until it is [`sync`]ed, a loss of
+/// power may leave it empty or take it away.
+///
+/// # Errors
+/// [`ResultsError::Io`] naming `path`.
+pub(crate) fn place_whole(path: &Path, bytes: &[u8]) -> Result<(), ResultsError> {
+    written_aside(directory_of(path), bytes)
+        .and_then(|file| Ok(file.persist(path)?))
+        .map(drop)
+        .map_err(ResultsError::io("write", path))
+}
+
+/// Waits until a file or directory would survive a loss of power.
+///
+/// # Errors
+/// [`ResultsError::Io`] naming `path`.
+pub(crate) fn sync(path: &Path) -> Result<(), ResultsError> {
+    File::open(path)
+        .and_then(|file| file.sync_all())
+        .map_err(ResultsError::io("write", path))
+}
+
+fn directory_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
 }
 
 /// A temporary file in `directory` that holds `bytes`.

@@ -1,6 +1,6 @@
 //! `manifest.json`: what was run, by what, where, when, and how it ended.
 
-use super::{CaseOutcome, ResultsError, Usage, write_whole};
+use super::{CaseOutcome, ResultsError, Usage, place_whole, write_whole};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs;
@@ -164,13 +164,15 @@ impl CaseStatus {
 }
 
 impl Manifest {
-    /// Reads the manifest of a directory; `None` where there is none.
+    /// Reads the manifest of a directory; `None` where there is none, or an empty one: power was lost before
+    /// anything else of the run reached the disk.
     ///
     /// # Errors
     /// [`ResultsError::Damaged`] where it is no manifest, [`ResultsError::Io`] where it cannot be read.
     pub fn read(directory: &Path) -> Result<Option<Self>, ResultsError> {
         let path = directory.join(MANIFEST);
         let bytes = match fs::read(&path) {
+            Ok(bytes) if bytes.is_empty() => return Ok(None),
             Ok(bytes) => bytes,
             Err(error)
                 if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) =>
@@ -189,9 +191,18 @@ impl Manifest {
 
     /// Writes the manifest of a directory.
     pub fn write(&self, directory: &Path) -> Result<(), ResultsError> {
-        let mut text = serde_json::to_string_pretty(self).expect("a manifest has string keys only");
-        text.push('\n');
-        write_whole(&directory.join(MANIFEST), text.as_bytes())
+        write_whole(&directory.join(MANIFEST), &self.to_bytes())
+    }
+
+    /// Writes the manifest of a run that begins, without waiting for the disk.
+    pub fn place(&self, directory: &Path) -> Result<(), ResultsError> {
+        place_whole(&directory.join(MANIFEST), &self.to_bytes())
+    }
+
+    fn to_bytes(&self) -> Vec<u8> {
+        let mut text = serde_json::to_vec_pretty(self).expect("a manifest has string keys only");
+        text.push(b'\n');
+        text
     }
 
     /// Whether every case reached its end.
@@ -272,6 +283,17 @@ pub(super) mod tests {
         other.status = CaseStatus::TimeLimit;
         manifest.cases.insert("other".into(), other);
         assert!(!manifest.is_finished());
+    }
+
+    #[test]
+    fn an_empty_manifest_is_that_of_a_run_that_never_began() {
+        let directory = tempfile::tempdir().unwrap();
+        fs::write(directory.path().join(MANIFEST), "").unwrap();
+        assert!(Manifest::read(directory.path()).unwrap().is_none());
+        example("ab", CaseStatus::Running)
+            .place(directory.path())
+            .unwrap();
+        assert!(Manifest::read(directory.path()).unwrap().is_some());
     }
 
     #[test]

@@ -30,6 +30,7 @@ mod usage;
 mod vtk;
 
 pub use atomic::write_whole;
+pub(crate) use atomic::{place_whole, sync};
 pub use checkpoint::CheckpointFiles;
 pub use claim::{Claim, Claiming, Claims, HEARTBEAT, Owner, host_name};
 pub use directory::{

@@ -2,8 +2,9 @@
 //!
 //! The summary holds what is the same on every machine; what is not is in the timings.
 
+use super::atomic::write_whole_before;
 use super::directory::{SUMMARY, TIMINGS};
-use super::{CaseOutcome, CaseStatus, ResultsError, Usage, write_whole};
+use super::{CaseOutcome, CaseStatus, ResultsError, Usage};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -66,12 +67,12 @@ struct TimingRow<'a> {
     peak_memory_bytes: Option<u64>,
 }
 
-/// Writes `summary.csv`.
+/// Writes `summary.csv`, whole; the manifest, written after it, makes it safe.
 pub fn write_summary(directory: &Path, rows: &[SummaryRow]) -> Result<(), ResultsError> {
     write_table(&directory.join(SUMMARY), rows.iter())
 }
 
-/// Writes `timings.csv`: the cost of each case.
+/// Writes `timings.csv`: the cost of each case. See [`write_summary`].
 pub fn write_timings(directory: &Path, cases: &[(&str, Usage)]) -> Result<(), ResultsError> {
     let rows = cases.iter().map(|(case, usage)| TimingRow {
         case,
@@ -84,7 +85,7 @@ pub fn write_timings(directory: &Path, cases: &[(&str, Usage)]) -> Result<(), Re
 }
 
 /// Writes `summary.csv` of a sweep: `case`, a column for each of `keys`, then the other columns. Each row has
-/// the values of the keys with it.
+/// the values of the keys with it. See [`write_summary`].
 pub fn write_sweep_summary(
     directory: &Path,
     keys: &[&str],
@@ -108,14 +109,14 @@ pub fn write_sweep_summary(
             .expect("plain rows go into memory");
     }
     let bytes = writer.into_inner().expect("memory takes all bytes");
-    write_whole(&directory.join(SUMMARY), &bytes)
+    write_whole_before(&directory.join(SUMMARY), &bytes)
 }
 
 fn write_table(
     path: &Path,
     rows: impl Iterator<Item = impl Serialize>,
 ) -> Result<(), ResultsError> {
-    write_whole(path, &table(rows))
+    write_whole_before(path, &table(rows))
 }
 
 /// Column names and rows.

@@ -11,9 +11,9 @@ use crate::experiment::knot_observer::changed_knot;
 use crate::experiment::{KnotObserver, Mode, PreparedRun};
 use crate::mechanics::dynamics::SimulationError;
 use crate::results::{
-    CaseRecord, CaseStatus, CheckpointFiles, Frame, MAIN_CASE, Manifest, Recorder,
+    CaseRecord, CaseStatus, CheckpointFiles, Frame, MAIN_CASE, MANIFEST, Manifest, Recorder,
     ResultsDirectory, ResultsError, SCENARIO, StreamLengths, SummaryRow, Usage, UsageMeter,
-    scenario_hash, write_summary, write_timings, write_whole,
+    place_whole, scenario_hash, sync, write_summary, write_timings,
 };
 use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
@@ -87,8 +87,8 @@ impl Session {
             continued.is_some(),
         );
         // First of all files: by it the directory is known for what it is.
-        manifest.write(directory.path())?;
-        write_whole(&directory.file(SCENARIO), prepared.scenario_toml.as_bytes())?;
+        manifest.place(directory.path())?;
+        place_whole(&directory.file(SCENARIO), prepared.scenario_toml.as_bytes())?;
 
         let (standing, recorder, resumed_from) = match continued {
             Some((checkpoint, recorder)) => {
@@ -213,6 +213,8 @@ impl Session {
 
     fn write_checkpoint(&mut self, simulation: &impl Advance) -> Result<(), ResultsError> {
         let lengths = self.sync_outputs()?;
+        // Without it the checkpoint would not be known for what it is.
+        sync(&self.directory.file(MANIFEST))?;
         let standing = Standing {
             earlier_usage: self.usage(),
             ..self.standing
