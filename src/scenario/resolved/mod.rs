@@ -4,6 +4,7 @@
 //! serialised form uses the keys of scenario files, so that it is itself a scenario file.
 
 mod flagella;
+mod helix_stability;
 mod knot;
 mod load;
 mod model;
@@ -11,6 +12,7 @@ mod rod;
 mod run;
 
 pub use flagella::{BuilderRod, Flagella, Head};
+pub use helix_stability::{Directions, HelixSearch, HelixStability};
 pub use knot::{Knot, KnotEnds};
 pub use load::{Clamp, Hold, Load, LoadKind, Place, Plane};
 pub use model::{Contact, Fluid};
@@ -78,6 +80,11 @@ pub enum Experiment {
         /// The knot and how it is pulled.
         knot: Knot,
     },
+    /// Where clamped helical rods lose stability.
+    HelixStability {
+        /// Rod and directions.
+        helix_stability: HelixStability,
+    },
 }
 
 impl Experiment {
@@ -87,6 +94,7 @@ impl Experiment {
             Self::Scene => "scene",
             Self::Flagella { .. } => "flagella",
             Self::KnotTightening { .. } => "knot-tightening",
+            Self::HelixStability { .. } => "helix-stability",
         }
     }
 }
