@@ -62,10 +62,15 @@ pub struct BoundaryRow {
     pub fate: Fate,
     /// Distance at which the discrete rod loses stability; empty where it does not.
     pub critical: Option<f64>,
+    /// The same in the limit of a fine mesh, by the error's falling with the square of the edge length; empty where
+    /// it is not asked for or the rod of half as many edges does not lose stability.
+    pub extrapolated: Option<f64>,
     /// The same by the conjugate points of the smooth rod; empty where there are none up to 100.
     pub theory: Option<f64>,
     /// critical/theory − 1.
     pub relative_difference: Option<f64>,
+    /// extrapolated/theory − 1.
+    pub relative_difference_extrapolated: Option<f64>,
     /// Distance at which the rod first touches itself; empty where it does not before it loses stability.
     pub contact: Option<f64>,
 }
@@ -97,6 +102,7 @@ impl<'a> Boundary<'a> {
             rod: DiscreteRod {
                 edges: plan.edges,
                 stiffness_ratio: plan.stiffness_ratio,
+                bending_stiffness: 1.0,
             },
             directions,
             plan,
@@ -117,13 +123,33 @@ impl TableJob for Boundary<'_> {
     fn row(&self, index: usize) -> BoundaryRow {
         let (part, direction) = self.directions[index];
         let helix = Helix::from(direction);
-        let found =
-            self.rod
-                .critical_distance(&helix, self.plan.search, self.plan.largest_distance);
+        let HelixStability {
+            search,
+            largest_distance,
+            extrapolate,
+            ..
+        } = *self.plan;
+        let coarse = extrapolate.then(|| {
+            let coarse = self.rod.coarsened();
+            let found = coarse.critical_distance(&helix, search, largest_distance, None);
+            found.ok().flatten()
+        });
+        let coarse = coarse.flatten();
+        let found = self
+            .rod
+            .critical_distance(&helix, search, largest_distance, coarse);
         let theory = critical_distance(&helix).map(|critical| critical.distance);
         let critical = found.as_ref().ok().copied().flatten();
         let contact =
             critical.and_then(|distance| helix.contact_distance(self.plan.radius, distance));
+        let extrapolated = critical
+            .zip(coarse)
+            .map(|(fine, coarse)| (4.0 * fine - coarse) / 3.0);
+        let difference = |distance: Option<f64>| {
+            distance
+                .zip(theory)
+                .map(|(distance, theory)| distance / theory - 1.0)
+        };
         let [kappa, tau, omega] = direction;
         BoundaryRow {
             part,
@@ -137,10 +163,10 @@ impl TableJob for Boundary<'_> {
                 (Ok(Some(_)), Some(_)) => Fate::TouchesItself,
             },
             critical,
+            extrapolated,
             theory,
-            relative_difference: critical
-                .zip(theory)
-                .map(|(critical, theory)| critical / theory - 1.0),
+            relative_difference: difference(critical),
+            relative_difference_extrapolated: difference(extrapolated),
             contact,
         }
     }

@@ -1,6 +1,6 @@
 //! The loss of stability along one direction.
 
-use super::discrete_rod::{DiscreteRod, END};
+use super::discrete_rod::{DiscreteRod, END, deviation};
 use crate::mechanics::dynamics::{IntegrationParameters, Simulation, SimulationError};
 use crate::mechanics::kirchhoff::{CriticalDistance, Helix};
 use crate::scenario::HelixSearch;
@@ -9,9 +9,18 @@ use crate::scenario::HelixSearch;
 const STIFFNESS_RATIO: f64 = 1.0 / 1.5;
 /// First step along a direction. Stability is not regained farther out, so that a step too long does no harm
 /// but where Newton's method fails.
-const STEP: f64 = 0.5;
+const STEP: f64 = 1.0;
+/// Half of the first bracket around a guess, as a fraction of it.
+const NEAR: f64 = 0.02;
+/// Narrow enough a bracket to end the search where Newton's method fails everywhere in it, as a fraction of the
+/// distance.
+const SINGULAR: f64 = 1e-6;
+/// Parts of the way to a place where Newton's method fails.
+const ELSEWHERE: [f64; 6] = [0.97, 0.9, 0.75, 0.5, 0.3, 0.1];
 /// Step along a path, whose end finds the next equilibrium from the last: longer ones may leave the branch.
 const PATH_STEP: f64 = 0.2;
+/// Newton's method may leave an unstable helix for an equilibrium of another shape.
+const ANOTHER: &str = "the equilibrium that was found is no helix";
 /// Largest distance of a node from the helix, over the length, up to which the rod is a helix.
 const LEFT: f64 = 1e-3;
 /// A path ends when the step is this short, as a fraction of the distance. Near the loss Newton's method
@@ -20,7 +29,7 @@ const PATH_PRECISION: f64 = 1e-6;
 /// Largest distance per edge: the rod turns by half a radian from edge to edge there.
 const LARGEST_TURN: f64 = 0.5;
 /// The search ends when the bracket is this narrow, as a fraction of the distance.
-const PRECISION: f64 = 1e-9;
+const PRECISION: f64 = 1e-8;
 
 /// Distance at which the helical rod of `edges` edges along the direction of `helix` loses stability;
 /// `None` where it is stable up to a distance of `edges`/2, beyond which the mesh is too coarse.
@@ -34,8 +43,9 @@ pub fn discrete_critical_distance(
     let rod = DiscreteRod {
         edges,
         stiffness_ratio: STIFFNESS_RATIO,
+        bending_stiffness: 1.0,
     };
-    rod.critical_distance(helix, HelixSearch::Fast, LARGEST_TURN * edges as f64)
+    rod.critical_distance(helix, HelixSearch::Fast, LARGEST_TURN * edges as f64, None)
 }
 
 /// The same with an estimate of its error: the error of the mesh falls with the square of the edge length, so
@@ -59,7 +69,7 @@ pub fn estimated_critical_distance(
 
 impl DiscreteRod {
     /// Distance at which the rod loses stability along the direction of `helix`; `None` where it is stable up to
-    /// `largest`.
+    /// `largest`. A good `guess`, of a coarser mesh say, saves a third of the time of the fast search.
     ///
     /// # Errors
     /// [`SimulationError::NoConvergence`] where no equilibrium is found.
@@ -68,38 +78,76 @@ impl DiscreteRod {
         helix: &Helix,
         search: HelixSearch,
         largest: f64,
+        guess: Option<f64>,
     ) -> Result<Option<f64>, SimulationError> {
         let direction = helix.scaled(1.0 / helix.distance());
         match search {
-            HelixSearch::Fast => self.at_once(&direction, largest),
+            HelixSearch::Fast => self.at_once(&direction, largest, guess),
             HelixSearch::Path => self.along_path(&direction, largest),
         }
     }
 
     /// Each equilibrium is found from the helix itself.
-    fn at_once(&self, direction: &Helix, largest: f64) -> Result<Option<f64>, SimulationError> {
-        let unstable = |distance: f64| -> Result<bool, SimulationError> {
-            let scene = self.on_helix(&direction.scaled(distance));
-            let mut simulation = Simulation::new(&scene, &IntegrationParameters::default())?;
-            Ok(simulation.find_nearby_equilibrium()? > 0)
-        };
-        let (mut stable, mut lost) = (0.0, STEP.min(largest));
-        while !unstable(lost)? {
-            if lost == largest {
+    fn at_once(
+        &self,
+        direction: &Helix,
+        largest: f64,
+        guess: Option<f64>,
+    ) -> Result<Option<f64>, SimulationError> {
+        let first = guess.map_or(STEP, |guess| (1.0 - NEAR) * guess);
+        let step = guess.map_or(STEP, |guess| 2.0 * NEAR * guess);
+        let (mut stable, mut lost) = (0.0, first.min(largest));
+        loop {
+            let (distance, unstable) = self.is_unstable(direction, stable, lost)?;
+            if unstable {
+                lost = distance;
+                break;
+            }
+            if distance == largest {
                 return Ok(None);
             }
-            stable = lost;
-            lost = (lost + STEP).min(largest);
+            stable = distance;
+            lost = (distance + step).min(largest);
         }
         while lost - stable > PRECISION * lost {
             let middle = 0.5 * (stable + lost);
-            if unstable(middle)? {
-                lost = middle;
-            } else {
-                stable = middle;
+            match self.is_unstable(direction, stable, middle) {
+                Ok((distance, true)) => lost = distance,
+                Ok((distance, false)) => stable = distance,
+                // Where the Hessian is singular Newton's method fails, and that is the place looked for.
+                Err(_) if lost - stable < SINGULAR * lost => break,
+                Err(error) => return Err(error),
             }
         }
         Ok(Some(0.5 * (stable + lost)))
+    }
+
+    /// Whether the helix at `distance` is unstable. Where Newton's method fails or leaves it, as it may where the
+    /// Hessian is all but singular, a place on the way to it from `before` is asked instead; returns the place, too.
+    fn is_unstable(
+        &self,
+        direction: &Helix,
+        before: f64,
+        distance: f64,
+    ) -> Result<(f64, bool), SimulationError> {
+        let judge = |distance: f64| {
+            let helix = direction.scaled(distance);
+            let scene = self.on_helix(&helix);
+            let mut simulation = Simulation::new(&scene, &IntegrationParameters::default())?;
+            let unstable = simulation.find_nearby_equilibrium()? > 0;
+            if deviation(&simulation, &helix, 1.0) > LEFT {
+                return Err(SimulationError::BadScene(ANOTHER.into()));
+            }
+            Ok((distance, unstable))
+        };
+        let mut found = judge(distance);
+        for part in ELSEWHERE {
+            if found.is_ok() {
+                break;
+            }
+            found = judge(before + part * (distance - before));
+        }
+        found
     }
 
     /// Each equilibrium is found from the one before, as the end of the rod moves; the step is halved where the
@@ -111,11 +159,11 @@ impl DiscreteRod {
         let (mut stable, mut step) = (0.0, PATH_STEP);
         while stable < largest {
             let distance = (stable + step).min(largest);
-            simulation.move_clamp(END, self.end_on_helix(&direction.scaled(distance)));
+            let helix = direction.scaled(distance);
+            simulation.move_clamp(END, self.end_on_helix(&helix));
             let found = simulation.find_nearby_equilibrium();
-            if matches!(found, Ok(0))
-                && self.deviation(&simulation, &direction.scaled(distance)) < LEFT
-            {
+            let left = deviation(&simulation, &helix, self.enlargement(&helix)) > LEFT;
+            if matches!(found, Ok(0)) && !left {
                 stable = distance;
                 state = simulation.state();
                 continue;
@@ -187,6 +235,7 @@ mod tests {
         let rod = DiscreteRod {
             edges: 100,
             stiffness_ratio: STIFFNESS_RATIO,
+            bending_stiffness: 1.0,
         };
         for direction in [
             helix(1.0, 1.0, 1.0),
@@ -197,7 +246,7 @@ mod tests {
             helix(0.0, 0.0, 1.0),
         ] {
             let [fast, path] = [HelixSearch::Fast, HelixSearch::Path].map(|search| {
-                rod.critical_distance(&direction, search, 20.0)
+                rod.critical_distance(&direction, search, 20.0, None)
                     .unwrap()
                     .unwrap()
             });

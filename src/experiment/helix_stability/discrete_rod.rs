@@ -15,13 +15,15 @@ const RADIUS: f64 = 1e-3;
 /// Index of the clamp at the end.
 pub const END: usize = 1;
 
-/// A rod of unit length and bending stiffness as a chain of edges.
+/// A rod of unit length as a chain of edges. Its stability depends on neither stiffness.
 #[derive(Clone, Copy, Debug)]
 pub struct DiscreteRod {
     /// Number of edges.
     pub edges: usize,
-    /// GJ/EI. The stability does not depend on it.
+    /// GJ/EI.
     pub stiffness_ratio: f64,
+    /// EI, N m².
+    pub bending_stiffness: f64,
 }
 
 /// The scene of the first direction, for those who ask what is run: a rod at distance 1.
@@ -29,6 +31,7 @@ pub fn first_scene(plan: &HelixStability) -> Scene {
     let rod = DiscreteRod {
         edges: plan.edges,
         stiffness_ratio: plan.stiffness_ratio,
+        bending_stiffness: 1.0,
     };
     let directions = plan.directions.unit_vectors();
     directions.first().map_or_else(Scene::default, |direction| {
@@ -37,6 +40,14 @@ pub fn first_scene(plan: &HelixStability) -> Scene {
 }
 
 impl DiscreteRod {
+    /// The same rod of half as many edges.
+    pub fn coarsened(&self) -> Self {
+        Self {
+            edges: self.edges / 2,
+            ..*self
+        }
+    }
+
     /// The rod with its nodes on the helix, clamped at both ends.
     ///
     /// Edges are stretched as the tension demands, and evenly twisted by ω/GJ.
@@ -44,12 +55,11 @@ impl DiscreteRod {
         let centreline: Vec<Vector3> = (0..=self.edges)
             .map(|k| helix.position(k as f64 / self.edges as f64))
             .collect();
-        let stiffness = self.stiffness();
         let natural_length = (centreline[1] - centreline[0]).norm() / self.stretch(helix);
         let tangents = [0.0, 1.0].map(|end| helix.tangent(end));
         // From the middle of the first edge to that of the last.
         let part = (self.edges - 1) as f64 / self.edges as f64;
-        let twist = helix.twisting_moment / stiffness.twisting * part;
+        let twist = helix.twisting_moment / self.stiffness_ratio * part;
         self.clamped(centreline, tangents, natural_length, twist)
     }
 
@@ -95,16 +105,8 @@ impl DiscreteRod {
         }
     }
 
-    /// Largest distance of a node from its place on the enlarged helix.
-    pub fn deviation(&self, simulation: &Simulation, helix: &Helix) -> f64 {
-        let enlargement = self.enlargement(helix);
-        let distances = simulation.positions().iter().enumerate().map(|(k, node)| {
-            (node - enlargement * helix.position(k as f64 / self.edges as f64)).norm()
-        });
-        distances.fold(0.0, f64::max)
-    }
-
-    fn enlargement(&self, helix: &Helix) -> f64 {
+    /// How much larger than the helix the one is on which the rod's own edges fit.
+    pub fn enlargement(&self, helix: &Helix) -> f64 {
         let edge = 1.0 / self.edges as f64;
         self.stretch(helix) * edge / helix.position(edge).norm()
     }
@@ -112,14 +114,14 @@ impl DiscreteRod {
     /// Length of the edges over their natural length under the tension n·t = (ω − τ) τ.
     fn stretch(&self, helix: &Helix) -> f64 {
         let tension = (helix.twisting_moment - helix.torsion) * helix.torsion;
-        1.0 + tension / self.stiffness().stretching
+        1.0 + tension * self.bending_stiffness / self.stiffness().stretching
     }
 
     fn stiffness(&self) -> Stiffness {
         Stiffness {
-            stretching: 4.0 / (RADIUS * RADIUS),
-            bending: [1.0; 2],
-            twisting: self.stiffness_ratio,
+            stretching: 4.0 * self.bending_stiffness / (RADIUS * RADIUS),
+            bending: [self.bending_stiffness; 2],
+            twisting: self.stiffness_ratio * self.bending_stiffness,
         }
     }
 
@@ -161,4 +163,15 @@ impl DiscreteRod {
             ..Scene::default()
         }
     }
+}
+
+/// Largest distance of a node from its place on a helix enlarged by a factor.
+pub fn deviation(simulation: &Simulation, helix: &Helix, enlargement: f64) -> f64 {
+    let nodes = simulation.positions();
+    let edges = (nodes.len() - 1) as f64;
+    let distances = nodes
+        .iter()
+        .enumerate()
+        .map(|(k, node)| (node - enlargement * helix.position(k as f64 / edges)).norm());
+    distances.fold(0.0, f64::max)
 }

@@ -23,4 +23,4 @@ mod surface;
 pub(super) use boundary::Boundary;
 pub use critical_distance::{discrete_critical_distance, estimated_critical_distance};
 pub use discrete_rod::FEWEST_EDGES;
-pub(super) use discrete_rod::first_scene;
+pub(super) use discrete_rod::{DiscreteRod, first_scene};

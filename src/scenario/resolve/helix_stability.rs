@@ -48,25 +48,37 @@ pub fn helix_stability(
     );
     let directions = directions(context, &section, typed.directions.as_ref());
     let edges = edges?;
-    let farthest = LARGEST_TURN * edges as f64;
+    let extrapolate = typed.extrapolate.unwrap_or(false);
+    if extrapolate && (edges % 2 == 1 || edges < 2 * FEWEST_EDGES) {
+        section.fault(
+            "edges",
+            format!(
+                "{edges} is out of range; allowed with extrapolate = true: even numbers from {}",
+                2 * FEWEST_EDGES
+            ),
+        );
+    }
+    let coarsest = if extrapolate { edges / 2 } else { edges };
+    let farthest = LARGEST_TURN * coarsest as f64;
     let largest_distance = section.with_default(
         "largest_distance",
         &typed.largest_distance,
         POSITIVE,
-        0.5 * farthest,
+        0.25 * edges as f64,
     );
     if largest_distance > farthest {
         section.fault(
             "largest_distance",
             format!(
-                "{largest_distance:?} is out of range; allowed: greater than 0 and at most {farthest}, half the \
-                 number of edges, where the rod turns by half a radian from edge to edge"
+                "{largest_distance:?} is out of range; allowed: greater than 0 and at most {farthest}, where the \
+                 rod turns by half a radian from edge to edge of the coarsest mesh"
             ),
         );
     }
     Some(Experiment::HelixStability {
         helix_stability: HelixStability {
             edges,
+            extrapolate,
             search: typed.search.unwrap_or(HelixSearch::Fast),
             radius,
             stiffness_ratio,

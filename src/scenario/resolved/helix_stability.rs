@@ -9,6 +9,8 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 pub struct HelixStability {
     /// Edges of the rod.
     pub edges: usize,
+    /// Whether the limit of a fine mesh is extrapolated from half as many edges.
+    pub extrapolate: bool,
     /// How the rod gets to each point.
     pub search: HelixSearch,
     /// Radius over length.

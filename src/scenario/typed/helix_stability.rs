@@ -13,6 +13,9 @@ use serde::Deserialize;
 pub struct HelixStability {
     /// Edges of the rod, at least 8. Default: 100. The error falls with the square of their length.
     pub edges: Option<i64>,
+    /// Whether each direction is searched on half as many edges, too, and the limit of a fine mesh extrapolated.
+    /// Default: false.
+    pub extrapolate: Option<bool>,
     /// How the rod gets to each point: "fast" (the default: at once, to the equilibrium next to the helix) or
     /// "path" (its ends are moved along the direction from the straight rod, as in an experiment).
     pub search: Option<HelixSearch>,
