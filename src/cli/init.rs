@@ -23,6 +23,8 @@ pub enum Template {
     Flagella,
     /// An overhand knot whose ends are pulled apart.
     KnotTightening,
+    /// Where clamped helical rods lose stability.
+    HelixStability,
 }
 
 impl Template {
@@ -31,6 +33,7 @@ impl Template {
             Self::Scene => include_str!("templates/scene.toml"),
             Self::Flagella => include_str!("templates/flagella.toml"),
             Self::KnotTightening => include_str!("templates/knot_tightening.toml"),
+            Self::HelixStability => include_str!("templates/helix_stability.toml"),
         }
     }
 }

@@ -21,8 +21,16 @@ const ELSEWHERE: [f64; 6] = [0.97, 0.9, 0.75, 0.5, 0.3, 0.1];
 const PATH_STEP: f64 = 0.2;
 /// Newton's method may leave an unstable helix for an equilibrium of another shape.
 const ANOTHER: &str = "the equilibrium that was found is no helix";
-/// Largest distance of a node from the helix, over the length, up to which the rod is a helix.
-const LEFT: f64 = 1e-3;
+/// Largest distance of a node from the helix, over its radius, up to which the rod is that helix: the mesh alone
+/// makes 1e-3 of 100 edges.
+const LEFT: f64 = 0.1;
+/// The same over the length for helices that are all but straight, though not over their radius. From them the mesh
+/// leads farther, and equilibria of other shapes are as far away as they are from straight.
+const LEFT_STRAIGHT: f64 = 1e-3;
+/// The same over the length, for a rod that is followed: it leaves the helix smoothly.
+const LEFT_PATH: f64 = 1e-3;
+/// Round-off, over the length.
+const ROUND_OFF: f64 = 1e-8;
 /// A path ends when the step is this short, as a fraction of the distance. Near the loss Newton's method
 /// loses its speed, which hides it by about as much.
 const PATH_PRECISION: f64 = 1e-6;
@@ -135,7 +143,7 @@ impl DiscreteRod {
             let scene = self.on_helix(&helix);
             let mut simulation = Simulation::new(&scene, &IntegrationParameters::default())?;
             let unstable = simulation.find_nearby_equilibrium()? > 0;
-            if deviation(&simulation, &helix, 1.0) > LEFT {
+            if deviation(&simulation, &helix, 1.0) > farthest(&helix) {
                 return Err(SimulationError::BadScene(ANOTHER.into()));
             }
             Ok((distance, unstable))
@@ -162,7 +170,8 @@ impl DiscreteRod {
             let helix = direction.scaled(distance);
             simulation.move_clamp(END, self.end_on_helix(&helix));
             let found = simulation.find_nearby_equilibrium();
-            let left = deviation(&simulation, &helix, self.enlargement(&helix)) > LEFT;
+            let largest = LEFT_PATH.min(farthest(&helix));
+            let left = deviation(&simulation, &helix, self.enlargement(&helix)) > largest;
             if matches!(found, Ok(0)) && !left {
                 stable = distance;
                 state = simulation.state();
@@ -176,6 +185,12 @@ impl DiscreteRod {
         }
         Ok(None)
     }
+}
+
+/// Largest distance of a node from a helix, over the length, up to which the rod is that helix.
+fn farthest(helix: &Helix) -> f64 {
+    let radius = helix.radius();
+    radius.min(LEFT_STRAIGHT).max(LEFT * radius) + ROUND_OFF
 }
 
 #[cfg(test)]

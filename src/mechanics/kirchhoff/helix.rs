@@ -54,6 +54,15 @@ impl Helix {
         }
     }
 
+    /// Radius κ/(κ² + τ²); 0 where the rod is straight.
+    pub fn radius(&self) -> f64 {
+        if self.curvature == 0.0 {
+            0.0
+        } else {
+            self.curvature / (self.curvature.powi(2) + self.torsion.powi(2))
+        }
+    }
+
     /// Tangent at arc length `s`. At s = 0 tangent and binormal are the x and the y axis.
     pub fn tangent(&self, s: f64) -> Vector3 {
         let (axis, rate) = self.axis();

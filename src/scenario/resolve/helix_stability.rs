@@ -64,7 +64,7 @@ pub fn helix_stability(
         "largest_distance",
         &typed.largest_distance,
         POSITIVE,
-        0.25 * edges as f64,
+        (0.25 * edges as f64).min(farthest),
     );
     if largest_distance > farthest {
         section.fault(
