@@ -131,10 +131,6 @@ impl<Job: TableJob> TableSession<'_, Job> {
             if let Some(request) = stop_requested() {
                 return Err(request.into());
             }
-            let limit = self.options.timeout;
-            if limit.is_some_and(|limit| self.meter.wall_time() >= limit) {
-                return Err(Stop::TimeLimit);
-            }
             let block: Vec<Job::Row> = block_after(self.rows.len(), self.job.count())
                 .into_par_iter()
                 .map(|index| self.job.row(index))
@@ -145,6 +141,12 @@ impl<Job: TableJob> TableSession<'_, Job> {
             stream.sync()?;
             bar.inc(block.len() as u64);
             self.rows.extend(block);
+            // Not before the first block: each call gets on, however short its time.
+            let limit = self.options.timeout;
+            let over = limit.is_some_and(|limit| self.meter.wall_time() >= limit);
+            if over && self.rows.len() < self.job.count() {
+                return Err(Stop::TimeLimit);
+            }
         }
         bar.finish_and_clear();
         Ok(())
