@@ -1,8 +1,8 @@
 //! Sections of the boundary, the discrete rod over theory.
 
-use super::boundary::{BoundaryRow, Part};
+use super::boundary::{BoundaryRow, Part, read_boundary};
 use crate::figure::{Curve, LinePlot, PlotStyle, styled_line_plots};
-use crate::results::{BOUNDARY, ResultsError, SECTION_FIGURES, read_whole_rows, write_whole};
+use crate::results::{ResultsError, SECTION_FIGURES, write_whole};
 use std::path::Path;
 
 /// The sections: part, names of the axes, and which of (κ, τ, ω) they are.
@@ -33,8 +33,7 @@ pub fn draw_sections(rows: &[BoundaryRow], directory: &Path) -> Result<(), Resul
 /// # Errors
 /// Where `boundary.csv` cannot be read.
 pub fn section_figures(directory: &Path) -> Result<Vec<(&'static str, String)>, ResultsError> {
-    let rows: Vec<BoundaryRow> = read_whole_rows(&directory.join(BOUNDARY))?.rows;
-    Ok(figures(&rows).collect())
+    Ok(figures(&read_boundary(directory)?).collect())
 }
 
 fn figures(rows: &[BoundaryRow]) -> impl Iterator<Item = (&'static str, String)> {

@@ -1,10 +1,8 @@
 //! The boundary as a surface: triangles between neighbouring directions.
 
-use super::boundary::{BoundaryRow, Part};
+use super::boundary::{BoundaryRow, Part, read_boundary};
 use crate::figure::{ColouredSurface, surface_page};
-use crate::results::{
-    BOUNDARY, PAGE, ResultsError, SURFACE, Surface, read_whole_rows, write_surface, write_whole,
-};
+use crate::results::{PAGE, ResultsError, SURFACE, Surface, write_surface, write_whole};
 use delaunator::{Point, triangulate};
 use nalgebra::Vector3;
 use std::path::Path;
@@ -33,7 +31,7 @@ fn find(rows: &[BoundaryRow]) -> Option<Found> {
     let points = directions.iter().zip(&distances);
     let points = points.map(|(direction, distance)| direction * *distance);
     let points = points.collect();
-    (!triangles.is_empty()).then(|| Found {
+    (!triangles.is_empty()).then_some(Found {
         surface: Surface { points, triangles },
         distances,
     })
@@ -57,8 +55,7 @@ pub fn write_surfaces(rows: &[BoundaryRow], directory: &Path) -> Result<(), Resu
 /// # Errors
 /// Where `boundary.csv` cannot be read.
 pub fn boundary_page(directory: &Path) -> Result<Option<String>, ResultsError> {
-    let rows = read_whole_rows(&directory.join(BOUNDARY))?.rows;
-    Ok(find(&rows).map(|found| page(&found.surface, found.distances)))
+    Ok(find(&read_boundary(directory)?).map(|found| page(&found.surface, found.distances)))
 }
 
 fn page(surface: &Surface, distances: Vec<f64>) -> String {

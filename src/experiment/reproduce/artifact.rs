@@ -3,6 +3,7 @@
 use super::bundling::{Bundling, ContactModel, DISTANCE_TOLERANCE, STEP};
 use super::drag_steps;
 use super::figure_2_5;
+use super::helices::Helices;
 use super::tightening::Tightening;
 
 /// A table or figure of the thesis, or one about this engine itself.
@@ -20,6 +21,10 @@ pub enum Artifact {
     Figure2_7,
     /// Traction of overhand knots.
     Figure2_8,
+    /// The boundary of the stable helices.
+    Figure6_2,
+    /// Its section ω = 0.
+    Figure6_6,
     /// Cost of a step over the number of flagella.
     Cost,
     /// Error over the size of the time step.
@@ -32,6 +37,8 @@ pub(super) enum Runs {
     Bundling(Vec<Bundling>),
     /// Knots pulled tight.
     Tightening(Vec<Tightening>),
+    /// Stability of helices.
+    Helices(Vec<Helices>),
 }
 
 /// Numbers of flagella of the thesis (section 2.4.2).
@@ -52,13 +59,15 @@ const QUICK_END_OF_STEPS: f64 = 5.0;
 
 impl Artifact {
     /// All of them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::Table2_1,
         Self::Table2_2,
         Self::Figure2_5,
         Self::Figure2_6,
         Self::Figure2_7,
         Self::Figure2_8,
+        Self::Figure6_2,
+        Self::Figure6_6,
         Self::Cost,
         Self::DragSteps,
     ];
@@ -79,6 +88,8 @@ impl Artifact {
             Self::Figure2_6 => "fig2.6",
             Self::Figure2_7 => "fig2.7",
             Self::Figure2_8 => "fig2.8",
+            Self::Figure6_2 => "fig6.2",
+            Self::Figure6_6 => "fig6.6",
             Self::Cost => "cost",
             Self::DragSteps => "drag-steps",
         }
@@ -93,6 +104,8 @@ impl Artifact {
             Self::Figure2_6 => "Figure 2.6: two flagella with growing friction, snapshots",
             Self::Figure2_7 => "Figure 2.7: a trefoil pulled tight, traction and theory",
             Self::Figure2_8 => "Figure 2.8: overhand knots pulled tight, traction and theory",
+            Self::Figure6_2 => "Figure 6.2: the boundary of the stable helices",
+            Self::Figure6_6 => "Figure 6.6: the boundary of the stable helices at ω = 0",
             Self::Cost => "Cost of a step over the number of flagella",
             Self::DragSteps => "Error of larger and automatic steps, two flagella",
         }
@@ -103,6 +116,7 @@ impl Artifact {
         match self.runs(quick) {
             Runs::Bundling(runs) => runs.iter().map(Bundling::cost).sum(),
             Runs::Tightening(runs) => runs.iter().map(Tightening::cost).sum(),
+            Runs::Helices(runs) => runs.iter().map(Helices::cost).sum(),
         }
     }
 
@@ -111,6 +125,7 @@ impl Artifact {
         match self {
             Self::Figure2_7 => Runs::Tightening(Tightening::of_figure_2_7(quick)),
             Self::Figure2_8 => Runs::Tightening(Tightening::of_figure_2_8(quick)),
+            Self::Figure6_2 | Self::Figure6_6 => Runs::Helices(vec![Helices::of_the_thesis(quick)]),
             _ => Runs::Bundling(self.bundlings(quick)),
         }
     }
@@ -163,7 +178,7 @@ impl Artifact {
             Self::DragSteps => drag_steps::STEPS
                 .map(|step| Bundling { step, ..free(2) })
                 .to_vec(),
-            Self::Figure2_7 | Self::Figure2_8 => Vec::new(),
+            Self::Figure2_7 | Self::Figure2_8 | Self::Figure6_2 | Self::Figure6_6 => Vec::new(),
         }
     }
 }
@@ -192,6 +207,10 @@ mod tests {
                         .map(|run| (run.id(), [run.prepare().scene.rods.len(), run.flagella]))
                         .unzip(),
                     Runs::Tightening(runs) => runs
+                        .iter()
+                        .map(|run| (run.id(), [run.prepare().scene.rods.len(), 1]))
+                        .unzip(),
+                    Runs::Helices(runs) => runs
                         .iter()
                         .map(|run| (run.id(), [run.prepare().scene.rods.len(), 1]))
                         .unzip(),
