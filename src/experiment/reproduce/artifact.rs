@@ -4,6 +4,7 @@ use super::bundling::{Bundling, ContactModel, DISTANCE_TOLERANCE, STEP};
 use super::drag_steps;
 use super::figure_2_5;
 use super::helices::Helices;
+use super::manipulated_helix::ManipulatedHelix;
 use super::tightening::Tightening;
 
 /// A table or figure of the thesis, or one about this engine itself.
@@ -23,7 +24,9 @@ pub enum Artifact {
     Figure2_8,
     /// The boundary of the stable helices.
     Figure6_2,
-    /// Its section ω = 0.
+    /// Disturbances of a manipulated helical rod.
+    Figure6_5,
+    /// The section ω = 0 of the boundary.
     Figure6_6,
     /// Cost of a step over the number of flagella.
     Cost,
@@ -39,6 +42,8 @@ pub(super) enum Runs {
     Tightening(Vec<Tightening>),
     /// Stability of helices.
     Helices(Vec<Helices>),
+    /// Helical rods manipulated in time.
+    ManipulatedHelices(Vec<ManipulatedHelix>),
 }
 
 /// Numbers of flagella of the thesis (section 2.4.2).
@@ -59,7 +64,7 @@ const QUICK_END_OF_STEPS: f64 = 5.0;
 
 impl Artifact {
     /// All of them.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Table2_1,
         Self::Table2_2,
         Self::Figure2_5,
@@ -67,6 +72,7 @@ impl Artifact {
         Self::Figure2_7,
         Self::Figure2_8,
         Self::Figure6_2,
+        Self::Figure6_5,
         Self::Figure6_6,
         Self::Cost,
         Self::DragSteps,
@@ -89,6 +95,7 @@ impl Artifact {
             Self::Figure2_7 => "fig2.7",
             Self::Figure2_8 => "fig2.8",
             Self::Figure6_2 => "fig6.2",
+            Self::Figure6_5 => "fig6.5",
             Self::Figure6_6 => "fig6.6",
             Self::Cost => "cost",
             Self::DragSteps => "drag-steps",
@@ -105,6 +112,7 @@ impl Artifact {
             Self::Figure2_7 => "Figure 2.7: a trefoil pulled tight, traction and theory",
             Self::Figure2_8 => "Figure 2.8: overhand knots pulled tight, traction and theory",
             Self::Figure6_2 => "Figure 6.2: the boundary of the stable helices",
+            Self::Figure6_5 => "Figure 6.5: disturbances of a manipulated helical rod",
             Self::Figure6_6 => "Figure 6.6: the boundary of the stable helices at ω = 0",
             Self::Cost => "Cost of a step over the number of flagella",
             Self::DragSteps => "Error of larger and automatic steps, two flagella",
@@ -117,6 +125,7 @@ impl Artifact {
             Runs::Bundling(runs) => runs.iter().map(Bundling::cost).sum(),
             Runs::Tightening(runs) => runs.iter().map(Tightening::cost).sum(),
             Runs::Helices(runs) => runs.iter().map(Helices::cost).sum(),
+            Runs::ManipulatedHelices(runs) => runs.iter().map(ManipulatedHelix::cost).sum(),
         }
     }
 
@@ -126,6 +135,7 @@ impl Artifact {
             Self::Figure2_7 => Runs::Tightening(Tightening::of_figure_2_7(quick)),
             Self::Figure2_8 => Runs::Tightening(Tightening::of_figure_2_8(quick)),
             Self::Figure6_2 | Self::Figure6_6 => Runs::Helices(vec![Helices::of_the_thesis(quick)]),
+            Self::Figure6_5 => Runs::ManipulatedHelices(ManipulatedHelix::of_figure_6_5(quick)),
             _ => Runs::Bundling(self.bundlings(quick)),
         }
     }
@@ -178,7 +188,11 @@ impl Artifact {
             Self::DragSteps => drag_steps::STEPS
                 .map(|step| Bundling { step, ..free(2) })
                 .to_vec(),
-            Self::Figure2_7 | Self::Figure2_8 | Self::Figure6_2 | Self::Figure6_6 => Vec::new(),
+            Self::Figure2_7
+            | Self::Figure2_8
+            | Self::Figure6_2
+            | Self::Figure6_5
+            | Self::Figure6_6 => Vec::new(),
         }
     }
 }
@@ -207,6 +221,10 @@ mod tests {
                         .map(|run| (run.id(), [run.prepare().scene.rods.len(), run.flagella]))
                         .unzip(),
                     Runs::Tightening(runs) => runs
+                        .iter()
+                        .map(|run| (run.id(), [run.prepare().scene.rods.len(), 1]))
+                        .unzip(),
+                    Runs::ManipulatedHelices(runs) => runs
                         .iter()
                         .map(|run| (run.id(), [run.prepare().scene.rods.len(), 1]))
                         .unzip(),

@@ -12,6 +12,7 @@ mod determinism;
 mod drag;
 mod friction;
 mod helix;
+mod helix_manipulation;
 mod localized_buckling;
 mod rods;
 mod statics;
@@ -33,12 +34,13 @@ type Family = fn(full: bool) -> Result<Vec<Check>, FamilyError>;
 type FamilyError = Box<dyn Error + Send + Sync>;
 
 /// All families, in the order of the table.
-const FAMILIES: [(&str, Family); 11] = [
+const FAMILIES: [(&str, Family); 12] = [
     ("derivatives", derivatives::checks),
     ("statics", statics::checks),
     ("vibration", vibration::checks),
     ("buckling", buckling::checks),
     ("helix", helix::checks),
+    ("helix manipulation", helix_manipulation::checks),
     ("localised buckling", localized_buckling::checks),
     ("friction", friction::checks),
     ("drag", drag::checks),

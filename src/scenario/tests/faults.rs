@@ -44,6 +44,17 @@ beam.toml:3:39: `helix_stability.directions.polar`: 0 is out of range; allowed: 
 }
 
 #[test]
+fn faults_of_poses_name_what_is_allowed() {
+    let clamped = |keys: &str| faults("at = \"start\"", &format!("at = \"start\"\n{keys}"));
+    let pose = "poses = [[0, [0, 0, 0], [1, 0, 0, 0]]]";
+    insta::assert_snapshot!(clamped("poses = []"), @"");
+    insta::assert_snapshot!(clamped("poses = [[1, [0, 0, 0], [1, 0, 0, 0]], [1, [0, 0, 0], [2, 0, 0, 0]]]"), @"");
+    insta::assert_snapshot!(clamped("follow = \"nowhere.csv\""), @"");
+    insta::assert_snapshot!(clamped(&format!("{pose}\nfollow = \"nowhere.csv\"")), @"");
+    insta::assert_snapshot!(clamped(&format!("{pose}\naxis = [1, 0, 0]")), @"");
+}
+
+#[test]
 fn faults_name_file_line_column_key_and_range() {
     insta::assert_snapshot!(faults("radius = \"5 mm\"", "radius = -5.0"), @"beam.toml:11:10: `rods.0.radius`: -5.0 is out of range; allowed: greater than 0");
     insta::assert_snapshot!(faults("radius = \"5 mm\"", "raduis = \"5 mm\""), @"beam.toml:11:1: `rods.0.raduis`: unknown key (did you mean `radius`?)");
