@@ -94,12 +94,7 @@ fn smooth_curve(knot: &Overhand, shortening: f64) -> Result<Vec<Vector3>, String
 }
 
 /// The loop from the right end of the braid round to its left end, above it at both; the elastica itself at the top.
-fn loop_points(
-    elastica: &LoopElastica,
-    radius: f64,
-    half_braid: f64,
-    offset: f64,
-) -> Vec<Vector3> {
+fn loop_points(elastica: &LoopElastica, radius: f64, half_braid: f64, offset: f64) -> Vec<Vector3> {
     let points = elastica.points(POINTS);
     let length = points[POINTS][2] * radius;
     points

@@ -28,8 +28,9 @@ use serde::Deserialize;
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "scenario")]
 pub struct ScenarioFile {
-    /// What is simulated: "scene" (the rods listed here), "flagella" (helices turned at their heads) or
-    /// "knot-tightening" (an overhand knot whose ends are pulled apart).
+    /// What is simulated: "scene" (the rods listed here), "flagella" (helices turned at their heads),
+    /// "knot-tightening" (an overhand knot whose ends are pulled apart) or "knot-inversion" (the same until its loop
+    /// has snapped onto the braid).
     pub experiment: Option<Experiment>,
     /// Title for people; the name of the file where absent.
     pub title: Option<String>,
@@ -67,7 +68,7 @@ pub struct ScenarioFile {
     pub output: Output,
     /// Number, geometry and drive of the flagella of the experiment "flagella".
     pub flagella: Option<Flagella>,
-    /// The knot of the experiment "knot-tightening" and how it is pulled tight.
+    /// The knot of the experiments "knot-tightening" and "knot-inversion" and how it is pulled tight.
     pub knot: Option<Knot>,
     /// Many cases of this scenario: keys with lists or ranges of values.
     #[expect(dead_code, reason = "sweeps are taken out before files are decoded")]
@@ -85,4 +86,6 @@ pub enum Experiment {
     Flagella,
     /// An overhand knot whose ends are pulled apart.
     KnotTightening,
+    /// An overhand knot whose ends are pulled apart until its loop has snapped onto the braid.
+    KnotInversion,
 }
