@@ -17,6 +17,10 @@ use std::f64::consts::TAU;
 
 /// Part of the settling time after which its drag begins to fade.
 const FULL_DRAG: f64 = 0.7;
+/// Drag at the very start over that which settles the loop, and the part of the settling time within which it falls to
+/// that: the strands, which stand apart, meet slowly, else those with much friction find no way to rest.
+const FIRST_DRAG: f64 = 100.0;
+const SLOWED: f64 = 0.3;
 /// Damping rate of the settling drag over the frequency √(EI/ρA)/R² of the loop; 2 is critical.
 const SETTLING_DRAG: f64 = 4.0;
 
@@ -69,6 +73,8 @@ pub fn add(
         (
             settling,
             vec![
+                (0.0, FIRST_DRAG),
+                (SLOWED * knot.settling_time, 1.0),
                 (FULL_DRAG * knot.settling_time, 1.0),
                 (knot.settling_time, 0.0),
             ],

@@ -34,8 +34,6 @@ pub(super) struct Inversion {
     pub resolution: f64,
     /// Time for which the knot settles, s.
     pub settling: f64,
-    /// Time step, s.
-    pub step: f64,
 }
 
 /// Radii of figure 3.5, m.
@@ -51,7 +49,7 @@ const LENGTH: f64 = 1.0;
 /// Length of an edge in radii where radii and numbers are compared. The corners of the polyline slip over each other
 /// and shake the knot; with edges of two radii the inversion point of n = 2 is uncertain by 4 %.
 const EDGE: f64 = 1.04;
-/// Time step, s.
+/// Time step of the scenario, s.
 const STEP: f64 = 2.5e-3;
 /// Part of the tightness at the start at which a run without inversion ends.
 const LAST: f64 = 0.3;
@@ -59,8 +57,8 @@ const LAST: f64 = 0.3;
 const QUICK_LAST: f64 = 0.95;
 
 impl Inversion {
-    /// The inversion of figure 3.4, the same with one choice after the other changed, and a short and coarse one with
-    /// each contact model.
+    /// The inversion of figure 3.4, the same with one choice after the other changed, and a short one with each contact
+    /// model.
     pub fn of_figure_3_4(quick: bool) -> Vec<Self> {
         let base = Self {
             nodes: 301,
@@ -93,7 +91,6 @@ impl Inversion {
             last: if quick { 164.0 } else { 140.0 },
             pull_speed: 2.0 * base.pull_speed,
             settling: 1.0,
-            step: 2.0 * STEP,
             ..coarse
         };
         let mut runs = vec![base, looser, finer, slower, harder];
@@ -135,7 +132,6 @@ impl Inversion {
             tolerance: 0.025,
             resolution: 0.25,
             settling: 2.0,
-            step: STEP,
         }
     }
 
@@ -159,7 +155,7 @@ impl Inversion {
             "complementarity" => 6e-4,
             _ => 2e-6,
         };
-        let steps = self.end() / self.step;
+        let steps = self.end() / STEP;
         per_step * self.nodes as f64 * steps
     }
 }
@@ -201,7 +197,6 @@ impl Run for Inversion {
                 self.friction,
                 self.tolerance * self.radius
             ),
-            format!("time.step={:?}", self.step),
             format!("time.end={:?}", self.end()),
             format!("output.interval={interval:?}"),
         ];
