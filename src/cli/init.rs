@@ -25,6 +25,8 @@ pub enum Template {
     KnotTightening,
     /// An overhand knot that is pulled until its loop snaps onto the braid.
     KnotInversion,
+    /// Where clamped helical rods lose stability.
+    HelixStability,
 }
 
 impl Template {
@@ -34,6 +36,7 @@ impl Template {
             Self::Flagella => include_str!("templates/flagella.toml"),
             Self::KnotTightening => include_str!("templates/knot_tightening.toml"),
             Self::KnotInversion => include_str!("templates/knot_inversion.toml"),
+            Self::HelixStability => include_str!("templates/helix_stability.toml"),
         }
     }
 }

@@ -103,7 +103,7 @@ fn summary(outcome: &RunOutcome) -> String {
     let case = &outcome.case;
     let mut text = match outcome.status {
         RunStatus::Finished => "finished\n".to_owned(),
-        RunStatus::Resumed { from } => format!("finished, continued from {from} s\n"),
+        RunStatus::Resumed { from } => format!("finished, continued from {from}\n"),
         RunStatus::AlreadyFinished => {
             "finished before; nothing was run (--force starts over)\n".to_owned()
         }
@@ -113,8 +113,10 @@ fn summary(outcome: &RunOutcome) -> String {
         let _ = writeln!(text, "{name:<24}{value}");
     };
     line("results", outcome.directory.display().to_string());
-    line("simulated time", format!("{} s", case.simulated_time));
-    line("steps", case.steps.to_string());
+    if case.simulated_time > 0.0 {
+        line("simulated time", format!("{} s", case.simulated_time));
+        line("steps", case.steps.to_string());
+    }
     if let Some(mean) = case.newton_iterations_mean() {
         line("Newton iterations", format!("{mean:.2} a step"));
     }
@@ -137,6 +139,10 @@ fn summary(outcome: &RunOutcome) -> String {
         "wall time",
         format!("{:.2} s", outcome.wall_time.as_secs_f64()),
     );
+    for remark in &outcome.remarks {
+        text += remark;
+        text.push('\n');
+    }
     text
 }
 

@@ -23,6 +23,6 @@ pub use helix_stability::{FEWEST_EDGES, discrete_critical_distance, estimated_cr
 pub use knot_observer::KnotObserver;
 pub use plot::{CustomFigure, PlotError, custom_figure, plot_results, write_figure};
 pub use prepared::{Mode, OutputPlan, PreparedRun};
-pub use run::{AmongBars, RunError, RunOptions, RunOutcome, RunStatus, StopRequest, run};
+pub use run::{AmongBars, Reached, RunError, RunOptions, RunOutcome, RunStatus, StopRequest, run};
 pub use scene::{prepare, try_scene};
 pub use view::{ViewError, WrittenPage, write_page};

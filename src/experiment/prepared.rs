@@ -3,13 +3,14 @@
 use super::KnotObserver;
 use crate::mechanics::dynamics::IntegrationParameters;
 use crate::mechanics::scene::Scene;
+use crate::scenario::HelixStability;
 
 /// A scenario turned into mechanics, with all that the run loop needs to know.
 #[derive(Clone, Debug)]
 pub struct PreparedRun {
     /// Short name for directories: the stem of the scenario file.
     pub name: String,
-    /// Name of the experiment, `scene`, `flagella` or `knot-tightening`.
+    /// Name of the experiment, such as `scene` or `flagella`.
     pub experiment: String,
     /// Title for people.
     pub title: String,
@@ -25,6 +26,8 @@ pub struct PreparedRun {
     pub output: OutputPlan,
     /// What measures the knot, where there is one.
     pub knot: Option<KnotObserver>,
+    /// The directions along which helices lose stability; the scene is then the first of many.
+    pub helix: Option<HelixStability>,
 }
 
 /// Whether the scene moves in time or rests.

@@ -8,6 +8,7 @@ mod progress;
 mod records;
 mod session;
 mod stop;
+mod table;
 mod tally;
 #[cfg(test)]
 mod tests;
@@ -16,12 +17,15 @@ pub use error::RunError;
 pub(super) use interruption::Interruption;
 pub use progress::AmongBars;
 pub use stop::StopRequest;
+pub(super) use table::{TableJob, run_table};
 
 use super::PreparedRun;
+use super::helix_stability::Boundary;
 use crate::mechanics::dynamics::Simulation;
 use crate::results::{CaseOutcome, MAIN_CASE, Manifest, Opened, ResultsDirectory, scenario_hash};
 use advance::Advance;
 use session::Session;
+use std::fmt;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -72,6 +76,8 @@ pub struct RunOutcome {
     pub case: CaseOutcome,
     /// Wall time of this call and of the interrupted ones before it.
     pub wall_time: Duration,
+    /// What else is to be told, a line each.
+    pub remarks: Vec<String>,
 }
 
 /// What a successful call of [`run`] did.
@@ -79,13 +85,31 @@ pub struct RunOutcome {
 pub enum RunStatus {
     /// Ran from the beginning.
     Finished,
-    /// Continued from a checkpoint at this simulated time, s.
+    /// Continued from what an interrupted call had reached.
     Resumed {
-        /// Simulated time of the checkpoint, s.
-        from: f64,
+        /// How far it had come.
+        from: Reached,
     },
     /// The results were there already; nothing was run.
     AlreadyFinished,
+}
+
+/// How far a run has come.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub enum Reached {
+    /// Simulated time, s.
+    Time(f64),
+    /// Rows of a table.
+    Rows(usize),
+}
+
+impl fmt::Display for Reached {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Time(time) => write!(f, "t = {time:.6} s"),
+            Self::Rows(rows) => write!(f, "row {rows}"),
+        }
+    }
 }
 
 /// Runs to the end and writes the results directory.
@@ -109,6 +133,9 @@ pub(super) fn run_until(
     options: &RunOptions,
     stop_requested: &dyn Fn() -> Option<StopRequest>,
 ) -> Result<RunOutcome, RunError> {
+    if let Some(plan) = &prepared.helix {
+        return run_table(&Boundary::new(plan), prepared, options, stop_requested);
+    }
     let mut simulation =
         Simulation::new(&prepared.scene, &prepared.integration).map_err(RunError::Scene)?;
     run_simulation(&mut simulation, prepared, options, stop_requested)
@@ -142,6 +169,7 @@ impl RunOutcome {
             wall_time: case
                 .map(|case| Duration::from_secs_f64(case.wall_time))
                 .unwrap_or_default(),
+            remarks: Vec::new(),
         }
     }
 }

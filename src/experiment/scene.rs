@@ -4,7 +4,7 @@ use super::curve::{SampledCurve, sample};
 use super::knot_observer::KnotObserver;
 use super::prepared::{Mode, OutputPlan, PreparedRun};
 use super::run::RunError;
-use super::{flagella, knot_tightening};
+use super::{flagella, helix_stability, knot_tightening};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactModel, ContactParameters};
 use crate::mechanics::dynamics::{self, IntegrationParameters, Simulation, StepSize};
@@ -46,6 +46,9 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
             };
             let added = knot_tightening::add(&mut scene, material, rod, knot, end);
             added.map_err(|issue| issues.push(issue)).ok();
+        }
+        Experiment::HelixStability { helix_stability } => {
+            scene = helix_stability::first_scene(helix_stability);
         }
     }
     for (index, rod) in scenario.rods.iter().enumerate() {
@@ -97,6 +100,10 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
             vtk: scenario.output.vtk,
         },
         knot,
+        helix: match &scenario.experiment {
+            Experiment::HelixStability { helix_stability } => Some(helix_stability.clone()),
+            _ => None,
+        },
     })
 }
 
@@ -213,6 +220,7 @@ fn place_clamp(
             angle: clamp.angle.clone(),
             angular_velocity: clamp.angular_velocity,
             pivot: clamp.pivot.map(Vector3::from),
+            ..mechanics::Motion::default()
         },
     })
 }

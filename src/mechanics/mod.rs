@@ -14,5 +14,7 @@ pub mod system;
 
 /// A vector in space.
 pub type Vector3 = nalgebra::Vector3<f64>;
+/// A rotation in space.
+pub type UnitQuaternion = nalgebra::UnitQuaternion<f64>;
 /// A 3×3 matrix.
 pub type Matrix3 = nalgebra::Matrix3<f64>;

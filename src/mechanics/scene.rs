@@ -3,9 +3,9 @@
 //! A [`Scene`] is plain data. Experiments build it; [`super::dynamics::Simulation`] and
 //! [`super::statics`] run it. Node indices inside a scene count along their own rod.
 
-use super::Vector3;
 use super::contact::ContactParameters;
 use super::fluid::FluidModel;
+use super::{UnitQuaternion, Vector3};
 
 /// A complete mechanical scene.
 #[derive(Clone, Debug, Default)]
@@ -109,7 +109,7 @@ pub struct Clamp {
 }
 
 /// Prescribed motion: x(t) = pivot + R(t)(x(0) − pivot) + translation(t), frame(t) = R(t) frame(0),
-/// where R(t) turns by `angle(t) + angular_velocity · t` about `axis`.
+/// where R(t) turns by `angle(t) + angular_velocity · t` about `axis` first and to `orientation(t)` then.
 #[derive(Clone, Debug, Default)]
 pub struct Motion {
     /// Displacement in m at given times in s.
@@ -120,6 +120,9 @@ pub struct Motion {
     pub angle: Vec<(f64, f64)>,
     /// Steady rate of turning, rad/s.
     pub angular_velocity: f64,
+    /// Orientation, relative to that at time zero, at given times in s; between them the shorter way, at constant
+    /// speed.
+    pub orientation: Vec<(f64, UnitQuaternion)>,
     /// Fixed point of the rotation; `None` is the node.
     pub pivot: Option<Vector3>,
 }
@@ -193,15 +196,27 @@ pub fn piecewise_linear<T>(corners: &[(f64, T)], t: f64) -> Option<T>
 where
     T: Copy + std::ops::Mul<f64, Output = T> + std::ops::Add<Output = T>,
 {
+    let (a, b, fraction) = piece(corners, t)?;
+    Some(a * (1.0 - fraction) + b * fraction)
+}
+
+/// Orientation at time `t` of a path given by its corners, constant outside them.
+pub fn piecewise_turning(corners: &[(f64, UnitQuaternion)], t: f64) -> Option<UnitQuaternion> {
+    let (a, b, fraction) = piece(corners, t)?;
+    let difference = a.inverse() * b;
+    Some(a * UnitQuaternion::from_scaled_axis(difference.scaled_axis() * fraction))
+}
+
+/// The corners on both sides of time `t` and the part of the way from the one to the other.
+fn piece<T: Copy>(corners: &[(f64, T)], t: f64) -> Option<(T, T, f64)> {
     let (first, last) = (corners.first()?, corners.last()?);
     if t <= first.0 {
-        return Some(first.1);
+        return Some((first.1, first.1, 0.0));
     }
     if t >= last.0 {
-        return Some(last.1);
+        return Some((last.1, last.1, 0.0));
     }
     let after = corners.partition_point(|corner| corner.0 <= t);
     let ((t0, a), (t1, b)) = (corners[after - 1], corners[after]);
-    let fraction = (t - t0) / (t1 - t0);
-    Some(a * (1.0 - fraction) + b * fraction)
+    Some((a, b, (t - t0) / (t1 - t0)))
 }

@@ -32,13 +32,27 @@ pub const TRACTION_FIGURE: &str = "traction.svg";
 pub const PAGE: &str = "view.html";
 /// The ParaView collection.
 pub const VTK_COLLECTION: &str = "rods.pvd";
+/// Where helical rods lose stability, a row per direction.
+pub const BOUNDARY: &str = "boundary.csv";
+/// That boundary against theory.
+pub const COMPARISON: &str = "comparison.csv";
+/// That boundary as a surface for ParaView.
+pub const SURFACE: &str = "boundary.vtp";
+/// That boundary as an interactive page.
+pub const SURFACE_PAGE: &str = "boundary.html";
+/// Sections of that boundary, drawn.
+pub const SECTION_FIGURES: [&str; 3] = [
+    "section_kappa_tau.svg",
+    "section_kappa_omega.svg",
+    "section_tau_omega.svg",
+];
 /// Folder of the frames of the collection.
 pub const VTK_FOLDER: &str = "vtk";
 /// Held locked by the process that writes.
 pub(super) const LOCK: &str = ".lock";
 
 /// What a run may write: names in a results directory, swept by `--force`.
-const FILES: [&str; 17] = [
+const FILES: [&str; 24] = [
     SCENARIO,
     SERIES,
     NODES,
@@ -55,6 +69,13 @@ const FILES: [&str; 17] = [
     "sweep.png",
     "traction.png",
     PAGE,
+    BOUNDARY,
+    COMPARISON,
+    SURFACE,
+    SURFACE_PAGE,
+    SECTION_FIGURES[0],
+    SECTION_FIGURES[1],
+    SECTION_FIGURES[2],
     MANIFEST,
 ];
 

@@ -101,6 +101,24 @@ impl CaseRecord {
         }
     }
 
+    /// A case that has been worked on.
+    pub fn with_usage(
+        status: CaseStatus,
+        outcome: CaseOutcome,
+        usage: Usage,
+        error: Option<String>,
+    ) -> Self {
+        Self {
+            status,
+            outcome,
+            wall_time: usage.wall_time.as_secs_f64(),
+            wall_time_with_contact: usage.wall_time_with_contact.as_secs_f64(),
+            cpu_time: usage.cpu_time.map(|time| time.as_secs_f64()),
+            peak_memory: usage.peak_memory,
+            error,
+        }
+    }
+
     /// What it cost.
     pub fn usage(&self) -> Usage {
         Usage {

@@ -35,8 +35,9 @@ pub(crate) use atomic::{place_whole, sync};
 pub use checkpoint::CheckpointFiles;
 pub use claim::{Claim, Claiming, Claims, HEARTBEAT, Owner, host_name};
 pub use directory::{
-    NODE_FORCES, NODES, Opened, PAGE, RODS_FIGURE, ResultsDirectory, SCENARIO, SERIES,
-    SERIES_FIGURE, SUMMARY, SWEEP_FIGURE, TIMINGS, TRACTION_FIGURE, VTK_COLLECTION, VTK_FOLDER,
+    BOUNDARY, COMPARISON, NODE_FORCES, NODES, Opened, PAGE, RODS_FIGURE, ResultsDirectory,
+    SCENARIO, SECTION_FIGURES, SERIES, SERIES_FIGURE, SUMMARY, SURFACE, SURFACE_PAGE, SWEEP_FIGURE,
+    TIMINGS, TRACTION_FIGURE, VTK_COLLECTION, VTK_FOLDER,
 };
 pub use error::ResultsError;
 pub use forces::{NodeForces, read_node_forces};
@@ -49,7 +50,9 @@ pub use nodes::{NodePositions, read_nodes};
 pub use outcome::CaseOutcome;
 pub use recorder::{Recorder, RecorderPlan, StreamLengths};
 pub use series::{KnotRow, SeriesRow, read_knot_series, read_series};
+pub use stream::{CsvStream, WholeRows, read_whole_rows};
 pub use summary::{SummaryRow, write_summary, write_sweep_summary, write_timings};
 pub use sweep_directory::{CASES, SweepDirectory};
 pub use table::Table;
 pub use usage::{Usage, UsageMeter};
+pub use vtk::{Surface, write_surface};

@@ -91,6 +91,25 @@ pub(super) fn read_whole_lines(path: &Path) -> Result<Vec<u8>, ResultsError> {
     Ok(bytes)
 }
 
+/// What can be used of a stream that was cut short.
+pub struct WholeRows<Row> {
+    /// The rows but a last one in part.
+    pub rows: Vec<Row>,
+    /// Bytes up to there, for [`CsvStream::continue_at`].
+    pub length: u64,
+}
+
+/// Reads a stream to continue it.
+///
+/// # Errors
+/// [`ResultsError::Io`] where it cannot be read, [`ResultsError::Damaged`] where a row is none.
+pub fn read_whole_rows<Row: DeserializeOwned>(path: &Path) -> Result<WholeRows<Row>, ResultsError> {
+    Ok(WholeRows {
+        rows: read_rows(path)?,
+        length: read_whole_lines(path)?.len() as u64,
+    })
+}
+
 /// Reads all rows of a stream, but a last one in part.
 pub(super) fn read_rows<Row: DeserializeOwned>(path: &Path) -> Result<Vec<Row>, ResultsError> {
     let bytes = read_whole_lines(path)?;

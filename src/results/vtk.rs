@@ -97,6 +97,51 @@ fn poly_data(rods: &[RodRecord], frame: &Frame) -> String {
     text
 }
 
+/// A surface of triangles.
+#[derive(Clone, Debug, Default)]
+pub struct Surface {
+    /// The corners.
+    pub points: Vec<Vector3<f64>>,
+    /// Three indices of corners for each triangle.
+    pub triangles: Vec<[usize; 3]>,
+}
+
+/// Writes a surface with a number for each corner, called `name`.
+///
+/// # Errors
+/// [`ResultsError::Io`] naming `path`.
+pub fn write_surface(
+    path: &Path,
+    surface: &Surface,
+    name: &str,
+    values: &[f64],
+) -> Result<(), ResultsError> {
+    let mut text = String::with_capacity(100 * surface.points.len());
+    text += "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\">\n<PolyData>\n";
+    text += &format!(
+        "<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"{}\">\n",
+        surface.points.len(),
+        surface.triangles.len()
+    );
+    text += "<PointData>\n";
+    push_array(&mut text, "Float64", name, 1, values.iter().copied());
+    text += "</PointData>\n<Points>\n";
+    push_array(
+        &mut text,
+        "Float64",
+        "points",
+        3,
+        components(&surface.points),
+    );
+    text += "</Points>\n<Polys>\n";
+    let corners = surface.triangles.iter().flatten().copied();
+    push_array(&mut text, "Int64", "connectivity", 3, corners);
+    let offsets = (1..=surface.triangles.len()).map(|triangle| 3 * triangle);
+    push_array(&mut text, "Int64", "offsets", 1, offsets);
+    text += "</Polys>\n</Piece>\n</PolyData>\n</VTKFile>\n";
+    write_whole(path, text.as_bytes())
+}
+
 /// Point numbers of every polyline, and where each polyline ends among them; closed rods return to their start.
 fn polylines(rods: &[RodRecord]) -> (Vec<usize>, Vec<usize>) {
     let (mut connectivity, mut offsets) = (Vec::new(), Vec::new());

@@ -232,7 +232,7 @@ clamps.at
 "###);
         insta::assert_snapshot!(explain("").unwrap(), @r###"
 A rodlab scenario. Numbers are in SI units; text may carry a unit, such as "1.6 mm".
-keys: clamps, contact, experiment, extends, flagella, fluid, knot, loads, material, output, planes, rod, rods, solver, sweep, time, title
+keys: clamps, contact, experiment, extends, flagella, fluid, helix_stability, knot, loads, material, output, planes, rod, rods, solver, sweep, time, title
 "###);
     }
 

@@ -47,7 +47,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Inversion>]) -> Result<(), Re
     );
     table(page, "run", &names, cases);
     page.text(
-        "Each run differs from the first in what is named. The last three are pulled from l̄_k = 165 at 2 mm/s, for \
+        "Each run differs from the first in what is named. The last three are pulled from l̄_k = 165 at 4 mm/s, for \
          complementarity takes a hundred times as long per step.",
     );
     page.figure(

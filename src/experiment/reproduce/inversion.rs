@@ -88,9 +88,9 @@ impl Inversion {
         let short = |model| Self {
             model,
             start: 165.0,
-            last: if quick { 164.0 } else { 140.0 },
-            pull_speed: 2.0 * base.pull_speed,
-            settling: 1.0,
+            last: if quick { 164.0 } else { 150.0 },
+            pull_speed: 4.0 * base.pull_speed,
+            settling: 0.5,
             ..coarse
         };
         let mut runs = vec![base, looser, finer, slower, harder];

@@ -1,5 +1,6 @@
 //! Why a run ended early, and the exit code of each reason.
 
+use super::Reached;
 use crate::mechanics::dynamics::SimulationError;
 use crate::results::ResultsError;
 use std::path::PathBuf;
@@ -20,23 +21,23 @@ pub enum RunError {
     },
     /// The time limit was reached; a checkpoint was written (exit code 5).
     #[error(
-        "time limit reached at t = {time:.6} s; the same command continues from the checkpoint in `{}`",
+        "time limit reached at {reached}; the same command continues from there, in `{}`",
         directory.display()
     )]
     TimeLimit {
-        /// Simulated time reached, s.
-        time: f64,
+        /// How far the run had come.
+        reached: Reached,
         /// Where the results lie.
         directory: PathBuf,
     },
     /// Ctrl-C or SIGTERM; a checkpoint was written (exit code 130).
     #[error(
-        "interrupted at t = {time:.6} s; the same command continues from the checkpoint in `{}`",
+        "interrupted at {reached}; the same command continues from there, in `{}`",
         directory.display()
     )]
     Interrupted {
-        /// Simulated time reached, s.
-        time: f64,
+        /// How far the run had come.
+        reached: Reached,
         /// Where the results lie.
         directory: PathBuf,
     },

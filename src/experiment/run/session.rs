@@ -6,7 +6,7 @@ use super::progress::Progress;
 use super::records::{manifest_of_call, recorder_plan, rod_records};
 use super::stop::{Stop, StopRequest};
 use super::tally::Tally;
-use super::{RunError, RunOptions, RunOutcome, RunStatus};
+use super::{Reached, RunError, RunOptions, RunOutcome, RunStatus};
 use crate::experiment::knot_course::KnotCourse;
 use crate::experiment::knot_observer::changed_knot;
 use crate::experiment::{KnotObserver, Mode, PreparedRun};
@@ -268,16 +268,21 @@ impl Session {
         match result {
             Ok(()) => written?,
             // Whatever hinders the tables now has most likely ended the run itself.
-            Err(stop) => return Err(stop.into_error(simulation.time(), directory)),
+            Err(stop) => {
+                return Err(stop.into_error(Reached::Time(simulation.time()), directory));
+            }
         }
         self.checkpoints.remove()?;
         Ok(RunOutcome {
             directory,
             status: self
                 .resumed_from
-                .map_or(RunStatus::Finished, |from| RunStatus::Resumed { from }),
+                .map_or(RunStatus::Finished, |from| RunStatus::Resumed {
+                    from: Reached::Time(from),
+                }),
             case: self.standing.tally.outcome,
             wall_time: self.usage().wall_time,
+            remarks: Vec::new(),
         })
     }
 
@@ -297,15 +302,7 @@ impl Session {
         let (outcome, usage) = (self.standing.tally.outcome, self.usage());
         write_summary(path, &[SummaryRow::new(MAIN_CASE, status, &outcome)])?;
         write_timings(path, &[(MAIN_CASE, usage)])?;
-        let record = CaseRecord {
-            status,
-            outcome,
-            wall_time: usage.wall_time.as_secs_f64(),
-            wall_time_with_contact: usage.wall_time_with_contact.as_secs_f64(),
-            cpu_time: usage.cpu_time.map(|time| time.as_secs_f64()),
-            peak_memory: usage.peak_memory,
-            error,
-        };
+        let record = CaseRecord::with_usage(status, outcome, usage, error);
         self.manifest.cases.insert(MAIN_CASE.into(), record);
         self.manifest.end = Some(jiff::Timestamp::now());
         self.manifest.write(path)

@@ -1,6 +1,6 @@
 //! Why the steps of a run end early.
 
-use super::RunError;
+use super::{Reached, RunError};
 use crate::mechanics::dynamics::SimulationError;
 use crate::results::{CaseStatus, ResultsError};
 use std::path::PathBuf;
@@ -76,10 +76,10 @@ impl Stop {
     }
 
     /// The error with which the run ends.
-    pub fn into_error(self, time: f64, directory: PathBuf) -> RunError {
+    pub fn into_error(self, reached: Reached, directory: PathBuf) -> RunError {
         match self {
-            Self::Interrupted => RunError::Interrupted { time, directory },
-            Self::TimeLimit => RunError::TimeLimit { time, directory },
+            Self::Interrupted => RunError::Interrupted { reached, directory },
+            Self::TimeLimit => RunError::TimeLimit { reached, directory },
             Self::Simulation(source) => RunError::Simulation { source, directory },
             Self::Results(error) => RunError::Results(error),
         }

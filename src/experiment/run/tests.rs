@@ -175,6 +175,7 @@ fn prepared(mode: Mode) -> PreparedRun {
             vtk: true,
         },
         knot: None,
+        helix: None,
     }
 }
 
@@ -331,7 +332,7 @@ fn a_killed_run_continues_from_its_last_checkpoint() {
     }
     let outcome = go_on(directory.path()).unwrap();
     assert!(
-        matches!(outcome.status, RunStatus::Resumed { from } if from > 0.3),
+        matches!(outcome.status, RunStatus::Resumed { from } if from > Reached::Time(0.3)),
         "{outcome:?}"
     );
     assert_eq!(
@@ -352,7 +353,9 @@ fn damaged_checkpoints_fall_back_to_the_older_one_and_then_to_the_start() {
     let newest = directory.path().join("checkpoint.1");
     fs::write(&newest, &fs::read(&newest).unwrap()[1..]).unwrap();
     let outcome = interrupt(directory.path(), 0);
-    assert!(matches!(outcome, RunError::Interrupted { time, .. } if time > 0.0 && time < 0.35));
+    assert!(
+        matches!(outcome, RunError::Interrupted { reached: Reached::Time(time), .. } if time > 0.0 && time < 0.35)
+    );
     for slot in ["checkpoint.0", "checkpoint.1"] {
         fs::write(directory.path().join(slot), "rubbish").unwrap();
     }
@@ -398,7 +401,7 @@ fn no_convergence_leaves_a_checkpoint_and_exit_code_3() {
     assert_eq!(status(directory.path()), CaseStatus::NoConvergence);
     let outcome = go_on(directory.path()).unwrap();
     assert!(
-        matches!(outcome.status, RunStatus::Resumed { from } if from >= 0.55),
+        matches!(outcome.status, RunStatus::Resumed { from } if from >= Reached::Time(0.55)),
         "{outcome:?}"
     );
     same_bytes(directory.path(), uninterrupted().path());

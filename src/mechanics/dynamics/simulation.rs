@@ -9,7 +9,7 @@ use super::step_control::{StepControl, Verdict};
 use crate::mechanics::contact::ActiveContact;
 use crate::mechanics::fluid::{Filament, Fluid, FluidModel};
 use crate::mechanics::rod::{STRIDE, topology::position};
-use crate::mechanics::scene::Scene;
+use crate::mechanics::scene::{Motion, Scene};
 use crate::mechanics::system::{Stage, System, copy_positions};
 use crate::mechanics::{Matrix3, Vector3, statics};
 
@@ -130,6 +130,12 @@ impl Simulation {
         for (entry, (force, moment)) in entries.zip(forces.iter().zip(moments)) {
             entry.copy_from_slice(&[force.x, force.y, force.z, *moment]);
         }
+    }
+
+    /// Gives a clamp of the scene, counted from 0, another motion, which holds from the next step or equilibrium
+    /// on: for ends that a robot or a continuation moves. It is no part of the state that checkpoints hold.
+    pub fn move_clamp(&mut self, clamp: usize, motion: Motion) {
+        self.system.assembly.drives[clamp].follow(motion);
     }
 
     /// Takes one step that ends no later than `until` (hit exactly when it is within the step).

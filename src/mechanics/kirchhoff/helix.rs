@@ -1,7 +1,9 @@
 //! Helical equilibria of a naturally straight Kirchhoff rod and the linearised equations about them.
 
+use super::numerics::bisect;
 use crate::mechanics::{Matrix3, Vector3};
 use nalgebra::SMatrix;
+use std::f64::consts::{PI, TAU};
 
 /// Rotation θ and displacement ρ of a cross-section, then the changes μ and ν of moment and force.
 pub type StateMatrix = SMatrix<f64, 12, 12>;
@@ -21,6 +23,17 @@ pub struct Helix {
     pub twisting_moment: f64,
 }
 
+impl From<[f64; 3]> for Helix {
+    /// The helix of (κ, τ, ω).
+    fn from([curvature, torsion, twisting_moment]: [f64; 3]) -> Self {
+        Self {
+            curvature,
+            torsion,
+            twisting_moment,
+        }
+    }
+}
+
 impl Helix {
     /// Norm of (κ, τ, ω): the distance from the straight rod without twist.
     pub fn distance(&self) -> f64 {
@@ -38,6 +51,15 @@ impl Helix {
             curvature: factor * self.curvature,
             torsion: factor * self.torsion,
             twisting_moment: factor * self.twisting_moment,
+        }
+    }
+
+    /// Radius κ/(κ² + τ²); 0 where the rod is straight.
+    pub fn radius(&self) -> f64 {
+        if self.curvature == 0.0 {
+            0.0
+        } else {
+            self.curvature / (self.curvature.powi(2) + self.torsion.powi(2))
         }
     }
 
@@ -61,8 +83,49 @@ impl Helix {
             + (sine * (Vector3::x() - along) + (1.0 - cosine) * axis.cross(&Vector3::x())) / rate
     }
 
+    /// Smallest distance between points of the centreline, of length 1, that are at least half a turn apart; `None`
+    /// where it makes less than half a turn or is straight.
+    ///
+    /// Points that are φ apart about the axis have the distance √(2a²(1 − cos φ) + (bφ)²), with a = κ/(κ² + τ²) and
+    /// b = τ/(κ² + τ²). It is least within the first turn.
+    pub fn self_distance(&self) -> Option<f64> {
+        let rate = self.curvature.hypot(self.torsion);
+        if self.curvature == 0.0 {
+            return None;
+        }
+        let (a, b) = (self.curvature / (rate * rate), self.torsion / (rate * rate));
+        let distance = |angle: f64| (2.0 * a * a * (1.0 - angle.cos())).sqrt().hypot(b * angle);
+        let last = rate.min(TAU);
+        if last < PI {
+            return None;
+        }
+        // The derivative a² sin φ + b² φ is positive at half a turn and may have two zeros up to a whole one: where
+        // it is negative at its least, cos φ = −b²/a², the minimum lies beyond.
+        let steepest = TAU - (-(b / a).powi(2)).max(-1.0).acos();
+        let derivative = |angle: f64| a * a * angle.sin() + b * b * angle;
+        let minimum = if steepest < last && derivative(steepest) < 0.0 && derivative(last) > 0.0 {
+            bisect(steepest, last, derivative)
+        } else {
+            last
+        };
+        Some(distance(PI).min(distance(minimum)))
+    }
+
+    /// Distance ‖(κ, τ, ω)‖ along this direction at which a rod of length 1 first touches itself; `None` where it
+    /// does not up to `farthest`.
+    ///
+    /// The rod of length 1 at distance S is, scaled, one of length S at distance 1: points come nearer as it grows.
+    pub fn contact_distance(&self, radius: f64, farthest: f64) -> Option<f64> {
+        let direction = self.scaled(1.0 / self.distance());
+        let gap = |distance: f64| {
+            let nearest = direction.scaled(distance).self_distance();
+            nearest.map_or(1.0, |nearest| nearest - 2.0 * radius)
+        };
+        (gap(farthest) < 0.0).then(|| bisect(0.0, farthest, gap))
+    }
+
     /// Unit vector along which the helix winds, and the rate √(κ² + τ²) of turning about it.
-    fn axis(&self) -> (Vector3, f64) {
+    pub fn axis(&self) -> (Vector3, f64) {
         let rate = self.curvature.hypot(self.torsion);
         if rate == 0.0 {
             (Vector3::x(), rate)
@@ -134,6 +197,39 @@ mod tests {
         let step = 1e-5;
         let slope = (helix.position(0.7 + step) - helix.position(0.7 - step)) / (2.0 * step);
         assert!((slope - helix.tangent(0.7)).norm() < 1e-9);
+    }
+
+    #[test]
+    fn the_rod_is_nearest_to_itself_where_sampling_says() {
+        for (curvature, torsion) in [(6.5, 0.1), (6.5, 2.0), (5.0, 4.0), (12.0, 1.0), (3.3, 0.0)] {
+            let helix = Helix::from([curvature, torsion, 0.0]);
+            let rate: f64 = curvature.hypot(torsion);
+            let steps = 100_000;
+            let sampled = (0..=steps)
+                .map(|k| PI / rate + (1.0 - PI / rate) * f64::from(k) / f64::from(steps))
+                .map(|arc| (helix.position(arc) - helix.position(0.0)).norm())
+                .fold(f64::INFINITY, f64::min);
+            let found = helix.self_distance().unwrap();
+            assert!(
+                (found - sampled).abs() < 1e-6,
+                "{curvature} {torsion}: {found} {sampled}"
+            );
+        }
+        assert_eq!(Helix::from([2.0, 2.0, 0.0]).self_distance(), None);
+    }
+
+    /// The ends of a rod bent to a circle meet a rod's thickness before it is closed.
+    #[test]
+    fn a_ring_touches_itself_at_its_ends() {
+        let radius = 1e-3;
+        let found = Helix::from([1.0, 0.0, 0.0]).contact_distance(radius, 7.0);
+        let gap = TAU - found.unwrap();
+        // The chord of the gap: 2 sin(gap/2)/κ = 2h.
+        assert!((gap - 2.0 * radius * TAU).abs() < 1e-4, "{gap}");
+        assert_eq!(
+            Helix::from([0.0, 1.0, 1.0]).contact_distance(radius, 20.0),
+            None
+        );
     }
 
     /// exp(A s) keeps the symplectic form of (θ, ρ) and their momenta (μ − ½ θ × m, ν).

@@ -1,12 +1,12 @@
 //! Clamps: prescribed positions and frames as functions of time.
 
-use crate::mechanics::Vector3;
 use crate::mechanics::rod::topology::position;
 use crate::mechanics::rod::transport::{
     any_normal, normal_part, parallel_transport, rotated, signed_angle, unwrapped,
 };
 use crate::mechanics::rod::{GhostEdge, ReferenceFrames, STRIDE};
-use crate::mechanics::scene::{Clamp, Motion, piecewise_linear};
+use crate::mechanics::scene::{Clamp, Motion, piecewise_linear, piecewise_turning};
+use crate::mechanics::{UnitQuaternion, Vector3};
 
 /// A clamp with everything resolved.
 #[derive(Clone, Debug)]
@@ -55,25 +55,37 @@ impl Drive {
         }
     }
 
-    fn angle(&self, time: f64) -> f64 {
-        piecewise_linear(&self.motion.angle, time).unwrap_or(0.0)
-            + self.motion.angular_velocity * time
+    /// Replaces the prescribed motion.
+    pub fn follow(&mut self, motion: Motion) {
+        self.axis = motion.axis.unwrap_or(self.frame.tangent);
+        self.pivot = motion.pivot.unwrap_or(self.position);
+        self.motion = motion;
+    }
+
+    /// The rotation R(t) at a time.
+    fn turning(&self, time: f64) -> Turning {
+        Turning {
+            axis: self.axis,
+            angle: piecewise_linear(&self.motion.angle, time).unwrap_or(0.0)
+                + self.motion.angular_velocity * time,
+            orientation: piecewise_turning(&self.motion.orientation, time),
+        }
     }
 
     /// Writes the prescribed position and frames at `time`.
     pub fn apply(&self, time: f64, unknowns: &mut [f64], ghosts: &mut [GhostEdge]) {
-        let angle = self.angle(time);
+        let turning = self.turning(time);
         if self.holds_position {
             let arm = self.position - self.pivot;
             let translation =
                 piecewise_linear(&self.motion.translation, time).unwrap_or_else(Vector3::zeros);
-            let position = self.pivot + rotated(&arm, &self.axis, angle) + translation;
+            let position = self.pivot + turning.of(&arm) + translation;
             unknowns[STRIDE * self.node..STRIDE * self.node + 3]
                 .copy_from_slice(position.as_slice());
         }
         for &ghost in &self.ghosts {
-            let tangent = rotated(&self.frame.tangent, &self.axis, angle).normalize();
-            let director = rotated(&self.frame.director, &self.axis, angle);
+            let tangent = turning.of(&self.frame.tangent).normalize();
+            let director = turning.of(&self.frame.director);
             let director = normal_part(&director, &tangent).unwrap_or_else(|| any_normal(&tangent));
             ghosts[ghost] = GhostEdge { tangent, director };
         }
@@ -82,16 +94,33 @@ impl Drive {
     /// Writes the angles of held edges at `time`, within half a turn of the angles found there; the
     /// positions of all nodes are in place already.
     pub fn turn_edges(&self, time: f64, reference: &ReferenceFrames, unknowns: &mut [f64]) {
-        let turned = self.angle(time);
+        let turning = self.turning(time);
         for edge in &self.edges {
             let along = position(unknowns, edge.end) - position(unknowns, edge.start);
             let tangent = along.normalize();
             let source = &reference.tangent[edge.start];
             let carried = parallel_transport(&reference.director[edge.start], source, &tangent);
-            let director = rotated(&edge.director, &self.axis, turned);
+            let director = turning.of(&edge.director);
             let angle = signed_angle(&carried, &director, &tangent);
             let unknown = STRIDE * edge.start + 3;
             unknowns[unknown] = unwrapped(angle, unknowns[unknown]);
+        }
+    }
+}
+
+/// A rotation: about an axis first, to an orientation then.
+struct Turning {
+    axis: Vector3,
+    angle: f64,
+    orientation: Option<UnitQuaternion>,
+}
+
+impl Turning {
+    fn of(&self, vector: &Vector3) -> Vector3 {
+        let turned = rotated(vector, &self.axis, self.angle);
+        match self.orientation {
+            Some(orientation) => orientation * turned,
+            None => turned,
         }
     }
 }

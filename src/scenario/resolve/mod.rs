@@ -1,5 +1,7 @@
 //! From the scenario as typed to the scenario as resolved: units, defaults, ranges.
 
+mod columns;
+mod helix_stability;
 mod knot;
 mod load;
 mod model;
@@ -11,7 +13,7 @@ mod shape;
 pub use polyline::read as read_polyline;
 
 use super::issue::{Issues, KeyPath};
-use super::resolved::{BuilderRod, Contact, Experiment, Knot, Material, Scenario, Time};
+use super::resolved::{BuilderRod, Contact, Experiment, Fluid, Knot, Material, Scenario, Time};
 use super::typed::{self, ScenarioFile};
 use section::Section;
 use std::cell::RefCell;
@@ -32,8 +34,12 @@ pub struct Context<'a> {
 pub fn resolve(context: &Context<'_>, file: &ScenarioFile) -> Result<Scenario, Issues> {
     let issues = RefCell::new(Issues::default());
     let top = Section::new(KeyPath::root(), &issues);
-    let time = model::time(&top, file);
-    let experiment = experiment(&top, file, &time);
+    let time = match (file.experiment, &file.time) {
+        // Equilibria all of them; there is no time to speak of.
+        (Some(typed::Experiment::HelixStability), None) => Time::Static,
+        _ => model::time(&top, file),
+    };
+    let experiment = experiment(context, &top, file, &time);
     let rods = rod::rods(context, &top, file);
     if rods.is_empty() && matches!(file.experiment, Some(typed::Experiment::Scene)) {
         top.missing("rods", "a scene needs at least one [[rods]]");
@@ -51,7 +57,7 @@ pub fn resolve(context: &Context<'_>, file: &ScenarioFile) -> Result<Scenario, I
         .iter()
         .map(|rod| rod.radius)
         .chain(experiment.iter().filter_map(|experiment| match experiment {
-            Experiment::Scene => None,
+            Experiment::Scene | Experiment::HelixStability { .. } => None,
             Experiment::Flagella { rod, .. }
             | Experiment::KnotTightening { rod, .. }
             | Experiment::KnotInversion { rod, .. } => Some(rod.radius),
@@ -65,6 +71,21 @@ pub fn resolve(context: &Context<'_>, file: &ScenarioFile) -> Result<Scenario, I
     if contact == Contact::None && knotted {
         top.missing("contact", "a knot needs contact: a table [contact]");
     }
+    let fluid = model::fluid(&top, file.fluid.as_ref());
+    if matches!(experiment, Some(Experiment::HelixStability { .. })) {
+        for (key, present) in [
+            ("time", time != Time::Static),
+            ("contact", contact != Contact::None),
+            ("fluid", fluid != Fluid::None),
+        ] {
+            if present {
+                top.fault(
+                    key,
+                    "helices are judged in equilibrium and in a vacuum; leave the table out",
+                );
+            }
+        }
+    }
     let scenario = experiment.map(|experiment| Scenario {
         name: context.name.to_owned(),
         title: file
@@ -76,7 +97,7 @@ pub fn resolve(context: &Context<'_>, file: &ScenarioFile) -> Result<Scenario, I
         loads: load::loads(&top, &file.loads),
         planes: load::planes(&top, &file.planes),
         contact,
-        fluid: model::fluid(&top, file.fluid.as_ref()),
+        fluid,
         output: model::output(&top, &file.output, &time),
         rods,
         time,
@@ -89,8 +110,14 @@ pub fn resolve(context: &Context<'_>, file: &ScenarioFile) -> Result<Scenario, I
 }
 
 /// The experiment and its own tables; `None` if a fault was reported.
-fn experiment(top: &Section<'_>, file: &ScenarioFile, time: &Time) -> Option<Experiment> {
-    let names = "\"scene\", \"flagella\", \"knot-tightening\" or \"knot-inversion\"";
+fn experiment(
+    context: &Context<'_>,
+    top: &Section<'_>,
+    file: &ScenarioFile,
+    time: &Time,
+) -> Option<Experiment> {
+    let names =
+        "\"scene\", \"flagella\", \"knot-tightening\", \"knot-inversion\" or \"helix-stability\"";
     let experiment = top.needed("experiment", file.experiment, names)?;
     let knotted = matches!(
         experiment,
@@ -103,6 +130,11 @@ fn experiment(top: &Section<'_>, file: &ScenarioFile, time: &Time) -> Option<Exp
             experiment == typed::Experiment::Flagella,
         ),
         ("knot", file.knot.is_some(), knotted),
+        (
+            "helix_stability",
+            file.helix_stability.is_some(),
+            experiment == typed::Experiment::HelixStability,
+        ),
     ] {
         let builder = experiment != typed::Experiment::Scene;
         if present && builder && !owner {
@@ -115,6 +147,7 @@ fn experiment(top: &Section<'_>, file: &ScenarioFile, time: &Time) -> Option<Exp
                 ("rod", file.rod.is_some()),
                 ("flagella", file.flagella.is_some()),
                 ("knot", file.knot.is_some()),
+                ("helix_stability", file.helix_stability.is_some()),
             ] {
                 if present {
                     top.fault(
@@ -146,6 +179,24 @@ fn experiment(top: &Section<'_>, file: &ScenarioFile, time: &Time) -> Option<Exp
                 rod,
                 knot,
             })
+        }
+        typed::Experiment::HelixStability => {
+            for (key, present) in [
+                ("material", file.material.is_some()),
+                ("rod", file.rod.is_some()),
+                ("rods", !file.rods.is_empty()),
+                ("clamps", !file.clamps.is_empty()),
+                ("loads", !file.loads.is_empty()),
+                ("planes", !file.planes.is_empty()),
+            ] {
+                if present {
+                    let message = "the rod has length 1 and bending stiffness 1; [helix_stability] says all of it";
+                    top.fault(key, message);
+                }
+            }
+            let typed = file.helix_stability.as_ref();
+            let typed = top.needed("helix_stability", typed, "a table [helix_stability]")?;
+            helix_stability::helix_stability(context, top, typed)
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Resolving polylines: corners from a CSV file or from the scenario itself.
 
 use super::Context;
+use super::columns::read_columns;
 use super::section::Section;
 use crate::scenario::resolved::Shape;
 use crate::scenario::typed;
@@ -62,61 +63,20 @@ fn first_repeated(points: &[[f64; 3]]) -> Option<usize> {
 /// comments.
 pub fn read(path: &Path) -> Result<Vec<[f64; 3]>, String> {
     let place = path.display();
-    let mut reader = csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .from_path(path)
-        .map_err(|error| format!("{place} cannot be read: {error}"))?;
-    let headers = reader
-        .headers()
-        .map_err(|error| format!("{place}: {error}"))?
-        .clone();
-    let column = |name: &str| {
-        headers
-            .iter()
-            .position(|header| header == name || header.strip_suffix("_m") == Some(name))
-            .ok_or_else(|| {
-                format!("{place}, line 1: no column `{name}`; the header must name x, y and z")
-            })
-    };
-    let columns = [column("x")?, column("y")?, column("z")?];
-    let mut points = Vec::new();
-    for record in reader.records() {
-        let record = record.map_err(|error| match error.kind() {
-            csv::ErrorKind::UnequalLengths {
-                pos,
-                expected_len,
-                len,
-            } => format!(
-                "{place}, line {}: expected {expected_len} columns, found {len}",
-                pos.as_ref().map_or(0, csv::Position::line)
-            ),
-            _ => format!("{place}: {error}"),
-        })?;
-        let line = record.position().map_or(0, csv::Position::line);
-        let mut point = [0.0; 3];
-        for (component, column) in point.iter_mut().zip(columns) {
-            let field = &record[column];
-            *component = field
-                .parse()
-                .ok()
-                .filter(|number: &f64| number.is_finite())
-                .ok_or_else(|| format!("{place}, line {line}: {field:?} is not a finite number"))?;
-        }
-        if points.last() == Some(&point) {
-            return Err(format!(
-                "{place}, line {line}: the point repeats the one before it; consecutive points must differ"
-            ));
-        }
-        points.push(point);
-    }
-    if points.len() < 2 {
+    let rows = read_columns(path, ["x", "y", "z"])?;
+    if let Some(pair) = rows.windows(2).find(|pair| pair[0].1 == pair[1].1) {
         return Err(format!(
-            "{place} has {} points; a polyline needs at least 2",
-            points.len()
+            "{place}, line {}: the point repeats the one before it; consecutive points must differ",
+            pair[1].0
         ));
     }
-    Ok(points)
+    if rows.len() < 2 {
+        return Err(format!(
+            "{place} has {} points; a polyline needs at least 2",
+            rows.len()
+        ));
+    }
+    Ok(rows.into_iter().map(|(_, point)| point).collect())
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@
 //! serialised form uses the keys of scenario files, so that it is itself a scenario file.
 
 mod flagella;
+mod helix_stability;
 mod knot;
 mod load;
 mod model;
@@ -11,6 +12,7 @@ mod rod;
 mod run;
 
 pub use flagella::{BuilderRod, Flagella, Head};
+pub use helix_stability::{Directions, HelixSearch, HelixStability};
 pub use knot::{Knot, KnotEnds};
 pub use load::{Clamp, Hold, Load, LoadKind, Place, Plane};
 pub use model::{Contact, Fluid};
@@ -87,6 +89,11 @@ pub enum Experiment {
         /// The knot and how it is pulled.
         knot: Knot,
     },
+    /// Where clamped helical rods lose stability.
+    HelixStability {
+        /// Rod and directions.
+        helix_stability: HelixStability,
+    },
 }
 
 impl Experiment {
@@ -97,6 +104,7 @@ impl Experiment {
             Self::Flagella { .. } => "flagella",
             Self::KnotTightening { .. } => "knot-tightening",
             Self::KnotInversion { .. } => "knot-inversion",
+            Self::HelixStability { .. } => "helix-stability",
         }
     }
 
@@ -106,7 +114,7 @@ impl Experiment {
             Self::KnotTightening { rod, knot, .. } | Self::KnotInversion { rod, knot, .. } => {
                 Some((rod, knot))
             }
-            Self::Scene | Self::Flagella { .. } => None,
+            Self::Scene | Self::Flagella { .. } | Self::HelixStability { .. } => None,
         }
     }
 }

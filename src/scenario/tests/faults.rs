@@ -10,6 +10,39 @@ fn faults(from: &str, to: &str) -> String {
     read(&BEAM.replacen(from, to, 1)).unwrap_err().to_string()
 }
 
+/// The messages for a table of helices.
+fn faults_of_helices(table: &str) -> String {
+    let text = format!("experiment = \"helix-stability\"\n[helix_stability]\n{table}");
+    read(&text).unwrap_err().to_string()
+}
+
+#[test]
+fn faults_of_helices_name_what_is_allowed() {
+    let lattice = "directions = { kind = \"fibonacci\", count = 10 }\n";
+    insta::assert_snapshot!(faults_of_helices(&format!("edges = 7\n{lattice}")), @r##"beam.toml:3:9: `helix_stability.edges`: 7 is out of range; allowed: 8 to 10000"##);
+    insta::assert_snapshot!(faults_of_helices(&format!("edges = 21\nextrapolate = true\n{lattice}")), @r##"
+beam.toml:3:9: `helix_stability.edges`: 21 is out of range; allowed with extrapolate = true: even numbers from 16
+"##);
+    insta::assert_snapshot!(faults_of_helices(&format!("largest_distance = 60\n{lattice}")), @r##"beam.toml:3:20: `helix_stability.largest_distance`: 60.0 is out of range; allowed: greater than 0 and at most 50, where the rod turns by half a radian from edge to edge of the coarsest mesh"##);
+    insta::assert_snapshot!(faults_of_helices(&format!("radius = 0.2\n{lattice}[time]\nend = 1\n[[loads]]\nkind = \"gravity\"\n")), @r##"
+beam.toml:3:10: `helix_stability.radius`: 0.2 is out of range; allowed: greater than 0 and at most 0.05, a slender rod
+beam.toml:5:1: `time`: helices are judged in equilibrium and in a vacuum; leave the table out
+beam.toml:7:1: `loads`: the rod has length 1 and bending stiffness 1; [helix_stability] says all of it
+beam.toml:7:1: `loads.0`: missing key `acceleration` (three numbers [x, y, z], each an acceleration)
+"##);
+    insta::assert_snapshot!(faults_of_helices("directions = { kind = \"list\", points = [[-1, 0, 1], [0, 0, 0], [1, 1, 1]] }\n"), @r##"
+beam.toml:3:41: `helix_stability.directions.points.0`: the curvature -1.0 is out of range; allowed: at least 0. A helix of curvature −κ is one of κ, turned
+beam.toml:3:53: `helix_stability.directions.points.1`: a direction cannot be [0, 0, 0]
+"##);
+    insta::assert_snapshot!(faults_of_helices("directions = { kind = \"list\", file = \"nowhere.csv\" }\n"), @r##"beam.toml:3:38: `helix_stability.directions.file`: nowhere.csv cannot be read: No such file or directory (os error 2)"##);
+    insta::assert_snapshot!(faults_of_helices("directions = { kind = \"grid\", polar = 0 }\n"), @r##"
+beam.toml:3:14: `helix_stability.directions`: missing key `azimuthal` (a whole number, 1 to 10000000)
+beam.toml:3:39: `helix_stability.directions.polar`: 0 is out of range; allowed: 1 to 10000000
+"##);
+    insta::assert_snapshot!(faults_of_helices("search = \"slow\"\n"), @r##"beam.toml:3:10: `helix_stability.search`: "slow" is not known here; allowed: fast, path"##);
+    insta::assert_snapshot!(read("experiment = \"helix-stability\"\n").unwrap_err().to_string(), @r##"beam.toml:1:1: missing key `helix_stability` (a table [helix_stability])"##);
+}
+
 #[test]
 fn faults_name_file_line_column_key_and_range() {
     insta::assert_snapshot!(faults("radius = \"5 mm\"", "radius = -5.0"), @"beam.toml:11:10: `rods.0.radius`: -5.0 is out of range; allowed: greater than 0");
@@ -51,11 +84,11 @@ beam.toml:30:18: `contact.slip_tolerance`: 0.0 is out of range; allowed: greater
     insta::assert_snapshot!(faults("[output]", "[fluid]\nviscosity = 1\nfar_field_error = 1e-9\n[output]"), @"beam.toml:28:19: `fluid.far_field_error`: 1e-9 is out of range; allowed: 0, or from 1e-6 to 1e-2");
     insta::assert_snapshot!(faults("nodes = true", "nodes = 1979-05-27"), @"beam.toml:27:9: `output.nodes`: expected `true` or `false`, found a date");
     insta::assert_snapshot!(faults("nodes = true", "nodes = "), @"beam.toml:27:9: not TOML: string values must be quoted, expected literal string");
-    insta::assert_snapshot!(faults("experiment = \"scene\"\n", ""), @r#"beam.toml:1:1: missing key `experiment` ("scene", "flagella", "knot-tightening" or "knot-inversion")"#);
-    insta::assert_snapshot!(faults("experiment = \"scene\"\n", "experiment = \"folding\"\n"), @r#"beam.toml:1:14: `experiment`: "folding" is not known here; allowed: scene, flagella, knot-tightening, knot-inversion"#);
+    insta::assert_snapshot!(faults("experiment = \"scene\"\n", ""), @r#"beam.toml:1:1: missing key `experiment` ("scene", "flagella", "knot-tightening", "knot-inversion" or "helix-stability")"#);
+    insta::assert_snapshot!(faults("experiment = \"scene\"\n", "experiment = \"folding\"\n"), @r#"beam.toml:1:14: `experiment`: "folding" is not known here; allowed: scene, flagella, knot-tightening, knot-inversion, helix-stability"#);
     insta::assert_snapshot!(read("").unwrap_err().to_string(), @r###"
 beam.toml:1:1: `time`: missing key `end` (a time, greater than 0)
-beam.toml:1:1: missing key `experiment` ("scene", "flagella", "knot-tightening" or "knot-inversion")
+beam.toml:1:1: missing key `experiment` ("scene", "flagella", "knot-tightening", "knot-inversion" or "helix-stability")
 "###);
 }
 

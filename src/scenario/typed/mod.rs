@@ -2,6 +2,7 @@
 //!
 //! The comments of these types are the descriptions in the JSON Schema and the words of `rodlab explain`.
 
+mod helix_stability;
 mod kinds;
 mod knot;
 mod load;
@@ -11,6 +12,7 @@ mod rod;
 mod shape;
 mod sweep;
 
+pub use helix_stability::{Directions, HelixStability, List};
 pub use knot::Knot;
 pub use load::{Clamp, Load, Place, Plane};
 pub use model::{
@@ -29,8 +31,8 @@ use serde::Deserialize;
 #[schemars(deny_unknown_fields, rename = "scenario")]
 pub struct ScenarioFile {
     /// What is simulated: "scene" (the rods listed here), "flagella" (helices turned at their heads),
-    /// "knot-tightening" (an overhand knot whose ends are pulled apart) or "knot-inversion" (the same until its loop
-    /// has snapped onto the braid).
+    /// "knot-tightening" (an overhand knot whose ends are pulled apart), "knot-inversion" (the same until its loop
+    /// has snapped onto the braid) or "helix-stability" (where clamped helical rods lose stability).
     pub experiment: Option<Experiment>,
     /// Title for people; the name of the file where absent.
     pub title: Option<String>,
@@ -70,6 +72,8 @@ pub struct ScenarioFile {
     pub flagella: Option<Flagella>,
     /// The knot of the experiments "knot-tightening" and "knot-inversion" and how it is pulled tight.
     pub knot: Option<Knot>,
+    /// Rod and directions of the experiment "helix-stability".
+    pub helix_stability: Option<HelixStability>,
     /// Many cases of this scenario: keys with lists or ranges of values.
     #[expect(dead_code, reason = "sweeps are taken out before files are decoded")]
     pub sweep: Option<Sweep>,
@@ -88,4 +92,6 @@ pub enum Experiment {
     KnotTightening,
     /// An overhand knot whose ends are pulled apart until its loop has snapped onto the braid.
     KnotInversion,
+    /// The loss of stability of clamped helical rods.
+    HelixStability,
 }
