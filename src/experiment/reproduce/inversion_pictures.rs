@@ -20,6 +20,9 @@ pub(super) enum Moment {
 /// Width of the picture over that of the braid.
 const WIDTH: f64 = 1.6;
 
+/// Least distance of the points that are drawn, in radii: finer curves look the same and make large files.
+const SPACING: f64 = 1.5;
+
 /// Looks along z: the knot lies around the x axis and its loop beside it.
 pub(super) fn side_view(pictures: &[Snapshot]) -> String {
     snapshots(pictures, &View::from(Vector3::z()))
@@ -71,10 +74,16 @@ fn picture(case: &Case<Inversion>, output: &NodePositions, row: &KnotRow, reach:
     let near = |point: &Vector3| (point.x - middle).abs() < reach;
     let first = positions.iter().position(near).unwrap_or(0);
     let last = positions.iter().rposition(near).unwrap_or(0);
+    let edge = (positions[1] - positions[0]).norm();
+    let stride = (SPACING * case.run.radius / edge).ceil() as usize;
     Snapshot {
         title: format!("l̄_k = {:.1}", row.length_normalized),
         rods: vec![RodCurve {
-            points: positions[first..=last].to_vec(),
+            points: positions[first..=last]
+                .iter()
+                .step_by(stride)
+                .copied()
+                .collect(),
             closed: false,
             radius: case.run.radius,
         }],
