@@ -52,7 +52,7 @@ fn one_command_leaves_boundary_comparison_sections_and_surface() {
         assert!(svg.starts_with("<svg") && svg.contains("theory"));
     }
     assert!(
-        fs::read_to_string(out.join("boundary.html"))
+        fs::read_to_string(out.join("view.html"))
             .unwrap()
             .contains("webgl2")
     );

@@ -57,6 +57,10 @@ pub struct PlotStyle {
     pub vertical: Vec<AxisScale>,
     /// Whether each point is marked.
     pub marks: bool,
+    /// Names of curves whose points are marked and not joined: what is compared with a law.
+    pub unjoined: Vec<String>,
+    /// Height of each plot without its legend, pixels; the usual one where it is 0.
+    pub height: u32,
 }
 
 /// Draws plots one above the other as an SVG, all over the same horizontal axis, with linear axes.
@@ -74,8 +78,13 @@ pub fn styled_line_plots(plots: &[LinePlot], horizontal_label: &str, style: &Plo
             Legend::of(&plots[index], above)
         })
         .collect();
-    let heights = legends.iter().map(|legend| legend.height + BODY);
-    let (width, height) = (WIDTH, heights.sum::<u32>().max(BODY));
+    let body_height = if style.height == 0 {
+        BODY
+    } else {
+        style.height
+    };
+    let heights = legends.iter().map(|legend| legend.height + body_height);
+    let (width, height) = (WIDTH, heights.sum::<u32>().max(body_height));
     let (fine_width, fine_height) = (pixels(width), pixels(height));
     {
         let page = SVGBackend::with_string(&mut svg, (fine_width, fine_height)).into_drawing_area();
@@ -85,7 +94,7 @@ pub fn styled_line_plots(plots: &[LinePlot], horizontal_label: &str, style: &Plo
         let mut rest = page.clone();
         for (index, (plot, legend)) in plots.iter().zip(&legends).enumerate() {
             let (head, below) = rest.split_vertically(pixels(legend.height));
-            let (body, below) = below.split_vertically(pixels(BODY));
+            let (body, below) = below.split_vertically(pixels(body_height));
             let scale = style.vertical.get(index).copied().unwrap_or_default();
             let vertical = Axis::around(scale, points(plot).filter_map(|(_, y)| y));
             let axes = Axes {
@@ -95,7 +104,7 @@ pub fn styled_line_plots(plots: &[LinePlot], horizontal_label: &str, style: &Plo
                 horizontal_label,
             };
             legend.draw(plot, &head);
-            draw(plot, &body, axes, style.marks);
+            draw(plot, &body, axes, style);
             rest = below;
         }
         page.present().expect(DRAWN_IN_MEMORY);
@@ -129,7 +138,7 @@ fn font() -> FontDesc<'static> {
     ("sans-serif", pixels(13)).into_font()
 }
 
-fn draw(plot: &LinePlot, area: &Area, axes: Axes, marks: bool) {
+fn draw(plot: &LinePlot, area: &Area, axes: Axes, style: &PlotStyle) {
     let font = font();
     let mut chart = ChartBuilder::on(area)
         .margin_left(pixels(8))
@@ -151,15 +160,16 @@ fn draw(plot: &LinePlot, area: &Area, axes: Axes, marks: bool) {
         .draw()
         .expect(DRAWN_IN_MEMORY);
     for (index, curve) in plot.curves.iter().enumerate() {
+        let joined = !style.unjoined.contains(&curve.name);
         for stretch in curve.stretches(axes.scales) {
-            if marks {
+            if style.marks || !joined {
                 let mark =
                     |point: &(f64, f64)| Circle::new(*point, pixels(3), color(index).filled());
                 let marks: Vec<_> = stretch.iter().map(mark).collect();
                 chart.draw_series(marks).expect(DRAWN_IN_MEMORY);
             }
             // A single point is no line.
-            if stretch.len() > 1 {
+            if joined && stretch.len() > 1 {
                 let series = LineSeries::new(stretch, color(index).stroke_width(pixels(2)));
                 chart.draw_series(series).expect(DRAWN_IN_MEMORY);
             }

@@ -38,8 +38,6 @@ pub const BOUNDARY: &str = "boundary.csv";
 pub const COMPARISON: &str = "comparison.csv";
 /// That boundary as a surface for ParaView.
 pub const SURFACE: &str = "boundary.vtp";
-/// That boundary as an interactive page.
-pub const SURFACE_PAGE: &str = "boundary.html";
 /// Sections of that boundary, drawn.
 pub const SECTION_FIGURES: [&str; 3] = [
     "section_kappa_tau.svg",
@@ -52,7 +50,7 @@ pub const VTK_FOLDER: &str = "vtk";
 pub(super) const LOCK: &str = ".lock";
 
 /// What a run may write: names in a results directory, swept by `--force`.
-const FILES: [&str; 24] = [
+const FILES: [&str; 26] = [
     SCENARIO,
     SERIES,
     NODES,
@@ -72,10 +70,12 @@ const FILES: [&str; 24] = [
     BOUNDARY,
     COMPARISON,
     SURFACE,
-    SURFACE_PAGE,
     SECTION_FIGURES[0],
     SECTION_FIGURES[1],
     SECTION_FIGURES[2],
+    "section_kappa_tau.png",
+    "section_kappa_omega.png",
+    "section_tau_omega.png",
     MANIFEST,
 ];
 

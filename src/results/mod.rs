@@ -36,8 +36,8 @@ pub use checkpoint::CheckpointFiles;
 pub use claim::{Claim, Claiming, Claims, HEARTBEAT, Owner, host_name};
 pub use directory::{
     BOUNDARY, COMPARISON, NODE_FORCES, NODES, Opened, PAGE, RODS_FIGURE, ResultsDirectory,
-    SCENARIO, SECTION_FIGURES, SERIES, SERIES_FIGURE, SUMMARY, SURFACE, SURFACE_PAGE, SWEEP_FIGURE,
-    TIMINGS, TRACTION_FIGURE, VTK_COLLECTION, VTK_FOLDER,
+    SCENARIO, SECTION_FIGURES, SERIES, SERIES_FIGURE, SUMMARY, SURFACE, SWEEP_FIGURE, TIMINGS,
+    TRACTION_FIGURE, VTK_COLLECTION, VTK_FOLDER,
 };
 pub use error::ResultsError;
 pub use forces::{NodeForces, read_node_forces};

@@ -6,7 +6,7 @@ use super::sections::draw_sections;
 use super::surface::write_surfaces;
 use crate::experiment::run::TableJob;
 use crate::mechanics::kirchhoff::{Helix, critical_distance};
-use crate::results::{BOUNDARY, ResultsError};
+use crate::results::{BOUNDARY, ResultsError, read_whole_rows};
 use crate::scenario::HelixStability;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
@@ -73,6 +73,14 @@ pub struct BoundaryRow {
     pub relative_difference_extrapolated: Option<f64>,
     /// Distance at which the rod first touches itself; empty where it does not before it loses stability.
     pub contact: Option<f64>,
+}
+
+/// The rows in a results directory.
+///
+/// # Errors
+/// Where `boundary.csv` cannot be read.
+pub fn read_boundary(directory: &Path) -> Result<Vec<BoundaryRow>, ResultsError> {
+    Ok(read_whole_rows(&directory.join(BOUNDARY))?.rows)
 }
 
 impl<'a> Boundary<'a> {

@@ -35,9 +35,12 @@ pub struct Band {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison(pub Vec<Band>);
 
+/// Which relative difference of a row counts.
+type Difference = fn(&BoundaryRow) -> Option<f64>;
+
 /// Compares all rows: the mesh as it is, then what was extrapolated.
 pub fn compare(rows: &[BoundaryRow]) -> Comparison {
-    let quantities: [(&str, fn(&BoundaryRow) -> Option<f64>); 2] = [
+    let quantities: [(&str, Difference); 2] = [
         ("critical", |row| row.relative_difference),
         ("extrapolated", |row| row.relative_difference_extrapolated),
     ];
@@ -55,7 +58,7 @@ pub fn compare(rows: &[BoundaryRow]) -> Comparison {
 fn band(
     rows: &[BoundaryRow],
     quantity: &'static str,
-    difference: fn(&BoundaryRow) -> Option<f64>,
+    difference: Difference,
     from: f64,
     to: f64,
 ) -> Band {

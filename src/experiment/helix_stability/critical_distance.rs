@@ -30,7 +30,7 @@ const LEFT_STRAIGHT: f64 = 1e-3;
 /// The same over the length, for a rod that is followed: it leaves the helix smoothly.
 const LEFT_PATH: f64 = 1e-3;
 /// Round-off, over the length.
-const ROUND_OFF: f64 = 1e-8;
+const ROUND_OFF: f64 = 1e-6;
 /// A path ends when the step is this short, as a fraction of the distance. Near the loss Newton's method
 /// loses its speed, which hides it by about as much.
 const PATH_PRECISION: f64 = 1e-6;

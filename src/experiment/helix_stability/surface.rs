@@ -1,8 +1,8 @@
 //! The boundary as a surface: triangles between neighbouring directions.
 
-use super::boundary::{BoundaryRow, Part};
+use super::boundary::{BoundaryRow, Part, read_boundary};
 use crate::figure::{ColouredSurface, surface_page};
-use crate::results::{ResultsError, SURFACE, SURFACE_PAGE, Surface, write_surface, write_whole};
+use crate::results::{PAGE, ResultsError, SURFACE, Surface, write_surface, write_whole};
 use delaunator::{Point, triangulate};
 use nalgebra::Vector3;
 use std::path::Path;
@@ -11,11 +11,13 @@ use std::path::Path;
 /// bridge the region where there is no boundary.
 const LONGEST_EDGE: f64 = 4.0;
 
-/// Writes the surface for ParaView and as an interactive page, where there is one.
-///
-/// # Errors
-/// [`ResultsError::Io`] where a file cannot be written.
-pub fn write_surfaces(rows: &[BoundaryRow], directory: &Path) -> Result<(), ResultsError> {
+/// The part of the boundary that is a surface.
+struct Found {
+    surface: Surface,
+    distances: Vec<f64>,
+}
+
+fn find(rows: &[BoundaryRow]) -> Option<Found> {
     let found: Vec<(Vector3<f64>, f64)> = rows
         .iter()
         .filter(|row| row.part == Part::Surface)
@@ -24,29 +26,49 @@ pub fn write_surfaces(rows: &[BoundaryRow], directory: &Path) -> Result<(), Resu
             Some((direction, row.critical?))
         })
         .collect();
-    let directions: Vec<Vector3<f64>> = found.iter().map(|(direction, _)| *direction).collect();
+    let (directions, distances): (Vec<Vector3<f64>>, Vec<f64>) = found.into_iter().unzip();
     let triangles = triangles_between(&directions);
-    if triangles.is_empty() {
+    let points = directions.iter().zip(&distances);
+    let points = points.map(|(direction, distance)| direction * *distance);
+    let points = points.collect();
+    (!triangles.is_empty()).then_some(Found {
+        surface: Surface { points, triangles },
+        distances,
+    })
+}
+
+/// Writes the surface for ParaView and as an interactive page, where there is one.
+///
+/// # Errors
+/// [`ResultsError::Io`] where a file cannot be written.
+pub fn write_surfaces(rows: &[BoundaryRow], directory: &Path) -> Result<(), ResultsError> {
+    let Some(Found { surface, distances }) = find(rows) else {
         return Ok(());
-    }
-    let distances: Vec<f64> = found.iter().map(|(_, distance)| *distance).collect();
-    let points: Vec<Vector3<f64>> = found
-        .iter()
-        .map(|(direction, distance)| direction * *distance)
-        .collect();
-    let page = surface_page(&ColouredSurface {
+    };
+    write_surface(&directory.join(SURFACE), &surface, "distance", &distances)?;
+    let page = page(&surface, distances);
+    write_whole(&directory.join(PAGE), page.as_bytes())
+}
+
+/// The interactive page of the boundary in a results directory; `None` where it has no surface.
+///
+/// # Errors
+/// Where `boundary.csv` cannot be read.
+pub fn boundary_page(directory: &Path) -> Result<Option<String>, ResultsError> {
+    Ok(find(&read_boundary(directory)?).map(|found| page(&found.surface, found.distances)))
+}
+
+fn page(surface: &Surface, distances: Vec<f64>) -> String {
+    surface_page(&ColouredSurface {
         title: "Boundary of the stable helices",
         subtitle: "Inside, a rod of length L with clamped ends is stable as a helix of curvature κ and torsion τ \
                    under the twisting moment ω (units 1/L and EI/L).",
         axes: ["κ", "τ", "ω"],
         quantity: "distance ‖(κ, τ, ω)‖",
-        points: points.iter().map(|point| (*point).into()).collect(),
-        values: distances.clone(),
-        triangles: triangles.clone(),
-    });
-    let surface = Surface { points, triangles };
-    write_surface(&directory.join(SURFACE), &surface, "distance", &distances)?;
-    write_whole(&directory.join(SURFACE_PAGE), page.as_bytes())
+        points: surface.points.iter().map(|point| (*point).into()).collect(),
+        values: distances,
+        triangles: surface.triangles.clone(),
+    })
 }
 
 /// Delaunay triangles of unit vectors with κ ≥ 0.

@@ -202,6 +202,7 @@ fn drawn(plots: Vec<LinePlot>, x: &str, scales: Option<[AxisScale; 2]>, marks: b
             })
             .collect(),
         marks,
+        ..PlotStyle::default()
     };
     styled_line_plots(&plots, &label(x), &style)
 }

@@ -11,10 +11,12 @@ mod traction;
 pub use custom::{CustomFigure, custom_figure};
 pub use error::PlotError;
 
+use crate::experiment::helix_stability::section_figures;
 use crate::figure::{RodCurve, Snapshot, View, line_plots, png, snapshots};
 use crate::results::{
-    Manifest, NODES, NodePositions, RODS_FIGURE, ResultsError, RodRecord, SERIES, SERIES_FIGURE,
-    SUMMARY, SWEEP_FIGURE, TRACTION_FIGURE, Table, read_nodes, read_series, write_whole,
+    BOUNDARY, Manifest, NODES, NodePositions, RODS_FIGURE, ResultsError, RodRecord, SERIES,
+    SERIES_FIGURE, SUMMARY, SWEEP_FIGURE, TRACTION_FIGURE, Table, read_nodes, read_series,
+    write_whole,
 };
 use series::series_plots;
 use std::path::{Path, PathBuf};
@@ -30,6 +32,7 @@ const SNAPSHOTS: usize = 4;
 /// `series.svg`: energies, contacts, distance and iterations over time; needs more than one output.
 /// `sweep.svg`: outcomes over the swept parameters; needs a `summary.csv` in which a number is swept.
 /// `traction.svg`: traction over tightness of a knot, with theory.
+/// `section_*.svg`: sections of the boundary of stable helices, with theory.
 /// Works while a run is at work, and on what an interrupted one left.
 ///
 /// # Errors
@@ -59,6 +62,11 @@ pub fn plot_results(directory: &Path) -> Result<Vec<PathBuf>, PlotError> {
         && let Some(figure) = sweep_figure(&Table::read(&summary)?)
     {
         write(SWEEP_FIGURE, figure)?;
+    }
+    if directory.join(BOUNDARY).exists() {
+        for (name, figure) in section_figures(directory)? {
+            write(name, figure)?;
+        }
     }
     if let Some(figure) = traction_figure(directory)? {
         write(TRACTION_FIGURE, figure)?;

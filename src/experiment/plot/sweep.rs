@@ -65,6 +65,7 @@ pub(super) fn sweep_figure(summary: &Table) -> Option<String> {
         horizontal: AxisScale::fitting(horizontal.into_iter().flatten()),
         vertical: plots.iter().map(fitting_scale).collect(),
         marks: true,
+        ..PlotStyle::default()
     };
     Some(styled_line_plots(&plots, &label(across), &style))
 }

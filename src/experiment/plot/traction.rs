@@ -61,6 +61,7 @@ pub(super) fn traction_figure(directory: &Path) -> Result<Option<String>, PlotEr
         horizontal: AxisScale::Logarithmic,
         vertical: vec![AxisScale::Logarithmic],
         marks: false,
+        ..PlotStyle::default()
     };
     Ok(Some(styled_line_plots(&[plot], "ε = √(h/R)", &style)))
 }

@@ -3,6 +3,7 @@
 use super::bundling::{Bundling, ContactModel, DISTANCE_TOLERANCE, STEP};
 use super::drag_steps;
 use super::figure_2_5;
+use super::helices::Helices;
 use super::inversion::Inversion;
 use super::tightening::Tightening;
 
@@ -29,6 +30,10 @@ pub enum Artifact {
     Figure3_6,
     /// Inversion over friction.
     Figure3_7,
+    /// The boundary of the stable helices.
+    Figure6_2,
+    /// Its section ω = 0.
+    Figure6_6,
     /// Cost of a step over the number of flagella.
     Cost,
     /// Error over the size of the time step.
@@ -43,6 +48,8 @@ pub(super) enum Runs {
     Tightening(Vec<Tightening>),
     /// Knots pulled until they invert.
     Inversion(Vec<Inversion>),
+    /// Stability of helices.
+    Helices(Vec<Helices>),
 }
 
 /// Numbers of flagella of the thesis (section 2.4.2).
@@ -63,7 +70,7 @@ const QUICK_END_OF_STEPS: f64 = 5.0;
 
 impl Artifact {
     /// All of them.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 14] = [
         Self::Table2_1,
         Self::Table2_2,
         Self::Figure2_5,
@@ -74,6 +81,8 @@ impl Artifact {
         Self::Figure3_5,
         Self::Figure3_6,
         Self::Figure3_7,
+        Self::Figure6_2,
+        Self::Figure6_6,
         Self::Cost,
         Self::DragSteps,
     ];
@@ -98,6 +107,8 @@ impl Artifact {
             Self::Figure3_5 => "fig3.5",
             Self::Figure3_6 => "fig3.6",
             Self::Figure3_7 => "fig3.7",
+            Self::Figure6_2 => "fig6.2",
+            Self::Figure6_6 => "fig6.6",
             Self::Cost => "cost",
             Self::DragSteps => "drag-steps",
         }
@@ -116,6 +127,8 @@ impl Artifact {
             Self::Figure3_5 => "Figure 3.5: inversion over the radius of the rod",
             Self::Figure3_6 => "Figure 3.6: inversion over the unknotting number",
             Self::Figure3_7 => "Figure 3.7: inversion over friction",
+            Self::Figure6_2 => "Figure 6.2: the boundary of the stable helices",
+            Self::Figure6_6 => "Figure 6.6: the boundary of the stable helices at ω = 0",
             Self::Cost => "Cost of a step over the number of flagella",
             Self::DragSteps => "Error of larger and automatic steps, two flagella",
         }
@@ -127,6 +140,7 @@ impl Artifact {
             Runs::Bundling(runs) => runs.iter().map(Bundling::cost).sum(),
             Runs::Tightening(runs) => runs.iter().map(Tightening::cost).sum(),
             Runs::Inversion(runs) => runs.iter().map(Inversion::cost).sum(),
+            Runs::Helices(runs) => runs.iter().map(Helices::cost).sum(),
         }
     }
 
@@ -139,6 +153,7 @@ impl Artifact {
             Self::Figure3_5 => Runs::Inversion(Inversion::of_figure_3_5(quick)),
             Self::Figure3_6 => Runs::Inversion(Inversion::of_figure_3_6(quick)),
             Self::Figure3_7 => Runs::Inversion(Inversion::of_figure_3_7(quick)),
+            Self::Figure6_2 | Self::Figure6_6 => Runs::Helices(vec![Helices::of_the_thesis(quick)]),
             _ => Runs::Bundling(self.bundlings(quick)),
         }
     }
@@ -196,7 +211,9 @@ impl Artifact {
             | Self::Figure3_4
             | Self::Figure3_5
             | Self::Figure3_6
-            | Self::Figure3_7 => Vec::new(),
+            | Self::Figure3_7
+            | Self::Figure6_2
+            | Self::Figure6_6 => Vec::new(),
         }
     }
 }
@@ -229,6 +246,10 @@ mod tests {
                         .map(|run| (run.id(), [run.prepare().scene.rods.len(), 1]))
                         .unzip(),
                     Runs::Inversion(runs) => runs
+                        .iter()
+                        .map(|run| (run.id(), [run.prepare().scene.rods.len(), 1]))
+                        .unzip(),
+                    Runs::Helices(runs) => runs
                         .iter()
                         .map(|run| (run.id(), [run.prepare().scene.rods.len(), 1]))
                         .unzip(),

@@ -21,6 +21,10 @@ pub(super) trait Run: Clone + Sync + Send {
     fn prepare(&self) -> PreparedRun;
     /// Simulated time, s.
     fn end(&self) -> f64;
+    /// How much is done, for a quick look to say it.
+    fn extent(&self) -> String {
+        format!("{} s were simulated", self.end())
+    }
 }
 
 /// A run that came to an end.
@@ -105,8 +109,11 @@ impl<R: Run> Case<R> {
         } else {
             format!("{:.1} s of wall time", record.wall_time)
         };
-        let end = record.outcome.simulated_time;
-        format!("{}: {} at {end} s, {how}", run.id(), self.status())
+        let at = match record.outcome.simulated_time {
+            0.0 => String::new(),
+            end => format!(" at {end} s"),
+        };
+        format!("{}: {}{at}, {how}", run.id(), self.status())
     }
 
     /// Its status in words.

@@ -54,6 +54,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceErro
         horizontal: AxisScale::Logarithmic,
         vertical: vec![AxisScale::Logarithmic],
         marks: true,
+        ..PlotStyle::default()
     };
     let figure = styled_line_plots(&[plot], "Number of flagella", &style);
     page.figure("cost", "Processor time of a step of 1 ms", &figure)?;

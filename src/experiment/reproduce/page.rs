@@ -6,7 +6,7 @@ use crate::experiment::workers::threads_of_a_job;
 use crate::results::{CaseStatus, MANIFEST, ResultsError, write_whole};
 use serde::Serialize;
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The directory of an artefact while it is written.
 pub(super) struct Page {
@@ -107,6 +107,19 @@ impl Page {
         self.file(&name, svg.as_bytes())
     }
 
+    /// Copies a file of a run beside the page, if there is one.
+    pub fn copy(&mut self, from: &Path, name: &str) -> Result<(), ResultsError> {
+        if !from.exists() {
+            return Ok(());
+        }
+        let bytes = std::fs::read(from).map_err(|source| ResultsError::Io {
+            action: "read",
+            path: from.to_owned(),
+            source,
+        })?;
+        self.file(name, &bytes)
+    }
+
     /// Adds a paragraph to the page.
     pub fn text(&mut self, paragraph: &str) {
         self.markdown += paragraph;
@@ -156,10 +169,13 @@ fn head<R: Run>(artifact: Artifact, options: &ReproduceOptions, cases: &[Case<R>
         artifact.name(),
         env!("CARGO_PKG_VERSION")
     ));
-    let end = cases.iter().map(|case| case.run.end()).fold(0.0, f64::max);
-    if options.quick {
+    let longest = cases
+        .iter()
+        .max_by(|a, b| a.run.end().total_cmp(&b.run.end()));
+    if let Some(longest) = longest.filter(|_| options.quick) {
         add(format!(
-            "**Quick: {end} s were simulated, which is not all. Totals and ends are those of the short time.**"
+            "**Quick: {}, which is not all. Totals and ends are those of this part.**",
+            longest.run.extent()
         ));
     }
     let jobs = options.jobs.min(cases.len());

@@ -4,10 +4,12 @@ mod fields;
 mod parameters;
 
 use crate::experiment::case_folders::{CaseFolder, case_folders};
+use crate::experiment::helix_stability::boundary_page;
 use crate::figure::{Movie, MovieCase, MovieFrame, MoviePlane, MovieRod, View, movie_page};
 use crate::mechanics::contact::{ContactPlane, ContactSurface, touching_points};
 use crate::results::{
-    Manifest, NODES, NodePositions, ResultsError, read_node_forces, read_nodes, write_whole,
+    BOUNDARY, Manifest, NODES, NodePositions, ResultsError, read_node_forces, read_nodes,
+    write_whole,
 };
 use crate::scenario::{self, Contact, Scenario};
 use fields::fields;
@@ -28,6 +30,9 @@ pub enum ViewError {
         .0.display()
     )]
     NoNodes(PathBuf),
+    /// Too few directions lead to a boundary.
+    #[error("`{}` has a boundary, but too few directions for a surface", .0.display())]
+    NoSurface(PathBuf),
     /// A file could not be read or written.
     #[error(transparent)]
     Results(#[from] ResultsError),
@@ -37,7 +42,7 @@ impl ViewError {
     /// Exit code of the program.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::NotResults(_) | Self::NoNodes(_) => 2,
+            Self::NotResults(_) | Self::NoNodes(_) | Self::NoSurface(_) => 2,
             Self::Results(error) => error.exit_code(),
         }
     }
@@ -70,6 +75,16 @@ pub fn write_page(
     let Some(manifest) = Manifest::read(directory)? else {
         return Err(ViewError::NotResults(directory.to_owned()));
     };
+    if directory.join(BOUNDARY).exists() {
+        let page =
+            boundary_page(directory)?.ok_or_else(|| ViewError::NoSurface(directory.to_owned()))?;
+        write_whole(to, page.as_bytes())?;
+        return Ok(WrittenPage {
+            cases: 1,
+            bytes: page.len(),
+            thinned: false,
+        });
+    }
     let folders = case_folders(directory)?;
     let count = AtomicUsize::new(0);
     let read: Result<Vec<_>, ViewError> = folders
