@@ -7,6 +7,7 @@ mod flagella;
 mod gripper_motion;
 mod helix_manipulation;
 mod helix_stability;
+mod knot_course;
 mod knot_observer;
 mod knot_tightening;
 mod plot;

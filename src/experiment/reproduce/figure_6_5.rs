@@ -86,9 +86,9 @@ pub(super) fn write(
     page.text(&format!(
         "Error e (Eq. 6.1: mean distance of the nodes from the helix over its radius) of a rod of length 1 m whose \
          end is led along (κ, τ, ω) ∝ (1, 1, 1), by implicit Euler steps. Dashed: the loss of stability by conjugate \
-         points, ‖(κ, τ, ω)‖ = {}. But for the parameter that varies, E = 1.12 GPa, ν = 0.33, no gravity, v = 1 cm/s, \
-         no jitter. v is the speed of the end along its path. Jitter adds to each component of its position a random \
-         number of at most d/√3, redrawn every 0.2 of distance and linear between. Gravity is in −z and grows to its \
+         points, ‖(κ, τ, ω)‖ = {}. But for the parameter that varies, E = 1.12 GPa, ν = 0.33, no gravity, v = 2.5 mm/s, \
+         no jitter. v is the speed of the end along its path; c = 1/(1 + ν). Jitter adds to each component of its position a \
+         random number of at most d/√3, redrawn every 0.2 of distance and linear between. Gravity is in −z and grows to its \
          strength in the first tenth of the time. The rod may pass through itself.",
         number(predicted, 4)
     ));

@@ -25,11 +25,11 @@ const FARTHEST: f64 = 13.0;
 /// Edges of the rod, and of a quick look.
 const EDGES: usize = 100;
 const QUICK_EDGES: usize = 40;
-/// Time step over the time in which the end moves by the length of the rod.
+/// Largest time step over the time in which the end moves by the length of the rod.
 const STEP: f64 = 1e-4;
 /// Largest time step, s: the first vibration of the straight rod takes 0.7 s.
 const LONGEST_STEP: f64 = 0.02;
-/// Output times of a run.
+/// Output times of a run, all of them ends of whole steps.
 const OUTPUTS: f64 = 600.0;
 /// Processor time of a step for each edge, s: measured, right to a factor of two.
 const SECONDS_PER_STEP_AND_EDGE: f64 = 8e-7;
@@ -60,7 +60,7 @@ pub(super) const UNDISTURBED: ManipulatedHelix = ManipulatedHelix {
     poissons_ratio: 0.33,
     youngs_modulus: 1.12e9,
     gravito_bending_length: f64::INFINITY,
-    speed: 0.01,
+    speed: 0.0025,
     jitter: 0.0,
     farthest: FARTHEST,
     edges: EDGES,
@@ -85,7 +85,7 @@ impl ManipulatedHelix {
                 ..usual
             }),
         );
-        runs.extend([0.0025, 0.05, 0.1, 0.2].map(|speed| Self { speed, ..usual }));
+        runs.extend([0.01, 0.05, 0.1, 0.2].map(|speed| Self { speed, ..usual }));
         runs.extend([0.005, 0.01, 0.02, 0.05].map(|jitter| Self { jitter, ..usual }));
         if quick {
             runs.iter_mut().for_each(|run| run.edges = QUICK_EDGES);
@@ -119,7 +119,9 @@ impl ManipulatedHelix {
     }
 
     fn step(&self) -> f64 {
-        (STEP * LENGTH / self.speed).min(LONGEST_STEP)
+        let interval = self.end() / OUTPUTS;
+        let largest = (STEP * LENGTH / self.speed).min(LONGEST_STEP);
+        interval / (interval / largest).ceil()
     }
 
     /// Acceleration of free fall that makes the gravito-bending length (E h²/(8ρg))^(1/3), m/s².
