@@ -23,12 +23,14 @@ pub struct KnotObserver {
     pub determinant: u64,
     /// When its ends begin to move, s.
     pub pulled_from: f64,
+    /// Largest kinetic over elastic energy of a quasi-static pull.
+    pub kinetic_bound: f64,
     /// Whether the run ends some time after the knot has inverted.
     pub ends_after_inversion: bool,
 }
 
 impl KnotObserver {
-    /// Measures the knot now.
+    /// Measures the knot now; work and losses, which take the whole run, are left at zero.
     pub fn measure(&self, simulation: &Simulation) -> KnotRow {
         let positions = simulation.positions();
         let last = positions.len() - 1;
@@ -60,6 +62,7 @@ impl KnotObserver {
             height_normalized: silhouette.map(|shape| shape.height / shape.width),
             contact_force_n: contacts.iter().map(|contact| contact.normal_force).sum(),
             knot_determinant: determinant(positions),
+            ..KnotRow::default()
         }
     }
 
@@ -106,6 +109,7 @@ pub fn changed_knot(time: f64, expected: u64, found: Option<u64>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mechanics::Vector3;
 
     const OBSERVER: KnotObserver = KnotObserver {
         radius: 1e-3,
@@ -115,6 +119,7 @@ mod tests {
         tolerance: 1e-4,
         determinant: 3,
         pulled_from: 2.0,
+        kinetic_bound: 1e-3,
         ends_after_inversion: false,
     };
 
@@ -124,6 +129,7 @@ mod tests {
             nodes,
             distance: 2e-3 + gap,
             threshold: 2e-3,
+            normal: Vector3::z(),
             normal_force: 1.0,
             force: [0.0; 12],
         }

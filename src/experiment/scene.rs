@@ -119,6 +119,7 @@ fn knot_observer(scenario: &Scenario, scene: &mechanics::Scene) -> Option<KnotOb
         tolerance: scene.contact?.distance_tolerance,
         determinant: 2 * knot.unknotting_number as u64 + 1,
         pulled_from: knot.settling_time,
+        kinetic_bound: knot.kinetic_bound,
         ends_after_inversion: matches!(scenario.experiment, Experiment::KnotInversion { .. }),
     })
 }

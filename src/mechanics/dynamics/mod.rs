@@ -3,6 +3,7 @@
 //! The loop is [`Simulation::advance`]: drag at the start of the step, contact candidates, an implicit
 //! stage solved by Newton's method, smaller steps where that fails, and acceptance.
 
+mod exchange;
 mod failure;
 mod newton;
 mod observe;
@@ -13,7 +14,7 @@ mod stage;
 mod step_control;
 
 pub use parameters::{IntegrationParameters, Scheme, StepSize};
-pub use report::{Energies, SimulationError, SimulationState, StepReport};
+pub use report::{Energies, Exchange, SimulationError, SimulationState, StepReport};
 pub use simulation::Simulation;
 
 #[cfg(test)]

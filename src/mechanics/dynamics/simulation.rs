@@ -185,6 +185,7 @@ impl Simulation {
         report.step = self.control.size(&self.parameters.step, goal - self.time);
         self.accept(goal);
         report.time = self.time;
+        report.exchange = self.exchange();
         self.report_contacts(&mut report);
         Ok(report)
     }
