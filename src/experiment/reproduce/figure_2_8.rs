@@ -52,8 +52,8 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Tightening>]) -> Result<(), R
     page.table(&[["n"].as_slice(), &HEADER].concat(), &table);
     page.text(
         "Why the trefoil is the farthest from the law: Eq. 2.30 has too much friction and nothing else. Its braid is a \
-         uniform double helix of n turns, whose strands press on each other from end to end; here two thirds of a turn or \
-         a little more are as good as without pressure, whatever n is (last column), for at the ends of the braid the strands \
+         uniform double helix of n turns, whose strands press on each other from end to end; here two thirds to \
+         nine tenths of a turn are as good as without pressure (last column), for at the ends of the braid the strands \
          part. So friction is a third of that of the law at n = 1 and approaches it as n grows. The rest of the \
          traction, by which the loop gains energy (ε⁴/2 of a loose trefoil), is small against friction only where \
          ε ≪ 2 μ σ, or n is large; at n = 1 it is the larger part. That both errors have opposite signs keeps the \

@@ -225,11 +225,8 @@ pub(super) fn range_before_inversion(
 ) -> Result<Option<[f64; 2]>, ResultsError> {
     let rows = pulled_rows(case)?;
     let knot = case.record.outcome.knot.unwrap_or_default();
-    // With a coarse mesh a jerk of the traction may look like an inversion by force; the loop is still there then.
-    let inverted = knot.inversion_by_height.map_or(0.0, |by_height| {
-        knot.inversion_by_force
-            .map_or(by_height, |by_force| by_height.max(by_force))
-    });
+    let inverted = [knot.inversion_by_force, knot.inversion_by_height];
+    let inverted = inverted.into_iter().flatten().fold(0.0, f64::max);
     Ok(rows.first().zip(rows.last()).map(|(first, last)| {
         [
             inverted.max(last.length_normalized),
@@ -246,7 +243,10 @@ pub(super) fn stretches(
 ) -> Result<Vec<Stretch>, ResultsError> {
     let rows = pulled_rows(case)?;
     let (unit, radius) = (case.run.traction_unit(), case.run.radius);
-    let mark = |k: usize| loose + (tight - loose) * k as f64 / count as f64;
+    let mark = |k: usize| {
+        let part = k as f64 / count as f64;
+        (1.0 - part) * loose + part * tight
+    };
     let mean = |k: usize| {
         let [start, end] = [mark(k), mark(k + 1)];
         let done = |of: fn(&KnotRow) -> f64| Some(at(&rows, end, of)? - at(&rows, start, of)?);
