@@ -26,7 +26,7 @@ pub struct Knot {
     /// and a run that exceeds it while the ends move says so. `summary.csv` has both.
     pub kinetic_bound: Option<Quantity<Dimensionless>>,
     /// Time for which the knot settles under strong drag, which fades at its end, before the ends move. Default:
-    /// six periods R² √(ρA/EI) of the loop, and two seconds at least.
+    /// twelve periods R² √(ρA/EI) of the loop, and two seconds at least.
     pub settling_time: Option<Quantity<Time>>,
     /// Drag per length while the ends move, or "auto" (the default): so small that it makes up a five-hundredth of
     /// the traction of the loop at the start, EI/2R².
