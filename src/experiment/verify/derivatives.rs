@@ -108,6 +108,7 @@ impl Sample {
             step: 0.01,
             velocity: vec![0.0; start.len()],
             drag: Vec::new(),
+            drag_velocity: Vec::new(),
             resistance: Vec::new(),
             positions: (0..start.len() / 4).map(position).collect(),
             start,

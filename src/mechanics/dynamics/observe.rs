@@ -143,6 +143,7 @@ impl Simulation {
         SimulationState {
             time: self.time,
             unknowns: self.unknowns.clone(),
+            earlier_unknowns: self.earlier_unknowns.clone(),
             velocity: self.velocity.clone(),
             earlier_velocity: self.earlier_velocity.clone(),
             earlier_step: self.earlier_step,
@@ -182,6 +183,7 @@ impl Simulation {
         }
         self.time = state.time;
         self.unknowns = state.unknowns;
+        self.earlier_unknowns = state.earlier_unknowns;
         self.velocity = state.velocity;
         self.earlier_velocity = state.earlier_velocity;
         self.earlier_step = state.earlier_step;

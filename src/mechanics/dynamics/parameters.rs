@@ -26,6 +26,8 @@ pub enum Scheme {
     ImplicitEuler,
     /// Second order, conserves momentum and nearly energy.
     ImplicitMidpoint,
+    /// Second order, damps fast modes: backward differences over two steps (BDF2), drag of the predicted motion.
+    BackwardDifferences,
 }
 
 /// Fixed or error-controlled time steps.

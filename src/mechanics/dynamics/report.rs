@@ -13,6 +13,8 @@ pub struct SimulationState {
     pub time: f64,
     /// Unknowns, 4 per node.
     pub unknowns: Vec<f64>,
+    /// Unknowns one step earlier.
+    pub earlier_unknowns: Vec<f64>,
     /// Velocities of the unknowns.
     pub velocity: Vec<f64>,
     /// Velocities one step earlier.

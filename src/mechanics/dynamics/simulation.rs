@@ -30,6 +30,8 @@ pub struct Simulation {
     pub(super) parameters: IntegrationParameters,
     pub(super) time: f64,
     pub(super) unknowns: Vec<f64>,
+    /// Unknowns one step earlier: backward differences go through them.
+    pub(super) earlier_unknowns: Vec<f64>,
     pub(super) velocity: Vec<f64>,
     /// Velocity one step earlier and the size of that step, s: the predictor extrapolates from them.
     pub(super) earlier_velocity: Vec<f64>,
@@ -87,6 +89,7 @@ impl Simulation {
             fluid,
             parameters: *parameters,
             time: 0.0,
+            earlier_unknowns: unknowns.clone(),
             earlier_velocity: velocity.clone(),
             earlier_step: 0.0,
             control: StepControl::new(&parameters.step),
@@ -95,6 +98,7 @@ impl Simulation {
                 start: unknowns.clone(),
                 velocity: velocity.clone(),
                 drag: vec![Vector3::zeros(); wet],
+                drag_velocity: vec![Vector3::zeros(); wet],
                 resistance: vec![Matrix3::zeros(); wet],
                 positions: vec![Vector3::zeros(); nodes],
             },
@@ -144,15 +148,16 @@ impl Simulation {
     /// [`SimulationError::NoConvergence`] and [`SimulationError::Unphysical`]; the state is then that of
     /// the last accepted step.
     pub fn advance(&mut self, until: f64) -> Result<StepReport, SimulationError> {
-        let mut report = StepReport {
-            fluid_iterations: self.compute_drag()?,
-            ..StepReport::default()
-        };
+        let mut report = StepReport::default();
+        if self.parameters.scheme != Scheme::BackwardDifferences {
+            report.fluid_iterations = self.compute_drag()?;
+        }
         self.system.update_candidates(&self.unknowns);
         let mut goal = self.control.goal(&self.parameters.step, self.time, until);
         let mut stiffenings = 0;
         loop {
             let step = goal - self.time;
+            report.fluid_iterations += self.prepare_stage(goal)?;
             let smaller = match self.attempt(goal) {
                 Ok(attempt) => {
                     report.newton_iterations += attempt.iterations;
@@ -207,6 +212,7 @@ impl Simulation {
                 self.unknowns.copy_from_slice(&self.trial);
                 self.velocity.fill(0.0);
                 self.earlier_velocity.fill(0.0);
+                self.earlier_unknowns.copy_from_slice(&self.unknowns);
                 self.publish();
                 let mut report = StepReport {
                     time: self.time,
@@ -240,15 +246,17 @@ impl Simulation {
         self.unknowns.copy_from_slice(&self.trial);
         self.velocity.fill(0.0);
         self.earlier_velocity.fill(0.0);
+        self.earlier_unknowns.copy_from_slice(&self.unknowns);
         self.publish();
         Ok(inertia.negative)
     }
 
-    /// Drag and local resistance at the start of a step; returns the Krylov iterations.
-    fn compute_drag(&mut self) -> Result<usize, SimulationError> {
+    /// Drag and local resistance at the present positions and velocities; returns the Krylov iterations.
+    pub(super) fn compute_drag(&mut self) -> Result<usize, SimulationError> {
         let Some(fluid) = &mut self.fluid else {
             return Ok(0);
         };
+        self.stage.drag_velocity.copy_from_slice(&self.velocities);
         let (drag, resistance) = (&mut self.stage.drag, &mut self.stage.resistance);
         match fluid.drag(&self.positions, &self.velocities, drag, resistance) {
             Ok(report) => Ok(report.iterations),
@@ -276,7 +284,7 @@ impl Simulation {
         };
         let order = match self.parameters.scheme {
             Scheme::ImplicitEuler => 2,
-            Scheme::ImplicitMidpoint => 3,
+            Scheme::ImplicitMidpoint | Scheme::BackwardDifferences => 3,
         };
         if step <= self.parameters.minimum_step {
             return Verdict::Accepted;
@@ -293,13 +301,14 @@ impl Simulation {
     fn accept(&mut self, goal: f64) {
         if self.fluid.is_some() {
             for node in 0..self.stage.drag.len() {
-                let change = position(&self.next_velocity, node) - position(&self.velocity, node);
+                let change = position(&self.next_velocity, node) - self.stage.drag_velocity[node];
                 self.fluid_forces[node] =
                     self.stage.drag[node] - self.stage.resistance[node] * change;
             }
         }
         self.earlier_step = goal - self.time;
         self.time = goal;
+        std::mem::swap(&mut self.earlier_unknowns, &mut self.unknowns);
         self.unknowns.copy_from_slice(&self.trial);
         std::mem::swap(&mut self.earlier_velocity, &mut self.velocity);
         self.velocity.copy_from_slice(&self.next_velocity);

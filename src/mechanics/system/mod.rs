@@ -4,11 +4,11 @@
 //!
 //! ```text
 //! R(q) = M/h ((q − qₙ)/h − vₙ) + ∇E(q) + C (q − qₙ)/h − F_dead(t) − F_moment(q, t) − F_contact(q) − F_fluid
-//! F_fluid = F₀ − D ((q − qₙ)/h − vₙ)
+//! F_fluid = F₀ − D ((q − qₙ)/h − v₀)
 //! ```
 //!
-//! (thesis Eq. 1.8) and its Jacobian, with the drag F₀ at the start of the step and its local resistance
-//! D; without a [`Stage`] the terms with h fall away and equilibrium remains.
+//! (thesis Eq. 1.8) and its Jacobian, with the drag F₀ of a motion with the velocities v₀ and its local
+//! resistance D; without a [`Stage`] the terms with h fall away and equilibrium remains.
 
 mod build;
 mod clamps;
@@ -43,8 +43,10 @@ pub struct Stage {
     pub start: Vec<f64>,
     /// Velocities at its start.
     pub velocity: Vec<f64>,
-    /// Drag at the start, N per node; empty without fluid.
+    /// Drag F₀ of a motion near that of the stage, N per node; empty without fluid.
     pub drag: Vec<Vector3>,
+    /// Velocities v₀ of that motion, m/s per node; empty without fluid.
+    pub drag_velocity: Vec<Vector3>,
     /// Local resistance D, N s/m per node; empty without fluid.
     pub resistance: Vec<Matrix3>,
     /// Positions at the start, m per node.
@@ -397,7 +399,7 @@ fn start_of<'a>(stage: Option<&'a Stage>, now: &'a [Vector3]) -> (&'a [Vector3],
     }
 }
 
-/// Adds M/h ((q − qₙ)/h − vₙ) + C (q − qₙ)/h − F₀ + D ((q − qₙ)/h − vₙ).
+/// Adds M/h ((q − qₙ)/h − vₙ) + C (q − qₙ)/h − F₀ + D ((q − qₙ)/h − v₀).
 fn add_inertia(assembly: &Assembly, stage: &Stage, unknowns: &[f64], residual: &mut [f64]) {
     let per_step = 1.0 / stage.step;
     for k in 0..residual.len() {
@@ -409,7 +411,7 @@ fn add_inertia(assembly: &Assembly, stage: &Stage, unknowns: &[f64], residual: &
     }
     for (node, (drag, resistance)) in stage.drag.iter().zip(&stage.resistance).enumerate() {
         let change = (position(unknowns, node) - stage.positions[node]) * per_step
-            - position(&stage.velocity, node);
+            - stage.drag_velocity[node];
         let force = drag - resistance * change;
         for axis in 0..3 {
             residual[STRIDE * node + axis] -= force[axis];

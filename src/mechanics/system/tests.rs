@@ -108,6 +108,7 @@ fn stage_at(system: &System, start: Vec<f64>) -> Stage {
         velocity: start.iter().map(|q| (3.0 * q).sin()).collect(),
         start,
         drag: vec![Vector3::new(0.1, -0.2, 0.3); nodes],
+        drag_velocity: vec![Vector3::new(-0.3, 0.1, 0.2); nodes],
         resistance: vec![Matrix3::new(2.0, 0.1, 0.2, 0.1, 3.0, 0.3, 0.2, 0.3, 4.0); nodes],
         positions,
     }

@@ -31,6 +31,8 @@ pub enum Scheme {
     ImplicitEuler,
     /// Second order, conserves momentum and nearly energy.
     ImplicitMidpoint,
+    /// Second order, damps fast modes; drag of other nodes' motion to second order too.
+    BackwardDifferences,
 }
 
 /// Size of the time steps.
