@@ -40,6 +40,8 @@ pub struct Simulation {
     pub(super) stage: Stage,
     pub(super) newton: Newton,
     pub(super) trial: Vec<f64>,
+    /// Velocity that backward differences expect at the end of a step.
+    pub(super) predicted_velocity: Vec<f64>,
     pub(super) next_velocity: Vec<f64>,
     pub(super) positions: Vec<Vector3>,
     pub(super) velocities: Vec<Vector3>,
@@ -104,6 +106,7 @@ impl Simulation {
             },
             newton: Newton::new(unknowns.len()),
             trial: unknowns.clone(),
+            predicted_velocity: velocity.clone(),
             next_velocity: velocity.clone(),
             fluid_forces: vec![Vector3::zeros(); wet],
             positions: vec![Vector3::zeros(); nodes],

@@ -35,20 +35,18 @@ impl Simulation {
         let (stage_step, stage_time) = match self.parameters.scheme {
             Scheme::ImplicitEuler => (step, goal),
             Scheme::ImplicitMidpoint => (0.5 * step, self.time + 0.5 * step),
-            Scheme::BackwardDifferences => (self.backward_difference(step).stage_step, goal),
+            Scheme::BackwardDifferences => {
+                self.begin_backward_difference(step);
+                self.system.drive(goal, &mut self.trial);
+                return self.compute_predicted_drag();
+            }
         };
         self.stage.step = stage_step;
         self.stage.start.copy_from_slice(&self.unknowns);
         self.stage.velocity.copy_from_slice(&self.velocity);
         self.stage.positions.copy_from_slice(&self.positions);
-        if self.parameters.scheme == Scheme::BackwardDifferences {
-            self.start_backward_difference(step);
-        }
-        self.predict(step);
+        self.predict(stage_step);
         self.system.drive(stage_time, &mut self.trial);
-        if self.parameters.scheme == Scheme::BackwardDifferences {
-            return self.compute_predicted_drag();
-        }
         Ok(0)
     }
 
@@ -114,20 +112,19 @@ impl Simulation {
     }
 
     /// Extrapolates positions and angles to the implicit stage with the acceleration of the last step.
-    fn predict(&mut self, step: f64) {
-        let stage_step = self.stage.step;
-        let extrapolated = match self.parameters.scheme {
-            Scheme::ImplicitEuler | Scheme::BackwardDifferences => step,
-            Scheme::ImplicitMidpoint => 0.5 * stage_step,
+    fn predict(&mut self, stage_step: f64) {
+        let fraction = match self.parameters.scheme {
+            Scheme::ImplicitMidpoint => 0.5,
+            Scheme::ImplicitEuler | Scheme::BackwardDifferences => 1.0,
         };
         let growth = if self.earlier_step > 0.0 {
-            extrapolated / self.earlier_step
+            fraction * stage_step / self.earlier_step
         } else {
             0.0
         };
         for k in 0..self.trial.len() {
             let change = self.velocity[k] - self.earlier_velocity[k];
-            self.trial[k] = self.stage.start[k] + stage_step * (self.velocity[k] + growth * change);
+            self.trial[k] = self.unknowns[k] + stage_step * (self.velocity[k] + growth * change);
         }
     }
 
@@ -174,7 +171,7 @@ impl Simulation {
 
     /// Writes the velocity at the end of a step and returns the local error of the positions, m:
     /// ½ h |v₁ − v₀| for implicit Euler; h/12 times the second difference of the velocity for the
-    /// midpoint rule, and H/3 times it for backward differences with stage step H, at the free unknowns.
+    /// midpoint rule; H/3 times that from the predicted velocity for backward differences, at free unknowns.
     fn velocity_after(&mut self, step: f64) -> f64 {
         let growth = if self.earlier_step > 0.0 {
             step / self.earlier_step
@@ -183,7 +180,6 @@ impl Simulation {
         };
         let mut error = 0.0;
         for k in 0..self.trial.len() {
-            let earlier_change = growth * (self.velocity[k] - self.earlier_velocity[k]);
             let mean = (self.trial[k] - self.unknowns[k]) / step;
             let (after, local) = match self.parameters.scheme {
                 Scheme::ImplicitEuler => (mean, 0.5 * step * (mean - self.velocity[k])),
@@ -195,6 +191,7 @@ impl Simulation {
                     } else {
                         2.0 * mean - self.velocity[k]
                     };
+                    let earlier_change = growth * (self.velocity[k] - self.earlier_velocity[k]);
                     (
                         after,
                         step / 12.0 * (after - self.velocity[k] - earlier_change),
@@ -202,14 +199,14 @@ impl Simulation {
                 }
                 Scheme::BackwardDifferences => {
                     let after = (self.trial[k] - self.stage.start[k]) / self.stage.step;
-                    let second = after - self.velocity[k] - earlier_change;
+                    let surprise = after - self.predicted_velocity[k];
                     let held = self.system.assembly.held[k];
                     (
                         after,
                         if held {
                             0.0
                         } else {
-                            self.stage.step / 3.0 * second
+                            self.stage.step / 3.0 * surprise
                         },
                     )
                 }
