@@ -17,6 +17,7 @@ mod directory;
 mod error;
 mod forces;
 mod frame;
+mod knot;
 mod manifest;
 mod nodes;
 mod outcome;
@@ -41,6 +42,7 @@ pub use directory::{
 pub use error::ResultsError;
 pub use forces::{NodeForces, read_node_forces};
 pub use frame::Frame;
+pub use knot::{KnotEnding, KnotOutcome};
 pub use manifest::{
     CaseRecord, CaseStatus, MAIN_CASE, MANIFEST, Manifest, RodRecord, scenario_hash,
 };

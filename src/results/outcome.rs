@@ -1,5 +1,6 @@
 //! What a case came to: the numbers of `summary.csv` and of the manifest.
 
+use super::KnotOutcome;
 use serde::{Deserialize, Serialize};
 
 /// Scalar outcomes of a case; the same bytes on every machine.
@@ -25,6 +26,9 @@ pub struct CaseOutcome {
     pub minimum_distance: Option<f64>,
     /// That distance over twice the largest radius of the scene.
     pub minimum_distance_ratio: Option<f64>,
+    /// What became of the knot, where one was tied.
+    #[serde(default)]
+    pub knot: Option<KnotOutcome>,
 }
 
 impl CaseOutcome {

@@ -7,6 +7,7 @@
 mod buckling;
 mod check;
 mod conservation;
+mod contact;
 mod derivatives;
 mod determinism;
 mod drag;
@@ -33,7 +34,7 @@ type Family = fn(full: bool) -> Result<Vec<Check>, FamilyError>;
 type FamilyError = Box<dyn Error + Send + Sync>;
 
 /// All families, in the order of the table.
-const FAMILIES: [(&str, Family); 11] = [
+const FAMILIES: [(&str, Family); 12] = [
     ("derivatives", derivatives::checks),
     ("statics", statics::checks),
     ("vibration", vibration::checks),
@@ -41,6 +42,7 @@ const FAMILIES: [(&str, Family); 11] = [
     ("helix", helix::checks),
     ("localised buckling", localized_buckling::checks),
     ("friction", friction::checks),
+    ("contact", contact::checks),
     ("drag", drag::checks),
     ("conservation", conservation::checks),
     ("symmetry", symmetry::checks),
