@@ -25,7 +25,7 @@
 
 use super::Simulation;
 use super::report::SimulationError;
-use crate::mechanics::rod::{STRIDE, topology::position};
+use crate::mechanics::rod::topology::position;
 use crate::mechanics::system::copy_positions;
 
 /// Growth of the step from which on a step is one of implicit Euler: two-step differences are stable below 1 + √2.
@@ -115,24 +115,6 @@ impl Simulation {
         // A step that fails must leave what observers read.
         self.publish();
         result
-    }
-
-    /// Writes the velocity at the end of a step and returns the local error of the positions, m: H/3 times the
-    /// difference of the velocity from the predicted one, root mean square over the free nodes. A node that meets
-    /// a contact does not rule the step of all: its velocity jumps, but contact tells it where to be.
-    pub(super) fn end_backward_difference(&mut self) -> f64 {
-        let per_step = 1.0 / self.stage.step;
-        let (mut sum, mut components) = (0.0, 0);
-        for k in 0..self.trial.len() {
-            let after = (self.trial[k] - self.stage.start[k]) * per_step;
-            if k % STRIDE != 3 && !self.system.assembly.held[k] {
-                sum += (after - self.predicted_velocity[k]).powi(2);
-                components += 1;
-            }
-            self.next_velocity[k] = after;
-        }
-        let nodes = f64::from(components.max(1)) / 3.0;
-        self.stage.step / 3.0 * (sum / nodes).sqrt()
     }
 }
 

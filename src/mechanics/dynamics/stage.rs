@@ -107,19 +107,15 @@ impl Simulation {
         }
         Ok(Attempt {
             iterations,
-            error: match self.parameters.scheme {
-                Scheme::BackwardDifferences => self.end_backward_difference(),
-                Scheme::ImplicitEuler | Scheme::ImplicitMidpoint => self.velocity_after(step),
-            },
+            error: self.velocity_after(step),
         })
     }
 
     /// Extrapolates positions and angles to the implicit stage with the acceleration of the last step.
     fn predict(&mut self, stage_step: f64) {
-        let fraction = if self.parameters.scheme == Scheme::ImplicitMidpoint {
-            0.5
-        } else {
-            1.0
+        let fraction = match self.parameters.scheme {
+            Scheme::ImplicitMidpoint => 0.5,
+            Scheme::ImplicitEuler | Scheme::BackwardDifferences => 1.0,
         };
         let growth = if self.earlier_step > 0.0 {
             fraction * stage_step / self.earlier_step
@@ -175,7 +171,7 @@ impl Simulation {
 
     /// Writes the velocity at the end of a step and returns the local error of the positions, m:
     /// ½ h |v₁ − v₀| for implicit Euler; h/12 times the second difference of the velocity for the
-    /// midpoint rule.
+    /// midpoint rule; H/3 times that from the predicted velocity for backward differences, at free unknowns.
     fn velocity_after(&mut self, step: f64) -> f64 {
         let growth = if self.earlier_step > 0.0 {
             step / self.earlier_step
@@ -185,19 +181,35 @@ impl Simulation {
         let mut error = 0.0;
         for k in 0..self.trial.len() {
             let mean = (self.trial[k] - self.unknowns[k]) / step;
-            let (after, local) = if self.parameters.scheme == Scheme::ImplicitMidpoint {
-                // A prescribed motion has corners, across which reflection would ring.
-                let held = self.system.assembly.held[k];
-                let after = if held {
-                    mean
-                } else {
-                    2.0 * mean - self.velocity[k]
-                };
-                let earlier_change = growth * (self.velocity[k] - self.earlier_velocity[k]);
-                let second = after - self.velocity[k] - earlier_change;
-                (after, step / 12.0 * second)
-            } else {
-                (mean, 0.5 * step * (mean - self.velocity[k]))
+            let (after, local) = match self.parameters.scheme {
+                Scheme::ImplicitEuler => (mean, 0.5 * step * (mean - self.velocity[k])),
+                Scheme::ImplicitMidpoint => {
+                    // A prescribed motion has corners, across which reflection would ring.
+                    let held = self.system.assembly.held[k];
+                    let after = if held {
+                        mean
+                    } else {
+                        2.0 * mean - self.velocity[k]
+                    };
+                    let earlier_change = growth * (self.velocity[k] - self.earlier_velocity[k]);
+                    (
+                        after,
+                        step / 12.0 * (after - self.velocity[k] - earlier_change),
+                    )
+                }
+                Scheme::BackwardDifferences => {
+                    let after = (self.trial[k] - self.stage.start[k]) / self.stage.step;
+                    let surprise = after - self.predicted_velocity[k];
+                    let held = self.system.assembly.held[k];
+                    (
+                        after,
+                        if held {
+                            0.0
+                        } else {
+                            self.stage.step / 3.0 * surprise
+                        },
+                    )
+                }
             };
             self.next_velocity[k] = after;
             if k % STRIDE != 3 {

@@ -57,10 +57,8 @@ impl StepControl {
                 (self.goal_on_the_way(time, (done + 1.0) * step, step), step)
             }
             StepSize::Auto { maximum, .. } => {
-                // Equal steps up to the wanted time: after a tiny one, backward differences lose their order.
                 let step = self.proposal.min(maximum);
-                let parts = ((until - time) / step - SNAP).ceil().max(1.0);
-                (time + (until - time) / parts, step)
+                (time + step, step)
             }
         };
         if goal >= until - SNAP * step {
