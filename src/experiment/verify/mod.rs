@@ -13,6 +13,7 @@ mod determinism;
 mod drag;
 mod friction;
 mod helix;
+mod helix_manipulation;
 mod localized_buckling;
 mod rods;
 mod statics;
@@ -34,12 +35,13 @@ type Family = fn(full: bool) -> Result<Vec<Check>, FamilyError>;
 type FamilyError = Box<dyn Error + Send + Sync>;
 
 /// All families, in the order of the table.
-const FAMILIES: [(&str, Family); 12] = [
+const FAMILIES: [(&str, Family); 13] = [
     ("derivatives", derivatives::checks),
     ("statics", statics::checks),
     ("vibration", vibration::checks),
     ("buckling", buckling::checks),
     ("helix", helix::checks),
+    ("helix manipulation", helix_manipulation::checks),
     ("localised buckling", localized_buckling::checks),
     ("friction", friction::checks),
     ("contact", contact::checks),
