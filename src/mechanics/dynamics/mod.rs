@@ -5,6 +5,7 @@
 
 mod backward_difference;
 mod failure;
+mod history;
 mod newton;
 mod observe;
 mod parameters;

@@ -1,6 +1,7 @@
 //! A running simulation: owns the state and advances it step by step.
 
 use super::failure::Failure;
+use super::history::History;
 use super::newton::Newton;
 use super::parameters::{IntegrationParameters, Scheme, StepSize};
 use super::report::{SimulationError, StepReport};
@@ -30,12 +31,9 @@ pub struct Simulation {
     pub(super) parameters: IntegrationParameters,
     pub(super) time: f64,
     pub(super) unknowns: Vec<f64>,
-    /// Unknowns one step earlier: backward differences go through them.
-    pub(super) earlier_unknowns: Vec<f64>,
     pub(super) velocity: Vec<f64>,
-    /// Velocity one step earlier and the size of that step, s: the predictor extrapolates from them.
-    pub(super) earlier_velocity: Vec<f64>,
-    pub(super) earlier_step: f64,
+    /// What the predictor extrapolates from and backward differences go through.
+    pub(super) history: History,
     pub(super) control: StepControl,
     pub(super) stage: Stage,
     pub(super) newton: Newton,
@@ -91,12 +89,11 @@ impl Simulation {
             fluid,
             parameters: *parameters,
             time: 0.0,
-            earlier_unknowns: unknowns.clone(),
-            earlier_velocity: velocity.clone(),
-            earlier_step: 0.0,
+            history: History::begin(&unknowns, &velocity),
             control: StepControl::new(&parameters.step),
             stage: Stage {
                 step: 0.0,
+                acceleration_step: 0.0,
                 start: unknowns.clone(),
                 velocity: velocity.clone(),
                 drag: vec![Vector3::zeros(); wet],
@@ -214,8 +211,7 @@ impl Simulation {
             Ok(iterations) => {
                 self.unknowns.copy_from_slice(&self.trial);
                 self.velocity.fill(0.0);
-                self.earlier_velocity.fill(0.0);
-                self.earlier_unknowns.copy_from_slice(&self.unknowns);
+                self.history.forget();
                 self.publish();
                 let mut report = StepReport {
                     time: self.time,
@@ -248,8 +244,7 @@ impl Simulation {
             .ok_or_else(|| SimulationError::BadScene(NO_ENERGY.into()))?;
         self.unknowns.copy_from_slice(&self.trial);
         self.velocity.fill(0.0);
-        self.earlier_velocity.fill(0.0);
-        self.earlier_unknowns.copy_from_slice(&self.unknowns);
+        self.history.forget();
         self.publish();
         Ok(inertia.negative)
     }
@@ -287,7 +282,8 @@ impl Simulation {
         };
         let order = match self.parameters.scheme {
             Scheme::ImplicitEuler => 2,
-            Scheme::ImplicitMidpoint | Scheme::BackwardDifferences => 3,
+            Scheme::ImplicitMidpoint => 3,
+            Scheme::BackwardDifferences => 4,
         };
         if step <= self.parameters.minimum_step {
             return Verdict::Accepted;
@@ -309,11 +305,10 @@ impl Simulation {
                     self.stage.drag[node] - self.stage.resistance[node] * change;
             }
         }
-        self.earlier_step = goal - self.time;
+        self.history
+            .remember(goal - self.time, &self.unknowns, &self.velocity);
         self.time = goal;
-        std::mem::swap(&mut self.earlier_unknowns, &mut self.unknowns);
         self.unknowns.copy_from_slice(&self.trial);
-        std::mem::swap(&mut self.earlier_velocity, &mut self.velocity);
         self.velocity.copy_from_slice(&self.next_velocity);
         self.system.accept();
         self.publish();

@@ -42,6 +42,7 @@ impl Simulation {
             }
         };
         self.stage.step = stage_step;
+        self.stage.acceleration_step = stage_step;
         self.stage.start.copy_from_slice(&self.unknowns);
         self.stage.velocity.copy_from_slice(&self.velocity);
         self.stage.positions.copy_from_slice(&self.positions);
@@ -117,13 +118,14 @@ impl Simulation {
             Scheme::ImplicitMidpoint => 0.5,
             Scheme::ImplicitEuler | Scheme::BackwardDifferences => 1.0,
         };
-        let growth = if self.earlier_step > 0.0 {
-            fraction * stage_step / self.earlier_step
+        let earlier = &self.history.moments[0];
+        let growth = if earlier.step > 0.0 {
+            fraction * stage_step / earlier.step
         } else {
             0.0
         };
         for k in 0..self.trial.len() {
-            let change = self.velocity[k] - self.earlier_velocity[k];
+            let change = self.velocity[k] - earlier.velocity[k];
             self.trial[k] = self.unknowns[k] + stage_step * (self.velocity[k] + growth * change);
         }
     }
@@ -171,10 +173,11 @@ impl Simulation {
 
     /// Writes the velocity at the end of a step and returns the local error of the positions, m:
     /// ½ h |v₁ − v₀| for implicit Euler; h/12 times the second difference of the velocity for the
-    /// midpoint rule; H/3 times that from the predicted velocity for backward differences, at free unknowns.
+    /// midpoint rule; H/4 times that from the predicted velocity for backward differences, at free unknowns.
     fn velocity_after(&mut self, step: f64) -> f64 {
-        let growth = if self.earlier_step > 0.0 {
-            step / self.earlier_step
+        let earlier = &self.history.moments[0];
+        let growth = if earlier.step > 0.0 {
+            step / earlier.step
         } else {
             0.0
         };
@@ -191,7 +194,7 @@ impl Simulation {
                     } else {
                         2.0 * mean - self.velocity[k]
                     };
-                    let earlier_change = growth * (self.velocity[k] - self.earlier_velocity[k]);
+                    let earlier_change = growth * (self.velocity[k] - earlier.velocity[k]);
                     (
                         after,
                         step / 12.0 * (after - self.velocity[k] - earlier_change),
@@ -206,7 +209,7 @@ impl Simulation {
                         if held {
                             0.0
                         } else {
-                            self.stage.step / 3.0 * surprise
+                            self.stage.step / 4.0 * surprise
                         },
                     )
                 }

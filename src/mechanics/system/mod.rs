@@ -3,7 +3,7 @@
 //! [`System`] owns the models (elasticity, loads, contact) and scratch; it evaluates the residual
 //!
 //! ```text
-//! R(q) = M/h ((q − qₙ)/h − vₙ) + ∇E(q) + C (q − qₙ)/h − F_dead(t) − F_moment(q, t) − F_contact(q) − F_fluid
+//! R(q) = M/hₐ ((q − qₙ)/h − vₙ) + ∇E(q) + C (q − qₙ)/h − F_dead(t) − F_moment(q, t) − F_contact(q) − F_fluid
 //! F_fluid = F₀ − D ((q − qₙ)/h − v₀)
 //! ```
 //!
@@ -37,8 +37,10 @@ use crate::linalg::{Inertia, SingularMatrix};
 /// What an implicit stage of a time step knows.
 #[derive(Clone, Debug)]
 pub struct Stage {
-    /// Size h of the implicit stage, s.
+    /// Size h of the implicit stage, s: velocities are (q − qₙ)/h.
     pub step: f64,
+    /// Size hₐ of the same for velocities, s: accelerations are (v − vₙ)/hₐ. It is h but for backward differences.
+    pub acceleration_step: f64,
     /// Unknowns at its start.
     pub start: Vec<f64>,
     /// Velocities at its start.
@@ -399,12 +401,13 @@ fn start_of<'a>(stage: Option<&'a Stage>, now: &'a [Vector3]) -> (&'a [Vector3],
     }
 }
 
-/// Adds M/h ((q − qₙ)/h − vₙ) + C (q − qₙ)/h − F₀ + D ((q − qₙ)/h − v₀).
+/// Adds M/hₐ ((q − qₙ)/h − vₙ) + C (q − qₙ)/h − F₀ + D ((q − qₙ)/h − v₀).
 fn add_inertia(assembly: &Assembly, stage: &Stage, unknowns: &[f64], residual: &mut [f64]) {
     let per_step = 1.0 / stage.step;
+    let per_acceleration_step = 1.0 / stage.acceleration_step;
     for k in 0..residual.len() {
         let change = (unknowns[k] - stage.start[k]) * per_step - stage.velocity[k];
-        residual[k] += assembly.masses[k] * per_step * change;
+        residual[k] += assembly.masses[k] * per_acceleration_step * change;
     }
     for (k, coefficient) in assembly.loads.damping.iter().enumerate() {
         residual[k] += coefficient * (unknowns[k] - stage.start[k]) * per_step;
