@@ -26,7 +26,7 @@ pub enum Scheme {
     ImplicitEuler,
     /// Second order, conserves momentum and nearly energy.
     ImplicitMidpoint,
-    /// Second order, damps fast modes: backward differences over two steps (BDF2), drag of the predicted motion.
+    /// Third order but for inertia, damps fast modes: backward differences, drag of the predicted motion.
     BackwardDifferences,
 }
 

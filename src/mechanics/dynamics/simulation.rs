@@ -90,7 +90,12 @@ impl Simulation {
             parameters: *parameters,
             time: 0.0,
             history: History::begin(&unknowns, &velocity),
-            control: StepControl::new(&parameters.step),
+            control: match parameters.scheme {
+                Scheme::BackwardDifferences => StepControl::beginning_small(&parameters.step),
+                Scheme::ImplicitEuler | Scheme::ImplicitMidpoint => {
+                    StepControl::new(&parameters.step)
+                }
+            },
             stage: Stage {
                 step: 0.0,
                 acceleration_step: 0.0,

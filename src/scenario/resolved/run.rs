@@ -31,7 +31,7 @@ pub enum Scheme {
     ImplicitEuler,
     /// Second order, conserves momentum and nearly energy.
     ImplicitMidpoint,
-    /// Second order, damps fast modes; drag of other nodes' motion to second order too.
+    /// Third order but for inertia, damps fast modes; drag of other nodes' motion to third order too.
     BackwardDifferences,
 }
 
