@@ -415,6 +415,7 @@ fn integration_parameters(scenario: &Scenario) -> IntegrationParameters {
             match scheme {
                 Scheme::ImplicitEuler => dynamics::Scheme::ImplicitEuler,
                 Scheme::ImplicitMidpoint => dynamics::Scheme::ImplicitMidpoint,
+                Scheme::BackwardDifferences => dynamics::Scheme::BackwardDifferences,
             },
             match step {
                 Step::Fixed(step) => StepSize::Fixed(step),
