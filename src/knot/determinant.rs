@@ -4,12 +4,10 @@
 //! 2 over − before − after = 0 of Fox's colourings. The determinant is any cofactor of that matrix. It is
 //! computed modulo the prime 2⁶¹ − 1, exactly while it is smaller than half of that.
 
+use super::closure::{closed_far_away, joined_far_away};
 use crate::mechanics::Vector3;
 
 const PRIME: i128 = (1 << 61) - 1;
-/// How far outside the curve its ends are joined, in multiples of its extent.
-const FAR: f64 = 20.0;
-
 /// A passage of one segment over another in the projection.
 struct Crossing {
     /// Number of the segment above and the part of it that is passed.
@@ -24,8 +22,18 @@ struct Crossing {
 /// curve's extent: for a rod pulled at both ends this is the knot that people mean. `None` if two segments cross
 /// in space, or if no direction of projection was found in which all crossings are clear.
 pub fn determinant(nodes: &[Vector3]) -> Option<u64> {
-    let (first, last) = (nodes.first()?, nodes.last()?);
-    let closed = closed_far_away(nodes, first, last);
+    determinant_of_closed(&closed_far_away(nodes)?)
+}
+
+/// Determinant of the knot that arises when two rods are made one closed curve: far away their starts are joined to
+/// each other, and their ends. All four are pulled along `axis`, a unit vector, two to each side. `None` as for
+/// [`determinant`].
+pub fn determinant_of_pair(rods: [&[Vector3]; 2], axis: &Vector3) -> Option<u64> {
+    determinant_of_closed(&joined_far_away(rods, axis)?)
+}
+
+/// Determinant of a closed polygon, whose last node is joined to the first. `None` as for [`determinant`].
+pub fn determinant_of_closed(nodes: &[Vector3]) -> Option<u64> {
     // Directions without symmetry; a degenerate projection is the exception, and then the next one serves.
     let directions = [
         Vector3::new(0.123, 0.218, 0.968),
@@ -34,28 +42,9 @@ pub fn determinant(nodes: &[Vector3]) -> Option<u64> {
         Vector3::new(0.407, 0.352, -0.843),
     ];
     directions.iter().find_map(|direction| {
-        let crossings = crossings(&closed, &direction.normalize())?;
+        let crossings = crossings(nodes, &direction.normalize())?;
         Some(cofactor(&crossings))
     })
-}
-
-fn closed_far_away(nodes: &[Vector3], first: &Vector3, last: &Vector3) -> Vec<Vector3> {
-    let extent = nodes
-        .iter()
-        .map(|node| (node - first).norm())
-        .fold(0.0, f64::max);
-    let along = (last - first)
-        .try_normalize(1e-9 * extent)
-        .unwrap_or_else(Vector3::x);
-    let aside = along.cross(&Vector3::new(0.267, 0.535, 0.802));
-    let aside = aside.try_normalize(1e-3).unwrap_or_else(Vector3::y);
-    let out = FAR * extent;
-    let mut closed = nodes.to_vec();
-    closed.push(last + along * out);
-    closed.push(last + along * out + aside * out);
-    closed.push(first - along * out + aside * out);
-    closed.push(first - along * out);
-    closed
 }
 
 /// All crossings of a closed polygon seen along `direction`; `None` if one is not clear.
