@@ -31,7 +31,8 @@ mod traction;
 mod two_throws;
 
 pub use circle::{FittedCircle, fit_circle};
-pub use determinant::{determinant, determinant_of_closed, determinant_of_pair};
+pub use closure::closed_far_away;
+pub use determinant::{determinant, determinant_of_closed, determinant_of_pair, fewest_crossings};
 pub use figure_eight::{FIGURE_EIGHT_DETERMINANT, figure_eight_nodes};
 pub use fisherman::{FISHERMAN_DETERMINANT, fisherman_nodes};
 pub use inversion::{InversionPoint, LoopWatch, TightenedKnot, inversion_point};
