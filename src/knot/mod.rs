@@ -13,6 +13,8 @@
 //! | `circle` | the circle that fits points in space best |
 //! | `loop_elastica` | the planar elastica that leaves and enters a braid tangentially |
 //! | `traction` | traction laws of Audoly et al. 2007 and Jawed et al. 2015 |
+//! | `helical_braid` | bending energy of a braid of two helical strands |
+//! | `simplified_knot` | braid and loop together: where the loop must turn over |
 //! | `elliptic` | complete elliptic integrals |
 
 mod circle;
@@ -21,11 +23,13 @@ mod determinant;
 mod elliptic;
 mod figure_eight;
 mod fisherman;
+mod helical_braid;
 mod inversion;
 mod loop_elastica;
 mod overhand;
 mod polyline;
 mod silhouette;
+mod simplified_knot;
 mod size;
 mod traction;
 mod two_throws;
@@ -35,10 +39,12 @@ pub use closure::closed_far_away;
 pub use determinant::{determinant, determinant_of_closed, determinant_of_pair, fewest_crossings};
 pub use figure_eight::{FIGURE_EIGHT_DETERMINANT, figure_eight_nodes};
 pub use fisherman::{FISHERMAN_DETERMINANT, fisherman_nodes};
+pub use helical_braid::HelicalBraid;
 pub use inversion::{InversionPoint, LoopWatch, TightenedKnot, inversion_point};
 pub use loop_elastica::LoopElastica;
 pub use overhand::{Overhand, overhand_nodes};
 pub use silhouette::{Silhouette, silhouette};
+pub use simplified_knot::{Equilibrium, Fold, RotatedKnot, SimplifiedKnot};
 pub use size::KnotSize;
 pub use traction::{
     TREFOIL_FRICTION, audoly_traction, braid_and_loop, jawed_shortening, jawed_traction,
