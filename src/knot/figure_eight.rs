@@ -20,8 +20,8 @@ const POINTS: usize = 2000;
 /// being the distance of the ends.
 ///
 /// Between its tails it is the curve a T₅(t), a T₃(t), c T₇(t) of Chebyshev polynomials, −1 ≤ t ≤ 1 (the harmonic knot
-/// H(3, 5, 7) of Koseleff and Pecker), which has four crossings, above and below in
-/// turn. Like the knot, which is its own mirror image, it is symmetric about a point.
+/// H(3, 5, 7) of Koseleff and Pecker), which has four crossings, above and below in turn. Like the knot, which is its
+/// own mirror image, it is symmetric about a point.
 ///
 /// # Errors
 /// A sentence where loops and tails do not fit between the ends.
