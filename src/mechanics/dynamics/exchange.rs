@@ -1,8 +1,8 @@
-//! What the last step took in and gave off: with the energies, its balance.
+//! What a step takes in and gives off: with the energies, its balance.
 //!
-//! With the displacement Δq of the step, the forces being those of its implicit stage,
+//! With the displacement Δq of the step and the forces and velocities v of its implicit stage,
 //!
-//! W = Σ r·Δq over all held unknowns, D_friction = −Σ f_t·Δx over all contacts, D_drag = Σ c Δq²/Δt,
+//! W = Σ r·Δq over all held unknowns, D_friction = −Σ f_t·Δx over all contacts, D_drag = Σ c v Δq,
 //!
 //! where r is the reaction, f_t the part of the contact force across the normal, and c the coefficient of drag.
 //! W = ΔE + D_friction + D_drag but for what the scheme itself damps: implicit Euler takes ½ M (Δv)² and the like, which
@@ -15,24 +15,24 @@ use crate::mechanics::Vector3;
 use crate::mechanics::rod::{STRIDE, topology::position};
 
 impl Simulation {
-    /// What the step that was accepted last exchanged.
-    pub(super) fn exchange(&self) -> Exchange {
+    /// What the step of size `step` (s), of which `trial` is the end, exchanges when it is accepted.
+    pub(super) fn exchange(&self, step: f64) -> Exchange {
         Exchange {
             clamp_work: self.clamp_work(),
             friction_loss: self.friction_loss(),
-            drag_loss: self.drag_loss(),
+            drag_loss: self.drag_loss(step),
         }
     }
 
     fn displacement(&self, node: usize) -> Vector3 {
-        position(&self.unknowns, node) - position(&self.stage.start, node)
+        position(&self.trial, node) - position(&self.unknowns, node)
     }
 
     fn clamp_work(&self) -> f64 {
         let assembly = &self.system.assembly;
         (0..self.unknowns.len())
             .filter(|&k| assembly.held[k] && !assembly.obstacle[k / STRIDE])
-            .map(|k| self.system.residual[k] * (self.unknowns[k] - self.stage.start[k]))
+            .map(|k| self.system.residual[k] * (self.trial[k] - self.unknowns[k]))
             .sum()
     }
 
@@ -58,15 +58,17 @@ impl Simulation {
         sum
     }
 
-    fn drag_loss(&self) -> f64 {
-        let step = match self.parameters.scheme {
-            Scheme::ImplicitEuler => self.stage.step,
-            Scheme::ImplicitMidpoint => 2.0 * self.stage.step,
-        };
+    fn drag_loss(&self, step: f64) -> f64 {
         let damping = self.system.assembly.loads.damping.iter().enumerate();
         damping
             .map(|(k, coefficient)| {
-                coefficient * (self.unknowns[k] - self.stage.start[k]).powi(2) / step
+                let moved = self.trial[k] - self.unknowns[k];
+                let velocity = match self.parameters.scheme {
+                    // The next velocity is that of the end.
+                    Scheme::ImplicitMidpoint => moved / step,
+                    Scheme::ImplicitEuler | Scheme::BackwardDifferences => self.next_velocity[k],
+                };
+                coefficient * velocity * moved
             })
             .sum()
     }
