@@ -12,8 +12,9 @@ use crate::experiment::knot_observer::changed_knot;
 use crate::experiment::{KnotObserver, Mode, PreparedRun};
 use crate::mechanics::dynamics::SimulationError;
 use crate::results::{
-    CaseRecord, CaseStatus, CheckpointFiles, Frame, MANIFEST, Manifest, Recorder, ResultsDirectory,
-    ResultsError, StreamLengths, Usage, UsageMeter, read_knot_series, scenario_hash, sync,
+    CaseRecord, CaseStatus, CheckpointFiles, Frame, KnotRow, MANIFEST, Manifest, Recorder,
+    ResultsDirectory, ResultsError, StreamLengths, Usage, UsageMeter, read_knot_series,
+    scenario_hash, sync,
 };
 use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
@@ -200,7 +201,13 @@ impl Session {
             self.standing.outputs += 1;
             return Ok(());
         };
-        let knot = simulation.measure(&observer);
+        let exchange = self.standing.tally.exchange;
+        let knot = KnotRow {
+            work_of_ends_j: exchange.clamp_work,
+            friction_loss_j: exchange.friction_loss,
+            drag_loss_j: exchange.drag_loss,
+            ..simulation.measure(&observer)
+        };
         self.recorder
             .record(self.standing.outputs, &(row, knot), &frame)?;
         self.standing.outputs += 1;
@@ -279,7 +286,14 @@ impl Session {
                 }),
             case: self.standing.tally.outcome,
             wall_time: self.usage().wall_time,
-            remarks: Vec::new(),
+            remarks: self
+                .standing
+                .tally
+                .outcome
+                .knot
+                .and_then(|knot| knot.remark())
+                .into_iter()
+                .collect(),
         })
     }
 

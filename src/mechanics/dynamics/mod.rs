@@ -4,6 +4,7 @@
 //! an implicit stage solved by Newton's method, smaller steps where that fails, and acceptance.
 
 mod backward_difference;
+mod exchange;
 mod failure;
 mod history;
 mod newton;
@@ -15,7 +16,7 @@ mod stage;
 mod step_control;
 
 pub use parameters::{IntegrationParameters, Scheme, StepSize};
-pub use report::{Energies, SimulationError, SimulationState, StepReport};
+pub use report::{Energies, Exchange, SimulationError, SimulationState, StepReport};
 pub use simulation::Simulation;
 
 #[cfg(test)]
