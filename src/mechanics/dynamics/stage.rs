@@ -3,7 +3,7 @@
 use super::Simulation;
 use super::failure::Failure;
 use super::newton::Stopping;
-use super::parameters::Scheme;
+use super::parameters::{Scheme, StepSize};
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::system::{Divergence, describe_overlap};
 
@@ -35,15 +35,20 @@ impl Simulation {
         self.stage.start.copy_from_slice(&self.unknowns);
         self.stage.velocity.copy_from_slice(&self.velocity);
         self.stage.positions.copy_from_slice(&self.positions);
-        self.predict(stage_step);
-        self.system.drive(stage_time, &mut self.trial);
-        self.shorten_predictor()?;
+        let time_of_forces = self.time_of_forces();
+        self.predict(stage_step, stage_time, time_of_forces)?;
         self.system
             .adapt_contact_stiffness(&self.trial, &self.stage);
+        if time_of_forces != self.earlier_step {
+            self.predict(stage_step, stage_time, self.earlier_step)?;
+        }
+        let relative_tolerance = self.parameters.force_tolerance;
         let stopping = Stopping {
-            force: self
-                .system
-                .force_tolerance(self.parameters.force_tolerance, &self.unknowns),
+            force: self.system.force_tolerance(
+                relative_tolerance,
+                &self.unknowns,
+                Some(stage_step),
+            ),
             displacement: self.parameters.displacement_tolerance * self.radius,
             iterations: self.parameters.maximum_iterations,
             gives_up: self.system.rubs() && step > PATIENT_PART * self.parameters.step.largest(),
@@ -95,14 +100,33 @@ impl Simulation {
         })
     }
 
-    /// Extrapolates positions and angles to the implicit stage with the acceleration of the last step.
-    fn predict(&mut self, stage_step: f64) {
+    /// Time over which the last change of velocity counts as acceleration where the contact stiffness is chosen, s:
+    /// the last step, but where rods rub no less than a step of the grid.
+    ///
+    /// When rods stick or slip velocities jump within one step, however small it is. Inertia, which is among the forces
+    /// that set the stiffness (Eq. 2.19), would grow as 1/h, contact get harder, and the next event need a
+    /// smaller step still, down to the smallest.
+    fn time_of_forces(&self) -> f64 {
+        let size = &self.parameters.step;
+        match *size {
+            StepSize::Fixed(whole)
+                if self.system.rubs() && self.control.size(size, self.earlier_step) < whole =>
+            {
+                whole
+            }
+            _ => self.earlier_step,
+        }
+    }
+
+    /// Extrapolates positions and angles to the implicit stage with the last change of velocity, taken to have
+    /// lasted `duration` (s), as far as no contact is crossed that must not be.
+    fn predict(&mut self, stage_step: f64, stage_time: f64, duration: f64) -> Result<(), Failure> {
         let fraction = match self.parameters.scheme {
             Scheme::ImplicitEuler => 1.0,
             Scheme::ImplicitMidpoint => 0.5,
         };
-        let growth = if self.earlier_step > 0.0 {
-            fraction * stage_step / self.earlier_step
+        let growth = if duration > 0.0 {
+            fraction * stage_step / duration
         } else {
             0.0
         };
@@ -110,6 +134,8 @@ impl Simulation {
             let change = self.velocity[k] - self.earlier_velocity[k];
             self.trial[k] = self.unknowns[k] + stage_step * (self.velocity[k] + growth * change);
         }
+        self.system.drive(stage_time, &mut self.trial);
+        self.shorten_predictor()
     }
 
     /// Finds the contact forces of complementarity at the trial; whether they move no node farther than
