@@ -5,13 +5,14 @@ use super::closest_points::{ClosestPoints, edge_distance};
 use super::constraints::ContactConstraint;
 use super::contacts::{ActiveContact, CandidatePair, EdgeJacobian, PlaneContact, PlaneJacobian};
 use super::edge_contact::{Sliding, edge_force, edge_jacobian};
-use super::friction::FrictionLaw;
-use super::multipliers::Multipliers;
-use super::normal_law::{NormalLaw, NormalResponse};
+use super::friction::{FrictionLaw, slip};
+use super::multipliers::{LinearLaw, Multipliers};
+use super::normal_law::NormalLaw;
 use super::parameters::ContactParameters;
 use super::plane_contact::{NodeSliding, plane_force, plane_jacobian};
 use super::stiffness::adapted_stiffness;
 use super::surface::{ContactPlane, ContactSurface};
+use super::tractions::{LinearTraction, Tractions};
 use crate::mechanics::Vector3;
 
 /// Implicit contact with Coulomb friction (thesis 2.2–2.3) of all rods and planes of a scene, by the
@@ -34,6 +35,7 @@ pub struct ImplicitContact {
     pub(super) planes: Vec<ContactPlane>,
     pub(super) candidates: Candidates,
     multipliers: Multipliers,
+    carried_tractions: Tractions,
     stiffness: f64,
     least_stiffness: f64,
     /// How far every node has moved since the candidates were built, m; scratch.
@@ -41,6 +43,8 @@ pub struct ImplicitContact {
     /// Where a step has come to while it is searched for collisions, m; scratch.
     pub(super) place: Vec<Vector3>,
     pub(super) contacts: Vec<ActiveContact>,
+    /// Friction per normal force of the contacts.
+    tractions: Vec<Vector3>,
     jacobians: Vec<EdgeJacobian>,
     /// What to add to the forces to have those of the linear laws, and those of the multipliers, N.
     linear_corrections: Vec<[f64; 12]>,
@@ -91,6 +95,8 @@ impl ImplicitContact {
             planes,
             candidates,
             multipliers: Multipliers::default(),
+            carried_tractions: Tractions::default(),
+            tractions: Vec::new(),
             stiffness: least_stiffness,
             least_stiffness,
             motion: Vec::new(),
@@ -152,6 +158,7 @@ impl ImplicitContact {
     fn carry_multipliers_over(&mut self) {
         let (old, new) = (self.candidates.earlier_pairs(), self.candidates.pairs());
         self.multipliers.carry_over(old, new);
+        self.carried_tractions.carry_over(old, new);
     }
 
     /// Rebuilds the candidates for these positions in any case; without positions there are none.
@@ -184,6 +191,7 @@ impl ImplicitContact {
             return;
         }
         self.multipliers.begin(self.candidates.pairs().len());
+        self.carried_tractions.begin(self.candidates.pairs().len());
     }
 
     /// Whether the Jacobians are those of the carried normal forces.
@@ -201,14 +209,21 @@ impl ImplicitContact {
         let candidates = self.candidates.pairs().len();
         let reach = self.parameters.reach();
         self.multipliers.settle(candidates, &self.contacts, reach);
+        self.carried_tractions
+            .settle(candidates, &self.contacts, &self.tractions, reach);
     }
 
     pub(super) fn multipliers(&self) -> &Multipliers {
         &self.multipliers
     }
 
-    pub(super) fn restore_multipliers(&mut self, forces: &[f64]) {
+    pub(super) fn carried_tractions(&self) -> &Tractions {
+        &self.carried_tractions
+    }
+
+    pub(super) fn restore_multipliers(&mut self, forces: &[f64], tractions: Vec<Option<Vector3>>) {
         self.multipliers.restore(forces);
+        self.carried_tractions.restore(tractions);
     }
 
     /// Finds the active contacts at `positions` and evaluates energy, forces and Jacobians.
@@ -253,6 +268,7 @@ impl ImplicitContact {
 
     fn clear_results(&mut self) {
         self.contacts.clear();
+        self.tractions.clear();
         self.jacobians.clear();
         self.linear_corrections.clear();
         self.multiplier_corrections.clear();
@@ -287,7 +303,12 @@ impl ImplicitContact {
                 velocities: pair.nodes.map(|node| motion.velocity(node)),
                 time_step: motion.time_step,
             });
-            let force = edge_force(&closest, &response, sliding.as_ref());
+            let slip = sliding.map_or_else(Vector3::zeros, |sliding| {
+                let velocity = sliding.relative_velocity(&closest.weights());
+                slip(&closest.normal(), &velocity)
+            });
+            let traction = friction.map_or_else(Vector3::zeros, |law| law.traction_of_slip(&slip));
+            let force = edge_force(&closest, response.force, &traction);
             self.contacts.push(ActiveContact {
                 candidate,
                 nodes: pair.nodes,
@@ -296,6 +317,7 @@ impl ImplicitContact {
                 normal_force: response.force,
                 force,
             });
+            self.tractions.push(traction);
             if with_jacobians {
                 let linear = self.multipliers.linear_law(
                     candidate,
@@ -304,25 +326,34 @@ impl ImplicitContact {
                     |gap| law.response(gap),
                     |force| law.gap_of_force(force),
                 );
-                let tangent = linear.map_or(response, |linear| linear.tangent);
-                let jacobian = edge_jacobian(&nodes, &closest, &tangent, sliding.as_ref());
-                self.jacobians.push(jacobian);
-                let correction = |normal: f64| {
-                    let with = edge_force(
-                        &closest,
-                        &NormalResponse {
-                            force: normal,
-                            ..response
-                        },
-                        sliding.as_ref(),
-                    );
-                    std::array::from_fn(|k| with[k] - force[k])
+                let linear = linear.unwrap_or(LinearLaw {
+                    tangent: response,
+                    force: response.force,
+                });
+                let rubbing = match friction {
+                    Some(law) if self.multipliers.in_use() => {
+                        self.carried_tractions
+                            .linear_law(candidate, &law, &closest.normal(), &slip)
+                    }
+                    _ => LinearTraction {
+                        slip,
+                        value: traction,
+                        present: traction,
+                        carried: traction,
+                    },
                 };
-                let none = [0.0; 12];
-                self.linear_corrections
-                    .push(linear.map_or(none, |linear| correction(linear.force)));
+                let sliding = sliding.as_ref().map(|sliding| (sliding, rubbing.slip));
+                let jacobian = edge_jacobian(&nodes, &closest, &linear.tangent, sliding);
+                self.jacobians.push(jacobian);
+                let with = edge_force(&closest, linear.force, &rubbing.value);
+                let slid = edge_force(&closest, linear.tangent.force, &rubbing.present);
+                let base = edge_force(&closest, linear.tangent.force, &rubbing.value);
+                self.linear_corrections.push(std::array::from_fn(|k| {
+                    with[k] + (slid[k] - base[k]) - force[k]
+                }));
+                let carried = edge_force(&closest, linear.tangent.force, &rubbing.carried);
                 self.multiplier_corrections
-                    .push(linear.map_or(none, |linear| correction(linear.tangent.force)));
+                    .push(std::array::from_fn(|k| carried[k] - force[k]));
             }
             self.energy += response.energy;
             self.contact_count += usize::from(gap < tolerance);
