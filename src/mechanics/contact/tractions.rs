@@ -163,3 +163,113 @@ fn cut(vector: Vector3, length: f64) -> Vector3 {
         vector
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LAW: FrictionLaw = FrictionLaw {
+        coefficient: 0.8,
+        slip_tolerance: 1e-4,
+    };
+
+    fn pair(i: usize, j: usize) -> CandidatePair {
+        CandidatePair {
+            edges: [i, j],
+            nodes: [i, i + 1, j, j + 1],
+        }
+    }
+
+    fn starting_from(traction: Vector3) -> Tractions {
+        let mut tractions = Tractions::default();
+        tractions.restore(vec![Some(traction)]);
+        tractions.begin(1);
+        tractions
+    }
+
+    /// Iterations that find the slip u of a body with c (u − w) = t(u), from the slip and the traction of a step
+    /// before; c = m/(h N) in s/m, and w is the slip without friction.
+    fn iterations(inertia: f64, free_slip: Vector3, mut slip: Vector3, traction: Vector3) -> usize {
+        let mut tractions = starting_from(traction);
+        for iteration in 0..100 {
+            let residual = (slip - free_slip) * inertia - LAW.traction_of_slip(&slip);
+            if residual.norm() < 1e-6 {
+                return iteration;
+            }
+            let linear = tractions.linear_law(0, &LAW, &Vector3::z(), &slip);
+            let matrix = Matrix3::identity() * inertia - LAW.slope(&linear.slip);
+            let right_side = linear.present - (slip - free_slip) * inertia;
+            slip += matrix.try_inverse().unwrap() * right_side;
+        }
+        usize::MAX
+    }
+
+    #[test]
+    fn sliding_begins_turns_and_ends_within_few_iterations() {
+        let sliding = |direction: Vector3| (direction * 0.1, direction * -LAW.coefficient);
+        let sticking = |part: f64| {
+            let traction = Vector3::x() * (-part * LAW.coefficient);
+            (LAW.slip_of_traction(&traction), traction)
+        };
+        let before = [
+            sliding(Vector3::x()),
+            sliding(-Vector3::x()),
+            sliding(Vector3::new(0.6, 0.8, 0.0)),
+            sticking(0.0),
+            sticking(0.5),
+            sticking(0.9),
+        ];
+        let mut most = 0;
+        for inertia in [1.0, 10.0, 1e2, 1e3, 1e4] {
+            for (slip, traction) in before {
+                // Without friction the body would pass with so much of the force that friction can bear.
+                for part in [0.3, 0.9, 1.1, 2.0, 30.0] {
+                    let free_slip = Vector3::x() * (part * LAW.coefficient / inertia);
+                    let count = iterations(inertia, free_slip, slip, traction);
+                    most = most.max(count);
+                }
+            }
+        }
+        assert!(most <= 10, "{most}");
+    }
+
+    #[test]
+    fn a_sticking_law_touches_the_friction_law_at_its_traction() {
+        let traction = Vector3::new(0.3, -0.4, 0.0);
+        let mut tractions = starting_from(traction);
+        // Far from the slip of the traction, and opposed by it.
+        let slip = Vector3::new(-2e-3, 1e-3, 0.0);
+        let linear = tractions.linear_law(0, &LAW, &Vector3::z(), &slip);
+        assert!((linear.value - traction).norm() < 1e-14);
+        assert!((LAW.traction_of_slip(&linear.slip) - traction).norm() < 1e-14);
+        let slope = LAW.slope(&linear.slip);
+        let expected = traction + slope * (slip - linear.slip);
+        assert!((linear.present - expected).norm() < 1e-12 * expected.norm());
+        // The next iteration has the value of the linear law, within the cone of Coulomb.
+        let next = tractions.linear_law(0, &LAW, &Vector3::z(), &slip);
+        assert!((next.carried - cut(expected, LAW.coefficient)).norm() < 1e-14);
+    }
+
+    #[test]
+    fn surfaces_that_slide_and_new_pairs_have_the_law_at_their_slip() {
+        let slip = Vector3::new(3e-4, 0.0, 0.0);
+        let mut sliding = starting_from(Vector3::x() * -LAW.coefficient);
+        let mut unknown = Tractions::default();
+        unknown.begin(1);
+        for tractions in [&mut sliding, &mut unknown] {
+            let linear = tractions.linear_law(0, &LAW, &Vector3::z(), &slip);
+            assert_eq!(linear.slip, slip);
+            assert_eq!(linear.present, LAW.traction_of_slip(&slip));
+        }
+    }
+
+    #[test]
+    fn tractions_follow_their_pairs_to_a_new_list() {
+        let [first, second] = [Vector3::x(), Vector3::y()].map(Some);
+        let mut tractions = Tractions::default();
+        tractions.restore(vec![first, None, second]);
+        let old = [pair(0, 4), pair(1, 4), pair(2, 7)];
+        tractions.carry_over(&old, &[pair(0, 3), pair(0, 4), pair(1, 4), pair(2, 7)]);
+        assert_eq!(tractions.settled(), [None, first, None, second]);
+    }
+}
