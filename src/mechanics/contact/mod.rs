@@ -16,7 +16,7 @@
 //! | `edge_contact`, `plane_contact` | force and Jacobian of one contact |
 //! | `multipliers`, `tractions` | normal forces and friction that Newton's method carries along |
 //! | `stiffness` | the adaptive contact stiffness (Eqs. 2.18, 2.19) |
-//! | `implicit_contact`, `contacts` | all contacts of a scene |
+//! | `implicit_contact`, `evaluation`, `contacts` | all contacts of a scene |
 //! | `proximity` | least distance, penetration, overlaps of a new scene |
 //! | `touching` | where surfaces touch, for pictures |
 //! | `memory` | what a restart needs |
@@ -31,6 +31,7 @@ mod continuous_collision;
 mod coulomb_problem;
 mod distance;
 mod edge_contact;
+mod evaluation;
 mod friction;
 mod implicit_contact;
 mod memory;

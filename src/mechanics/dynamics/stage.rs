@@ -13,8 +13,8 @@ const CONTACT_PASSES: usize = 30;
 /// Part of the free way that a shortened predictor goes: less than all, so that it is free in spite of rounding.
 const PREDICTED_PART: f64 = 0.9;
 
-/// Part of the largest step from which down Newton's method gets all its iterations. Without this a step could be
-/// halved until M/h² drowns the residual in rounding error, where no iteration converges.
+/// Part of the largest step from which down Newton's method gets all its iterations and line searches. Without this a
+/// step could be halved until it is smaller than the smallest.
 const PATIENT_PART: f64 = 1.0 / 64.0;
 
 /// What one attempt at a step found.
