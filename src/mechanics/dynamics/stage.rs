@@ -4,6 +4,7 @@ use super::Simulation;
 use super::failure::Failure;
 use super::newton::Stopping;
 use super::parameters::{Scheme, StepSize};
+use super::report::SimulationError;
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::system::{Divergence, describe_overlap};
 
@@ -24,30 +25,43 @@ pub(super) struct Attempt {
 }
 
 impl Simulation {
-    /// Solves the implicit stage of a step to `goal`; leaves its solution in `trial`.
-    pub(super) fn attempt(&mut self, goal: f64) -> Result<Attempt, Failure> {
+    /// Sets up the implicit stage of a step to `goal`, with the predictor in `trial`; returns the Krylov iterations
+    /// of the drag where the scheme wants that of the predicted motion.
+    ///
+    /// # Errors
+    /// [`SimulationError::Unphysical`] where the fluid has no answer.
+    pub(super) fn prepare_stage(&mut self, goal: f64) -> Result<usize, SimulationError> {
         let step = goal - self.time;
         let (stage_step, stage_time) = match self.parameters.scheme {
             Scheme::ImplicitEuler => (step, goal),
             Scheme::ImplicitMidpoint => (0.5 * step, self.time + 0.5 * step),
+            Scheme::BackwardDifferences => {
+                self.begin_backward_difference(step);
+                self.system.drive(goal, &mut self.trial);
+                return self.compute_predicted_drag();
+            }
         };
         self.stage.step = stage_step;
+        self.stage.acceleration_step = stage_step;
         self.stage.start.copy_from_slice(&self.unknowns);
         self.stage.velocity.copy_from_slice(&self.velocity);
         self.stage.positions.copy_from_slice(&self.positions);
-        let time_of_forces = self.time_of_forces();
-        self.predict(stage_step, stage_time, time_of_forces)?;
-        self.system
-            .adapt_contact_stiffness(&self.trial, &self.stage);
-        if time_of_forces != self.earlier_step {
-            self.predict(stage_step, stage_time, self.earlier_step)?;
-        }
+        self.predict(stage_step);
+        self.system.drive(stage_time, &mut self.trial);
+        Ok(0)
+    }
+
+    /// Solves the implicit stage of a step to `goal` from its predictor; leaves its solution in `trial`.
+    pub(super) fn attempt(&mut self, goal: f64) -> Result<Attempt, Failure> {
+        let step = goal - self.time;
+        self.shorten_predictor()?;
+        self.adapt_contact_stiffness();
         let relative_tolerance = self.parameters.force_tolerance;
         let stopping = Stopping {
             force: self.system.force_tolerance(
                 relative_tolerance,
                 &self.unknowns,
-                Some(stage_step),
+                Some(&self.stage),
             ),
             displacement: self.parameters.displacement_tolerance * self.radius,
             iterations: self.parameters.maximum_iterations,
@@ -100,42 +114,41 @@ impl Simulation {
         })
     }
 
-    /// Time over which the last change of velocity counts as acceleration where the contact stiffness is chosen, s:
-    /// the last step, but where rods rub no less than a step of the grid.
+    /// Adapts the contact stiffness to the forces at the predictor, and where rods rub to an inertia that takes the last
+    /// change of velocity to have lasted a whole step of the grid.
     ///
     /// When rods stick or slip velocities jump within one step, however small it is. Inertia, which is among the forces
     /// that set the stiffness (Eq. 2.19), would grow as 1/h, contact get harder, and the next event need a
     /// smaller step still, down to the smallest.
-    fn time_of_forces(&self) -> f64 {
-        let size = &self.parameters.step;
-        match *size {
-            StepSize::Fixed(whole)
-                if self.system.rubs() && self.control.size(size, self.earlier_step) < whole =>
-            {
-                whole
-            }
-            _ => self.earlier_step,
-        }
+    fn adapt_contact_stiffness(&mut self) {
+        let last = self.history.moments[0].step;
+        let lengthening = match self.parameters.step {
+            StepSize::Fixed(whole) if self.system.rubs() && last > 0.0 => (whole / last).max(1.0),
+            _ => 1.0,
+        };
+        let acceleration_step = self.stage.acceleration_step;
+        self.stage.acceleration_step *= lengthening;
+        self.system
+            .adapt_contact_stiffness(&self.trial, &self.stage);
+        self.stage.acceleration_step = acceleration_step;
     }
 
-    /// Extrapolates positions and angles to the implicit stage with the last change of velocity, taken to have
-    /// lasted `duration` (s), as far as no contact is crossed that must not be.
-    fn predict(&mut self, stage_step: f64, stage_time: f64, duration: f64) -> Result<(), Failure> {
+    /// Extrapolates positions and angles to the implicit stage with the acceleration of the last step.
+    fn predict(&mut self, stage_step: f64) {
         let fraction = match self.parameters.scheme {
-            Scheme::ImplicitEuler => 1.0,
             Scheme::ImplicitMidpoint => 0.5,
+            Scheme::ImplicitEuler | Scheme::BackwardDifferences => 1.0,
         };
-        let growth = if duration > 0.0 {
-            fraction * stage_step / duration
+        let earlier = &self.history.moments[0];
+        let growth = if earlier.step > 0.0 {
+            fraction * stage_step / earlier.step
         } else {
             0.0
         };
         for k in 0..self.trial.len() {
-            let change = self.velocity[k] - self.earlier_velocity[k];
+            let change = self.velocity[k] - earlier.velocity[k];
             self.trial[k] = self.unknowns[k] + stage_step * (self.velocity[k] + growth * change);
         }
-        self.system.drive(stage_time, &mut self.trial);
-        self.shorten_predictor()
     }
 
     /// Finds the contact forces of complementarity at the trial; whether they move no node farther than
@@ -181,10 +194,11 @@ impl Simulation {
 
     /// Writes the velocity at the end of a step and returns the local error of the positions, m:
     /// ½ h |v₁ − v₀| for implicit Euler; h/12 times the second difference of the velocity for the
-    /// midpoint rule.
+    /// midpoint rule; H/4 times that from the predicted velocity for backward differences, at free unknowns.
     fn velocity_after(&mut self, step: f64) -> f64 {
-        let growth = if self.earlier_step > 0.0 {
-            step / self.earlier_step
+        let earlier = &self.history.moments[0];
+        let growth = if earlier.step > 0.0 {
+            step / earlier.step
         } else {
             0.0
         };
@@ -201,10 +215,23 @@ impl Simulation {
                     } else {
                         2.0 * mean - self.velocity[k]
                     };
-                    let earlier_change = growth * (self.velocity[k] - self.earlier_velocity[k]);
+                    let earlier_change = growth * (self.velocity[k] - earlier.velocity[k]);
                     (
                         after,
                         step / 12.0 * (after - self.velocity[k] - earlier_change),
+                    )
+                }
+                Scheme::BackwardDifferences => {
+                    let after = (self.trial[k] - self.stage.start[k]) / self.stage.step;
+                    let surprise = after - self.predicted_velocity[k];
+                    let held = self.system.assembly.held[k];
+                    (
+                        after,
+                        if held {
+                            0.0
+                        } else {
+                            self.stage.step / 4.0 * surprise
+                        },
                     )
                 }
             };

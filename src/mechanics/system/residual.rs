@@ -76,8 +76,8 @@ impl System {
 
     /// Tolerance for the residual: `relative` times the largest of EI/L², the loads and the contact forces
     /// of the last step, but no less than what rounding of the unknowns leaves in elastic forces and, in a time
-    /// step of size `step` (s), in inertia, N.
-    pub fn force_tolerance(&self, relative: f64, unknowns: &[f64], step: Option<f64>) -> f64 {
+    /// step, in inertia, N.
+    pub fn force_tolerance(&self, relative: f64, unknowns: &[f64], stage: Option<&Stage>) -> f64 {
         let largest_load = self
             .dead_forces
             .iter()
@@ -93,15 +93,15 @@ impl System {
             .max(largest_contact);
         let positions = unknowns.iter().enumerate().filter(|(k, _)| k % STRIDE != 3);
         let farthest = positions.fold(0.0_f64, |farthest, (_, x)| farthest.max(x.abs()));
-        let inertia = step.map_or(0.0, |step| self.inertia_rounding(unknowns, step));
+        let inertia = stage.map_or(0.0, |stage| self.inertia_rounding(unknowns, stage));
         (relative * scale)
             .max(ROUNDINGS * self.assembly.rounding_stiffness * farthest)
             .max(ROUNDINGS * inertia)
     }
 
-    /// Change of the inertial force M q/h² with the last digit of an unknown q, the largest of all that are free, N
+    /// Change of the inertial force M q/(h hₐ) with the last digit of an unknown q, the largest of all that are free, N
     /// (moments divided by the shortest edge).
-    fn inertia_rounding(&self, unknowns: &[f64], step: f64) -> f64 {
+    fn inertia_rounding(&self, unknowns: &[f64], stage: &Stage) -> f64 {
         let per_length = 1.0 / self.assembly.shortest_edge;
         let weights = [1.0, 1.0, 1.0, per_length];
         let mut largest = 0.0_f64;
@@ -110,6 +110,6 @@ impl System {
                 largest = largest.max(weights[k % STRIDE] * mass * value.abs());
             }
         }
-        largest * f64::EPSILON / (step * step)
+        largest * f64::EPSILON / (stage.step * stage.acceleration_step)
     }
 }

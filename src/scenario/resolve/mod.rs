@@ -3,6 +3,7 @@
 mod columns;
 mod helix_stability;
 mod knot;
+mod knot_start;
 mod load;
 mod model;
 mod polyline;
@@ -14,7 +15,9 @@ mod shape;
 pub use polyline::read as read_polyline;
 
 use super::issue::{Issues, KeyPath};
-use super::resolved::{BuilderRod, Contact, Experiment, Fluid, Knot, Material, Scenario, Time};
+use super::resolved::{
+    BuilderRod, Contact, Experiment, Fluid, Knot, KnotKind, Material, Scenario, Time,
+};
 use super::typed::{self, ScenarioFile};
 use section::Section;
 use std::cell::RefCell;
@@ -166,7 +169,7 @@ fn experiment(
             model::flagella(top, material, rod, flagella)
         }
         typed::Experiment::KnotTightening => {
-            let (material, rod, knot) = knotted_rod(top, file, time)?;
+            let (material, rod, knot) = knotted_rod(context, top, file, time)?;
             Some(Experiment::KnotTightening {
                 material,
                 rod,
@@ -174,7 +177,11 @@ fn experiment(
             })
         }
         typed::Experiment::KnotInversion => {
-            let (material, rod, knot) = knotted_rod(top, file, time)?;
+            let (material, rod, knot) = knotted_rod(context, top, file, time)?;
+            if !matches!(knot.start.kind(), Some(KnotKind::Overhand { .. })) {
+                let message = "other knots do not invert; allowed: \"overhand\"";
+                top.below("knot").fault("kind", message);
+            }
             Some(Experiment::KnotInversion {
                 material,
                 rod,
@@ -204,6 +211,7 @@ fn experiment(
 
 /// The knotted rod of an experiment with knots; `None` if a fault was reported.
 fn knotted_rod(
+    context: &Context<'_>,
     top: &Section<'_>,
     file: &ScenarioFile,
     time: &Time,
@@ -211,7 +219,7 @@ fn knotted_rod(
     let built = built_rod(top, file);
     let knot = top.needed("knot", file.knot.as_ref(), "a table [knot]");
     let ((rod, material), knot) = (built?, knot?);
-    knot::knot(top, material, rod, knot, time)
+    knot::knot(context, top, material, rod, knot, time)
 }
 
 /// Rod and material of a builder; `None` if one is missing, which is reported.

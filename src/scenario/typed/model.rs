@@ -115,8 +115,8 @@ pub enum FluidModel {
 pub struct Time {
     /// "dynamic" (the default) or "static" (equilibrium by Newton's method without inertia).
     pub mode: Option<Mode>,
-    /// "implicit-euler" (the default: first order, damps fast modes) or "implicit-midpoint" (second order,
-    /// nearly conserves energy).
+    /// "implicit-euler" (the default: first order, damps fast modes), "implicit-midpoint" (second order, nearly
+    /// conserves energy) or "backward-differences" (third order where drag rules, damps fast modes: for rods in fluids).
     pub scheme: Option<Scheme>,
     /// Time step, or "auto" to choose it by the local error. Default: 1e-3 s.
     pub step: Option<Quantity<units::Time>>,
