@@ -101,6 +101,11 @@ impl ClosestPoints {
     pub fn distance(&self) -> f64 {
         self.separation.norm()
     }
+
+    /// Unit normal from the second edge to the first.
+    pub fn normal(&self) -> Vector3 {
+        self.separation / self.distance()
+    }
 }
 
 /// Centreline distance Δ of two edges, m.

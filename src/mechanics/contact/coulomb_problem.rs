@@ -46,6 +46,26 @@ pub(crate) struct CoulombProblem {
     weights: DVector<f64>,
 }
 
+/// Which branch of Φ a contact is on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Branch {
+    /// No force.
+    Open,
+    /// Without gap and slip; without friction also where it slides.
+    Sticking,
+    /// Without gap, and λ_t the projection of `towards` = λ_t − ρ_t w_t, N, on the disk, by the factor `ratio`.
+    Sliding { towards: [f64; 2], ratio: f64 },
+}
+
+/// Φ at some forces.
+#[derive(Clone, Debug)]
+struct Evaluation {
+    /// Φ, N.
+    function: DVector<f64>,
+    /// One per contact.
+    branches: Vec<Branch>,
+}
+
 /// A problem that has no solution, or none that was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Unsolved;
@@ -84,25 +104,25 @@ impl CoulombProblem {
     pub fn solve(&self) -> Result<DVector<f64>, Unsolved> {
         let mut forces = DVector::zeros(self.free.len());
         self.sweep(&mut forces);
-        let (mut function, mut jacobian) = self.linearize(&forces);
+        let mut here = self.evaluate(&forces);
         for _ in 0..ITERATIONS {
-            if function.amax() <= TOLERANCE * forces.amax() {
+            if here.function.amax() <= TOLERANCE * forces.amax() {
                 return Ok(forces);
             }
-            let norm = function.norm();
-            let newton = jacobian.lu().solve(&function).and_then(|step| {
+            let norm = here.function.norm();
+            let newton = self.newton_step(&here).and_then(|step| {
                 (0..=HALVINGS).find_map(|halvings| {
                     let next = &forces - &step * 0.5_f64.powi(halvings);
-                    let there = self.linearize(&next);
-                    (there.0.norm() < norm).then_some((next, there))
+                    let there = self.evaluate(&next);
+                    (there.function.norm() < norm).then_some((next, there))
                 })
             });
-            (forces, (function, jacobian)) = newton.unwrap_or_else(|| {
+            (forces, here) = newton.unwrap_or_else(|| {
                 let mut next = forces;
                 for _ in 0..SWEEPS {
                     self.sweep(&mut next);
                 }
-                let there = self.linearize(&next);
+                let there = self.evaluate(&next);
                 (next, there)
             });
         }
@@ -139,53 +159,122 @@ impl CoulombProblem {
         self.free[row] + self.delassus.column(row).dot(forces)
     }
 
-    /// Φ and an element of its generalised Jacobian.
-    fn linearize(&self, forces: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
+    /// Φ, and the branch of it that each contact is on.
+    fn evaluate(&self, forces: &DVector<f64>) -> Evaluation {
         let motion = &self.free + &self.delassus * forces;
         let mut function = forces.clone();
-        let mut jacobian = DMatrix::identity(forces.len(), forces.len());
-        for (contact, &friction) in self.friction.iter().enumerate() {
+        let contacts = 0..self.friction.len();
+        let branches = contacts.map(|contact| {
+            let branch = self.branch(contact, forces, &motion);
             let normal = self.directions * contact;
-            let weight = self.weights[normal];
-            let pressure = forces[normal] - weight * motion[normal];
-            if pressure > 0.0 {
-                function[normal] = weight * motion[normal];
-                let row = self.delassus.row(normal) * weight;
-                jacobian.row_mut(normal).copy_from(&row);
-            }
-            if self.directions == 1 || !(pressure > 0.0) {
-                continue;
-            }
-            let rows = [normal + 1, normal + 2];
-            let towards = rows.map(|row| forces[row] - self.weights[row] * motion[row]);
-            let (size, radius) = (towards[0].hypot(towards[1]), friction * pressure);
-            // Rows of the derivative of `towards`, and of the pressure.
-            let along = rows.map(|row| {
-                let mut derivative = self.delassus.row(row) * -self.weights[row];
-                derivative[row] += 1.0;
-                derivative
-            });
-            if size <= radius {
-                for (row, along) in rows.iter().zip(&along) {
-                    function[*row] = self.weights[*row] * motion[*row];
-                    let difference = jacobian.row(*row) - along;
-                    jacobian.row_mut(*row).copy_from(&difference);
+            match branch {
+                Branch::Open => {}
+                Branch::Sticking => {
+                    for row in normal..normal + self.directions {
+                        function[row] = self.weights[row] * motion[row];
+                    }
                 }
-                continue;
+                Branch::Sliding { towards, ratio } => {
+                    function[normal] = self.weights[normal] * motion[normal];
+                    for (axis, towards) in towards.iter().enumerate() {
+                        function[normal + 1 + axis] -= ratio * towards;
+                    }
+                }
             }
-            let unit = towards.map(|component| component / size);
-            let mut pressing = self.delassus.row(normal) * -weight;
-            pressing[normal] += 1.0;
-            let radial = &along[0] * unit[0] + &along[1] * unit[1];
-            for axis in [0, 1] {
-                let row = rows[axis];
-                function[row] = forces[row] - radius * unit[axis];
-                let turn = (&along[axis] - &radial * unit[axis]) * (radius / size);
-                let difference = jacobian.row(row) - &pressing * (friction * unit[axis]) - turn;
-                jacobian.row_mut(row).copy_from(&difference);
+            branch
+        });
+        let branches = branches.collect();
+        Evaluation { function, branches }
+    }
+
+    fn branch(&self, contact: usize, forces: &DVector<f64>, motion: &DVector<f64>) -> Branch {
+        let normal = self.directions * contact;
+        let projected = |row: usize| forces[row] - self.weights[row] * motion[row];
+        let pressure = projected(normal);
+        // Not a number counts as open, for the search to refuse.
+        if !(pressure > 0.0) {
+            return Branch::Open;
+        }
+        if self.directions == 1 {
+            return Branch::Sticking;
+        }
+        let towards = [projected(normal + 1), projected(normal + 2)];
+        let (size, radius) = (
+            towards[0].hypot(towards[1]),
+            self.friction[contact] * pressure,
+        );
+        if size <= radius {
+            Branch::Sticking
+        } else {
+            let ratio = radius / size;
+            Branch::Sliding { towards, ratio }
+        }
+    }
+
+    /// The step s of Newton's method with J s = Φ, to be taken off the forces; `None` where J is singular.
+    ///
+    /// The rows of open contacts are those of the unit matrix: their forces go to zero at once, and only the pressed
+    /// ones are left to be solved for together.
+    fn newton_step(&self, here: &Evaluation) -> Option<DVector<f64>> {
+        let contacts = 0..self.friction.len();
+        let (open, pressed): (Vec<usize>, Vec<usize>) =
+            contacts.partition(|&contact| matches!(here.branches[contact], Branch::Open));
+        let rows_of = |contacts: &[usize]| -> Vec<usize> {
+            let rows = |contact| self.directions * contact..self.directions * (contact + 1);
+            contacts.iter().copied().flat_map(rows).collect()
+        };
+        let (released, rows) = (rows_of(&open), rows_of(&pressed));
+        let mut step = here.function.clone();
+        let mut matrix = DMatrix::zeros(rows.len(), rows.len());
+        let mut right_side = DVector::from_fn(rows.len(), |row, _| step[rows[row]]);
+        for (place, &contact) in pressed.iter().enumerate() {
+            let first = self.directions * place;
+            let branch = here.branches[contact];
+            for (column, &row) in rows.iter().enumerate() {
+                let derivative = self.derivative(contact, branch, row);
+                for axis in 0..self.directions {
+                    matrix[(first + axis, column)] = derivative[axis];
+                }
+            }
+            for &row in released.iter().filter(|&&row| step[row] != 0.0) {
+                let derivative = self.derivative(contact, branch, row);
+                for axis in 0..self.directions {
+                    right_side[first + axis] -= derivative[axis] * step[row];
+                }
             }
         }
-        (function, jacobian)
+        let solution = matrix.lu().solve(&right_side)?;
+        for (row, value) in rows.iter().zip(&solution) {
+            step[*row] = *value;
+        }
+        Some(step)
+    }
+
+    /// Derivative of the components of Φ of one pressed contact with respect to the force of the row `by`.
+    fn derivative(&self, contact: usize, branch: Branch, by: usize) -> [f64; 3] {
+        let normal = self.directions * contact;
+        // Of ρ w; the operator is symmetric, and columns lie together in memory.
+        let moved = |row: usize| self.weights[row] * self.delassus[(by, row)];
+        let (pressed, friction) = (moved(normal), self.friction[contact]);
+        if self.directions == 1 {
+            return [pressed, 0.0, 0.0];
+        }
+        let slid = [moved(normal + 1), moved(normal + 2)];
+        let Branch::Sliding { towards, ratio } = branch else {
+            return [pressed, slid[0], slid[1]];
+        };
+        let size = towards[0].hypot(towards[1]);
+        let unit = towards.map(|component| component / size);
+        let own = |row: usize| f64::from(u8::from(row == by));
+        // Derivatives of the pressure and of what is projected on the disk.
+        let pressing = own(normal) - pressed;
+        let along = [own(normal + 1) - slid[0], own(normal + 2) - slid[1]];
+        let radial = along[0] * unit[0] + along[1] * unit[1];
+        let [first, second] = [0, 1].map(|axis| {
+            let turn = (along[axis] - radial * unit[axis]) * ratio;
+            own(normal + 1 + axis) - pressing * friction * unit[axis] - turn
+        });
+        [pressed, first, second]
     }
 }
 
@@ -239,6 +328,31 @@ mod tests {
                     let violation = violation(&problem, &forces);
                     assert!(violation < 1e-5, "{seed} {contacts} {rank}: {violation:e}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn newtons_step_is_that_of_differences() {
+        for seed in 0..20 {
+            for directions in [1, 3] {
+                let problem = random(seed, 6, directions, 18);
+                let mut forces = problem.solve().unwrap();
+                forces.apply(|force| *force *= 1.3);
+                let here = problem.evaluate(&forces);
+                let rows = forces.len();
+                let mut jacobian = DMatrix::zeros(rows, rows);
+                for column in 0..rows {
+                    let moved = |sign: f64| {
+                        let mut moved = forces.clone();
+                        moved[column] += sign * 1e-6;
+                        problem.evaluate(&moved).function
+                    };
+                    jacobian.set_column(column, &((moved(1.0) - moved(-1.0)) / 2e-6));
+                }
+                let step = problem.newton_step(&here).unwrap();
+                let error = (jacobian * &step - &here.function).amax();
+                assert!(error < 1e-5 * here.function.amax(), "{seed}: {error:e}");
             }
         }
     }

@@ -33,43 +33,36 @@ pub(super) struct Sliding {
 }
 
 impl Sliding {
-    fn relative_velocity(&self, weights: &[f64; 4]) -> Vector3 {
+    /// Velocity of one contact point relative to the other, m/s.
+    pub fn relative_velocity(&self, weights: &[f64; 4]) -> Vector3 {
         let [a, b, c, d] = &self.velocities;
         a * weights[0] + b * weights[1] + c * weights[2] + d * weights[3]
     }
 }
 
-/// Force on the four nodes, N.
+/// Force on the four nodes of a normal force and a friction `traction` per normal force, N.
 pub(super) fn edge_force(
     closest: &ClosestPoints,
-    response: &NormalResponse,
-    sliding: Option<&Sliding>,
+    normal_force: f64,
+    traction: &Vector3,
 ) -> [f64; 12] {
     let weights = closest.weights();
-    let normal = closest.separation / closest.distance();
-    let direction = match sliding {
-        Some(sliding) => {
-            normal
-                + sliding
-                    .law
-                    .traction(&normal, &sliding.relative_velocity(&weights))
-        }
-        None => normal,
-    };
-    std::array::from_fn(|row| response.force * weights[row / 3] * direction[row % 3])
+    let direction = closest.normal() + traction;
+    std::array::from_fn(|row| normal_force * weights[row / 3] * direction[row % 3])
 }
 
-/// Derivative of [`edge_force`] with respect to the coordinates of the four nodes, N/m.
+/// Derivative of [`edge_force`] with respect to the coordinates of the four nodes, N/m, for the friction law linearised
+/// at the slip `place` (m/s).
 pub(super) fn edge_jacobian(
     nodes: &[Vector3; 4],
     closest: &ClosestPoints,
     response: &NormalResponse,
-    sliding: Option<&Sliding>,
+    sliding: Option<(&Sliding, Vector3)>,
 ) -> EdgeJacobian {
     let distance = DistanceDerivatives::of(nodes, closest);
     let gradient = distance.gradient();
     let (direction, direction_jacobian) = match sliding {
-        Some(sliding) => direction_with_friction(&distance, sliding),
+        Some((sliding, place)) => direction_with_friction(&distance, sliding, &place),
         None => (distance.normal, distance.normal_jacobian),
     };
     let mut jacobian = [[0.0; 12]; 12];
@@ -100,11 +93,12 @@ pub(super) fn edge_jacobian(
 fn direction_with_friction(
     distance: &DistanceDerivatives,
     sliding: &Sliding,
+    place: &Vector3,
 ) -> (Vector3, [[f64; 12]; 3]) {
     let velocity = sliding.relative_velocity(&distance.weights);
     let traction = sliding
         .law
-        .traction_derivatives(&distance.normal, &velocity);
+        .traction_derivatives(&distance.normal, &velocity, place);
     let [a, b, c, d] = &sliding.velocities;
     let by_ratio = [
         traction.by_velocity * (b - a),
@@ -131,6 +125,7 @@ fn direction_with_friction(
 
 #[cfg(test)]
 mod tests {
+    use super::super::friction::slip;
     use super::super::potential::normal_response;
     use super::super::test_support::*;
     use super::*;
@@ -251,6 +246,21 @@ mod tests {
         matrix.transpose().as_slice().to_vec()
     }
 
+    impl Case {
+        fn slip(&self) -> Vector3 {
+            let velocity = self.sliding().relative_velocity(&self.closest.weights());
+            slip(&self.closest.normal(), &velocity)
+        }
+    }
+
+    /// Force of the friction law.
+    fn force(case: &Case, sliding: Option<&Sliding>) -> [f64; 12] {
+        let traction = sliding.map_or_else(Vector3::zeros, |sliding| {
+            sliding.law.traction_of_slip(&case.slip())
+        });
+        edge_force(&case.closest, case.response().force, &traction)
+    }
+
     #[test]
     fn the_frictionless_force_is_the_gradient_of_the_energy() {
         for case in cases() {
@@ -259,7 +269,7 @@ mod tests {
                 &flat(&case.nodes),
             );
             let response = case.response();
-            let found = edge_force(&case.closest, &response, None);
+            let found = force(&case, None);
             assert!((response.energy - value).abs() < 1e-8 * value);
             assert!(relative_error(&found, (-expected).as_slice()) < 1e-8);
         }
@@ -298,9 +308,14 @@ mod tests {
                 &flat(&case.nodes),
             );
             let (response, sliding) = (case.response(), case.sliding());
-            let force = edge_force(&case.closest, &response, Some(&sliding));
+            let force = force(&case, Some(&sliding));
             assert!(relative_error(&force, value.as_slice()) < 1e-8);
-            let found = edge_jacobian(&case.nodes, &case.closest, &response, Some(&sliding));
+            let found = edge_jacobian(
+                &case.nodes,
+                &case.closest,
+                &response,
+                Some((&sliding, case.slip())),
+            );
             let error = relative_error(found.as_flattened(), &rows(&expected));
             assert!(error < 1e-6, "{error:e} {:?}", case.closest.free);
         }
@@ -314,11 +329,10 @@ mod tests {
             };
             let response = case.response();
             let sum = |forces: &[Vector3; 4]| forces.iter().sum::<Vector3>().norm();
-            let with_friction =
-                vectors(edge_force(&case.closest, &response, Some(&case.sliding())));
+            let with_friction = vectors(force(&case, Some(&case.sliding())));
             assert!(sum(&with_friction) < 1e-15 * response.force.max(f64::MIN_POSITIVE) * 4.0);
 
-            let normal = vectors(edge_force(&case.closest, &response, None));
+            let normal = vectors(force(&case, None));
             let torque: Vector3 = (0..4).map(|m| case.nodes[m].cross(&normal[m])).sum();
             assert!(torque.norm() < 1e-14 * response.force * 10.0 * case.radius);
         }
@@ -328,8 +342,8 @@ mod tests {
     fn friction_only_takes_energy() {
         for case in cases() {
             let (response, sliding) = (case.response(), case.sliding());
-            let normal = edge_force(&case.closest, &response, None);
-            let total = edge_force(&case.closest, &response, Some(&sliding));
+            let normal = force(&case, None);
+            let total = force(&case, Some(&sliding));
             let power: f64 = (0..12)
                 .map(|row| (total[row] - normal[row]) * sliding.velocities[row / 3][row % 3])
                 .sum();

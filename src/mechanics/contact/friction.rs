@@ -40,22 +40,45 @@ pub(super) struct Traction {
 impl FrictionLaw {
     /// Friction per normal force at the relative velocity `velocity` (m/s).
     pub fn traction(&self, normal: &Vector3, velocity: &Vector3) -> Vector3 {
-        let slip = velocity - normal * velocity.dot(normal);
+        self.traction_of_slip(&slip(normal, velocity))
+    }
+
+    /// Friction per normal force at a slip, m/s: a velocity without its normal part.
+    pub fn traction_of_slip(&self, slip: &Vector3) -> Vector3 {
         let (factor, _) = self.smoothing(slip.norm());
         slip * (-self.coefficient * factor)
     }
 
-    /// The same with derivatives.
-    pub fn traction_derivatives(&self, normal: &Vector3, velocity: &Vector3) -> Traction {
-        let approach = velocity.dot(normal);
-        let slip = velocity - normal * approach;
+    /// The slip (m/s) of a friction per normal force below μ.
+    pub fn slip_of_traction(&self, traction: &Vector3) -> Vector3 {
+        let relative = traction.norm() / self.coefficient;
+        if relative == 0.0 {
+            return Vector3::zeros();
+        }
+        let speed = 2.0 * self.slip_tolerance / SLOPE * libm::atanh(relative);
+        traction * (-speed / (relative * self.coefficient))
+    }
+
+    /// Derivative of [`Self::traction_of_slip`], s/m.
+    pub fn slope(&self, slip: &Vector3) -> Matrix3 {
         let (factor, factor_rate) = self.smoothing(slip.norm());
-        let by_slip = (Matrix3::identity() * factor + slip * slip.transpose() * factor_rate)
-            * -self.coefficient;
+        (Matrix3::identity() * factor + slip * slip.transpose() * factor_rate) * -self.coefficient
+    }
+
+    /// Friction at `place`, a slip (m/s), with the derivatives there; how the slip changes with velocity and normal is
+    /// that of the present `velocity`.
+    pub fn traction_derivatives(
+        &self,
+        normal: &Vector3,
+        velocity: &Vector3,
+        place: &Vector3,
+    ) -> Traction {
+        let approach = velocity.dot(normal);
+        let by_slip = self.slope(place);
         let tangent = Matrix3::identity() - normal * normal.transpose();
         let slip_by_normal = -(Matrix3::identity() * approach + normal * velocity.transpose());
         Traction {
-            value: slip * (-self.coefficient * factor),
+            value: self.traction_of_slip(place),
             by_velocity: by_slip * tangent,
             by_normal: by_slip * slip_by_normal,
         }
@@ -80,6 +103,11 @@ impl FrictionLaw {
         };
         (half_rate * ratio, half_rate.powi(3) * ratio_rate)
     }
+}
+
+/// The velocity without its part along the unit normal.
+pub(super) fn slip(normal: &Vector3, velocity: &Vector3) -> Vector3 {
+    velocity - normal * velocity.dot(normal)
 }
 
 #[cfg(test)]
@@ -147,7 +175,7 @@ mod tests {
             for _ in 0..20 {
                 let normal = random.vector().normalize();
                 let velocity = random.vector() * speed;
-                let found = LAW.traction_derivatives(&normal, &velocity);
+                let found = LAW.traction_derivatives(&normal, &velocity, &slip(&normal, &velocity));
                 assert_eq!(found.value, LAW.traction(&normal, &velocity));
 
                 let fixed = [normal.x, normal.y, normal.z];

@@ -1,17 +1,14 @@
 //! All contacts of a scene: candidates, forces, Jacobians, stiffness.
 
 use super::candidates::{Candidates, approach};
-use super::closest_points::{ClosestPoints, edge_distance};
+use super::closest_points::edge_distance;
 use super::constraints::ContactConstraint;
 use super::contacts::{ActiveContact, CandidatePair, EdgeJacobian, PlaneContact, PlaneJacobian};
-use super::edge_contact::{Sliding, edge_force, edge_jacobian};
-use super::friction::FrictionLaw;
 use super::multipliers::Multipliers;
-use super::normal_law::{NormalLaw, NormalResponse};
 use super::parameters::ContactParameters;
-use super::plane_contact::{NodeSliding, plane_force, plane_jacobian};
 use super::stiffness::adapted_stiffness;
 use super::surface::{ContactPlane, ContactSurface};
+use super::tractions::Tractions;
 use crate::mechanics::Vector3;
 
 /// Implicit contact with Coulomb friction (thesis 2.2–2.3) of all rods and planes of a scene, by the
@@ -29,50 +26,31 @@ use crate::mechanics::Vector3;
 /// [`largest_step`](Self::largest_step) keeps them from it.
 #[derive(Clone, Debug)]
 pub struct ImplicitContact {
-    parameters: ContactParameters,
+    pub(super) parameters: ContactParameters,
     pub(super) surface: ContactSurface,
     pub(super) planes: Vec<ContactPlane>,
     pub(super) candidates: Candidates,
-    multipliers: Multipliers,
-    stiffness: f64,
+    pub(super) multipliers: Multipliers,
+    pub(super) carried_tractions: Tractions,
+    pub(super) stiffness: f64,
     least_stiffness: f64,
     /// How far every node has moved since the candidates were built, m; scratch.
     pub(super) motion: Vec<f64>,
     /// Where a step has come to while it is searched for collisions, m; scratch.
     pub(super) place: Vec<Vector3>,
     pub(super) contacts: Vec<ActiveContact>,
-    jacobians: Vec<EdgeJacobian>,
+    /// Friction per normal force of the contacts.
+    pub(super) tractions: Vec<Vector3>,
+    pub(super) jacobians: Vec<EdgeJacobian>,
     /// What to add to the forces to have those of the linear laws, and those of the multipliers, N.
-    linear_corrections: Vec<[f64; 12]>,
-    multiplier_corrections: Vec<[f64; 12]>,
+    pub(super) linear_corrections: Vec<[f64; 12]>,
+    pub(super) multiplier_corrections: Vec<[f64; 12]>,
     pub(super) plane_contacts: Vec<PlaneContact>,
-    plane_jacobians: Vec<PlaneJacobian>,
+    pub(super) plane_jacobians: Vec<PlaneJacobian>,
     /// Contacts of the complementarity model.
     pub(super) constraints: Vec<ContactConstraint>,
-    energy: f64,
+    pub(super) energy: f64,
     pub(super) contact_count: usize,
-}
-
-/// The positions at which contact is evaluated.
-#[derive(Clone, Copy)]
-struct Motion<'a> {
-    positions: &'a [Vector3],
-    previous: &'a [Vector3],
-    time_step: f64,
-}
-
-impl Motion<'_> {
-    fn velocity(&self, node: usize) -> Vector3 {
-        (self.positions[node] - self.previous[node]) / self.time_step
-    }
-
-    /// The law where there is friction and time for it.
-    fn friction(&self, coefficient: f64, slip_tolerance: f64) -> Option<FrictionLaw> {
-        (coefficient > 0.0 && self.time_step.is_finite()).then_some(FrictionLaw {
-            coefficient,
-            slip_tolerance,
-        })
-    }
 }
 
 impl ImplicitContact {
@@ -91,6 +69,8 @@ impl ImplicitContact {
             planes,
             candidates,
             multipliers: Multipliers::default(),
+            carried_tractions: Tractions::default(),
+            tractions: Vec::new(),
             stiffness: least_stiffness,
             least_stiffness,
             motion: Vec::new(),
@@ -152,6 +132,7 @@ impl ImplicitContact {
     fn carry_multipliers_over(&mut self) {
         let (old, new) = (self.candidates.earlier_pairs(), self.candidates.pairs());
         self.multipliers.carry_over(old, new);
+        self.carried_tractions.carry_over(old, new);
     }
 
     /// Rebuilds the candidates for these positions in any case; without positions there are none.
@@ -184,6 +165,7 @@ impl ImplicitContact {
             return;
         }
         self.multipliers.begin(self.candidates.pairs().len());
+        self.carried_tractions.begin(self.candidates.pairs().len());
     }
 
     /// Whether the Jacobians are those of the carried normal forces.
@@ -201,169 +183,21 @@ impl ImplicitContact {
         let candidates = self.candidates.pairs().len();
         let reach = self.parameters.reach();
         self.multipliers.settle(candidates, &self.contacts, reach);
+        self.carried_tractions
+            .settle(candidates, &self.contacts, &self.tractions, reach);
     }
 
     pub(super) fn multipliers(&self) -> &Multipliers {
         &self.multipliers
     }
 
-    pub(super) fn restore_multipliers(&mut self, forces: &[f64]) {
+    pub(super) fn carried_tractions(&self) -> &Tractions {
+        &self.carried_tractions
+    }
+
+    pub(super) fn restore_multipliers(&mut self, forces: &[f64], tractions: Vec<Option<Vector3>>) {
         self.multipliers.restore(forces);
-    }
-
-    /// Finds the active contacts at `positions` and evaluates energy, forces and Jacobians.
-    ///
-    /// Friction acts on the velocity (`positions` − `previous`)/`time_step`, and not at all where
-    /// `time_step` is infinite (statics).
-    ///
-    /// Centrelines that cross (Δ = 0) have no direction of separation: the forces are not numbers there, for
-    /// the line search to refuse.
-    pub fn evaluate(&mut self, positions: &[Vector3], previous: &[Vector3], time_step: f64) {
-        self.evaluate_contacts(positions, previous, time_step, true);
-    }
-
-    /// The same without Jacobians, for line searches; [`Self::jacobians`] and
-    /// [`Self::plane_jacobians`] are empty afterwards.
-    pub fn evaluate_forces(&mut self, positions: &[Vector3], previous: &[Vector3], time_step: f64) {
-        self.evaluate_contacts(positions, previous, time_step, false);
-    }
-
-    fn evaluate_contacts(
-        &mut self,
-        positions: &[Vector3],
-        previous: &[Vector3],
-        time_step: f64,
-        with_jacobians: bool,
-    ) {
-        self.clear_results();
-        if self.parameters.is_complementarity() {
-            return self.evaluate_constraints(positions);
-        }
-        let motion = Motion {
-            positions,
-            previous,
-            time_step,
-        };
-        self.evaluate_edges(motion, with_jacobians);
-        self.evaluate_planes(motion, with_jacobians);
-        if with_jacobians {
-            self.multipliers.advance();
-        }
-    }
-
-    fn clear_results(&mut self) {
-        self.contacts.clear();
-        self.jacobians.clear();
-        self.linear_corrections.clear();
-        self.multiplier_corrections.clear();
-        self.plane_contacts.clear();
-        self.plane_jacobians.clear();
-        self.energy = 0.0;
-        self.contact_count = 0;
-    }
-
-    fn evaluate_edges(&mut self, motion: Motion, with_jacobians: bool) {
-        let parameters = &self.parameters;
-        let (tolerance, reach) = (parameters.distance_tolerance, parameters.reach());
-        let friction = motion.friction(parameters.friction, parameters.slip_tolerance);
-        self.candidates.motion(motion.positions, &mut self.motion);
-        let pairs = self.candidates.pairs().iter();
-        for (candidate, (pair, earlier)) in pairs.zip(self.candidates.gaps()).enumerate() {
-            let loaded = with_jacobians && self.multipliers.is_loaded(candidate);
-            if !loaded && earlier - approach(pair, &self.motion) >= reach {
-                continue;
-            }
-            let nodes = pair.nodes.map(|node| motion.positions[node]);
-            let closest = ClosestPoints::of(&nodes);
-            let (distance, threshold) = (closest.distance(), self.surface.threshold(pair.edges));
-            let gap = distance - threshold;
-            if !loaded && gap >= reach {
-                continue;
-            }
-            let law = NormalLaw::new(parameters, 0.5 * threshold, self.stiffness);
-            let response = law.response(gap);
-            let sliding = friction.map(|law| Sliding {
-                law,
-                velocities: pair.nodes.map(|node| motion.velocity(node)),
-                time_step: motion.time_step,
-            });
-            let force = edge_force(&closest, &response, sliding.as_ref());
-            self.contacts.push(ActiveContact {
-                candidate,
-                nodes: pair.nodes,
-                distance,
-                threshold,
-                normal: closest.separation / distance,
-                normal_force: response.force,
-                force,
-            });
-            if with_jacobians {
-                let linear = self.multipliers.linear_law(
-                    candidate,
-                    gap,
-                    &response,
-                    |gap| law.response(gap),
-                    |force| law.gap_of_force(force),
-                );
-                let tangent = linear.map_or(response, |linear| linear.tangent);
-                let jacobian = edge_jacobian(&nodes, &closest, &tangent, sliding.as_ref());
-                self.jacobians.push(jacobian);
-                let correction = |normal: f64| {
-                    let with = edge_force(
-                        &closest,
-                        &NormalResponse {
-                            force: normal,
-                            ..response
-                        },
-                        sliding.as_ref(),
-                    );
-                    std::array::from_fn(|k| with[k] - force[k])
-                };
-                let none = [0.0; 12];
-                self.linear_corrections
-                    .push(linear.map_or(none, |linear| correction(linear.force)));
-                self.multiplier_corrections
-                    .push(linear.map_or(none, |linear| correction(linear.tangent.force)));
-            }
-            self.energy += response.energy;
-            self.contact_count += usize::from(gap < tolerance);
-        }
-    }
-
-    fn evaluate_planes(&mut self, motion: Motion, with_jacobians: bool) {
-        let (tolerance, reach) = (self.parameters.distance_tolerance, self.parameters.reach());
-        for (index, plane) in self.planes.iter().enumerate() {
-            let law = motion.friction(plane.friction, self.parameters.slip_tolerance);
-            for surface in self.surface.nodes() {
-                let (node, radius) = (surface.node, surface.radius);
-                let distance = plane.distance(&motion.positions[node]);
-                let gap = distance - radius;
-                if gap >= reach {
-                    continue;
-                }
-                let response =
-                    NormalLaw::new(&self.parameters, radius, self.stiffness).response(gap);
-                let sliding = law.map(|law| NodeSliding {
-                    law,
-                    velocity: motion.velocity(node),
-                    time_step: motion.time_step,
-                });
-                self.plane_contacts.push(PlaneContact {
-                    node,
-                    plane: index,
-                    distance,
-                    threshold: radius,
-                    normal_force: response.force,
-                    force: plane_force(&plane.normal, &response, sliding.as_ref()),
-                });
-                if with_jacobians {
-                    let jacobian = plane_jacobian(&plane.normal, &response, sliding.as_ref());
-                    self.plane_jacobians.push(jacobian);
-                }
-                self.energy += response.energy;
-                self.contact_count += usize::from(gap < tolerance);
-            }
-        }
+        self.carried_tractions.restore(tractions);
     }
 
     /// Contact energy of the last evaluation, J.

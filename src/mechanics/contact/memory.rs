@@ -13,6 +13,8 @@ pub struct ContactMemory {
     pub stiffness: f64,
     /// Normal force of every candidate in the last step, N.
     pub normal_forces: Vec<f64>,
+    /// Friction per normal force of every candidate in the last step; none where there was no contact.
+    pub tractions: Vec<Option<[f64; 3]>>,
 }
 
 /// A memory of another scene.
@@ -29,10 +31,12 @@ impl ImplicitContact {
     /// What a checkpoint must hold.
     pub fn memory(&self) -> ContactMemory {
         let positions = self.candidate_positions().iter();
+        let tractions = self.carried_tractions().settled().iter();
         ContactMemory {
             candidate_positions: positions.map(|&position| position.into()).collect(),
             stiffness: self.stiffness(),
             normal_forces: self.multipliers().settled().to_vec(),
+            tractions: tractions.map(|known| known.map(Into::into)).collect(),
         }
     }
 
@@ -49,7 +53,11 @@ impl ImplicitContact {
         }
         self.rebuild_candidates(&positions);
         self.set_stiffness(memory.stiffness);
-        self.restore_multipliers(&memory.normal_forces);
+        let tractions = memory.tractions.iter();
+        self.restore_multipliers(
+            &memory.normal_forces,
+            tractions.map(|known| known.map(Into::into)).collect(),
+        );
         Ok(())
     }
 }

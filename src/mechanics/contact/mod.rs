@@ -14,9 +14,9 @@
 //! | `constraints`, `coulomb_problem` | contacts as constraints, and their forces by complementarity (thesis 3.3) |
 //! | `friction` | Coulomb friction, smoothed near zero slip (Eqs. 2.7–2.14) |
 //! | `edge_contact`, `plane_contact` | force and Jacobian of one contact |
-//! | `multipliers` | normal forces that Newton's method carries along |
+//! | `multipliers`, `tractions` | normal forces and friction that Newton's method carries along |
 //! | `stiffness` | the adaptive contact stiffness (Eqs. 2.18, 2.19) |
-//! | `implicit_contact`, `contacts` | all contacts of a scene |
+//! | `implicit_contact`, `evaluation`, `contacts` | all contacts of a scene |
 //! | `proximity` | least distance, penetration, overlaps of a new scene |
 //! | `touching` | where surfaces touch, for pictures |
 //! | `memory` | what a restart needs |
@@ -31,6 +31,7 @@ mod continuous_collision;
 mod coulomb_problem;
 mod distance;
 mod edge_contact;
+mod evaluation;
 mod friction;
 mod implicit_contact;
 mod memory;
@@ -48,6 +49,7 @@ mod test_support;
 #[cfg(test)]
 mod tests;
 mod touching;
+mod tractions;
 
 pub use constraints::ContactConstraint;
 pub use contacts::{ActiveContact, CandidatePair, EdgeJacobian, PlaneContact, PlaneJacobian};

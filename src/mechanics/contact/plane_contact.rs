@@ -6,7 +6,7 @@
 //! F = N (n + t(n, v)), ∂F = (dN/dΔ) (n + t) nᵀ + N (∂t/∂v)/Δt, v = (x − xⁿ)/Δt.
 
 use super::contacts::PlaneJacobian;
-use super::friction::FrictionLaw;
+use super::friction::{FrictionLaw, slip};
 use super::normal_law::NormalResponse;
 use crate::mechanics::Vector3;
 
@@ -41,7 +41,8 @@ pub(super) fn plane_jacobian(
 ) -> PlaneJacobian {
     let jacobian = match sliding {
         Some(sliding) => {
-            let traction = sliding.law.traction_derivatives(normal, &sliding.velocity);
+            let (law, velocity) = (&sliding.law, &sliding.velocity);
+            let traction = law.traction_derivatives(normal, velocity, &slip(normal, velocity));
             (normal + traction.value) * normal.transpose() * response.force_slope
                 + traction.by_velocity * (response.force / sliding.time_step)
         }

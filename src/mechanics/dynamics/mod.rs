@@ -24,4 +24,6 @@ mod barrier_tests;
 #[cfg(test)]
 mod complementarity_tests;
 #[cfg(test)]
+mod rubbing_tests;
+#[cfg(test)]
 mod tests;

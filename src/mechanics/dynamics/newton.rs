@@ -13,8 +13,8 @@ pub struct Stopping {
     pub displacement: f64,
     /// Most iterations.
     pub iterations: usize,
-    /// Whether to give up earlier, where the residual does not fall: a smaller step may be the
-    /// cheaper way.
+    /// Whether to give up earlier, where the residual does not fall or a line search would be needed: a smaller
+    /// step may be the cheaper way.
     pub gives_up: bool,
 }
 
@@ -114,6 +114,12 @@ impl Newton {
             let accepted = after.suffices(&before)
                 || iteration < MULTIPLIER_ITERATIONS
                     && expected.is_some_and(|e| system.squared_multiplier_residual() <= e);
+            if !accepted && stopping.gives_up {
+                return Err(Divergence {
+                    iterations: iteration + 1,
+                    ..failed
+                });
+            }
             if !accepted {
                 system.abandon_multipliers();
                 let length = self.line_search(system, stage, unknowns, &before, &after, longest);

@@ -209,9 +209,9 @@ impl Simulation {
         if self.system.has_constraints() {
             return Err(SimulationError::BadScene(ONLY_EULER.into()));
         }
-        let force = self
-            .system
-            .force_tolerance(self.parameters.force_tolerance, &self.unknowns);
+        let force =
+            self.system
+                .force_tolerance(self.parameters.force_tolerance, &self.unknowns, None);
         self.trial.copy_from_slice(&self.unknowns);
         match statics::find_equilibrium(&mut self.system, &mut self.trial, force) {
             Ok(iterations) => {
@@ -241,9 +241,9 @@ impl Simulation {
         if self.system.has_constraints() {
             return Err(SimulationError::BadScene(ONLY_EULER.into()));
         }
-        let force = self
-            .system
-            .force_tolerance(self.parameters.force_tolerance, &self.unknowns);
+        let force =
+            self.system
+                .force_tolerance(self.parameters.force_tolerance, &self.unknowns, None);
         self.trial.copy_from_slice(&self.unknowns);
         let inertia = statics::nearby_equilibrium(&mut self.system, &mut self.trial, force)
             .map_err(|divergence| self.no_equilibrium(&divergence))?

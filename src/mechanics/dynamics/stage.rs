@@ -3,7 +3,7 @@
 use super::Simulation;
 use super::failure::Failure;
 use super::newton::Stopping;
-use super::parameters::Scheme;
+use super::parameters::{Scheme, StepSize};
 use super::report::SimulationError;
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::system::{Divergence, describe_overlap};
@@ -14,8 +14,8 @@ const CONTACT_PASSES: usize = 30;
 /// Part of the free way that a shortened predictor goes: less than all, so that it is free in spite of rounding.
 const PREDICTED_PART: f64 = 0.9;
 
-/// Part of the largest step from which down Newton's method gets all its iterations. Without this a step could be
-/// halved until M/h² drowns the residual in rounding error, where no iteration converges.
+/// Part of the largest step from which down Newton's method gets all its iterations and line searches. Without this a
+/// step could be halved until it is smaller than the smallest.
 const PATIENT_PART: f64 = 1.0 / 64.0;
 
 /// What one attempt at a step found.
@@ -55,12 +55,14 @@ impl Simulation {
     pub(super) fn attempt(&mut self, goal: f64) -> Result<Attempt, Failure> {
         let step = goal - self.time;
         self.shorten_predictor()?;
-        self.system
-            .adapt_contact_stiffness(&self.trial, &self.stage);
+        self.adapt_contact_stiffness();
+        let relative_tolerance = self.parameters.force_tolerance;
         let stopping = Stopping {
-            force: self
-                .system
-                .force_tolerance(self.parameters.force_tolerance, &self.unknowns),
+            force: self.system.force_tolerance(
+                relative_tolerance,
+                &self.unknowns,
+                Some(&self.stage),
+            ),
             displacement: self.parameters.displacement_tolerance * self.radius,
             iterations: self.parameters.maximum_iterations,
             gives_up: self.system.rubs() && step > PATIENT_PART * self.parameters.step.largest(),
@@ -110,6 +112,25 @@ impl Simulation {
             iterations,
             error: self.velocity_after(step),
         })
+    }
+
+    /// Adapts the contact stiffness to the forces at the predictor, and where rods rub to an inertia that takes the last
+    /// change of velocity to have lasted a whole step of the grid.
+    ///
+    /// When rods stick or slip velocities jump within one step, however small it is. Inertia, which is among the forces
+    /// that set the stiffness (Eq. 2.19), would grow as 1/h, contact get harder, and the next event need a
+    /// smaller step still, down to the smallest.
+    fn adapt_contact_stiffness(&mut self) {
+        let last = self.history.moments[0].step;
+        let lengthening = match self.parameters.step {
+            StepSize::Fixed(whole) if self.system.rubs() && last > 0.0 => (whole / last).max(1.0),
+            _ => 1.0,
+        };
+        let acceleration_step = self.stage.acceleration_step;
+        self.stage.acceleration_step *= lengthening;
+        self.system
+            .adapt_contact_stiffness(&self.trial, &self.stage);
+        self.stage.acceleration_step = acceleration_step;
     }
 
     /// Extrapolates positions and angles to the implicit stage with the acceleration of the last step.

@@ -23,7 +23,7 @@
 //! overlap: that takes steps in which rods move by less than their radius. With friction the laws may have
 //! several solutions, or none; a step whose contact problem is not solved counts as failed and is halved.
 //! How contacts that do the same work share their force is up to a small compliance. The cost is a solution
-//! per contact and direction, and the cube of their number.
+//! per contact and direction that may close, and the cube of the number of those that press.
 
 use super::{Stage, System, copy_positions};
 use crate::linalg::SingularMatrix;

@@ -7,6 +7,9 @@ use crate::mechanics::rod::STRIDE;
 /// The terms of the residual, for the message that says which one diverged.
 pub const TERMS: [&str; 4] = ["inertia and drag", "elastic", "external load", "contact"];
 
+/// Last digits of the unknowns to which a residual must vanish.
+const ROUNDINGS: f64 = 8.0;
+
 impl System {
     /// Largest residual of a free unknown in N (moments divided by the shortest edge), and its unknown.
     pub fn worst_residual(&self) -> (f64, usize) {
@@ -72,8 +75,9 @@ impl System {
     }
 
     /// Tolerance for the residual: `relative` times the largest of EI/L², the loads and the contact forces
-    /// of the last step, but no less than what rounding of the positions leaves, N.
-    pub fn force_tolerance(&self, relative: f64, unknowns: &[f64]) -> f64 {
+    /// of the last step, but no less than what rounding of the unknowns leaves in elastic forces and, in a time
+    /// step, in inertia, N.
+    pub fn force_tolerance(&self, relative: f64, unknowns: &[f64], stage: Option<&Stage>) -> f64 {
         let largest_load = self
             .dead_forces
             .iter()
@@ -89,6 +93,23 @@ impl System {
             .max(largest_contact);
         let positions = unknowns.iter().enumerate().filter(|(k, _)| k % STRIDE != 3);
         let farthest = positions.fold(0.0_f64, |farthest, (_, x)| farthest.max(x.abs()));
-        (relative * scale).max(8.0 * self.assembly.rounding_stiffness * farthest)
+        let inertia = stage.map_or(0.0, |stage| self.inertia_rounding(unknowns, stage));
+        (relative * scale)
+            .max(ROUNDINGS * self.assembly.rounding_stiffness * farthest)
+            .max(ROUNDINGS * inertia)
+    }
+
+    /// Change of the inertial force M q/(h hₐ) with the last digit of an unknown q, the largest of all that are free, N
+    /// (moments divided by the shortest edge).
+    fn inertia_rounding(&self, unknowns: &[f64], stage: &Stage) -> f64 {
+        let per_length = 1.0 / self.assembly.shortest_edge;
+        let weights = [1.0, 1.0, 1.0, per_length];
+        let mut largest = 0.0_f64;
+        for (k, (value, mass)) in unknowns.iter().zip(&self.assembly.masses).enumerate() {
+            if !self.assembly.held[k] {
+                largest = largest.max(weights[k % STRIDE] * mass * value.abs());
+            }
+        }
+        largest * f64::EPSILON / (stage.step * stage.acceleration_step)
     }
 }

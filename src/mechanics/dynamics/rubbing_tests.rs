@@ -1,0 +1,73 @@
+//! Rods that rub at high friction: few iterations, short steps that do no harm, Coulomb's law in each step.
+
+use super::barrier_tests::{crossing, fixed};
+use super::tests::clamp;
+use super::*;
+use crate::mechanics::Vector3;
+use crate::mechanics::contact::{ContactModel, ContactParameters};
+use crate::mechanics::scene::{Load, LoadKind};
+
+const MODEL: ContactModel = ContactModel::ImplicitContact;
+
+/// The ends of the upper rod are lowered by 3 mm, and then moved along the lower one to and fro.
+fn rubbing(friction: f64) -> Simulation {
+    let mut scene = crossing(MODEL, 1e-6, friction);
+    for node in [0, 10] {
+        let mut end = clamp(node);
+        end.rod = 1;
+        let at = |x: f64| Vector3::new(x, 0.0, -3e-3);
+        end.motion.translation = vec![
+            (0.0, Vector3::zeros()),
+            (0.1, at(0.0)),
+            (0.3, at(4e-3)),
+            (0.6, at(-4e-3)),
+        ];
+        scene.clamps.push(end);
+    }
+    scene.loads.push(Load {
+        kind: LoadKind::Drag {
+            rod: None,
+            translation: 0.5,
+            rotation: 1e-4,
+        },
+        schedule: Vec::new(),
+    });
+    Simulation::new(&scene, &fixed(1e-3)).unwrap()
+}
+
+#[test]
+fn rods_that_stick_and_slide_take_few_iterations() {
+    for friction in [0.3, 1.0] {
+        let mut simulation = rubbing(friction);
+        let (mut steps, mut iterations, mut retries) = (0, 0, 0);
+        while simulation.time() < 0.6 {
+            let report = simulation.advance(0.6).unwrap();
+            steps += 1;
+            iterations += report.newton_iterations;
+            retries += report.retries;
+        }
+        let mean = iterations as f64 / f64::from(steps);
+        println!("μ = {friction}: {steps} steps, {mean:.2} iterations a step, {retries} retries");
+        assert!(mean < 3.0, "{mean}");
+    }
+}
+
+#[test]
+fn an_impact_in_short_steps_hardens_contact_no_more_than_in_a_whole_one() {
+    let (whole, short, speed) = (1e-3, 1e-6, 0.5);
+    let mut scene = crossing(MODEL, 5e-5, 1.0);
+    scene.rods[1].velocity = Vector3::z() * -speed;
+    let mass = scene.rods[1].mass_per_length * 0.02;
+    let mut simulation = Simulation::new(&scene, &fixed(whole)).unwrap();
+    let (mut touched, mut stiffest) = (false, 0.0_f64);
+    for step in 1..=300 {
+        let report = simulation.advance(f64::from(step) * short).unwrap();
+        touched |= report.contacts > 0;
+        stiffest = stiffest.max(simulation.system.contact.as_ref().unwrap().stiffness());
+    }
+    assert!(touched);
+    // A node that turns round at twice its speed within a whole step; in a short one it would be a thousand times that.
+    let force = mass * 2.0 * (2.0 * speed) / whole;
+    let per_force = ContactParameters::default().stiffness_factor;
+    assert!(stiffest < 2.0 * per_force * force);
+}
