@@ -4,6 +4,7 @@ mod advance;
 mod error;
 mod interruption;
 mod output_times;
+mod path;
 mod progress;
 mod records;
 mod session;
@@ -28,6 +29,7 @@ use session::Session;
 use std::fmt;
 use std::path::PathBuf;
 use std::time::Duration;
+use stop::Stop;
 
 /// How to run, as opposed to what.
 #[derive(Clone, Debug)]

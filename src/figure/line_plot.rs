@@ -59,6 +59,8 @@ pub struct PlotStyle {
     pub marks: bool,
     /// Names of curves whose points are marked and not joined: what is compared with a law.
     pub unjoined: Vec<String>,
+    /// Names of curves whose lines are dashed.
+    pub dashed: Vec<String>,
     /// Height of each plot without its legend, pixels; the usual one where it is 0.
     pub height: u32,
 }
@@ -170,8 +172,16 @@ fn draw(plot: &LinePlot, area: &Area, axes: Axes, style: &PlotStyle) {
             }
             // A single point is no line.
             if joined && stretch.len() > 1 {
-                let series = LineSeries::new(stretch, color(index).stroke_width(pixels(2)));
-                chart.draw_series(series).expect(DRAWN_IN_MEMORY);
+                let line = color(index).stroke_width(pixels(2));
+                let dashed = style.dashed.contains(&curve.name);
+                let drawn = if dashed {
+                    let [dash, gap] = [pixels(6), pixels(4)];
+                    let series = DashedLineSeries::new(stretch, dash, gap, line);
+                    chart.draw_series(series).map(drop)
+                } else {
+                    chart.draw_series(LineSeries::new(stretch, line)).map(drop)
+                };
+                drawn.expect(DRAWN_IN_MEMORY);
             }
         }
     }

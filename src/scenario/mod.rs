@@ -39,10 +39,10 @@ pub use explain::{explain, json_schema};
 pub use issue::{Issue, Issues, KeyPath, did_you_mean};
 pub use load::{Loaded, from_text, from_text_with, load};
 pub use resolved::{
-    BuilderRod, Clamp, Contact, CrossSection, Directions, Experiment, Flagella, Fluid, Handedness,
-    Head, HelixSearch, HelixStability, Hold, Knot, KnotEnds, Load, LoadKind, Material,
-    NaturalShape, Output, Place, Plane, Rod, Scenario, Scheme, Shape, Solver, Step, Stiffness,
-    Time,
+    BuilderRod, Clamp, Contact, Continuation, CrossSection, Directions, Experiment, Flagella,
+    Fluid, Handedness, Head, HelixSearch, HelixStability, Hold, Knot, KnotEnds, Load, LoadKind,
+    Material, NaturalShape, Output, PathMethod, Place, Plane, Rod, Scenario, Scheme, Shape, Solver,
+    Step, Stiffness, Time,
 };
 pub use sweep::{Case, Family, Parameter, Search};
 pub use typed::SearchMethod;

@@ -4,6 +4,7 @@ use crate::experiment::KnotObserver;
 use crate::mechanics::dynamics::{
     Energies, Simulation, SimulationError, SimulationState, StepReport,
 };
+use crate::mechanics::statics::{PathPlan, PathPoint, Tracer};
 use crate::results::{Frame, KnotRow};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -17,6 +18,10 @@ pub(super) trait Advance {
     fn advance(&mut self, until: f64) -> Result<StepReport, SimulationError>;
     /// Finds the equilibrium.
     fn find_equilibrium(&mut self) -> Result<StepReport, SimulationError>;
+    /// A path of equilibria that begins at the present configuration.
+    fn path(&self, plan: PathPlan) -> Result<Tracer, SimulationError>;
+    /// Goes to the next point of a path; `None` after the last.
+    fn next_point(&mut self, path: &mut Tracer) -> Result<Option<PathPoint>, SimulationError>;
     /// Time, s.
     fn time(&self) -> f64;
     /// Energies, J.
@@ -42,6 +47,14 @@ impl Advance for Simulation {
 
     fn find_equilibrium(&mut self) -> Result<StepReport, SimulationError> {
         self.find_equilibrium()
+    }
+
+    fn path(&self, plan: PathPlan) -> Result<Tracer, SimulationError> {
+        self.path(plan)
+    }
+
+    fn next_point(&mut self, path: &mut Tracer) -> Result<Option<PathPoint>, SimulationError> {
+        self.next_point(path)
     }
 
     fn time(&self) -> f64 {

@@ -9,13 +9,14 @@ use super::tally::Tally;
 use super::{Reached, RunError, RunOptions, RunOutcome, RunStatus};
 use crate::experiment::knot_observer::changed_knot;
 use crate::experiment::{KnotObserver, Mode, PreparedRun};
-use crate::mechanics::dynamics::SimulationError;
+use crate::mechanics::dynamics::{SimulationError, StepReport};
 use crate::results::{
     CaseRecord, CaseStatus, CheckpointFiles, Frame, MAIN_CASE, MANIFEST, Manifest, Recorder,
     ResultsDirectory, ResultsError, SCENARIO, StreamLengths, SummaryRow, Usage, UsageMeter,
     place_whole, scenario_hash, sync, write_summary, write_timings,
 };
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// A run at work.
@@ -27,6 +28,8 @@ pub(super) struct Session {
     checkpoint_every: Duration,
     last_checkpoint: Instant,
     times: OutputTimes,
+    /// Parameters of the points of a path so far.
+    parameters: Vec<f64>,
     standing: Standing,
     /// Twice the largest radius, m.
     diameter: f64,
@@ -103,10 +106,10 @@ impl Session {
         };
         let times = match prepared.mode {
             Mode::Dynamic { end } => OutputTimes::new(prepared.output.interval, end),
-            Mode::Static => OutputTimes::only_start(),
+            Mode::Static | Mode::Continuation(_) => OutputTimes::only_start(),
         };
         let radii = prepared.scene.rods.iter().map(|rod| rod.radius);
-        let visible = options.progress && prepared.mode != Mode::Static;
+        let visible = options.progress && matches!(prepared.mode, Mode::Dynamic { .. });
         let bar = Progress::bar(visible, options.among.as_ref());
         Ok(Self {
             progress: Progress::new(bar, simulation.time(), times.time(times.last())),
@@ -118,6 +121,7 @@ impl Session {
             checkpoint_every: options.checkpoint_every,
             last_checkpoint: Instant::now(),
             times,
+            parameters: Vec::new(),
             standing,
             meter,
             timeout: options.timeout,
@@ -139,6 +143,7 @@ impl Session {
                 self.standing.tally.add_equilibrium(&report);
                 self.record(simulation)
             }
+            Mode::Continuation(plan) => self.follow(simulation, plan, stop_requested),
             Mode::Dynamic { .. } => self.integrate(simulation, stop_requested),
         }
     }
@@ -151,15 +156,7 @@ impl Session {
         while self.standing.outputs <= self.times.last() {
             let target = self.times.time(self.standing.outputs);
             while simulation.time() < target {
-                if let Some(request) = stop_requested() {
-                    return Err(request.into());
-                }
-                if self
-                    .timeout
-                    .is_some_and(|limit| self.meter.wall_time() >= limit)
-                {
-                    return Err(Stop::TimeLimit);
-                }
+                self.ask_to_stop(stop_requested)?;
                 if self.last_checkpoint.elapsed() >= self.checkpoint_every {
                     self.write_checkpoint(simulation)?;
                 }
@@ -176,17 +173,54 @@ impl Session {
         Ok(())
     }
 
+    /// Stops where a stop is requested or the time limit is reached.
+    pub(super) fn ask_to_stop(
+        &self,
+        stop_requested: &dyn Fn() -> Option<StopRequest>,
+    ) -> Result<(), Stop> {
+        if let Some(request) = stop_requested() {
+            return Err(request.into());
+        }
+        let wall_time = self.meter.wall_time();
+        if self.timeout.is_some_and(|limit| wall_time >= limit) {
+            return Err(Stop::TimeLimit);
+        }
+        Ok(())
+    }
+
+    /// Path of a file of the results.
+    pub(super) fn file(&self, name: &str) -> PathBuf {
+        self.directory.file(name)
+    }
+
+    /// Writes a point of a path, whose parameter stands for the time.
+    pub(super) fn record_point(
+        &mut self,
+        simulation: &impl Advance,
+        report: &StepReport,
+        critical: bool,
+    ) -> Result<(), Stop> {
+        self.standing.tally.add_point(report, critical);
+        self.parameters.push(report.time);
+        self.record(simulation)
+    }
+
+    /// Time of an output, s; the parameter of a point on a path.
+    fn output_time(&self, index: usize) -> f64 {
+        let parameter = self.parameters.get(index).copied();
+        parameter.unwrap_or_else(|| self.times.time(index))
+    }
+
     /// Writes the output that is due now.
     fn record(&mut self, simulation: &impl Advance) -> Result<(), Stop> {
         let distance = simulation.minimum_distance();
         self.standing
             .tally
             .add_distance(distance, distance / self.diameter);
-        let time = self.times.time(self.standing.outputs);
-        let row = self
-            .standing
-            .tally
-            .take_row(time, distance, &simulation.energies());
+        let time = self.output_time(self.standing.outputs);
+        let energies = simulation.energies();
+        self.standing.tally.note_energies(&energies);
+        let row = self.standing.tally.take_row(time, distance, &energies);
         let frame = if self.recorder.needs_frames() {
             Frame {
                 time,
@@ -229,9 +263,10 @@ impl Session {
     }
 
     fn sync_outputs(&mut self) -> Result<StreamLengths, ResultsError> {
-        let times = self.times;
-        self.recorder
-            .sync((0..self.standing.outputs).map(|index| times.time(index)))
+        let times: Vec<f64> = (0..self.standing.outputs)
+            .map(|index| self.output_time(index))
+            .collect();
+        self.recorder.sync(times.into_iter())
     }
 
     fn usage(&self) -> Usage {

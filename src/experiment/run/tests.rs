@@ -6,6 +6,7 @@ use crate::experiment::{KnotObserver, Mode, OutputPlan};
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::{Energies, IntegrationParameters, SimulationError, StepReport};
 use crate::mechanics::scene::{NaturalShape, RodDescription, Scene, Stiffness};
+use crate::mechanics::statics::{PathPlan, PathPoint, Tracer};
 use crate::results::{
     CaseStatus, Frame, KnotRow, MANIFEST, Manifest, NODE_FORCES, NODES, SCENARIO, SERIES, SUMMARY,
     TIMINGS, VTK_COLLECTION,
@@ -72,6 +73,14 @@ impl Advance for Pendulum {
             fluid_iterations: 1,
             ..StepReport::default()
         })
+    }
+
+    fn path(&self, _: PathPlan) -> Result<Tracer, SimulationError> {
+        unreachable!("a pendulum is not asked for paths")
+    }
+
+    fn next_point(&mut self, _: &mut Tracer) -> Result<Option<PathPoint>, SimulationError> {
+        unreachable!("a pendulum has no path")
     }
 
     fn find_equilibrium(&mut self) -> Result<StepReport, SimulationError> {

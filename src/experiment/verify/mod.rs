@@ -7,6 +7,7 @@
 mod buckling;
 mod check;
 mod conservation;
+mod continuation;
 mod derivatives;
 mod determinism;
 mod drag;
@@ -33,11 +34,12 @@ type Family = fn(full: bool) -> Result<Vec<Check>, FamilyError>;
 type FamilyError = Box<dyn Error + Send + Sync>;
 
 /// All families, in the order of the table.
-const FAMILIES: [(&str, Family); 11] = [
+const FAMILIES: [(&str, Family); 12] = [
     ("derivatives", derivatives::checks),
     ("statics", statics::checks),
     ("vibration", vibration::checks),
     ("buckling", buckling::checks),
+    ("continuation", continuation::checks),
     ("helix", helix::checks),
     ("localised buckling", localized_buckling::checks),
     ("friction", friction::checks),

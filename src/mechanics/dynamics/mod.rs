@@ -7,6 +7,7 @@ mod failure;
 mod newton;
 mod observe;
 mod parameters;
+mod path;
 mod report;
 mod simulation;
 mod stage;
@@ -20,5 +21,7 @@ pub use simulation::Simulation;
 mod barrier_tests;
 #[cfg(test)]
 mod complementarity_tests;
+#[cfg(test)]
+mod path_tests;
 #[cfg(test)]
 mod tests;

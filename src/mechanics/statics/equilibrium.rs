@@ -122,7 +122,8 @@ fn limit(direction: &mut [f64], largest: f64) {
     }
 }
 
-fn extent(unknowns: &[f64]) -> f64 {
+/// Largest side of the box around all nodes, m.
+pub(super) fn extent(unknowns: &[f64]) -> f64 {
     let mut extent = 0.0_f64;
     for axis in 0..3 {
         let values = unknowns.iter().skip(axis).step_by(STRIDE);

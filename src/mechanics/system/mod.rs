@@ -259,6 +259,24 @@ impl System {
         self.matrix.solve(direction)
     }
 
+    /// Whether the Jacobian of an equilibrium is the Hessian of an energy.
+    pub fn is_symmetric(&self) -> bool {
+        self.matrix.is_symmetric()
+    }
+
+    /// Solves J x = b in place with the factors of the last factorisation; x is zero at held unknowns.
+    ///
+    /// # Errors
+    /// A system that is singular to working precision.
+    pub fn solve(&mut self, right_hand_side: &mut [f64]) -> Result<(), SingularMatrix> {
+        for (entry, held) in right_hand_side.iter_mut().zip(&self.assembly.held) {
+            if *held {
+                *entry = 0.0;
+            }
+        }
+        self.matrix.solve(right_hand_side)
+    }
+
     /// Writes the residual with other contact forces.
     fn correct_residual(&mut self, of: fn(&ImplicitContact) -> &[[f64; 12]]) {
         self.corrected_residual.copy_from_slice(&self.residual);

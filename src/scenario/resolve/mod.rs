@@ -1,6 +1,7 @@
 //! From the scenario as typed to the scenario as resolved: units, defaults, ranges.
 
 mod columns;
+mod continuation;
 mod helix_stability;
 mod knot;
 mod load;
@@ -85,6 +86,9 @@ pub fn resolve(context: &Context<'_>, file: &ScenarioFile) -> Result<Scenario, I
             }
         }
     }
+    let continuation = continuation::continuation(&top, file, &time);
+    let loads = load::loads(&top, &file.loads);
+    continuation::refuse_without_energy(&top, &time, contact.friction(), &fluid, &loads);
     let scenario = experiment.map(|experiment| Scenario {
         name: context.name.to_owned(),
         title: file
@@ -93,13 +97,14 @@ pub fn resolve(context: &Context<'_>, file: &ScenarioFile) -> Result<Scenario, I
             .unwrap_or_else(|| context.name.to_owned()),
         experiment,
         clamps: load::clamps(&top, &file.clamps),
-        loads: load::loads(&top, &file.loads),
+        loads,
         planes: load::planes(&top, &file.planes),
         contact,
         fluid,
         output: model::output(&top, &file.output, &time),
         rods,
         time,
+        continuation,
         solver,
     });
     match scenario {

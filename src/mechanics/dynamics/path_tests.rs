@@ -1,0 +1,239 @@
+//! Paths of equilibria with known critical points and branches.
+
+use super::{IntegrationParameters, Simulation};
+use crate::mechanics::Vector3;
+use crate::mechanics::scene::{
+    Clamp, Load, LoadKind, Motion, NaturalShape, RodDescription, Scene, Stiffness,
+};
+use crate::mechanics::statics::{PathMethod, PathPlan, PathPoint, PointKind};
+use std::f64::consts::PI;
+
+const EDGES: usize = 40;
+
+fn rod(centreline: Vec<Vector3>) -> RodDescription {
+    RodDescription {
+        name: "rod".into(),
+        centreline,
+        closed: false,
+        end_tangents: [None; 2],
+        first_director: Some(Vector3::z()),
+        twist: 0.0,
+        natural_shape: NaturalShape::AsPlaced,
+        // Soft about the first director alone: it bends in the plane of x and y.
+        stiffness: Stiffness {
+            stretching: 1e5,
+            bending: [50.0, 1.0],
+            twisting: 10.0,
+        },
+        radius: 1e-2,
+        mass_per_length: 1.0,
+        rotational_inertia_per_length: 1e-4,
+        velocity: Vector3::zeros(),
+        angular_velocity: Vector3::zeros(),
+        held: false,
+    }
+}
+
+fn clamp(node: usize) -> Clamp {
+    Clamp {
+        rod: 0,
+        node,
+        holds_position: true,
+        holds_frame: true,
+        motion: Motion::default(),
+    }
+}
+
+/// A force that is the parameter times `force`.
+fn growing(node: usize, force: Vector3) -> Load {
+    Load {
+        kind: LoadKind::Force {
+            rod: 0,
+            node,
+            force,
+        },
+        schedule: vec![(-1e3, -1e3), (1e3, 1e3)],
+    }
+}
+
+fn column() -> Scene {
+    let node = |k: usize| k as f64 / EDGES as f64 * Vector3::x();
+    Scene {
+        rods: vec![rod((0..=EDGES).map(node).collect())],
+        clamps: vec![clamp(0)],
+        loads: vec![growing(EDGES, -Vector3::x())],
+        ..Scene::default()
+    }
+}
+
+/// A flat arch between two walls, pushed down in its middle.
+fn arch() -> Scene {
+    let node = |k: usize| {
+        let s = k as f64 / EDGES as f64;
+        Vector3::new(s, 0.05 * (1.0 - (2.0 * PI * s).cos()), 0.0)
+    };
+    Scene {
+        rods: vec![rod((0..=EDGES).map(node).collect())],
+        clamps: vec![clamp(0), clamp(EDGES)],
+        loads: vec![growing(EDGES / 2, -Vector3::y())],
+        ..Scene::default()
+    }
+}
+
+fn plan(to: f64, method: PathMethod) -> PathPlan {
+    PathPlan {
+        from: 0.0,
+        to,
+        step: 0.02 * to,
+        largest_step: 0.04 * to,
+        method,
+        switch_branches: true,
+        most_points: 300,
+    }
+}
+
+fn follow(scene: &Scene, plan: PathPlan) -> (Vec<PathPoint>, bool) {
+    let parameters = IntegrationParameters::default();
+    let mut simulation = Simulation::new(scene, &parameters).unwrap();
+    let mut path = simulation.path(plan).unwrap();
+    let mut points = Vec::new();
+    loop {
+        match simulation.next_point(&mut path) {
+            Ok(Some(point)) => points.push(point),
+            Ok(None) => return (points, true),
+            Err(_) => return (points, false),
+        }
+    }
+}
+
+#[test]
+fn a_column_buckles_at_eulers_load_into_two_mirrored_branches() {
+    for method in [PathMethod::Natural, PathMethod::Arclength] {
+        let (points, finished) = follow(&column(), plan(4.0, method));
+        assert!(finished);
+        let critical = points.iter().find(|point| point.kind != PointKind::Regular);
+        let critical = critical.unwrap();
+        assert_eq!(critical.kind, PointKind::Bifurcation);
+        assert!((critical.parameter / (0.25 * PI * PI) - 1.0).abs() < 5e-4);
+        for point in points
+            .iter()
+            .filter(|point| point.kind == PointKind::Regular)
+        {
+            let buckled = point.branch > 0;
+            let stable = buckled || point.parameter < critical.parameter;
+            assert_eq!(point.negative == 0, stable, "{}", point.parameter);
+            assert_eq!(point.lowest_eigenvalue > 0.0, stable, "{}", point.parameter);
+        }
+        let end = |branch: usize| {
+            let last = points.iter().rfind(|point| point.branch == branch).unwrap();
+            assert_eq!(last.parameter, 4.0);
+            last.unknowns[4 * EDGES + 1]
+        };
+        // The elastica at P/P_c = 1.6211 has sin²(α/2) = 0.7103 and a tip at 2 √(EI/P) sin(α/2).
+        let tip = 2.0 * (1.0f64 / 4.0).sqrt() * tip_modulus(4.0);
+        assert!(end(0).abs() < 1e-9);
+        assert!((end(1).abs() / tip - 1.0).abs() < 1e-3, "{} {tip}", end(1));
+        assert!((end(1) + end(2)).abs() < 1e-6 * tip);
+    }
+}
+
+/// Modulus k of the elastica of unit length and stiffness under the end load P: K(k) = √P.
+fn tip_modulus(load: f64) -> f64 {
+    let quarter_period = |k: f64| {
+        // By the arithmetic–geometric mean (Abramowitz & Stegun 17.6.3).
+        let (mut a, mut g) = (1.0, (1.0 - k * k).sqrt());
+        for _ in 0..30 {
+            (a, g) = (0.5 * (a + g), (a * g as f64).sqrt());
+        }
+        PI / (2.0 * a)
+    };
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if quarter_period(middle) < load.sqrt() {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low
+}
+
+#[test]
+fn an_arch_snaps_through_at_folds_which_only_the_arclength_passes() {
+    let mut scene = arch();
+    scene.rods[0].stiffness.stretching = 2e4;
+    let to = 400.0;
+    let (points, finished) = follow(
+        &scene,
+        PathPlan {
+            switch_branches: false,
+            ..plan(to, PathMethod::Arclength)
+        },
+    );
+    assert!(finished);
+    let folds: Vec<&PathPoint> = points
+        .iter()
+        .filter(|point| point.kind == PointKind::Fold)
+        .collect();
+    assert!(folds.len() >= 2, "{}", folds.len());
+    let before: f64 = points
+        .iter()
+        .take_while(|point| point.kind != PointKind::Fold)
+        .map(|point| point.parameter)
+        .fold(0.0, f64::max);
+    assert!(folds[0].parameter >= before);
+    assert!(folds[1].parameter < folds[0].parameter);
+    let (short, finished) = follow(&scene, plan(to, PathMethod::Natural));
+    assert!(!finished);
+    let reached = short
+        .iter()
+        .map(|point| point.parameter)
+        .fold(0.0, f64::max);
+    assert!(
+        (reached / folds[0].parameter - 1.0).abs() < 1e-2,
+        "{reached}"
+    );
+}
+
+#[test]
+fn the_lowest_eigenvalue_is_that_of_the_dense_matrix() {
+    let mut simulation = Simulation::new(&column(), &IntegrationParameters::default()).unwrap();
+    let mut path = simulation.path(plan(4.0, PathMethod::Natural)).unwrap();
+    while let Some(point) = simulation.next_point(&mut path).unwrap() {
+        let weight = |unknown: &usize| if unknown % 4 == 3 { EDGES as f64 } else { 1.0 };
+        let scales: Vec<f64> = simulation.free_unknowns().iter().map(weight).collect();
+        let mut matrix = simulation.stiffness_matrix();
+        for i in 0..scales.len() {
+            for j in 0..scales.len() {
+                matrix[(i, j)] *= scales[i] * scales[j];
+            }
+        }
+        let lowest = matrix.symmetric_eigenvalues().min();
+        let error = (point.lowest_eigenvalue - lowest).abs();
+        assert!(
+            error < 1e-5 * lowest.abs() + 1e-7,
+            "{lowest} {}",
+            point.lowest_eigenvalue
+        );
+        if point.branch > 0 {
+            break;
+        }
+    }
+}
+
+#[test]
+fn moments_of_fixed_direction_have_no_path() {
+    let mut scene = column();
+    scene.loads.push(Load {
+        kind: LoadKind::Moment {
+            rod: 0,
+            edge: 3,
+            moment: Vector3::x(),
+        },
+        schedule: Vec::new(),
+    });
+    let simulation = Simulation::new(&scene, &IntegrationParameters::default()).unwrap();
+    let refused = simulation.path(plan(1.0, PathMethod::Natural));
+    assert!(refused.err().unwrap().to_string().contains("turn a clamp"));
+}

@@ -1,0 +1,1 @@
+//! Paths with known critical points.

@@ -1,0 +1,357 @@
+//! Walking along a path: predict along the tangent, correct, look for critical points, adapt the step.
+
+use super::bordered::{Bordered, Condition};
+use super::critical::Origin;
+use super::location::{Location, PathPoint, PointKind};
+use super::plan::{PathMethod, PathPlan};
+use super::spectrum::lowest_eigenpair;
+use crate::mechanics::rod::STRIDE;
+use crate::mechanics::statics::equilibrium::{extent, find_equilibrium};
+use crate::mechanics::system::{Divergence, System};
+use std::collections::VecDeque;
+
+/// A step that needs no more iterations than this may be followed by a longer one.
+const FEW_ITERATIONS: usize = 4;
+const GROWTH: f64 = 1.5;
+/// Steps shorter than this part of the first one lead nowhere.
+const SHORTEST_STEP: f64 = 1e-4;
+/// Smallest cosine between the tangents before and after a step of the arclength. Sharper turns might lead
+/// to another branch.
+const SMALLEST_COSINE: f64 = 0.8;
+
+/// Direction of the path, of length 1 in the norm of [`Tracer::length`].
+#[derive(Clone, Debug)]
+pub(super) struct Tangent {
+    pub unknowns: Vec<f64>,
+    pub parameter: f64,
+}
+
+/// Follows a path point by point.
+#[derive(Clone, Debug)]
+pub struct Tracer {
+    pub(super) plan: PathPlan,
+    pub(super) bordered: Bordered,
+    weights: [f64; 2],
+    pub(super) branch: usize,
+    branches: usize,
+    points: usize,
+    /// Where the path stands; `None` before its start and after its end.
+    pub(super) here: Option<Location>,
+    pub(super) tangent: Tangent,
+    /// Length of the next step; 1 is the whole range of the parameter.
+    step: f64,
+    pub(super) iterations: usize,
+    started: bool,
+    pub(super) waiting: VecDeque<PathPoint>,
+    pub(super) origins: VecDeque<Origin>,
+    pub(super) vector: Vec<f64>,
+}
+
+impl Tracer {
+    /// A tracer at `unknowns`, near which the path of `plan` begins; `tolerance` is the residual left at a
+    /// point as a multiple of the force scale.
+    pub fn new(system: &System, unknowns: &[f64], plan: PathPlan, tolerance: f64) -> Self {
+        let assembly = &system.assembly;
+        let extent = extent(unknowns);
+        let unit = assembly.force_scale / extent;
+        let spin_unit = unit * assembly.shortest_edge * assembly.shortest_edge;
+        let units = [unit, spin_unit];
+        Self {
+            bordered: Bordered::new(
+                unknowns.len(),
+                plan.range(),
+                tolerance,
+                units,
+                assembly.rounding_stiffness,
+            ),
+            weights: Bordered::weights(unknowns.len(), extent),
+            branch: 0,
+            branches: 1,
+            points: 0,
+            here: Some(Location {
+                parameter: plan.from,
+                unknowns: unknowns.to_vec(),
+                reference: system.reference.clone(),
+                negative: 0,
+            }),
+            tangent: Tangent {
+                unknowns: vec![0.0; unknowns.len()],
+                parameter: plan.range(),
+            },
+            step: plan.step / plan.range().abs(),
+            iterations: 0,
+            started: false,
+            waiting: VecDeque::new(),
+            origins: VecDeque::new(),
+            vector: vec![0.0; unknowns.len()],
+            plan,
+        }
+    }
+
+    /// The next point of the path; `None` after the last.
+    ///
+    /// # Errors
+    /// [`Divergence`] where there is no equilibrium to start at, where the path cannot be followed by the
+    /// smallest step, and where the Hessian is not symmetric, as with friction or moments of fixed
+    /// direction.
+    pub fn next(&mut self, system: &mut System) -> Result<Option<PathPoint>, Divergence> {
+        while self.waiting.is_empty() {
+            if !self.started {
+                self.started = true;
+                self.start(system)?;
+            } else if self.here.is_some() {
+                self.advance(system)?;
+            } else if let Some(origin) = self.origins.pop_front() {
+                self.branch = self.branches;
+                if self.switch(system, &origin) {
+                    self.branches += 1;
+                }
+            } else {
+                return Ok(None);
+            }
+        }
+        Ok(self.waiting.pop_front())
+    }
+
+    /// Finds the equilibrium at the start and the direction in which to leave it.
+    fn start(&mut self, system: &mut System) -> Result<(), Divergence> {
+        let start = self.here.take().expect("a tracer starts somewhere");
+        let condition = self.at_parameter(start.parameter, &start.unknowns);
+        let found = self.correct(system, &start, &condition, start.unknowns.clone());
+        let location = match found {
+            Ok(location) => location,
+            Err(_) => {
+                let mut relaxed = start.clone();
+                system.reference.clone_from(&start.reference);
+                system.drive(start.parameter, &mut relaxed.unknowns);
+                let tolerance = self.bordered.tolerance;
+                let force = system.force_tolerance(tolerance, &relaxed.unknowns);
+                self.iterations += find_equilibrium(system, &mut relaxed.unknowns, force)?;
+                relaxed.reference.clone_from(&system.reference);
+                self.correct(system, &relaxed, &condition, relaxed.unknowns.clone())?
+            }
+        };
+        self.turn_tangent(None);
+        self.arrive(system, location, PointKind::Regular);
+        Ok(())
+    }
+
+    /// Takes one step.
+    fn advance(&mut self, system: &mut System) -> Result<(), Divergence> {
+        let here = self.here.take().expect("called on a path");
+        if self.points >= self.plan.most_points {
+            return Ok(());
+        }
+        let largest = self.plan.largest_step / self.plan.range().abs();
+        loop {
+            let step = self.step.min(largest);
+            let before = self.tangent.clone();
+            let attempt = self.step_by(system, &here, step);
+            let turned = attempt.as_ref().is_ok_and(|_| {
+                self.turn_tangent(Some(&before));
+                self.plan.method == PathMethod::Arclength
+                    && self.inner(&before, &self.tangent) < SMALLEST_COSINE
+            });
+            match attempt {
+                Ok(next) if !turned => {
+                    if self.iterations <= FEW_ITERATIONS {
+                        self.step = (GROWTH * step).min(largest);
+                    }
+                    self.locate_critical_points(system, &here, &before, &next, step);
+                    self.arrive_or_end(system, &here, next);
+                    return Ok(());
+                }
+                attempt => {
+                    self.tangent = before;
+                    self.step = 0.5 * step;
+                    if self.step < SHORTEST_STEP * self.plan.step / self.plan.range().abs() {
+                        return match attempt {
+                            Err(divergence) => Err(divergence),
+                            // A corner of the path: go round it.
+                            Ok(next) => {
+                                self.turn_tangent(None);
+                                self.arrive_or_end(system, &here, next);
+                                Ok(())
+                            }
+                        };
+                    }
+                }
+            }
+        }
+    }
+
+    /// The point of the path that lies `step` ahead of `from`.
+    pub(super) fn step_by(
+        &mut self,
+        system: &mut System,
+        from: &Location,
+        step: f64,
+    ) -> Result<Location, Divergence> {
+        let mut length = step;
+        if self.plan.method == PathMethod::Natural {
+            // The parameter grows evenly; the last step ends at the end of its range.
+            length /= (self.tangent.parameter / self.plan.range()).abs();
+            let left = (self.end_ahead() - from.parameter) / self.tangent.parameter;
+            length = length.min(left);
+        }
+        let parameter = from.parameter + length * self.tangent.parameter;
+        let predicted: Vec<f64> = (from.unknowns.iter().zip(&self.tangent.unknowns))
+            .map(|(q, t)| q + length * t)
+            .collect();
+        let condition = match self.plan.method {
+            PathMethod::Natural => self.at_parameter(parameter, &predicted),
+            PathMethod::Arclength => {
+                let tangent = self.tangent.clone();
+                self.across(&tangent, parameter, &predicted)
+            }
+        };
+        self.correct(system, from, &condition, predicted)
+    }
+
+    /// The end of the range of λ that the path moves towards.
+    fn end_ahead(&self) -> f64 {
+        if self.tangent.parameter * self.plan.range() >= 0.0 {
+            self.plan.to
+        } else {
+            self.plan.from
+        }
+    }
+
+    /// Ends the branch where the range of the parameter ends; goes on otherwise.
+    fn arrive_or_end(&mut self, system: &mut System, before: &Location, next: Location) {
+        let part = |parameter: f64| (parameter - self.plan.from) / self.plan.range();
+        let end = if part(next.parameter) >= 1.0 {
+            self.plan.to
+        } else if part(next.parameter) <= 0.0 {
+            self.plan.from
+        } else {
+            self.arrive(system, next, PointKind::Regular);
+            return;
+        };
+        let share = (end - before.parameter) / (next.parameter - before.parameter);
+        let between = (before.unknowns.iter().zip(&next.unknowns))
+            .map(|(a, b)| a + share * (b - a))
+            .collect();
+        let condition = self.at_parameter(end, &next.unknowns);
+        if let Ok(last) = self.correct(system, before, &condition, between) {
+            self.arrive(system, last, PointKind::Regular);
+        }
+        self.here = None;
+    }
+
+    /// Makes `location` the place where the path stands, and a point to be handed out.
+    pub(super) fn arrive(&mut self, system: &mut System, location: Location, kind: PointKind) {
+        self.hand_out(system, &location, kind);
+        self.points += 1;
+        self.here = Some(location);
+    }
+
+    /// Queues a point; leaves its lowest eigenvector in `vector`.
+    pub(super) fn hand_out(&mut self, system: &mut System, location: &Location, kind: PointKind) {
+        system.reference.clone_from(&location.reference);
+        let mut unknowns = location.unknowns.clone();
+        system.drive(location.parameter, &mut unknowns);
+        let units = self.bordered.unit;
+        let lowest = lowest_eigenpair(system, &unknowns, units, &mut self.vector);
+        self.waiting.push_back(PathPoint {
+            branch: self.branch,
+            parameter: location.parameter,
+            unknowns,
+            reference: location.reference.clone(),
+            negative: location.negative,
+            lowest_eigenvalue: lowest.unwrap_or(f64::NAN),
+            kind,
+            iterations: std::mem::take(&mut self.iterations),
+        });
+    }
+
+    /// Newton's method from `unknowns` with the frames of `from`.
+    pub(super) fn correct(
+        &mut self,
+        system: &mut System,
+        from: &Location,
+        condition: &Condition,
+        mut unknowns: Vec<f64>,
+    ) -> Result<Location, Divergence> {
+        system.reference.clone_from(&from.reference);
+        let mut parameter = condition.start_parameter;
+        let converged = self
+            .bordered
+            .correct(system, &mut unknowns, &mut parameter, condition)?;
+        self.iterations += converged.iterations;
+        system.commit_frames();
+        Ok(Location {
+            parameter,
+            unknowns,
+            reference: system.reference.clone(),
+            negative: converged.negative,
+        })
+    }
+
+    /// Prescribes the parameter.
+    fn at_parameter(&self, parameter: f64, unknowns: &[f64]) -> Condition {
+        Condition {
+            unknowns: vec![0.0; unknowns.len()],
+            parameter: 1.0,
+            start: unknowns.to_vec(),
+            start_parameter: parameter,
+        }
+    }
+
+    /// Prescribes a plane across `tangent` through a point.
+    pub(super) fn across(&self, tangent: &Tangent, parameter: f64, unknowns: &[f64]) -> Condition {
+        let range = self.plan.range();
+        Condition {
+            unknowns: (tangent.unknowns.iter().enumerate())
+                .map(|(k, t)| self.weight(k) * t)
+                .collect(),
+            parameter: tangent.parameter / (range * range),
+            start: unknowns.to_vec(),
+            start_parameter: parameter,
+        }
+    }
+
+    /// Takes the direction (∂q/∂λ, 1) of the last correction, pointing like `before`, or else towards the
+    /// end of the range.
+    pub(super) fn turn_tangent(&mut self, before: Option<&Tangent>) {
+        let mut tangent = Tangent {
+            unknowns: self.bordered.rate.clone(),
+            parameter: 1.0,
+        };
+        let along = before.map_or(self.tangent.parameter, |before| {
+            self.inner(before, &tangent)
+        });
+        let factor = self
+            .inner(&tangent, &tangent)
+            .sqrt()
+            .recip()
+            .copysign(along);
+        tangent.unknowns.iter_mut().for_each(|t| *t *= factor);
+        tangent.parameter = factor;
+        self.tangent = tangent;
+    }
+
+    /// Inner product of two directions.
+    pub(super) fn inner(&self, a: &Tangent, b: &Tangent) -> f64 {
+        let range = self.plan.range();
+        let moved: f64 = (a.unknowns.iter().zip(&b.unknowns).enumerate())
+            .map(|(k, (a, b))| self.weight(k) * a * b)
+            .sum();
+        moved + a.parameter * b.parameter / (range * range)
+    }
+
+    fn weight(&self, unknown: usize) -> f64 {
+        self.weights[usize::from(unknown % STRIDE == 3)]
+    }
+
+    /// Length of the first step.
+    pub(super) fn first_step(&self) -> f64 {
+        self.plan.step / self.plan.range().abs()
+    }
+
+    /// Begins a branch with its first steps short again.
+    pub(super) fn begin_branch(&mut self) {
+        self.points = 0;
+        self.step = self.first_step();
+    }
+}
