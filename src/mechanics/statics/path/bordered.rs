@@ -12,19 +12,21 @@
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::system::{Divergence, System};
 
-/// Added to the Hessian that is solved with, in units of EI/L³: rods that can move without stiffness (a
-/// ring that rolls, a column that buckles in any plane) have singular Hessians, by which rounding errors
-/// would grow without bound. Equilibria are not changed by it; much more would cost iterations.
+/// Added to the Hessian that is solved with at first, in units of EI/L³, and most iterations with it: rods
+/// that can move without stiffness (a ring that rolls, a column that buckles in any plane) have singular
+/// Hessians, by which rounding errors would grow without bound. Equilibria are not changed by it, but near
+/// critical points it takes many iterations; where these do not suffice, next to nothing is added.
 const REGULARIZATION: f64 = 1e-4;
+const REGULARIZED_ITERATIONS: usize = 6;
 /// Added to the Hessian whose pivots are counted, so that motions without stiffness count as stable. The
 /// loads of critical points are too large by some millionths for it.
 const NEUTRAL: f64 = 1e-6;
 /// But no less than this multiple of the rounding error of the stiffest entry.
 const ROUNDINGS: f64 = 8.0;
-/// Most iterations; a step that needs more is too long.
+/// Most iterations with next to nothing added; a step that needs more is too long.
 const ITERATIONS: usize = 12;
 /// Step of the parameter over its range in the difference quotient of ∂R/∂λ.
-const DIFFERENCE: f64 = 1e-4;
+const DIFFERENCE: f64 = 1e-3;
 
 /// The condition that singles out a point of the path: c·(q − q₀) + d (λ − λ₀) = 0.
 #[derive(Clone, Debug)]
@@ -91,7 +93,28 @@ impl Bordered {
         parameter: &mut f64,
         condition: &Condition,
     ) -> Result<Converged, Divergence> {
-        for iterations in 0..=ITERATIONS {
+        let start = (unknowns.to_vec(), *parameter);
+        let regularization = REGULARIZATION.max(self.neutral);
+        let most = REGULARIZED_ITERATIONS;
+        self.iterate(system, unknowns, parameter, condition, regularization, most)
+            .or_else(|_| {
+                unknowns.copy_from_slice(&start.0);
+                *parameter = start.1;
+                let neutral = self.neutral;
+                self.iterate(system, unknowns, parameter, condition, neutral, ITERATIONS)
+            })
+    }
+
+    fn iterate(
+        &mut self,
+        system: &mut System,
+        unknowns: &mut [f64],
+        parameter: &mut f64,
+        condition: &Condition,
+        regularization: f64,
+        most: usize,
+    ) -> Result<Converged, Divergence> {
+        for iterations in 0..=most {
             system.drive(*parameter, unknowns);
             system.update_candidates(unknowns);
             self.differentiate(system, unknowns, *parameter);
@@ -103,11 +126,10 @@ impl Bordered {
                 residual,
                 unknown,
             };
-            if !residual.is_finite() || iterations == ITERATIONS {
+            if !residual.is_finite() {
                 return Err(failed);
             }
-            self.factor(system, REGULARIZATION.max(self.neutral))
-                .ok_or(failed)?;
+            self.factor(system, regularization).ok_or(failed)?;
             self.newton.copy_from_slice(&system.residual);
             self.newton.iter_mut().for_each(|r| *r = -*r);
             self.rate.iter_mut().for_each(|b| *b = -*b);
@@ -121,14 +143,17 @@ impl Bordered {
             if !change.is_finite() {
                 return Err(failed);
             }
-            let close = change.abs() <= 1e-10 * self.range.max(parameter.abs());
-            if residual <= force && close {
+            // An equilibrium; where along the path it lies does not matter to the last digit.
+            if residual <= force {
                 system.linearize(unknowns, None);
                 let negative = self.factor(system, self.neutral).ok_or(failed)?;
                 return Ok(Converged {
                     iterations,
                     negative,
                 });
+            }
+            if iterations == most {
+                return Err(failed);
             }
             for k in 0..unknowns.len() {
                 unknowns[k] += self.newton[k] + change * self.rate[k];

@@ -53,7 +53,7 @@ impl Tracer {
     pub fn new(system: &System, unknowns: &[f64], plan: PathPlan, tolerance: f64) -> Self {
         let assembly = &system.assembly;
         let extent = extent(unknowns);
-        let unit = assembly.force_scale / extent;
+        let unit = assembly.softest_scale / extent;
         let spin_unit = unit * assembly.shortest_edge * assembly.shortest_edge;
         let units = [unit, spin_unit];
         Self {
