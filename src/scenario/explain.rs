@@ -220,7 +220,8 @@ time
 "###);
         insta::assert_snapshot!(explain("time.mode").unwrap(), @r###"
 time.mode
-  "dynamic" (the default), "static" (equilibrium by Newton's method without inertia), or "continuation" (equilibria along a path, with folds, bifurcations and stability; see [continuation]).
+  "dynamic" (the default), "static" (equilibrium by Newton's method without inertia), or
+  "continuation" (equilibria along a path, with folds, bifurcations and stability; see [continuation]).
   Modes of a run.
   "dynamic": Time steps from zero to `end`.
   "static": Equilibrium, without inertia.

@@ -66,11 +66,11 @@ fn column() -> Scene {
     }
 }
 
-/// A flat arch between two walls, pushed down in its middle.
+/// An arch between two walls, pushed down in its middle; so flat that it stays symmetric.
 fn arch() -> Scene {
     let node = |k: usize| {
         let s = k as f64 / EDGES as f64;
-        Vector3::new(s, 0.05 * (1.0 - (2.0 * PI * s).cos()), 0.0)
+        Vector3::new(s, 0.018 * (1.0 - (2.0 * PI * s).cos()), 0.0)
     };
     Scene {
         rods: vec![rod((0..=EDGES).map(node).collect())],
@@ -163,11 +163,14 @@ fn tip_modulus(load: f64) -> f64 {
 fn an_arch_snaps_through_at_folds_which_only_the_arclength_passes() {
     let mut scene = arch();
     scene.rods[0].stiffness.stretching = 2e4;
-    let to = 400.0;
+    let to = 200.0;
     let (points, finished) = follow(
         &scene,
         PathPlan {
             switch_branches: false,
+            largest_step: 0.004 * to,
+            step: 0.004 * to,
+            most_points: 2000,
             ..plan(to, PathMethod::Arclength)
         },
     );
@@ -177,7 +180,8 @@ fn an_arch_snaps_through_at_folds_which_only_the_arclength_passes() {
         .position(|point| point.kind == PointKind::Fold)
         .unwrap();
     let fold = &points[first];
-    assert!(fold.lowest_eigenvalue.abs() < 1e-3 * points[0].lowest_eigenvalue);
+    let (lowest, start) = (fold.lowest_eigenvalue, points[0].lowest_eigenvalue);
+    assert!(lowest.abs() < 1e-3 * start, "{lowest} of {start}");
     for point in &points {
         // None lies beyond the fold before the arch has turned over.
         let up = point.unknowns[4 * (EDGES / 2) + 1] > 0.0;

@@ -16,7 +16,7 @@ use crate::mechanics::system::{Divergence, System};
 /// that can move without stiffness (a ring that rolls, a column that buckles in any plane) have singular
 /// Hessians, by which rounding errors would grow without bound. Equilibria are not changed by it, but near
 /// critical points it takes many iterations; where these do not suffice, next to nothing is added.
-const REGULARIZATION: f64 = 1e-4;
+const REGULARIZATION: f64 = 1e-3;
 const REGULARIZED_ITERATIONS: usize = 6;
 /// Added to the Hessian whose pivots are counted, so that motions without stiffness count as stable. The
 /// loads of critical points are too large by some millionths for it.

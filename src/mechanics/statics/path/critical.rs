@@ -37,25 +37,27 @@ impl Tracer {
             PointKind::Bifurcation
         };
         self.tangent = tangent.clone();
-        let (mut low, mut low_negative) = (0.0, here.negative);
+        let mut low = here.clone();
         for _ in 0..MOST_IN_A_STEP {
-            if low_negative == next.negative {
+            if low.negative == next.negative {
                 break;
             }
-            let (mut high, mut found) = (step, next.clone());
-            while high - low > TOLERANCE {
-                let middle = 0.5 * (low + high);
-                match self.step_by(system, here, middle) {
-                    Ok(location) if location.negative == low_negative => low = middle,
-                    Ok(location) => (high, found) = (middle, location),
+            let mut high = next.clone();
+            let mut length = step;
+            while length > TOLERANCE {
+                length *= 0.5;
+                match self.halfway(system, &low, &high) {
+                    Ok(middle) if middle.negative == low.negative => low = middle,
+                    Ok(middle) => high = middle,
+                    // So near the critical point that Newton's method cannot tell where it goes.
                     Err(_) => break,
                 }
             }
-            (low, low_negative) = (high, found.negative);
-            self.hand_out(system, &found, kind);
+            self.hand_out(system, &high, kind);
             if kind == PointKind::Bifurcation && self.plan.switch_branches && self.branch == 0 {
-                self.remember(&found);
+                self.remember(&high);
             }
+            low = high;
         }
         self.tangent = after;
     }

@@ -34,7 +34,7 @@ pub struct PathPoint {
     pub unknowns: Vec<f64>,
     /// Frames of the edges.
     pub reference: ReferenceFrames,
-    /// Directions in which the energy falls; at a critical point those before it.
+    /// Directions in which the energy falls; at a critical point those just behind it.
     pub negative: usize,
     /// Lowest eigenvalue of the Hessian over motions of the nodes in m and of the edges in rad times the
     /// shortest edge, N/m.

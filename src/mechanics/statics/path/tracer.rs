@@ -181,7 +181,7 @@ impl Tracer {
     }
 
     /// The point of the path that lies `step` ahead of `from`.
-    pub(super) fn step_by(
+    fn step_by(
         &mut self,
         system: &mut System,
         from: &Location,
@@ -198,6 +198,31 @@ impl Tracer {
         let predicted: Vec<f64> = (from.unknowns.iter().zip(&self.tangent.unknowns))
             .map(|(q, t)| q + length * t)
             .collect();
+        self.correct_along(system, from, parameter, predicted)
+    }
+
+    /// The point of the path halfway between two of its points.
+    pub(super) fn halfway(
+        &mut self,
+        system: &mut System,
+        low: &Location,
+        high: &Location,
+    ) -> Result<Location, Divergence> {
+        let parameter = 0.5 * (low.parameter + high.parameter);
+        let predicted: Vec<f64> = (low.unknowns.iter().zip(&high.unknowns))
+            .map(|(a, b)| 0.5 * (a + b))
+            .collect();
+        self.correct_along(system, low, parameter, predicted)
+    }
+
+    /// Goes from a prediction to the path: at its parameter, or across the tangent.
+    fn correct_along(
+        &mut self,
+        system: &mut System,
+        from: &Location,
+        parameter: f64,
+        predicted: Vec<f64>,
+    ) -> Result<Location, Divergence> {
         let condition = match self.plan.method {
             PathMethod::Natural => self.at_parameter(parameter, &predicted),
             PathMethod::Arclength => {
