@@ -23,6 +23,8 @@ pub enum Template {
     Flagella,
     /// An overhand knot whose ends are pulled apart.
     KnotTightening,
+    /// An overhand knot that is pulled until its loop snaps onto the braid.
+    KnotInversion,
     /// Where clamped helical rods lose stability.
     HelixStability,
 }
@@ -33,6 +35,7 @@ impl Template {
             Self::Scene => include_str!("templates/scene.toml"),
             Self::Flagella => include_str!("templates/flagella.toml"),
             Self::KnotTightening => include_str!("templates/knot_tightening.toml"),
+            Self::KnotInversion => include_str!("templates/knot_inversion.toml"),
             Self::HelixStability => include_str!("templates/helix_stability.toml"),
         }
     }

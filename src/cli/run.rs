@@ -127,6 +127,14 @@ fn summary(outcome: &RunOutcome) -> String {
     if let Some(distance) = case.minimum_distance {
         line("smallest distance", format!("{:.4} mm", 1e3 * distance));
     }
+    if let Some(knot) = &case.knot {
+        let length = |value: Option<f64>| value.map_or("none".to_owned(), |l| format!("{l:.2}"));
+        line("inversion, by force", length(knot.inversion_by_force));
+        line("inversion, by height", length(knot.inversion_by_height));
+        if let Some(ending) = knot.knot_ending {
+            line("ended early", ending.in_words().to_owned());
+        }
+    }
     line(
         "wall time",
         format!("{:.2} s", outcome.wall_time.as_secs_f64()),

@@ -1,6 +1,6 @@
 //! What is measured of a knot at each output time.
 
-use crate::knot::{determinant, fit_circle};
+use crate::knot::{determinant, fit_circle, silhouette};
 use crate::mechanics::contact::ActiveContact;
 use crate::mechanics::dynamics::Simulation;
 use crate::results::KnotRow;
@@ -13,12 +13,18 @@ pub struct KnotObserver {
     pub radius: f64,
     /// Bending stiffness EI, N m².
     pub bending_stiffness: f64,
+    /// Stretching stiffness EA, N.
+    pub stretching_stiffness: f64,
     /// Length of the rod, m.
     pub length: f64,
     /// Gap below which surfaces count as touching, m.
     pub tolerance: f64,
     /// Determinant of the knot that was tied.
     pub determinant: u64,
+    /// When its ends begin to move, s.
+    pub pulled_from: f64,
+    /// Whether the run ends some time after the knot has inverted.
+    pub ends_after_inversion: bool,
 }
 
 impl KnotObserver {
@@ -32,8 +38,10 @@ impl KnotObserver {
             simulation.reaction(last).dot(&axis),
         ];
         let contacts = simulation.contacts();
+        let touching = self.touching(contacts);
+        let silhouette = silhouette(positions, self.radius, &touching);
         let loop_radius = self
-            .free_loop(positions.len(), contacts)
+            .free_loop(positions.len(), &touching)
             .and_then(|nodes| fit_circle(&positions[nodes]))
             .map(|circle| circle.radius);
         let end_to_end = (positions[last] - positions[0]).norm();
@@ -46,6 +54,10 @@ impl KnotObserver {
             loop_radius_m: loop_radius,
             force_normalized: 0.5 * (tractions[0] + tractions[1]) * unit,
             epsilon: loop_radius.map(|radius| (self.radius / radius).sqrt()),
+            length_normalized: (self.length - end_to_end) / self.radius,
+            loop_height_m: silhouette.map(|shape| shape.height),
+            braid_width_m: silhouette.map(|shape| shape.width),
+            height_normalized: silhouette.map(|shape| shape.height / shape.width),
             contact_force_n: contacts.iter().map(|contact| contact.normal_force).sum(),
             knot_determinant: determinant(positions),
         }
@@ -56,17 +68,24 @@ impl KnotObserver {
         row.knot_determinant == Some(self.determinant)
     }
 
-    /// The loop: the longest run of nodes out of contact between nodes in contact; `None` without contact.
-    fn free_loop(&self, nodes: usize, contacts: &[ActiveContact]) -> Option<Range<usize>> {
-        let mut touching = vec![false; nodes];
+    /// The pairs of nodes whose edges touch, the node nearer to the start of the rod first.
+    fn touching(&self, contacts: &[ActiveContact]) -> Vec<(usize, usize)> {
         let near = |contact: &&ActiveContact| contact.distance - contact.threshold < self.tolerance;
-        for contact in contacts.iter().filter(near) {
-            for node in contact.nodes {
-                touching[node] = true;
-            }
+        let pairs = |contact: &ActiveContact| {
+            let [a, b, c, d] = contact.nodes;
+            [(a, c), (a, d), (b, c), (b, d)].map(|(i, j)| (i.min(j), i.max(j)))
+        };
+        contacts.iter().filter(near).flat_map(pairs).collect()
+    }
+
+    /// The loop: the longest run of nodes out of contact between nodes in contact; `None` without contact.
+    fn free_loop(&self, nodes: usize, touching: &[(usize, usize)]) -> Option<Range<usize>> {
+        let mut touched = vec![false; nodes];
+        for &(i, j) in touching {
+            (touched[i], touched[j]) = (true, true);
         }
-        let touching: Vec<usize> = (0..nodes).filter(|&node| touching[node]).collect();
-        touching
+        let touched: Vec<usize> = (0..nodes).filter(|&node| touched[node]).collect();
+        touched
             .windows(2)
             .map(|pair| pair[0] + 1..pair[1])
             .max_by_key(|run| run.len())
@@ -91,9 +110,12 @@ mod tests {
     const OBSERVER: KnotObserver = KnotObserver {
         radius: 1e-3,
         bending_stiffness: 1e-6,
+        stretching_stiffness: 4.0,
         length: 1.0,
         tolerance: 1e-4,
         determinant: 3,
+        pulled_from: 2.0,
+        ends_after_inversion: false,
     };
 
     fn contact(nodes: [usize; 4], gap: f64) -> ActiveContact {
@@ -114,7 +136,8 @@ mod tests {
             contact([14, 15, 33, 34], 5e-5),
             contact([22, 23, 40, 41], 2e-4),
         ];
-        assert_eq!(OBSERVER.free_loop(60, &contacts), Some(16..30));
+        let touching = OBSERVER.touching(&contacts);
+        assert_eq!(OBSERVER.free_loop(60, &touching), Some(16..30));
         assert_eq!(OBSERVER.free_loop(60, &[]), None);
     }
 

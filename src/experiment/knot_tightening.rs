@@ -1,4 +1,4 @@
-//! Knot tightening (thesis 2.5): an overhand knot whose ends are pulled apart at constant speed.
+//! Knot tightening (thesis 2.5) and inversion (thesis 3): an overhand knot whose ends are pulled apart at constant speed.
 //!
 //! **Geometry.** The knot of [`overhand_nodes`] lies around the x axis, its ends on it; the rod is naturally straight
 //! and starts without twist.
@@ -17,6 +17,10 @@ use std::f64::consts::TAU;
 
 /// Part of the settling time after which its drag begins to fade.
 const FULL_DRAG: f64 = 0.7;
+/// Drag at the very start over that which settles the loop, and the part of the settling time within which it falls to
+/// that: the strands, which stand apart, meet slowly, else those with much friction find no way to rest.
+const FIRST_DRAG: f64 = 100.0;
+const SLOWED: f64 = 0.3;
 /// Damping rate of the settling drag over the frequency √(EI/ρA)/R² of the loop; 2 is critical.
 const SETTLING_DRAG: f64 = 4.0;
 
@@ -69,6 +73,8 @@ pub fn add(
         (
             settling,
             vec![
+                (0.0, FIRST_DRAG),
+                (SLOWED * knot.settling_time, 1.0),
                 (FULL_DRAG * knot.settling_time, 1.0),
                 (knot.settling_time, 0.0),
             ],
@@ -116,8 +122,9 @@ fn described(centreline: Vec<Vector3>, material: &Material, rod: &BuilderRod) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::prepare;
+    use crate::experiment::{RunOptions, prepare, run};
     use crate::mechanics::dynamics::Simulation;
+    use crate::results::{KnotEnding, KnotOutcome};
     use crate::scenario::from_text_with;
     use std::path::Path;
 
@@ -167,6 +174,50 @@ mod tests {
         // A loose trefoil: 2πR is less than the shortening by the braid.
         let radius = row.loop_radius_m.unwrap();
         assert!((0.09..0.13).contains(&radius), "{radius}");
+    }
+
+    /// Runs the knot of a scenario file, changed, and tells what the knot came to.
+    fn outcome(overrides: &[&str]) -> KnotOutcome {
+        let text = include_str!("../../scenarios/inversion_n3.toml");
+        let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
+        let loaded = from_text_with("inversion_n3", text, Path::new(""), &overrides).unwrap();
+        let prepared = prepare(&loaded.scenario).unwrap();
+        let directory = tempfile::tempdir().unwrap();
+        let options = RunOptions::new(directory.path());
+        run(&prepared, &options).unwrap().case.knot.unwrap()
+    }
+
+    #[test]
+    fn a_cinquefoil_inverts_and_both_measures_say_where() {
+        let knot = outcome(&[
+            "knot.unknotting_number=2",
+            "knot.length=0.4",
+            "rod.nodes=126",
+            "knot.end_to_end=0.22",
+            "knot.pull_speed=\"6 mm/s\"",
+            "knot.settling_time=0.5",
+            "time.end=10.0",
+        ]);
+        assert_eq!(knot.knot_ending, Some(KnotEnding::Inverted));
+        assert!((knot.inversion_by_force.unwrap() - 74.0).abs() < 2.0);
+        assert!(knot.inversion_difference.unwrap() < 0.02);
+        assert!(knot.kinetic_over_elastic.unwrap() < 0.01);
+    }
+
+    #[test]
+    fn a_trefoil_does_not_invert_and_is_pulled_until_it_locks() {
+        let knot = outcome(&[
+            "knot.unknotting_number=1",
+            "knot.length=0.3",
+            "rod.nodes=101",
+            "knot.end_to_end=0.2",
+            "knot.pull_speed=\"10 mm/s\"",
+            "knot.settling_time=0.5",
+            "time.end=5.4",
+        ]);
+        assert_eq!(knot.knot_ending, Some(KnotEnding::Locked));
+        assert_eq!(knot.inversion_by_force, None);
+        assert_eq!(knot.inversion_by_height, None);
     }
 
     #[test]

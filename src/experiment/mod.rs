@@ -5,6 +5,7 @@ mod curve;
 mod derived;
 mod flagella;
 mod helix_stability;
+mod knot_course;
 mod knot_observer;
 mod knot_tightening;
 mod plot;

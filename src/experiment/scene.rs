@@ -35,6 +35,11 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
             material,
             rod,
             knot,
+        }
+        | Experiment::KnotInversion {
+            material,
+            rod,
+            knot,
         } => {
             let end = match scenario.time {
                 Time::Static | Time::Continuation => 0.0,
@@ -120,15 +125,17 @@ fn path_plan(path: &Continuation) -> PathPlan {
 }
 
 fn knot_observer(scenario: &Scenario, scene: &mechanics::Scene) -> Option<KnotObserver> {
-    let Experiment::KnotTightening { rod, knot, .. } = &scenario.experiment else {
-        return None;
-    };
+    let (rod, knot) = scenario.experiment.knot()?;
+    let stiffness = &scene.rods.first()?.stiffness;
     Some(KnotObserver {
         radius: rod.radius,
-        bending_stiffness: scene.rods.first()?.stiffness.bending[0],
+        bending_stiffness: stiffness.bending[0],
+        stretching_stiffness: stiffness.stretching,
         length: knot.length,
         tolerance: scene.contact?.distance_tolerance,
         determinant: 2 * knot.unknotting_number as u64 + 1,
+        pulled_from: knot.settling_time,
+        ends_after_inversion: matches!(scenario.experiment, Experiment::KnotInversion { .. }),
     })
 }
 

@@ -21,6 +21,8 @@ pub struct Overhand {
 /// Distance of the strands' centrelines from the axis of the braid, in radii: the surfaces stand 0.4 h apart. Nearer
 /// strands overlap where the polyline cuts the corners of a coarse helix; farther ones have longer to settle.
 const STRAND_OFFSET: f64 = 1.2;
+/// Least length of the tails beyond the braid, in radii: over it the strands come back to the axis.
+const SHORTEST_TAIL: f64 = 8.0;
 /// Points of the smooth curve per part: tails, braid, loop.
 const POINTS: usize = 4000;
 /// Repetitions of the search for the shortening that gives the rod its length; each gains more than a digit.
@@ -54,19 +56,19 @@ fn smooth_curve(knot: &Overhand, shortening: f64) -> Result<Vec<Vector3>, String
     let shape = relaxed_loop(knot.unknotting_number, knot.radius, shortening);
     let half_braid = 0.5 * shape.braid;
     let half_line = 0.5 * knot.end_to_end;
-    // Beyond the braid the strands come back to the axis, or to the elastica, over this length.
-    let fade = shape.radius;
-    if !(half_line > half_braid + fade) {
+    let tail = half_line - half_braid;
+    let least = SHORTEST_TAIL * knot.radius;
+    if !(tail > least) {
         return Err(format!(
             "the knot is {:.4} m wide, its ends only {:.4} m apart",
-            2.0 * (half_braid + fade),
+            2.0 * (half_braid + least),
             knot.end_to_end
         ));
     }
     let half_turns = 2 * knot.unknotting_number + 1;
     let offset = STRAND_OFFSET * knot.radius;
-    // Distance from the axis beyond an end of the braid, `along` being the length from there.
-    let faded = |along: f64| offset * (1.0 - smooth_step(along / fade));
+    // Beyond the braid the strands come back to the axis as slowly as the tails allow, lest they touch the loop.
+    let faded = |along: f64| offset * (1.0 - smooth_step(along / tail));
     let strand = |x: f64, phase: f64| {
         let part = (x + half_braid) / (2.0 * half_braid);
         let angle = phase + half_turns as f64 * PI * smooth_step(part);
@@ -82,7 +84,7 @@ fn smooth_curve(knot: &Overhand, shortening: f64) -> Result<Vec<Vector3>, String
     let mut curve: Vec<Vector3> = line(-half_line, -half_braid, PI).collect();
     curve.extend(line(-half_braid, half_braid, PI).skip(1));
     curve.extend(
-        loop_points(&shape.elastica, shape.radius, half_braid, &faded)
+        loop_points(&shape.elastica, shape.radius, half_braid, offset)
             .into_iter()
             .skip(1),
     );
@@ -91,13 +93,8 @@ fn smooth_curve(knot: &Overhand, shortening: f64) -> Result<Vec<Vector3>, String
     Ok(curve)
 }
 
-/// The loop from the right end of the braid round to its left end, above it at both.
-fn loop_points(
-    elastica: &LoopElastica,
-    radius: f64,
-    half_braid: f64,
-    faded: &dyn Fn(f64) -> f64,
-) -> Vec<Vector3> {
+/// The loop from the right end of the braid round to its left end, above it at both; the elastica itself at the top.
+fn loop_points(elastica: &LoopElastica, radius: f64, half_braid: f64, offset: f64) -> Vec<Vector3> {
     let points = elastica.points(POINTS);
     let length = points[POINTS][2] * radius;
     points
@@ -106,7 +103,8 @@ fn loop_points(
         .map(|(k, &[x, y, s])| {
             let angle = std::f64::consts::TAU * k as f64 / POINTS as f64;
             let along = (s * radius).min(length - s * radius);
-            let inward = Vector3::new(-angle.sin(), angle.cos(), 0.0) * faded(along);
+            let distance = offset * (1.0 - smooth_step(2.0 * along / length));
+            let inward = Vector3::new(-angle.sin(), angle.cos(), 0.0) * distance;
             Vector3::new(half_braid + x * radius, y * radius, 0.0) + inward
         })
         .collect()

@@ -18,6 +18,7 @@ mod directory;
 mod error;
 mod forces;
 mod frame;
+mod knot;
 mod manifest;
 mod nodes;
 mod outcome;
@@ -43,6 +44,7 @@ pub use directory::{
 pub use error::ResultsError;
 pub use forces::{NodeForces, read_node_forces};
 pub use frame::Frame;
+pub use knot::{KnotEnding, KnotOutcome};
 pub use manifest::{
     CaseRecord, CaseStatus, MAIN_CASE, MANIFEST, Manifest, RodRecord, scenario_hash,
 };

@@ -1,5 +1,6 @@
 //! What a case came to: the numbers of `summary.csv` and of the manifest.
 
+use super::KnotOutcome;
 use serde::{Deserialize, Serialize};
 
 /// Scalar outcomes of a case; the same bytes on every machine.
@@ -31,6 +32,9 @@ pub struct CaseOutcome {
     pub gravitational_energy: Option<f64>,
     /// Path parameter of the first fold or bifurcation of a path of equilibria.
     pub critical_parameter: Option<f64>,
+    /// What became of the knot, where one was tied.
+    #[serde(default)]
+    pub knot: Option<KnotOutcome>,
 }
 
 impl CaseOutcome {

@@ -221,7 +221,8 @@ mod tests {
         let header = text.lines().next().unwrap();
         assert!(header.contains(
             "gravitational_energy_j,end_to_end_m,shortening_m,traction_start_n,traction_end_n,loop_radius_m,\
-             force_normalized,epsilon,contact_force_n,knot_determinant"
+             force_normalized,epsilon,length_normalized,loop_height_m,braid_width_m,height_normalized,contact_force_n,\
+             knot_determinant"
         ));
         let read = crate::results::read_knot_series(directory.path()).unwrap();
         assert_eq!(read, [rows]);

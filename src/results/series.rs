@@ -56,6 +56,14 @@ pub struct KnotRow {
     pub force_normalized: f64,
     /// ε = √(h/R).
     pub epsilon: Option<f64>,
+    /// l̄_k = (L − l_c)/h: the shortening over the radius of the rod (thesis Eq. 3.4).
+    pub length_normalized: f64,
+    /// Clear height H of the loop: from its middle to the braid, surface to surface; empty without contact.
+    pub loop_height_m: Option<f64>,
+    /// Width W of the knot: from end to end of the braid.
+    pub braid_width_m: Option<f64>,
+    /// H̄ = H/W.
+    pub height_normalized: Option<f64>,
     /// Sum of all normal forces between the strands.
     pub contact_force_n: f64,
     /// Determinant of the knot; empty where it cannot be told.

@@ -4,7 +4,7 @@
 
 use super::atomic::write_whole_before;
 use super::directory::{SUMMARY, TIMINGS};
-use super::{CaseOutcome, CaseStatus, ResultsError, Usage};
+use super::{CaseOutcome, CaseStatus, KnotOutcome, ResultsError, Usage};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -41,6 +41,9 @@ pub struct SummaryRow {
     pub gravitational_energy_j: Option<f64>,
     /// Path parameter of the first fold or bifurcation; empty where there is no path, or none on it.
     pub critical_parameter: Option<f64>,
+    /// What became of the knot: further columns of tables with a case that had one.
+    #[serde(skip)]
+    pub knot: Option<KnotOutcome>,
 }
 
 impl SummaryRow {
@@ -62,6 +65,7 @@ impl SummaryRow {
             elastic_energy_j: outcome.elastic_energy,
             gravitational_energy_j: outcome.gravitational_energy,
             critical_parameter: outcome.critical_parameter,
+            knot: outcome.knot,
         }
     }
 }
@@ -78,7 +82,7 @@ struct TimingRow<'a> {
 
 /// Writes `summary.csv`, whole; the manifest, written after it, makes it safe.
 pub fn write_summary(directory: &Path, rows: &[SummaryRow]) -> Result<(), ResultsError> {
-    write_table(&directory.join(SUMMARY), rows.iter())
+    write_whole_before(&directory.join(SUMMARY), &summary_table(rows.iter()))
 }
 
 /// Writes `timings.csv`: the cost of each case. See [`write_summary`].
@@ -90,7 +94,7 @@ pub fn write_timings(directory: &Path, cases: &[(&str, Usage)]) -> Result<(), Re
         cpu_time_s: usage.cpu_time.map(|time| time.as_secs_f64()),
         peak_memory_bytes: usage.peak_memory,
     });
-    write_table(&directory.join(TIMINGS), rows)
+    write_whole_before(&directory.join(TIMINGS), &table(rows))
 }
 
 /// Writes `summary.csv` of a sweep: `case`, a column for each of `keys`, then the other columns. Each row has
@@ -100,7 +104,7 @@ pub fn write_sweep_summary(
     keys: &[&str],
     rows: &[(Vec<String>, SummaryRow)],
 ) -> Result<(), ResultsError> {
-    let plain = table(rows.iter().map(|(_, row)| row));
+    let plain = summary_table(rows.iter().map(|(_, row)| row));
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
         .from_reader(plain.as_slice());
@@ -121,11 +125,13 @@ pub fn write_sweep_summary(
     write_whole_before(&directory.join(SUMMARY), &bytes)
 }
 
-fn write_table(
-    path: &Path,
-    rows: impl Iterator<Item = impl Serialize>,
-) -> Result<(), ResultsError> {
-    write_whole_before(path, &table(rows))
+/// Column names and rows of a summary, with the columns of knots if any case has one.
+fn summary_table<'a>(rows: impl Iterator<Item = &'a SummaryRow> + Clone) -> Vec<u8> {
+    if rows.clone().any(|row| row.knot.is_some()) {
+        table(rows.map(|row| (row, row.knot.unwrap_or_default())))
+    } else {
+        table(rows)
+    }
 }
 
 /// Column names and rows.

@@ -4,7 +4,7 @@ use super::PlotError;
 use crate::figure::{AxisScale, Curve, LinePlot, PlotStyle, styled_line_plots};
 use crate::knot::{TREFOIL_FRICTION, audoly_traction, jawed_traction};
 use crate::results::{KnotRow, SCENARIO, SERIES, Table, read_knot_series};
-use crate::scenario::{Experiment, load};
+use crate::scenario::load;
 use std::path::Path;
 
 /// F̄ = F h²/EI over ε = √(h/R) while the ends move apart, on logarithmic axes, as SVG; `None` where no knot was
@@ -21,7 +21,7 @@ pub(super) fn traction_figure(directory: &Path) -> Result<Option<String>, PlotEr
         return Ok(None);
     }
     let scenario = load(&directory.join(SCENARIO), &[])?.scenario;
-    let Experiment::KnotTightening { rod, knot, .. } = &scenario.experiment else {
+    let Some((rod, knot)) = scenario.experiment.knot() else {
         return Ok(None);
     };
     let rows = read_knot_series(directory)?.into_iter();

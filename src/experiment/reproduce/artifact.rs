@@ -4,6 +4,7 @@ use super::bundling::{Bundling, ContactModel, DISTANCE_TOLERANCE, STEP};
 use super::drag_steps;
 use super::figure_2_5;
 use super::helices::Helices;
+use super::inversion::Inversion;
 use super::tightening::Tightening;
 
 /// A table or figure of the thesis, or one about this engine itself.
@@ -21,6 +22,14 @@ pub enum Artifact {
     Figure2_7,
     /// Traction of overhand knots.
     Figure2_8,
+    /// The inversion of an overhand knot.
+    Figure3_4,
+    /// Inversion over the radius of the rod.
+    Figure3_5,
+    /// Inversion over the unknotting number.
+    Figure3_6,
+    /// Inversion over friction.
+    Figure3_7,
     /// The boundary of the stable helices.
     Figure6_2,
     /// Its section ω = 0.
@@ -37,6 +46,8 @@ pub(super) enum Runs {
     Bundling(Vec<Bundling>),
     /// Knots pulled tight.
     Tightening(Vec<Tightening>),
+    /// Knots pulled until they invert.
+    Inversion(Vec<Inversion>),
     /// Stability of helices.
     Helices(Vec<Helices>),
 }
@@ -59,13 +70,17 @@ const QUICK_END_OF_STEPS: f64 = 5.0;
 
 impl Artifact {
     /// All of them.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 14] = [
         Self::Table2_1,
         Self::Table2_2,
         Self::Figure2_5,
         Self::Figure2_6,
         Self::Figure2_7,
         Self::Figure2_8,
+        Self::Figure3_4,
+        Self::Figure3_5,
+        Self::Figure3_6,
+        Self::Figure3_7,
         Self::Figure6_2,
         Self::Figure6_6,
         Self::Cost,
@@ -88,6 +103,10 @@ impl Artifact {
             Self::Figure2_6 => "fig2.6",
             Self::Figure2_7 => "fig2.7",
             Self::Figure2_8 => "fig2.8",
+            Self::Figure3_4 => "fig3.4",
+            Self::Figure3_5 => "fig3.5",
+            Self::Figure3_6 => "fig3.6",
+            Self::Figure3_7 => "fig3.7",
             Self::Figure6_2 => "fig6.2",
             Self::Figure6_6 => "fig6.6",
             Self::Cost => "cost",
@@ -104,6 +123,10 @@ impl Artifact {
             Self::Figure2_6 => "Figure 2.6: two flagella with growing friction, snapshots",
             Self::Figure2_7 => "Figure 2.7: a trefoil pulled tight, traction and theory",
             Self::Figure2_8 => "Figure 2.8: overhand knots pulled tight, traction and theory",
+            Self::Figure3_4 => "Figure 3.4: an overhand knot pulled until it inverts",
+            Self::Figure3_5 => "Figure 3.5: inversion over the radius of the rod",
+            Self::Figure3_6 => "Figure 3.6: inversion over the unknotting number",
+            Self::Figure3_7 => "Figure 3.7: inversion over friction",
             Self::Figure6_2 => "Figure 6.2: the boundary of the stable helices",
             Self::Figure6_6 => "Figure 6.6: the boundary of the stable helices at ω = 0",
             Self::Cost => "Cost of a step over the number of flagella",
@@ -116,6 +139,7 @@ impl Artifact {
         match self.runs(quick) {
             Runs::Bundling(runs) => runs.iter().map(Bundling::cost).sum(),
             Runs::Tightening(runs) => runs.iter().map(Tightening::cost).sum(),
+            Runs::Inversion(runs) => runs.iter().map(Inversion::cost).sum(),
             Runs::Helices(runs) => runs.iter().map(Helices::cost).sum(),
         }
     }
@@ -125,6 +149,10 @@ impl Artifact {
         match self {
             Self::Figure2_7 => Runs::Tightening(Tightening::of_figure_2_7(quick)),
             Self::Figure2_8 => Runs::Tightening(Tightening::of_figure_2_8(quick)),
+            Self::Figure3_4 => Runs::Inversion(Inversion::of_figure_3_4(quick)),
+            Self::Figure3_5 => Runs::Inversion(Inversion::of_figure_3_5(quick)),
+            Self::Figure3_6 => Runs::Inversion(Inversion::of_figure_3_6(quick)),
+            Self::Figure3_7 => Runs::Inversion(Inversion::of_figure_3_7(quick)),
             Self::Figure6_2 | Self::Figure6_6 => Runs::Helices(vec![Helices::of_the_thesis(quick)]),
             _ => Runs::Bundling(self.bundlings(quick)),
         }
@@ -178,7 +206,14 @@ impl Artifact {
             Self::DragSteps => drag_steps::STEPS
                 .map(|step| Bundling { step, ..free(2) })
                 .to_vec(),
-            Self::Figure2_7 | Self::Figure2_8 | Self::Figure6_2 | Self::Figure6_6 => Vec::new(),
+            Self::Figure2_7
+            | Self::Figure2_8
+            | Self::Figure3_4
+            | Self::Figure3_5
+            | Self::Figure3_6
+            | Self::Figure3_7
+            | Self::Figure6_2
+            | Self::Figure6_6 => Vec::new(),
         }
     }
 }
@@ -207,6 +242,10 @@ mod tests {
                         .map(|run| (run.id(), [run.prepare().scene.rods.len(), run.flagella]))
                         .unzip(),
                     Runs::Tightening(runs) => runs
+                        .iter()
+                        .map(|run| (run.id(), [run.prepare().scene.rods.len(), 1]))
+                        .unzip(),
+                    Runs::Inversion(runs) => runs
                         .iter()
                         .map(|run| (run.id(), [run.prepare().scene.rods.len(), 1]))
                         .unzip(),

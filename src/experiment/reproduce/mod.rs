@@ -8,10 +8,12 @@
 //! | `artifact` | what there is, and its runs |
 //! | `bundling` | a run of bundling flagella (thesis 2.4.2) |
 //! | `tightening` | a knot pulled tight (thesis 2.5) |
+//! | `inversion` | a knot pulled until it inverts (thesis 3) |
 //! | `helices` | the search for the boundary of the stable helices (thesis 6.2) |
 //! | `cases` | running the runs |
 //! | `page` | CSV, Markdown and manifest of an artefact |
 //! | `table_2_1`, `table_2_2`, `figure_2_5` to `figure_2_8` | one artefact each |
+//! | `figure_3_4`, `inversion_factors` | figures 3.4 and 3.5 to 3.7; `inversion_page` and `inversion_pictures` are their parts |
 //! | `figure_6_2` | figures 6.2 and 6.6 |
 //! | `cost`, `drag_steps` | what steps cost, and what larger ones lose |
 //! | `difference` | distance of the nodes between two runs (thesis Eq. 2.28) |
@@ -26,8 +28,13 @@ mod figure_2_5;
 mod figure_2_6;
 mod figure_2_7;
 mod figure_2_8;
+mod figure_3_4;
 mod figure_6_2;
 mod helices;
+mod inversion;
+mod inversion_factors;
+mod inversion_page;
+mod inversion_pictures;
 mod page;
 mod table_2_1;
 mod table_2_2;
@@ -120,6 +127,15 @@ fn make(
             }?;
             page
         }
+        Runs::Inversion(runs) => {
+            let cases = cases::run_all(runs, options, report)?;
+            let mut page = Page::begin(artifact, options, &cases)?;
+            match artifact {
+                Artifact::Figure3_4 => figure_3_4::write(&mut page, &cases),
+                _ => inversion_factors::write(&mut page, artifact, &cases),
+            }?;
+            page
+        }
         Runs::Helices(runs) => {
             let cases = cases::run_all(runs, options, report)?;
             let mut page = Page::begin(artifact, options, &cases)?;
@@ -147,6 +163,11 @@ mod tests {
             Runs::Tightening(runs) => runs
                 .iter_mut()
                 .for_each(|run| (run.settling, run.end) = (0.0, 1e-2)),
+            Runs::Inversion(runs) => runs.iter_mut().for_each(|run| {
+                run.settling = 0.0;
+                run.last = run.start - 0.005 * run.pull_speed / run.radius;
+                run.resolution = 0.5 * (run.start - run.last);
+            }),
             Runs::Helices(runs) => runs
                 .iter_mut()
                 .for_each(|run| (run.directions, run.section_directions) = (60, 9)),

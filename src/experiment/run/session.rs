@@ -7,13 +7,14 @@ use super::records::{manifest_of_call, recorder_plan, rod_records};
 use super::stop::{Stop, StopRequest};
 use super::tally::Tally;
 use super::{Reached, RunError, RunOptions, RunOutcome, RunStatus};
+use crate::experiment::knot_course::KnotCourse;
 use crate::experiment::knot_observer::changed_knot;
 use crate::experiment::{KnotObserver, Mode, PreparedRun};
 use crate::mechanics::dynamics::{SimulationError, StepReport};
 use crate::results::{
     CaseRecord, CaseStatus, CheckpointFiles, Frame, MAIN_CASE, MANIFEST, Manifest, Recorder,
     ResultsDirectory, ResultsError, SCENARIO, StreamLengths, SummaryRow, Usage, UsageMeter,
-    place_whole, scenario_hash, sync, write_summary, write_timings,
+    place_whole, read_knot_series, scenario_hash, sync, write_summary, write_timings,
 };
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -48,6 +49,8 @@ struct Standing {
     tally: Tally,
     /// Cost of the calls before this one.
     earlier_usage: Usage,
+    /// Where a knot stands.
+    knot: KnotCourse,
 }
 
 /// What a checkpoint holds.
@@ -153,7 +156,7 @@ impl Session {
         simulation: &mut impl Advance,
         stop_requested: &dyn Fn() -> Option<StopRequest>,
     ) -> Result<(), Stop> {
-        while self.standing.outputs <= self.times.last() {
+        while self.standing.outputs <= self.times.last() && self.standing.knot.ending.is_none() {
             let target = self.times.time(self.standing.outputs);
             while simulation.time() < target {
                 self.ask_to_stop(stop_requested)?;
@@ -238,11 +241,14 @@ impl Session {
         self.recorder
             .record(self.standing.outputs, &(row, knot), &frame)?;
         self.standing.outputs += 1;
-        if observer.recognises(&knot) {
-            return Ok(());
+        if !observer.recognises(&knot) {
+            let changed = changed_knot(time, observer.determinant, knot.knot_determinant);
+            return Err(Stop::Simulation(SimulationError::Unphysical(changed)));
         }
-        let changed = changed_knot(time, observer.determinant, knot.knot_determinant);
-        Err(Stop::Simulation(SimulationError::Unphysical(changed)))
+        if time > observer.pulled_from {
+            self.standing.knot.add(&knot, &observer);
+        }
+        Ok(())
     }
 
     fn write_checkpoint(&mut self, simulation: &impl Advance) -> Result<(), ResultsError> {
@@ -321,6 +327,13 @@ impl Session {
         error: Option<String>,
     ) -> Result<(), ResultsError> {
         let path = self.directory.path();
+        if let Some(observer) = self.knot {
+            let outcome = self
+                .standing
+                .knot
+                .outcome(&read_knot_series(path)?, &observer);
+            self.standing.tally.outcome.knot = Some(outcome);
+        }
         let (outcome, usage) = (self.standing.tally.outcome, self.usage());
         write_summary(path, &[SummaryRow::new(MAIN_CASE, status, &outcome)])?;
         write_timings(path, &[(MAIN_CASE, usage)])?;

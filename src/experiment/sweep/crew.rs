@@ -35,7 +35,7 @@ pub(super) struct Job {
 /// What became of a case at one attempt.
 pub(super) enum Attempt {
     /// It stands like this, and this process has done what it can.
-    Settled(CaseRecord),
+    Settled(Box<CaseRecord>),
     /// Another process works on it.
     Held,
     /// It was not begun, because the sweep is to stop.
@@ -150,7 +150,7 @@ impl<'a> Crew<'a> {
     pub fn run_one(&self, job: &Job) -> Option<CaseRecord> {
         loop {
             match self.attempt(job) {
-                Attempt::Settled(record) => return Some(record),
+                Attempt::Settled(record) => return Some(*record),
                 Attempt::Stopped => return None,
                 Attempt::Held => std::thread::sleep(WAIT),
             }
@@ -170,7 +170,7 @@ impl<'a> Crew<'a> {
 
     fn try_attempt(&self, job: &Job) -> Result<Attempt, ResultsError> {
         if let Some(record) = self.settled(&job.case)? {
-            return Ok(Attempt::Settled(record));
+            return Ok(Attempt::Settled(Box::new(record)));
         }
         if self.stops() {
             return Ok(Attempt::Stopped);
@@ -183,7 +183,7 @@ impl<'a> Crew<'a> {
         self.lock_claimed().insert(id.clone(), claim);
         // Another process may have finished it before this one had the claim.
         let attempt = match self.settled(&job.case) {
-            Ok(Some(record)) => Ok(Attempt::Settled(record)),
+            Ok(Some(record)) => Ok(Attempt::Settled(Box::new(record))),
             Ok(None) => self.run_claimed(job),
             Err(error) => Err(error),
         };
@@ -233,7 +233,7 @@ impl<'a> Crew<'a> {
                 self.stopped.store(true, Ordering::Relaxed);
             }
         }
-        Ok(Attempt::Settled(record))
+        Ok(Attempt::Settled(Box::new(record)))
     }
 
     fn prepare(&self, job: &Job) -> Result<PreparedRun, ScenarioError> {

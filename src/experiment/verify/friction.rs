@@ -1,10 +1,11 @@
 //! Coulomb friction: a rod on an incline, a rope around a post.
 
+use super::contact::contact_parameters;
 use super::rods::{line, steady, unit_rod};
 use super::theory::friction::{Capstan, sliding_acceleration};
 use super::{Check, Claim, FamilyError};
 use crate::mechanics::Vector3;
-use crate::mechanics::contact::ContactParameters;
+use crate::mechanics::contact::{ContactModel, ContactParameters};
 use crate::mechanics::dynamics::{IntegrationParameters, Simulation, StepSize};
 use crate::mechanics::scene::{Clamp, LoadKind, Motion, Plane, RodDescription, Scene, Stiffness};
 use std::f64::consts::PI;
@@ -23,31 +24,44 @@ const CAPSTAN: Claim = Claim {
 };
 const GRAVITY: f64 = 9.81;
 
-/// Sliding and sticking on an incline, and the capstan.
+/// The contact models by their names in scenario files, with the speed at which each may creep instead of
+/// sticking, as a fraction of the slip tolerance.
+///
+/// The smoothed law creeps below its slip tolerance; rigid contact sticks but for the tolerance of Newton's method.
+const MODELS: [(ContactModel, &str, f64); 3] = [
+    (ContactModel::ImplicitContact, "imc", 1.0),
+    (ContactModel::IncrementalPotential, "ipc", 1.0),
+    (ContactModel::Complementarity, "complementarity", 1e-4),
+];
+
+/// Sliding and sticking on an incline, and the capstan, by every contact model.
 pub fn checks(_full: bool) -> Result<Vec<Check>, FamilyError> {
     let (steep, shallow) = (30f64.to_radians(), 20f64.to_radians());
-    let sliding = slide(steep, 0.3)?;
-    let sticking = slide(shallow, 0.5)?;
     let slip_tolerance = ContactParameters::default().slip_tolerance;
-    Ok(vec![
-        SLIDING.relative(
-            "rod on an incline of 30°, μ = 0.3: acceleration",
-            "m/s²",
-            sliding_acceleration(GRAVITY, steep, 0.3),
-            sliding.acceleration,
-            1e-2,
-        ),
-        // The smoothed law creeps below its slip tolerance instead of sticking.
-        STICKING.scaled(
-            "rod on an incline of 20°, μ = 0.5: speed over slip tolerance",
-            "",
-            0.0,
-            sticking.speed / slip_tolerance,
-            1.0,
-            1.0,
-        ),
-        capstan()?,
-    ])
+    let mut checks = Vec::new();
+    for (model, name, creep) in MODELS {
+        let sliding = slide(model, steep, 0.3)?;
+        let sticking = slide(model, shallow, 0.5)?;
+        checks.extend([
+            SLIDING.relative(
+                format!("rod on an incline of 30°, μ = 0.3, {name}: acceleration"),
+                "m/s²",
+                sliding_acceleration(GRAVITY, steep, 0.3),
+                sliding.acceleration,
+                1e-2,
+            ),
+            STICKING.scaled(
+                format!("rod on an incline of 20°, μ = 0.5, {name}: speed over slip tolerance"),
+                "",
+                0.0,
+                sticking.speed / slip_tolerance,
+                1.0,
+                creep,
+            ),
+            capstan(model, name)?,
+        ]);
+    }
+    Ok(checks)
 }
 
 /// What a rod on an incline does at the end.
@@ -59,11 +73,8 @@ struct Slide {
 }
 
 /// A rod along the line of steepest descent, let go at rest.
-fn slide(incline: f64, friction: f64) -> Result<Slide, FamilyError> {
-    let contact = ContactParameters {
-        friction,
-        ..ContactParameters::default()
-    };
+fn slide(model: ContactModel, incline: f64, friction: f64) -> Result<Slide, FamilyError> {
+    let contact = contact_parameters(model, friction);
     let rod = unit_rod(line(Vector3::zeros(), 0.1 * Vector3::x(), 4));
     let height = rod.radius + 0.5 * contact.distance_tolerance;
     let lifted = rod.centreline.iter().map(|x| x + height * Vector3::z());
@@ -113,14 +124,14 @@ const ROPE_FRICTION: f64 = 0.3;
 const PULL: f64 = 0.02;
 
 /// A rope over a post, half a turn; a weight hangs on one leg, the other is pulled.
-fn capstan() -> Result<Check, FamilyError> {
+fn capstan(model: ContactModel, name: &str) -> Result<Check, FamilyError> {
     let rope = rope();
     let (stiffness, nodes) = (rope.stiffness, rope.centreline.clone());
     let parameters = IntegrationParameters {
         step: StepSize::Fixed(5e-4),
         ..IntegrationParameters::default()
     };
-    let mut simulation = Simulation::new(&capstan_scene(rope), &parameters)?;
+    let mut simulation = Simulation::new(&capstan_scene(model, rope), &parameters)?;
     let tension = |simulation: &Simulation, edge: usize| {
         let natural = (nodes[edge + 1] - nodes[edge]).norm();
         let now = simulation.positions();
@@ -147,7 +158,7 @@ fn capstan() -> Result<Check, FamilyError> {
     };
     let expected = theory.greater_tension(lesser);
     Ok(CAPSTAN.relative(
-        "rope over a post, μ = 0.3, half a turn: T₂/T₁",
+        format!("rope over a post, μ = 0.3, half a turn, {name}: T₂/T₁"),
         "",
         expected / lesser,
         greater / lesser,
@@ -188,7 +199,7 @@ fn rope() -> RodDescription {
     }
 }
 
-fn capstan_scene(rope: RodDescription) -> Scene {
+fn capstan_scene(model: ContactModel, rope: RodDescription) -> Scene {
     let last = rope.centreline.len() - 1;
     let half = 0.05 * Vector3::z();
     let post = RodDescription {
@@ -223,10 +234,7 @@ fn capstan_scene(rope: RodDescription) -> Scene {
                 rotation: 0.0,
             }),
         ],
-        contact: Some(ContactParameters {
-            friction: ROPE_FRICTION,
-            ..ContactParameters::default()
-        }),
+        contact: Some(contact_parameters(model, ROPE_FRICTION)),
         ..Scene::default()
     }
 }

@@ -7,6 +7,7 @@
 mod buckling;
 mod check;
 mod conservation;
+mod contact;
 mod continuation;
 mod derivatives;
 mod determinism;
@@ -34,7 +35,7 @@ type Family = fn(full: bool) -> Result<Vec<Check>, FamilyError>;
 type FamilyError = Box<dyn Error + Send + Sync>;
 
 /// All families, in the order of the table.
-const FAMILIES: [(&str, Family); 12] = [
+const FAMILIES: [(&str, Family); 13] = [
     ("derivatives", derivatives::checks),
     ("statics", statics::checks),
     ("vibration", vibration::checks),
@@ -43,6 +44,7 @@ const FAMILIES: [(&str, Family); 12] = [
     ("helix", helix::checks),
     ("localised buckling", localized_buckling::checks),
     ("friction", friction::checks),
+    ("contact", contact::checks),
     ("drag", drag::checks),
     ("conservation", conservation::checks),
     ("symmetry", symmetry::checks),

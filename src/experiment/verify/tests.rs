@@ -67,3 +67,8 @@ fn determinism_pass() {
 fn friction_pass() {
     assert_passes(friction::checks);
 }
+
+#[test]
+fn contact_passes() {
+    assert_passes(contact::checks);
+}

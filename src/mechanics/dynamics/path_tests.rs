@@ -141,9 +141,9 @@ fn a_column_buckles_at_eulers_load_into_two_mirrored_branches() {
 fn tip_modulus(load: f64) -> f64 {
     let quarter_period = |k: f64| {
         // By the arithmetic–geometric mean (Abramowitz & Stegun 17.6.3).
-        let (mut a, mut g) = (1.0, (1.0 - k * k).sqrt());
+        let (mut a, mut g): (f64, f64) = (1.0, (1.0 - k * k).sqrt());
         for _ in 0..30 {
-            (a, g) = (0.5 * (a + g), (a * g as f64).sqrt());
+            (a, g) = (0.5 * (a + g), (a * g).sqrt());
         }
         PI / (2.0 * a)
     };

@@ -2,7 +2,7 @@
 
 use super::rod::{material, refuse_degenerate};
 use super::section::{NON_NEGATIVE, POSITIVE, Section};
-use crate::scenario::resolved::{BuilderRod, CrossSection, Experiment, Knot, KnotEnds, Time};
+use crate::scenario::resolved::{BuilderRod, CrossSection, Knot, KnotEnds, Material, Time};
 use crate::scenario::typed;
 use std::f64::consts::TAU;
 
@@ -19,14 +19,14 @@ const DRAG_SHARE: f64 = 0.002;
 /// Default of the settling time in periods R² √(ρA/EI), and the least, s.
 const SETTLING: (f64, f64) = (6.0, 2.0);
 
-/// Resolves the knot and how it is pulled; `None` if a whole number is at fault, which is reported.
-pub fn knot_tightening(
+/// Resolves the knotted rod and how it is pulled; `None` if a whole number is at fault, which is reported.
+pub fn knot(
     top: &Section<'_>,
     material_table: &typed::Material,
     rod: &typed::BuilderRod,
     typed: &typed::Knot,
     time: &Time,
-) -> Option<Experiment> {
+) -> Option<(Material, BuilderRod, Knot)> {
     let section = top.below("knot");
     let rod_section = top.below("rod");
     let unknotting_number = section.count(
@@ -89,17 +89,14 @@ pub fn knot_tightening(
             .fault("mode", "knots are pulled tight in time: use \"dynamic\"");
     }
     let (unknotting_number, nodes) = (unknotting_number?, nodes?);
-    Some(Experiment::KnotTightening {
-        material,
-        rod: BuilderRod { radius, nodes },
-        knot: Knot {
-            unknotting_number,
-            length,
-            end_to_end,
-            ends: typed.ends.unwrap_or(KnotEnds::Clamped),
-            pull_speed,
-            settling_time,
-            damping,
-        },
-    })
+    let knot = Knot {
+        unknotting_number,
+        length,
+        end_to_end,
+        ends: typed.ends.unwrap_or(KnotEnds::Clamped),
+        pull_speed,
+        settling_time,
+        damping,
+    };
+    Some((material, BuilderRod { radius, nodes }, knot))
 }

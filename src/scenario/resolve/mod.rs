@@ -14,7 +14,7 @@ mod shape;
 pub use polyline::read as read_polyline;
 
 use super::issue::{Issues, KeyPath};
-use super::resolved::{Contact, Experiment, Fluid, Scenario, Time};
+use super::resolved::{BuilderRod, Contact, Experiment, Fluid, Knot, Material, Scenario, Time};
 use super::typed::{self, ScenarioFile};
 use section::Section;
 use std::cell::RefCell;
@@ -59,16 +59,17 @@ pub fn resolve(context: &Context<'_>, file: &ScenarioFile) -> Result<Scenario, I
         .map(|rod| rod.radius)
         .chain(experiment.iter().filter_map(|experiment| match experiment {
             Experiment::Scene | Experiment::HelixStability { .. } => None,
-            Experiment::Flagella { rod, .. } | Experiment::KnotTightening { rod, .. } => {
-                Some(rod.radius)
-            }
+            Experiment::Flagella { rod, .. }
+            | Experiment::KnotTightening { rod, .. }
+            | Experiment::KnotInversion { rod, .. } => Some(rod.radius),
         }))
         .fold(f64::INFINITY, f64::min);
     let solver = model::solver(&top, &file.solver);
     model::refuse_small_steps(&top, &time, &solver);
     let contact = model::contact(&top, file.contact.as_ref(), smallest_radius);
     model::refuse_rigid_statics(&top, &contact, &time);
-    if contact == Contact::None && matches!(experiment, Some(Experiment::KnotTightening { .. })) {
+    let knotted = experiment.as_ref().and_then(Experiment::knot).is_some();
+    if contact == Contact::None && knotted {
         top.missing("contact", "a knot needs contact: a table [contact]");
     }
     let fluid = model::fluid(&top, file.fluid.as_ref());
@@ -120,27 +121,28 @@ fn experiment(
     file: &ScenarioFile,
     time: &Time,
 ) -> Option<Experiment> {
-    let names = "\"scene\", \"flagella\", \"knot-tightening\" or \"helix-stability\"";
+    let names =
+        "\"scene\", \"flagella\", \"knot-tightening\", \"knot-inversion\" or \"helix-stability\"";
     let experiment = top.needed("experiment", file.experiment, names)?;
+    let knotted = matches!(
+        experiment,
+        typed::Experiment::KnotTightening | typed::Experiment::KnotInversion
+    );
     for (key, present, owner) in [
         (
             "flagella",
             file.flagella.is_some(),
-            typed::Experiment::Flagella,
+            experiment == typed::Experiment::Flagella,
         ),
-        (
-            "knot",
-            file.knot.is_some(),
-            typed::Experiment::KnotTightening,
-        ),
+        ("knot", file.knot.is_some(), knotted),
         (
             "helix_stability",
             file.helix_stability.is_some(),
-            typed::Experiment::HelixStability,
+            experiment == typed::Experiment::HelixStability,
         ),
     ] {
         let builder = experiment != typed::Experiment::Scene;
-        if present && builder && experiment != owner {
+        if present && builder && !owner {
             top.fault(key, "this table is for another experiment");
         }
     }
@@ -168,10 +170,20 @@ fn experiment(
             model::flagella(top, material, rod, flagella)
         }
         typed::Experiment::KnotTightening => {
-            let built = built_rod(top, file);
-            let knot = top.needed("knot", file.knot.as_ref(), "a table [knot]");
-            let ((rod, material), knot) = (built?, knot?);
-            knot::knot_tightening(top, material, rod, knot, time)
+            let (material, rod, knot) = knotted_rod(top, file, time)?;
+            Some(Experiment::KnotTightening {
+                material,
+                rod,
+                knot,
+            })
+        }
+        typed::Experiment::KnotInversion => {
+            let (material, rod, knot) = knotted_rod(top, file, time)?;
+            Some(Experiment::KnotInversion {
+                material,
+                rod,
+                knot,
+            })
         }
         typed::Experiment::HelixStability => {
             for (key, present) in [
@@ -192,6 +204,18 @@ fn experiment(
             helix_stability::helix_stability(context, top, typed)
         }
     }
+}
+
+/// The knotted rod of an experiment with knots; `None` if a fault was reported.
+fn knotted_rod(
+    top: &Section<'_>,
+    file: &ScenarioFile,
+    time: &Time,
+) -> Option<(Material, BuilderRod, Knot)> {
+    let built = built_rod(top, file);
+    let knot = top.needed("knot", file.knot.as_ref(), "a table [knot]");
+    let ((rod, material), knot) = (built?, knot?);
+    knot::knot(top, material, rod, knot, time)
 }
 
 /// Rod and material of a builder; `None` if one is missing, which is reported.

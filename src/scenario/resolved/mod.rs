@@ -85,6 +85,15 @@ pub enum Experiment {
         /// The knot and how it is pulled.
         knot: Knot,
     },
+    /// An overhand knot whose ends are pulled apart until its loop has snapped onto the braid.
+    KnotInversion {
+        /// Material of the rod.
+        material: Material,
+        /// Radius and nodes of the rod.
+        rod: BuilderRod,
+        /// The knot and how it is pulled.
+        knot: Knot,
+    },
     /// Where clamped helical rods lose stability.
     HelixStability {
         /// Rod and directions.
@@ -99,7 +108,18 @@ impl Experiment {
             Self::Scene => "scene",
             Self::Flagella { .. } => "flagella",
             Self::KnotTightening { .. } => "knot-tightening",
+            Self::KnotInversion { .. } => "knot-inversion",
             Self::HelixStability { .. } => "helix-stability",
+        }
+    }
+
+    /// The knot and its rod, where there is one.
+    pub fn knot(&self) -> Option<(&BuilderRod, &Knot)> {
+        match self {
+            Self::KnotTightening { rod, knot, .. } | Self::KnotInversion { rod, knot, .. } => {
+                Some((rod, knot))
+            }
+            Self::Scene | Self::Flagella { .. } | Self::HelixStability { .. } => None,
         }
     }
 }

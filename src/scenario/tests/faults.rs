@@ -84,11 +84,11 @@ beam.toml:30:18: `contact.slip_tolerance`: 0.0 is out of range; allowed: greater
     insta::assert_snapshot!(faults("[output]", "[fluid]\nviscosity = 1\nfar_field_error = 1e-9\n[output]"), @"beam.toml:28:19: `fluid.far_field_error`: 1e-9 is out of range; allowed: 0, or from 1e-6 to 1e-2");
     insta::assert_snapshot!(faults("nodes = true", "nodes = 1979-05-27"), @"beam.toml:27:9: `output.nodes`: expected `true` or `false`, found a date");
     insta::assert_snapshot!(faults("nodes = true", "nodes = "), @"beam.toml:27:9: not TOML: string values must be quoted, expected literal string");
-    insta::assert_snapshot!(faults("experiment = \"scene\"\n", ""), @r#"beam.toml:1:1: missing key `experiment` ("scene", "flagella", "knot-tightening" or "helix-stability")"#);
-    insta::assert_snapshot!(faults("experiment = \"scene\"\n", "experiment = \"folding\"\n"), @r#"beam.toml:1:14: `experiment`: "folding" is not known here; allowed: scene, flagella, knot-tightening, helix-stability"#);
+    insta::assert_snapshot!(faults("experiment = \"scene\"\n", ""), @r#"beam.toml:1:1: missing key `experiment` ("scene", "flagella", "knot-tightening", "knot-inversion" or "helix-stability")"#);
+    insta::assert_snapshot!(faults("experiment = \"scene\"\n", "experiment = \"folding\"\n"), @r#"beam.toml:1:14: `experiment`: "folding" is not known here; allowed: scene, flagella, knot-tightening, knot-inversion, helix-stability"#);
     insta::assert_snapshot!(read("").unwrap_err().to_string(), @r###"
 beam.toml:1:1: `time`: missing key `end` (a time, greater than 0)
-beam.toml:1:1: missing key `experiment` ("scene", "flagella", "knot-tightening" or "helix-stability")
+beam.toml:1:1: missing key `experiment` ("scene", "flagella", "knot-tightening", "knot-inversion" or "helix-stability")
 "###);
 }
 

@@ -33,8 +33,8 @@ use serde::Deserialize;
 #[schemars(deny_unknown_fields, rename = "scenario")]
 pub struct ScenarioFile {
     /// What is simulated: "scene" (the rods listed here), "flagella" (helices turned at their heads),
-    /// "knot-tightening" (an overhand knot whose ends are pulled apart) or "helix-stability" (where clamped
-    /// helical rods lose stability).
+    /// "knot-tightening" (an overhand knot whose ends are pulled apart), "knot-inversion" (the same until its loop
+    /// has snapped onto the braid) or "helix-stability" (where clamped helical rods lose stability).
     pub experiment: Option<Experiment>,
     /// Title for people; the name of the file where absent.
     pub title: Option<String>,
@@ -74,7 +74,7 @@ pub struct ScenarioFile {
     pub output: Output,
     /// Number, geometry and drive of the flagella of the experiment "flagella".
     pub flagella: Option<Flagella>,
-    /// The knot of the experiment "knot-tightening" and how it is pulled tight.
+    /// The knot of the experiments "knot-tightening" and "knot-inversion" and how it is pulled tight.
     pub knot: Option<Knot>,
     /// Rod and directions of the experiment "helix-stability".
     pub helix_stability: Option<HelixStability>,
@@ -94,6 +94,8 @@ pub enum Experiment {
     Flagella,
     /// An overhand knot whose ends are pulled apart.
     KnotTightening,
+    /// An overhand knot whose ends are pulled apart until its loop has snapped onto the braid.
+    KnotInversion,
     /// The loss of stability of clamped helical rods.
     HelixStability,
 }

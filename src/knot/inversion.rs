@@ -1,0 +1,146 @@
+//! Where an overhand knot inverts while it is pulled tight (thesis 3.4): its loop snaps onto the braid.
+
+use serde::{Deserialize, Serialize};
+
+/// A knot at one time while it is pulled tight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TightenedKnot {
+    /// l̄_k = (L − l_c)/h, the shortening over the radius of the rod (thesis Eq. 3.4).
+    pub length: f64,
+    /// F̄ = F h²/EI.
+    pub force: f64,
+    /// Clear height H of the loop over the radius of the rod; `None` where it cannot be told.
+    pub height: Option<f64>,
+}
+
+/// The inversion point by both measures of the thesis, as l̄_k.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct InversionPoint {
+    /// Where the traction begins to fall; `None` where it does not.
+    pub by_force: Option<f64>,
+    /// Where the height of the loop has come to zero; `None` where it has not.
+    pub by_height: Option<f64>,
+}
+
+/// Height of the loop, in radii of the rod, below which it lies on the braid (the bent loop may touch beside its middle)
+/// and above which it stands: four radii and more just before it snaps, depending on the unknotting number.
+const LYING: f64 = 1.0;
+const STANDING: f64 = 3.0;
+/// Decrease of l̄_k within which an inverting loop falls. That of a trefoil, which closes and does not invert, takes 10.
+const FALLING: f64 = 3.0;
+/// Decrease of l̄_k within which the traction falls in an inversion. In the same distance the corners of the polyline,
+/// slipping over each other, move it by less than [`FALL`].
+const DURING: f64 = 1.0;
+/// Least part of its traction that an inverting knot loses.
+const FALL: f64 = 0.3;
+
+/// Watches the loop of a knot while it is pulled tight.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct LoopWatch {
+    /// l̄_k when the loop was last seen to stand.
+    standing: Option<f64>,
+}
+
+impl LoopWatch {
+    /// Looks at the knot; tells whether its loop lies on the braid, having stood a little before.
+    pub fn sees_inversion(&mut self, knot: &TightenedKnot) -> bool {
+        if knot.height.is_some_and(|height| height > STANDING) {
+            self.standing = Some(knot.length);
+        }
+        knot.height.is_some_and(|height| height < LYING)
+            && self
+                .standing
+                .is_some_and(|length| length - knot.length <= FALLING)
+    }
+}
+
+/// The inversion point of a knot from its course while it was pulled tight.
+///
+/// By force it is the start of the steepest fall of F̄: where F̄ loses the largest part of itself while l̄_k decreases
+/// by 1, if that is 0.3 and more.
+pub fn inversion_point(course: &[TightenedKnot]) -> InversionPoint {
+    let mut steepest = (FALL, None);
+    for (index, start) in course.iter().enumerate() {
+        let least = course[index..]
+            .iter()
+            .take_while(|knot| start.length - knot.length <= DURING)
+            .map(|knot| knot.force)
+            .fold(start.force, f64::min);
+        let fall = 1.0 - least / start.force;
+        if start.force > 0.0 && fall > steepest.0 {
+            steepest = (fall, Some(start.length));
+        }
+    }
+    let mut watch = LoopWatch::default();
+    InversionPoint {
+        by_force: steepest.1,
+        by_height: course
+            .iter()
+            .find(|knot| watch.sees_inversion(knot))
+            .map(|knot| knot.length),
+    }
+}
+
+impl InversionPoint {
+    /// Difference of the two measures over their mean; `None` where one is missing.
+    pub fn difference(&self) -> Option<f64> {
+        let (force, height) = (self.by_force?, self.by_height?);
+        Some((force - height).abs() / (0.5 * (force + height)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A traction as 1/l̄_k² that falls by `fall` of itself within 0.5 at l̄_k = 150, and a loop that then falls.
+    fn course(fall: f64) -> Vec<TightenedKnot> {
+        (0..400)
+            .map(|k| 200.0 - 0.25 * f64::from(k))
+            .map(|length| {
+                let fallen = ((150.0 - length) / 0.5).clamp(0.0, 1.0);
+                TightenedKnot {
+                    length,
+                    force: (1.0 - fall * fallen) / (length * length),
+                    height: Some(15.0 * (1.0 - fallen)),
+                }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_fall_of_traction_and_the_loop_on_the_braid_are_found() {
+        let point = inversion_point(&course(0.5));
+        assert_eq!(point.by_force, Some(150.0));
+        assert_eq!(point.by_height, Some(149.5));
+        assert!((point.difference().unwrap() - 0.5 / 149.75).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_loop_that_closes_slowly_has_not_inverted() {
+        let closing: Vec<TightenedKnot> = (0..200)
+            .map(|k| 40.0 - 0.2 * f64::from(k))
+            .map(|length| TightenedKnot {
+                length,
+                force: 1.0,
+                height: Some(0.1 * length),
+            })
+            .collect();
+        assert_eq!(inversion_point(&closing), InversionPoint::default());
+    }
+
+    #[test]
+    fn fluctuations_and_slow_changes_are_no_inversion() {
+        let point = inversion_point(&course(0.2));
+        assert_eq!((point.by_force, point.difference()), (None, None));
+        let slackening: Vec<TightenedKnot> = course(0.0)
+            .into_iter()
+            .map(|knot| TightenedKnot {
+                force: knot.length.powi(4),
+                height: None,
+                ..knot
+            })
+            .collect();
+        assert_eq!(inversion_point(&slackening), InversionPoint::default());
+    }
+}

@@ -1,0 +1,38 @@
+//! What a knot that was pulled tight came to.
+
+use serde::{Deserialize, Serialize};
+
+/// Outcomes of a knot; the last columns of `summary.csv`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct KnotOutcome {
+    /// l̄_k at which the traction fell as the knot inverted; empty where it did not.
+    pub inversion_by_force: Option<f64>,
+    /// l̄_k at which the loop had come to lie on the braid; empty where it did not.
+    pub inversion_by_height: Option<f64>,
+    /// Difference of the two over their mean.
+    pub inversion_difference: Option<f64>,
+    /// Largest kinetic over elastic energy at the output times while the ends moved, before the inversion.
+    pub kinetic_over_elastic: Option<f64>,
+    /// Why the run ended before its time; empty where it did not.
+    pub knot_ending: Option<KnotEnding>,
+}
+
+/// Why a run with a knot ended before its time, as it should.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum KnotEnding {
+    /// The knot inverted, and was followed for a while.
+    Inverted,
+    /// The knot is locked: the rod stretches instead of slipping through it.
+    Locked,
+}
+
+impl KnotEnding {
+    /// A sentence for people.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Inverted => "the knot inverted",
+            Self::Locked => "the knot is locked: the rod stretches instead of slipping through it",
+        }
+    }
+}
