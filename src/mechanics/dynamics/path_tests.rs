@@ -160,7 +160,7 @@ fn tip_modulus(load: f64) -> f64 {
 }
 
 #[test]
-fn an_arch_snaps_through_at_folds_which_only_the_arclength_passes() {
+fn the_path_of_an_arch_turns_back_at_a_fold_where_it_loses_stability() {
     let mut scene = arch();
     scene.rods[0].stiffness.stretching = 2e4;
     let to = 200.0;
@@ -189,13 +189,6 @@ fn an_arch_snaps_through_at_folds_which_only_the_arclength_passes() {
     }
     assert!(points[first - 1].negative == 0 && points[first + 2].negative == 1);
     assert!(points[first + 2].parameter < fold.parameter);
-    let (short, finished) = follow(&scene, plan(to, PathMethod::Natural));
-    assert!(!finished);
-    let reached = short
-        .iter()
-        .map(|point| point.parameter)
-        .fold(0.0, f64::max);
-    assert!((reached / fold.parameter - 1.0).abs() < 1e-2, "{reached}");
 }
 
 #[test]

@@ -20,7 +20,7 @@ pub struct Continuation {
     /// Largest step of the parameter. Default: a fiftieth of the range.
     pub largest_step: Option<Quantity<Dimensionless>>,
     /// "arclength" (the default: passes folds, where the parameter turns back) or "natural" (the parameter
-    /// only grows; the run fails at a fold).
+    /// only grows; at a fold the run fails or jumps to a distant equilibrium).
     pub method: Option<PathMethod>,
     /// Whether the branches that leave at bifurcations of the first branch are followed, too. Default: true.
     pub switch_branches: Option<bool>,

@@ -23,7 +23,7 @@ pub struct PathPlan {
 /// What a step along the path prescribes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PathMethod {
-    /// The parameter itself; a path ends where it folds.
+    /// The parameter itself. At a fold no equilibrium is near: the path ends there, or jumps to a distant one.
     Natural,
     /// The arclength along the tangent (Keller 1977, Eq. 4.7), which passes folds.
     Arclength,
