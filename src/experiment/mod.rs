@@ -4,6 +4,8 @@ mod case_folders;
 mod curve;
 mod derived;
 mod flagella;
+mod gripper_motion;
+mod helix_manipulation;
 mod helix_stability;
 mod knot_course;
 mod knot_observer;

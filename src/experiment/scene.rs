@@ -1,6 +1,7 @@
 //! From a validated scenario to a scene that is ready to run.
 
 use super::curve::{SampledCurve, sample};
+use super::gripper_motion::gripper_motion;
 use super::knot_observer::KnotObserver;
 use super::prepared::{Mode, OutputPlan, PreparedRun};
 use super::run::RunError;
@@ -227,17 +228,21 @@ fn place_clamp(
         node: find_node(clamp.at, &rods[rod], path)?,
         holds_position: matches!(clamp.hold, Hold::Position | Hold::Both),
         holds_frame: matches!(clamp.hold, Hold::Frame | Hold::Both),
-        motion: mechanics::Motion {
-            translation: clamp
-                .translation
-                .iter()
-                .map(|&(time, displacement)| (time, Vector3::from(displacement)))
-                .collect(),
-            axis: clamp.axis.map(Vector3::from),
-            angle: clamp.angle.clone(),
-            angular_velocity: clamp.angular_velocity,
-            pivot: clamp.pivot.map(Vector3::from),
-            ..mechanics::Motion::default()
+        motion: if clamp.poses.is_empty() {
+            mechanics::Motion {
+                translation: clamp
+                    .translation
+                    .iter()
+                    .map(|&(time, displacement)| (time, Vector3::from(displacement)))
+                    .collect(),
+                axis: clamp.axis.map(Vector3::from),
+                angle: clamp.angle.clone(),
+                angular_velocity: clamp.angular_velocity,
+                pivot: clamp.pivot.map(Vector3::from),
+                ..mechanics::Motion::default()
+            }
+        } else {
+            gripper_motion(&clamp.poses)
         },
     })
 }

@@ -59,7 +59,7 @@ pub struct PlotStyle {
     pub marks: bool,
     /// Names of curves whose points are marked and not joined: what is compared with a law.
     pub unjoined: Vec<String>,
-    /// Names of curves whose lines are dashed.
+    /// Names of curves that are dashed: predictions.
     pub dashed: Vec<String>,
     /// Height of each plot without its legend, pixels; the usual one where it is 0.
     pub height: u32,
@@ -173,15 +173,13 @@ fn draw(plot: &LinePlot, area: &Area, axes: Axes, style: &PlotStyle) {
             // A single point is no line.
             if joined && stretch.len() > 1 {
                 let line = color(index).stroke_width(pixels(2));
-                let dashed = style.dashed.contains(&curve.name);
-                let drawn = if dashed {
-                    let [dash, gap] = [pixels(6), pixels(4)];
-                    let series = DashedLineSeries::new(stretch, dash, gap, line);
-                    chart.draw_series(series).map(drop)
+                if style.dashed.contains(&curve.name) {
+                    let series = DashedLineSeries::new(stretch, pixels(6), pixels(5), line);
+                    chart.draw_series(series).expect(DRAWN_IN_MEMORY);
                 } else {
-                    chart.draw_series(LineSeries::new(stretch, line)).map(drop)
-                };
-                drawn.expect(DRAWN_IN_MEMORY);
+                    let series = LineSeries::new(stretch, line);
+                    chart.draw_series(series).expect(DRAWN_IN_MEMORY);
+                }
             }
         }
     }
@@ -375,6 +373,29 @@ mod tests {
         let svg = styled_line_plots(&[plot], "x", &style);
         assert_eq!(svg.matches("<circle").count(), 3);
         assert!(!svg.contains("NaN"));
+    }
+
+    #[test]
+    fn a_dashed_curve_is_drawn_in_many_strokes() {
+        let plot = LinePlot {
+            label: "y".into(),
+            curves: vec![Curve {
+                name: "predicted".into(),
+                points: vec![(1.0, Some(0.0)), (1.0, Some(2.0))],
+            }],
+        };
+        let strokes = |dashed: &[&str]| {
+            let style = PlotStyle {
+                dashed: dashed.iter().map(|name| (*name).to_owned()).collect(),
+                ..PlotStyle::default()
+            };
+            let svg = styled_line_plots(std::slice::from_ref(&plot), "x", &style);
+            let [red, green, blue] = palette::Color::of(0).bytes();
+            svg.matches(&format!("stroke=\"#{red:02X}{green:02X}{blue:02X}\""))
+                .count()
+        };
+        assert_eq!(strokes(&[]), 1);
+        assert!(strokes(&["predicted"]) > 5);
     }
 
     #[test]

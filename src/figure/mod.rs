@@ -5,6 +5,7 @@
 
 mod axis;
 mod line_plot;
+mod markup;
 mod palette;
 mod raster;
 mod snapshots;

@@ -1,5 +1,6 @@
 //! Rods at several times, side by side on one scale.
 
+use super::markup::escape;
 use super::tube::{Placement, RodCurve, tubes};
 use super::view::View;
 use nalgebra::{Vector2, Vector3};
@@ -217,13 +218,6 @@ fn axes(centre: Vector2<f64>, view: &View) -> String {
 
 fn text(at: Vector2<f64>, words: &str) -> String {
     format!("<text x=\"{:.1}\" y=\"{:.1}\">{words}</text>\n", at.x, at.y)
-}
-
-fn escape(words: &str) -> String {
-    words
-        .replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
 }
 
 #[cfg(test)]

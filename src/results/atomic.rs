@@ -46,7 +46,7 @@ pub(super) fn write_whole_before(path: &Path, bytes: &[u8]) -> Result<(), Result
 ///
 /// # Errors
 /// [`ResultsError::Io`] naming `path`.
-pub(crate) fn place_whole(path: &Path, bytes: &[u8]) -> Result<(), ResultsError> {
+pub(super) fn place_whole(path: &Path, bytes: &[u8]) -> Result<(), ResultsError> {
     written_aside(directory_of(path), bytes)
         .and_then(|file| Ok(file.persist(path)?))
         .map(drop)

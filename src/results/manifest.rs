@@ -1,6 +1,10 @@
 //! `manifest.json`: what was run, by what, where, when, and how it ended.
 
-use super::{CaseOutcome, ResultsError, Usage, place_whole, write_whole};
+use super::atomic::place_whole;
+use super::{
+    CaseOutcome, ResultsError, SCENARIO, SummaryRow, Usage, write_summary, write_timings,
+    write_whole,
+};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs;
@@ -212,9 +216,21 @@ impl Manifest {
         write_whole(&directory.join(MANIFEST), &self.to_bytes())
     }
 
-    /// Writes the manifest of a run that begins, without waiting for the disk.
+    /// Writes the manifest of a run that begins, and its scenario, without waiting for the disk. The manifest comes
+    /// first of all files: by it the directory is known for what it is.
     pub fn place(&self, directory: &Path) -> Result<(), ResultsError> {
-        place_whole(&directory.join(MANIFEST), &self.to_bytes())
+        place_whole(&directory.join(MANIFEST), &self.to_bytes())?;
+        place_whole(&directory.join(SCENARIO), self.scenario.as_bytes())
+    }
+
+    /// Writes summary, timings and manifest of a run that ends.
+    pub fn conclude(&mut self, directory: &Path, record: CaseRecord) -> Result<(), ResultsError> {
+        let row = SummaryRow::new(MAIN_CASE, record.status, &record.outcome);
+        write_summary(directory, &[row])?;
+        write_timings(directory, &[(MAIN_CASE, record.usage())])?;
+        self.cases.insert(MAIN_CASE.into(), record);
+        self.end = Some(jiff::Timestamp::now());
+        self.write(directory)
     }
 
     fn to_bytes(&self) -> Vec<u8> {

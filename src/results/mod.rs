@@ -31,8 +31,8 @@ mod table;
 mod usage;
 mod vtk;
 
+pub(crate) use atomic::sync;
 pub use atomic::write_whole;
-pub(crate) use atomic::{place_whole, sync};
 pub use branch::{BranchKind, BranchRow, read_branches};
 pub use checkpoint::CheckpointFiles;
 pub use claim::{Claim, Claiming, Claims, HEARTBEAT, Owner, host_name};

@@ -41,8 +41,8 @@ pub use load::{Loaded, from_text, from_text_with, load};
 pub use resolved::{
     BuilderRod, Clamp, Contact, Continuation, CrossSection, Directions, Experiment, Flagella,
     Fluid, Handedness, Head, HelixSearch, HelixStability, Hold, Knot, KnotEnds, Load, LoadKind,
-    Material, NaturalShape, Output, PathMethod, Place, Plane, Rod, Scenario, Scheme, Shape, Solver,
-    Step, Stiffness, Time,
+    Material, NaturalShape, Output, PathMethod, Place, Plane, Pose, Rod, Scenario, Scheme, Shape,
+    Solver, Step, Stiffness, Time,
 };
 pub use sweep::{Case, Family, Parameter, Search};
 pub use typed::SearchMethod;

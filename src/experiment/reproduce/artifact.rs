@@ -5,6 +5,7 @@ use super::drag_steps;
 use super::figure_2_5;
 use super::helices::Helices;
 use super::inversion::Inversion;
+use super::manipulated_helix::ManipulatedHelix;
 use super::tightening::Tightening;
 
 /// A table or figure of the thesis, or one about this engine itself.
@@ -32,7 +33,9 @@ pub enum Artifact {
     Figure3_7,
     /// The boundary of the stable helices.
     Figure6_2,
-    /// Its section ω = 0.
+    /// Disturbances of a manipulated helical rod.
+    Figure6_5,
+    /// The section ω = 0 of the boundary.
     Figure6_6,
     /// Cost of a step over the number of flagella.
     Cost,
@@ -50,6 +53,8 @@ pub(super) enum Runs {
     Inversion(Vec<Inversion>),
     /// Stability of helices.
     Helices(Vec<Helices>),
+    /// Helical rods manipulated in time.
+    ManipulatedHelices(Vec<ManipulatedHelix>),
 }
 
 /// Numbers of flagella of the thesis (section 2.4.2).
@@ -70,7 +75,7 @@ const QUICK_END_OF_STEPS: f64 = 5.0;
 
 impl Artifact {
     /// All of them.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Table2_1,
         Self::Table2_2,
         Self::Figure2_5,
@@ -82,6 +87,7 @@ impl Artifact {
         Self::Figure3_6,
         Self::Figure3_7,
         Self::Figure6_2,
+        Self::Figure6_5,
         Self::Figure6_6,
         Self::Cost,
         Self::DragSteps,
@@ -108,6 +114,7 @@ impl Artifact {
             Self::Figure3_6 => "fig3.6",
             Self::Figure3_7 => "fig3.7",
             Self::Figure6_2 => "fig6.2",
+            Self::Figure6_5 => "fig6.5",
             Self::Figure6_6 => "fig6.6",
             Self::Cost => "cost",
             Self::DragSteps => "drag-steps",
@@ -128,6 +135,7 @@ impl Artifact {
             Self::Figure3_6 => "Figure 3.6: inversion over the unknotting number",
             Self::Figure3_7 => "Figure 3.7: inversion over friction",
             Self::Figure6_2 => "Figure 6.2: the boundary of the stable helices",
+            Self::Figure6_5 => "Figure 6.5: disturbances of a manipulated helical rod",
             Self::Figure6_6 => "Figure 6.6: the boundary of the stable helices at ω = 0",
             Self::Cost => "Cost of a step over the number of flagella",
             Self::DragSteps => "Error of larger and automatic steps, two flagella",
@@ -141,6 +149,7 @@ impl Artifact {
             Runs::Tightening(runs) => runs.iter().map(Tightening::cost).sum(),
             Runs::Inversion(runs) => runs.iter().map(Inversion::cost).sum(),
             Runs::Helices(runs) => runs.iter().map(Helices::cost).sum(),
+            Runs::ManipulatedHelices(runs) => runs.iter().map(ManipulatedHelix::cost).sum(),
         }
     }
 
@@ -154,6 +163,7 @@ impl Artifact {
             Self::Figure3_6 => Runs::Inversion(Inversion::of_figure_3_6(quick)),
             Self::Figure3_7 => Runs::Inversion(Inversion::of_figure_3_7(quick)),
             Self::Figure6_2 | Self::Figure6_6 => Runs::Helices(vec![Helices::of_the_thesis(quick)]),
+            Self::Figure6_5 => Runs::ManipulatedHelices(ManipulatedHelix::of_figure_6_5(quick)),
             _ => Runs::Bundling(self.bundlings(quick)),
         }
     }
@@ -213,6 +223,7 @@ impl Artifact {
             | Self::Figure3_6
             | Self::Figure3_7
             | Self::Figure6_2
+            | Self::Figure6_5
             | Self::Figure6_6 => Vec::new(),
         }
     }
@@ -242,6 +253,10 @@ mod tests {
                         .map(|run| (run.id(), [run.prepare().scene.rods.len(), run.flagella]))
                         .unzip(),
                     Runs::Tightening(runs) => runs
+                        .iter()
+                        .map(|run| (run.id(), [run.prepare().scene.rods.len(), 1]))
+                        .unzip(),
+                    Runs::ManipulatedHelices(runs) => runs
                         .iter()
                         .map(|run| (run.id(), [run.prepare().scene.rods.len(), 1]))
                         .unzip(),

@@ -10,11 +10,13 @@
 //! | `tightening` | a knot pulled tight (thesis 2.5) |
 //! | `inversion` | a knot pulled until it inverts (thesis 3) |
 //! | `helices` | the search for the boundary of the stable helices (thesis 6.2) |
+//! | `manipulated_helix` | a helical rod manipulated in time (thesis 6.3) |
 //! | `cases` | running the runs |
 //! | `page` | CSV, Markdown and manifest of an artefact |
 //! | `table_2_1`, `table_2_2`, `figure_2_5` to `figure_2_8` | one artefact each |
 //! | `figure_3_4`, `inversion_factors` | figures 3.4 and 3.5 to 3.7; `inversion_page` and `inversion_pictures` are their parts |
 //! | `figure_6_2` | figures 6.2 and 6.6 |
+//! | `figure_6_5` | disturbances of a manipulated rod |
 //! | `cost`, `drag_steps` | what steps cost, and what larger ones lose |
 //! | `difference` | distance of the nodes between two runs (thesis Eq. 2.28) |
 
@@ -30,11 +32,13 @@ mod figure_2_7;
 mod figure_2_8;
 mod figure_3_4;
 mod figure_6_2;
+mod figure_6_5;
 mod helices;
 mod inversion;
 mod inversion_factors;
 mod inversion_page;
 mod inversion_pictures;
+mod manipulated_helix;
 mod page;
 mod table_2_1;
 mod table_2_2;
@@ -145,6 +149,12 @@ fn make(
             }?;
             page
         }
+        Runs::ManipulatedHelices(runs) => {
+            let cases = cases::run_all(runs, options, report)?;
+            let mut page = Page::begin(artifact, options, &cases)?;
+            figure_6_5::write(&mut page, &cases)?;
+            page
+        }
     };
     Ok(page.finish()?)
 }
@@ -171,6 +181,9 @@ mod tests {
             Runs::Helices(runs) => runs
                 .iter_mut()
                 .for_each(|run| (run.directions, run.section_directions) = (60, 9)),
+            Runs::ManipulatedHelices(runs) => {
+                runs.iter_mut().for_each(|run| run.farthest = 0.05);
+            }
         }
         runs
     }
@@ -198,7 +211,9 @@ mod tests {
                 "{text}"
             );
             assert!(
-                text.contains("**Quick: 0.0") || text.contains("**Quick: 60 d"),
+                ["0.0", "60 d", "rods of"]
+                    .iter()
+                    .any(|what| text.contains(&format!("**Quick: {what}"))),
                 "{text}"
             );
             let figures: Vec<&str> = text.lines().filter(|line| line.starts_with("![")).collect();

@@ -12,9 +12,8 @@ use crate::experiment::knot_observer::changed_knot;
 use crate::experiment::{KnotObserver, Mode, PreparedRun};
 use crate::mechanics::dynamics::{SimulationError, StepReport};
 use crate::results::{
-    CaseRecord, CaseStatus, CheckpointFiles, Frame, MAIN_CASE, MANIFEST, Manifest, Recorder,
-    ResultsDirectory, ResultsError, SCENARIO, StreamLengths, SummaryRow, Usage, UsageMeter,
-    place_whole, read_knot_series, scenario_hash, sync, write_summary, write_timings,
+    CaseRecord, CaseStatus, CheckpointFiles, Frame, MANIFEST, Manifest, Recorder, ResultsDirectory,
+    ResultsError, StreamLengths, Usage, UsageMeter, read_knot_series, scenario_hash, sync,
 };
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -92,9 +91,7 @@ impl Session {
             directory.unfinished(),
             continued.is_some(),
         );
-        // First of all files: by it the directory is known for what it is.
         manifest.place(directory.path())?;
-        place_whole(&directory.file(SCENARIO), prepared.scenario_toml.as_bytes())?;
 
         let (standing, recorder, resumed_from) = match continued {
             Some((checkpoint, recorder)) => {
@@ -334,12 +331,8 @@ impl Session {
                 .outcome(&read_knot_series(path)?, &observer);
             self.standing.tally.outcome.knot = Some(outcome);
         }
-        let (outcome, usage) = (self.standing.tally.outcome, self.usage());
-        write_summary(path, &[SummaryRow::new(MAIN_CASE, status, &outcome)])?;
-        write_timings(path, &[(MAIN_CASE, usage)])?;
-        let record = CaseRecord::with_usage(status, outcome, usage, error);
-        self.manifest.cases.insert(MAIN_CASE.into(), record);
-        self.manifest.end = Some(jiff::Timestamp::now());
-        self.manifest.write(path)
+        let outcome = self.standing.tally.outcome;
+        let record = CaseRecord::with_usage(status, outcome, self.usage(), error);
+        self.manifest.conclude(path, record)
     }
 }

@@ -9,8 +9,7 @@ use super::{Reached, RunError, RunOptions, RunOutcome, RunStatus};
 use crate::experiment::PreparedRun;
 use crate::results::{
     CaseOutcome, CaseRecord, CaseStatus, CsvStream, MAIN_CASE, Manifest, Opened, ResultsDirectory,
-    ResultsError, SCENARIO, SummaryRow, Usage, UsageMeter, WholeRows, place_whole, read_whole_rows,
-    scenario_hash, sync, write_summary, write_timings,
+    ResultsError, Usage, UsageMeter, WholeRows, read_whole_rows, scenario_hash, sync,
 };
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
@@ -75,8 +74,6 @@ pub(in crate::experiment) fn run_table<Job: TableJob>(
     let mut manifest =
         manifest_of_call(prepared, options, session.directory.unfinished(), begun > 0);
     manifest.place(session.directory.path())?;
-    let scenario = session.directory.file(SCENARIO);
-    place_whole(&scenario, prepared.scenario_toml.as_bytes())?;
     let result = session.fill(stop_requested).and_then(|()| {
         let path = session.directory.path();
         Ok(job.conclude(&session.rows, path)?)
@@ -183,16 +180,11 @@ impl<Job: TableJob> TableSession<'_, Job> {
         manifest: &mut Manifest,
         stop: Option<&Stop>,
     ) -> Result<CaseOutcome, ResultsError> {
-        let path = self.directory.path();
         // There are no steps to speak of.
         let outcome = CaseOutcome::default();
         let status = stop.map_or(CaseStatus::Finished, Stop::status);
-        write_summary(path, &[SummaryRow::new(MAIN_CASE, status, &outcome)])?;
-        write_timings(path, &[(MAIN_CASE, self.usage())])?;
         let record = CaseRecord::with_usage(status, outcome, self.usage(), stop.map(Stop::reason));
-        manifest.cases.insert(MAIN_CASE.into(), record);
-        manifest.end = Some(jiff::Timestamp::now());
-        manifest.write(path)?;
+        manifest.conclude(self.directory.path(), record)?;
         Ok(outcome)
     }
 }

@@ -14,6 +14,7 @@ mod determinism;
 mod drag;
 mod friction;
 mod helix;
+mod helix_manipulation;
 mod localized_buckling;
 mod rods;
 mod statics;
@@ -35,13 +36,14 @@ type Family = fn(full: bool) -> Result<Vec<Check>, FamilyError>;
 type FamilyError = Box<dyn Error + Send + Sync>;
 
 /// All families, in the order of the table.
-const FAMILIES: [(&str, Family); 13] = [
+const FAMILIES: [(&str, Family); 14] = [
     ("derivatives", derivatives::checks),
     ("statics", statics::checks),
     ("vibration", vibration::checks),
     ("buckling", buckling::checks),
     ("continuation", continuation::checks),
     ("helix", helix::checks),
+    ("helix manipulation", helix_manipulation::checks),
     ("localised buckling", localized_buckling::checks),
     ("friction", friction::checks),
     ("contact", contact::checks),

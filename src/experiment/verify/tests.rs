@@ -29,6 +29,11 @@ fn buckling_passes() {
 }
 
 #[test]
+fn helix_manipulation_passes() {
+    assert_passes(helix_manipulation::checks);
+}
+
+#[test]
 fn localized_buckling_passes() {
     assert_passes(localized_buckling::checks);
 }

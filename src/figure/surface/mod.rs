@@ -1,5 +1,6 @@
 //! An interactive page of a surface in three dimensions: one HTML file that works without a network.
 
+use super::markup::{escape, json_in_script};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::json;
@@ -59,21 +60,12 @@ pub fn surface_page(surface: &ColouredSurface<'_>) -> String {
         "low": low,
         "high": high,
     });
-    // A name such as `</script>` must not end the element.
-    let header = header.to_string().replace('<', "\\u003c");
     PAGE.replace("{{title}}", &escape(surface.title))
         .replacen("{{subtitle}}", &escape(surface.subtitle), 1)
         .replacen("{{script}}", &SCRIPTS.concat(), 1)
-        .replacen("{{header}}", &header, 1)
+        .replacen("{{header}}", &json_in_script(&header), 1)
         .replacen("{{points}}", &STANDARD.encode(points), 1)
         .replacen("{{triangles}}", &STANDARD.encode(triangles), 1)
-}
-
-/// Text as HTML.
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ mod packing;
 
 pub use movie::{Field, Movie, MovieCase, MovieFrame, MoviePlane, MovieRod};
 
+use super::markup::{escape, json_in_script};
 use super::palette::Color;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -81,8 +82,7 @@ fn data(movie: &Movie) -> (String, String) {
         "palette": palette,
         "cases": cases,
     });
-    // A name such as `</script>` must not end the element.
-    (header.to_string().replace('<', "\\u003c"), blobs)
+    (json_in_script(&header), blobs)
 }
 
 fn describe(case: &MovieCase, bounds: &Bounds, fields: &[(&Field, ColorRange)]) -> Value {
@@ -128,13 +128,6 @@ fn describe(case: &MovieCase, bounds: &Bounds, fields: &[(&Field, ColorRange)]) 
         "frames": case.frames.len(),
         "fields": fields,
     })
-}
-
-/// Text as HTML.
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
 }
 
 #[cfg(test)]

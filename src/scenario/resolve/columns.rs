@@ -2,12 +2,18 @@
 
 use std::path::Path;
 
-/// Reads three columns of a CSV file, named in its header line with or without the suffix `_m`; other columns are
+/// Units that may stand behind the name of a column.
+const UNITS: [&str; 2] = ["_m", "_s"];
+
+/// Reads columns of a CSV file, named in its header line with or without their unit, as in `x_m`; other columns are
 /// passed over. Lines that begin with `#` are comments. Returns each row with the number of its line.
 ///
 /// # Errors
 /// A message that names the file and the line.
-pub fn read_columns(path: &Path, names: [&str; 3]) -> Result<Vec<(u64, [f64; 3])>, String> {
+pub fn read_columns<const N: usize>(
+    path: &Path,
+    names: [&str; N],
+) -> Result<Vec<(u64, [f64; N])>, String> {
     let place = path.display();
     let mut reader = csv::ReaderBuilder::new()
         .comment(Some(b'#'))
@@ -18,18 +24,19 @@ pub fn read_columns(path: &Path, names: [&str; 3]) -> Result<Vec<(u64, [f64; 3])
         .headers()
         .map_err(|error| format!("{place}: {error}"))?
         .clone();
-    let column = |name: &str| {
-        headers
-            .iter()
-            .position(|header| header == name || header.strip_suffix("_m") == Some(name))
-            .ok_or_else(|| {
-                let [a, b, c] = names;
-                format!(
-                    "{place}, line 1: no column `{name}`; the header must name {a}, {b} and {c}"
-                )
-            })
+    let named = |header: &str, name: &str| {
+        let bare = UNITS.iter().find_map(|unit| header.strip_suffix(unit));
+        header == name || bare == Some(name)
     };
-    let columns = [column(names[0])?, column(names[1])?, column(names[2])?];
+    let mut columns = [0; N];
+    for (column, name) in columns.iter_mut().zip(names) {
+        let found = headers.iter().position(|header| named(header, name));
+        *column = found.ok_or_else(|| {
+            let (last, others) = names.split_last().unwrap_or((&name, &[]));
+            let others = others.join(", ");
+            format!("{place}, line 1: no column `{name}`; the header must name {others} and {last}")
+        })?;
+    }
     let mut rows = Vec::new();
     for record in reader.records() {
         let record = record.map_err(|error| match error.kind() {
@@ -44,7 +51,7 @@ pub fn read_columns(path: &Path, names: [&str; 3]) -> Result<Vec<(u64, [f64; 3])
             _ => format!("{place}: {error}"),
         })?;
         let line = record.position().map_or(0, csv::Position::line);
-        let mut row = [0.0; 3];
+        let mut row = [0.0; N];
         for (component, column) in row.iter_mut().zip(columns) {
             let field = &record[column];
             *component = field

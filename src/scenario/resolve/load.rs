@@ -1,21 +1,22 @@
 //! Resolving clamps, loads and planes.
 
 use super::section::{FINITE, NON_NEGATIVE, Section};
+use super::{Context, poses};
 use crate::scenario::resolved::{Clamp, Hold, Load, LoadKind, Place, Plane};
 use crate::scenario::typed;
 
 /// Resolves all clamps.
-pub fn clamps(top: &Section<'_>, typed: &[typed::Clamp]) -> Vec<Clamp> {
+pub fn clamps(context: &Context<'_>, top: &Section<'_>, typed: &[typed::Clamp]) -> Vec<Clamp> {
     let section = top.below("clamps");
     typed
         .iter()
         .enumerate()
-        .map(|(index, typed)| clamp(&section.below(&index.to_string()), typed))
+        .map(|(index, typed)| clamp(context, &section.below(&index.to_string()), typed))
         .collect()
 }
 
-fn clamp(section: &Section<'_>, typed: &typed::Clamp) -> Clamp {
-    Clamp {
+fn clamp(context: &Context<'_>, section: &Section<'_>, typed: &typed::Clamp) -> Clamp {
+    let clamp = Clamp {
         rod: rod(section, &typed.rod),
         at: place(section, typed.at),
         hold: typed.hold.unwrap_or(Hold::Both),
@@ -33,7 +34,24 @@ fn clamp(section: &Section<'_>, typed: &typed::Clamp) -> Clamp {
         ),
         axis: section.direction("axis", &typed.axis),
         pivot: section.vector("pivot", &typed.pivot),
+        poses: poses::poses(context, section, typed),
+    };
+    let otherwise = [
+        ("move", !clamp.translation.is_empty()),
+        ("turn", !clamp.angle.is_empty()),
+        ("angular_velocity", clamp.angular_velocity != 0.0),
+        ("axis", clamp.axis.is_some()),
+        ("pivot", clamp.pivot.is_some()),
+    ];
+    for (key, given) in otherwise {
+        if given && !clamp.poses.is_empty() {
+            section.fault(
+                key,
+                "poses say how the clamp moves and turns; leave the key out",
+            );
+        }
     }
+    clamp
 }
 
 /// Resolves all loads.

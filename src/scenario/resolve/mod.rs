@@ -7,6 +7,7 @@ mod knot;
 mod load;
 mod model;
 mod polyline;
+mod poses;
 mod rod;
 mod section;
 mod shape;
@@ -97,7 +98,7 @@ pub fn resolve(context: &Context<'_>, file: &ScenarioFile) -> Result<Scenario, I
             .clone()
             .unwrap_or_else(|| context.name.to_owned()),
         experiment,
-        clamps: load::clamps(&top, &file.clamps),
+        clamps: load::clamps(context, &top, &file.clamps),
         loads,
         planes: load::planes(&top, &file.planes),
         contact,

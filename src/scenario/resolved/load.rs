@@ -60,7 +60,13 @@ pub struct Clamp {
     /// Fixed point of the rotation; `None` is the node.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pivot: Option<[f64; 3]>,
+    /// Poses of the gripper that the node follows.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub poses: Vec<Pose>,
 }
+
+/// Time in s, position in m, and orientation as a unit quaternion (w, x, y, z).
+pub type Pose = (f64, [f64; 3], [f64; 4]);
 
 /// An external load.
 #[derive(Clone, Debug, PartialEq, Serialize)]

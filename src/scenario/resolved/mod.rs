@@ -16,7 +16,7 @@ pub use continuation::{Continuation, PathMethod};
 pub use flagella::{BuilderRod, Flagella, Head};
 pub use helix_stability::{Directions, HelixSearch, HelixStability};
 pub use knot::{Knot, KnotEnds};
-pub use load::{Clamp, Hold, Load, LoadKind, Place, Plane};
+pub use load::{Clamp, Hold, Load, LoadKind, Place, Plane, Pose};
 pub use model::{Contact, Fluid};
 pub use rod::{CrossSection, Handedness, Material, NaturalShape, Rod, Shape, Stiffness};
 pub use run::{Output, Scheme, Solver, Step, Time};

@@ -44,6 +44,20 @@ beam.toml:3:39: `helix_stability.directions.polar`: 0 is out of range; allowed: 
 }
 
 #[test]
+fn faults_of_poses_name_what_is_allowed() {
+    let clamped = |keys: &str| faults("at = \"start\"", &format!("at = \"start\"\n{keys}"));
+    let pose = "poses = [[0, [0, 0, 0], [1, 0, 0, 0]]]";
+    insta::assert_snapshot!(clamped("poses = []"), @"beam.toml:18:9: `clamps.0.poses`: a gripper needs at least one pose");
+    insta::assert_snapshot!(clamped("poses = [[1, [0, 0, 0], [1, 0, 0, 0]], [1, [0, 0, 0], [2, 0, 0, 0]]]"), @r##"
+beam.toml:18:41: `clamps.0.poses.1.0`: time 1.0 s does not come after 1.0 s; times must grow
+beam.toml:18:55: `clamps.0.poses.1.2`: the quaternion qw, qx, qy, qz = [2.0, 0.0, 0.0, 0.0] has the norm 2.0000; allowed: unit quaternions
+"##);
+    insta::assert_snapshot!(clamped("follow = \"nowhere.csv\""), @"beam.toml:18:10: `clamps.0.follow`: nowhere.csv cannot be read: No such file or directory (os error 2)");
+    insta::assert_snapshot!(clamped(&format!("{pose}\nfollow = \"nowhere.csv\"")), @"beam.toml:18:9: `clamps.0.poses`: give `follow` or `poses`, not both");
+    insta::assert_snapshot!(clamped(&format!("{pose}\naxis = [1, 0, 0]")), @"beam.toml:19:8: `clamps.0.axis`: poses say how the clamp moves and turns; leave the key out");
+}
+
+#[test]
 fn faults_name_file_line_column_key_and_range() {
     insta::assert_snapshot!(faults("radius = \"5 mm\"", "radius = -5.0"), @"beam.toml:11:10: `rods.0.radius`: -5.0 is out of range; allowed: greater than 0");
     insta::assert_snapshot!(faults("radius = \"5 mm\"", "raduis = \"5 mm\""), @"beam.toml:11:1: `rods.0.raduis`: unknown key (did you mean `radius`?)");

@@ -141,6 +141,11 @@ at = 3
 hold = "position"
 angular_velocity = "15 rpm"
 
+[[clamps]]
+rod = "strip"
+at = "end"
+poses = [[0, [0, 0, 0], [1, 0, 0, 0]], ["2 s", [0, "1 cm", 0], [0.7, 0.7, 0.1, 0.1]]]
+
 [[loads]]
 kind = "gravity"
 acceleration = [0, 0, -9.81]

@@ -33,7 +33,17 @@ pub struct Clamp {
     pub axis: Option<Vector<Dimensionless>>,
     /// Fixed point of the rotation. Default: the node.
     pub pivot: Option<Vector<Length>>,
+    /// CSV file of the poses of a gripper that holds the node, relative to the scenario file: columns time_s, x_m,
+    /// y_m, z_m and the quaternion qw, qx, qy, qz. The node moves with the gripper as one rigid body; its place at
+    /// the first pose is that where the rod was placed. Instead of `move`, `turn`, `axis` and `pivot`.
+    pub follow: Option<String>,
+    /// The poses themselves, [[time, [x, y, z], [qw, qx, qy, qz]], ...]: positions go straight between them,
+    /// orientations the shorter way at constant speed.
+    pub poses: Option<Vec<Pose>>,
 }
+
+/// Time, position and orientation (unit quaternion qw, qx, qy, qz) of a gripper.
+pub type Pose = (Quantity<Time>, Vector<Length>, [Quantity<Dimensionless>; 4]);
 
 /// Corners of a piecewise linear factor: [[time, factor], ...].
 pub type Schedule = Vec<(Quantity<Time>, Quantity<Dimensionless>)>;

@@ -16,7 +16,7 @@ mod sweep;
 pub use continuation::Continuation;
 pub use helix_stability::{Directions, HelixStability, List};
 pub use knot::Knot;
-pub use load::{Clamp, Load, Place, Plane};
+pub use load::{Clamp, Load, Place, Plane, Pose};
 pub use model::{
     BuilderRod, Contact, ContactModel, Flagella, Fluid, FluidModel, Mode, Output, Solver, Time,
 };

@@ -1,1 +1,0 @@
-//! Paths with known critical points.
