@@ -13,6 +13,8 @@ pub struct BranchRow {
     pub branch: usize,
     /// The path parameter.
     pub parameter: f64,
+    /// How far it is at most from that of the critical point; 0 where the point is not critical.
+    pub parameter_error: f64,
     /// Root mean square of the nodes' displacement from where they were placed.
     pub displacement_rms_m: f64,
     /// Energy of stretching, bending and twisting.

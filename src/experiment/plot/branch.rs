@@ -80,6 +80,7 @@ mod tests {
         let row = |branch, parameter: f64, stable: bool, kind| BranchRow {
             branch,
             parameter,
+            parameter_error: 0.0,
             displacement_rms_m: parameter,
             elastic_energy_j: 0.0,
             energy_j: 0.0,

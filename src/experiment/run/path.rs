@@ -45,6 +45,7 @@ fn row(point: &PathPoint, displacement_rms_m: f64, energies: &Energies) -> Branc
     BranchRow {
         branch: point.branch,
         parameter: point.parameter,
+        parameter_error: point.parameter_error,
         displacement_rms_m,
         elastic_energy_j: elastic,
         energy_j: elastic + energies.contact + energies.gravitational,

@@ -232,3 +232,65 @@ fn moments_of_fixed_direction_have_no_path() {
     let refused = simulation.path(plan(1.0, PathMethod::Natural));
     assert!(refused.err().unwrap().to_string().contains("turn a clamp"));
 }
+
+#[test]
+fn a_fold_and_a_bifurcation_within_one_step_are_told_apart() {
+    let mut scene = arch();
+    scene.rods[0].stiffness.stretching = 2e4;
+    // Just so high that it tips over about when it snaps.
+    for x in &mut scene.rods[0].centreline {
+        x.y *= 0.0224 / 0.018;
+    }
+    let to = 400.0;
+    let (points, finished) = follow(
+        &scene,
+        PathPlan {
+            switch_branches: false,
+            ..plan(to, PathMethod::Arclength)
+        },
+    );
+    assert!(finished);
+    let critical: Vec<usize> = (0..points.len())
+        .filter(|&k| points[k].kind != PointKind::Regular)
+        .collect();
+    let kinds: Vec<PointKind> = critical.iter().map(|&k| points[k].kind).collect();
+    let (fold, bifurcation) = (PointKind::Fold, PointKind::Bifurcation);
+    assert_eq!(
+        kinds,
+        [fold, bifurcation, bifurcation, fold],
+        "{critical:?}"
+    );
+    assert_eq!(critical[0] + 1, critical[1], "{critical:?}");
+    for &k in &critical {
+        assert!(points[k].parameter_error < 1e-8 * to);
+    }
+    assert_eq!(points[critical[1]].negative, 2);
+}
+
+#[test]
+fn a_round_column_buckles_in_two_directions_at_once_and_turns_without_resistance() {
+    let mut scene = column();
+    scene.rods[0].stiffness.bending = [1.0; 2];
+    let (points, finished) = follow(&scene, plan(4.0, PathMethod::Arclength));
+    assert!(finished);
+    let critical = points.iter().find(|point| point.kind != PointKind::Regular);
+    let critical = critical.unwrap();
+    assert_eq!(
+        (critical.kind, critical.negative),
+        (PointKind::Bifurcation, 2)
+    );
+    let tip = 2.0 * (1.0f64 / 4.0).sqrt() * tip_modulus(4.0);
+    let buckled: Vec<_> = points.iter().filter(|point| point.branch > 0).collect();
+    assert_eq!(buckled.iter().map(|point| point.branch).max(), Some(4));
+    for point in buckled.iter().filter(|point| point.parameter == 4.0) {
+        let deflection = point.unknowns[4 * EDGES + 1].hypot(point.unknowns[4 * EDGES + 2]);
+        assert!((deflection / tip - 1.0).abs() < 1e-3, "{deflection} {tip}");
+        assert_eq!(point.negative, 0);
+        // Not that of turning about the column.
+        assert!(
+            point.lowest_eigenvalue > 0.01,
+            "{}",
+            point.lowest_eigenvalue
+        );
+    }
+}

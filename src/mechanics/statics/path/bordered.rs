@@ -7,23 +7,25 @@
 //!
 //! by block elimination with the factors of J (Keller 1977): J z₁ = −R, J z₂ = −b, then
 //! dλ = −(g + c·z₁)/(d + c·z₂), dq = z₁ + dλ z₂. Rounding errors near a singular J are left to the next
-//! iteration, whose residual is computed afresh.
+//! iteration, whose residual is computed afresh; those along motions without stiffness, by which nothing would
+//! call them back, are taken out of z₁ and z₂.
 
+use super::neutral::NeutralModes;
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::system::{Divergence, System};
 
-/// Added to the Hessian that is solved with at first, in units of EI/L³, and most iterations with it: rods
-/// that can move without stiffness (a ring that rolls, a column that buckles in any plane) have singular
-/// Hessians, by which rounding errors would grow without bound. Equilibria are not changed by it, but near
-/// critical points it takes many iterations; where these do not suffice, next to nothing is added.
-const REGULARIZATION: f64 = 1e-3;
-const REGULARIZED_ITERATIONS: usize = 6;
-/// Added to the Hessian whose pivots are counted, so that motions without stiffness count as stable. The
-/// loads of critical points are too large by some millionths for it.
+/// Added to the Hessian, in units of EI/L³, so that motions without stiffness neither make it singular nor
+/// count as unstable. The loads of critical points are too large by some millionths for it.
 const NEUTRAL: f64 = 1e-6;
 /// But no less than this multiple of the rounding error of the stiffest entry.
 const ROUNDINGS: f64 = 8.0;
-/// Most iterations with next to nothing added; a step that needs more is too long.
+/// Largest move of a node, over the rods' extent, that the next iteration may ask for at a point of the path. Near
+/// a critical point a small residual alone allows large errors along its null vector.
+const PRECISION: f64 = 1e-9;
+/// Rounding errors may ask for more: it is enough when an iteration asks for no less than this part of the one
+/// before.
+const STAGNATION: f64 = 0.1;
+/// Most iterations; a step that needs more is too long.
 const ITERATIONS: usize = 12;
 /// Step of the parameter over its range in the difference quotient of ∂R/∂λ.
 const DIFFERENCE: f64 = 1e-3;
@@ -55,14 +57,16 @@ pub(super) struct Bordered {
     newton: Vec<f64>,
     pub rate: Vec<f64>,
     probe: Vec<f64>,
+    /// Side of the box around all rods, m.
+    extent: f64,
     /// Range of the parameter.
     range: f64,
     /// Residual allowed, as a multiple of the force scale.
     pub tolerance: f64,
-    /// EI/L³, and that times the square of the shortest edge.
-    pub unit: [f64; 2],
-    /// Stiffness that counts as none, in those units.
-    neutral: f64,
+    /// Stiffness that counts as none and is added to the Hessian, N/m.
+    pub shift: f64,
+    /// Motions without stiffness near the last point.
+    pub neutral: NeutralModes,
 }
 
 /// How an iteration ended.
@@ -73,15 +77,21 @@ pub(super) struct Converged {
 }
 
 impl Bordered {
-    pub fn new(unknowns: usize, range: f64, tolerance: f64, unit: [f64; 2], rounding: f64) -> Self {
+    /// Scratch for the unknowns of `system`, with rods in a box of side `extent` (m) and a parameter that
+    /// changes by `range`.
+    pub fn new(system: &System, extent: f64, range: f64, tolerance: f64) -> Self {
+        let assembly = &system.assembly;
+        let unknowns = assembly.unknowns.len();
+        let unit = assembly.softest_scale / extent;
         Self {
             newton: vec![0.0; unknowns],
             rate: vec![0.0; unknowns],
             probe: vec![0.0; unknowns],
+            extent,
             range: range.abs(),
             tolerance,
-            neutral: NEUTRAL.max(ROUNDINGS * rounding / unit[0]),
-            unit,
+            shift: (NEUTRAL * unit).max(ROUNDINGS * assembly.rounding_stiffness),
+            neutral: NeutralModes::new(assembly.shortest_edge * assembly.shortest_edge),
         }
     }
 
@@ -93,32 +103,12 @@ impl Bordered {
         parameter: &mut f64,
         condition: &Condition,
     ) -> Result<Converged, Divergence> {
-        let start = (unknowns.to_vec(), *parameter);
-        let regularization = REGULARIZATION.max(self.neutral);
-        let most = REGULARIZED_ITERATIONS;
-        self.iterate(system, unknowns, parameter, condition, regularization, most)
-            .or_else(|_| {
-                unknowns.copy_from_slice(&start.0);
-                *parameter = start.1;
-                let neutral = self.neutral;
-                self.iterate(system, unknowns, parameter, condition, neutral, ITERATIONS)
-            })
-    }
-
-    fn iterate(
-        &mut self,
-        system: &mut System,
-        unknowns: &mut [f64],
-        parameter: &mut f64,
-        condition: &Condition,
-        regularization: f64,
-        most: usize,
-    ) -> Result<Converged, Divergence> {
-        for iterations in 0..=most {
+        let mut last_move = f64::INFINITY;
+        for iterations in 0..=ITERATIONS {
             system.drive(*parameter, unknowns);
             system.update_candidates(unknowns);
             self.differentiate(system, unknowns, *parameter);
-            system.linearize(unknowns, None);
+            let negative = self.linearize(system, unknowns);
             let force = system.force_tolerance(self.tolerance, unknowns);
             let (residual, unknown) = system.worst_residual();
             let failed = Divergence {
@@ -126,15 +116,14 @@ impl Bordered {
                 residual,
                 unknown,
             };
-            if !residual.is_finite() {
-                return Err(failed);
-            }
-            self.factor(system, regularization).ok_or(failed)?;
+            let negative = negative.filter(|_| residual.is_finite()).ok_or(failed)?;
+            self.neutral.refine(system).map_err(|_| failed)?;
             self.newton.copy_from_slice(&system.residual);
             self.newton.iter_mut().for_each(|r| *r = -*r);
             self.rate.iter_mut().for_each(|b| *b = -*b);
             for right_hand_side in [&mut self.newton, &mut self.rate] {
                 system.solve(right_hand_side).map_err(|_| failed)?;
+                self.neutral.remove_from(right_hand_side);
             }
             let along =
                 |z: &[f64]| -> f64 { condition.unknowns.iter().zip(z).map(|(c, z)| c * z).sum() };
@@ -143,36 +132,41 @@ impl Bordered {
             if !change.is_finite() {
                 return Err(failed);
             }
-            // An equilibrium; where along the path it lies does not matter to the last digit.
-            if residual <= force {
-                system.linearize(unknowns, None);
-                let negative = self.factor(system, self.neutral).ok_or(failed)?;
+            let steps = self.newton.iter().zip(&self.rate).enumerate();
+            let next_move = steps
+                .filter(|(k, _)| k % STRIDE != 3)
+                .map(|(_, (newton, rate))| (newton + change * rate).abs())
+                .fold(0.0, f64::max);
+            let settled =
+                next_move <= PRECISION * self.extent || next_move >= STAGNATION * last_move;
+            if residual <= force && settled {
                 return Ok(Converged {
                     iterations,
                     negative,
                 });
             }
-            if iterations == most {
+            if iterations == ITERATIONS {
                 return Err(failed);
             }
             for k in 0..unknowns.len() {
                 unknowns[k] += self.newton[k] + change * self.rate[k];
             }
             *parameter += change;
+            last_move = next_move;
         }
         unreachable!("the last iteration returns")
     }
 
-    /// Factors the Hessian of the last linearisation, shifted by so many units; returns the number of
-    /// negative pivots.
-    fn factor(&self, system: &mut System, shift: f64) -> Option<usize> {
-        let [unit, spin_unit] = self.unit;
-        system.shift(shift * unit, shift * spin_unit);
+    /// Linearises at `unknowns` and factors the Hessian, to which next to nothing is added; returns the
+    /// number of negative pivots, `None` where there is no such factorisation.
+    pub fn linearize(&self, system: &mut System, unknowns: &[f64]) -> Option<usize> {
+        system.linearize(unknowns, None);
+        system.shift(self.shift, self.shift * self.neutral.weight());
         Some(system.factor().ok()??.negative)
     }
 
     /// Writes b = ∂R/∂λ into `rate`, by central differences at fixed free unknowns.
-    fn differentiate(&mut self, system: &mut System, unknowns: &mut [f64], parameter: f64) {
+    pub fn differentiate(&mut self, system: &mut System, unknowns: &mut [f64], parameter: f64) {
         let step = DIFFERENCE * self.range;
         self.probe.copy_from_slice(unknowns);
         system.drive(parameter + step, &mut self.probe);

@@ -1,5 +1,6 @@
 //! Places on a path.
 
+use super::neutral::NeutralModes;
 use crate::mechanics::rod::ReferenceFrames;
 
 /// An equilibrium and the frames it was computed with.
@@ -10,6 +11,8 @@ pub(super) struct Location {
     pub reference: ReferenceFrames,
     /// Number of negative eigenvalues of the Hessian.
     pub negative: usize,
+    /// Its null vectors.
+    pub neutral: NeutralModes,
 }
 
 /// What happens to the path at a point.
@@ -17,9 +20,9 @@ pub(super) struct Location {
 pub enum PointKind {
     /// Nothing.
     Regular,
-    /// The parameter turns back; stability changes.
+    /// Stability changes, and the parameter turns back.
     Fold,
-    /// Stability changes, and the parameter goes on: another branch crosses.
+    /// Stability changes, and another branch crosses.
     Bifurcation,
 }
 
@@ -30,6 +33,8 @@ pub struct PathPoint {
     pub branch: usize,
     /// The path parameter λ.
     pub parameter: f64,
+    /// How far λ is at most from that of the critical point; 0 where the point is not critical.
+    pub parameter_error: f64,
     /// Unknowns, 4 per node.
     pub unknowns: Vec<f64>,
     /// Frames of the edges.
@@ -37,7 +42,7 @@ pub struct PathPoint {
     /// Directions in which the energy falls; at a critical point those just behind it.
     pub negative: usize,
     /// Lowest eigenvalue of the Hessian over motions of the nodes in m and of the edges in rad times the
-    /// shortest edge, N/m.
+    /// shortest edge, but for motions without stiffness, N/m.
     pub lowest_eigenvalue: f64,
     /// Whether the point is critical.
     pub kind: PointKind,

@@ -4,7 +4,7 @@ use super::bordered::{Bordered, Condition};
 use super::critical::Origin;
 use super::location::{Location, PathPoint, PointKind};
 use super::plan::{PathMethod, PathPlan};
-use super::spectrum::lowest_eigenpair;
+use super::spectrum::lowest_eigenvalue;
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::statics::equilibrium::{extent, find_equilibrium};
 use crate::mechanics::system::{Divergence, System};
@@ -18,6 +18,15 @@ const SHORTEST_STEP: f64 = 1e-4;
 /// Smallest cosine between the tangents before and after a step of the arclength. Sharper turns might lead
 /// to another branch.
 const SMALLEST_COSINE: f64 = 0.8;
+
+/// Largest distance of a point from its prediction, over the step.
+const LARGEST_CORRECTION: f64 = 0.5;
+/// The error of a point that is on no way between its neighbours.
+const ASTRAY: Divergence = Divergence {
+    iterations: 0,
+    residual: f64::NAN,
+    unknown: 0,
+};
 
 /// Direction of the path, of length 1 in the norm of [`Tracer::length`].
 #[derive(Clone, Debug)]
@@ -44,26 +53,16 @@ pub struct Tracer {
     started: bool,
     pub(super) waiting: VecDeque<PathPoint>,
     pub(super) origins: VecDeque<Origin>,
-    pub(super) vector: Vec<f64>,
+    scratch: Vec<f64>,
 }
 
 impl Tracer {
     /// A tracer at `unknowns`, near which the path of `plan` begins; `tolerance` is the residual left at a
     /// point as a multiple of the force scale.
     pub fn new(system: &System, unknowns: &[f64], plan: PathPlan, tolerance: f64) -> Self {
-        let assembly = &system.assembly;
         let extent = extent(unknowns);
-        let unit = assembly.softest_scale / extent;
-        let spin_unit = unit * assembly.shortest_edge * assembly.shortest_edge;
-        let units = [unit, spin_unit];
+        let bordered = Bordered::new(system, extent, plan.range(), tolerance);
         Self {
-            bordered: Bordered::new(
-                unknowns.len(),
-                plan.range(),
-                tolerance,
-                units,
-                assembly.rounding_stiffness,
-            ),
             weights: Bordered::weights(unknowns.len(), extent),
             branch: 0,
             branches: 1,
@@ -73,6 +72,7 @@ impl Tracer {
                 unknowns: unknowns.to_vec(),
                 reference: system.reference.clone(),
                 negative: 0,
+                neutral: bordered.neutral.clone(),
             }),
             tangent: Tangent {
                 unknowns: vec![0.0; unknowns.len()],
@@ -83,7 +83,8 @@ impl Tracer {
             started: false,
             waiting: VecDeque::new(),
             origins: VecDeque::new(),
-            vector: vec![0.0; unknowns.len()],
+            scratch: vec![0.0; unknowns.len()],
+            bordered,
             plan,
         }
     }
@@ -132,7 +133,7 @@ impl Tracer {
             }
         };
         self.turn_tangent(None);
-        self.arrive(system, location, PointKind::Regular);
+        self.arrive(system, location);
         Ok(())
     }
 
@@ -158,8 +159,7 @@ impl Tracer {
                         self.step = (GROWTH * step).min(largest);
                     }
                     self.locate_critical_points(system, &here, &before, &next, step);
-                    self.arrive_or_end(system, &here, next);
-                    return Ok(());
+                    return self.arrive_or_end(system, &here, next);
                 }
                 attempt => {
                     self.tangent = before;
@@ -170,8 +170,7 @@ impl Tracer {
                             // A corner of the path: go round it.
                             Ok(next) => {
                                 self.turn_tangent(None);
-                                self.arrive_or_end(system, &here, next);
-                                Ok(())
+                                self.arrive_or_end(system, &here, next)
                             }
                         };
                     }
@@ -198,30 +197,38 @@ impl Tracer {
         let predicted: Vec<f64> = (from.unknowns.iter().zip(&self.tangent.unknowns))
             .map(|(q, t)| q + length * t)
             .collect();
-        self.correct_along(system, from, parameter, predicted)
+        let largest = LARGEST_CORRECTION * length;
+        self.correct_along(system, from, parameter, predicted, largest)
     }
 
-    /// The point of the path halfway between two of its points.
-    pub(super) fn halfway(
+    /// The point of the path between two of its points, at a share of the way from the first to the second.
+    ///
+    /// # Errors
+    /// [`Divergence`] where Newton's method fails, or goes farther astray than the two are apart.
+    pub(super) fn between(
         &mut self,
         system: &mut System,
         low: &Location,
         high: &Location,
+        share: f64,
     ) -> Result<Location, Divergence> {
-        let parameter = 0.5 * (low.parameter + high.parameter);
+        let parameter = low.parameter + share * (high.parameter - low.parameter);
         let predicted: Vec<f64> = (low.unknowns.iter().zip(&high.unknowns))
-            .map(|(a, b)| 0.5 * (a + b))
+            .map(|(a, b)| a + share * (b - a))
             .collect();
-        self.correct_along(system, low, parameter, predicted)
+        let way = self.distance(&low.unknowns, &high.unknowns);
+        self.correct_along(system, low, parameter, predicted, way)
     }
 
-    /// Goes from a prediction to the path: at its parameter, or across the tangent.
+    /// Goes from a prediction to the path: at its parameter, or across the tangent; no farther than `largest`, for
+    /// there another branch may lie.
     fn correct_along(
         &mut self,
         system: &mut System,
         from: &Location,
         parameter: f64,
         predicted: Vec<f64>,
+        largest: f64,
     ) -> Result<Location, Divergence> {
         let condition = match self.plan.method {
             PathMethod::Natural => self.at_parameter(parameter, &predicted),
@@ -230,7 +237,11 @@ impl Tracer {
                 self.across(&tangent, parameter, &predicted)
             }
         };
-        self.correct(system, from, &condition, predicted)
+        let found = self.correct(system, from, &condition, predicted)?;
+        if self.distance(&found.unknowns, &condition.start) > largest {
+            return Err(ASTRAY);
+        }
+        Ok(found)
     }
 
     /// The end of the range of λ that the path moves towards.
@@ -243,44 +254,59 @@ impl Tracer {
     }
 
     /// Ends the branch where the range of the parameter ends; goes on otherwise.
-    fn arrive_or_end(&mut self, system: &mut System, before: &Location, next: Location) {
+    fn arrive_or_end(
+        &mut self,
+        system: &mut System,
+        before: &Location,
+        next: Location,
+    ) -> Result<(), Divergence> {
         let part = |parameter: f64| (parameter - self.plan.from) / self.plan.range();
         let end = if part(next.parameter) >= 1.0 {
             self.plan.to
         } else if part(next.parameter) <= 0.0 {
             self.plan.from
         } else {
-            self.arrive(system, next, PointKind::Regular);
-            return;
+            self.arrive(system, next);
+            return Ok(());
         };
         let share = (end - before.parameter) / (next.parameter - before.parameter);
         let between = (before.unknowns.iter().zip(&next.unknowns))
             .map(|(a, b)| a + share * (b - a))
             .collect();
         let condition = self.at_parameter(end, &next.unknowns);
-        if let Ok(last) = self.correct(system, before, &condition, between) {
-            self.arrive(system, last, PointKind::Regular);
-        }
+        let last = self.correct(system, before, &condition, between)?;
+        self.arrive(system, last);
         self.here = None;
+        Ok(())
     }
 
     /// Makes `location` the place where the path stands, and a point to be handed out.
-    pub(super) fn arrive(&mut self, system: &mut System, location: Location, kind: PointKind) {
-        self.hand_out(system, &location, kind);
+    pub(super) fn arrive(&mut self, system: &mut System, mut location: Location) {
+        let unknowns = self.place(system, &location);
+        if self.bordered.linearize(system, &unknowns).is_some() {
+            let shift = self.bordered.shift;
+            location.neutral.find(system, unknowns.len(), shift);
+        }
+        self.hand_out(system, &location, PointKind::Regular, 0.0);
         self.points += 1;
         self.here = Some(location);
     }
 
-    /// Queues a point; leaves its lowest eigenvector in `vector`.
-    pub(super) fn hand_out(&mut self, system: &mut System, location: &Location, kind: PointKind) {
-        system.reference.clone_from(&location.reference);
-        let mut unknowns = location.unknowns.clone();
-        system.drive(location.parameter, &mut unknowns);
-        let units = self.bordered.unit;
-        let lowest = lowest_eigenpair(system, &unknowns, units, &mut self.vector);
+    /// Queues a point.
+    pub(super) fn hand_out(
+        &mut self,
+        system: &mut System,
+        location: &Location,
+        kind: PointKind,
+        parameter_error: f64,
+    ) {
+        let unknowns = self.place(system, location);
+        self.bordered.neutral.clone_from(&location.neutral);
+        let lowest = lowest_eigenvalue(system, &self.bordered, &unknowns, &mut self.scratch);
         self.waiting.push_back(PathPoint {
             branch: self.branch,
             parameter: location.parameter,
+            parameter_error,
             unknowns,
             reference: location.reference.clone(),
             negative: location.negative,
@@ -288,6 +314,14 @@ impl Tracer {
             kind,
             iterations: std::mem::take(&mut self.iterations),
         });
+    }
+
+    /// Takes `system` to a place; returns the unknowns there.
+    pub(super) fn place(&mut self, system: &mut System, location: &Location) -> Vec<f64> {
+        system.reference.clone_from(&location.reference);
+        let mut unknowns = location.unknowns.clone();
+        system.drive(location.parameter, &mut unknowns);
+        unknowns
     }
 
     /// Newton's method from `unknowns` with the frames of `from`.
@@ -299,6 +333,7 @@ impl Tracer {
         mut unknowns: Vec<f64>,
     ) -> Result<Location, Divergence> {
         system.reference.clone_from(&from.reference);
+        self.bordered.neutral.clone_from(&from.neutral);
         let mut parameter = condition.start_parameter;
         let converged = self
             .bordered
@@ -310,6 +345,7 @@ impl Tracer {
             unknowns,
             reference: system.reference.clone(),
             negative: converged.negative,
+            neutral: self.bordered.neutral.clone(),
         })
     }
 
@@ -363,6 +399,13 @@ impl Tracer {
             .map(|(k, (a, b))| self.weight(k) * a * b)
             .sum();
         moved + a.parameter * b.parameter / (range * range)
+    }
+
+    /// Distance of two shapes.
+    pub(super) fn distance(&self, from: &[f64], to: &[f64]) -> f64 {
+        let squares = (from.iter().zip(to).enumerate())
+            .map(|(k, (from, to))| self.weight(k) * (to - from) * (to - from));
+        squares.sum::<f64>().sqrt()
     }
 
     fn weight(&self, unknown: usize) -> f64 {
