@@ -16,8 +16,11 @@ pub(super) trait Advance {
 
     /// Takes one step that ends no later than `until`.
     fn advance(&mut self, until: f64) -> Result<StepReport, SimulationError>;
-    /// Finds the equilibrium.
-    fn find_equilibrium(&mut self) -> Result<StepReport, SimulationError>;
+    /// Finds the equilibrium, as long as `goes_on`; `None` where it said no.
+    fn find_equilibrium(
+        &mut self,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Result<Option<StepReport>, SimulationError>;
     /// A path of equilibria that begins at the present configuration.
     fn path(&self, plan: PathPlan) -> Result<Tracer, SimulationError>;
     /// Goes to the next point of a path; `None` after the last.
@@ -45,8 +48,11 @@ impl Advance for Simulation {
         self.advance(until)
     }
 
-    fn find_equilibrium(&mut self) -> Result<StepReport, SimulationError> {
-        self.find_equilibrium()
+    fn find_equilibrium(
+        &mut self,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Result<Option<StepReport>, SimulationError> {
+        self.find_equilibrium_while(goes_on)
     }
 
     fn path(&self, plan: PathPlan) -> Result<Tracer, SimulationError> {

@@ -2,6 +2,7 @@
 
 use super::advance::Advance;
 use super::output_times::OutputTimes;
+use super::path::{PathAtWork, PathCheckpoint};
 use super::progress::Progress;
 use super::records::{manifest_of_call, recorder_plan, rod_records};
 use super::stop::{Stop, StopRequest};
@@ -10,6 +11,7 @@ use super::{Reached, RunError, RunOptions, RunOutcome, RunStatus};
 use crate::experiment::knot_course::KnotCourse;
 use crate::experiment::knot_observer::changed_knot;
 use crate::experiment::{KnotObserver, Mode, PreparedRun};
+use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::{SimulationError, StepReport};
 use crate::results::{
     CaseRecord, CaseStatus, CheckpointFiles, Frame, MANIFEST, Manifest, Recorder, ResultsDirectory,
@@ -28,15 +30,19 @@ pub(super) struct Session {
     checkpoint_every: Duration,
     last_checkpoint: Instant,
     times: OutputTimes,
-    /// Parameters of the points of a path so far.
-    parameters: Vec<f64>,
+    /// The path of equilibria that is followed.
+    pub(super) path: Option<PathAtWork>,
+    /// Positions at the start, m.
+    pub(super) placed: Vec<Vector3>,
     standing: Standing,
     /// Twice the largest radius, m.
     diameter: f64,
     meter: UsageMeter,
     timeout: Option<Duration>,
-    resumed_from: Option<f64>,
-    progress: Progress,
+    resumed_from: Option<Reached>,
+    pub(super) progress: Progress,
+    /// What else is to be told at the end, a line each.
+    pub(super) remarks: Vec<String>,
     knot: Option<KnotObserver>,
 }
 
@@ -58,6 +64,7 @@ struct Checkpoint<S> {
     state: S,
     lengths: StreamLengths,
     standing: Standing,
+    path: Option<PathCheckpoint>,
 }
 
 impl Session {
@@ -73,10 +80,12 @@ impl Session {
         let rods = rod_records(prepared);
         let plan = recorder_plan(prepared);
         let mut checkpoints = CheckpointFiles::new(directory.path(), &hash);
-        let continued = checkpoints.read(|checkpoint: Checkpoint<S::State>| {
+        let continued = checkpoints.read(|mut checkpoint: Checkpoint<S::State>| {
             let lengths = checkpoint.lengths;
             let recorder = Recorder::continue_at(directory.path(), rods.clone(), plan, lengths)?;
-            Ok((checkpoint, recorder))
+            let path = checkpoint.path.take();
+            let path = path.map(|path| PathAtWork::resume(path, &directory));
+            Ok((checkpoint, recorder, path.transpose()?))
         });
         if continued.is_none() && checkpoints.exist() {
             tracing::warn!(
@@ -93,11 +102,13 @@ impl Session {
         );
         manifest.place(directory.path())?;
 
-        let (standing, recorder, resumed_from) = match continued {
-            Some((checkpoint, recorder)) => {
+        let placed = simulation.frame(false).positions;
+        let is_continued = continued.is_some();
+        let (standing, recorder, path) = match continued {
+            Some((checkpoint, recorder, path)) => {
                 let restored = simulation.restore(checkpoint.state);
                 restored.map_err(RunError::Scene)?;
-                (checkpoint.standing, recorder, Some(simulation.time()))
+                (checkpoint.standing, recorder, path)
             }
             None => {
                 let recorder = Recorder::create(directory.path(), rods, plan)?;
@@ -109,10 +120,14 @@ impl Session {
             Mode::Static | Mode::Continuation(_) => OutputTimes::only_start(),
         };
         let radii = prepared.scene.rods.iter().map(|rod| rod.radius);
-        let visible = options.progress && matches!(prepared.mode, Mode::Dynamic { .. });
+        let visible = options.progress && !matches!(prepared.mode, Mode::Static);
         let bar = Progress::bar(visible, options.among.as_ref());
-        Ok(Self {
-            progress: Progress::new(bar, simulation.time(), times.time(times.last())),
+        let range = match prepared.mode {
+            Mode::Continuation(plan) => [plan.from, plan.to],
+            Mode::Static | Mode::Dynamic { .. } => [0.0, times.time(times.last())],
+        };
+        let mut session = Self {
+            progress: Progress::new(bar, simulation.time(), range),
             diameter: 2.0 * radii.fold(0.0, f64::max),
             directory,
             manifest,
@@ -121,13 +136,28 @@ impl Session {
             checkpoint_every: options.checkpoint_every,
             last_checkpoint: Instant::now(),
             times,
-            parameters: Vec::new(),
+            path,
+            placed,
             standing,
             meter,
             timeout: options.timeout,
-            resumed_from,
+            resumed_from: None,
+            remarks: Vec::new(),
             knot: prepared.knot,
-        })
+        };
+        session.resumed_from = is_continued.then(|| session.reached(simulation));
+        Ok(session)
+    }
+
+    /// How far the run has come.
+    fn reached(&self, simulation: &impl Advance) -> Reached {
+        if self.path.is_some() {
+            Reached::Parameter(simulation.time())
+        } else if self.times.last() > 0 {
+            Reached::Time(simulation.time())
+        } else {
+            Reached::Start
+        }
     }
 
     /// Runs to the end, or until there is a reason to stop.
@@ -139,7 +169,9 @@ impl Session {
     ) -> Result<(), Stop> {
         match mode {
             Mode::Static => {
-                let report = simulation.find_equilibrium()?;
+                let goes_on = || self.ask_to_stop(stop_requested).is_ok();
+                let found = simulation.find_equilibrium(&goes_on)?;
+                let report = found.ok_or_else(|| self.reason_to_stop(stop_requested))?;
                 self.standing.tally.add_equilibrium(&report);
                 self.record(simulation)
             }
@@ -157,9 +189,7 @@ impl Session {
             let target = self.times.time(self.standing.outputs);
             while simulation.time() < target {
                 self.ask_to_stop(stop_requested)?;
-                if self.last_checkpoint.elapsed() >= self.checkpoint_every {
-                    self.write_checkpoint(simulation)?;
-                }
+                self.write_checkpoint_if_due(simulation)?;
                 let start = Instant::now();
                 let report = simulation.advance(target)?;
                 if report.contacts > 0 {
@@ -188,6 +218,12 @@ impl Session {
         Ok(())
     }
 
+    /// The stop that a search was told of a moment ago.
+    fn reason_to_stop(&self, stop_requested: &dyn Fn() -> Option<StopRequest>) -> Stop {
+        let asked = self.ask_to_stop(stop_requested);
+        asked.err().unwrap_or(Stop::Interrupted)
+    }
+
     /// Path of a file of the results.
     pub(super) fn file(&self, name: &str) -> PathBuf {
         self.directory.file(name)
@@ -201,13 +237,13 @@ impl Session {
         critical: bool,
     ) -> Result<(), Stop> {
         self.standing.tally.add_point(report, critical);
-        self.parameters.push(report.time);
         self.record(simulation)
     }
 
     /// Time of an output, s; the parameter of a point on a path.
     fn output_time(&self, index: usize) -> f64 {
-        let parameter = self.parameters.get(index).copied();
+        let path = self.path.as_ref();
+        let parameter = path.and_then(|path| path.parameters.get(index).copied());
         parameter.unwrap_or_else(|| self.times.time(index))
     }
 
@@ -248,6 +284,17 @@ impl Session {
         Ok(())
     }
 
+    /// Writes a checkpoint where the last is old.
+    pub(super) fn write_checkpoint_if_due(
+        &mut self,
+        simulation: &impl Advance,
+    ) -> Result<(), ResultsError> {
+        if self.last_checkpoint.elapsed() < self.checkpoint_every {
+            return Ok(());
+        }
+        self.write_checkpoint(simulation)
+    }
+
     fn write_checkpoint(&mut self, simulation: &impl Advance) -> Result<(), ResultsError> {
         let lengths = self.sync_outputs()?;
         // Without it the checkpoint would not be known for what it is.
@@ -260,6 +307,7 @@ impl Session {
             state: simulation.state(),
             lengths,
             standing,
+            path: self.path.as_mut().map(PathAtWork::checkpoint).transpose()?,
         })?;
         self.last_checkpoint = Instant::now();
         Ok(())
@@ -287,7 +335,7 @@ impl Session {
             .and_then(|()| Ok(self.sync_outputs().map(drop)?))
             .or_else(|stop| {
                 // A checkpoint that cannot be written is the graver news.
-                if stop.leaves_sound_state() && self.times.last() > 0 {
+                if stop.leaves_sound_state() && self.reached(simulation) != Reached::Start {
                     self.write_checkpoint(simulation)?;
                 }
                 Err(stop)
@@ -301,7 +349,7 @@ impl Session {
             Ok(()) => written?,
             // Whatever hinders the tables now has most likely ended the run itself.
             Err(stop) => {
-                return Err(stop.into_error(Reached::Time(simulation.time()), directory));
+                return Err(stop.into_error(self.reached(simulation), directory));
             }
         }
         self.checkpoints.remove()?;
@@ -309,12 +357,10 @@ impl Session {
             directory,
             status: self
                 .resumed_from
-                .map_or(RunStatus::Finished, |from| RunStatus::Resumed {
-                    from: Reached::Time(from),
-                }),
+                .map_or(RunStatus::Finished, |from| RunStatus::Resumed { from }),
             case: self.standing.tally.outcome,
             wall_time: self.usage().wall_time,
-            remarks: Vec::new(),
+            remarks: self.remarks,
         })
     }
 

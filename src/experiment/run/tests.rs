@@ -83,12 +83,15 @@ impl Advance for Pendulum {
         unreachable!("a pendulum has no path")
     }
 
-    fn find_equilibrium(&mut self) -> Result<StepReport, SimulationError> {
+    fn find_equilibrium(
+        &mut self,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Result<Option<StepReport>, SimulationError> {
         self.angle = 0.0;
-        Ok(StepReport {
+        Ok(goes_on().then(|| StepReport {
             newton_iterations: 7,
             ..StepReport::default()
-        })
+        }))
     }
 
     fn time(&self) -> f64 {

@@ -3,6 +3,7 @@
 //! The loop is [`Simulation::advance`]: drag at the start of the step, contact candidates, an implicit
 //! stage solved by Newton's method, smaller steps where that fails, and acceptance.
 
+mod equilibrium;
 mod failure;
 mod newton;
 mod observe;
@@ -21,6 +22,8 @@ pub use simulation::Simulation;
 mod barrier_tests;
 #[cfg(test)]
 mod complementarity_tests;
+#[cfg(test)]
+mod equilibrium_tests;
 #[cfg(test)]
 mod path_tests;
 #[cfg(test)]

@@ -39,7 +39,7 @@ impl Simulation {
         self.system.drive(stage_time, &mut self.trial);
         self.shorten_predictor()?;
         self.system
-            .adapt_contact_stiffness(&self.trial, &self.stage);
+            .adapt_contact_stiffness(&self.trial, Some(&self.stage));
         let stopping = Stopping {
             force: self
                 .system

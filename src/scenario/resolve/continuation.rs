@@ -51,7 +51,8 @@ pub fn continuation(top: &Section<'_>, file: &ScenarioFile, time: &Time) -> Opti
     })
 }
 
-/// Refuses what has no energy, and so no path: drag is nothing at rest, but a fluid cannot be meant.
+/// Refuses what no equilibrium knows, friction, and what has no energy and so no path; drag is nothing at rest, but a
+/// fluid cannot be meant.
 pub fn refuse_without_energy(
     top: &Section<'_>,
     time: &Time,
@@ -59,12 +60,12 @@ pub fn refuse_without_energy(
     fluid: &Fluid,
     loads: &[Load],
 ) {
+    if friction > 0.0 && matches!(time, Time::Static | Time::Continuation) {
+        let message = "an equilibrium knows no friction: leave the key out, or let the rods come to rest with time.mode = \"dynamic\"";
+        top.below("contact").fault("friction", message);
+    }
     if *time != Time::Continuation {
         return;
-    }
-    if friction > 0.0 {
-        let message = "a path of equilibria knows no friction; leave the key out";
-        top.below("contact").fault("friction", message);
     }
     if *fluid != Fluid::None {
         top.fault("fluid", "nothing moves in equilibrium; leave the table out");

@@ -10,9 +10,10 @@
 //! iteration, whose residual is computed afresh; those along motions without stiffness, by which nothing would
 //! call them back, are taken out of z₁ and z₂.
 
-use super::neutral::NeutralModes;
 use crate::mechanics::rod::STRIDE;
+use crate::mechanics::statics::neutral::NeutralModes;
 use crate::mechanics::system::{Divergence, System};
+use serde::{Deserialize, Serialize};
 
 /// Added to the Hessian, in units of EI/L³, so that motions without stiffness neither make it singular nor
 /// count as unstable. The loads of critical points are too large by some millionths for it.
@@ -51,7 +52,7 @@ impl Condition {
 }
 
 /// Scratch of the bordered system.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Bordered {
     /// z₁ and z₂ of the last factorisation; z₂ is the rate of the unknowns with the parameter.
     newton: Vec<f64>,

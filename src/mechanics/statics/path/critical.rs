@@ -2,9 +2,10 @@
 //! where other branches leave from there.
 
 use super::location::{Location, PointKind};
-use super::spectrum::{inner, inverse_iteration, scale_angles};
 use super::tracer::{Tangent, Tracer};
+use crate::mechanics::statics::spectrum::{inner, inverse_iteration, scale_angles};
 use crate::mechanics::system::System;
+use serde::{Deserialize, Serialize};
 
 /// Arclength to which a critical point is located; 1 is the range of the parameter.
 const TOLERANCE: f64 = 1e-8;
@@ -19,7 +20,7 @@ const LARGEST_COUPLING: f64 = 1e-4;
 const HALVINGS: usize = 6;
 
 /// Where another branch leaves.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Origin {
     location: Location,
     /// Direction of the branch: plus or minus the null vector.

@@ -1,10 +1,11 @@
 //! Places on a path.
 
-use super::neutral::NeutralModes;
 use crate::mechanics::rod::ReferenceFrames;
+use crate::mechanics::statics::neutral::NeutralModes;
+use serde::{Deserialize, Serialize};
 
 /// An equilibrium and the frames it was computed with.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Location {
     pub parameter: f64,
     pub unknowns: Vec<f64>,
@@ -16,7 +17,7 @@ pub(super) struct Location {
 }
 
 /// What happens to the path at a point.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum PointKind {
     /// Nothing.
     Regular,
@@ -27,7 +28,7 @@ pub enum PointKind {
 }
 
 /// A point of the path.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct PathPoint {
     /// Number of the branch; 0 is the one that starts where the plan says.
     pub branch: usize,

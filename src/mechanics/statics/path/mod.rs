@@ -8,9 +8,7 @@
 mod bordered;
 mod critical;
 mod location;
-mod neutral;
 mod plan;
-mod spectrum;
 mod tracer;
 
 pub use location::{PathPoint, PointKind};

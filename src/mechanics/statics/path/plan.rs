@@ -1,7 +1,9 @@
 //! Which path is followed, and how.
 
+use serde::{Deserialize, Serialize};
+
 /// Where a path begins and ends, and the steps along it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PathPlan {
     /// Path parameter at the start.
     pub from: f64,
@@ -21,7 +23,7 @@ pub struct PathPlan {
 }
 
 /// What a step along the path prescribes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum PathMethod {
     /// The parameter itself. At a fold no equilibrium is near: the path ends there, or jumps to a distant one.
     Natural,

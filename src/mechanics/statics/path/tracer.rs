@@ -4,10 +4,11 @@ use super::bordered::{Bordered, Condition};
 use super::critical::Origin;
 use super::location::{Location, PathPoint, PointKind};
 use super::plan::{PathMethod, PathPlan};
-use super::spectrum::lowest_eigenvalue;
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::statics::equilibrium::{extent, find_equilibrium};
+use crate::mechanics::statics::spectrum::lowest_eigenvalue;
 use crate::mechanics::system::{Divergence, System};
+use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
 /// A step that needs no more iterations than this may be followed by a longer one.
@@ -28,21 +29,22 @@ const ASTRAY: Divergence = Divergence {
     unknown: 0,
 };
 
-/// Direction of the path, of length 1 in the norm of [`Tracer::length`].
-#[derive(Clone, Debug)]
+/// Direction of the path, of length 1 in the norm of [`Tracer::inner`].
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Tangent {
     pub unknowns: Vec<f64>,
     pub parameter: f64,
 }
 
-/// Follows a path point by point.
-#[derive(Clone, Debug)]
+/// Follows a path point by point; all that a checkpoint must hold of it.
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Tracer {
     pub(super) plan: PathPlan,
     pub(super) bordered: Bordered,
     weights: [f64; 2],
     pub(super) branch: usize,
     branches: usize,
+    cut_short: usize,
     points: usize,
     /// Where the path stands; `None` before its start and after its end.
     pub(super) here: Option<Location>,
@@ -66,6 +68,7 @@ impl Tracer {
             weights: Bordered::weights(unknowns.len(), extent),
             branch: 0,
             branches: 1,
+            cut_short: 0,
             points: 0,
             here: Some(Location {
                 parameter: plan.from,
@@ -114,6 +117,11 @@ impl Tracer {
         Ok(self.waiting.pop_front())
     }
 
+    /// Number of branches that ended because they had too many points.
+    pub fn cut_short(&self) -> usize {
+        self.cut_short
+    }
+
     /// Finds the equilibrium at the start and the direction in which to leave it.
     fn start(&mut self, system: &mut System) -> Result<(), Divergence> {
         let start = self.here.take().expect("a tracer starts somewhere");
@@ -141,6 +149,7 @@ impl Tracer {
     fn advance(&mut self, system: &mut System) -> Result<(), Divergence> {
         let here = self.here.take().expect("called on a path");
         if self.points >= self.plan.most_points {
+            self.cut_short += 1;
             return Ok(());
         }
         let largest = self.plan.largest_step / self.plan.range().abs();
@@ -197,7 +206,10 @@ impl Tracer {
         let predicted: Vec<f64> = (from.unknowns.iter().zip(&self.tangent.unknowns))
             .map(|(q, t)| q + length * t)
             .collect();
-        let largest = LARGEST_CORRECTION * length;
+        let largest = match self.plan.method {
+            PathMethod::Natural => f64::INFINITY,
+            PathMethod::Arclength => LARGEST_CORRECTION * length,
+        };
         self.correct_along(system, from, parameter, predicted, largest)
     }
 
@@ -301,8 +313,13 @@ impl Tracer {
         parameter_error: f64,
     ) {
         let unknowns = self.place(system, location);
-        self.bordered.neutral.clone_from(&location.neutral);
-        let lowest = lowest_eigenvalue(system, &self.bordered, &unknowns, &mut self.scratch);
+        let lowest = lowest_eigenvalue(
+            system,
+            &unknowns,
+            &location.neutral,
+            self.bordered.shift,
+            &mut self.scratch,
+        );
         self.waiting.push_back(PathPoint {
             branch: self.branch,
             parameter: location.parameter,

@@ -1,7 +1,6 @@
 //! Eigenpairs of the Hessian, H v = μ B v, by inverse iteration (Golub & Van Loan, Matrix Computations,
 //! 4th ed., sec. 8.2.2). B weighs angles by the square of the shortest edge, so that μ is in N/m.
 
-use super::bordered::Bordered;
 use super::neutral::NeutralModes;
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::system::System;
@@ -16,26 +15,25 @@ const SHIFT_GROWTH: f64 = 2.0;
 /// Most growths: by then the shift is beyond every stiffness.
 const GROWTHS: usize = 100;
 
-/// The lowest eigenvalue at `unknowns` but those of motions without stiffness, N/m. `None` where the Hessian
-/// cannot be factored.
+/// The lowest eigenvalue at `unknowns` but those of motions without stiffness, N/m; the search begins below
+/// `−shift`. `None` where the Hessian cannot be factored.
 pub(super) fn lowest_eigenvalue(
     system: &mut System,
-    bordered: &Bordered,
     unknowns: &[f64],
+    neutral: &NeutralModes,
+    mut shift: f64,
     scratch: &mut [f64],
 ) -> Option<f64> {
-    let weight = bordered.neutral.weight();
-    let mut shift = bordered.shift;
     // Below the lowest eigenvalue, so that it is the one that is nearest.
     for _ in 0..GROWTHS {
         system.linearize(unknowns, None);
-        system.shift(shift, shift * weight);
+        system.shift(shift, shift * neutral.weight());
         if system.factor().ok()??.negative == 0 {
             break;
         }
         shift *= SHIFT_GROWTH;
     }
-    Some(inverse_iteration(system, scratch, &bordered.neutral)? - shift)
+    Some(inverse_iteration(system, scratch, neutral)? - shift)
 }
 
 /// The eigenvalue (N/m) that is nearest to zero of the matrix whose factors `system` holds; leaves its vector, of

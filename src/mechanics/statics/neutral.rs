@@ -8,12 +8,13 @@
 use super::spectrum::{inner, inverse_iteration, scale_angles};
 use crate::linalg::SingularMatrix;
 use crate::mechanics::system::System;
+use serde::{Deserialize, Serialize};
 
 /// Largest eigenvalue of such a motion over the shift of the Hessian.
 const LARGEST_EIGENVALUE: f64 = 0.1;
 
 /// The null vectors of a Hessian.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct NeutralModes {
     /// B-orthonormal, with B as in [`super::spectrum`].
     vectors: Vec<Vec<f64>>,
