@@ -10,6 +10,7 @@ const ROOMS: [(&str, &[&str]); 9] = [
         "cli",
         &[
             "experiment",
+            "knot",
             "mechanics",
             "scenario",
             "results",

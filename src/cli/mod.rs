@@ -28,6 +28,7 @@ mod reproduce;
 mod run;
 mod schema;
 mod solve;
+mod solve_knot;
 mod status;
 mod submit;
 mod sweep;

@@ -2,6 +2,7 @@
 
 use super::failure::Failure;
 use super::output::print_json;
+use super::solve_knot::KnotInversionArguments;
 use crate::experiment::{FEWEST_EDGES, estimated_critical_distance};
 use crate::mechanics::kirchhoff::{HangingStrip, HeavyLoop, Helix, critical_distance};
 use crate::scenario::metres;
@@ -17,6 +18,7 @@ const MOST_EDGES: usize = 2000;
 Examples:
   rodlab solve helix --direction=1,1,-1
   rodlab solve helix --direction=1,1,-1 --method der --edges 100
+  rodlab solve knot-inversion --unknotting-number 3 --radius \"1.6 mm\"
   rodlab solve loop-height --gravito-bending-length \"3 cm\"
   rodlab solve hanging-plate --length 0.2 --gravito-bending-length 0.1
 
@@ -37,6 +39,12 @@ curvature κ and torsion τ with the twisting moment ω. `critical` is the norm 
 at which it ceases to be stable (Borum & Bretl 2020): null where it stays stable up to 100. With --method der it
 is found by the discrete rod instead: null where that stays stable up to half the number of its edges.")]
     Helix(HelixArguments),
+    /// The size at which a tightened overhand knot inverts, by the model of a braid and a loop
+    #[command(after_help = "\
+A braid of two helices and the loop between its ends (thesis 3.6), without friction. `length_normalized` is
+l̄_k = (L − l_c)/h, the length of braid and loop over the radius of the rod, at which the knot loses its balance; then
+each end of the braid has turned back by `rotation_rad`. The defaults are the thesis' φ = π/3 and ε = 0.7.")]
+    KnotInversion(KnotInversionArguments),
     /// The height of the loop of a heavy rod folded over onto itself on a table
     LoopHeight {
         /// Gravito-bending length, in metres or with a unit
@@ -106,6 +114,7 @@ struct StripAnswer {
 pub fn solve(arguments: &SolveArguments) -> Result<(), Failure> {
     match &arguments.problem {
         Problem::Helix(arguments) => print_json(&helix(arguments)?),
+        Problem::KnotInversion(arguments) => print_json(&arguments.solve()?),
         Problem::LoopHeight {
             gravito_bending_length,
         } => {

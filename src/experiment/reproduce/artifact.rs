@@ -31,6 +31,12 @@ pub enum Artifact {
     Figure3_6,
     /// Inversion over friction.
     Figure3_7,
+    /// Energy and equilibria of the simplified knot.
+    Figure3_9,
+    /// Its inversion over the radius of the rod.
+    Figure3_10,
+    /// Its inversion over the unknotting number.
+    Figure3_11,
     /// The boundary of the stable helices.
     Figure6_2,
     /// Disturbances of a manipulated helical rod.
@@ -75,7 +81,7 @@ const QUICK_END_OF_STEPS: f64 = 5.0;
 
 impl Artifact {
     /// All of them.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 18] = [
         Self::Table2_1,
         Self::Table2_2,
         Self::Figure2_5,
@@ -86,6 +92,9 @@ impl Artifact {
         Self::Figure3_5,
         Self::Figure3_6,
         Self::Figure3_7,
+        Self::Figure3_9,
+        Self::Figure3_10,
+        Self::Figure3_11,
         Self::Figure6_2,
         Self::Figure6_5,
         Self::Figure6_6,
@@ -113,6 +122,9 @@ impl Artifact {
             Self::Figure3_5 => "fig3.5",
             Self::Figure3_6 => "fig3.6",
             Self::Figure3_7 => "fig3.7",
+            Self::Figure3_9 => "fig3.9",
+            Self::Figure3_10 => "fig3.10",
+            Self::Figure3_11 => "fig3.11",
             Self::Figure6_2 => "fig6.2",
             Self::Figure6_5 => "fig6.5",
             Self::Figure6_6 => "fig6.6",
@@ -134,6 +146,9 @@ impl Artifact {
             Self::Figure3_5 => "Figure 3.5: inversion over the radius of the rod",
             Self::Figure3_6 => "Figure 3.6: inversion over the unknotting number",
             Self::Figure3_7 => "Figure 3.7: inversion over friction",
+            Self::Figure3_9 => "Figure 3.9: energy and equilibria of the simplified knot",
+            Self::Figure3_10 => "Figure 3.10: the simplified knot over the radius",
+            Self::Figure3_11 => "Figure 3.11: the simplified knot over the unknotting number",
             Self::Figure6_2 => "Figure 6.2: the boundary of the stable helices",
             Self::Figure6_5 => "Figure 6.5: disturbances of a manipulated helical rod",
             Self::Figure6_6 => "Figure 6.6: the boundary of the stable helices at ω = 0",
@@ -159,8 +174,9 @@ impl Artifact {
             Self::Figure2_7 => Runs::Tightening(Tightening::of_figure_2_7(quick)),
             Self::Figure2_8 => Runs::Tightening(Tightening::of_figure_2_8(quick)),
             Self::Figure3_4 => Runs::Inversion(Inversion::of_figure_3_4(quick)),
-            Self::Figure3_5 => Runs::Inversion(Inversion::of_figure_3_5(quick)),
-            Self::Figure3_6 => Runs::Inversion(Inversion::of_figure_3_6(quick)),
+            Self::Figure3_5 | Self::Figure3_10 => Runs::Inversion(Inversion::of_figure_3_5(quick)),
+            Self::Figure3_6 | Self::Figure3_11 => Runs::Inversion(Inversion::of_figure_3_6(quick)),
+            Self::Figure3_9 => Runs::Inversion(vec![Inversion::of_figure_3_5(quick)[0]]),
             Self::Figure3_7 => Runs::Inversion(Inversion::of_figure_3_7(quick)),
             Self::Figure6_2 | Self::Figure6_6 => Runs::Helices(vec![Helices::of_the_thesis(quick)]),
             Self::Figure6_5 => Runs::ManipulatedHelices(ManipulatedHelix::of_figure_6_5(quick)),
@@ -222,6 +238,9 @@ impl Artifact {
             | Self::Figure3_5
             | Self::Figure3_6
             | Self::Figure3_7
+            | Self::Figure3_9
+            | Self::Figure3_10
+            | Self::Figure3_11
             | Self::Figure6_2
             | Self::Figure6_5
             | Self::Figure6_6 => Vec::new(),

@@ -15,6 +15,7 @@
 //! | `page` | CSV, Markdown and manifest of an artefact |
 //! | `table_2_1`, `table_2_2`, `figure_2_5` to `figure_2_8` | one artefact each |
 //! | `figure_3_4`, `inversion_factors` | figures 3.4 and 3.5 to 3.7; `inversion_page` and `inversion_pictures` are their parts |
+//! | `figure_3_9`, `simplified_inversion` | the simplified knot: figures 3.9, 3.10 and 3.11 |
 //! | `figure_6_2` | figures 6.2 and 6.6 |
 //! | `figure_6_5` | disturbances of a manipulated rod |
 //! | `cost`, `drag_steps` | what steps cost, and what larger ones lose |
@@ -31,6 +32,7 @@ mod figure_2_6;
 mod figure_2_7;
 mod figure_2_8;
 mod figure_3_4;
+mod figure_3_9;
 mod figure_6_2;
 mod figure_6_5;
 mod helices;
@@ -40,6 +42,7 @@ mod inversion_page;
 mod inversion_pictures;
 mod manipulated_helix;
 mod page;
+mod simplified_inversion;
 mod table_2_1;
 mod table_2_2;
 mod tightening;
@@ -136,6 +139,10 @@ fn make(
             let mut page = Page::begin(artifact, options, &cases)?;
             match artifact {
                 Artifact::Figure3_4 => figure_3_4::write(&mut page, &cases),
+                Artifact::Figure3_9 => figure_3_9::write(&mut page, &cases),
+                Artifact::Figure3_10 | Artifact::Figure3_11 => {
+                    simplified_inversion::write(&mut page, artifact, &cases)
+                }
                 _ => inversion_factors::write(&mut page, artifact, &cases),
             }?;
             page

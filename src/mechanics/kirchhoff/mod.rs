@@ -11,6 +11,7 @@
 //! | `helix` | helical equilibria and the linearised equations about them |
 //! | `conjugate_point` | first loss of stability of a helix with clamped ends |
 //! | `straight_rod` | the same for the straight rod, twisted and pulled, in closed form |
+//! | `suspended_loop` | a loop held at its two ends only, in space |
 //! | `numerics` | bisection, Runge–Kutta and quadrature |
 
 mod cantilever;
@@ -20,6 +21,7 @@ mod heavy_loop;
 mod helix;
 pub mod numerics;
 mod straight_rod;
+mod suspended_loop;
 
 pub use cantilever::{Cantilever, CantileverLoad};
 pub use conjugate_point::{CriticalDistance, critical_distance};
@@ -27,3 +29,4 @@ pub use hanging_strip::{HangingStrip, StripError};
 pub use heavy_loop::HeavyLoop;
 pub use helix::Helix;
 pub use straight_rod::stability_determinant;
+pub use suspended_loop::{EndSpin, LoopEnds, SuspendedLoop};

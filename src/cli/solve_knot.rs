@@ -1,0 +1,132 @@
+//! `rodlab solve knot-inversion`: the fold of the simplified knot.
+
+use super::failure::Failure;
+use super::solve::positive_length;
+use crate::knot::SimplifiedKnot;
+use crate::mechanics::kirchhoff::EndSpin;
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+
+/// Arguments of `rodlab solve knot-inversion`.
+#[derive(Debug, Args)]
+pub struct KnotInversionArguments {
+    /// Unknotting number n of the overhand knot
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=6))]
+    unknotting_number: u8,
+    /// Whether the ends of the loop may spin about their tangents
+    #[arg(long, default_value = "clamped")]
+    end_spin: EndSpinArgument,
+    /// Poisson's ratio of the rod; it matters to clamped ends only
+    #[arg(long, value_name = "NU", default_value_t = 0.5, value_parser = poissons_ratio)]
+    poissons_ratio: f64,
+    /// Angle φ between the axis of the braid and the ends of the loop, in degrees from 30 to 90
+    #[arg(long, value_name = "DEGREES", default_value_t = 60.0, value_parser = tilt)]
+    tilt: f64,
+    /// Length of the braid over that of the loop, ε, from 0.4 to 0.9
+    #[arg(long, value_name = "EPSILON", default_value_t = 0.7, value_parser = ratio)]
+    ratio: f64,
+    /// Distance of the loop's ends from the axis in radii of the rod, from −1 (left-handed strands) to 1
+    #[arg(long, default_value_t = 0.0, value_parser = offset, allow_hyphen_values = true)]
+    offset: f64,
+    /// Radius of the rod, in metres or with a unit: adds lengths in metres to the answer
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
+    radius: Option<f64>,
+}
+
+/// What the ends of the loop may do.
+#[derive(Clone, Copy, Debug, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+enum EndSpinArgument {
+    /// They keep the twist of the planar loop.
+    Clamped,
+    /// They carry no twisting moment.
+    Free,
+}
+
+/// The answer: the size at which the knot inverts.
+#[derive(Serialize)]
+pub struct KnotInversionAnswer {
+    length_normalized: f64,
+    rotation_rad: f64,
+    unknotting_number: u8,
+    end_spin: EndSpinArgument,
+    tilt_rad: f64,
+    braid_over_loop: f64,
+    offset_over_radius: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    length_m: Option<f64>,
+}
+
+impl KnotInversionArguments {
+    /// Solves for the fold.
+    ///
+    /// # Errors
+    /// If the knot has none in the range looked at.
+    pub fn solve(&self) -> Result<KnotInversionAnswer, Failure> {
+        let spin = match self.end_spin {
+            EndSpinArgument::Clamped => EndSpin::Clamped {
+                stiffness_ratio: 1.0 / (1.0 + self.poissons_ratio),
+            },
+            EndSpinArgument::Free => EndSpin::Free,
+        };
+        let knot = SimplifiedKnot {
+            turns: f64::from(self.unknotting_number),
+            tilt: self.tilt.to_radians(),
+            ratio: self.ratio,
+            offset: self.offset,
+            spin,
+        };
+        let fold = knot.inversion().ok_or_else(|| {
+            Failure::Input(
+                "such a knot has no fold: its loop turns over without a snap, or never".into(),
+            )
+        })?;
+        Ok(KnotInversionAnswer {
+            length_normalized: fold.length,
+            rotation_rad: fold.rotation,
+            unknotting_number: self.unknotting_number,
+            end_spin: self.end_spin,
+            tilt_rad: knot.tilt,
+            braid_over_loop: knot.ratio,
+            offset_over_radius: knot.offset,
+            length_m: self.radius.map(|radius| fold.length * radius),
+        })
+    }
+}
+
+/// A number from `least` to `most`.
+fn within(text: &str, least: f64, most: f64) -> Result<f64, String> {
+    match text.trim().parse() {
+        Ok(number) if (least..=most).contains(&number) => Ok(number),
+        _ => Err(format!("a number from {least} to {most} is needed")),
+    }
+}
+
+fn poissons_ratio(text: &str) -> Result<f64, String> {
+    within(text, -0.9, 0.5)
+}
+
+fn tilt(text: &str) -> Result<f64, String> {
+    within(text, 30.0, 90.0)
+}
+
+fn ratio(text: &str) -> Result<f64, String> {
+    within(text, 0.4, 0.9)
+}
+
+fn offset(text: &str) -> Result<f64, String> {
+    within(text, -1.0, 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_out_of_range_are_refused() {
+        assert_eq!(tilt("60"), Ok(60.0));
+        for bad in ["29", "91", "NaN", "sixty"] {
+            assert!(tilt(bad).unwrap_err().contains("30 to 90"), "{bad}");
+        }
+    }
+}
