@@ -6,7 +6,7 @@ use super::session::Session;
 use super::stop::StopRequest;
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::{Energies, StepReport};
-use crate::mechanics::statics::{PathPlan, PathPoint, PointKind, Tracer};
+use crate::mechanics::statics::{EndedEarly, PathPlan, PathPoint, PointKind, Tracer};
 use crate::results::{BRANCH, BranchKind, BranchRow, CsvStream, ResultsDirectory, ResultsError};
 use serde::{Deserialize, Serialize};
 
@@ -86,20 +86,25 @@ impl Session {
             path = self.path.take().expect("kept above");
         }
         path.branches.sync()?;
-        self.remarks.extend(remarks(&path.tracer));
+        self.remarks.extend(remarks(path.tracer.ended_early()));
         self.path = Some(path);
         Ok(())
     }
 }
 
 /// What is to be told of a path at its end.
-fn remarks(tracer: &Tracer) -> Option<String> {
-    let cut_short = tracer.cut_short();
-    (cut_short > 0).then(|| {
-        format!(
-            "{cut_short} of the branches ended after continuation.most_points points, not at an end of the range"
-        )
-    })
+fn remarks(ended_early: EndedEarly) -> Vec<String> {
+    let EndedEarly { long, lost } = ended_early;
+    let mut remarks = Vec::new();
+    if long > 0 {
+        remarks.push(format!(
+            "{long} of the branches ended within the range, at continuation.most_points"
+        ));
+    }
+    if lost > 0 {
+        remarks.push(format!("{lost} of the branches that leave the first could not be followed to an end of the range"));
+    }
+    remarks
 }
 
 fn row(point: &PathPoint, displacement_rms_m: f64, energies: &Energies) -> BranchRow {

@@ -35,7 +35,6 @@ impl Tally {
     /// Counts a point of a path of equilibria; its time is the path parameter.
     pub fn add_point(&mut self, report: &StepReport, critical: bool) {
         self.add(report);
-        self.outcome.simulated_time = report.time;
         if critical {
             self.outcome.critical_parameter.get_or_insert(report.time);
         }

@@ -12,4 +12,4 @@ mod spectrum;
 
 pub use equilibrium::{Descent, find_equilibrium};
 pub use nearby::nearby_equilibrium;
-pub use path::{PathMethod, PathPlan, PathPoint, PointKind, Tracer};
+pub use path::{EndedEarly, PathMethod, PathPlan, PathPoint, PointKind, Tracer};

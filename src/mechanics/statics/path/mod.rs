@@ -13,4 +13,4 @@ mod tracer;
 
 pub use location::{PathPoint, PointKind};
 pub use plan::{PathMethod, PathPlan};
-pub use tracer::Tracer;
+pub use tracer::{EndedEarly, Tracer};

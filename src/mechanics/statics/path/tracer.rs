@@ -36,6 +36,15 @@ pub(super) struct Tangent {
     pub parameter: f64,
 }
 
+/// Branches that ended within the range of the parameter.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct EndedEarly {
+    /// They had as many points as the plan allows.
+    pub long: usize,
+    /// Branches but the first: they could not be followed by the smallest step, or not be found.
+    pub lost: usize,
+}
+
 /// Follows a path point by point; all that a checkpoint must hold of it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Tracer {
@@ -44,7 +53,7 @@ pub struct Tracer {
     weights: [f64; 2],
     pub(super) branch: usize,
     branches: usize,
-    cut_short: usize,
+    ended_early: EndedEarly,
     points: usize,
     /// Where the path stands; `None` before its start and after its end.
     pub(super) here: Option<Location>,
@@ -68,7 +77,7 @@ impl Tracer {
             weights: Bordered::weights(unknowns.len(), extent),
             branch: 0,
             branches: 1,
-            cut_short: 0,
+            ended_early: EndedEarly::default(),
             points: 0,
             here: Some(Location {
                 parameter: plan.from,
@@ -95,7 +104,7 @@ impl Tracer {
     /// The next point of the path; `None` after the last.
     ///
     /// # Errors
-    /// [`Divergence`] where there is no equilibrium to start at, where the path cannot be followed by the
+    /// [`Divergence`] where there is no equilibrium to start at, where the first branch cannot be followed by the
     /// smallest step, and where the Hessian is not symmetric, as with friction or moments of fixed
     /// direction.
     pub fn next(&mut self, system: &mut System) -> Result<Option<PathPoint>, Divergence> {
@@ -104,11 +113,16 @@ impl Tracer {
                 self.started = true;
                 self.start(system)?;
             } else if self.here.is_some() {
-                self.advance(system)?;
+                match self.advance(system) {
+                    Err(_) if self.branch > 0 => self.ended_early.lost += 1,
+                    done => done?,
+                }
             } else if let Some(origin) = self.origins.pop_front() {
                 self.branch = self.branches;
                 if self.switch(system, &origin) {
                     self.branches += 1;
+                } else {
+                    self.ended_early.lost += 1;
                 }
             } else {
                 return Ok(None);
@@ -117,9 +131,9 @@ impl Tracer {
         Ok(self.waiting.pop_front())
     }
 
-    /// Number of branches that ended because they had too many points.
-    pub fn cut_short(&self) -> usize {
-        self.cut_short
+    /// Branches that ended within the range of the parameter.
+    pub fn ended_early(&self) -> EndedEarly {
+        self.ended_early
     }
 
     /// Finds the equilibrium at the start and the direction in which to leave it.
@@ -149,7 +163,7 @@ impl Tracer {
     fn advance(&mut self, system: &mut System) -> Result<(), Divergence> {
         let here = self.here.take().expect("called on a path");
         if self.points >= self.plan.most_points {
-            self.cut_short += 1;
+            self.ended_early.long += 1;
             return Ok(());
         }
         let largest = self.plan.largest_step / self.plan.range().abs();
