@@ -46,7 +46,7 @@ pub enum Command {
     Explain(explain::ExplainArguments),
     /// Solve a problem exactly; the answer is JSON on standard output
     Solve(solve::SolveArguments),
-    /// Find the gravito-bending length of a real rod or strip from its shape
+    /// Find the gravito-bending length of a real rod or strip from its shape, or which knot a curve is
     Measure(measure::MeasureArguments),
     /// Compare the engine with theory, check by check
     Verify(verify::VerifyArguments),

@@ -21,7 +21,7 @@ pub enum Template {
     Scene,
     /// Helical flagella turned at their heads in a viscous fluid.
     Flagella,
-    /// An overhand knot whose ends are pulled apart.
+    /// A knot whose ends are pulled apart.
     KnotTightening,
     /// An overhand knot that is pulled until its loop snaps onto the braid.
     KnotInversion,

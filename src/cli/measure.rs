@@ -1,6 +1,7 @@
-//! `rodlab measure`: material lengths of real rods and strips from their shape under gravity.
+//! `rodlab measure`: material lengths of real rods and strips from their shape under gravity, the knot of a curve.
 
 use super::failure::Failure;
+use super::measure_knot::{KnotArguments, measure_knot};
 use super::output::print_json;
 use super::solve::positive_length;
 use crate::mechanics::kirchhoff::{HangingStrip, HeavyLoop};
@@ -13,9 +14,10 @@ use serde::Serialize;
 Examples:
   rodlab measure loop-height --height \"34 mm\" --uncertainty \"0.5 mm\"
   rodlab measure hanging-plate --length \"20 cm\" --drop \"7 cm\" --uncertainty \"1 mm\"
+  rodlab measure knot curve.csv
 
-The answer is JSON: the gravito-bending length L_gb in metres, and by how much it is uncertain. Bending
-stiffness / weight per length = 2 L_gb³.")]
+The answer is JSON. Of loops and plates: the gravito-bending length L_gb in metres, and by how much it is uncertain.
+Bending stiffness / weight per length = 2 L_gb³.")]
 pub struct MeasureArguments {
     /// What was measured
     #[command(subcommand)]
@@ -45,6 +47,8 @@ enum Shape {
         #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
         uncertainty: Option<f64>,
     },
+    /// Which knot a curve is, by its determinant
+    Knot(KnotArguments),
 }
 
 #[derive(Serialize)]
@@ -53,10 +57,11 @@ struct Answer {
     uncertainty_m: Option<f64>,
 }
 
-/// Finds the gravito-bending length and prints it.
+/// Measures and prints what was found.
 pub fn measure(arguments: &MeasureArguments) -> Result<(), Failure> {
-    match arguments.shape {
-        Shape::LoopHeight {
+    match &arguments.shape {
+        Shape::Knot(arguments) => measure_knot(arguments),
+        &Shape::LoopHeight {
             height,
             uncertainty,
         } => {
@@ -66,7 +71,7 @@ pub fn measure(arguments: &MeasureArguments) -> Result<(), Failure> {
                 uncertainty_m: uncertainty.map(|uncertainty| uncertainty / unit_height),
             })
         }
-        Shape::HangingPlate {
+        &Shape::HangingPlate {
             length,
             drop,
             uncertainty,

@@ -22,6 +22,7 @@ mod gather;
 mod init;
 mod logging;
 mod measure;
+mod measure_knot;
 mod output;
 mod plot;
 mod reproduce;

@@ -1,7 +1,7 @@
 //! The course of a knot that is pulled tight: when all has been seen, and what it came to.
 
 use super::KnotObserver;
-use crate::knot::{LoopWatch, TightenedKnot, inversion_point};
+use crate::knot::{InversionPoint, LoopWatch, TightenedKnot, inversion_point};
 use crate::results::{KnotEnding, KnotOutcome, KnotRow, SeriesRow};
 use serde::{Deserialize, Serialize};
 
@@ -20,7 +20,7 @@ pub struct KnotCourse {
     watch: LoopWatch,
     /// l̄_k when the knot had inverted.
     inverted: Option<f64>,
-    /// End-to-end distance (m) and traction (N) at the last look.
+    /// End-to-end distance (m) and mean traction (N) at the last look.
     look: Option<(f64, f64)>,
     slipped: bool,
     /// Why the run is over.
@@ -37,10 +37,8 @@ impl KnotCourse {
         if observer.ends_after_inversion && self.inverted.is_some_and(followed) {
             self.ending = Some(KnotEnding::Inverted);
         }
-        let now = (
-            row.end_to_end_m,
-            0.5 * (row.traction_start_n + row.traction_end_n),
-        );
+        let unit = observer.bending_stiffness / observer.radius.powi(2);
+        let now = (row.end_to_end_m, row.force_normalized * unit);
         let &mut (distance, traction) = self.look.get_or_insert(now);
         let pulled = now.0 - distance;
         if pulled >= LOOK * observer.radius {
@@ -62,7 +60,11 @@ impl KnotCourse {
         let course: Vec<TightenedKnot> = pulled()
             .map(|(_, knot)| tightened(knot, observer))
             .collect();
-        let point = inversion_point(&course);
+        let point = if observer.has_braid {
+            inversion_point(&course)
+        } else {
+            InversionPoint::default()
+        };
         let before = |knot: &KnotRow| {
             [point.by_force, point.by_height]
                 .into_iter()
@@ -100,6 +102,9 @@ mod tests {
     use super::*;
 
     const OBSERVER: KnotObserver = KnotObserver {
+        rods: 1,
+        nodes: 101,
+        has_braid: true,
         radius: 1e-3,
         bending_stiffness: 1e-6,
         stretching_stiffness: 4.0,

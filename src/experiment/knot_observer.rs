@@ -1,21 +1,29 @@
 //! What is measured of a knot at each output time.
 
-use crate::knot::{determinant, fit_circle, silhouette};
+use super::tied_knot::{determinant_of_rods, outward};
+use crate::knot::{fit_circle, silhouette};
+use crate::mechanics::Vector3;
 use crate::mechanics::contact::ActiveContact;
 use crate::mechanics::dynamics::Simulation;
 use crate::results::KnotRow;
 use std::ops::Range;
 
-/// Measures a knotted rod, the only rod of its scene.
+/// Measures the knotted rods, the first rods of their scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KnotObserver {
-    /// Radius h of the rod, m.
+    /// Number of rods that are tied.
+    pub rods: usize,
+    /// Nodes of each.
+    pub nodes: usize,
+    /// Whether two strands are wound into a braid below a loop: an overhand knot.
+    pub has_braid: bool,
+    /// Radius h of the rods, m.
     pub radius: f64,
     /// Bending stiffness EI, N m².
     pub bending_stiffness: f64,
     /// Stretching stiffness EA, N.
     pub stretching_stiffness: f64,
-    /// Length of the rod, m.
+    /// Length of each rod, m.
     pub length: f64,
     /// Gap below which surfaces count as touching, m.
     pub tolerance: f64,
@@ -28,38 +36,60 @@ pub struct KnotObserver {
 }
 
 impl KnotObserver {
+    /// The rods of the knot among all nodes of the scene.
+    pub fn knotted<'a>(&self, positions: &'a [Vector3]) -> Vec<&'a [Vector3]> {
+        let rods = positions.chunks_exact(self.nodes);
+        rods.take(self.rods).collect()
+    }
+
     /// Measures the knot now.
     pub fn measure(&self, simulation: &Simulation) -> KnotRow {
-        let positions = simulation.positions();
-        let last = positions.len() - 1;
-        let axis = (positions[last] - positions[0]).normalize();
-        let tractions = [
-            -simulation.reaction(0).dot(&axis),
-            simulation.reaction(last).dot(&axis),
-        ];
+        let rods = self.knotted(simulation.positions());
+        let outward = outward(&rods);
+        let tractions: Vec<[f64; 2]> = outward
+            .iter()
+            .enumerate()
+            .map(|(rod, outward)| {
+                let first = rod * self.nodes;
+                let last = first + self.nodes - 1;
+                [
+                    simulation.reaction(first).dot(&outward[0]),
+                    simulation.reaction(last).dot(&outward[1]),
+                ]
+            })
+            .collect();
+        let traction = tractions.iter().flatten().sum::<f64>() / (2 * self.rods) as f64;
+        let reach = |(rod, outward): (&&[Vector3], &[Vector3; 2])| {
+            rod[0].dot(&outward[0]) + rod[self.nodes - 1].dot(&outward[1])
+        };
+        let end_to_end = rods.iter().zip(&outward).map(reach).sum::<f64>() / self.rods as f64;
         let contacts = simulation.contacts();
         let touching = self.touching(contacts);
-        let silhouette = silhouette(positions, self.radius, &touching);
+        let silhouette = self
+            .has_braid
+            .then(|| silhouette(rods[0], self.radius, &touching))
+            .flatten();
         let loop_radius = self
-            .free_loop(positions.len(), &touching)
-            .and_then(|nodes| fit_circle(&positions[nodes]))
+            .free_loop(&touching)
+            .and_then(|nodes| fit_circle(&simulation.positions()[nodes]))
             .map(|circle| circle.radius);
-        let end_to_end = (positions[last] - positions[0]).norm();
         let unit = self.radius.powi(2) / self.bending_stiffness;
         KnotRow {
             end_to_end_m: end_to_end,
             shortening_m: self.length - end_to_end,
-            traction_start_n: tractions[0],
-            traction_end_n: tractions[1],
+            traction_start_n: tractions[0][0],
+            traction_end_n: tractions[0][1],
             loop_radius_m: loop_radius,
-            force_normalized: 0.5 * (tractions[0] + tractions[1]) * unit,
+            force_normalized: traction * unit,
             epsilon: loop_radius.map(|radius| (self.radius / radius).sqrt()),
             length_normalized: (self.length - end_to_end) / self.radius,
             loop_height_m: silhouette.map(|shape| shape.height),
             braid_width_m: silhouette.map(|shape| shape.width),
             height_normalized: silhouette.map(|shape| shape.height / shape.width),
             contact_force_n: contacts.iter().map(|contact| contact.normal_force).sum(),
-            knot_determinant: determinant(positions),
+            knot_determinant: determinant_of_rods(&rods),
+            second_traction_start_n: tractions.get(1).map(|second| second[0]),
+            second_traction_end_n: tractions.get(1).map(|second| second[1]),
         }
     }
 
@@ -68,25 +98,32 @@ impl KnotObserver {
         row.knot_determinant == Some(self.determinant)
     }
 
-    /// The pairs of nodes whose edges touch, the node nearer to the start of the rod first.
+    /// The pairs of nodes of the knot whose edges touch, the node nearer to the start of its rod first.
     fn touching(&self, contacts: &[ActiveContact]) -> Vec<(usize, usize)> {
         let near = |contact: &&ActiveContact| contact.distance - contact.threshold < self.tolerance;
         let pairs = |contact: &ActiveContact| {
             let [a, b, c, d] = contact.nodes;
             [(a, c), (a, d), (b, c), (b, d)].map(|(i, j)| (i.min(j), i.max(j)))
         };
-        contacts.iter().filter(near).flat_map(pairs).collect()
+        let knotted = |&(_, last): &(usize, usize)| last < self.rods * self.nodes;
+        contacts
+            .iter()
+            .filter(near)
+            .flat_map(pairs)
+            .filter(knotted)
+            .collect()
     }
 
-    /// The loop: the longest run of nodes out of contact between nodes in contact; `None` without contact.
-    fn free_loop(&self, nodes: usize, touching: &[(usize, usize)]) -> Option<Range<usize>> {
-        let mut touched = vec![false; nodes];
+    /// The loop: the longest run of nodes of a rod out of contact between nodes in contact; `None` without contact.
+    fn free_loop(&self, touching: &[(usize, usize)]) -> Option<Range<usize>> {
+        let mut touched = vec![false; self.rods * self.nodes];
         for &(i, j) in touching {
             (touched[i], touched[j]) = (true, true);
         }
-        let touched: Vec<usize> = (0..nodes).filter(|&node| touched[node]).collect();
+        let touched: Vec<usize> = (0..touched.len()).filter(|&node| touched[node]).collect();
         touched
             .windows(2)
+            .filter(|pair| pair[0] / self.nodes == pair[1] / self.nodes)
             .map(|pair| pair[0] + 1..pair[1])
             .max_by_key(|run| run.len())
             .filter(|run| !run.is_empty())
@@ -108,6 +145,9 @@ mod tests {
     use super::*;
 
     const OBSERVER: KnotObserver = KnotObserver {
+        rods: 1,
+        nodes: 60,
+        has_braid: true,
         radius: 1e-3,
         bending_stiffness: 1e-6,
         stretching_stiffness: 4.0,
@@ -137,8 +177,25 @@ mod tests {
             contact([22, 23, 40, 41], 2e-4),
         ];
         let touching = OBSERVER.touching(&contacts);
-        assert_eq!(OBSERVER.free_loop(60, &touching), Some(16..30));
-        assert_eq!(OBSERVER.free_loop(60, &[]), None);
+        assert_eq!(OBSERVER.free_loop(&touching), Some(16..30));
+        assert_eq!(OBSERVER.free_loop(&[]), None);
+    }
+
+    #[test]
+    fn the_loop_of_two_rods_is_a_part_of_one() {
+        let pair = KnotObserver {
+            rods: 2,
+            nodes: 30,
+            ..OBSERVER
+        };
+        // The tail between nodes 15 and 30 belongs to the first rod, that from there on to the second.
+        let contacts = [
+            contact([10, 11, 14, 15], 0.0),
+            contact([32, 33, 40, 41], 0.0),
+            contact([40, 41, 70, 71], 0.0),
+        ];
+        let touching = pair.touching(&contacts);
+        assert_eq!(pair.free_loop(&touching), Some(34..40));
     }
 
     #[test]

@@ -1,18 +1,18 @@
-//! Knot tightening (thesis 2.5) and inversion (thesis 3): an overhand knot whose ends are pulled apart at constant speed.
+//! Knot tightening (thesis 2.5) and inversion (thesis 3): a knot whose ends are pulled apart at constant speed.
 //!
-//! **Geometry.** The knot of [`overhand_nodes`] lies around the x axis, its ends on it; the rod is naturally straight
-//! and starts without twist.
+//! **Geometry.** A knot tied from numbers lies around the x axis, its ends along it; a curve lies where it is. The rods
+//! are naturally straight and start without twist.
 //!
 //! **Drive.** First the knot settles: the ends rest, and a drag that damps the loop critically brings the strands into
-//! contact; it fades before the ends move. Then both ends move outwards along the axis and, clamped, keep their
+//! contact; it fades before the ends move. Then all ends move outwards along the axis and, clamped, keep their
 //! frames, so that they do not turn against each other.
 
-use crate::knot::{Overhand, overhand_nodes};
+use super::tied_knot::{TiedKnot, outward, tie};
 use crate::mechanics::Vector3;
 use crate::mechanics::scene::{
     Clamp, Load, LoadKind, Motion, NaturalShape, RodDescription, Scene, Stiffness,
 };
-use crate::scenario::{BuilderRod, CrossSection, Issue, KeyPath, Knot, KnotEnds, Material};
+use crate::scenario::{BuilderRod, CrossSection, Issue, Knot, KnotEnds, Material};
 use std::f64::consts::TAU;
 
 /// Part of the settling time after which its drag begins to fade.
@@ -24,10 +24,10 @@ const SLOWED: f64 = 0.3;
 /// Damping rate of the settling drag over the frequency √(EI/ρA)/R² of the loop; 2 is critical.
 const SETTLING_DRAG: f64 = 4.0;
 
-/// Adds the knotted rod, what holds and moves its ends, and its drag.
+/// Adds the knotted rods, what holds and moves their ends, and their drag.
 ///
 /// # Errors
-/// An issue where the knot does not fit between the ends.
+/// As [`tie`].
 pub fn add(
     scene: &mut Scene,
     material: &Material,
@@ -35,40 +35,67 @@ pub fn add(
     knot: &Knot,
     end: f64,
 ) -> Result<(), Issue> {
-    let shape = Overhand {
-        unknotting_number: knot.unknotting_number,
-        length: knot.length,
-        radius: rod.radius,
-        end_to_end: knot.end_to_end,
-    };
-    let centreline = overhand_nodes(&shape, rod.nodes).map_err(|message| {
-        Issue::new(KeyPath::from("knot").key("end_to_end"), message)
-            .with_help("lengthen the rod or let the ends start farther apart".to_owned())
-    })?;
-    let index = scene.rods.len();
-    for (node, direction) in [(0, -Vector3::x()), (rod.nodes - 1, Vector3::x())] {
-        let pulled = direction * knot.pull_speed * (end - knot.settling_time).max(0.0);
-        scene.clamps.push(Clamp {
-            rod: index,
-            node,
-            holds_position: true,
-            holds_frame: knot.ends == KnotEnds::Clamped,
-            motion: Motion {
-                translation: vec![
-                    (knot.settling_time, Vector3::zeros()),
-                    (end.max(knot.settling_time + 1.0), pulled),
-                ],
-                ..Motion::default()
-            },
-        });
+    let TiedKnot { rods, is_built } = tie(rod, knot)?;
+    let slices: Vec<&[Vector3]> = rods.iter().map(Vec::as_slice).collect();
+    let outward = outward(&slices);
+    let is_pair = rods.len() > 1;
+    for (nodes, outward) in rods.into_iter().zip(outward) {
+        let index = scene.rods.len();
+        let name = if is_pair {
+            format!("knot_{}", index + 1)
+        } else {
+            "knot".to_owned()
+        };
+        for (node, direction) in [(0, outward[0]), (nodes.len() - 1, outward[1])] {
+            scene.clamps.push(Clamp {
+                rod: index,
+                node,
+                holds_position: true,
+                holds_frame: knot.ends == KnotEnds::Clamped,
+                motion: pulled(knot, direction, end),
+            });
+        }
+        let mut description = described(name, nodes, material, rod);
+        if is_built {
+            description.end_tangents = [Some(-outward[0]), Some(outward[1])];
+            description.first_director = Some(Vector3::y());
+        }
+        add_drag(
+            scene,
+            index,
+            description.mass_per_length,
+            description.stiffness.bending[0],
+            knot,
+        );
+        scene.rods.push(description);
     }
-    let description = described(centreline, material, rod);
+    Ok(())
+}
+
+/// How an end moves: outwards, after the knot has settled, until the end of the simulated time.
+fn pulled(knot: &Knot, outward: Vector3, end: f64) -> Motion {
+    let until = end.max(knot.settling_time + 1.0);
+    let distance = knot.pull_speed * (until - knot.settling_time);
+    Motion {
+        translation: vec![
+            (knot.settling_time, Vector3::zeros()),
+            (until, outward * distance),
+        ],
+        ..Motion::default()
+    }
+}
+
+/// Adds the drag that settles a rod, and that while the ends move.
+fn add_drag(
+    scene: &mut Scene,
+    rod: usize,
+    mass_per_length: f64,
+    bending_stiffness: f64,
+    knot: &Knot,
+) {
     let loop_radius = (knot.length - knot.end_to_end) / TAU;
-    let mass_per_length = description.mass_per_length;
-    let frequency =
-        (description.stiffness.bending[0] / mass_per_length).sqrt() / loop_radius.powi(2);
+    let frequency = (bending_stiffness / mass_per_length).sqrt() / loop_radius.powi(2);
     let settling = SETTLING_DRAG * mass_per_length * frequency;
-    scene.rods.push(description);
     for (translation, schedule) in [
         (
             settling,
@@ -83,26 +110,30 @@ pub fn add(
     ] {
         scene.loads.push(Load {
             kind: LoadKind::Drag {
-                rod: Some(index),
+                rod: Some(rod),
                 translation,
                 rotation: 0.0,
             },
             schedule,
         });
     }
-    Ok(())
 }
 
-fn described(centreline: Vec<Vector3>, material: &Material, rod: &BuilderRod) -> RodDescription {
+fn described(
+    name: String,
+    centreline: Vec<Vector3>,
+    material: &Material,
+    rod: &BuilderRod,
+) -> RodDescription {
     let section = CrossSection::Circle;
     let stiffness = section.stiffness(rod.radius, material);
     let [second_moment_1, second_moment_2] = section.second_moments(rod.radius);
     RodDescription {
-        name: "knot".to_owned(),
+        name,
         centreline,
         closed: false,
-        end_tangents: [Some(Vector3::x()); 2],
-        first_director: Some(Vector3::y()),
+        end_tangents: [None; 2],
+        first_director: None,
         twist: 0.0,
         natural_shape: NaturalShape::Straight,
         stiffness: Stiffness {

@@ -16,6 +16,7 @@ pub mod reproduce;
 mod run;
 mod scene;
 pub mod sweep;
+mod tied_knot;
 pub mod verify;
 mod view;
 mod workers;

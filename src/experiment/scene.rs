@@ -5,6 +5,7 @@ use super::gripper_motion::gripper_motion;
 use super::knot_observer::KnotObserver;
 use super::prepared::{Mode, OutputPlan, PreparedRun};
 use super::run::RunError;
+use super::tied_knot::{determinant_of_kind, determinant_of_rods};
 use super::{flagella, helix_stability, knot_tightening};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactModel, ContactParameters};
@@ -13,8 +14,9 @@ use crate::mechanics::fluid::FluidModel;
 use crate::mechanics::scene as mechanics;
 use crate::mechanics::statics::{PathMethod, PathPlan};
 use crate::scenario::{
-    self, Clamp, Contact, Continuation, Experiment, Fluid, Hold, Issue, Issues, KeyPath, Load,
-    LoadKind, NaturalShape, Place, Plane, Rod, Scenario, Scheme, Step, Time, did_you_mean,
+    self, Clamp, Contact, Continuation, Experiment, Fluid, Hold, Issue, Issues, KeyPath, KnotKind,
+    KnotStart, Load, LoadKind, NaturalShape, Place, Plane, Rod, Scenario, Scheme, Step, Time,
+    did_you_mean,
 };
 
 /// Builds the mechanics of a scenario.
@@ -83,7 +85,7 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
     scene.contact = contact_parameters(&scenario.contact);
     scene.fluid = fluid_model(&scenario.fluid);
     let knot = knot_observer(scenario, &scene);
-    issues.or_ok(PreparedRun {
+    let prepared = PreparedRun {
         name: scenario.name.clone(),
         experiment: scenario.experiment.name().to_owned(),
         title: scenario.title.clone(),
@@ -107,7 +109,15 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
             Experiment::HelixStability { helix_stability } => Some(helix_stability.clone()),
             _ => None,
         },
-    })
+    };
+    if let Some((_, knot)) = scenario.experiment.knot()
+        && let KnotStart::Curve { .. } = knot.start
+        && let Err(RunError::Scene(error)) = try_scene(&prepared)
+    {
+        // A curve that is too near to itself for so thick a rod.
+        issues.push(Issue::new(KeyPath::from("knot.curve"), error.to_string()));
+    }
+    issues.or_ok(prepared)
 }
 
 fn path_plan(path: &Continuation) -> PathPlan {
@@ -127,14 +137,22 @@ fn path_plan(path: &Continuation) -> PathPlan {
 
 fn knot_observer(scenario: &Scenario, scene: &mechanics::Scene) -> Option<KnotObserver> {
     let (rod, knot) = scenario.experiment.knot()?;
-    let stiffness = &scene.rods.first()?.stiffness;
+    let rods = scene.rods.get(..knot.start.rods())?;
+    let stiffness = &rods.first()?.stiffness;
+    let kind = knot.start.kind();
+    let placed: Vec<&[Vector3]> = rods.iter().map(|rod| &rod.centreline[..]).collect();
     Some(KnotObserver {
+        rods: rods.len(),
+        nodes: rod.nodes,
+        has_braid: matches!(kind, Some(KnotKind::Overhand { .. })),
         radius: rod.radius,
         bending_stiffness: stiffness.bending[0],
         stretching_stiffness: stiffness.stretching,
         length: knot.length,
         tolerance: scene.contact?.distance_tolerance,
-        determinant: 2 * knot.unknotting_number as u64 + 1,
+        determinant: kind
+            .map(determinant_of_kind)
+            .or_else(|| determinant_of_rods(&placed))?,
         pulled_from: knot.settling_time,
         ends_after_inversion: matches!(scenario.experiment, Experiment::KnotInversion { .. }),
     })
@@ -432,6 +450,7 @@ fn integration_parameters(scenario: &Scenario) -> IntegrationParameters {
             match scheme {
                 Scheme::ImplicitEuler => dynamics::Scheme::ImplicitEuler,
                 Scheme::ImplicitMidpoint => dynamics::Scheme::ImplicitMidpoint,
+                Scheme::BackwardDifferences => dynamics::Scheme::BackwardDifferences,
             },
             match step {
                 Step::Fixed(step) => StepSize::Fixed(step),
@@ -538,6 +557,10 @@ moment = [1, 0, 0]
         let mut names = Vec::new();
         for entry in std::fs::read_dir(directory).unwrap() {
             let path = entry.unwrap().path();
+            // Curves and points lie beside the scenarios that name them.
+            if path.extension().is_some_and(|ending| ending == "csv") {
+                continue;
+            }
             let family = Family::load(&path, &[], &[]).unwrap_or_else(|error| panic!("{error}"));
             check_every_value(&family).unwrap_or_else(|error| panic!("{error}"));
             if family.search().is_some() {

@@ -4,12 +4,14 @@
 //! 2 over − before − after = 0 of Fox's colourings. The determinant is any cofactor of that matrix. It is
 //! computed modulo the prime 2⁶¹ − 1, exactly while it is smaller than half of that.
 
+use super::closure::{closed_far_away, joined_far_away};
 use crate::mechanics::Vector3;
 
 const PRIME: i128 = (1 << 61) - 1;
-/// How far outside the curve its ends are joined, in multiples of its extent.
-const FAR: f64 = 20.0;
-
+/// Difference in height, over the largest coordinate, below which segments that cross meet: round-off.
+const MEETING: f64 = 1e-13;
+/// Directions in which crossings are counted.
+const VIEWS: usize = 100;
 /// A passage of one segment over another in the projection.
 struct Crossing {
     /// Number of the segment above and the part of it that is passed.
@@ -24,8 +26,18 @@ struct Crossing {
 /// curve's extent: for a rod pulled at both ends this is the knot that people mean. `None` if two segments cross
 /// in space, or if no direction of projection was found in which all crossings are clear.
 pub fn determinant(nodes: &[Vector3]) -> Option<u64> {
-    let (first, last) = (nodes.first()?, nodes.last()?);
-    let closed = closed_far_away(nodes, first, last);
+    determinant_of_closed(&closed_far_away(nodes)?)
+}
+
+/// Determinant of the knot that arises when two rods are made one closed curve: far away their starts are joined to
+/// each other, and their ends. All four are pulled along `axis`, a unit vector, two to each side. `None` as for
+/// [`determinant`].
+pub fn determinant_of_pair(rods: [&[Vector3]; 2], axis: &Vector3) -> Option<u64> {
+    determinant_of_closed(&joined_far_away(rods, axis)?)
+}
+
+/// Determinant of a closed polygon, whose last node is joined to the first. `None` as for [`determinant`].
+pub fn determinant_of_closed(nodes: &[Vector3]) -> Option<u64> {
     // Directions without symmetry; a degenerate projection is the exception, and then the next one serves.
     let directions = [
         Vector3::new(0.123, 0.218, 0.968),
@@ -34,28 +46,25 @@ pub fn determinant(nodes: &[Vector3]) -> Option<u64> {
         Vector3::new(0.407, 0.352, -0.843),
     ];
     directions.iter().find_map(|direction| {
-        let crossings = crossings(&closed, &direction.normalize())?;
+        let crossings = crossings(nodes, &direction.normalize())?;
         Some(cofactor(&crossings))
     })
 }
 
-fn closed_far_away(nodes: &[Vector3], first: &Vector3, last: &Vector3) -> Vec<Vector3> {
-    let extent = nodes
-        .iter()
-        .map(|node| (node - first).norm())
-        .fold(0.0, f64::max);
-    let along = (last - first)
-        .try_normalize(1e-9 * extent)
-        .unwrap_or_else(Vector3::x);
-    let aside = along.cross(&Vector3::new(0.267, 0.535, 0.802));
-    let aside = aside.try_normalize(1e-3).unwrap_or_else(Vector3::y);
-    let out = FAR * extent;
-    let mut closed = nodes.to_vec();
-    closed.push(last + along * out);
-    closed.push(last + along * out + aside * out);
-    closed.push(first - along * out + aside * out);
-    closed.push(first - along * out);
-    closed
+/// The fewest crossings that a closed polygon shows when it is seen along many directions; its knot has no more. `None`
+/// if no direction was found in which all crossings are clear.
+pub fn fewest_crossings(nodes: &[Vector3]) -> Option<usize> {
+    // A lattice along a spiral over half of the sphere; seen from behind, crossings are the same.
+    let golden_angle = std::f64::consts::PI * (3.0 - 5f64.sqrt());
+    let direction = |k: usize| {
+        let z = (k as f64 + 0.5) / VIEWS as f64;
+        let (sine, cosine) = (golden_angle * k as f64).sin_cos();
+        let across = (1.0 - z * z).sqrt();
+        Vector3::new(across * cosine, across * sine, z)
+    };
+    (0..VIEWS)
+        .filter_map(|k| Some(crossings(nodes, &direction(k))?.len()))
+        .min()
 }
 
 /// All crossings of a closed polygon seen along `direction`; `None` if one is not clear.
@@ -68,6 +77,10 @@ fn crossings(closed: &[Vector3], direction: &Vector3) -> Option<Vec<Crossing>> {
         .iter()
         .map(|point| [right.dot(point), up.dot(point), direction.dot(point)])
         .collect();
+    let largest = points
+        .iter()
+        .flatten()
+        .fold(0.0, |m: f64, c| m.max(c.abs()));
     let count = points.len();
     let end = |segment: usize| points[(segment + 1) % count];
     let mut crossings = Vec::new();
@@ -98,7 +111,7 @@ fn crossings(closed: &[Vector3], direction: &Vector3) -> Option<Vec<Crossing>> {
             }
             let clear = |u: f64| (margin..=1.0 - margin).contains(&u);
             let heights = [a[2] + s * (b[2] - a[2]), c[2] + t * (d[2] - c[2])];
-            if !clear(s) || !clear(t) || heights[0] == heights[1] {
+            if !clear(s) || !clear(t) || (heights[0] - heights[1]).abs() <= MEETING * largest {
                 return None;
             }
             let places = [i as f64 + s, j as f64 + t];
@@ -232,7 +245,25 @@ mod tests {
                 (4.0 * angle).sin(),
             )
         });
-        assert_eq!(cofactor(&crossings_of(&figure_eight)), 5);
+        assert_eq!(determinant_of_closed(&figure_eight), Some(5));
+    }
+
+    #[test]
+    fn a_trefoil_seen_well_has_three_crossings_and_a_ring_none() {
+        let trefoil = curve(200, |t| {
+            let angle = 0.01 + (TAU - 0.02) * t;
+            Vector3::new(
+                angle.sin() + 2.0 * (2.0 * angle).sin(),
+                angle.cos() - 2.0 * (2.0 * angle).cos(),
+                -(3.0 * angle).sin(),
+            )
+        });
+        assert_eq!(fewest_crossings(&trefoil), Some(3));
+        let ring = curve(50, |t| {
+            let angle = 6.0 * t;
+            Vector3::new(angle.cos(), angle.sin(), 0.2 * (3.0 * angle).sin())
+        });
+        assert_eq!(fewest_crossings(&ring), Some(0));
     }
 
     /// Crossings of a curve closed by its last segment.

@@ -1,6 +1,7 @@
 //! Open overhand knots: a loop, a braid of 2n + 1 crossings below it, and two straight tails on one line.
 
 use super::loop_elastica::LoopElastica;
+use super::polyline::{equally_spaced, length, smooth_step};
 use super::traction::relaxed_loop;
 use crate::mechanics::Vector3;
 use std::f64::consts::PI;
@@ -44,12 +45,6 @@ pub fn overhand_nodes(knot: &Overhand, nodes: usize) -> Result<Vec<Vector3>, Str
         shortening += knot.length - length(&curve);
     }
     Ok(equally_spaced(&curve, nodes))
-}
-
-/// Grows from 0 to 1 between 0 and 1, at rest at both ends.
-fn smooth_step(part: f64) -> f64 {
-    let part = part.clamp(0.0, 1.0);
-    part * part * (3.0 - 2.0 * part)
 }
 
 fn smooth_curve(knot: &Overhand, shortening: f64) -> Result<Vec<Vector3>, String> {
@@ -108,30 +103,6 @@ fn loop_points(elastica: &LoopElastica, radius: f64, half_braid: f64, offset: f6
             Vector3::new(half_braid + x * radius, y * radius, 0.0) + inward
         })
         .collect()
-}
-
-fn length(curve: &[Vector3]) -> f64 {
-    curve
-        .windows(2)
-        .map(|pair| (pair[1] - pair[0]).norm())
-        .sum()
-}
-
-/// Points at equal steps of arc length, both ends among them.
-fn equally_spaced(curve: &[Vector3], count: usize) -> Vec<Vector3> {
-    let step = length(curve) / (count - 1) as f64;
-    let mut points = vec![curve[0]];
-    let mut travelled = 0.0;
-    for pair in curve.windows(2) {
-        let segment = (pair[1] - pair[0]).norm();
-        while points.len() < count - 1 && travelled + segment >= points.len() as f64 * step {
-            let part = (points.len() as f64 * step - travelled) / segment;
-            points.push(pair[0].lerp(&pair[1], part));
-        }
-        travelled += segment;
-    }
-    points.push(curve[curve.len() - 1]);
-    points
 }
 
 #[cfg(test)]

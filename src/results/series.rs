@@ -42,9 +42,9 @@ pub struct SeriesRow {
 /// What `series.csv` has beside the columns of [`SeriesRow`] when a knot is pulled tight.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct KnotRow {
-    /// Distance of the ends.
+    /// Distance of the ends; with two rods of those on the left from those on the right.
     pub end_to_end_m: f64,
-    /// Length of the rod less the distance of its ends.
+    /// Length of a rod less the distance of the ends.
     pub shortening_m: f64,
     /// Force with which the first end is pulled outwards.
     pub traction_start_n: f64,
@@ -52,13 +52,14 @@ pub struct KnotRow {
     pub traction_end_n: f64,
     /// Radius R of the circle fitted to the loop, the part that is out of contact; empty without contact.
     pub loop_radius_m: Option<f64>,
-    /// F̄ = F h²/EI with the mean of the tractions F.
+    /// F̄ = F h²/EI with the mean F of the tractions of all ends.
     pub force_normalized: f64,
     /// ε = √(h/R).
     pub epsilon: Option<f64>,
     /// l̄_k = (L − l_c)/h: the shortening over the radius of the rod (thesis Eq. 3.4).
     pub length_normalized: f64,
-    /// Clear height H of the loop: from its middle to the braid, surface to surface; empty without contact.
+    /// Clear height H of the loop of an overhand knot: from its middle to the braid, surface to surface; empty without
+    /// contact.
     pub loop_height_m: Option<f64>,
     /// Width W of the knot: from end to end of the braid.
     pub braid_width_m: Option<f64>,
@@ -68,6 +69,10 @@ pub struct KnotRow {
     pub contact_force_n: f64,
     /// Determinant of the knot; empty where it cannot be told.
     pub knot_determinant: Option<u64>,
+    /// Force with which the first end of the second rod is pulled outwards; empty where one rod is tied.
+    pub second_traction_start_n: Option<f64>,
+    /// Force with which its last end is pulled outwards.
+    pub second_traction_end_n: Option<f64>,
 }
 
 /// Reads `series.csv` of a results directory; a last row that a crash left in part is left out.

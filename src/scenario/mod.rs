@@ -38,11 +38,12 @@ pub use error::{Located, ScenarioError};
 pub use explain::{explain, json_schema};
 pub use issue::{Issue, Issues, KeyPath, did_you_mean};
 pub use load::{Loaded, from_text, from_text_with, load};
+pub use resolve::read_polyline;
 pub use resolved::{
     BuilderRod, Clamp, Contact, Continuation, CrossSection, Directions, Experiment, Flagella,
-    Fluid, Handedness, Head, HelixSearch, HelixStability, Hold, Knot, KnotEnds, Load, LoadKind,
-    Material, NaturalShape, Output, PathMethod, Place, Plane, Pose, Rod, Scenario, Scheme, Shape,
-    Solver, Step, Stiffness, Time,
+    Fluid, Handedness, Head, HelixSearch, HelixStability, Hold, Knot, KnotEnds, KnotKind,
+    KnotStart, Load, LoadKind, Material, NaturalShape, Output, PathMethod, Place, Plane, Pose, Rod,
+    Scenario, Scheme, Shape, Solver, Step, Stiffness, Time,
 };
 pub use sweep::{Case, Family, Parameter, Search};
 pub use typed::SearchMethod;

@@ -12,8 +12,10 @@ pub fn free_rod() -> (System, Vec<f64>, Stage) {
     let unknowns = shaken.map(|(k, q)| q + 1e-5 * (k as f64).sin()).collect();
     let stage = Stage {
         step: 1e-3,
+        acceleration_step: 1e-3,
         velocity: vec![0.0; start.len()],
         drag: Vec::new(),
+        drag_velocity: Vec::new(),
         resistance: Vec::new(),
         positions: vec![Vector3::zeros(); start.len() / 4],
         start,

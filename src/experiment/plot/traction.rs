@@ -4,14 +4,14 @@ use super::PlotError;
 use crate::figure::{AxisScale, Curve, LinePlot, PlotStyle, styled_line_plots};
 use crate::knot::{TREFOIL_FRICTION, audoly_traction, jawed_traction};
 use crate::results::{KnotRow, SCENARIO, SERIES, Table, read_knot_series};
-use crate::scenario::load;
+use crate::scenario::{KnotKind, load};
 use std::path::Path;
 
 /// F̄ = F h²/EI over ε = √(h/R) while the ends move apart, on logarithmic axes, as SVG; `None` where no knot was
 /// pulled in this run.
 ///
 /// Beside it stand Audoly's law of the trefoil at the same ε (thesis Eq. 2.29) and, with friction, the traction
-/// at which the law of Jawed et al. has the same shortening (thesis Eq. 2.30).
+/// at which the law of Jawed et al. has the same shortening (thesis Eq. 2.30); other knots have no theory.
 ///
 /// # Errors
 /// [`PlotError::Scenario`] or [`PlotError::Results`] where files of the run cannot be read.
@@ -40,14 +40,19 @@ pub(super) fn traction_figure(directory: &Path) -> Result<Option<String>, PlotEr
             .collect(),
     };
     let friction = scenario.contact.friction();
-    let turns = knot.unknotting_number as f64;
+    let overhand = match knot.start.kind() {
+        Some(KnotKind::Overhand { unknotting_number }) => Some(unknotting_number),
+        _ => None,
+    };
     let mut curves = vec![curve("rodlab", &|_, row| row.force_normalized)];
-    if knot.unknotting_number == 1 {
+    if overhand == Some(1) {
         curves.push(curve("Audoly et al. 2007", &|epsilon, _| {
             audoly_traction(epsilon, friction, TREFOIL_FRICTION)
         }));
     }
-    if friction > 0.0 {
+    if let Some(turns) = overhand.map(|number| number as f64)
+        && friction > 0.0
+    {
         curves.push(curve("Jawed et al. 2015", &|_, row| {
             let scaled = turns * turns * rod.radius / row.shortening_m;
             jawed_traction(scaled, friction) / (turns * turns)

@@ -1,6 +1,6 @@
 //! What can be reproduced, and the runs that it takes.
 
-use super::bundling::{Bundling, ContactModel, DISTANCE_TOLERANCE, STEP};
+use super::bundling::{Bundling, ContactModel, DISTANCE_TOLERANCE, STEP, Scheme};
 use super::drag_steps;
 use super::figure_2_5;
 use super::helices::Helices;
@@ -201,6 +201,7 @@ impl Artifact {
                 model,
                 friction: 0.0,
                 distance_tolerance,
+                scheme: Scheme::ImplicitEuler,
                 step: STEP,
                 end,
             };
@@ -214,6 +215,7 @@ impl Artifact {
             model: ContactModel::Imc,
             friction: 0.0,
             distance_tolerance: DISTANCE_TOLERANCE,
+            scheme: Scheme::ImplicitEuler,
             step: STEP,
             end,
         };
@@ -230,7 +232,11 @@ impl Artifact {
             Self::Figure2_6 => [0.0, 0.3, 0.7].map(rubbing).to_vec(),
             Self::Cost => FLAGELLA_OF_COST.map(free).to_vec(),
             Self::DragSteps => drag_steps::STEPS
-                .map(|step| Bundling { step, ..free(2) })
+                .map(|(scheme, step)| Bundling {
+                    scheme,
+                    step,
+                    ..free(2)
+                })
                 .to_vec(),
             Self::Figure2_7
             | Self::Figure2_8

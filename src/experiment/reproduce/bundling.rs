@@ -19,10 +19,31 @@ pub(super) struct Bundling {
     pub friction: f64,
     /// Distance tolerance δ, m.
     pub distance_tolerance: f64,
+    /// Time scheme.
+    pub scheme: Scheme,
     /// Time step.
     pub step: Step,
     /// Simulated time, s.
     pub end: f64,
+}
+
+/// Time scheme of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Scheme {
+    /// That of the thesis.
+    ImplicitEuler,
+    /// Of third order.
+    BackwardDifferences,
+}
+
+impl Scheme {
+    /// As scenario files have it.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::ImplicitEuler => "implicit-euler",
+            Self::BackwardDifferences => "backward-differences",
+        }
+    }
 }
 
 /// Time step of a run.
@@ -84,12 +105,16 @@ impl Run for Bundling {
             model,
             friction,
             distance_tolerance,
+            scheme,
             step,
             end,
         } = self;
         let mut name = format!("m{flagella}_{}_mu{friction}_{end}s", model.key());
         if *distance_tolerance != DISTANCE_TOLERANCE {
             name += &format!("_delta{distance_tolerance:e}");
+        }
+        if *scheme != Scheme::ImplicitEuler {
+            name = format!("{name}_{}", scheme.key());
         }
         match *step {
             STEP => name,
@@ -99,7 +124,7 @@ impl Run for Bundling {
     }
 
     fn prepare(&self) -> PreparedRun {
-        let overrides = [
+        let mut overrides = vec![
             format!("title=\"Bundling flagella, {}\"", self.id()),
             format!("flagella.count={}", self.flagella),
             format!("contact.model=\"{}\"", self.model.key()),
@@ -108,6 +133,9 @@ impl Run for Bundling {
             format!("time.step={}", self.step.key()),
             format!("time.end={:?}", self.end),
         ];
+        if self.scheme != Scheme::ImplicitEuler {
+            overrides.push(format!("time.scheme=\"{}\"", self.scheme.key()));
+        }
         let loaded = from_text_with(&self.id(), BASE, Path::new(""), &overrides);
         let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
         prepare(&loaded.scenario).expect("a scene of the thesis is possible")
@@ -138,7 +166,7 @@ impl Bundling {
 mod tests {
     use super::*;
     use crate::experiment::Mode;
-    use crate::mechanics::dynamics::StepSize;
+    use crate::mechanics::dynamics::{self, StepSize};
 
     #[test]
     fn ids_say_what_is_run() {
@@ -147,6 +175,7 @@ mod tests {
             model: ContactModel::Ipc,
             friction: 0.7,
             distance_tolerance: DISTANCE_TOLERANCE,
+            scheme: Scheme::ImplicitEuler,
             step: STEP,
             end: 20.0,
         };
@@ -168,6 +197,13 @@ mod tests {
         };
         assert_eq!(coarser.id(), "m3_ipc_mu0.7_20s_step0.005");
         assert_eq!(coarser.prepare().integration.step, StepSize::Fixed(5e-3));
+        let finer = Bundling {
+            scheme: Scheme::BackwardDifferences,
+            ..bundling
+        };
+        assert_eq!(finer.id(), "m3_ipc_mu0.7_20s_backward-differences");
+        let scheme = finer.prepare().integration.scheme;
+        assert_eq!(scheme, dynamics::Scheme::BackwardDifferences);
         let automatic = Bundling {
             step: Step::Auto,
             ..bundling

@@ -106,8 +106,10 @@ impl Sample {
         let position = |node: usize| Vector3::from_column_slice(&start[4 * node..4 * node + 3]);
         Stage {
             step: 0.01,
+            acceleration_step: 0.012,
             velocity: vec![0.0; start.len()],
             drag: Vec::new(),
+            drag_velocity: Vec::new(),
             resistance: Vec::new(),
             positions: (0..start.len() / 4).map(position).collect(),
             start,

@@ -95,7 +95,7 @@ impl Simulation {
     fn rest(&mut self) {
         self.unknowns.copy_from_slice(&self.trial);
         self.velocity.fill(0.0);
-        self.earlier_velocity.fill(0.0);
+        self.history.forget();
         self.publish();
     }
 

@@ -1,10 +1,12 @@
 //! Time stepping: the implicit step, Newton's method, step control.
 //!
-//! The loop is [`Simulation::advance`]: drag at the start of the step, contact candidates, an implicit
-//! stage solved by Newton's method, smaller steps where that fails, and acceptance.
+//! The loop is [`Simulation::advance`]: drag at the start of the step or of the predicted motion, contact candidates,
+//! an implicit stage solved by Newton's method, smaller steps where that fails, and acceptance.
 
+mod backward_difference;
 mod equilibrium;
 mod failure;
+mod history;
 mod newton;
 mod observe;
 mod parameters;

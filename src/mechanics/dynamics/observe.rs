@@ -144,8 +144,7 @@ impl Simulation {
             time: self.time,
             unknowns: self.unknowns.clone(),
             velocity: self.velocity.clone(),
-            earlier_velocity: self.earlier_velocity.clone(),
-            earlier_step: self.earlier_step,
+            history: self.history.clone(),
             reference: self.system.reference.clone(),
             control: self.control,
             contact: self.system.contact.as_ref().map(|contact| contact.memory()),
@@ -183,8 +182,7 @@ impl Simulation {
         self.time = state.time;
         self.unknowns = state.unknowns;
         self.velocity = state.velocity;
-        self.earlier_velocity = state.earlier_velocity;
-        self.earlier_step = state.earlier_step;
+        self.history = state.history;
         self.control = state.control;
         self.system.reference = state.reference;
         self.system.forget_pattern();

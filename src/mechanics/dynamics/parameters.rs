@@ -26,6 +26,8 @@ pub enum Scheme {
     ImplicitEuler,
     /// Second order, conserves momentum and nearly energy.
     ImplicitMidpoint,
+    /// Third order but for inertia, damps fast modes: backward differences, drag of the predicted motion.
+    BackwardDifferences,
 }
 
 /// Fixed or error-controlled time steps.

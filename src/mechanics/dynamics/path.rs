@@ -40,7 +40,7 @@ impl Simulation {
             self.system.drive(self.time, &mut self.unknowns);
             self.system.evaluate(&self.unknowns, None);
             self.velocity.fill(0.0);
-            self.earlier_velocity.fill(0.0);
+            self.history.forget();
             self.publish();
         }
         Ok(point)

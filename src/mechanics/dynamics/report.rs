@@ -1,5 +1,6 @@
 //! What a simulation reports: steps, energies, errors, and its state for checkpoints.
 
+use super::history::History;
 use super::step_control::StepControl;
 use crate::mechanics::contact::ContactMemory;
 use crate::mechanics::fluid::FluidMemory;
@@ -15,10 +16,8 @@ pub struct SimulationState {
     pub unknowns: Vec<f64>,
     /// Velocities of the unknowns.
     pub velocity: Vec<f64>,
-    /// Velocities one step earlier.
-    pub earlier_velocity: Vec<f64>,
-    /// Size of the last step, s.
-    pub earlier_step: f64,
+    /// The same at the last steps.
+    pub history: History,
     /// Frames of the edges.
     pub reference: ReferenceFrames,
     /// Step control.

@@ -1,6 +1,7 @@
 //! A running simulation: owns the state and advances it step by step.
 
 use super::failure::Failure;
+use super::history::History;
 use super::newton::Newton;
 use super::parameters::{IntegrationParameters, Scheme, StepSize};
 use super::report::{SimulationError, StepReport};
@@ -30,13 +31,14 @@ pub struct Simulation {
     pub(super) time: f64,
     pub(super) unknowns: Vec<f64>,
     pub(super) velocity: Vec<f64>,
-    /// Velocity one step earlier and the size of that step, s: the predictor extrapolates from them.
-    pub(super) earlier_velocity: Vec<f64>,
-    pub(super) earlier_step: f64,
+    /// What the predictor extrapolates from and backward differences go through.
+    pub(super) history: History,
     pub(super) control: StepControl,
     pub(super) stage: Stage,
     pub(super) newton: Newton,
     pub(super) trial: Vec<f64>,
+    /// Velocity that backward differences expect at the end of a step.
+    pub(super) predicted_velocity: Vec<f64>,
     pub(super) next_velocity: Vec<f64>,
     pub(super) positions: Vec<Vector3>,
     pub(super) velocities: Vec<Vector3>,
@@ -86,19 +88,26 @@ impl Simulation {
             fluid,
             parameters: *parameters,
             time: 0.0,
-            earlier_velocity: velocity.clone(),
-            earlier_step: 0.0,
-            control: StepControl::new(&parameters.step),
+            history: History::begin(&unknowns, &velocity),
+            control: match parameters.scheme {
+                Scheme::BackwardDifferences => StepControl::beginning_small(&parameters.step),
+                Scheme::ImplicitEuler | Scheme::ImplicitMidpoint => {
+                    StepControl::new(&parameters.step)
+                }
+            },
             stage: Stage {
                 step: 0.0,
+                acceleration_step: 0.0,
                 start: unknowns.clone(),
                 velocity: velocity.clone(),
                 drag: vec![Vector3::zeros(); wet],
+                drag_velocity: vec![Vector3::zeros(); wet],
                 resistance: vec![Matrix3::zeros(); wet],
                 positions: vec![Vector3::zeros(); nodes],
             },
             newton: Newton::new(unknowns.len()),
             trial: unknowns.clone(),
+            predicted_velocity: velocity.clone(),
             next_velocity: velocity.clone(),
             fluid_forces: vec![Vector3::zeros(); wet],
             positions: vec![Vector3::zeros(); nodes],
@@ -143,15 +152,16 @@ impl Simulation {
     /// [`SimulationError::NoConvergence`] and [`SimulationError::Unphysical`]; the state is then that of
     /// the last accepted step.
     pub fn advance(&mut self, until: f64) -> Result<StepReport, SimulationError> {
-        let mut report = StepReport {
-            fluid_iterations: self.compute_drag()?,
-            ..StepReport::default()
-        };
+        let mut report = StepReport::default();
+        if self.parameters.scheme != Scheme::BackwardDifferences {
+            report.fluid_iterations = self.compute_drag()?;
+        }
         self.system.update_candidates(&self.unknowns);
         let mut goal = self.control.goal(&self.parameters.step, self.time, until);
         let mut stiffenings = 0;
         loop {
             let step = goal - self.time;
+            report.fluid_iterations += self.prepare_stage(goal)?;
             let smaller = match self.attempt(goal) {
                 Ok(attempt) => {
                     report.newton_iterations += attempt.iterations;
@@ -188,11 +198,12 @@ impl Simulation {
         Ok(report)
     }
 
-    /// Drag and local resistance at the start of a step; returns the Krylov iterations.
-    fn compute_drag(&mut self) -> Result<usize, SimulationError> {
+    /// Drag and local resistance at the present positions and velocities; returns the Krylov iterations.
+    pub(super) fn compute_drag(&mut self) -> Result<usize, SimulationError> {
         let Some(fluid) = &mut self.fluid else {
             return Ok(0);
         };
+        self.stage.drag_velocity.copy_from_slice(&self.velocities);
         let (drag, resistance) = (&mut self.stage.drag, &mut self.stage.resistance);
         match fluid.drag(&self.positions, &self.velocities, drag, resistance) {
             Ok(report) => Ok(report.iterations),
@@ -221,6 +232,7 @@ impl Simulation {
         let order = match self.parameters.scheme {
             Scheme::ImplicitEuler => 2,
             Scheme::ImplicitMidpoint => 3,
+            Scheme::BackwardDifferences => 4,
         };
         if step <= self.parameters.minimum_step {
             return Verdict::Accepted;
@@ -237,15 +249,15 @@ impl Simulation {
     fn accept(&mut self, goal: f64) {
         if self.fluid.is_some() {
             for node in 0..self.stage.drag.len() {
-                let change = position(&self.next_velocity, node) - position(&self.velocity, node);
+                let change = position(&self.next_velocity, node) - self.stage.drag_velocity[node];
                 self.fluid_forces[node] =
                     self.stage.drag[node] - self.stage.resistance[node] * change;
             }
         }
-        self.earlier_step = goal - self.time;
+        self.history
+            .remember(goal - self.time, &self.unknowns, &self.velocity);
         self.time = goal;
         self.unknowns.copy_from_slice(&self.trial);
-        std::mem::swap(&mut self.earlier_velocity, &mut self.velocity);
         self.velocity.copy_from_slice(&self.next_velocity);
         self.system.accept();
         self.publish();

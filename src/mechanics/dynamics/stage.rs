@@ -4,6 +4,7 @@ use super::Simulation;
 use super::failure::Failure;
 use super::newton::Stopping;
 use super::parameters::Scheme;
+use super::report::SimulationError;
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::system::{Divergence, describe_overlap};
 
@@ -24,19 +25,35 @@ pub(super) struct Attempt {
 }
 
 impl Simulation {
-    /// Solves the implicit stage of a step to `goal`; leaves its solution in `trial`.
-    pub(super) fn attempt(&mut self, goal: f64) -> Result<Attempt, Failure> {
+    /// Sets up the implicit stage of a step to `goal`, with the predictor in `trial`; returns the Krylov iterations
+    /// of the drag where the scheme wants that of the predicted motion.
+    ///
+    /// # Errors
+    /// [`SimulationError::Unphysical`] where the fluid has no answer.
+    pub(super) fn prepare_stage(&mut self, goal: f64) -> Result<usize, SimulationError> {
         let step = goal - self.time;
         let (stage_step, stage_time) = match self.parameters.scheme {
             Scheme::ImplicitEuler => (step, goal),
             Scheme::ImplicitMidpoint => (0.5 * step, self.time + 0.5 * step),
+            Scheme::BackwardDifferences => {
+                self.begin_backward_difference(step);
+                self.system.drive(goal, &mut self.trial);
+                return self.compute_predicted_drag();
+            }
         };
         self.stage.step = stage_step;
+        self.stage.acceleration_step = stage_step;
         self.stage.start.copy_from_slice(&self.unknowns);
         self.stage.velocity.copy_from_slice(&self.velocity);
         self.stage.positions.copy_from_slice(&self.positions);
         self.predict(stage_step);
         self.system.drive(stage_time, &mut self.trial);
+        Ok(0)
+    }
+
+    /// Solves the implicit stage of a step to `goal` from its predictor; leaves its solution in `trial`.
+    pub(super) fn attempt(&mut self, goal: f64) -> Result<Attempt, Failure> {
+        let step = goal - self.time;
         self.shorten_predictor()?;
         self.system
             .adapt_contact_stiffness(&self.trial, Some(&self.stage));
@@ -98,16 +115,17 @@ impl Simulation {
     /// Extrapolates positions and angles to the implicit stage with the acceleration of the last step.
     fn predict(&mut self, stage_step: f64) {
         let fraction = match self.parameters.scheme {
-            Scheme::ImplicitEuler => 1.0,
             Scheme::ImplicitMidpoint => 0.5,
+            Scheme::ImplicitEuler | Scheme::BackwardDifferences => 1.0,
         };
-        let growth = if self.earlier_step > 0.0 {
-            fraction * stage_step / self.earlier_step
+        let earlier = &self.history.moments[0];
+        let growth = if earlier.step > 0.0 {
+            fraction * stage_step / earlier.step
         } else {
             0.0
         };
         for k in 0..self.trial.len() {
-            let change = self.velocity[k] - self.earlier_velocity[k];
+            let change = self.velocity[k] - earlier.velocity[k];
             self.trial[k] = self.unknowns[k] + stage_step * (self.velocity[k] + growth * change);
         }
     }
@@ -155,10 +173,11 @@ impl Simulation {
 
     /// Writes the velocity at the end of a step and returns the local error of the positions, m:
     /// ½ h |v₁ − v₀| for implicit Euler; h/12 times the second difference of the velocity for the
-    /// midpoint rule.
+    /// midpoint rule; H/4 times that from the predicted velocity for backward differences, at free unknowns.
     fn velocity_after(&mut self, step: f64) -> f64 {
-        let growth = if self.earlier_step > 0.0 {
-            step / self.earlier_step
+        let earlier = &self.history.moments[0];
+        let growth = if earlier.step > 0.0 {
+            step / earlier.step
         } else {
             0.0
         };
@@ -175,10 +194,23 @@ impl Simulation {
                     } else {
                         2.0 * mean - self.velocity[k]
                     };
-                    let earlier_change = growth * (self.velocity[k] - self.earlier_velocity[k]);
+                    let earlier_change = growth * (self.velocity[k] - earlier.velocity[k]);
                     (
                         after,
                         step / 12.0 * (after - self.velocity[k] - earlier_change),
+                    )
+                }
+                Scheme::BackwardDifferences => {
+                    let after = (self.trial[k] - self.stage.start[k]) / self.stage.step;
+                    let surprise = after - self.predicted_velocity[k];
+                    let held = self.system.assembly.held[k];
+                    (
+                        after,
+                        if held {
+                            0.0
+                        } else {
+                            self.stage.step / 4.0 * surprise
+                        },
                     )
                 }
             };

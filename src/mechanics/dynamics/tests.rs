@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::mechanics::Vector3;
+use crate::mechanics::fluid::FluidModel;
 use crate::mechanics::scene::{
     Clamp, Load, LoadKind, Motion, NaturalShape, RodDescription, Scene, Stiffness,
 };
@@ -108,6 +109,41 @@ fn a_free_rod_conserves_energy_and_momentum_with_the_midpoint_rule() {
     let drift = (total(&end) / total(&start) - 1.0).abs();
     println!("energy drift {drift:.3e}");
     assert!(drift < 1e-4, "{drift}");
+}
+
+#[test]
+fn backward_differences_converge_with_third_order_where_drag_rules() {
+    // A light cantilever that sinks in a viscous fluid while its clamp turns steadily.
+    let end = |step: f64| {
+        let mut scene = heavy_cantilever(10);
+        scene.rods[0].mass_per_length *= 1e-3;
+        scene.rods[0].rotational_inertia_per_length *= 1e-3;
+        let LoadKind::Gravity { acceleration } = &mut scene.loads[0].kind else {
+            unreachable!("its only load is its weight")
+        };
+        *acceleration *= 1e3;
+        scene.fluid = Some(FluidModel::Resistive { viscosity: 10.0 });
+        scene.clamps[0].motion.angular_velocity = 2.0;
+        let parameters = IntegrationParameters {
+            scheme: Scheme::BackwardDifferences,
+            step: StepSize::Fixed(step),
+            force_tolerance: 1e-9,
+            displacement_tolerance: 1e-9,
+            ..IntegrationParameters::default()
+        };
+        let mut simulation = Simulation::new(&scene, &parameters).unwrap();
+        while simulation.time() < 1.0 {
+            simulation.advance(1.0).unwrap();
+        }
+        simulation.positions()[10]
+    };
+    let exact = end(1.25e-3);
+    let errors = [40e-3, 20e-3, 10e-3].map(|step| (end(step) - exact).norm());
+    println!("{errors:?}");
+    for pair in errors.windows(2) {
+        let order = (pair[0] / pair[1]).log2();
+        assert!((order - 3.0).abs() < 0.4, "{errors:?}");
+    }
 }
 
 #[test]

@@ -28,6 +28,8 @@ const LARGEST_TURN: f64 = 0.8;
 const LENGTHENING: f64 = 8.0;
 /// Stiffness that counts as none, over EI/L³: motions without stiffness are no reason to go anywhere.
 const NEUTRAL: f64 = 1e-6;
+/// But no less than this multiple of the rounding error of the stiffest entry.
+const ROUNDINGS: f64 = 8.0;
 /// Growth of the shift until the pivots are positive, and where no step lowers the potential; and the smallest,
 /// over EI/L³.
 const SHIFT_GROWTH: f64 = 4.0;
@@ -80,8 +82,25 @@ impl Scale {
             largest_move: (LARGEST_MOVE * extent).min(system.largest_safe_move()),
             stiffness,
             spin: system.assembly.shortest_edge * system.assembly.shortest_edge,
-            neutral: (NEUTRAL * stiffness).max(8.0 * system.assembly.rounding_stiffness),
+            neutral: (NEUTRAL * stiffness).max(ROUNDINGS * system.assembly.rounding_stiffness),
         }
+    }
+
+    /// A shift that leaves nothing of the Hessian, over EI/L³.
+    fn largest_shift(&self, system: &System) -> f64 {
+        let stiffest = system.assembly.rounding_stiffness / f64::EPSILON;
+        stiffest / self.stiffness
+    }
+
+    /// Length of a set of moves, m.
+    fn norm(&self, moves: &[f64]) -> f64 {
+        let squares = moves.chunks_exact(STRIDE).map(|node| {
+            node[0] * node[0]
+                + node[1] * node[1]
+                + node[2] * node[2]
+                + self.spin * node[3] * node[3]
+        });
+        squares.sum::<f64>().sqrt()
     }
 }
 
@@ -147,9 +166,9 @@ impl Descent {
             }
             if !settled {
                 system.direction(&mut self.direction).map_err(|_| failed)?;
-                let lengthening = self.lengthening(system, shift * scale.stiffness);
+                let lengthening = self.lengthening(system, shift, &scale);
                 limit(&mut self.direction, system, scale.largest_move, lengthening);
-                match self.step(system, unknowns, shift == 0.0) {
+                match self.step(system, unknowns, &scale, shift == 0.0) {
                     Some(1.0) => shift /= SHIFT_GROWTH * SHIFT_GROWTH,
                     Some(_) => {}
                     None if shift > scale.largest_shift(system) => return Err(failed),
@@ -167,13 +186,12 @@ impl Descent {
     }
 
     /// How many times as long as the direction the way is to the bottom along it, by the Hessian without its shift.
-    fn lengthening(&self, system: &System, shift: f64) -> f64 {
+    fn lengthening(&self, system: &System, shift: f64, scale: &Scale) -> f64 {
         if shift == 0.0 || !system.is_symmetric() {
             return 1.0;
         }
-        let spin = system.assembly.shortest_edge * system.assembly.shortest_edge;
         let fall = -dot(&self.direction, &system.residual);
-        let curvature = fall - shift * norm(&self.direction, spin).powi(2);
+        let curvature = fall - shift * scale.stiffness * scale.norm(&self.direction).powi(2);
         if LENGTHENING * curvature > fall {
             fall / curvature
         } else {
@@ -183,9 +201,14 @@ impl Descent {
 
     /// Looks for a better configuration along the direction; leaves it in `trial` and returns its part of the
     /// whole step, `None` where there is none.
-    fn step(&mut self, system: &mut System, unknowns: &[f64], positive: bool) -> Option<f64> {
-        let spin = system.assembly.shortest_edge * system.assembly.shortest_edge;
-        let whole = norm(&self.direction, spin);
+    fn step(
+        &mut self,
+        system: &mut System,
+        unknowns: &[f64],
+        scale: &Scale,
+        positive: bool,
+    ) -> Option<f64> {
+        let whole = scale.norm(&self.direction);
         let start = Start {
             potential: system.potential(unknowns),
             slope: dot(&self.direction, &system.residual),
@@ -199,7 +222,7 @@ impl Descent {
             let length = part * longest;
             self.move_by(unknowns, length);
             let bent =
-                self.bend_back(system, unknowns) && norm(&self.correction, spin) <= length * whole;
+                self.bend_back(system, unknowns) && scale.norm(&self.correction) <= length * whole;
             if bent && system.largest_step(unknowns, &self.trial) >= 1.0 {
                 system.evaluate(&self.trial, None);
                 let accepted = if system.is_symmetric() {
@@ -207,7 +230,7 @@ impl Descent {
                 } else {
                     self.correction.copy_from_slice(&system.residual);
                     let solved = system.solve(&mut self.correction).is_ok();
-                    solved && norm(&self.correction, spin) <= (1.0 - 0.25 * length) * whole
+                    solved && scale.norm(&self.correction) <= (1.0 - 0.25 * length) * whole
                 };
                 if accepted {
                     return Some(part);
@@ -276,14 +299,6 @@ impl Descent {
         for k in 0..self.trial.len() {
             self.trial[k] = unknowns[k] + length * self.direction[k];
         }
-    }
-}
-
-impl Scale {
-    /// A shift that leaves nothing of the Hessian, over EI/L³.
-    fn largest_shift(&self, system: &System) -> f64 {
-        let stiffest = system.assembly.rounding_stiffness / f64::EPSILON;
-        stiffest / self.stiffness
     }
 }
 
@@ -370,12 +385,4 @@ pub(super) fn extent(unknowns: &[f64]) -> f64 {
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-/// Length of a set of moves, m, angles weighted by `spin`, m².
-fn norm(moves: &[f64], spin: f64) -> f64 {
-    let squares = moves.chunks_exact(STRIDE).map(|node| {
-        node[0] * node[0] + node[1] * node[1] + node[2] * node[2] + spin * node[3] * node[3]
-    });
-    squares.sum::<f64>().sqrt()
 }

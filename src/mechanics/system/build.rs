@@ -370,6 +370,12 @@ impl Assembly {
         }
     }
 
+    /// Fastest steady turning of a clamp, rad/s; 0 where none turns.
+    pub fn steady_turning(&self) -> f64 {
+        let rates = self.drives.iter().map(Drive::angular_velocity);
+        rates.fold(0.0, |fastest, rate| fastest.max(rate.abs()))
+    }
+
     /// Rod and node along it of a node of the whole scene.
     pub fn locate(&self, node: usize) -> (usize, usize) {
         let rod = self

@@ -55,6 +55,11 @@ impl Drive {
         }
     }
 
+    /// Steady rate of turning, rad/s.
+    pub fn angular_velocity(&self) -> f64 {
+        self.motion.angular_velocity
+    }
+
     /// Replaces the prescribed motion.
     pub fn follow(&mut self, motion: Motion) {
         self.axis = motion.axis.unwrap_or(self.frame.tangent);

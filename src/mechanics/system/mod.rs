@@ -3,12 +3,12 @@
 //! [`System`] owns the models (elasticity, loads, contact) and scratch; it evaluates the residual
 //!
 //! ```text
-//! R(q) = M/h ((q − qₙ)/h − vₙ) + ∇E(q) + C (q − qₙ)/h − F_dead(t) − F_moment(q, t) − F_contact(q) − F_fluid
-//! F_fluid = F₀ − D ((q − qₙ)/h − vₙ)
+//! R(q) = M/hₐ ((q − qₙ)/h − vₙ) + ∇E(q) + C (q − qₙ)/h − F_dead(t) − F_moment(q, t) − F_contact(q) − F_fluid
+//! F_fluid = F₀ − D ((q − qₙ)/h − v₀)
 //! ```
 //!
-//! (thesis Eq. 1.8) and its Jacobian, with the drag F₀ at the start of the step and its local resistance
-//! D; without a [`Stage`] the terms with h fall away and equilibrium remains.
+//! (thesis Eq. 1.8) and its Jacobian, with the drag F₀ of a motion with the velocities v₀ and its local
+//! resistance D; without a [`Stage`] the terms with h fall away and equilibrium remains.
 
 mod build;
 mod clamps;
@@ -37,14 +37,18 @@ use crate::linalg::{Inertia, SingularMatrix};
 /// What an implicit stage of a time step knows.
 #[derive(Clone, Debug)]
 pub struct Stage {
-    /// Size h of the implicit stage, s.
+    /// Size h of the implicit stage, s: velocities are (q − qₙ)/h.
     pub step: f64,
+    /// Size hₐ of the same for velocities, s: accelerations are (v − vₙ)/hₐ. It is h but for backward differences.
+    pub acceleration_step: f64,
     /// Unknowns at its start.
     pub start: Vec<f64>,
     /// Velocities at its start.
     pub velocity: Vec<f64>,
-    /// Drag at the start, N per node; empty without fluid.
+    /// Drag F₀ of a motion near that of the stage, N per node; empty without fluid.
     pub drag: Vec<Vector3>,
+    /// Velocities v₀ of that motion, m/s per node; empty without fluid.
+    pub drag_velocity: Vec<Vector3>,
     /// Local resistance D, N s/m per node; empty without fluid.
     pub resistance: Vec<Matrix3>,
     /// Positions at the start, m per node.
@@ -442,19 +446,20 @@ fn start_of<'a>(stage: Option<&'a Stage>, now: &'a [Vector3]) -> (&'a [Vector3],
     }
 }
 
-/// Adds M/h ((q − qₙ)/h − vₙ) + C (q − qₙ)/h − F₀ + D ((q − qₙ)/h − vₙ).
+/// Adds M/hₐ ((q − qₙ)/h − vₙ) + C (q − qₙ)/h − F₀ + D ((q − qₙ)/h − v₀).
 fn add_inertia(assembly: &Assembly, stage: &Stage, unknowns: &[f64], residual: &mut [f64]) {
     let per_step = 1.0 / stage.step;
+    let per_acceleration_step = 1.0 / stage.acceleration_step;
     for k in 0..residual.len() {
         let change = (unknowns[k] - stage.start[k]) * per_step - stage.velocity[k];
-        residual[k] += assembly.masses[k] * per_step * change;
+        residual[k] += assembly.masses[k] * per_acceleration_step * change;
     }
     for (k, coefficient) in assembly.loads.damping.iter().enumerate() {
         residual[k] += coefficient * (unknowns[k] - stage.start[k]) * per_step;
     }
     for (node, (drag, resistance)) in stage.drag.iter().zip(&stage.resistance).enumerate() {
         let change = (position(unknowns, node) - stage.positions[node]) * per_step
-            - position(&stage.velocity, node);
+            - stage.drag_velocity[node];
         let force = drag - resistance * change;
         for axis in 0..3 {
             residual[STRIDE * node + axis] -= force[axis];

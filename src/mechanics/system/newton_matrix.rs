@@ -90,12 +90,13 @@ impl NewtonMatrix {
         );
     }
 
-    /// Adds (M/h + C + D)/h.
+    /// Adds (M/hₐ + C + D)/h.
     pub fn add_inertia(&mut self, assembly: &Assembly, stage: &Stage) {
         let per_step = 1.0 / stage.step;
+        let per_acceleration_step = 1.0 / stage.acceleration_step;
         let columns = self.band.columns_mut();
         for (column, mass) in columns.iter_mut().zip(&assembly.masses) {
-            column[0] += mass * per_step * per_step;
+            column[0] += mass * per_acceleration_step * per_step;
         }
         for (column, coefficient) in columns.iter_mut().zip(&assembly.loads.damping) {
             column[0] += coefficient * per_step;

@@ -105,9 +105,11 @@ fn stage_at(system: &System, start: Vec<f64>) -> Stage {
     copy_positions(&start, &mut positions);
     Stage {
         step: 0.05,
+        acceleration_step: 0.06,
         velocity: start.iter().map(|q| (3.0 * q).sin()).collect(),
         start,
         drag: vec![Vector3::new(0.1, -0.2, 0.3); nodes],
+        drag_velocity: vec![Vector3::new(-0.3, 0.1, 0.2); nodes],
         resistance: vec![Matrix3::new(2.0, 0.1, 0.2, 0.1, 3.0, 0.3, 0.2, 0.3, 4.0); nodes],
         positions,
     }

@@ -1,7 +1,7 @@
 //! Resolving paths of equilibria.
 
 use super::section::{FINITE, POSITIVE, Section};
-use crate::scenario::resolved::{Continuation, Fluid, Load, LoadKind, PathMethod, Time};
+use crate::scenario::resolved::{Continuation, Fluid, Load, LoadKind, PathMethod, Plane, Time};
 use crate::scenario::typed::ScenarioFile;
 
 /// Most points that a branch may have.
@@ -38,7 +38,11 @@ pub fn continuation(top: &Section<'_>, file: &ScenarioFile, time: &Time) -> Opti
         step
     };
     let first = step("step", &typed.step, 0.01 * range);
-    let largest = step("largest_step", &typed.largest_step, first.max(0.02 * range));
+    let largest = step(
+        "largest_step",
+        &typed.largest_step,
+        first.max(0.02 * range).min(range),
+    );
     let points = typed.most_points.or(Some(1000));
     Some(Continuation {
         from,
@@ -51,19 +55,25 @@ pub fn continuation(top: &Section<'_>, file: &ScenarioFile, time: &Time) -> Opti
     })
 }
 
-/// Refuses what no equilibrium knows, friction, and what has no energy and so no path; drag is nothing at rest, but a
-/// fluid cannot be meant.
-pub fn refuse_without_energy(
-    top: &Section<'_>,
-    time: &Time,
-    friction: f64,
-    fluid: &Fluid,
-    loads: &[Load],
-) {
-    if friction > 0.0 && matches!(time, Time::Static | Time::Continuation) {
-        let message = "an equilibrium knows no friction: leave the key out, or let the rods come to rest with time.mode = \"dynamic\"";
+/// Refuses friction, whose forces at rest depend on how the rods came there.
+pub fn refuse_friction(top: &Section<'_>, time: &Time, friction: f64, planes: &[Plane]) {
+    if !matches!(time, Time::Static | Time::Continuation) {
+        return;
+    }
+    let message = "an equilibrium knows no friction: leave the key out, or let the rods come to rest with time.mode = \"dynamic\"";
+    if friction > 0.0 {
         top.below("contact").fault("friction", message);
     }
+    for (index, plane) in planes.iter().enumerate() {
+        if plane.friction.is_some_and(|friction| friction > 0.0) {
+            let section = top.below("planes").below(&index.to_string());
+            section.fault("friction", message);
+        }
+    }
+}
+
+/// Refuses what has no energy, and so no path; drag is nothing at rest, but a fluid cannot be meant.
+pub fn refuse_without_energy(top: &Section<'_>, time: &Time, fluid: &Fluid, loads: &[Load]) {
     if *time != Time::Continuation {
         return;
     }

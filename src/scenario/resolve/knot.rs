@@ -1,5 +1,7 @@
 //! Resolving the knot builder.
 
+use super::Context;
+use super::knot_start::{PlacedKnot, knot_start};
 use super::rod::{material, refuse_degenerate};
 use super::section::{NON_NEGATIVE, POSITIVE, Section};
 use crate::scenario::resolved::{BuilderRod, CrossSection, Knot, KnotEnds, Material, Time};
@@ -10,8 +12,6 @@ use std::f64::consts::TAU;
 const FEWEST_NODES: usize = 51;
 /// Most nodes of the rod.
 const MOST_NODES: usize = 100_000;
-/// Largest unknotting number whose shape is known.
-const LARGEST_UNKNOTTING_NUMBER: usize = 6;
 /// Speed of each end by "auto", over √(EI/ρA)/R.
 const SPEED: f64 = 0.01;
 /// Share of drag in the traction by "auto".
@@ -21,6 +21,7 @@ const SETTLING: (f64, f64) = (6.0, 2.0);
 
 /// Resolves the knotted rod and how it is pulled; `None` if a whole number is at fault, which is reported.
 pub fn knot(
+    context: &Context<'_>,
     top: &Section<'_>,
     material_table: &typed::Material,
     rod: &typed::BuilderRod,
@@ -29,18 +30,16 @@ pub fn knot(
 ) -> Option<(Material, BuilderRod, Knot)> {
     let section = top.below("knot");
     let rod_section = top.below("rod");
-    let unknotting_number = section.count(
-        "unknotting_number",
-        typed.unknotting_number,
-        1..=LARGEST_UNKNOTTING_NUMBER,
-    );
+    let PlacedKnot {
+        start,
+        length,
+        end_to_end,
+    } = knot_start(context, &section, typed);
     let nodes = rod_section.count("nodes", rod.nodes, FEWEST_NODES..=MOST_NODES);
     let material = material(&top.below("material"), material_table);
     let radius = rod_section.required("radius", &rod.radius, POSITIVE);
     let stiffness = CrossSection::Circle.stiffness(radius, &material);
     refuse_degenerate(&rod_section, &stiffness);
-    let length = section.required("length", &typed.length, POSITIVE);
-    let end_to_end = section.required("end_to_end", &typed.end_to_end, POSITIVE);
     if end_to_end >= length {
         section.fault(
             "end_to_end",
@@ -75,7 +74,7 @@ pub fn knot(
     };
     if let Time::Dynamic { end, .. } = time {
         let pulled = end_to_end + 2.0 * pull_speed * (end - settling_time).max(0.0);
-        if pulled >= length {
+        if end_to_end < length && pulled >= length {
             let latest = settling_time + 0.5 * (length - end_to_end) / pull_speed;
             top.below("time").fault(
                 "end",
@@ -88,9 +87,9 @@ pub fn knot(
         top.below("time")
             .fault("mode", "knots are pulled tight in time: use \"dynamic\"");
     }
-    let (unknotting_number, nodes) = (unknotting_number?, nodes?);
+    let (start, nodes) = (start?, nodes?);
     let knot = Knot {
-        unknotting_number,
+        start,
         length,
         end_to_end,
         ends: typed.ends.unwrap_or(KnotEnds::Clamped),

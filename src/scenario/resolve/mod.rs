@@ -4,6 +4,7 @@ mod columns;
 mod continuation;
 mod helix_stability;
 mod knot;
+mod knot_start;
 mod load;
 mod model;
 mod polyline;
@@ -15,7 +16,9 @@ mod shape;
 pub use polyline::read as read_polyline;
 
 use super::issue::{Issues, KeyPath};
-use super::resolved::{BuilderRod, Contact, Experiment, Fluid, Knot, Material, Scenario, Time};
+use super::resolved::{
+    BuilderRod, Contact, Experiment, Fluid, Knot, KnotKind, Material, Scenario, Time,
+};
 use super::typed::{self, ScenarioFile};
 use section::Section;
 use std::cell::RefCell;
@@ -90,7 +93,9 @@ pub fn resolve(context: &Context<'_>, file: &ScenarioFile) -> Result<Scenario, I
     }
     let continuation = continuation::continuation(&top, file, &time);
     let loads = load::loads(&top, &file.loads);
-    continuation::refuse_without_energy(&top, &time, contact.friction(), &fluid, &loads);
+    let planes = load::planes(&top, &file.planes);
+    continuation::refuse_friction(&top, &time, contact.friction(), &planes);
+    continuation::refuse_without_energy(&top, &time, &fluid, &loads);
     let scenario = experiment.map(|experiment| Scenario {
         name: context.name.to_owned(),
         title: file
@@ -100,7 +105,7 @@ pub fn resolve(context: &Context<'_>, file: &ScenarioFile) -> Result<Scenario, I
         experiment,
         clamps: load::clamps(context, &top, &file.clamps),
         loads,
-        planes: load::planes(&top, &file.planes),
+        planes,
         contact,
         fluid,
         output: model::output(&top, &file.output, &time),
@@ -171,7 +176,7 @@ fn experiment(
             model::flagella(top, material, rod, flagella)
         }
         typed::Experiment::KnotTightening => {
-            let (material, rod, knot) = knotted_rod(top, file, time)?;
+            let (material, rod, knot) = knotted_rod(context, top, file, time)?;
             Some(Experiment::KnotTightening {
                 material,
                 rod,
@@ -179,7 +184,11 @@ fn experiment(
             })
         }
         typed::Experiment::KnotInversion => {
-            let (material, rod, knot) = knotted_rod(top, file, time)?;
+            let (material, rod, knot) = knotted_rod(context, top, file, time)?;
+            if !matches!(knot.start.kind(), Some(KnotKind::Overhand { .. })) {
+                let message = "other knots do not invert; allowed: \"overhand\"";
+                top.below("knot").fault("kind", message);
+            }
             Some(Experiment::KnotInversion {
                 material,
                 rod,
@@ -209,6 +218,7 @@ fn experiment(
 
 /// The knotted rod of an experiment with knots; `None` if a fault was reported.
 fn knotted_rod(
+    context: &Context<'_>,
     top: &Section<'_>,
     file: &ScenarioFile,
     time: &Time,
@@ -216,7 +226,7 @@ fn knotted_rod(
     let built = built_rod(top, file);
     let knot = top.needed("knot", file.knot.as_ref(), "a table [knot]");
     let ((rod, material), knot) = (built?, knot?);
-    knot::knot(top, material, rod, knot, time)
+    knot::knot(context, top, material, rod, knot, time)
 }
 
 /// Rod and material of a builder; `None` if one is missing, which is reported.

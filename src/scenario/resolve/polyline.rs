@@ -4,16 +4,30 @@ use super::Context;
 use super::columns::read_columns;
 use super::section::Section;
 use crate::scenario::resolved::Shape;
-use crate::scenario::typed;
+use crate::scenario::typed::{self, Vector};
+use crate::scenario::units::Length;
 use std::path::Path;
 
 /// Resolves a polyline.
 pub fn points(context: &Context<'_>, section: &Section<'_>, typed: &typed::Points) -> Shape {
-    let points = match (&typed.file, &typed.points) {
+    Shape::Points {
+        points: corners(context, section, "file", &typed.file, &typed.points),
+    }
+}
+
+/// Corners from the file that `key` names, or from the key `points`; none where a fault was reported.
+pub fn corners(
+    context: &Context<'_>,
+    section: &Section<'_>,
+    key: &str,
+    file: &Option<String>,
+    points: &Option<Vec<Vector<Length>>>,
+) -> Vec<[f64; 3]> {
+    match (file, points) {
         (Some(file), None) => {
-            let directory = (context.directory_of)(&section.path.key("file"));
+            let directory = (context.directory_of)(&section.path.key(key));
             read(&directory.join(file)).unwrap_or_else(|message| {
-                section.fault("file", message);
+                section.fault(key, message);
                 Vec::new()
             })
         }
@@ -37,17 +51,16 @@ pub fn points(context: &Context<'_>, section: &Section<'_>, typed: &typed::Point
         }
         (None, None) => {
             section.missing(
-                "file",
+                key,
                 "a CSV file with columns x, y, z, or the `points` themselves",
             );
             Vec::new()
         }
         (Some(_), Some(_)) => {
-            section.fault("points", "give `file` or `points`, not both");
+            section.fault("points", format!("give `{key}` or `points`, not both"));
             Vec::new()
         }
-    };
-    Shape::Points { points }
+    }
 }
 
 /// Index of the first point that is the same as the one before it.

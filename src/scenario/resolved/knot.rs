@@ -3,14 +3,15 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// An open overhand knot and how it is pulled tight.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+/// A knot and how it is pulled tight.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Knot {
-    /// Unknotting number n.
-    pub unknotting_number: usize,
-    /// Length of the rod, m.
+    /// How the rods lie at the start.
+    #[serde(flatten)]
+    pub start: KnotStart,
+    /// Length of each rod, m.
     pub length: f64,
-    /// Distance of the ends at the start, m.
+    /// Distance of the ends, or of those on the left from those on the right, at the start, m.
     pub end_to_end: f64,
     /// What is held at the ends.
     pub ends: KnotEnds,
@@ -20,6 +21,62 @@ pub struct Knot {
     pub settling_time: f64,
     /// Drag per length while the ends move, N s/m².
     pub damping: f64,
+}
+
+/// How the rods of a knot lie at the start.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum KnotStart {
+    /// Tied from numbers.
+    Tied(KnotKind),
+    /// One rod along a curve.
+    Curve {
+        /// Which knot it must be.
+        #[serde(flatten)]
+        kind: Option<KnotKind>,
+        /// The corners of the curve, m.
+        points: Vec<[f64; 3]>,
+    },
+}
+
+impl KnotStart {
+    /// Which knot it is; `None` for any curve.
+    pub fn kind(&self) -> Option<KnotKind> {
+        match self {
+            Self::Tied(kind) => Some(*kind),
+            Self::Curve { kind, .. } => *kind,
+        }
+    }
+
+    /// Number of rods that are tied.
+    pub fn rods(&self) -> usize {
+        use KnotKind::{Fisherman, Granny, Reef, Surgeon};
+        match self {
+            Self::Tied(Reef | Granny | Surgeon | Fisherman) => 2,
+            Self::Tied(_) | Self::Curve { .. } => 1,
+        }
+    }
+}
+
+/// Kinds of knots.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum KnotKind {
+    /// The overhand knot and its relatives of more turns.
+    Overhand {
+        /// Unknotting number n.
+        unknotting_number: usize,
+    },
+    /// The figure-eight knot.
+    FigureEight,
+    /// The reef or square knot of two rods.
+    Reef,
+    /// The granny knot of two rods.
+    Granny,
+    /// The surgeon's knot of two rods.
+    Surgeon,
+    /// The fisherman's knot of two rods.
+    Fisherman,
 }
 
 /// What is held at the ends of a knotted rod.

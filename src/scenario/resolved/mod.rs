@@ -15,7 +15,7 @@ mod run;
 pub use continuation::{Continuation, PathMethod};
 pub use flagella::{BuilderRod, Flagella, Head};
 pub use helix_stability::{Directions, HelixSearch, HelixStability};
-pub use knot::{Knot, KnotEnds};
+pub use knot::{Knot, KnotEnds, KnotKind, KnotStart};
 pub use load::{Clamp, Hold, Load, LoadKind, Place, Plane, Pose};
 pub use model::{Contact, Fluid};
 pub use rod::{CrossSection, Handedness, Material, NaturalShape, Rod, Shape, Stiffness};
@@ -76,7 +76,7 @@ pub enum Experiment {
         /// Number, geometry and drive.
         flagella: Flagella,
     },
-    /// An overhand knot whose ends are pulled apart.
+    /// A knot whose ends are pulled apart.
     KnotTightening {
         /// Material of the rod.
         material: Material,

@@ -33,6 +33,8 @@ pub enum Scheme {
     ImplicitEuler,
     /// Second order, conserves momentum and nearly energy.
     ImplicitMidpoint,
+    /// Third order but for inertia, damps fast modes; drag of other nodes' motion to third order too.
+    BackwardDifferences,
 }
 
 /// Size of the time steps.

@@ -350,18 +350,18 @@ impl Family {
         Ok(document_text::document(&root))
     }
 
-    /// Puts the corners of polylines in the place of the files that hold them.
+    /// Puts the corners of polylines and knotted curves in the place of the files that hold them.
     fn inline_polylines(&self, node: &mut Node) -> Result<(), ScenarioError> {
         let is_polyline = matches!(node.entry("kind").map(|entry| &entry.node.value),
             Some(Value::String(kind)) if kind == "points");
-        if is_polyline
-            && let Some(entry) = node.entry("file")
+        let key = if is_polyline { "file" } else { "curve" };
+        if let Some(entry) = node.entry(key)
             && let Value::String(file) = &entry.node.value
         {
             let span = entry.node.span.clone();
             let directory = &self.sources.get(span.source).directory;
             let corners = read_polyline(&directory.join(file)).map_err(|message| {
-                let issue = Issue::new(KeyPath::from("file"), message);
+                let issue = Issue::new(KeyPath::from(key), message);
                 ScenarioError::from(Located::new(&self.sources, issue, Some(span.clone())))
             })?;
             let list = |values: Vec<Value>| {
@@ -375,7 +375,7 @@ impl Family {
                 .iter()
                 .map(|corner| list(corner.map(Value::Float).to_vec()));
             let corners = list(corners.collect());
-            node.remove("file");
+            node.remove(key);
             push(node, "points", corners);
         }
         match &mut node.value {

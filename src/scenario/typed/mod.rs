@@ -15,7 +15,7 @@ mod sweep;
 
 pub use continuation::Continuation;
 pub use helix_stability::{Directions, HelixStability, List};
-pub use knot::Knot;
+pub use knot::{Knot, KnotKind};
 pub use load::{Clamp, Load, Place, Plane, Pose};
 pub use model::{
     BuilderRod, Contact, ContactModel, Flagella, Fluid, FluidModel, Mode, Output, Solver, Time,
@@ -33,7 +33,7 @@ use serde::Deserialize;
 #[schemars(deny_unknown_fields, rename = "scenario")]
 pub struct ScenarioFile {
     /// What is simulated: "scene" (the rods listed here), "flagella" (helices turned at their heads),
-    /// "knot-tightening" (an overhand knot whose ends are pulled apart), "knot-inversion" (the same until its loop
+    /// "knot-tightening" (a knot whose ends are pulled apart), "knot-inversion" (an overhand knot until its loop
     /// has snapped onto the braid) or "helix-stability" (where clamped helical rods lose stability).
     pub experiment: Option<Experiment>,
     /// Title for people; the name of the file where absent.
@@ -92,7 +92,7 @@ pub enum Experiment {
     Scene,
     /// Helical flagella turned at their heads.
     Flagella,
-    /// An overhand knot whose ends are pulled apart.
+    /// A knot whose ends are pulled apart.
     KnotTightening,
     /// An overhand knot whose ends are pulled apart until its loop has snapped onto the braid.
     KnotInversion,

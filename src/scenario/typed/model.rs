@@ -116,8 +116,8 @@ pub struct Time {
     /// "dynamic" (the default), "static" (equilibrium by Newton's method without inertia), or
     /// "continuation" (equilibria along a path, with folds, bifurcations and stability; see [continuation]).
     pub mode: Option<Mode>,
-    /// "implicit-euler" (the default: first order, damps fast modes) or "implicit-midpoint" (second order,
-    /// nearly conserves energy).
+    /// "implicit-euler" (the default: first order, damps fast modes), "implicit-midpoint" (second order, nearly
+    /// conserves energy) or "backward-differences" (third order where drag rules, damps fast modes: for rods in fluids).
     pub scheme: Option<Scheme>,
     /// Time step, or "auto" to choose it by the local error. Default: 1e-3 s.
     pub step: Option<Quantity<units::Time>>,
