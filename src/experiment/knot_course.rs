@@ -71,22 +71,31 @@ impl KnotCourse {
                 .flatten()
                 .all(|length| knot.length_normalized > length)
         };
-        let kinetic_over_elastic = pulled()
-            .filter(|(_, knot)| before(knot))
-            .map(|(series, _)| {
-                let elastic =
-                    series.stretching_energy_j + series.bending_energy_j + series.twisting_energy_j;
-                series.kinetic_energy_j / elastic
-            })
+        let slow: Vec<&(SeriesRow, KnotRow)> = pulled().filter(|(_, knot)| before(knot)).collect();
+        let kinetic_over_elastic = slow
+            .iter()
+            .map(|(series, _)| series.kinetic_energy_j / series.elastic_energy())
             .max_by(f64::total_cmp);
         KnotOutcome {
             inversion_by_force: point.by_force,
             inversion_by_height: point.by_height,
             inversion_difference: point.difference(),
             kinetic_over_elastic,
+            kinetic_bound: Some(observer.kinetic_bound),
+            energy_balance: energy_balance(&slow),
             knot_ending: self.ending,
         }
     }
+}
+
+/// Gain of energy and losses over the work of the ends between the first and the last row; `None` without work.
+fn energy_balance(rows: &[&(SeriesRow, KnotRow)]) -> Option<f64> {
+    let (first, last) = (rows.first()?, rows.last()?);
+    let spent = |(series, knot): &(SeriesRow, KnotRow)| {
+        series.energy() + knot.friction_loss_j + knot.drag_loss_j
+    };
+    let work = last.1.work_of_ends_j - first.1.work_of_ends_j;
+    (work > 0.0).then(|| (spent(last) - spent(first)) / work)
 }
 
 fn tightened(row: &KnotRow, observer: &KnotObserver) -> TightenedKnot {
@@ -112,6 +121,7 @@ mod tests {
         tolerance: 1e-4,
         determinant: 7,
         pulled_from: 2.0,
+        kinetic_bound: 1e-3,
         ends_after_inversion: true,
     };
 

@@ -31,6 +31,8 @@ pub struct KnotObserver {
     pub determinant: u64,
     /// When its ends begin to move, s.
     pub pulled_from: f64,
+    /// Largest kinetic over elastic energy of a quasi-static pull.
+    pub kinetic_bound: f64,
     /// Whether the run ends some time after the knot has inverted.
     pub ends_after_inversion: bool,
 }
@@ -42,7 +44,7 @@ impl KnotObserver {
         rods.take(self.rods).collect()
     }
 
-    /// Measures the knot now.
+    /// Measures the knot now; work and losses, which take the whole run, are left at zero.
     pub fn measure(&self, simulation: &Simulation) -> KnotRow {
         let rods = self.knotted(simulation.positions());
         let outward = outward(&rods);
@@ -90,6 +92,7 @@ impl KnotObserver {
             knot_determinant: determinant_of_rods(&rods),
             second_traction_start_n: tractions.get(1).map(|second| second[0]),
             second_traction_end_n: tractions.get(1).map(|second| second[1]),
+            ..KnotRow::default()
         }
     }
 
@@ -143,6 +146,7 @@ pub fn changed_knot(time: f64, expected: u64, found: Option<u64>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mechanics::Vector3;
 
     const OBSERVER: KnotObserver = KnotObserver {
         rods: 1,
@@ -155,6 +159,7 @@ mod tests {
         tolerance: 1e-4,
         determinant: 3,
         pulled_from: 2.0,
+        kinetic_bound: 1e-3,
         ends_after_inversion: false,
     };
 
@@ -164,6 +169,7 @@ mod tests {
             nodes,
             distance: 2e-3 + gap,
             threshold: 2e-3,
+            normal: Vector3::z(),
             normal_force: 1.0,
             force: [0.0; 12],
         }

@@ -155,7 +155,7 @@ mod tests {
     use super::*;
     use crate::experiment::{RunOptions, prepare, run};
     use crate::mechanics::dynamics::Simulation;
-    use crate::results::{KnotEnding, KnotOutcome};
+    use crate::results::{KnotEnding, KnotOutcome, KnotRow, read_knot_series};
     use crate::scenario::from_text_with;
     use std::path::Path;
 
@@ -205,6 +205,69 @@ mod tests {
         // A loose trefoil: 2πR is less than the shortening by the braid.
         let radius = row.loop_radius_m.unwrap();
         assert!((0.09..0.13).contains(&radius), "{radius}");
+    }
+
+    /// A short trefoil, pulled by 16 mm with a bound on its kinetic energy.
+    fn pulled_slowly(kinetic_bound: f64) -> (KnotOutcome, Vec<KnotRow>) {
+        let settings = |end: f64| {
+            let given = [
+                "knot.length=0.3",
+                "rod.nodes=101",
+                "knot.end_to_end=0.12",
+                "knot.pull_speed=\"auto\"",
+                "contact.distance_tolerance=1e-4",
+                "output.interval=0.05",
+            ];
+            let computed = [
+                format!("knot.kinetic_bound={kinetic_bound}"),
+                format!("time.end={end:?}"),
+            ];
+            given.map(str::to_owned).into_iter().chain(computed)
+        };
+        let scenario = |end: f64| {
+            let text = include_str!("../../scenarios/trefoil.toml");
+            let overrides: Vec<String> = settings(end).collect();
+            let loaded = from_text_with("trefoil", text, Path::new(""), &overrides);
+            loaded.unwrap().scenario
+        };
+        let started = scenario(3.0);
+        let (_, knot) = started.experiment.knot().unwrap();
+        let prepared = prepare(&scenario(knot.settling_time + 8e-3 / knot.pull_speed)).unwrap();
+        let directory = tempfile::tempdir().unwrap();
+        let finished = run(&prepared, &RunOptions::new(directory.path())).unwrap();
+        let rows = read_knot_series(directory.path()).unwrap().into_iter();
+        (
+            finished.case.knot.unwrap(),
+            rows.map(|(_, row)| row).collect(),
+        )
+    }
+
+    /// Work of the ends while they were pulled from one distance (m) to another, J.
+    fn work(rows: &[KnotRow], from: f64, to: f64) -> f64 {
+        let done = |distance: f64| {
+            let after = rows.partition_point(|row| row.end_to_end_m < distance);
+            let (a, b) = (&rows[after - 1], &rows[after]);
+            let part = (distance - a.end_to_end_m) / (b.end_to_end_m - a.end_to_end_m);
+            a.work_of_ends_j + part * (b.work_of_ends_j - a.work_of_ends_j)
+        };
+        done(to) - done(from)
+    }
+
+    #[test]
+    fn a_quasi_static_pull_has_the_same_traction_at_half_the_speed() {
+        // The kinetic energy grows with the square of the speed.
+        let [(whole, fast), (half, slow)] = [1e-3, 2.5e-4].map(pulled_slowly);
+        for (outcome, bound) in [(whole, 1e-3), (half, 2.5e-4)] {
+            assert!(outcome.kinetic_over_elastic.unwrap() < bound);
+            assert_eq!(outcome.remark(), None);
+            let balance = outcome.energy_balance.unwrap();
+            assert!((balance - 1.0).abs() < 2e-3, "{balance}");
+        }
+        for millimetres in [123.0, 127.0, 131.0] {
+            let (from, to) = (1e-3 * millimetres, 1e-3 * (millimetres + 4.0));
+            let ratio = work(&fast, from, to) / work(&slow, from, to);
+            assert!((ratio - 1.0).abs() < 0.01, "{millimetres}: {ratio}");
+        }
     }
 
     /// Runs the knot of a scenario file, changed, and tells what the knot came to.

@@ -154,6 +154,7 @@ fn knot_observer(scenario: &Scenario, scene: &mechanics::Scene) -> Option<KnotOb
             .map(determinant_of_kind)
             .or_else(|| determinant_of_rods(&placed))?,
         pulled_from: knot.settling_time,
+        kinetic_bound: knot.kinetic_bound,
         ends_after_inversion: matches!(scenario.experiment, Experiment::KnotInversion { .. }),
     })
 }

@@ -13,6 +13,10 @@ pub struct KnotOutcome {
     pub inversion_difference: Option<f64>,
     /// Largest kinetic over elastic energy at the output times while the ends moved, before the inversion.
     pub kinetic_over_elastic: Option<f64>,
+    /// What it should not exceed for a quasi-static pull: `knot.kinetic_bound`.
+    pub kinetic_bound: Option<f64>,
+    /// Gain of energy and losses to friction and drag over the work of the ends, meanwhile.
+    pub energy_balance: Option<f64>,
     /// Why the run ended before its time; empty where it did not.
     pub knot_ending: Option<KnotEnding>,
 }
@@ -25,6 +29,18 @@ pub enum KnotEnding {
     Inverted,
     /// The knot is locked: the rod stretches instead of slipping through it.
     Locked,
+}
+
+impl KnotOutcome {
+    /// Says so where the knot was pulled too fast to be quasi-static.
+    pub fn remark(&self) -> Option<String> {
+        let (ratio, bound) = (self.kinetic_over_elastic?, self.kinetic_bound?);
+        (ratio > bound).then(|| {
+            format!(
+                "not quasi-static: the kinetic energy reached {ratio:.1e} of the elastic energy, beyond knot.kinetic_bound = {bound:e}"
+            )
+        })
+    }
 }
 
 impl KnotEnding {

@@ -222,7 +222,7 @@ mod tests {
         assert!(header.contains(
             "gravitational_energy_j,end_to_end_m,shortening_m,traction_start_n,traction_end_n,loop_radius_m,\
              force_normalized,epsilon,length_normalized,loop_height_m,braid_width_m,height_normalized,contact_force_n,\
-             knot_determinant,second_traction_start_n,second_traction_end_n"
+             work_of_ends_j,friction_loss_j,drag_loss_j,knot_determinant,second_traction_start_n,second_traction_end_n"
         ));
         let read = crate::results::read_knot_series(directory.path()).unwrap();
         assert_eq!(read, [rows]);

@@ -39,7 +39,23 @@ pub struct SeriesRow {
     pub gravitational_energy_j: f64,
 }
 
-/// What `series.csv` has beside the columns of [`SeriesRow`] when a knot is pulled tight.
+impl SeriesRow {
+    /// Elastic energy, J.
+    pub fn elastic_energy(&self) -> f64 {
+        self.stretching_energy_j + self.bending_energy_j + self.twisting_energy_j
+    }
+
+    /// All energy, J.
+    pub fn energy(&self) -> f64 {
+        self.elastic_energy()
+            + self.kinetic_energy_j
+            + self.contact_energy_j
+            + self.gravitational_energy_j
+    }
+}
+
+/// What `series.csv` has beside the columns of [`SeriesRow`] when a knot is pulled tight. Work and losses read as zero
+/// from a series that an older version wrote without them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct KnotRow {
     /// Distance of the ends; with two rods of those on the left from those on the right.
@@ -67,6 +83,15 @@ pub struct KnotRow {
     pub height_normalized: Option<f64>,
     /// Sum of all normal forces between the strands.
     pub contact_force_n: f64,
+    /// Work of the clamps at the ends since the start.
+    #[serde(default)]
+    pub work_of_ends_j: f64,
+    /// Energy lost to friction since the start.
+    #[serde(default)]
+    pub friction_loss_j: f64,
+    /// Energy lost to drag since the start.
+    #[serde(default)]
+    pub drag_loss_j: f64,
     /// Determinant of the knot; empty where it cannot be told.
     pub knot_determinant: Option<u64>,
     /// Force with which the first end of the second rod is pulled outwards; empty where one rod is tied.

@@ -43,6 +43,8 @@ pub enum Artifact {
     Figure6_5,
     /// The section ω = 0 of the boundary.
     Figure6_6,
+    /// Mesh, pull speed and contact tolerance of overhand knots.
+    KnotConvergence,
     /// Cost of a step over the number of flagella.
     Cost,
     /// Error over the size of the time step.
@@ -81,7 +83,7 @@ const QUICK_END_OF_STEPS: f64 = 5.0;
 
 impl Artifact {
     /// All of them.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::Table2_1,
         Self::Table2_2,
         Self::Figure2_5,
@@ -98,6 +100,7 @@ impl Artifact {
         Self::Figure6_2,
         Self::Figure6_5,
         Self::Figure6_6,
+        Self::KnotConvergence,
         Self::Cost,
         Self::DragSteps,
     ];
@@ -128,6 +131,7 @@ impl Artifact {
             Self::Figure6_2 => "fig6.2",
             Self::Figure6_5 => "fig6.5",
             Self::Figure6_6 => "fig6.6",
+            Self::KnotConvergence => "knot-convergence",
             Self::Cost => "cost",
             Self::DragSteps => "drag-steps",
         }
@@ -152,6 +156,9 @@ impl Artifact {
             Self::Figure6_2 => "Figure 6.2: the boundary of the stable helices",
             Self::Figure6_5 => "Figure 6.5: disturbances of a manipulated helical rod",
             Self::Figure6_6 => "Figure 6.6: the boundary of the stable helices at ω = 0",
+            Self::KnotConvergence => {
+                "Overhand knots pulled tight: mesh, pull speed and contact tolerance"
+            }
             Self::Cost => "Cost of a step over the number of flagella",
             Self::DragSteps => "Error of larger and automatic steps, two flagella",
         }
@@ -173,6 +180,7 @@ impl Artifact {
         match self {
             Self::Figure2_7 => Runs::Tightening(Tightening::of_figure_2_7(quick)),
             Self::Figure2_8 => Runs::Tightening(Tightening::of_figure_2_8(quick)),
+            Self::KnotConvergence => Runs::Tightening(Tightening::of_convergence(quick)),
             Self::Figure3_4 => Runs::Inversion(Inversion::of_figure_3_4(quick)),
             Self::Figure3_5 | Self::Figure3_10 => Runs::Inversion(Inversion::of_figure_3_5(quick)),
             Self::Figure3_6 | Self::Figure3_11 => Runs::Inversion(Inversion::of_figure_3_6(quick)),
@@ -249,7 +257,8 @@ impl Artifact {
             | Self::Figure3_11
             | Self::Figure6_2
             | Self::Figure6_5
-            | Self::Figure6_6 => Vec::new(),
+            | Self::Figure6_6
+            | Self::KnotConvergence => Vec::new(),
         }
     }
 }

@@ -18,6 +18,8 @@
 //! | `figure_3_9`, `simplified_inversion` | the simplified knot: figures 3.9, 3.10 and 3.11 |
 //! | `figure_6_2` | figures 6.2 and 6.6 |
 //! | `figure_6_5` | disturbances of a manipulated rod |
+//! | `overhand_law` | knots pulled tight against Eq. 2.30, part by part |
+//! | `knot_convergence` | what mesh, pull speed and contact tolerance change |
 //! | `cost`, `drag_steps` | what steps cost, and what larger ones lose |
 //! | `difference` | distance of the nodes between two runs (thesis Eq. 2.28) |
 
@@ -40,7 +42,9 @@ mod inversion;
 mod inversion_factors;
 mod inversion_page;
 mod inversion_pictures;
+mod knot_convergence;
 mod manipulated_helix;
+mod overhand_law;
 mod page;
 mod simplified_inversion;
 mod table_2_1;
@@ -130,6 +134,7 @@ fn make(
             let mut page = Page::begin(artifact, options, &cases)?;
             match artifact {
                 Artifact::Figure2_7 => figure_2_7::write(&mut page, &cases),
+                Artifact::KnotConvergence => knot_convergence::write(&mut page, &cases),
                 _ => figure_2_8::write(&mut page, &cases),
             }?;
             page

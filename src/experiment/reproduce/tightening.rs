@@ -24,6 +24,8 @@ pub(super) struct Tightening {
     pub end_to_end: f64,
     /// Speed of each end, m/s.
     pub pull_speed: f64,
+    /// Gap at which contact forces begin, in radii of the rod.
+    pub tolerance: f64,
     /// Time for which the knot settles, s.
     pub settling: f64,
     /// Simulated time, s.
@@ -43,9 +45,14 @@ pub(super) const SLIGHT_FRICTION: f64 = 1e-3;
 const THIN_RODS: [(f64, usize); 4] = [(1.6e-3, 301), (8e-4, 451), (4e-4, 601), (2e-4, 901)];
 /// Time for which the knots settle, s.
 const SETTLING: f64 = 4.0;
+/// Gap at which contact forces begin, in radii: the gap at which surfaces rest is about half of it.
+const TOLERANCE: f64 = 0.0125;
 /// Density at the radius of the thesis, kg/m³. The thesis has 1180, with which the loose loop takes seconds to swing
 /// and 6 mm/s is no longer slow; force balance does not depend on the density.
 const DENSITY: f64 = 10.0;
+/// Time between outputs, s, and the most of the time of pulling.
+const INTERVAL: f64 = 0.25;
+const LARGEST_PART: f64 = 0.25;
 /// Simulated time of a quick look, s.
 const QUICK_END: f64 = 14.0;
 
@@ -59,6 +66,7 @@ impl Tightening {
             nodes: 301,
             end_to_end: 0.28,
             pull_speed: 6e-3,
+            tolerance: TOLERANCE,
             settling: SETTLING,
             end: if quick { QUICK_END } else { 54.0 },
         };
@@ -85,9 +93,19 @@ impl Tightening {
                 // Longer braids need more room.
                 end_to_end: 0.26 + 0.02 * unknotting_number as f64,
                 pull_speed: 3e-3,
+                tolerance: TOLERANCE,
                 settling: SETTLING,
                 end: if quick { QUICK_END } else { 90.0 },
             })
+            .collect()
+    }
+
+    /// Each knot of figure 2.8, followed by the same with one choice after the other changed: [`VARIANTS`].
+    pub fn of_convergence(quick: bool) -> Vec<Self> {
+        let vary = |run: Self| VARIANTS.map(|(_, change)| change(run));
+        Self::of_figure_2_8(quick)
+            .into_iter()
+            .flat_map(vary)
             .collect()
     }
 
@@ -104,22 +122,47 @@ impl Tightening {
     }
 }
 
+/// A knot with one choice changed.
+type Change = fn(Tightening) -> Tightening;
+
+/// What is changed to see convergence, in words.
+pub(super) const VARIANTS: [(&str, Change); 5] = [
+    ("301 nodes", |run| run),
+    ("151 nodes", |run| Tightening { nodes: 151, ..run }),
+    ("601 nodes", |run| Tightening { nodes: 601, ..run }),
+    ("half the speed", |run| Tightening {
+        pull_speed: 0.5 * run.pull_speed,
+        end: run.settling + 2.0 * (run.end - run.settling),
+        ..run
+    }),
+    ("half the contact gap", |run| Tightening {
+        tolerance: 0.5 * run.tolerance,
+        ..run
+    }),
+];
+
 impl Run for Tightening {
-    /// Its name, such as `knot_n1_mu0.1_h1.6mm_54s`.
+    /// Its name, such as `knot_n1_mu0.1_h1.6mm_301nodes_6mms_gap0.0125h_54s`.
     fn id(&self) -> String {
         let Self {
             unknotting_number,
             friction,
-            radius,
+            nodes,
+            tolerance,
             end,
             ..
         } = self;
-        let millimetres = (1e7 * radius).round() / 1e4;
-        format!("knot_n{unknotting_number}_mu{friction}_h{millimetres}mm_{end}s")
+        let millimetres = |metres: f64| (1e7 * metres).round() / 1e4;
+        format!(
+            "knot_n{unknotting_number}_mu{friction}_h{}mm_{nodes}nodes_{}mms_gap{tolerance}h_{end}s",
+            millimetres(self.radius),
+            millimetres(self.pull_speed)
+        )
     }
 
     fn prepare(&self) -> PreparedRun {
         let thinness = self.radius / RADIUS;
+        let interval = INTERVAL.min(LARGEST_PART * (self.end - self.settling));
         let overrides = [
             format!("title=\"{}\"", self.id()),
             format!("knot.unknotting_number={}", self.unknotting_number),
@@ -132,9 +175,12 @@ impl Run for Tightening {
             // The frequency of the loop is as √(E/ρ) h.
             format!("material.density={:?}", DENSITY * thinness * thinness),
             format!("contact.friction={:?}", self.friction),
-            format!("contact.distance_tolerance={:?}", self.radius / 80.0),
+            format!(
+                "contact.distance_tolerance={:?}",
+                self.tolerance * self.radius
+            ),
             format!("time.end={:?}", self.end),
-            "output.interval=0.25".to_owned(),
+            format!("output.interval={interval:?}"),
         ];
         let loaded = from_text_with(&self.id(), BASE, Path::new(""), &overrides);
         let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
@@ -149,20 +195,101 @@ impl Run for Tightening {
 /// Part of the time of pulling that is left out, until friction has turned into the direction of slip everywhere.
 const LEFT_OUT: f64 = 0.1;
 
-/// The series of a run while its ends move, but for the beginning.
-pub(super) fn pulled_series(
-    case: &Case<Tightening>,
-) -> Result<Vec<(SeriesRow, KnotRow)>, ResultsError> {
+/// What was measured of the knot while its ends moved, but for the beginning.
+pub(super) fn pulled_rows(case: &Case<Tightening>) -> Result<Vec<KnotRow>, ResultsError> {
+    let rows = pulled_series(case)?.into_iter();
+    Ok(rows.map(|(_, knot)| knot).collect())
+}
+
+fn pulled_series(case: &Case<Tightening>) -> Result<Vec<(SeriesRow, KnotRow)>, ResultsError> {
     let rows = read_knot_series(&case.directory)?.into_iter();
     let Tightening { settling, end, .. } = case.run;
     let start = settling + LEFT_OUT * (end - settling);
     Ok(rows.filter(|(series, _)| series.time_s > start).collect())
 }
 
-/// What was measured of the knot in [`pulled_series`].
-pub(super) fn pulled_rows(case: &Case<Tightening>) -> Result<Vec<KnotRow>, ResultsError> {
-    let rows = pulled_series(case)?.into_iter();
-    Ok(rows.map(|(_, knot)| knot).collect())
+/// Means over a part of the way of the ends, over which the corners of the polyline slip over each other often.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Stretch {
+    /// l̄_k in its middle.
+    pub length: f64,
+    /// Traction F̄: work of the ends per distance.
+    pub force: f64,
+    /// The part of it that friction takes.
+    pub friction: f64,
+}
+
+/// Range of l̄_k while the ends move, but for the beginning, before any inversion: from tight to loose.
+pub(super) fn range_before_inversion(
+    case: &Case<Tightening>,
+) -> Result<Option<[f64; 2]>, ResultsError> {
+    let rows = pulled_rows(case)?;
+    let knot = case.record.outcome.knot.unwrap_or_default();
+    let inverted = [knot.inversion_by_force, knot.inversion_by_height];
+    let inverted = inverted.into_iter().flatten().fold(0.0, f64::max);
+    Ok(rows.first().zip(rows.last()).map(|(first, last)| {
+        [
+            inverted.max(last.length_normalized),
+            first.length_normalized,
+        ]
+    }))
+}
+
+/// The means over `count` equal parts of a range of l̄_k, from loose to tight; none where the range is empty.
+pub(super) fn stretches(
+    case: &Case<Tightening>,
+    [tight, loose]: [f64; 2],
+    count: usize,
+) -> Result<Vec<Stretch>, ResultsError> {
+    let rows = pulled_rows(case)?;
+    let (unit, radius) = (case.run.traction_unit(), case.run.radius);
+    let mark = |k: usize| {
+        let part = k as f64 / count as f64;
+        (1.0 - part) * loose + part * tight
+    };
+    let mean = |k: usize| {
+        let [start, end] = [mark(k), mark(k + 1)];
+        let done = |of: fn(&KnotRow) -> f64| Some(at(&rows, end, of)? - at(&rows, start, of)?);
+        let per_distance = unit / (radius * (start - end));
+        Some(Stretch {
+            length: 0.5 * (start + end),
+            force: per_distance * done(|row| row.work_of_ends_j)?,
+            friction: per_distance * done(|row| row.friction_loss_j)?,
+        })
+    };
+    let whole = if tight < loose { count } else { 0 };
+    Ok((0..whole).filter_map(mean).collect())
+}
+
+/// Root mean square of F̄ about its means over `count` equal parts of a range of l̄_k, relative to them; `None` where
+/// there are fewer than two.
+pub(super) fn fluctuation(
+    case: &Case<Tightening>,
+    range: [f64; 2],
+    count: usize,
+) -> Result<Option<f64>, ResultsError> {
+    let parts = stretches(case, range, count)?;
+    let squares: Vec<f64> = pulled_rows(case)?
+        .iter()
+        .filter_map(|row| {
+            // Between the middles of two parts the mean goes straight from the one to the other.
+            let after = parts.partition_point(|part| part.length > row.length_normalized);
+            let (a, b) = (parts.get(after.checked_sub(1)?)?, parts.get(after)?);
+            let part = (a.length - row.length_normalized) / (a.length - b.length);
+            let mean = a.force + part * (b.force - a.force);
+            Some((row.force_normalized / mean - 1.0).powi(2))
+        })
+        .collect();
+    let mean = squares.iter().sum::<f64>() / squares.len() as f64;
+    Ok((!squares.is_empty()).then_some(mean.sqrt()))
+}
+
+/// A value at an l̄_k between two rows, by a straight line.
+fn at(rows: &[KnotRow], length: f64, of: fn(&KnotRow) -> f64) -> Option<f64> {
+    let after = rows.partition_point(|row| row.length_normalized > length);
+    let (a, b) = (rows.get(after.max(1) - 1)?, rows.get(after.max(1))?);
+    let part = (a.length_normalized - length) / (a.length_normalized - b.length_normalized);
+    Some(of(a) + part * (of(b) - of(a)))
 }
 
 #[cfg(test)]
@@ -172,9 +299,30 @@ mod tests {
     #[test]
     fn ids_say_what_is_run() {
         let runs = Tightening::of_figure_2_7(false);
-        assert_eq!(runs[2].id(), "knot_n1_mu0.1_h1.6mm_54s");
+        assert_eq!(
+            runs[2].id(),
+            "knot_n1_mu0.1_h1.6mm_301nodes_6mms_gap0.0125h_54s"
+        );
         let prepared = runs[2].prepare();
         assert_eq!(prepared.scene.contact.unwrap().friction, 0.1);
         assert_eq!(prepared.knot.unwrap().determinant, 3);
+    }
+
+    #[test]
+    fn values_between_rows_lie_on_lines() {
+        let rows =
+            [(30.0, 1.0), (20.0, 2.0), (10.0, 4.0)].map(|(length_normalized, work_of_ends_j)| {
+                KnotRow {
+                    length_normalized,
+                    work_of_ends_j,
+                    ..KnotRow::default()
+                }
+            });
+        let work = |length| at(&rows, length, |row| row.work_of_ends_j);
+        assert_eq!(
+            [30.0, 25.0, 20.0, 12.5, 10.0].map(work),
+            [1.0, 1.5, 2.0, 3.5, 4.0].map(Some)
+        );
+        assert_eq!(at(&rows[..1], 25.0, |row| row.work_of_ends_j), None);
     }
 }

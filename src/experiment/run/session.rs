@@ -14,8 +14,9 @@ use crate::experiment::{KnotObserver, Mode, PreparedRun};
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::{SimulationError, StepReport};
 use crate::results::{
-    CaseRecord, CaseStatus, CheckpointFiles, Frame, MANIFEST, Manifest, Recorder, ResultsDirectory,
-    ResultsError, StreamLengths, Usage, UsageMeter, read_knot_series, scenario_hash, sync,
+    CaseRecord, CaseStatus, CheckpointFiles, Frame, KnotRow, MANIFEST, Manifest, Recorder,
+    ResultsDirectory, ResultsError, StreamLengths, Usage, UsageMeter, read_knot_series,
+    scenario_hash, sync,
 };
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -270,7 +271,13 @@ impl Session {
             self.standing.outputs += 1;
             return Ok(());
         };
-        let knot = simulation.measure(&observer);
+        let exchange = self.standing.tally.exchange;
+        let knot = KnotRow {
+            work_of_ends_j: exchange.clamp_work,
+            friction_loss_j: exchange.friction_loss,
+            drag_loss_j: exchange.drag_loss,
+            ..simulation.measure(&observer)
+        };
         self.recorder
             .record(self.standing.outputs, &(row, knot), &frame)?;
         self.standing.outputs += 1;
@@ -353,6 +360,8 @@ impl Session {
             }
         }
         self.checkpoints.remove()?;
+        let knot = self.standing.tally.outcome.knot;
+        self.remarks.extend(knot.and_then(|knot| knot.remark()));
         Ok(RunOutcome {
             directory,
             status: self

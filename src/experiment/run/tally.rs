@@ -1,6 +1,6 @@
 //! Counts what the steps of a run did.
 
-use crate::mechanics::dynamics::{Energies, StepReport};
+use crate::mechanics::dynamics::{Energies, Exchange, StepReport};
 use crate::results::{CaseOutcome, SeriesRow};
 use serde::{Deserialize, Serialize};
 
@@ -9,6 +9,8 @@ use serde::{Deserialize, Serialize};
 pub(super) struct Tally {
     /// Counters of the whole run.
     pub outcome: CaseOutcome,
+    /// Work and losses of the whole run.
+    pub exchange: Exchange,
     steps: u64,
     newton_iterations: u64,
     fluid_iterations: u64,
@@ -21,6 +23,7 @@ impl Tally {
     pub fn add_step(&mut self, report: &StepReport) {
         self.add(report);
         self.last_step = Some(report.step);
+        self.exchange += report.exchange;
         self.outcome.simulated_time = report.time;
         if report.contacts > 0 {
             self.outcome.first_contact.get_or_insert(report.time);

@@ -158,6 +158,7 @@ impl ImplicitContact {
                     nodes,
                     distance: ClosestPoints::of(&nodes.map(|node| positions[node])).distance(),
                     threshold,
+                    normal: constraint.frame[0],
                     normal_force,
                     force: std::array::from_fn(|row| weights[row / 3] * force[row % 3]),
                 }),

@@ -1,5 +1,7 @@
 //! What is known of a single contact.
 
+use crate::mechanics::Vector3;
+
 /// Derivative of the 12 force components of an edge–edge contact with respect to the 12 coordinates, N/m;
 /// indices `[component of force][coordinate]`, both node after node.
 pub type EdgeJacobian = [[f64; 12]; 12];
@@ -26,6 +28,8 @@ pub struct ActiveContact {
     pub distance: f64,
     /// Distance at which the surfaces touch, h_i + h_j, m.
     pub threshold: f64,
+    /// Unit normal, from the second edge to the first.
+    pub normal: Vector3,
     /// Magnitude of the normal force of one edge on the other, N.
     pub normal_force: f64,
     /// Force on the four nodes, friction included, N.

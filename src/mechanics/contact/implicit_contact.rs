@@ -293,6 +293,7 @@ impl ImplicitContact {
                 nodes: pair.nodes,
                 distance,
                 threshold,
+                normal: closest.separation / distance,
                 normal_force: response.force,
                 force,
             });

@@ -5,6 +5,7 @@
 
 mod backward_difference;
 mod equilibrium;
+mod exchange;
 mod failure;
 mod history;
 mod newton;
@@ -17,7 +18,7 @@ mod stage;
 mod step_control;
 
 pub use parameters::{IntegrationParameters, Scheme, StepSize};
-pub use report::{Energies, SimulationError, SimulationState, StepReport};
+pub use report::{Energies, Exchange, SimulationError, SimulationState, StepReport};
 pub use simulation::Simulation;
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ use crate::mechanics::contact::ContactMemory;
 use crate::mechanics::fluid::FluidMemory;
 use crate::mechanics::rod::ReferenceFrames;
 use serde::{Deserialize, Serialize};
+use std::ops::AddAssign;
 
 /// Everything that influences the future of a simulation; what a checkpoint holds.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -47,6 +48,27 @@ pub struct StepReport {
     pub minimum_distance: Option<f64>,
     /// Smallest ratio of such a distance to the one at which the surfaces touch.
     pub minimum_distance_ratio: Option<f64>,
+    /// Work done and energy lost.
+    pub exchange: Exchange,
+}
+
+/// Energy that rods took in and gave off, J.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Exchange {
+    /// Work of the clamps by the motion of the nodes and angles that they hold; not that of tilting a held tangent.
+    pub clamp_work: f64,
+    /// Energy lost to friction between rods and on planes.
+    pub friction_loss: f64,
+    /// Energy lost to the drag among the loads; not that of a fluid.
+    pub drag_loss: f64,
+}
+
+impl AddAssign for Exchange {
+    fn add_assign(&mut self, other: Self) {
+        self.clamp_work += other.clamp_work;
+        self.friction_loss += other.friction_loss;
+        self.drag_loss += other.drag_loss;
+    }
 }
 
 /// Energies of all rods, J.

@@ -192,6 +192,7 @@ impl Simulation {
             }
         }
         report.step = self.control.size(&self.parameters.step, goal - self.time);
+        report.exchange = self.exchange(goal - self.time);
         self.accept(goal);
         report.time = self.time;
         self.report_contacts(&mut report);

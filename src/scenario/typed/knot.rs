@@ -2,7 +2,7 @@
 
 use super::quantity::{Quantity, Vector};
 use crate::scenario::resolved::KnotEnds;
-use crate::scenario::units::{Length, LinearDrag, Time, Velocity};
+use crate::scenario::units::{Dimensionless, Length, LinearDrag, Time, Velocity};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -31,11 +31,14 @@ pub struct Knot {
     /// What is held at the ends: "clamped" (the default: position, tangent and frame, so that they do not turn
     /// against each other) or "pinned" (position only, so that twist leaves the rod).
     pub ends: Option<KnotEnds>,
-    /// Speed of each end, or "auto" (the default): a hundredth of √(EI/ρA)/R with the radius R of the loop at the
-    /// start, so that waves run round the loop long before it is smaller.
+    /// Speed of each end, or "auto" (the default): so slow that the kinetic energy stays below `kinetic_bound`, as
+    /// estimated from the mass of the rod and the energy π EI/R of its loop at the start.
     pub pull_speed: Option<Quantity<Velocity>>,
+    /// Largest kinetic over elastic energy of a quasi-static pull, 1e-3 by default: `pull_speed = "auto"` aims at it,
+    /// and a run that exceeds it while the ends move says so. `summary.csv` has both.
+    pub kinetic_bound: Option<Quantity<Dimensionless>>,
     /// Time for which the knot settles under strong drag, which fades at its end, before the ends move. Default:
-    /// six periods R² √(ρA/EI) of the loop, and two seconds at least.
+    /// twelve periods R² √(ρA/EI) of the loop, and two seconds at least.
     pub settling_time: Option<Quantity<Time>>,
     /// Drag per length while the ends move, or "auto" (the default): so small that it makes up a five-hundredth of
     /// the traction of the loop at the start, EI/2R².

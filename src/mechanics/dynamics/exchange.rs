@@ -1,0 +1,175 @@
+//! What a step takes in and gives off: with the energies, its balance.
+//!
+//! With the displacement Δq of the step and the forces and velocities v of its implicit stage,
+//!
+//! W = Σ r·Δq over all held unknowns, D_friction = −Σ f_t·Δx over all contacts, D_drag = Σ c v Δq,
+//!
+//! where r is the reaction, f_t the part of the contact force across the normal, and c the coefficient of drag.
+//! W = ΔE + D_friction + D_drag but for what the scheme itself damps: implicit Euler takes ½ M (Δv)² and the like, which
+//! vanishes with the step.
+
+use super::Simulation;
+use super::parameters::Scheme;
+use super::report::Exchange;
+use crate::mechanics::Vector3;
+use crate::mechanics::rod::{STRIDE, topology::position};
+
+impl Simulation {
+    /// What the step of size `step` (s), of which `trial` is the end, exchanges when it is accepted.
+    pub(super) fn exchange(&self, step: f64) -> Exchange {
+        Exchange {
+            clamp_work: self.clamp_work(),
+            friction_loss: self.friction_loss(),
+            drag_loss: self.drag_loss(step),
+        }
+    }
+
+    fn displacement(&self, node: usize) -> Vector3 {
+        position(&self.trial, node) - position(&self.unknowns, node)
+    }
+
+    fn clamp_work(&self) -> f64 {
+        let assembly = &self.system.assembly;
+        (0..self.unknowns.len())
+            .filter(|&k| assembly.held[k] && !assembly.obstacle[k / STRIDE])
+            .map(|k| self.system.residual[k] * (self.trial[k] - self.unknowns[k]))
+            .sum()
+    }
+
+    fn friction_loss(&self) -> f64 {
+        let Some(contact) = &self.system.contact else {
+            return 0.0;
+        };
+        let loss = |force: Vector3, normal: &Vector3, node: usize| {
+            let across = force - normal * force.dot(normal);
+            -across.dot(&self.displacement(node))
+        };
+        let mut sum = 0.0;
+        for pair in contact.contacts() {
+            for (corner, &node) in pair.nodes.iter().enumerate() {
+                let force = Vector3::from_column_slice(&pair.force[3 * corner..3 * corner + 3]);
+                sum += loss(force, &pair.normal, node);
+            }
+        }
+        for touch in contact.plane_contacts() {
+            let normal = &contact.planes()[touch.plane].normal;
+            sum += loss(Vector3::from(touch.force), normal, touch.node);
+        }
+        sum
+    }
+
+    fn drag_loss(&self, step: f64) -> f64 {
+        let damping = self.system.assembly.loads.damping.iter().enumerate();
+        damping
+            .map(|(k, coefficient)| {
+                let moved = self.trial[k] - self.unknowns[k];
+                let velocity = match self.parameters.scheme {
+                    // The next velocity is that of the end.
+                    Scheme::ImplicitMidpoint => moved / step,
+                    Scheme::ImplicitEuler | Scheme::BackwardDifferences => self.next_velocity[k],
+                };
+                coefficient * velocity * moved
+            })
+            .sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{clamp, straight_rod};
+    use super::super::*;
+    use crate::mechanics::Vector3;
+    use crate::mechanics::contact::ContactParameters;
+    use crate::mechanics::scene::{Clamp, Load, LoadKind, Motion, Plane, RodDescription, Scene};
+
+    fn energy(simulation: &Simulation) -> f64 {
+        let energies = simulation.energies();
+        energies.kinetic
+            + energies.stretching
+            + energies.bending
+            + energies.twisting
+            + energies.contact
+            + energies.gravitational
+    }
+
+    /// Gain of energy from `start` (s) to `end` (s), and what was exchanged meanwhile.
+    fn budget(scene: &Scene, step: f64, start: f64, end: f64) -> (f64, Exchange) {
+        let parameters = IntegrationParameters {
+            step: StepSize::Fixed(step),
+            ..IntegrationParameters::default()
+        };
+        let mut simulation = Simulation::new(scene, &parameters).unwrap();
+        while simulation.time() < start {
+            simulation.advance(start).unwrap();
+        }
+        let before = energy(&simulation);
+        let mut sum = Exchange::default();
+        while simulation.time() < end {
+            sum += simulation.advance(end).unwrap().exchange;
+        }
+        (energy(&simulation) - before, sum)
+    }
+
+    #[test]
+    fn a_sliding_rod_loses_its_kinetic_energy_to_friction() {
+        let rod = RodDescription {
+            centreline: (0..=10)
+                .map(|k| Vector3::new(0.02 * f64::from(k), 0.0, 5e-3))
+                .collect(),
+            velocity: Vector3::x() * 0.5,
+            ..straight_rod(10, 0.2)
+        };
+        let kinetic = 0.5 * rod.mass_per_length * 0.2 * 0.25;
+        let scene = Scene {
+            rods: vec![rod],
+            loads: vec![Load {
+                kind: LoadKind::Gravity {
+                    acceleration: Vector3::z() * -9.81,
+                },
+                schedule: Vec::new(),
+            }],
+            planes: vec![Plane {
+                point: Vector3::zeros(),
+                normal: Vector3::z(),
+                friction: None,
+            }],
+            contact: Some(ContactParameters {
+                friction: 0.5,
+                ..ContactParameters::default()
+            }),
+            ..Scene::default()
+        };
+        // It stops after v/μg = 0.10 s.
+        let (_, exchange) = budget(&scene, 1e-4, 0.0, 0.15);
+        assert_eq!((exchange.clamp_work, exchange.drag_loss), (0.0, 0.0));
+        let part = exchange.friction_loss / kinetic;
+        assert!((part - 1.0).abs() < 5e-3, "{part}");
+    }
+
+    #[test]
+    fn a_rod_drawn_through_drag_takes_the_work_of_its_clamp() {
+        let motion = Motion {
+            translation: vec![(0.0, Vector3::zeros()), (1.0, Vector3::x())],
+            ..Motion::default()
+        };
+        let scene = Scene {
+            rods: vec![straight_rod(10, 0.2)],
+            clamps: vec![Clamp { motion, ..clamp(0) }],
+            loads: vec![Load {
+                kind: LoadKind::Drag {
+                    rod: None,
+                    translation: 2.0,
+                    rotation: 0.0,
+                },
+                schedule: Vec::new(),
+            }],
+            ..Scene::default()
+        };
+        let (gain, exchange) = budget(&scene, 1e-3, 0.5, 1.0);
+        // Coefficient, length, speed and way.
+        let expected = 2.0 * 0.2 * 1.0 * 0.5;
+        assert!(gain.abs() < 1e-6 * expected);
+        assert!((exchange.drag_loss / expected - 1.0).abs() < 1e-6);
+        assert!((exchange.clamp_work / expected - 1.0).abs() < 1e-6);
+    }
+}
