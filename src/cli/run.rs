@@ -115,7 +115,12 @@ fn summary(outcome: &RunOutcome) -> String {
     line("results", outcome.directory.display().to_string());
     if case.simulated_time > 0.0 {
         line("simulated time", format!("{} s", case.simulated_time));
+    }
+    if case.steps > 1 {
         line("steps", case.steps.to_string());
+    }
+    if let Some(parameter) = case.critical_parameter {
+        line("first critical at", format!("parameter {parameter:.6}"));
     }
     if let Some(mean) = case.newton_iterations_mean() {
         line("Newton iterations", format!("{mean:.2} a step"));

@@ -87,7 +87,7 @@ pub fn derived_numbers(prepared: &PreparedRun) -> DerivedNumbers {
         degrees_of_freedom: degrees_of_freedom(scene),
         reynolds_number: reynolds_number(scene, speed),
         advised_step: match prepared.mode {
-            Mode::Static => None,
+            Mode::Static | Mode::Continuation(_) => None,
             Mode::Dynamic { .. } => advised_step(scene, &rods, speed),
         },
         steps,

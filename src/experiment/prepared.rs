@@ -3,6 +3,7 @@
 use super::KnotObserver;
 use crate::mechanics::dynamics::IntegrationParameters;
 use crate::mechanics::scene::Scene;
+use crate::mechanics::statics::PathPlan;
 use crate::scenario::HelixStability;
 
 /// A scenario turned into mechanics, with all that the run loop needs to know.
@@ -40,6 +41,8 @@ pub enum Mode {
     },
     /// Newton's method without inertia.
     Static,
+    /// Equilibria along a path.
+    Continuation(PathPlan),
 }
 
 /// What a run writes.

@@ -4,6 +4,7 @@ mod advance;
 mod error;
 mod interruption;
 mod output_times;
+mod path;
 mod progress;
 mod records;
 mod session;
@@ -28,6 +29,7 @@ use session::Session;
 use std::fmt;
 use std::path::PathBuf;
 use std::time::Duration;
+use stop::Stop;
 
 /// How to run, as opposed to what.
 #[derive(Clone, Debug)]
@@ -97,8 +99,12 @@ pub enum RunStatus {
 /// How far a run has come.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub enum Reached {
+    /// Not beyond the start: an equilibrium is found or not.
+    Start,
     /// Simulated time, s.
     Time(f64),
+    /// Parameter of a path of equilibria.
+    Parameter(f64),
     /// Rows of a table.
     Rows(usize),
 }
@@ -106,7 +112,9 @@ pub enum Reached {
 impl fmt::Display for Reached {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Start => write!(f, "the start"),
             Self::Time(time) => write!(f, "t = {time:.6} s"),
+            Self::Parameter(parameter) => write!(f, "parameter {parameter:.6}"),
             Self::Rows(rows) => write!(f, "row {rows}"),
         }
     }

@@ -12,9 +12,11 @@ use crate::mechanics::contact::{ContactModel, ContactParameters};
 use crate::mechanics::dynamics::{self, IntegrationParameters, Simulation, StepSize};
 use crate::mechanics::fluid::FluidModel;
 use crate::mechanics::scene as mechanics;
+use crate::mechanics::statics::{PathMethod, PathPlan};
 use crate::scenario::{
-    Clamp, Contact, Experiment, Fluid, Hold, Issue, Issues, KeyPath, KnotKind, KnotStart, Load,
-    LoadKind, NaturalShape, Place, Plane, Rod, Scenario, Scheme, Step, Time, did_you_mean,
+    self, Clamp, Contact, Continuation, Experiment, Fluid, Hold, Issue, Issues, KeyPath, KnotKind,
+    KnotStart, Load, LoadKind, NaturalShape, Place, Plane, Rod, Scenario, Scheme, Step, Time,
+    did_you_mean,
 };
 
 /// Builds the mechanics of a scenario.
@@ -43,7 +45,7 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
             knot,
         } => {
             let end = match scenario.time {
-                Time::Static => 0.0,
+                Time::Static | Time::Continuation => 0.0,
                 Time::Dynamic { end, .. } => end,
             };
             let added = knot_tightening::add(&mut scene, material, rod, knot, end);
@@ -89,9 +91,10 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
         title: scenario.title.clone(),
         scenario_toml: scenario.to_toml(),
         scene,
-        mode: match scenario.time {
-            Time::Static => Mode::Static,
-            Time::Dynamic { end, .. } => Mode::Dynamic { end },
+        mode: match (scenario.time, scenario.continuation) {
+            (Time::Dynamic { end, .. }, _) => Mode::Dynamic { end },
+            (_, Some(path)) => Mode::Continuation(path_plan(&path)),
+            _ => Mode::Static,
         },
         integration: integration_parameters(scenario),
         output: OutputPlan {
@@ -115,6 +118,21 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
         issues.push(Issue::new(KeyPath::from("knot.curve"), error.to_string()));
     }
     issues.or_ok(prepared)
+}
+
+fn path_plan(path: &Continuation) -> PathPlan {
+    PathPlan {
+        from: path.from,
+        to: path.to,
+        step: path.step,
+        largest_step: path.largest_step,
+        method: match path.method {
+            scenario::PathMethod::Natural => PathMethod::Natural,
+            scenario::PathMethod::Arclength => PathMethod::Arclength,
+        },
+        switch_branches: path.switch_branches,
+        most_points: path.most_points,
+    }
 }
 
 fn knot_observer(scenario: &Scenario, scene: &mechanics::Scene) -> Option<KnotObserver> {
@@ -428,7 +446,7 @@ fn fluid_model(fluid: &Fluid) -> Option<FluidModel> {
 fn integration_parameters(scenario: &Scenario) -> IntegrationParameters {
     let defaults = IntegrationParameters::default();
     let (scheme, step) = match scenario.time {
-        Time::Static => (defaults.scheme, defaults.step),
+        Time::Static | Time::Continuation => (defaults.scheme, defaults.step),
         Time::Dynamic { scheme, step, .. } => (
             match scheme {
                 Scheme::ImplicitEuler => dynamics::Scheme::ImplicitEuler,

@@ -28,6 +28,10 @@ pub const SERIES_FIGURE: &str = "series.svg";
 pub const SWEEP_FIGURE: &str = "sweep.svg";
 /// Traction of a knot over its tightness, drawn.
 pub const TRACTION_FIGURE: &str = "traction.svg";
+/// Points of a path of equilibria.
+pub const BRANCH: &str = "branch.csv";
+/// Its branches, drawn.
+pub const BRANCH_FIGURE: &str = "branch.svg";
 /// The interactive page of the rods in motion.
 pub const PAGE: &str = "view.html";
 /// The ParaView collection.
@@ -50,7 +54,7 @@ pub const VTK_FOLDER: &str = "vtk";
 pub(super) const LOCK: &str = ".lock";
 
 /// What a run may write: names in a results directory, swept by `--force`.
-const FILES: [&str; 26] = [
+const FILES: [&str; 29] = [
     SCENARIO,
     SERIES,
     NODES,
@@ -66,6 +70,9 @@ const FILES: [&str; 26] = [
     "series.png",
     "sweep.png",
     "traction.png",
+    BRANCH,
+    BRANCH_FIGURE,
+    "branch.png",
     PAGE,
     BOUNDARY,
     COMPARISON,

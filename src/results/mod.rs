@@ -11,6 +11,7 @@
 //! time and cut back to the length noted in the checkpoint when a run is continued.
 
 mod atomic;
+mod branch;
 mod checkpoint;
 mod claim;
 mod directory;
@@ -32,12 +33,13 @@ mod vtk;
 
 pub(crate) use atomic::sync;
 pub use atomic::write_whole;
+pub use branch::{BranchKind, BranchRow, read_branches};
 pub use checkpoint::CheckpointFiles;
 pub use claim::{Claim, Claiming, Claims, HEARTBEAT, Owner, host_name};
 pub use directory::{
-    BOUNDARY, COMPARISON, NODE_FORCES, NODES, Opened, PAGE, RODS_FIGURE, ResultsDirectory,
-    SCENARIO, SECTION_FIGURES, SERIES, SERIES_FIGURE, SUMMARY, SURFACE, SWEEP_FIGURE, TIMINGS,
-    TRACTION_FIGURE, VTK_COLLECTION, VTK_FOLDER,
+    BOUNDARY, BRANCH, BRANCH_FIGURE, COMPARISON, NODE_FORCES, NODES, Opened, PAGE, RODS_FIGURE,
+    ResultsDirectory, SCENARIO, SECTION_FIGURES, SERIES, SERIES_FIGURE, SUMMARY, SURFACE,
+    SWEEP_FIGURE, TIMINGS, TRACTION_FIGURE, VTK_COLLECTION, VTK_FOLDER,
 };
 pub use error::ResultsError;
 pub use forces::{NodeForces, read_node_forces};

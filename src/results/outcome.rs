@@ -26,6 +26,12 @@ pub struct CaseOutcome {
     pub minimum_distance: Option<f64>,
     /// That distance over twice the largest radius of the scene.
     pub minimum_distance_ratio: Option<f64>,
+    /// Energy of stretching, bending and twisting at the last output, J.
+    pub elastic_energy: Option<f64>,
+    /// Potential of gravity there, J.
+    pub gravitational_energy: Option<f64>,
+    /// Path parameter of the first fold or bifurcation of a path of equilibria.
+    pub critical_parameter: Option<f64>,
     /// What became of the knot, where one was tied.
     #[serde(default)]
     pub knot: Option<KnotOutcome>,

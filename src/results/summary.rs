@@ -35,6 +35,12 @@ pub struct SummaryRow {
     pub min_distance_m: Option<f64>,
     /// The same over twice the largest radius.
     pub min_distance_ratio: Option<f64>,
+    /// Elastic energy at the last output.
+    pub elastic_energy_j: Option<f64>,
+    /// Potential of gravity at the last output.
+    pub gravitational_energy_j: Option<f64>,
+    /// Path parameter of the first fold or bifurcation; empty where there is no path, or none on it.
+    pub critical_parameter: Option<f64>,
     /// What became of the knot: further columns of tables with a case that had one.
     #[serde(skip)]
     pub knot: Option<KnotOutcome>,
@@ -56,6 +62,9 @@ impl SummaryRow {
             first_contact_s: outcome.first_contact,
             min_distance_m: outcome.minimum_distance,
             min_distance_ratio: outcome.minimum_distance_ratio,
+            elastic_energy_j: outcome.elastic_energy,
+            gravitational_energy_j: outcome.gravitational_energy,
+            critical_parameter: outcome.critical_parameter,
             knot: outcome.knot,
         }
     }
@@ -160,9 +169,12 @@ mod tests {
         let text = fs::read_to_string(directory.path().join(SUMMARY)).unwrap();
         assert_eq!(
             text.lines().nth(1),
-            Some("main,finished,10.0,8,0,2.5,3.5,0.0,4,2.5,,")
+            Some("main,finished,10.0,8,0,2.5,3.5,0.0,4,2.5,,,,,")
         );
-        assert_eq!(text.lines().nth(2), Some("none,time-limit,0.0,0,0,,,,0,,,"));
+        assert_eq!(
+            text.lines().nth(2),
+            Some("none,time-limit,0.0,0,0,,,,0,,,,,,")
+        );
         let mut reader = csv::Reader::from_path(directory.path().join(SUMMARY)).unwrap();
         let read: Vec<SummaryRow> = reader.deserialize().map(Result::unwrap).collect();
         assert_eq!(read, rows);

@@ -215,15 +215,17 @@ loads.acceleration (of kind "gravity")
 "###);
         insta::assert_snapshot!(explain("time").unwrap(), @r###"
 time
-  Dynamic or static, and the time steps.
+  Dynamic, static or along a path of equilibria, and the time steps.
   keys: end, maximum_step, mode, scheme, step, tolerance
 "###);
         insta::assert_snapshot!(explain("time.mode").unwrap(), @r###"
 time.mode
-  "dynamic" (the default) or "static" (equilibrium by Newton's method without inertia).
+  "dynamic" (the default), "static" (equilibrium by Newton's method without inertia), or
+  "continuation" (equilibria along a path, with folds, bifurcations and stability; see [continuation]).
   Modes of a run.
   "dynamic": Time steps from zero to `end`.
   "static": Equilibrium, without inertia.
+  "continuation": Equilibria along a path.
 "###);
         insta::assert_snapshot!(explain("clamps.at").unwrap(), @r###"
 clamps.at
@@ -232,7 +234,7 @@ clamps.at
 "###);
         insta::assert_snapshot!(explain("").unwrap(), @r###"
 A rodlab scenario. Numbers are in SI units; text may carry a unit, such as "1.6 mm".
-keys: clamps, contact, experiment, extends, flagella, fluid, helix_stability, knot, loads, material, output, planes, rod, rods, solver, sweep, time, title
+keys: clamps, contact, continuation, experiment, extends, flagella, fluid, helix_stability, knot, loads, material, output, planes, rod, rods, solver, sweep, time, title
 "###);
     }
 

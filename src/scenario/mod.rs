@@ -40,10 +40,10 @@ pub use issue::{Issue, Issues, KeyPath, did_you_mean};
 pub use load::{Loaded, from_text, from_text_with, load};
 pub use resolve::read_polyline;
 pub use resolved::{
-    BuilderRod, Clamp, Contact, CrossSection, Directions, Experiment, Flagella, Fluid, Handedness,
-    Head, HelixSearch, HelixStability, Hold, Knot, KnotEnds, KnotKind, KnotStart, Load, LoadKind,
-    Material, NaturalShape, Output, Place, Plane, Pose, Rod, Scenario, Scheme, Shape, Solver, Step,
-    Stiffness, Time,
+    BuilderRod, Clamp, Contact, Continuation, CrossSection, Directions, Experiment, Flagella,
+    Fluid, Handedness, Head, HelixSearch, HelixStability, Hold, Knot, KnotEnds, KnotKind,
+    KnotStart, Load, LoadKind, Material, NaturalShape, Output, PathMethod, Place, Plane, Pose, Rod,
+    Scenario, Scheme, Shape, Solver, Step, Stiffness, Time,
 };
 pub use sweep::{Case, Family, Parameter, Search};
 pub use typed::SearchMethod;

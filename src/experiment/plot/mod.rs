@@ -1,5 +1,6 @@
 //! Figures of a results directory.
 
+mod branch;
 mod curves;
 mod custom;
 mod error;
@@ -14,10 +15,11 @@ pub use error::PlotError;
 use crate::experiment::helix_stability::section_figures;
 use crate::figure::{RodCurve, Snapshot, View, line_plots, png, snapshots};
 use crate::results::{
-    BOUNDARY, Manifest, NODES, NodePositions, RODS_FIGURE, ResultsError, RodRecord, SERIES,
-    SERIES_FIGURE, SUMMARY, SWEEP_FIGURE, TRACTION_FIGURE, Table, read_nodes, read_series,
+    BOUNDARY, BRANCH_FIGURE, Manifest, NODES, NodePositions, RODS_FIGURE, ResultsError, RodRecord,
+    SERIES, SERIES_FIGURE, SUMMARY, SWEEP_FIGURE, TRACTION_FIGURE, Table, read_nodes, read_series,
     write_whole,
 };
+use branch::branch_figure;
 use series::series_plots;
 use std::path::{Path, PathBuf};
 use sweep::sweep_figure;
@@ -32,6 +34,7 @@ const SNAPSHOTS: usize = 4;
 /// `series.svg`: energies, contacts, distance and iterations over time; needs more than one output.
 /// `sweep.svg`: outcomes over the swept parameters; needs a `summary.csv` in which a number is swept.
 /// `traction.svg`: traction over tightness of a knot, with theory.
+/// `branch.svg`: displacement and energy over the parameter of a path of equilibria; needs `branch.csv`.
 /// `section_*.svg`: sections of the boundary of stable helices, with theory.
 /// Works while a run is at work, and on what an interrupted one left.
 ///
@@ -67,6 +70,9 @@ pub fn plot_results(directory: &Path) -> Result<Vec<PathBuf>, PlotError> {
         for (name, figure) in section_figures(directory)? {
             write(name, figure)?;
         }
+    }
+    if let Some(figure) = branch_figure(directory)? {
+        write(BRANCH_FIGURE, figure)?;
     }
     if let Some(figure) = traction_figure(directory)? {
         write(TRACTION_FIGURE, figure)?;

@@ -4,6 +4,7 @@ use crate::experiment::KnotObserver;
 use crate::mechanics::dynamics::{
     Energies, Simulation, SimulationError, SimulationState, StepReport,
 };
+use crate::mechanics::statics::{PathPlan, PathPoint, Tracer};
 use crate::results::{Frame, KnotRow};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -15,8 +16,15 @@ pub(super) trait Advance {
 
     /// Takes one step that ends no later than `until`.
     fn advance(&mut self, until: f64) -> Result<StepReport, SimulationError>;
-    /// Finds the equilibrium.
-    fn find_equilibrium(&mut self) -> Result<StepReport, SimulationError>;
+    /// Finds the equilibrium, as long as `goes_on`; `None` where it said no.
+    fn find_equilibrium(
+        &mut self,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Result<Option<StepReport>, SimulationError>;
+    /// A path of equilibria that begins at the present configuration.
+    fn path(&self, plan: PathPlan) -> Result<Tracer, SimulationError>;
+    /// Goes to the next point of a path; `None` after the last.
+    fn next_point(&mut self, path: &mut Tracer) -> Result<Option<PathPoint>, SimulationError>;
     /// Time, s.
     fn time(&self) -> f64;
     /// Energies, J.
@@ -40,8 +48,19 @@ impl Advance for Simulation {
         self.advance(until)
     }
 
-    fn find_equilibrium(&mut self) -> Result<StepReport, SimulationError> {
-        self.find_equilibrium()
+    fn find_equilibrium(
+        &mut self,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Result<Option<StepReport>, SimulationError> {
+        self.find_equilibrium_while(goes_on)
+    }
+
+    fn path(&self, plan: PathPlan) -> Result<Tracer, SimulationError> {
+        self.path(plan)
+    }
+
+    fn next_point(&mut self, path: &mut Tracer) -> Result<Option<PathPoint>, SimulationError> {
+        self.next_point(path)
     }
 
     fn time(&self) -> f64 {

@@ -1,6 +1,7 @@
 //! The progress bar.
 
 use crate::mechanics::dynamics::StepReport;
+use crate::mechanics::statics::PathPoint;
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use std::time::{Duration, Instant};
 
@@ -10,9 +11,11 @@ const LENGTH: u64 = 10_000;
 /// Time between redraws; steps are often far shorter.
 const REFRESH: Duration = Duration::from_millis(100);
 
-/// A bar on standard error: simulated time of the end, step size, iterations, contacts, time left.
+/// A bar on standard error: simulated time of the end, step size, iterations, contacts, time left; or how far a
+/// path has come.
 pub(super) struct Progress {
     bar: ProgressBar,
+    start: f64,
     end: f64,
     drawn: Option<Instant>,
 }
@@ -43,14 +46,15 @@ impl Progress {
         }
     }
 
-    /// A bar that starts at the simulated time `start` and is full at `end`, both in s.
-    pub fn new(bar: ProgressBar, start: f64, end: f64) -> Self {
+    /// A bar that is empty at `start` and full at `end`, simulated times in s or parameters, and stands at `now`.
+    pub fn new(bar: ProgressBar, now: f64, [start, end]: [f64; 2]) -> Self {
         let progress = Self {
             bar,
+            start,
             end,
             drawn: None,
         };
-        progress.bar.set_position(progress.position(start));
+        progress.bar.set_position(progress.position(now));
         // What an earlier call has done says nothing about the speed of this one.
         progress.bar.reset_eta();
         progress
@@ -58,19 +62,37 @@ impl Progress {
 
     /// Shows the step just taken.
     pub fn update(&mut self, report: &StepReport) {
+        let end = self.end;
+        self.show(report.time, || {
+            format!(
+                "{:.3} of {} s, step {:.1e} s, {} iterations, {} contacts",
+                report.time, end, report.step, report.newton_iterations, report.contacts
+            )
+        });
+    }
+
+    /// Shows the point of a path just found, the last of so many.
+    pub fn update_path(&mut self, point: &PathPoint, points: usize) {
+        let end = self.end;
+        self.show(point.parameter, || {
+            format!(
+                "branch {}, parameter {:.4} of {}, {points} points",
+                point.branch, point.parameter, end
+            )
+        });
+    }
+
+    fn show(&mut self, now: f64, message: impl Fn() -> String) {
         if self.bar.is_hidden() || self.drawn.is_some_and(|drawn| drawn.elapsed() < REFRESH) {
             return;
         }
         self.drawn = Some(Instant::now());
-        self.bar.set_position(self.position(report.time));
-        self.bar.set_message(format!(
-            "{:.3} of {} s, step {:.1e} s, {} iterations, {} contacts",
-            report.time, self.end, report.step, report.newton_iterations, report.contacts
-        ));
+        self.bar.set_position(self.position(now));
+        self.bar.set_message(message());
     }
 
-    fn position(&self, time: f64) -> u64 {
-        (LENGTH as f64 * time / self.end) as u64
+    fn position(&self, now: f64) -> u64 {
+        (LENGTH as f64 * (now - self.start) / (self.end - self.start)) as u64
     }
 }
 

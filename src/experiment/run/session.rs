@@ -2,6 +2,7 @@
 
 use super::advance::Advance;
 use super::output_times::OutputTimes;
+use super::path::{PathAtWork, PathCheckpoint};
 use super::progress::Progress;
 use super::records::{manifest_of_call, recorder_plan, rod_records};
 use super::stop::{Stop, StopRequest};
@@ -10,13 +11,15 @@ use super::{Reached, RunError, RunOptions, RunOutcome, RunStatus};
 use crate::experiment::knot_course::KnotCourse;
 use crate::experiment::knot_observer::changed_knot;
 use crate::experiment::{KnotObserver, Mode, PreparedRun};
-use crate::mechanics::dynamics::SimulationError;
+use crate::mechanics::Vector3;
+use crate::mechanics::dynamics::{SimulationError, StepReport};
 use crate::results::{
     CaseRecord, CaseStatus, CheckpointFiles, Frame, KnotRow, MANIFEST, Manifest, Recorder,
     ResultsDirectory, ResultsError, StreamLengths, Usage, UsageMeter, read_knot_series,
     scenario_hash, sync,
 };
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// A run at work.
@@ -28,13 +31,19 @@ pub(super) struct Session {
     checkpoint_every: Duration,
     last_checkpoint: Instant,
     times: OutputTimes,
+    /// The path of equilibria that is followed.
+    pub(super) path: Option<PathAtWork>,
+    /// Positions at the start, m.
+    pub(super) placed: Vec<Vector3>,
     standing: Standing,
     /// Twice the largest radius, m.
     diameter: f64,
     meter: UsageMeter,
     timeout: Option<Duration>,
-    resumed_from: Option<f64>,
-    progress: Progress,
+    resumed_from: Option<Reached>,
+    pub(super) progress: Progress,
+    /// What else is to be told at the end, a line each.
+    pub(super) remarks: Vec<String>,
     knot: Option<KnotObserver>,
 }
 
@@ -56,6 +65,7 @@ struct Checkpoint<S> {
     state: S,
     lengths: StreamLengths,
     standing: Standing,
+    path: Option<PathCheckpoint>,
 }
 
 impl Session {
@@ -71,10 +81,12 @@ impl Session {
         let rods = rod_records(prepared);
         let plan = recorder_plan(prepared);
         let mut checkpoints = CheckpointFiles::new(directory.path(), &hash);
-        let continued = checkpoints.read(|checkpoint: Checkpoint<S::State>| {
+        let continued = checkpoints.read(|mut checkpoint: Checkpoint<S::State>| {
             let lengths = checkpoint.lengths;
             let recorder = Recorder::continue_at(directory.path(), rods.clone(), plan, lengths)?;
-            Ok((checkpoint, recorder))
+            let path = checkpoint.path.take();
+            let path = path.map(|path| PathAtWork::resume(path, &directory));
+            Ok((checkpoint, recorder, path.transpose()?))
         });
         if continued.is_none() && checkpoints.exist() {
             tracing::warn!(
@@ -91,11 +103,13 @@ impl Session {
         );
         manifest.place(directory.path())?;
 
-        let (standing, recorder, resumed_from) = match continued {
-            Some((checkpoint, recorder)) => {
+        let placed = simulation.frame(false).positions;
+        let is_continued = continued.is_some();
+        let (standing, recorder, path) = match continued {
+            Some((checkpoint, recorder, path)) => {
                 let restored = simulation.restore(checkpoint.state);
                 restored.map_err(RunError::Scene)?;
-                (checkpoint.standing, recorder, Some(simulation.time()))
+                (checkpoint.standing, recorder, path)
             }
             None => {
                 let recorder = Recorder::create(directory.path(), rods, plan)?;
@@ -104,13 +118,17 @@ impl Session {
         };
         let times = match prepared.mode {
             Mode::Dynamic { end } => OutputTimes::new(prepared.output.interval, end),
-            Mode::Static => OutputTimes::only_start(),
+            Mode::Static | Mode::Continuation(_) => OutputTimes::only_start(),
         };
         let radii = prepared.scene.rods.iter().map(|rod| rod.radius);
-        let visible = options.progress && prepared.mode != Mode::Static;
+        let visible = options.progress && !matches!(prepared.mode, Mode::Static);
         let bar = Progress::bar(visible, options.among.as_ref());
-        Ok(Self {
-            progress: Progress::new(bar, simulation.time(), times.time(times.last())),
+        let range = match prepared.mode {
+            Mode::Continuation(plan) => [plan.from, plan.to],
+            Mode::Static | Mode::Dynamic { .. } => [0.0, times.time(times.last())],
+        };
+        let mut session = Self {
+            progress: Progress::new(bar, simulation.time(), range),
             diameter: 2.0 * radii.fold(0.0, f64::max),
             directory,
             manifest,
@@ -119,12 +137,28 @@ impl Session {
             checkpoint_every: options.checkpoint_every,
             last_checkpoint: Instant::now(),
             times,
+            path,
+            placed,
             standing,
             meter,
             timeout: options.timeout,
-            resumed_from,
+            resumed_from: None,
+            remarks: Vec::new(),
             knot: prepared.knot,
-        })
+        };
+        session.resumed_from = is_continued.then(|| session.reached(simulation));
+        Ok(session)
+    }
+
+    /// How far the run has come.
+    fn reached(&self, simulation: &impl Advance) -> Reached {
+        if self.path.is_some() {
+            Reached::Parameter(simulation.time())
+        } else if self.times.last() > 0 {
+            Reached::Time(simulation.time())
+        } else {
+            Reached::Start
+        }
     }
 
     /// Runs to the end, or until there is a reason to stop.
@@ -136,10 +170,13 @@ impl Session {
     ) -> Result<(), Stop> {
         match mode {
             Mode::Static => {
-                let report = simulation.find_equilibrium()?;
+                let goes_on = || self.ask_to_stop(stop_requested).is_ok();
+                let found = simulation.find_equilibrium(&goes_on)?;
+                let report = found.ok_or_else(|| self.reason_to_stop(stop_requested))?;
                 self.standing.tally.add_equilibrium(&report);
                 self.record(simulation)
             }
+            Mode::Continuation(plan) => self.follow(simulation, plan, stop_requested),
             Mode::Dynamic { .. } => self.integrate(simulation, stop_requested),
         }
     }
@@ -152,18 +189,8 @@ impl Session {
         while self.standing.outputs <= self.times.last() && self.standing.knot.ending.is_none() {
             let target = self.times.time(self.standing.outputs);
             while simulation.time() < target {
-                if let Some(request) = stop_requested() {
-                    return Err(request.into());
-                }
-                if self
-                    .timeout
-                    .is_some_and(|limit| self.meter.wall_time() >= limit)
-                {
-                    return Err(Stop::TimeLimit);
-                }
-                if self.last_checkpoint.elapsed() >= self.checkpoint_every {
-                    self.write_checkpoint(simulation)?;
-                }
+                self.ask_to_stop(stop_requested)?;
+                self.write_checkpoint_if_due(simulation)?;
                 let start = Instant::now();
                 let report = simulation.advance(target)?;
                 if report.contacts > 0 {
@@ -177,17 +204,60 @@ impl Session {
         Ok(())
     }
 
+    /// Stops where a stop is requested or the time limit is reached.
+    pub(super) fn ask_to_stop(
+        &self,
+        stop_requested: &dyn Fn() -> Option<StopRequest>,
+    ) -> Result<(), Stop> {
+        if let Some(request) = stop_requested() {
+            return Err(request.into());
+        }
+        let wall_time = self.meter.wall_time();
+        if self.timeout.is_some_and(|limit| wall_time >= limit) {
+            return Err(Stop::TimeLimit);
+        }
+        Ok(())
+    }
+
+    /// The stop that a search was told of a moment ago.
+    fn reason_to_stop(&self, stop_requested: &dyn Fn() -> Option<StopRequest>) -> Stop {
+        let asked = self.ask_to_stop(stop_requested);
+        asked.err().unwrap_or(Stop::Interrupted)
+    }
+
+    /// Path of a file of the results.
+    pub(super) fn file(&self, name: &str) -> PathBuf {
+        self.directory.file(name)
+    }
+
+    /// Writes a point of a path, whose parameter stands for the time.
+    pub(super) fn record_point(
+        &mut self,
+        simulation: &impl Advance,
+        report: &StepReport,
+        critical: bool,
+    ) -> Result<(), Stop> {
+        self.standing.tally.add_point(report, critical);
+        self.record(simulation)
+    }
+
+    /// Time of an output, s; the parameter of a point on a path.
+    fn output_time(&self, index: usize) -> f64 {
+        let path = self.path.as_ref();
+        let parameter = path.and_then(|path| path.parameters.get(index).copied());
+        parameter.unwrap_or_else(|| self.times.time(index))
+    }
+
     /// Writes the output that is due now.
     fn record(&mut self, simulation: &impl Advance) -> Result<(), Stop> {
         let distance = simulation.minimum_distance();
         self.standing
             .tally
             .add_distance(distance, distance / self.diameter);
-        let time = self.times.time(self.standing.outputs);
-        let row = self
-            .standing
-            .tally
-            .take_row(time, distance, &simulation.energies());
+        let time = self.output_time(self.standing.outputs);
+        let energies = simulation.energies();
+        self.standing.tally.note_energies(&energies);
+        let row = self.standing.tally.take_row(time, distance, &energies);
         let frame = if self.recorder.needs_frames() {
             Frame {
                 time,
@@ -221,6 +291,17 @@ impl Session {
         Ok(())
     }
 
+    /// Writes a checkpoint where the last is old.
+    pub(super) fn write_checkpoint_if_due(
+        &mut self,
+        simulation: &impl Advance,
+    ) -> Result<(), ResultsError> {
+        if self.last_checkpoint.elapsed() < self.checkpoint_every {
+            return Ok(());
+        }
+        self.write_checkpoint(simulation)
+    }
+
     fn write_checkpoint(&mut self, simulation: &impl Advance) -> Result<(), ResultsError> {
         let lengths = self.sync_outputs()?;
         // Without it the checkpoint would not be known for what it is.
@@ -233,15 +314,17 @@ impl Session {
             state: simulation.state(),
             lengths,
             standing,
+            path: self.path.as_mut().map(PathAtWork::checkpoint).transpose()?,
         })?;
         self.last_checkpoint = Instant::now();
         Ok(())
     }
 
     fn sync_outputs(&mut self) -> Result<StreamLengths, ResultsError> {
-        let times = self.times;
-        self.recorder
-            .sync((0..self.standing.outputs).map(|index| times.time(index)))
+        let times: Vec<f64> = (0..self.standing.outputs)
+            .map(|index| self.output_time(index))
+            .collect();
+        self.recorder.sync(times.into_iter())
     }
 
     fn usage(&self) -> Usage {
@@ -259,7 +342,7 @@ impl Session {
             .and_then(|()| Ok(self.sync_outputs().map(drop)?))
             .or_else(|stop| {
                 // A checkpoint that cannot be written is the graver news.
-                if stop.leaves_sound_state() && self.times.last() > 0 {
+                if stop.leaves_sound_state() && self.reached(simulation) != Reached::Start {
                     self.write_checkpoint(simulation)?;
                 }
                 Err(stop)
@@ -273,27 +356,20 @@ impl Session {
             Ok(()) => written?,
             // Whatever hinders the tables now has most likely ended the run itself.
             Err(stop) => {
-                return Err(stop.into_error(Reached::Time(simulation.time()), directory));
+                return Err(stop.into_error(self.reached(simulation), directory));
             }
         }
         self.checkpoints.remove()?;
+        let knot = self.standing.tally.outcome.knot;
+        self.remarks.extend(knot.and_then(|knot| knot.remark()));
         Ok(RunOutcome {
             directory,
             status: self
                 .resumed_from
-                .map_or(RunStatus::Finished, |from| RunStatus::Resumed {
-                    from: Reached::Time(from),
-                }),
+                .map_or(RunStatus::Finished, |from| RunStatus::Resumed { from }),
             case: self.standing.tally.outcome,
             wall_time: self.usage().wall_time,
-            remarks: self
-                .standing
-                .tally
-                .outcome
-                .knot
-                .and_then(|knot| knot.remark())
-                .into_iter()
-                .collect(),
+            remarks: self.remarks,
         })
     }
 

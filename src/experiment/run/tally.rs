@@ -35,6 +35,21 @@ impl Tally {
         self.add(report);
     }
 
+    /// Counts a point of a path of equilibria; its time is the path parameter.
+    pub fn add_point(&mut self, report: &StepReport, critical: bool) {
+        self.add(report);
+        if critical {
+            self.outcome.critical_parameter.get_or_insert(report.time);
+        }
+    }
+
+    /// Notes the energies at an output; those of the last are an outcome of the run.
+    pub fn note_energies(&mut self, energies: &Energies) {
+        let elastic = energies.stretching + energies.bending + energies.twisting;
+        self.outcome.elastic_energy = Some(elastic);
+        self.outcome.gravitational_energy = Some(energies.gravitational);
+    }
+
     fn add(&mut self, report: &StepReport) {
         let newton_iterations = report.newton_iterations as u64;
         let fluid_iterations = report.fluid_iterations as u64;

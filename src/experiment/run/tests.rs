@@ -6,6 +6,7 @@ use crate::experiment::{KnotObserver, Mode, OutputPlan};
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::{Energies, IntegrationParameters, SimulationError, StepReport};
 use crate::mechanics::scene::{NaturalShape, RodDescription, Scene, Stiffness};
+use crate::mechanics::statics::{PathPlan, PathPoint, Tracer};
 use crate::results::{
     CaseStatus, Frame, KnotRow, MANIFEST, Manifest, NODE_FORCES, NODES, SCENARIO, SERIES, SUMMARY,
     TIMINGS, VTK_COLLECTION,
@@ -74,12 +75,23 @@ impl Advance for Pendulum {
         })
     }
 
-    fn find_equilibrium(&mut self) -> Result<StepReport, SimulationError> {
+    fn path(&self, _: PathPlan) -> Result<Tracer, SimulationError> {
+        unreachable!("a pendulum is not asked for paths")
+    }
+
+    fn next_point(&mut self, _: &mut Tracer) -> Result<Option<PathPoint>, SimulationError> {
+        unreachable!("a pendulum has no path")
+    }
+
+    fn find_equilibrium(
+        &mut self,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Result<Option<StepReport>, SimulationError> {
         self.angle = 0.0;
-        Ok(StepReport {
+        Ok(goes_on().then(|| StepReport {
             newton_iterations: 7,
             ..StepReport::default()
-        })
+        }))
     }
 
     fn time(&self) -> f64 {

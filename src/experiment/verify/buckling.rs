@@ -22,6 +22,10 @@ const MICHELL: Claim = Claim {
     source: "Michell 1889, Zajac 1962",
 };
 const EDGES: usize = 80;
+/// The ring buckles into two waves: its error at 80 edges is 0.5 %.
+const RING_EDGES: usize = 140;
+/// Relative error allowed.
+const BOUND: f64 = 2e-3;
 
 /// Euler's column, the twisted rod and the twisted ring.
 pub fn checks(_full: bool) -> Result<Vec<Check>, FamilyError> {
@@ -34,21 +38,21 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, FamilyError> {
                 0.5 * CLAMPED_COLUMN..2.0 * CLAMPED_COLUMN,
                 compressed_column,
             )?,
-            5e-3,
+            BOUND,
         ),
         GREENHILL.relative(
             "twisted rod with clamped ends: critical moment M L/EI",
             "",
             clamped_twist_moment(),
             critical(5.0..15.0, twisted_rod)?,
-            5e-3,
+            BOUND,
         ),
         MICHELL.relative(
             "twisted ring: critical twist",
             "rad",
             ring_twist() * STIFFNESS_RATIO,
             critical(10.0..25.0, twisted_ring)?,
-            1e-2,
+            BOUND,
         ),
     ])
 }
@@ -110,14 +114,14 @@ fn twisted_rod(moment: f64) -> Scene {
 /// A free ring of unit length with the given twist once around.
 fn twisted_ring(twist: f64) -> Scene {
     let corner = |k: usize| {
-        let angle = TAU * k as f64 / EDGES as f64;
+        let angle = TAU * k as f64 / RING_EDGES as f64;
         Vector3::new(angle.cos(), angle.sin(), 0.0) / TAU
     };
     Scene {
         rods: vec![RodDescription {
             closed: true,
             twist,
-            ..unit_rod((0..EDGES).map(corner).collect())
+            ..unit_rod((0..RING_EDGES).map(corner).collect())
         }],
         ..Scene::default()
     }

@@ -8,6 +8,7 @@ mod buckling;
 mod check;
 mod conservation;
 mod contact;
+mod continuation;
 mod derivatives;
 mod determinism;
 mod drag;
@@ -35,11 +36,12 @@ type Family = fn(full: bool) -> Result<Vec<Check>, FamilyError>;
 type FamilyError = Box<dyn Error + Send + Sync>;
 
 /// All families, in the order of the table.
-const FAMILIES: [(&str, Family); 13] = [
+const FAMILIES: [(&str, Family); 14] = [
     ("derivatives", derivatives::checks),
     ("statics", statics::checks),
     ("vibration", vibration::checks),
     ("buckling", buckling::checks),
+    ("continuation", continuation::checks),
     ("helix", helix::checks),
     ("helix manipulation", helix_manipulation::checks),
     ("localised buckling", localized_buckling::checks),

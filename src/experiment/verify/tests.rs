@@ -77,3 +77,8 @@ fn friction_pass() {
 fn contact_passes() {
     assert_passes(contact::checks);
 }
+
+#[test]
+fn continuation_passes() {
+    assert_passes(continuation::checks);
+}

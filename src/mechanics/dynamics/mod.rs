@@ -4,12 +4,14 @@
 //! an implicit stage solved by Newton's method, smaller steps where that fails, and acceptance.
 
 mod backward_difference;
+mod equilibrium;
 mod exchange;
 mod failure;
 mod history;
 mod newton;
 mod observe;
 mod parameters;
+mod path;
 mod report;
 mod simulation;
 mod stage;
@@ -23,6 +25,10 @@ pub use simulation::Simulation;
 mod barrier_tests;
 #[cfg(test)]
 mod complementarity_tests;
+#[cfg(test)]
+mod equilibrium_tests;
+#[cfg(test)]
+mod path_tests;
 #[cfg(test)]
 mod rubbing_tests;
 #[cfg(test)]

@@ -12,7 +12,7 @@ use crate::mechanics::fluid::{Filament, Fluid, FluidModel};
 use crate::mechanics::rod::{STRIDE, topology::position};
 use crate::mechanics::scene::{Motion, Scene};
 use crate::mechanics::system::{Stage, System, copy_positions};
-use crate::mechanics::{Matrix3, Vector3, statics};
+use crate::mechanics::{Matrix3, Vector3};
 
 /// Factor by which the contact stiffness grows when a step ends with too much penetration.
 const STIFFENING: f64 = 10.0;
@@ -21,8 +21,7 @@ const STIFFENINGS: usize = 3;
 
 /// What rigid contact is for: the midpoint rule would extrapolate through it, and statics has no free motion that
 /// contact could prevent.
-const ONLY_EULER: &str = "contact by complementarity needs time steps of implicit Euler";
-const NO_ENERGY: &str = "with friction an equilibrium has no energy whose least it could be";
+pub(super) const ONLY_EULER: &str = "contact by complementarity needs time steps of implicit Euler";
 
 /// A scene in motion.
 pub struct Simulation {
@@ -200,61 +199,6 @@ impl Simulation {
         Ok(report)
     }
 
-    /// Finds the equilibrium at the present time: Newton's method without inertia.
-    ///
-    /// # Errors
-    /// [`SimulationError::NoConvergence`], and [`SimulationError::BadScene`] with rigid contact, which gives
-    /// forces to time steps only.
-    pub fn find_equilibrium(&mut self) -> Result<StepReport, SimulationError> {
-        if self.system.has_constraints() {
-            return Err(SimulationError::BadScene(ONLY_EULER.into()));
-        }
-        let force =
-            self.system
-                .force_tolerance(self.parameters.force_tolerance, &self.unknowns, None);
-        self.trial.copy_from_slice(&self.unknowns);
-        match statics::find_equilibrium(&mut self.system, &mut self.trial, force) {
-            Ok(iterations) => {
-                self.unknowns.copy_from_slice(&self.trial);
-                self.velocity.fill(0.0);
-                self.history.forget();
-                self.publish();
-                let mut report = StepReport {
-                    time: self.time,
-                    newton_iterations: iterations,
-                    ..StepReport::default()
-                };
-                self.report_contacts(&mut report);
-                Ok(report)
-            }
-            Err(divergence) => Err(self.no_equilibrium(&divergence)),
-        }
-    }
-
-    /// Goes to the nearest equilibrium at the present time, which need not be stable; returns the number of
-    /// directions in which its energy falls: 0 where it is stable.
-    ///
-    /// # Errors
-    /// [`SimulationError::NoConvergence`], and [`SimulationError::BadScene`] with rigid contact or friction,
-    /// where forces have no energy.
-    pub fn find_nearby_equilibrium(&mut self) -> Result<usize, SimulationError> {
-        if self.system.has_constraints() {
-            return Err(SimulationError::BadScene(ONLY_EULER.into()));
-        }
-        let force =
-            self.system
-                .force_tolerance(self.parameters.force_tolerance, &self.unknowns, None);
-        self.trial.copy_from_slice(&self.unknowns);
-        let inertia = statics::nearby_equilibrium(&mut self.system, &mut self.trial, force)
-            .map_err(|divergence| self.no_equilibrium(&divergence))?
-            .ok_or_else(|| SimulationError::BadScene(NO_ENERGY.into()))?;
-        self.unknowns.copy_from_slice(&self.trial);
-        self.velocity.fill(0.0);
-        self.history.forget();
-        self.publish();
-        Ok(inertia.negative)
-    }
-
     /// Drag and local resistance at the present positions and velocities; returns the Krylov iterations.
     pub(super) fn compute_drag(&mut self) -> Result<usize, SimulationError> {
         let Some(fluid) = &mut self.fluid else {
@@ -329,14 +273,14 @@ impl Simulation {
         }
     }
 
-    fn stiffen_contact(&mut self) {
+    pub(super) fn stiffen_contact(&mut self) {
         if let Some(contact) = &mut self.system.contact {
             contact.set_stiffness(STIFFENING * contact.stiffness());
         }
     }
 
     /// Counts the contacts of the last evaluation and finds the nearest.
-    fn report_contacts(&self, report: &mut StepReport) {
+    pub(super) fn report_contacts(&self, report: &mut StepReport) {
         let Some(contact) = &self.system.contact else {
             return;
         };

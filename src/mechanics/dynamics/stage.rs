@@ -129,7 +129,7 @@ impl Simulation {
         let acceleration_step = self.stage.acceleration_step;
         self.stage.acceleration_step *= lengthening;
         self.system
-            .adapt_contact_stiffness(&self.trial, &self.stage);
+            .adapt_contact_stiffness(&self.trial, Some(&self.stage));
         self.stage.acceleration_step = acceleration_step;
     }
 

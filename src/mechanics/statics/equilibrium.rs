@@ -1,24 +1,317 @@
-//! Equilibrium of a system: ∇E(q) = F, approached along directions that go downhill.
+//! Equilibrium of a system, ∇E(q) = F, where it would come to rest: Newton's method that goes downhill.
 //!
-//! Where the Hessian has negative pivots the rod is near an instability and a plain Newton step may go
-//! uphill; a multiple of the unit matrix is added then, large enough that all pivots are positive. A step
-//! moves no node farther than a fraction of the rods' extent, which lets a straight rod find its way to a
-//! strongly bent shape, and is shortened until the force along it falls.
+//! - Where the Hessian has negative pivots, a multiple of the unit matrix is added, large enough that they are
+//!   all positive (Nocedal & Wright, Numerical Optimization, 2nd ed., algorithm 3.3).
+//! - A rod hardly stretches, but a straight step on which an edge turns by φ lengthens it by φ²/2, which soon costs
+//!   more than bending gains. Each step is therefore bent back by one more solution with the same factors: the
+//!   second-order correction of constrained optimisation (ibid., sec. 15.6), with the lengths for constraints.
+//! - A step is halved until the potential E − F·q falls.
+//! - An equilibrium that is not stable is left along the lowest eigenvector.
+//!
+//! Moments of fixed direction, and friction, have no potential. With them a step is halved until the solution for
+//! the forces where it ends is shorter than itself (Deuflhard, Newton Methods for Nonlinear Problems, sec. 3.3).
 
-use crate::mechanics::rod::STRIDE;
+use super::neutral::NeutralModes;
+use super::spectrum::inverse_iteration;
+use crate::mechanics::rod::{STRIDE, topology::position};
 use crate::mechanics::system::{Divergence, System};
 
-/// Most iterations; strongly bent shapes from a straight start take some tens.
-const ITERATIONS: usize = 500;
+/// Most iterations. Strongly bent shapes from a straight start take some tens; rods that settle on each other
+/// more, since no step may be longer than their radius.
+const ITERATIONS: usize = 2000;
 /// Largest move of a node in one iteration, as a fraction of the extent of all rods. Larger jumps skip
 /// solution branches; smaller ones only cost iterations.
-const LARGEST_MOVE: f64 = 0.1;
-/// Growth of the shift until the pivots are positive.
+const LARGEST_MOVE: f64 = 0.3;
+/// Largest turn of an edge in one iteration, rad: of the order that a corrected step can follow.
+const LARGEST_TURN: f64 = 0.8;
+/// Most times by which a step is tried longer than the shifted Hessian asks for.
+const LENGTHENING: f64 = 8.0;
+/// Stiffness that counts as none, over EI/L³: motions without stiffness are no reason to go anywhere.
+const NEUTRAL: f64 = 1e-6;
+/// But no less than this multiple of the rounding error of the stiffest entry.
+const ROUNDINGS: f64 = 8.0;
+/// Growth of the shift until the pivots are positive, and where no step lowers the potential; and the smallest,
+/// over EI/L³.
 const SHIFT_GROWTH: f64 = 4.0;
-/// Most reductions of one step.
-const REDUCTIONS: usize = 20;
+const SMALLEST_SHIFT: f64 = 1e-3;
+/// Most growths of the shift at once: by then it is beyond every stiffness.
+const SHIFT_GROWTHS: usize = 60;
+/// Most halvings of one step.
+const HALVINGS: usize = 12;
+/// Fall of the potential over that of its linear model that is enough (Armijo).
+const SUFFICIENT_FALL: f64 = 1e-4;
+/// Fall of the squared residual that is enough where the Hessian is positive: near the solution the potential
+/// falls by less than its rounding error.
+const SUFFICIENT_REDUCTION: f64 = 0.5;
+/// How far an unstable equilibrium is left: the largest move of a node over the extent, and halvings of it.
+const DEPARTURE: f64 = 0.05;
+const DEPARTURE_HALVINGS: usize = 20;
 
-/// Finds an equilibrium from `unknowns`; returns the iterations. `force` is the largest residual left, N.
+/// A search for an equilibrium: its scratch.
+#[derive(Clone, Debug)]
+pub struct Descent {
+    direction: Vec<f64>,
+    correction: Vec<f64>,
+    trial: Vec<f64>,
+}
+
+/// Units of a scene.
+struct Scale {
+    /// Side of the box around all rods, m.
+    extent: f64,
+    /// Largest move of a node in one iteration, m.
+    largest_move: f64,
+    /// EI/L³, N/m.
+    stiffness: f64,
+    /// Square of the shortest edge: N m per rad over N/m.
+    spin: f64,
+    /// Stiffness that counts as none, N/m.
+    neutral: f64,
+}
+
+impl Scale {
+    fn of(system: &System, unknowns: &[f64]) -> Self {
+        let extent = extent(unknowns);
+        let stiffness = system
+            .assembly
+            .softest_scale
+            .min(system.assembly.force_scale)
+            / extent;
+        Self {
+            extent,
+            largest_move: (LARGEST_MOVE * extent).min(system.largest_safe_move()),
+            stiffness,
+            spin: system.assembly.shortest_edge * system.assembly.shortest_edge,
+            neutral: (NEUTRAL * stiffness).max(ROUNDINGS * system.assembly.rounding_stiffness),
+        }
+    }
+
+    /// A shift that leaves nothing of the Hessian, over EI/L³.
+    fn largest_shift(&self, system: &System) -> f64 {
+        let stiffest = system.assembly.rounding_stiffness / f64::EPSILON;
+        stiffest / self.stiffness
+    }
+
+    /// Length of a set of moves, m.
+    fn norm(&self, moves: &[f64]) -> f64 {
+        let squares = moves.chunks_exact(STRIDE).map(|node| {
+            node[0] * node[0]
+                + node[1] * node[1]
+                + node[2] * node[2]
+                + self.spin * node[3] * node[3]
+        });
+        squares.sum::<f64>().sqrt()
+    }
+}
+
+/// What a step must improve.
+struct Start {
+    potential: f64,
+    /// R·d: the rate of the potential along the direction, negative.
+    slope: f64,
+    squared_residual: f64,
+    /// Whether the Hessian is positive as it is.
+    positive: bool,
+}
+
+impl Descent {
+    /// Scratch for so many unknowns.
+    pub fn new(unknowns: usize) -> Self {
+        Self {
+            direction: vec![0.0; unknowns],
+            correction: vec![0.0; unknowns],
+            trial: vec![0.0; unknowns],
+        }
+    }
+
+    /// Finds an equilibrium from `unknowns`, stable where forces have a potential; returns the iterations, or
+    /// `None` where `goes_on` has said no before. `force` is the largest residual left, N.
+    ///
+    /// # Errors
+    /// [`Divergence`] with the largest residual after the last iteration.
+    pub fn run(
+        &mut self,
+        system: &mut System,
+        unknowns: &mut [f64],
+        force: f64,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Result<Option<usize>, Divergence> {
+        let time = system.time;
+        system.drive(time, unknowns);
+        let scale = Scale::of(system, unknowns);
+        let mut shift = 0.0;
+        for iterations in 0..=ITERATIONS {
+            if !goes_on() {
+                return Ok(None);
+            }
+            system.update_candidates(unknowns);
+            system.linearize(unknowns, None);
+            let (residual, unknown) = system.worst_residual();
+            let failed = Divergence {
+                iterations,
+                residual,
+                unknown,
+            };
+            if !residual.is_finite() || iterations == ITERATIONS {
+                return Err(failed);
+            }
+            let settled = residual <= force;
+            let least = if settled { 0.0 } else { shift };
+            shift = stabilise(system, unknowns, &scale, least).ok_or(failed)?;
+            if settled && (shift == 0.0 || !self.leave(system, unknowns, &scale)) {
+                // The residual of this configuration, in case a departure was tried.
+                system.evaluate(unknowns, None);
+                system.commit_frames();
+                return Ok(Some(iterations));
+            }
+            if !settled {
+                system.direction(&mut self.direction).map_err(|_| failed)?;
+                let lengthening = self.lengthening(system, shift, &scale);
+                limit(&mut self.direction, system, scale.largest_move, lengthening);
+                match self.step(system, unknowns, &scale, shift == 0.0) {
+                    Some(1.0) => shift /= SHIFT_GROWTH * SHIFT_GROWTH,
+                    Some(_) => {}
+                    None if shift > scale.largest_shift(system) => return Err(failed),
+                    None => {
+                        shift = SHIFT_GROWTH * SHIFT_GROWTH * shift.max(SMALLEST_SHIFT);
+                        continue;
+                    }
+                }
+            }
+            unknowns.copy_from_slice(&self.trial);
+            system.update_geometry(unknowns);
+            system.commit_frames();
+        }
+        unreachable!("the last iteration returns")
+    }
+
+    /// How many times as long as the direction the way is to the bottom along it, by the Hessian without its shift.
+    fn lengthening(&self, system: &System, shift: f64, scale: &Scale) -> f64 {
+        if shift == 0.0 || !system.is_symmetric() {
+            return 1.0;
+        }
+        let fall = -dot(&self.direction, &system.residual);
+        let curvature = fall - shift * scale.stiffness * scale.norm(&self.direction).powi(2);
+        if LENGTHENING * curvature > fall {
+            fall / curvature
+        } else {
+            LENGTHENING
+        }
+    }
+
+    /// Looks for a better configuration along the direction; leaves it in `trial` and returns its part of the
+    /// whole step, `None` where there is none.
+    fn step(
+        &mut self,
+        system: &mut System,
+        unknowns: &[f64],
+        scale: &Scale,
+        positive: bool,
+    ) -> Option<f64> {
+        let whole = scale.norm(&self.direction);
+        let start = Start {
+            potential: system.potential(unknowns),
+            slope: dot(&self.direction, &system.residual),
+            squared_residual: system.squared_residual(),
+            positive,
+        };
+        self.move_by(unknowns, 1.0);
+        let longest = system.largest_step(unknowns, &self.trial);
+        let mut part = 1.0;
+        for _ in 0..HALVINGS {
+            let length = part * longest;
+            self.move_by(unknowns, length);
+            let bent =
+                self.bend_back(system, unknowns) && scale.norm(&self.correction) <= length * whole;
+            if bent && system.largest_step(unknowns, &self.trial) >= 1.0 {
+                system.evaluate(&self.trial, None);
+                let accepted = if system.is_symmetric() {
+                    start.is_improved(system, &self.trial, length)
+                } else {
+                    self.correction.copy_from_slice(&system.residual);
+                    let solved = system.solve(&mut self.correction).is_ok();
+                    solved && scale.norm(&self.correction) <= (1.0 - 0.25 * length) * whole
+                };
+                if accepted {
+                    return Some(part);
+                }
+            }
+            part *= 0.5;
+        }
+        None
+    }
+
+    /// Takes from `trial` what a straight way from `unknowns` has lengthened the edges by beyond first order, with
+    /// the factors of the Hessian at the start; false where that cannot be solved.
+    fn bend_back(&mut self, system: &mut System, unknowns: &[f64]) -> bool {
+        self.correction.fill(0.0);
+        for edge in &system.assembly.rods.edges {
+            let span = |of: &[f64]| position(of, edge.end) - position(of, edge.start);
+            let (before, after) = (span(unknowns), span(&self.trial));
+            let tangent = before.normalize();
+            let lengthening = after.norm() - after.dot(&tangent);
+            let force = edge.stretching / edge.natural_length * lengthening * tangent;
+            for axis in 0..3 {
+                self.correction[STRIDE * edge.start + axis] += force[axis];
+                self.correction[STRIDE * edge.end + axis] -= force[axis];
+            }
+        }
+        let solved = system.solve(&mut self.correction).is_ok();
+        for (trial, correction) in self.trial.iter_mut().zip(&self.correction) {
+            *trial += correction;
+        }
+        solved
+    }
+
+    /// Leaves an unstable equilibrium along the lowest eigenvector, whose sign its largest entry decides, as far as
+    /// the potential is lower there; false where it is not. `system` holds the factors of the shifted Hessian.
+    fn leave(&mut self, system: &mut System, unknowns: &[f64], scale: &Scale) -> bool {
+        let neutral = NeutralModes::new(scale.spin);
+        if inverse_iteration(system, &mut self.direction, &neutral).is_none() {
+            return false;
+        }
+        let largest = (self.direction.iter())
+            .copied()
+            .max_by(|a, b| a.abs().total_cmp(&b.abs()))
+            .unwrap_or(1.0);
+        let sign = 1f64.copysign(largest);
+        self.direction
+            .iter_mut()
+            .for_each(|d| *d *= sign / largest.abs() * scale.extent);
+        limit(&mut self.direction, system, DEPARTURE * scale.extent, 1.0);
+        let potential = system.potential(unknowns);
+        let mut length = 1.0;
+        for _ in 0..DEPARTURE_HALVINGS {
+            self.move_by(unknowns, length);
+            if self.bend_back(system, unknowns) && system.largest_step(unknowns, &self.trial) >= 1.0
+            {
+                system.evaluate(&self.trial, None);
+                if system.potential(&self.trial) < potential {
+                    return true;
+                }
+            }
+            length *= 0.5;
+        }
+        false
+    }
+
+    fn move_by(&mut self, unknowns: &[f64], length: f64) {
+        for k in 0..self.trial.len() {
+            self.trial[k] = unknowns[k] + length * self.direction[k];
+        }
+    }
+}
+
+impl Start {
+    /// Whether the last evaluation, at `trial`, is better by enough for a step of this length.
+    fn is_improved(&self, system: &System, trial: &[f64], length: f64) -> bool {
+        system.potential(trial) <= self.potential + SUFFICIENT_FALL * length * self.slope
+            || self.positive
+                && system.squared_residual() <= SUFFICIENT_REDUCTION * self.squared_residual
+    }
+}
+
+/// [`Descent::run`] to its end, without scratch to keep.
 ///
 /// # Errors
 /// [`Divergence`] with the largest residual after the last iteration.
@@ -27,73 +320,20 @@ pub fn find_equilibrium(
     unknowns: &mut [f64],
     force: f64,
 ) -> Result<usize, Divergence> {
-    let time = system.time;
-    system.drive(time, unknowns);
-    let extent = extent(unknowns);
-    // EI/L³: the bending stiffness of the softest mode, the natural unit of a shift.
-    let unit = system.assembly.force_scale / extent;
-    let spin_unit = unit * system.assembly.shortest_edge * system.assembly.shortest_edge;
-    let mut direction = vec![0.0; unknowns.len()];
-    let mut trial = unknowns.to_vec();
-    let mut shift = 0.0;
-    for iteration in 0..=ITERATIONS {
-        system.update_candidates(unknowns);
-        system.linearize(unknowns, None);
-        let (residual, unknown) = system.worst_residual();
-        if residual <= force {
-            system.commit_frames();
-            return Ok(iteration);
-        }
-        let failed = Divergence {
-            iterations: iteration,
-            residual,
-            unknown,
-        };
-        if !residual.is_finite() || iteration == ITERATIONS {
-            return Err(failed);
-        }
-        shift = stabilise(system, unknowns, shift / SHIFT_GROWTH, unit, spin_unit).ok_or(failed)?;
-        system.direction(&mut direction).map_err(|_| failed)?;
-        limit(&mut direction, LARGEST_MOVE * extent);
-        let initial: f64 = dot(&direction, &system.residual);
-        let before = system.squared_residual();
-        for k in 0..trial.len() {
-            trial[k] = unknowns[k] + direction[k];
-        }
-        let mut length = system.largest_step(unknowns, &trial);
-        for _ in 0..REDUCTIONS {
-            for k in 0..trial.len() {
-                trial[k] = unknowns[k] + length * direction[k];
-            }
-            system.evaluate(&trial, None);
-            // Downhill still at the end of the step, or past the bottom with less force than at its start.
-            let slope = dot(&direction, &system.residual);
-            if slope <= 0.5 * initial.abs() || system.squared_residual() < before {
-                break;
-            }
-            length *= 0.5;
-        }
-        unknowns.copy_from_slice(&trial);
-        system.update_geometry(unknowns);
-        system.commit_frames();
-    }
-    unreachable!("the last iteration returns")
+    let found = Descent::new(unknowns.len()).run(system, unknowns, force, &|| true)?;
+    Ok(found.expect("nobody stops it"))
 }
 
-/// Factors the Jacobian, shifted until no pivot is negative; returns the shift in units of EI/L³.
-fn stabilise(
-    system: &mut System,
-    unknowns: &[f64],
-    start: f64,
-    unit: f64,
-    spin_unit: f64,
-) -> Option<f64> {
-    let mut shift = if start < 1e-3 { 0.0 } else { start };
-    for _ in 0..60 {
-        if shift > 0.0 {
+/// Factors the Jacobian of the last linearisation, shifted by at least `least` and until no pivot is negative;
+/// returns the shift over EI/L³. What counts as no stiffness is always added.
+fn stabilise(system: &mut System, unknowns: &[f64], scale: &Scale, least: f64) -> Option<f64> {
+    let mut shift = if least < SMALLEST_SHIFT { 0.0 } else { least };
+    for growth in 0..SHIFT_GROWTHS {
+        if growth > 0 {
             system.linearize(unknowns, None);
-            system.shift(shift * unit, shift * spin_unit);
         }
+        let added = (shift * scale.stiffness).max(scale.neutral);
+        system.shift(added, added * scale.spin);
         match system.factor() {
             Ok(Some(inertia)) if inertia.negative > 0 => {}
             Ok(_) => return Some(shift),
@@ -108,21 +348,30 @@ fn stabilise(
     None
 }
 
-/// Scales `direction` so that no position moves farther than `largest`.
-fn limit(direction: &mut [f64], largest: f64) {
-    let moved = direction
-        .iter()
-        .enumerate()
-        .filter(|(k, _)| k % STRIDE != 3)
-        .map(|(_, d)| d.abs());
-    let most = moved.fold(0.0, f64::max);
-    if most > largest {
-        let factor = largest / most;
-        direction.iter_mut().for_each(|d| *d *= factor);
+/// Scales `direction` up to `lengthening` times, but so that no node moves farther than `largest` (m) and no edge
+/// turns too far.
+fn limit(direction: &mut [f64], system: &System, largest: f64, lengthening: f64) {
+    let mut excess = 1.0 / lengthening;
+    for (k, entry) in direction.iter().enumerate() {
+        let allowed = if k % STRIDE == 3 {
+            LARGEST_TURN
+        } else {
+            largest
+        };
+        excess = excess.max(entry.abs() / allowed);
     }
+    for edge in &system.assembly.rods.edges {
+        let relative = (0..3).map(|axis| {
+            direction[STRIDE * edge.end + axis] - direction[STRIDE * edge.start + axis]
+        });
+        let turn = relative.map(|d| d * d).sum::<f64>().sqrt() / edge.natural_length;
+        excess = excess.max(turn / LARGEST_TURN);
+    }
+    direction.iter_mut().for_each(|d| *d /= excess);
 }
 
-fn extent(unknowns: &[f64]) -> f64 {
+/// Largest side of the box around all nodes, m.
+pub(super) fn extent(unknowns: &[f64]) -> f64 {
     let mut extent = 0.0_f64;
     for axis in 0..3 {
         let values = unknowns.iter().skip(axis).step_by(STRIDE);

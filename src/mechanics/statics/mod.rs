@@ -1,8 +1,15 @@
-//! Equilibria: Newton's method without inertia. [`find_equilibrium`] goes downhill, so that it ends where
-//! a rod would come to rest; [`nearby_equilibrium`] goes to the nearest one, and tells whether it is stable.
+//! Equilibria: Newton's method without inertia.
+//!
+//! [`Descent`] goes downhill, so that it ends where a rod would come to rest; [`nearby_equilibrium`] goes to the
+//! nearest one, and tells whether it is stable; [`Tracer`] follows equilibria along a path of loads or of clamps
+//! that move.
 
 mod equilibrium;
 mod nearby;
+mod neutral;
+mod path;
+mod spectrum;
 
-pub use equilibrium::find_equilibrium;
+pub use equilibrium::{Descent, find_equilibrium};
 pub use nearby::nearby_equilibrium;
+pub use path::{EndedEarly, PathMethod, PathPlan, PathPoint, PointKind, Tracer};

@@ -39,6 +39,8 @@ pub struct Assembly {
     pub loads: Loads,
     /// Force scale EI/L² of the stiffest free rod, N; 1 N where every rod is held.
     pub force_scale: f64,
+    /// Smallest EI/L² of the free rods, N.
+    pub softest_scale: f64,
     /// Smallest natural edge length of the free rods, m.
     pub shortest_edge: f64,
     /// Rounding error of an elastic force per coordinate, N/m: EA ε/l̃ of the stiffest free rod.
@@ -76,6 +78,7 @@ impl Assembly {
             drives: Vec::new(),
             loads: Loads::default(),
             force_scale: 0.0,
+            softest_scale: f64::INFINITY,
             shortest_edge: f64::INFINITY,
             rounding_stiffness: 0.0,
         };
@@ -147,6 +150,8 @@ impl Assembly {
             let length: f64 = natural_lengths.iter().sum();
             let bending = rod.stiffness.bending[0].max(rod.stiffness.bending[1]);
             self.force_scale = self.force_scale.max(bending / (length * length));
+            let soft = rod.stiffness.bending[0].min(rod.stiffness.bending[1]);
+            self.softest_scale = self.softest_scale.min(soft / (length * length));
             let shortest = natural_lengths
                 .iter()
                 .copied()

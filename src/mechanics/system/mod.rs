@@ -176,6 +176,17 @@ impl System {
         self.assembly.rods.energy(&self.geometry)
     }
 
+    /// Potential of the last evaluation, at `unknowns`, J: elastic and contact energy less the work of the dead
+    /// forces. Moments of fixed direction have none.
+    pub fn potential(&self, unknowns: &[f64]) -> f64 {
+        let elastic = self.elastic_energy();
+        let contact = self.contact.as_ref().map_or(0.0, ImplicitContact::energy);
+        let work: f64 = (self.dead_forces.iter().zip(unknowns))
+            .map(|(force, unknown)| force * unknown)
+            .sum();
+        elastic.stretching + elastic.bending + elastic.twisting + contact - work
+    }
+
     /// Evaluates the residual at `unknowns`.
     pub fn evaluate(&mut self, unknowns: &[f64], stage: Option<&Stage>) {
         self.update_geometry(unknowns);
@@ -261,6 +272,24 @@ impl System {
             };
         }
         self.matrix.solve(direction)
+    }
+
+    /// Whether the Jacobian of an equilibrium is the Hessian of an energy.
+    pub fn is_symmetric(&self) -> bool {
+        self.matrix.is_symmetric()
+    }
+
+    /// Solves J x = b in place with the factors of the last factorisation; x is zero at held unknowns.
+    ///
+    /// # Errors
+    /// A system that is singular to working precision.
+    pub fn solve(&mut self, right_hand_side: &mut [f64]) -> Result<(), SingularMatrix> {
+        for (entry, held) in right_hand_side.iter_mut().zip(&self.assembly.held) {
+            if *held {
+                *entry = 0.0;
+            }
+        }
+        self.matrix.solve(right_hand_side)
     }
 
     /// Writes the residual with other contact forces.
@@ -353,19 +382,35 @@ impl System {
         step.part
     }
 
+    /// Farthest that a node may move at once so that surfaces do not pass through each other unnoticed, m; infinite
+    /// where nothing touches, and where [`Self::largest_step`] watches over it.
+    pub fn largest_safe_move(&self) -> f64 {
+        let Some(contact) = &self.contact else {
+            return f64::INFINITY;
+        };
+        if contact.parameters().model != ContactModel::ImplicitContact {
+            return f64::INFINITY;
+        }
+        self.assembly
+            .radii
+            .iter()
+            .copied()
+            .fold(f64::INFINITY, f64::min)
+    }
+
     /// Forgets the factorisation pattern, as after a restart from a checkpoint.
     pub fn forget_pattern(&mut self) {
         self.matrix.forget_pattern();
     }
 
     /// Adapts the contact stiffness to the forces without contact at `unknowns` (thesis Eqs. 2.18, 2.19).
-    pub fn adapt_contact_stiffness(&mut self, unknowns: &[f64], stage: &Stage) {
+    pub fn adapt_contact_stiffness(&mut self, unknowns: &[f64], stage: Option<&Stage>) {
         let Some(mut contact) = self.contact.take() else {
             return;
         };
         let may_touch = !contact.candidates().is_empty() || self.has_planes;
         if may_touch && !contact.parameters().is_complementarity() {
-            self.evaluate(unknowns, Some(stage));
+            self.evaluate(unknowns, stage);
             for node in 0..self.nodal_forces.len() {
                 let held = self.assembly.held[STRIDE * node];
                 self.nodal_forces[node] = if held {

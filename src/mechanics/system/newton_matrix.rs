@@ -64,6 +64,10 @@ impl NewtonMatrix {
         }
     }
 
+    pub fn is_symmetric(&self) -> bool {
+        self.symmetric
+    }
+
     pub fn clear(&mut self) {
         self.band.clear();
         self.permanent_matrices.fill(ZERO);

@@ -1,6 +1,7 @@
 //! From the scenario as typed to the scenario as resolved: units, defaults, ranges.
 
 mod columns;
+mod continuation;
 mod helix_stability;
 mod knot;
 mod knot_start;
@@ -90,6 +91,11 @@ pub fn resolve(context: &Context<'_>, file: &ScenarioFile) -> Result<Scenario, I
             }
         }
     }
+    let continuation = continuation::continuation(&top, file, &time);
+    let loads = load::loads(&top, &file.loads);
+    let planes = load::planes(&top, &file.planes);
+    continuation::refuse_friction(&top, &time, contact.friction(), &planes);
+    continuation::refuse_without_energy(&top, &time, &fluid, &loads);
     let scenario = experiment.map(|experiment| Scenario {
         name: context.name.to_owned(),
         title: file
@@ -98,13 +104,14 @@ pub fn resolve(context: &Context<'_>, file: &ScenarioFile) -> Result<Scenario, I
             .unwrap_or_else(|| context.name.to_owned()),
         experiment,
         clamps: load::clamps(context, &top, &file.clamps),
-        loads: load::loads(&top, &file.loads),
-        planes: load::planes(&top, &file.planes),
+        loads,
+        planes,
         contact,
         fluid,
         output: model::output(&top, &file.output, &time),
         rods,
         time,
+        continuation,
         solver,
     });
     match scenario {

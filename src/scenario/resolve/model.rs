@@ -145,27 +145,29 @@ pub fn time(top: &Section<'_>, file: &ScenarioFile) -> Time {
     let nothing = typed::Time::default();
     let typed = file.time.as_ref().unwrap_or(&nothing);
     let section = top.below("time");
+    let refuse_steps = |message: &str| {
+        for (key, present) in [
+            ("scheme", typed.scheme.is_some()),
+            ("step", typed.step.is_some()),
+            ("tolerance", typed.tolerance.is_some()),
+            ("maximum_step", typed.maximum_step.is_some()),
+            ("end", typed.end.is_some()),
+        ] {
+            if present {
+                section.fault(key, message);
+            }
+        }
+    };
     match typed.mode.unwrap_or(typed::Mode::Dynamic) {
         typed::Mode::Static => {
-            for (key, present) in [
-                ("scheme", typed.scheme.is_some()),
-                ("step", typed.step.is_some()),
-                ("tolerance", typed.tolerance.is_some()),
-                ("maximum_step", typed.maximum_step.is_some()),
-                ("end", typed.end.is_some()),
-            ] {
-                if present {
-                    section.fault(key, "a static run has no time steps; leave the key out");
-                }
-            }
+            refuse_steps("a static run has no time steps; leave the key out");
             Time::Static
         }
         typed::Mode::Continuation => {
-            section.fault(
-                "mode",
-                "continuation is not built yet; allowed: \"dynamic\", \"static\"",
+            refuse_steps(
+                "a path has no time steps, but those of [continuation]; leave the key out",
             );
-            Time::Static
+            Time::Continuation
         }
         typed::Mode::Dynamic => {
             let end = section.required("end", &typed.end, POSITIVE);
@@ -282,6 +284,13 @@ pub fn output(top: &Section<'_>, typed: &typed::Output, time: &Time) -> Output {
             if typed.interval.is_some() {
                 top.below("output")
                     .fault("interval", "a static run writes once; leave the key out");
+            }
+            None
+        }
+        Time::Continuation => {
+            if typed.interval.is_some() {
+                let message = "a path is written point by point; leave the key out";
+                top.below("output").fault("interval", message);
             }
             None
         }

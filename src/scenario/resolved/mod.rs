@@ -3,6 +3,7 @@
 //! A [`Scenario`] leaves no choice open: defaults are filled in, units converted, shape files read. Its
 //! serialised form uses the keys of scenario files, so that it is itself a scenario file.
 
+mod continuation;
 mod flagella;
 mod helix_stability;
 mod knot;
@@ -11,6 +12,7 @@ mod model;
 mod rod;
 mod run;
 
+pub use continuation::{Continuation, PathMethod};
 pub use flagella::{BuilderRod, Flagella, Head};
 pub use helix_stability::{Directions, HelixSearch, HelixStability};
 pub use knot::{Knot, KnotEnds, KnotKind, KnotStart};
@@ -48,8 +50,11 @@ pub struct Scenario {
     pub contact: Contact,
     /// Surrounding fluid.
     pub fluid: Fluid,
-    /// Dynamic or static, and the time steps.
+    /// Dynamic, static or along a path, and the time steps.
     pub time: Time,
+    /// The path, where there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub continuation: Option<Continuation>,
     /// Newton's method.
     pub solver: Solver,
     /// What is written.

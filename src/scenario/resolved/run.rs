@@ -10,6 +10,8 @@ use serde::{Deserialize, Serialize, Serializer};
 pub enum Time {
     /// Newton's method without inertia.
     Static,
+    /// Equilibria along a path.
+    Continuation,
     /// Time steps from zero to `end`.
     Dynamic {
         /// Time integration scheme.
@@ -84,7 +86,7 @@ pub struct Solver {
 /// What a run writes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Output {
-    /// Time between outputs, s; `None` in a static run, which writes once.
+    /// Time between outputs, s; `None` where there is no time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interval: Option<f64>,
     /// Whether node positions are written.

@@ -78,7 +78,11 @@ fn faults_name_file_line_column_key_and_range() {
     insta::assert_snapshot!(faults("kind = \"gravity\"", "kind = \"gravitation\""), @r#"beam.toml:20:8: `loads.0.kind`: "gravitation" is not known here; allowed: gravity, force, moment, distributed, drag (did you mean `gravity`?)"#);
     insta::assert_snapshot!(faults("at = \"start\"", "at = \"middle\""), @r#"beam.toml:17:6: `clamps.0.at`: invalid value: string "middle", expected "start", "end" or a number counted from zero"#);
     insta::assert_snapshot!(faults("at = \"start\"", "at = -1"), @"beam.toml:17:6: `clamps.0.at`: -1 is out of range; allowed: 0 and up");
-    insta::assert_snapshot!(faults("mode = \"static\"", "mode = \"continuation\""), @r#"beam.toml:24:8: `time.mode`: continuation is not built yet; allowed: "dynamic", "static""#);
+    insta::assert_snapshot!(faults("mode = \"static\"", "mode = \"continuation\""), @"beam.toml:1:1: missing key `continuation` (a table [continuation] with the end of the parameter, `to`)");
+    insta::assert_snapshot!(faults("mode = \"static\"", "mode = \"continuation\"\n[continuation]\nfrom = 2\nto = 2"), @"beam.toml:27:6: `continuation.to`: 2.0 is out of range; allowed: any but `from`");
+    insta::assert_snapshot!(faults("mode = \"static\"", "mode = \"continuation\"\n[continuation]\nto = -2\nstep = 3"), @"beam.toml:27:8: `continuation.step`: 3.0 is out of range; allowed: at most |to − from| = 2.0");
+    insta::assert_snapshot!(faults("[output]", "[contact]\nmodel = \"imc\"\nfriction = 0.1\n[output]"), @r#"beam.toml:28:12: `contact.friction`: an equilibrium knows no friction: leave the key out, or let the rods come to rest with time.mode = "dynamic""#);
+    insta::assert_snapshot!(faults("[output]", "[[planes]]\npoint = [0, 0, -1]\nnormal = [0, 0, 1]\nfriction = 0.1\n[output]"), @r#"beam.toml:29:12: `planes.0.friction`: an equilibrium knows no friction: leave the key out, or let the rods come to rest with time.mode = "dynamic""#);
     insta::assert_snapshot!(faults("mode = \"static\"", "end = 0"), @"beam.toml:24:7: `time.end`: 0.0 is out of range; allowed: greater than 0");
     insta::assert_snapshot!(faults("mode = \"static\"", "end = 1\nstep = 0"), @"beam.toml:25:8: `time.step`: 0.0 is out of range; allowed: greater than 0");
     insta::assert_snapshot!(faults("mode = \"static\"", "end = 1\nstep = 1e-12"), @"beam.toml:25:8: `time.step`: 1e-12 s is out of range; allowed: at least solver.minimum_step = 1e-9 s");

@@ -2,6 +2,7 @@
 //!
 //! The comments of these types are the descriptions in the JSON Schema and the words of `rodlab explain`.
 
+mod continuation;
 mod helix_stability;
 mod kinds;
 mod knot;
@@ -12,6 +13,7 @@ mod rod;
 mod shape;
 mod sweep;
 
+pub use continuation::Continuation;
 pub use helix_stability::{Directions, HelixStability, List};
 pub use knot::{Knot, KnotKind};
 pub use load::{Clamp, Load, Place, Plane, Pose};
@@ -60,8 +62,10 @@ pub struct ScenarioFile {
     pub contact: Option<Contact>,
     /// The surrounding fluid; without this table a vacuum.
     pub fluid: Option<Fluid>,
-    /// Dynamic or static, and the time steps.
+    /// Dynamic, static or along a path of equilibria, and the time steps.
     pub time: Option<Time>,
+    /// The path of equilibria of time.mode = "continuation".
+    pub continuation: Option<Continuation>,
     /// Newton's method.
     #[serde(default)]
     pub solver: Solver,

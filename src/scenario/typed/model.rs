@@ -109,11 +109,12 @@ pub enum FluidModel {
     None,
 }
 
-/// Dynamic or static, and the time steps.
+/// Dynamic, static or along a path of equilibria, and the time steps.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "time")]
 pub struct Time {
-    /// "dynamic" (the default) or "static" (equilibrium by Newton's method without inertia).
+    /// "dynamic" (the default), "static" (equilibrium by Newton's method without inertia), or
+    /// "continuation" (equilibria along a path, with folds, bifurcations and stability; see [continuation]).
     pub mode: Option<Mode>,
     /// "implicit-euler" (the default: first order, damps fast modes), "implicit-midpoint" (second order, nearly
     /// conserves energy) or "backward-differences" (third order where drag rules, damps fast modes: for rods in fluids).
@@ -137,8 +138,7 @@ pub enum Mode {
     Dynamic,
     /// Equilibrium, without inertia.
     Static,
-    /// Following an equilibrium along a path: named by the contract, not in this version.
-    #[schemars(skip)]
+    /// Equilibria along a path.
     Continuation,
 }
 

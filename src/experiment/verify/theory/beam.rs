@@ -22,6 +22,23 @@ pub fn fixed_free_wave_number(mode: usize) -> f64 {
 /// Critical compression of a column with both ends clamped, P L²/EI = 4π² (Euler).
 pub const CLAMPED_COLUMN: f64 = 4.0 * PI * PI;
 
+/// Critical compression of a column with one end clamped and one free, P L²/EI = π²/4 (Euler).
+pub const FREE_COLUMN: f64 = 0.25 * PI * PI;
+
+/// Critical tip load of a clamped strip that bends in its stiff plane, P L²/√(EI₂ GJ) = 4.0126 (Prandtl
+/// 1899): the twist angle obeys u″ + β² s² u = 0 over the distance s from the tip, u′(0) = 0, u(1) = 0.
+pub fn strip_tip_load() -> f64 {
+    bisect(3.0, 5.0, |load| {
+        let (mut sum, mut term) = (1.0, 1.0);
+        for k in 1..20 {
+            let power = 4.0 * f64::from(k);
+            term *= -load * load / (power * (power - 1.0));
+            sum += term;
+        }
+        sum
+    })
+}
+
 /// Critical twisting moment of a straight rod with both ends clamped and no axial force, M L/EI = 2 x with
 /// x the first positive root of tan x = x (Greenhill 1883): 8.986819.
 pub fn clamped_twist_moment() -> f64 {
@@ -47,5 +64,6 @@ mod tests {
         let x = 0.5 * clamped_twist_moment();
         assert!((x.tan() - x).abs() < 1e-12);
         assert!((2.0 * x - 8.986819).abs() < 1e-6);
+        assert!((strip_tip_load() - 4.0126).abs() < 5e-5);
     }
 }

@@ -1,0 +1,215 @@
+//! Equilibria with closed forms.
+
+use super::{IntegrationParameters, Simulation};
+use crate::mechanics::Vector3;
+use crate::mechanics::contact::{ContactModel, ContactParameters};
+use crate::mechanics::scene::{
+    Clamp, Load, LoadKind, Motion, NaturalShape, Plane, RodDescription, Scene, Stiffness,
+};
+use std::cell::Cell;
+use std::f64::consts::PI;
+
+const EDGES: usize = 60;
+const RADIUS: f64 = 5e-3;
+
+/// A metre of rod along x, of unit bending stiffness.
+fn rod() -> RodDescription {
+    RodDescription {
+        name: "rod".into(),
+        centreline: (0..=EDGES)
+            .map(|k| k as f64 / EDGES as f64 * Vector3::x())
+            .collect(),
+        closed: false,
+        end_tangents: [None; 2],
+        first_director: Some(Vector3::z()),
+        twist: 0.0,
+        natural_shape: NaturalShape::Straight,
+        stiffness: Stiffness {
+            stretching: 4.0 / (RADIUS * RADIUS),
+            bending: [1.0; 2],
+            twisting: 2.0 / 3.0,
+        },
+        radius: RADIUS,
+        mass_per_length: 1.0,
+        rotational_inertia_per_length: 1e-5,
+        velocity: Vector3::zeros(),
+        angular_velocity: Vector3::zeros(),
+        held: false,
+    }
+}
+
+fn clamp(node: usize) -> Clamp {
+    Clamp {
+        rod: 0,
+        node,
+        holds_position: true,
+        holds_frame: true,
+        motion: Motion::default(),
+    }
+}
+
+fn steady(kind: LoadKind) -> Load {
+    Load {
+        kind,
+        schedule: Vec::new(),
+    }
+}
+
+fn gravity(acceleration: f64) -> Load {
+    steady(LoadKind::Gravity {
+        acceleration: -acceleration * Vector3::z(),
+    })
+}
+
+fn cantilever(load: Load) -> Scene {
+    Scene {
+        rods: vec![rod()],
+        clamps: vec![clamp(0)],
+        loads: vec![load],
+        ..Scene::default()
+    }
+}
+
+fn simulation(scene: &Scene) -> Simulation {
+    Simulation::new(scene, &IntegrationParameters::default()).unwrap()
+}
+
+#[test]
+fn a_heavy_cantilever_comes_to_rest_in_a_few_iterations() {
+    for weight in [1.0, 15.0, 100.0, 1000.0] {
+        let mut simulation = simulation(&cantilever(gravity(weight)));
+        let report = simulation.find_equilibrium().unwrap();
+        println!("{weight}: {}", report.newton_iterations);
+        assert!(report.newton_iterations <= 20);
+        assert!((simulation.reaction(0).z / weight - 1.0).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn an_end_moment_rolls_the_rod_up() {
+    // A moment of fixed direction has no potential; this one makes nearly a whole turn.
+    let moment = 6.0;
+    let mut simulation = simulation(&cantilever(steady(LoadKind::Moment {
+        rod: 0,
+        edge: EDGES - 1,
+        moment: -moment * Vector3::y(),
+    })));
+    let report = simulation.find_equilibrium().unwrap();
+    println!("{}", report.newton_iterations);
+    // The energy ½ EI (2 tan φ/2)²/l of a vertex makes its turn φ; that at the clamp is half as long.
+    let length = 1.0 / EDGES as f64;
+    let turn = |product: f64| {
+        let tangent = (0..100).fold(0.0f64, |t, _| 0.5 * product / (1.0 + t * t));
+        2.0 * tangent.atan()
+    };
+    let (mut angle, mut exact) = (turn(0.5 * moment * length), Vector3::zeros());
+    for x in simulation.positions() {
+        assert!((x - exact).norm() < 1e-5, "{x} {exact}");
+        exact += length * Vector3::new(angle.cos(), 0.0, angle.sin());
+        angle += turn(moment * length);
+    }
+}
+
+#[test]
+fn a_straight_column_leaves_its_unstable_equilibrium_and_bends_over() {
+    for (load, rests) in [(0.9, true), (1.1, false), (2.0, false)] {
+        let mut scene = cantilever(steady(LoadKind::Force {
+            rod: 0,
+            node: EDGES,
+            force: -load * 0.25 * PI * PI * Vector3::x(),
+        }));
+        // Soft in one plane, so that it is known where to.
+        scene.rods[0].stiffness.bending = [20.0, 1.0];
+        let mut simulation = simulation(&scene);
+        let report = simulation.find_equilibrium().unwrap();
+        println!("{load}: {}", report.newton_iterations);
+        let tip = simulation.positions()[EDGES];
+        assert_eq!(tip.yz().norm() < 1e-9, rests, "{load}: {tip}");
+        assert_eq!(simulation.find_nearby_equilibrium().unwrap(), 0);
+    }
+}
+
+#[test]
+fn a_rod_that_lies_on_a_plane_or_on_a_post_is_borne_by_it() {
+    let post = RodDescription {
+        name: "post".into(),
+        centreline: vec![
+            Vector3::new(0.8, -0.1, -0.05),
+            Vector3::new(0.8, 0.1, -0.05),
+        ],
+        held: true,
+        ..rod()
+    };
+    let plane = Plane {
+        point: Vector3::new(0.0, 0.0, -0.05),
+        normal: Vector3::z(),
+        friction: None,
+    };
+    for model in [
+        ContactModel::ImplicitContact,
+        ContactModel::IncrementalPotential,
+    ] {
+        for on_plane in [true, false] {
+            let mut scene = cantilever(gravity(20.0));
+            scene.contact = Some(ContactParameters {
+                model,
+                friction: 0.0,
+                distance_tolerance: 0.02 * RADIUS,
+                ..ContactParameters::default()
+            });
+            if on_plane {
+                scene.planes.push(plane.clone());
+            } else {
+                scene.rods.push(post.clone());
+            }
+            let mut simulation = simulation(&scene);
+            let report = simulation.find_equilibrium().unwrap();
+            println!(
+                "{model:?} {on_plane}: {} {:?}",
+                report.newton_iterations, report.minimum_distance_ratio
+            );
+            assert!(report.contacts > 0);
+            let lowest = |z: f64, x: &Vector3| z.min(x.z);
+            let rod = &simulation.positions()[..=EDGES];
+            if on_plane {
+                let gap = rod.iter().fold(f64::INFINITY, lowest) + 0.05 - RADIUS;
+                assert!(gap.abs() < 0.05 * RADIUS, "{gap}");
+            } else {
+                let ratio = report.minimum_distance_ratio.unwrap();
+                assert!((ratio - 1.0).abs() < 0.05, "{ratio}");
+            }
+            let contacts: f64 = simulation.contact_forces()[..=EDGES]
+                .iter()
+                .map(|f| f.z)
+                .sum();
+            let reaction = simulation.reaction(0).z;
+            assert!(
+                ((contacts + reaction) / 20.0 - 1.0).abs() < 1e-5,
+                "{contacts} {reaction}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_search_that_is_stopped_leaves_the_rods_where_they_were() {
+    let mut simulation = simulation(&cantilever(gravity(15.0)));
+    let before = simulation.positions().to_vec();
+    let asked = Cell::new(0);
+    let goes_on = || asked.replace(asked.get() + 1) < 5;
+    assert!(
+        simulation
+            .find_equilibrium_while(&goes_on)
+            .unwrap()
+            .is_none()
+    );
+    assert_eq!(simulation.positions(), before);
+    let mut untouched = Simulation::new(
+        &cantilever(gravity(15.0)),
+        &IntegrationParameters::default(),
+    )
+    .unwrap();
+    simulation.find_equilibrium().unwrap();
+    untouched.find_equilibrium().unwrap();
+    assert_eq!(simulation.positions(), untouched.positions());
+}

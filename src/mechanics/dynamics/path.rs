@@ -1,0 +1,48 @@
+//! Equilibria along a path.
+
+use super::Simulation;
+use super::report::SimulationError;
+use crate::mechanics::statics::{PathPlan, PathPoint, Tracer};
+
+const NO_PATH: &str = "a path of equilibria needs forces that have an energy: no friction, no contact by complementarity, no moments of fixed direction (turn a clamp instead)";
+
+impl Simulation {
+    /// A tracer of the path of equilibria that begins at the present configuration; what the scene
+    /// prescribes over time it takes from the path parameter.
+    ///
+    /// # Errors
+    /// [`SimulationError::BadScene`] with friction, with rigid contact, and with moments of fixed direction,
+    /// whose Hessians are not symmetric.
+    pub fn path(&self, plan: PathPlan) -> Result<Tracer, SimulationError> {
+        if self.system.has_constraints() || !self.system.is_symmetric() {
+            return Err(SimulationError::BadScene(NO_PATH.into()));
+        }
+        let tolerance = self.parameters.force_tolerance;
+        Ok(Tracer::new(&self.system, &self.unknowns, plan, tolerance))
+    }
+
+    /// Goes to the next point of a path; `None` after the last. The time is the path parameter then.
+    ///
+    /// # Errors
+    /// [`SimulationError::NoEquilibrium`] where the path cannot be followed.
+    pub fn next_point(
+        &mut self,
+        tracer: &mut Tracer,
+    ) -> Result<Option<PathPoint>, SimulationError> {
+        self.trial.copy_from_slice(&self.unknowns);
+        let point = tracer
+            .next(&mut self.system)
+            .map_err(|divergence| self.no_equilibrium(&divergence))?;
+        if let Some(point) = &point {
+            self.time = point.parameter;
+            self.unknowns.copy_from_slice(&point.unknowns);
+            self.system.reference.clone_from(&point.reference);
+            self.system.drive(self.time, &mut self.unknowns);
+            self.system.evaluate(&self.unknowns, None);
+            self.velocity.fill(0.0);
+            self.history.forget();
+            self.publish();
+        }
+        Ok(point)
+    }
+}

@@ -1,0 +1,296 @@
+//! Paths of equilibria with known critical points and branches.
+
+use super::{IntegrationParameters, Simulation};
+use crate::mechanics::Vector3;
+use crate::mechanics::scene::{
+    Clamp, Load, LoadKind, Motion, NaturalShape, RodDescription, Scene, Stiffness,
+};
+use crate::mechanics::statics::{PathMethod, PathPlan, PathPoint, PointKind};
+use std::f64::consts::PI;
+
+const EDGES: usize = 40;
+
+fn rod(centreline: Vec<Vector3>) -> RodDescription {
+    RodDescription {
+        name: "rod".into(),
+        centreline,
+        closed: false,
+        end_tangents: [None; 2],
+        first_director: Some(Vector3::z()),
+        twist: 0.0,
+        natural_shape: NaturalShape::AsPlaced,
+        // Soft about the first director alone: it bends in the plane of x and y.
+        stiffness: Stiffness {
+            stretching: 1e5,
+            bending: [50.0, 1.0],
+            twisting: 10.0,
+        },
+        radius: 1e-2,
+        mass_per_length: 1.0,
+        rotational_inertia_per_length: 1e-4,
+        velocity: Vector3::zeros(),
+        angular_velocity: Vector3::zeros(),
+        held: false,
+    }
+}
+
+fn clamp(node: usize) -> Clamp {
+    Clamp {
+        rod: 0,
+        node,
+        holds_position: true,
+        holds_frame: true,
+        motion: Motion::default(),
+    }
+}
+
+/// A force that is the parameter times `force`.
+fn growing(node: usize, force: Vector3) -> Load {
+    Load {
+        kind: LoadKind::Force {
+            rod: 0,
+            node,
+            force,
+        },
+        schedule: vec![(-1e3, -1e3), (1e3, 1e3)],
+    }
+}
+
+fn column() -> Scene {
+    let node = |k: usize| k as f64 / EDGES as f64 * Vector3::x();
+    Scene {
+        rods: vec![rod((0..=EDGES).map(node).collect())],
+        clamps: vec![clamp(0)],
+        loads: vec![growing(EDGES, -Vector3::x())],
+        ..Scene::default()
+    }
+}
+
+/// An arch between two walls, pushed down in its middle; so flat that it stays symmetric.
+fn arch() -> Scene {
+    let node = |k: usize| {
+        let s = k as f64 / EDGES as f64;
+        Vector3::new(s, 0.018 * (1.0 - (2.0 * PI * s).cos()), 0.0)
+    };
+    Scene {
+        rods: vec![rod((0..=EDGES).map(node).collect())],
+        clamps: vec![clamp(0), clamp(EDGES)],
+        loads: vec![growing(EDGES / 2, -Vector3::y())],
+        ..Scene::default()
+    }
+}
+
+fn plan(to: f64, method: PathMethod) -> PathPlan {
+    PathPlan {
+        from: 0.0,
+        to,
+        step: 0.02 * to,
+        largest_step: 0.04 * to,
+        method,
+        switch_branches: true,
+        most_points: 300,
+    }
+}
+
+fn follow(scene: &Scene, plan: PathPlan) -> (Vec<PathPoint>, bool) {
+    let parameters = IntegrationParameters::default();
+    let mut simulation = Simulation::new(scene, &parameters).unwrap();
+    let mut path = simulation.path(plan).unwrap();
+    let mut points = Vec::new();
+    loop {
+        match simulation.next_point(&mut path) {
+            Ok(Some(point)) => points.push(point),
+            Ok(None) => return (points, true),
+            Err(_) => return (points, false),
+        }
+    }
+}
+
+#[test]
+fn a_column_buckles_at_eulers_load_into_two_mirrored_branches() {
+    for method in [PathMethod::Natural, PathMethod::Arclength] {
+        let (points, finished) = follow(&column(), plan(4.0, method));
+        assert!(finished);
+        let critical = points.iter().find(|point| point.kind != PointKind::Regular);
+        let critical = critical.unwrap();
+        assert_eq!(critical.kind, PointKind::Bifurcation);
+        assert!((critical.parameter / (0.25 * PI * PI) - 1.0).abs() < 5e-4);
+        for point in points
+            .iter()
+            .filter(|point| point.kind == PointKind::Regular)
+        {
+            let buckled = point.branch > 0;
+            let stable = buckled || point.parameter < critical.parameter;
+            assert_eq!(point.negative == 0, stable, "{}", point.parameter);
+            assert_eq!(point.lowest_eigenvalue > 0.0, stable, "{}", point.parameter);
+        }
+        let end = |branch: usize| {
+            let last = points.iter().rfind(|point| point.branch == branch).unwrap();
+            assert_eq!(last.parameter, 4.0);
+            last.unknowns[4 * EDGES + 1]
+        };
+        // The elastica at P/P_c = 1.6211 has sin²(α/2) = 0.7103 and a tip at 2 √(EI/P) sin(α/2).
+        let tip = 2.0 * (1.0f64 / 4.0).sqrt() * tip_modulus(4.0);
+        assert!(end(0).abs() < 1e-9);
+        assert!((end(1).abs() / tip - 1.0).abs() < 1e-3, "{} {tip}", end(1));
+        assert!((end(1) + end(2)).abs() < 1e-6 * tip);
+    }
+}
+
+/// Modulus k of the elastica of unit length and stiffness under the end load P: K(k) = √P.
+fn tip_modulus(load: f64) -> f64 {
+    let quarter_period = |k: f64| {
+        // By the arithmetic–geometric mean (Abramowitz & Stegun 17.6.3).
+        let (mut a, mut g): (f64, f64) = (1.0, (1.0 - k * k).sqrt());
+        for _ in 0..30 {
+            (a, g) = (0.5 * (a + g), (a * g).sqrt());
+        }
+        PI / (2.0 * a)
+    };
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if quarter_period(middle) < load.sqrt() {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low
+}
+
+#[test]
+fn the_path_of_an_arch_turns_back_at_a_fold_where_it_loses_stability() {
+    let mut scene = arch();
+    scene.rods[0].stiffness.stretching = 2e4;
+    let to = 200.0;
+    let (points, finished) = follow(
+        &scene,
+        PathPlan {
+            switch_branches: false,
+            largest_step: 0.004 * to,
+            step: 0.004 * to,
+            most_points: 2000,
+            ..plan(to, PathMethod::Arclength)
+        },
+    );
+    assert!(finished);
+    let first = points
+        .iter()
+        .position(|point| point.kind == PointKind::Fold)
+        .unwrap();
+    let fold = &points[first];
+    let (lowest, start) = (fold.lowest_eigenvalue, points[0].lowest_eigenvalue);
+    assert!(lowest.abs() < 1e-3 * start, "{lowest} of {start}");
+    for point in &points {
+        // None lies beyond the fold before the arch has turned over.
+        let up = point.unknowns[4 * (EDGES / 2) + 1] > 0.0;
+        assert!(!up || point.parameter <= fold.parameter * (1.0 + 1e-6));
+    }
+    assert!(points[first - 1].negative == 0 && points[first + 2].negative == 1);
+    assert!(points[first + 2].parameter < fold.parameter);
+}
+
+#[test]
+fn the_lowest_eigenvalue_is_that_of_the_dense_matrix() {
+    let mut simulation = Simulation::new(&column(), &IntegrationParameters::default()).unwrap();
+    let mut path = simulation.path(plan(4.0, PathMethod::Natural)).unwrap();
+    while let Some(point) = simulation.next_point(&mut path).unwrap() {
+        let weight = |unknown: &usize| if unknown % 4 == 3 { EDGES as f64 } else { 1.0 };
+        let scales: Vec<f64> = simulation.free_unknowns().iter().map(weight).collect();
+        let mut matrix = simulation.stiffness_matrix();
+        for i in 0..scales.len() {
+            for j in 0..scales.len() {
+                matrix[(i, j)] *= scales[i] * scales[j];
+            }
+        }
+        let lowest = matrix.symmetric_eigenvalues().min();
+        let error = (point.lowest_eigenvalue - lowest).abs();
+        assert!(
+            error < 1e-5 * lowest.abs() + 1e-7,
+            "{lowest} {}",
+            point.lowest_eigenvalue
+        );
+        if point.branch > 0 {
+            break;
+        }
+    }
+}
+
+#[test]
+fn moments_of_fixed_direction_have_no_path() {
+    let mut scene = column();
+    scene.loads.push(Load {
+        kind: LoadKind::Moment {
+            rod: 0,
+            edge: 3,
+            moment: Vector3::x(),
+        },
+        schedule: Vec::new(),
+    });
+    let simulation = Simulation::new(&scene, &IntegrationParameters::default()).unwrap();
+    let refused = simulation.path(plan(1.0, PathMethod::Natural));
+    assert!(refused.err().unwrap().to_string().contains("turn a clamp"));
+}
+
+#[test]
+fn a_fold_and_a_bifurcation_within_one_step_are_told_apart() {
+    let mut scene = arch();
+    scene.rods[0].stiffness.stretching = 2e4;
+    // Just so high that it tips over about when it snaps.
+    for x in &mut scene.rods[0].centreline {
+        x.y *= 0.0224 / 0.018;
+    }
+    let to = 400.0;
+    let (points, finished) = follow(
+        &scene,
+        PathPlan {
+            switch_branches: false,
+            ..plan(to, PathMethod::Arclength)
+        },
+    );
+    assert!(finished);
+    let critical: Vec<usize> = (0..points.len())
+        .filter(|&k| points[k].kind != PointKind::Regular)
+        .collect();
+    let kinds: Vec<PointKind> = critical.iter().map(|&k| points[k].kind).collect();
+    let (fold, bifurcation) = (PointKind::Fold, PointKind::Bifurcation);
+    assert_eq!(
+        kinds,
+        [fold, bifurcation, bifurcation, fold],
+        "{critical:?}"
+    );
+    assert_eq!(critical[0] + 1, critical[1], "{critical:?}");
+    for &k in &critical {
+        assert!(points[k].parameter_error < 1e-8 * to);
+    }
+    assert_eq!(points[critical[1]].negative, 2);
+}
+
+#[test]
+fn a_round_column_buckles_in_two_directions_at_once_and_turns_without_resistance() {
+    let mut scene = column();
+    scene.rods[0].stiffness.bending = [1.0; 2];
+    let (points, finished) = follow(&scene, plan(4.0, PathMethod::Arclength));
+    assert!(finished);
+    let critical = points.iter().find(|point| point.kind != PointKind::Regular);
+    let critical = critical.unwrap();
+    assert_eq!(
+        (critical.kind, critical.negative),
+        (PointKind::Bifurcation, 2)
+    );
+    let tip = 2.0 * (1.0f64 / 4.0).sqrt() * tip_modulus(4.0);
+    let buckled: Vec<_> = points.iter().filter(|point| point.branch > 0).collect();
+    assert_eq!(buckled.iter().map(|point| point.branch).max(), Some(4));
+    for point in buckled.iter().filter(|point| point.parameter == 4.0) {
+        let deflection = point.unknowns[4 * EDGES + 1].hypot(point.unknowns[4 * EDGES + 2]);
+        assert!((deflection / tip - 1.0).abs() < 1e-3, "{deflection} {tip}");
+        assert_eq!(point.negative, 0);
+        // Not that of turning about the column.
+        assert!(
+            point.lowest_eigenvalue > 0.01,
+            "{}",
+            point.lowest_eigenvalue
+        );
+    }
+}

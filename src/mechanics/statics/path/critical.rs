@@ -1,0 +1,176 @@
+//! Critical points: where the number of negative eigenvalues changes between two points of a path, and
+//! where other branches leave from there.
+
+use super::location::{Location, PointKind};
+use super::tracer::{Tangent, Tracer};
+use crate::mechanics::statics::spectrum::{inner, inverse_iteration, scale_angles};
+use crate::mechanics::system::System;
+use serde::{Deserialize, Serialize};
+
+/// Arclength to which a critical point is located; 1 is the range of the parameter.
+const TOLERANCE: f64 = 1e-8;
+/// Where a bracket is divided: in its middle, or beside it where Newton's method fails there.
+const SHARES: [f64; 5] = [0.5, 0.3, 0.7, 0.1, 0.9];
+/// Most critical points between two neighbouring points.
+const MOST_IN_A_STEP: usize = 8;
+/// The null vector v of a bifurcation has v·∂R/∂λ = 0; it is a fold where this cosine is larger. Seen are 1e-9
+/// and less at bifurcations and some hundredths at folds.
+const LARGEST_COUPLING: f64 = 1e-4;
+/// Halvings of the first step onto a new branch.
+const HALVINGS: usize = 6;
+
+/// Where another branch leaves.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Origin {
+    location: Location,
+    /// Direction of the branch: plus or minus the null vector.
+    direction: Tangent,
+}
+
+impl Tracer {
+    /// Hands out the critical points between `here` and `next`, which lies `step` ahead along `tangent`.
+    pub(super) fn locate_critical_points(
+        &mut self,
+        system: &mut System,
+        here: &Location,
+        tangent: &Tangent,
+        next: &Location,
+        step: f64,
+    ) {
+        let after = std::mem::replace(&mut self.tangent, tangent.clone());
+        let mut low = here.clone();
+        for _ in 0..MOST_IN_A_STEP {
+            if low.negative == next.negative {
+                break;
+            }
+            let high = self.bracket(system, &mut low, next, step);
+            self.hand_out_critical(system, &low, &high);
+            low = high;
+        }
+        self.tangent = after;
+    }
+
+    /// Narrows the way from `low` to `next` to the first change of the number of negative eigenvalues that
+    /// bisection meets; returns its far end.
+    fn bracket(
+        &mut self,
+        system: &mut System,
+        low: &mut Location,
+        next: &Location,
+        step: f64,
+    ) -> Location {
+        let mut high = next.clone();
+        let mut length = step;
+        while length > TOLERANCE {
+            let divided = SHARES
+                .into_iter()
+                .find_map(|share| Some((share, self.between(system, low, &high, share).ok()?)));
+            // So near the critical point that Newton's method cannot tell where it goes.
+            let Some((share, middle)) = divided else {
+                break;
+            };
+            if middle.negative == low.negative {
+                *low = middle;
+                length *= 1.0 - share;
+            } else {
+                high = middle;
+                length *= share;
+            }
+        }
+        high
+    }
+
+    /// Hands out the critical point between two points next to it.
+    fn hand_out_critical(&mut self, system: &mut System, low: &Location, high: &Location) {
+        let crossing = high.negative.abs_diff(low.negative);
+        let vectors = self.null_vectors(system, high, crossing);
+        let coupling = vectors.iter().map(|vector| self.coupling(vector));
+        let kind = if coupling.fold(0.0, f64::max) > LARGEST_COUPLING {
+            PointKind::Fold
+        } else {
+            PointKind::Bifurcation
+        };
+        let error = (high.parameter - low.parameter).abs();
+        self.hand_out(system, high, kind, error);
+        if kind == PointKind::Bifurcation && self.plan.switch_branches && self.branch == 0 {
+            for vector in vectors {
+                self.remember(high, vector);
+            }
+        }
+    }
+
+    /// The vectors of so many eigenvalues that are nearest to zero; leaves ∂R/∂λ in `rate`.
+    fn null_vectors(
+        &mut self,
+        system: &mut System,
+        location: &Location,
+        count: usize,
+    ) -> Vec<Vec<f64>> {
+        let mut unknowns = self.place(system, location);
+        self.bordered
+            .differentiate(system, &mut unknowns, location.parameter);
+        let mut known = location.neutral.clone();
+        let mut vectors = Vec::new();
+        if self.bordered.linearize(system, &unknowns).is_some() {
+            for _ in 0..count {
+                let mut vector = vec![0.0; unknowns.len()];
+                if inverse_iteration(system, &mut vector, &known).is_none() {
+                    break;
+                }
+                known.push(vector.clone());
+                vectors.push(vector);
+            }
+        }
+        vectors
+    }
+
+    /// |v·∂R/∂λ| over the norms of both, for a vector v of norm 1.
+    fn coupling(&self, vector: &[f64]) -> f64 {
+        let weight = self.bordered.neutral.weight();
+        let mut force = self.bordered.rate.clone();
+        let product: f64 = vector.iter().zip(&force).map(|(v, b)| v * b).sum();
+        scale_angles(&mut force, 1.0 / weight);
+        product.abs() / inner(&force, &force, weight).sqrt()
+    }
+
+    /// Notes the two branches that leave at a bifurcation along a null vector.
+    fn remember(&mut self, location: &Location, vector: Vec<f64>) {
+        let mut direction = Tangent {
+            unknowns: vector,
+            parameter: 0.0,
+        };
+        let length = self.inner(&direction, &direction).sqrt();
+        direction.unknowns.iter_mut().for_each(|t| *t /= length);
+        for _ in 0..2 {
+            self.origins.push_back(Origin {
+                location: location.clone(),
+                direction: direction.clone(),
+            });
+            direction.unknowns.iter_mut().for_each(|t| *t = -*t);
+        }
+    }
+
+    /// Steps onto a branch; false where there is none to be found.
+    pub(super) fn switch(&mut self, system: &mut System, origin: &Origin) -> bool {
+        self.begin_branch();
+        let Origin {
+            location,
+            direction,
+        } = origin;
+        for halving in 0..HALVINGS {
+            let length = self.first_step() * 0.5f64.powi(halving as i32);
+            let predicted: Vec<f64> = (location.unknowns.iter().zip(&direction.unknowns))
+                .map(|(q, t)| q + length * t)
+                .collect();
+            let condition = self.across(direction, location.parameter, &predicted);
+            let Ok(first) = self.correct(system, location, &condition, predicted) else {
+                continue;
+            };
+            self.turn_tangent(Some(direction));
+            self.hand_out(system, location, PointKind::Bifurcation, 0.0);
+            self.arrive(system, first);
+            return true;
+        }
+        false
+    }
+}

@@ -1,0 +1,52 @@
+//! Places on a path.
+
+use crate::mechanics::rod::ReferenceFrames;
+use crate::mechanics::statics::neutral::NeutralModes;
+use serde::{Deserialize, Serialize};
+
+/// An equilibrium and the frames it was computed with.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Location {
+    pub parameter: f64,
+    pub unknowns: Vec<f64>,
+    pub reference: ReferenceFrames,
+    /// Number of negative eigenvalues of the Hessian.
+    pub negative: usize,
+    /// Its null vectors.
+    pub neutral: NeutralModes,
+}
+
+/// What happens to the path at a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum PointKind {
+    /// Nothing.
+    Regular,
+    /// Stability changes, and the parameter turns back.
+    Fold,
+    /// Stability changes, and another branch crosses.
+    Bifurcation,
+}
+
+/// A point of the path.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct PathPoint {
+    /// Number of the branch; 0 is the one that starts where the plan says.
+    pub branch: usize,
+    /// The path parameter λ.
+    pub parameter: f64,
+    /// How far λ is at most from that of the critical point; 0 where the point is not critical.
+    pub parameter_error: f64,
+    /// Unknowns, 4 per node.
+    pub unknowns: Vec<f64>,
+    /// Frames of the edges.
+    pub reference: ReferenceFrames,
+    /// Directions in which the energy falls; at a critical point those just behind it.
+    pub negative: usize,
+    /// Lowest eigenvalue of the Hessian over motions of the nodes in m and of the edges in rad times the
+    /// shortest edge, but for motions without stiffness, N/m.
+    pub lowest_eigenvalue: f64,
+    /// Whether the point is critical.
+    pub kind: PointKind,
+    /// Newton iterations spent on it and on the way to it.
+    pub iterations: usize,
+}

@@ -1,0 +1,16 @@
+//! Paths of equilibria R(q, λ) = 0 (continuation).
+//!
+//! The path parameter λ stands in the place of time, so that whatever a scene prescribes over time may
+//! drive the path: clamps that move and loads with a schedule. [`Tracer`] walks along a path by steps of
+//! λ or of pseudo-arclength (Keller 1977; Riks 1979), finds folds and bifurcations by the inertia of the
+//! Hessian, and switches to the branches that leave there along the null vector.
+
+mod bordered;
+mod critical;
+mod location;
+mod plan;
+mod tracer;
+
+pub use location::{PathPoint, PointKind};
+pub use plan::{PathMethod, PathPlan};
+pub use tracer::{EndedEarly, Tracer};

@@ -1,0 +1,54 @@
+//! `branch.csv`: a row per point of a path of equilibria.
+
+use super::ResultsError;
+use super::directory::BRANCH;
+use super::stream::read_rows;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// A row of `branch.csv`; the fields are the columns.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BranchRow {
+    /// Number of the branch; 0 is the one that begins at the start of the path.
+    pub branch: usize,
+    /// The path parameter.
+    pub parameter: f64,
+    /// How far it is at most from that of the critical point; 0 where the point is not critical.
+    pub parameter_error: f64,
+    /// Root mean square of the nodes' displacement from where they were placed.
+    pub displacement_rms_m: f64,
+    /// Energy of stretching, bending and twisting.
+    pub elastic_energy_j: f64,
+    /// Elastic energy with the potentials of contact and gravity; that of other loads is not in it.
+    pub energy_j: f64,
+    /// Negative pivots of the Hessian: directions in which the energy falls.
+    pub negative_pivots: usize,
+    /// Whether there are none.
+    pub stable: bool,
+    /// Lowest eigenvalue of the Hessian.
+    pub lowest_eigenvalue_n_per_m: f64,
+    /// `regular`, or what makes the point critical.
+    pub kind: BranchKind,
+    /// Newton iterations from the point before.
+    pub newton_iterations: usize,
+}
+
+/// What happens to a path at a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum BranchKind {
+    /// Nothing.
+    Regular,
+    /// The parameter turns back.
+    Fold,
+    /// Another branch crosses.
+    Bifurcation,
+}
+
+/// Reads `branch.csv` of a results directory; a last row that a crash left in part is left out.
+///
+/// # Errors
+/// [`ResultsError::Io`] where there is no such file, [`ResultsError::Damaged`] where it is no such table.
+pub fn read_branches(directory: &Path) -> Result<Vec<BranchRow>, ResultsError> {
+    read_rows(&directory.join(BRANCH))
+}

@@ -1,0 +1,54 @@
+//! Equilibria of a heavy cantilever of 100 edges: from straight, and from that under one hundredth more or less
+//! weight, by the search that goes downhill and by the one that goes to the nearest.
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use rodlab::mechanics::dynamics::Simulation;
+use rodlab::{experiment, scenario};
+use std::path::Path;
+
+fn simulation() -> Simulation {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/heavy_cantilever.toml");
+    let finer = ["rods.beam.edges=100".to_owned()];
+    let loaded = scenario::load(&path, &finer).expect("a valid scenario");
+    let prepared = experiment::prepare(&loaded.scenario).expect("a valid scene");
+    Simulation::new(&prepared.scene, &prepared.integration).expect("sound")
+}
+
+fn equilibrium(criterion: &mut Criterion) {
+    criterion.bench_function("equilibrium of 100 edges, from straight", |bencher| {
+        bencher.iter_batched(
+            simulation,
+            |mut simulation| simulation.find_equilibrium().expect("converges"),
+            criterion::BatchSize::SmallInput,
+        );
+    });
+
+    // Extra weight on every node, on and off in turn.
+    let weight = nalgebra::Vector3::new(0.0, 0.0, -7.7e-5);
+    let forces = [vec![weight; 101], vec![-weight; 101]];
+    let moments = vec![0.0; 101];
+    let mut simulation = simulation();
+    simulation.find_equilibrium().expect("converges");
+    let mut turn = forces.iter().cycle();
+    criterion.bench_function(
+        "equilibrium of 100 edges, from a nearby one, downhill",
+        |bencher| {
+            bencher.iter(|| {
+                simulation.set_external_forces(turn.next().expect("endless"), &moments);
+                simulation.find_equilibrium().expect("converges")
+            });
+        },
+    );
+    criterion.bench_function(
+        "equilibrium of 100 edges, from a nearby one, nearest",
+        |bencher| {
+            bencher.iter(|| {
+                simulation.set_external_forces(turn.next().expect("endless"), &moments);
+                simulation.find_nearby_equilibrium().expect("converges")
+            });
+        },
+    );
+}
+
+criterion_group!(benches, equilibrium);
+criterion_main!(benches);
