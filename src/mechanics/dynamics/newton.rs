@@ -11,6 +11,8 @@ pub struct Stopping {
     pub force: f64,
     /// Largest correction of a position, m.
     pub displacement: f64,
+    /// Farthest that an iteration may move a position, m; one that would goes astray.
+    pub farthest: f64,
     /// Most iterations.
     pub iterations: usize,
     /// Whether to give up earlier, where the residual does not fall or a line search would be needed: a smaller
@@ -87,7 +89,8 @@ impl Newton {
             let solved = system
                 .factor()
                 .and_then(|_| system.direction(&mut self.direction));
-            if solved.is_err() || self.direction.iter().any(|d| !d.is_finite()) {
+            let astray = !(largest_move(&self.direction) <= stopping.farthest);
+            if solved.is_err() || astray || self.direction.iter().any(|d| !d.is_finite()) {
                 return Err(Divergence {
                     residual: f64::NAN,
                     ..failed

@@ -18,6 +18,10 @@ const PREDICTED_PART: f64 = 0.9;
 /// step could be halved until it is smaller than the smallest.
 const PATIENT_PART: f64 = 1.0 / 64.0;
 
+/// Farthest way of an iteration from a predictor of third order, in radii. Where predicted contacts press hard, Newton's
+/// method may leap to another solution of the step, centimetres away, from which the rods would only slowly return.
+const LEAP: f64 = 0.2;
+
 /// What one attempt at a step found.
 pub(super) struct Attempt {
     pub iterations: usize,
@@ -64,6 +68,10 @@ impl Simulation {
                 Some(&self.stage),
             ),
             displacement: self.parameters.displacement_tolerance * self.radius,
+            farthest: match self.parameters.scheme {
+                Scheme::BackwardDifferences => LEAP * self.radius,
+                Scheme::ImplicitEuler | Scheme::ImplicitMidpoint => f64::INFINITY,
+            },
             iterations: self.parameters.maximum_iterations,
             gives_up: self.system.rubs() && step > PATIENT_PART * self.parameters.step.largest(),
         };
