@@ -30,11 +30,20 @@ use crate::mechanics::{Matrix3, Vector3};
 
 /// Growth of the step up to which differences of second and third order are stable: 1 + √2 and 1.53 (Calvo, Grande and
 /// Grigorieff 1990). Beyond the first a step is one of implicit Euler.
-const LARGEST_GROWTHS: [f64; 2] = [2.1, 1.45];
+const LARGEST_GROWTHS: [f64; 2] = [2.1, 1.51];
 
 /// Largest angle ω(h₋₁ + h₀ + h) that is fitted, rad. What turns faster than the steps resolve is not followed but
 /// damped.
 const LARGEST_ANGLE: f64 = 1.0;
+
+/// Least number of steps, chosen by the error, in which a clamp turns once. The error of each step stands for that of
+/// many: where bundled flagella bear on each other, what larger steps lose adds up.
+const STEPS_PER_TURN: f64 = 200.0;
+
+/// Largest step that the error may choose where clamps turn with ω, s.
+pub(super) fn largest_step(turning: f64) -> f64 {
+    std::f64::consts::TAU / (STEPS_PER_TURN * turning)
+}
 
 /// The stage of a step and its predictor, see above.
 #[derive(Clone, Copy, Debug, PartialEq)]

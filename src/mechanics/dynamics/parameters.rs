@@ -51,6 +51,17 @@ impl StepSize {
             Self::Fixed(step) | Self::Auto { maximum: step, .. } => step,
         }
     }
+
+    /// The same with steps chosen by the error no larger than `largest`, s; fixed steps stay.
+    pub(super) fn limited(self, largest: f64) -> Self {
+        match self {
+            Self::Fixed(_) => self,
+            Self::Auto { tolerance, maximum } => Self::Auto {
+                tolerance,
+                maximum: maximum.min(largest),
+            },
+        }
+    }
 }
 
 impl Default for IntegrationParameters {

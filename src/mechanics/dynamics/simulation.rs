@@ -1,5 +1,6 @@
 //! A running simulation: owns the state and advances it step by step.
 
+use super::backward_difference::largest_step;
 use super::failure::Failure;
 use super::history::History;
 use super::newton::Newton;
@@ -57,6 +58,11 @@ impl Simulation {
         if system.has_constraints() && parameters.scheme != Scheme::ImplicitEuler {
             return Err(SimulationError::BadScene(ONLY_EULER.into()));
         }
+        let mut parameters = *parameters;
+        if parameters.scheme == Scheme::BackwardDifferences {
+            let largest = largest_step(system.assembly.steady_turning());
+            parameters.step = parameters.step.limited(largest);
+        }
         let assembly = &system.assembly;
         let (unknowns, velocity) = (assembly.unknowns.clone(), assembly.velocity.clone());
         let nodes = assembly.rods.nodes;
@@ -86,7 +92,7 @@ impl Simulation {
             .map(|rod| rod.radius);
         let mut simulation = Self {
             fluid,
-            parameters: *parameters,
+            parameters,
             time: 0.0,
             history: History::begin(&unknowns, &velocity),
             control: match parameters.scheme {

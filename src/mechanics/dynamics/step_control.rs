@@ -3,6 +3,8 @@
 //! Where rods rub and a step of the grid fails, the next ones stay small, grow slowly, and still hit every time of the grid.
 //! A tangle of rubbing rods that slips fails at the whole step many times in a row, and each
 //! failure costs more than all the small steps in its place.
+//!
+//! Automatic steps lead evenly to the times that are wanted, such as those of outputs.
 
 use super::parameters::StepSize;
 use serde::{Deserialize, Serialize};
@@ -21,6 +23,8 @@ const RECOVERY: f64 = 1.1;
 /// First step of a scheme of several steps, as a part of those of its fixed grid: Euler's error, of second order in one
 /// step, is then below the third order's of a whole step.
 const FIRST_PART: f64 = 1.0 / 64.0;
+/// Steps before a wanted time that are made even.
+const EVEN_STEPS: f64 = 4.0;
 /// An error beyond this multiple of the tolerance refuses the step.
 const REFUSAL: f64 = 4.0;
 
@@ -73,7 +77,15 @@ impl StepControl {
             }
             StepSize::Auto { maximum, .. } => {
                 let step = self.proposal.min(maximum);
-                (time + step, step)
+                // The last steps before a wanted time are even: a tiny one at the end would be followed by one so much
+                // larger that differences over several steps lose their order.
+                let remaining = until - time;
+                if remaining < EVEN_STEPS * step {
+                    let steps = (remaining / step - SNAP).ceil().max(1.0);
+                    (time + remaining / steps, step)
+                } else {
+                    (time + step, step)
+                }
             }
         };
         if goal >= until - SNAP * step {
@@ -166,6 +178,29 @@ mod tests {
             assert!((end - expected).abs() < 1e-12);
         }
         assert_eq!((ends[3], ends[7]), (1.0, 2.0));
+    }
+
+    #[test]
+    fn automatic_steps_lead_evenly_to_a_wanted_time() {
+        let size = StepSize::Auto {
+            tolerance: 1e-2,
+            maximum: 1.0,
+        };
+        let control = StepControl { proposal: 0.3 };
+        let (mut time, mut steps) = (0.0, Vec::new());
+        for until in [2.0, 4.0] {
+            while time < until {
+                let goal = control.goal(&size, time, until);
+                steps.push(goal - time);
+                time = goal;
+            }
+            assert_eq!(time, until);
+        }
+        let least = (EVEN_STEPS - 1.0) / EVEN_STEPS * 0.3;
+        assert!(
+            steps.iter().all(|&step| step > least && step < 0.3 + 1e-12),
+            "{steps:?}"
+        );
     }
 
     #[test]
