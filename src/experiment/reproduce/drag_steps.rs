@@ -9,12 +9,13 @@ use crate::figure::{AxisScale, Curve, LinePlot, PlotStyle, styled_line_plots};
 use serde::Serialize;
 
 /// Time steps that are compared; the first is the measure of the others.
-pub(super) const STEPS: [(Scheme, Step); 11] = [
+pub(super) const STEPS: [(Scheme, Step); 12] = [
     (Scheme::BackwardDifferences, Step::Fixed(2.5e-4)),
     (Scheme::BackwardDifferences, Step::Fixed(1e-3)),
     (Scheme::BackwardDifferences, Step::Fixed(2e-3)),
     (Scheme::BackwardDifferences, Step::Fixed(5e-3)),
     (Scheme::BackwardDifferences, Step::Fixed(1e-2)),
+    (Scheme::BackwardDifferences, Step::Auto),
     (Scheme::ImplicitEuler, Step::Fixed(1e-3)),
     (Scheme::ImplicitEuler, Step::Fixed(2e-3)),
     (Scheme::ImplicitEuler, Step::Fixed(5e-3)),
