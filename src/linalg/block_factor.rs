@@ -104,6 +104,9 @@ impl BlockFactor {
     fn factor_pivot(&mut self, k: usize, inertia: &mut Inertia) -> Result<(), SingularMatrix> {
         let node = self.symbolic.order[k];
         if self.symmetric {
+            // Rounding makes the two triangles differ, while the blocks beside this one are held once only. Left in,
+            // the difference E would pass on to later pivots as L E Lᵀ, which grows from node to node of a chain.
+            self.pivots[k].mirror_lower_triangle();
             for (row, &pivot) in symmetric_pivots(&self.pivots[k]).iter().enumerate() {
                 inertia.count(pivot, NODE * node + row)?;
             }

@@ -327,6 +327,64 @@ mod tests {
         }
     }
 
+    /// Second differences have stiff and soft directions that turn from node to node. The fourth unknown of
+    /// a node takes no part in those of the node before it, which keeps them in the band.
+    #[test]
+    fn a_stiff_ring_on_weak_springs_is_positive() {
+        let (nodes, spring) = (120, 1e-3);
+        let dimension = NODE * nodes;
+        let mut band = BandedSymmetric::new(dimension);
+        let mut dense = DMatrix::from_diagonal_element(dimension, dimension, spring);
+        (0..dimension).for_each(|k| band.add(k, k, spring));
+        // Three directions of each node, so that an element holds a whole vertex.
+        let elements: Vec<Element> = [nodes - 2, nodes - 1]
+            .map(|k| {
+                std::array::from_fn(|place| {
+                    let unknown = (NODE * k + place) % dimension;
+                    if place < 11 { unknown } else { UNUSED }
+                })
+            })
+            .to_vec();
+        let mut matrices = vec![[[0.0; 12]; 12]; 2];
+        for k in 0..nodes {
+            let angle = 0.7 * k as f64;
+            let (sin, cos) = angle.sin_cos();
+            let axes = [
+                [cos, sin, 0.1, 0.0],
+                [-sin, cos, 0.0, 0.2],
+                [0.1 * cos, 0.0, 1.0, sin],
+                [0.0, 0.1, -sin, 1.0],
+            ];
+            for (axis, stiffness) in axes.iter().zip([1e6, 1e6, 1e4, 1e2]) {
+                let strain: [f64; 11] =
+                    std::array::from_fn(|i| [1.0, -2.0, 1.0][i / NODE] * axis[i % NODE]);
+                let unknown = |i: usize| (NODE * k + i) % dimension;
+                for i in 0..11 {
+                    for j in 0..11 {
+                        let value = stiffness * strain[i] * strain[j];
+                        dense[(unknown(i), unknown(j))] += value;
+                        if k + 2 >= nodes {
+                            matrices[k + 2 - nodes][i][j] += value;
+                        } else if i >= j {
+                            band.add(unknown(i), unknown(j), value);
+                        }
+                    }
+                }
+            }
+        }
+        let system = CoupledSystem::new(dimension, &elements, &vec![false; dimension], true);
+        let mut example = Example {
+            system,
+            dense,
+            band,
+            matrices,
+        };
+        assert_eq!(example.factor().unwrap().unwrap().negative, 0);
+        let (x, expected) = example.solve();
+        let error = (DVector::from_vec(x) - expected).amax();
+        assert!(error < 1e-5, "{error:e}");
+    }
+
     #[test]
     fn held_unknowns_keep_their_right_hand_side() {
         let mut example = example(80, 10, true, 20.0);

@@ -31,6 +31,16 @@ impl Block {
         result
     }
 
+    /// Copies the entries below the diagonal to those above it.
+    #[inline(always)]
+    pub(super) fn mirror_lower_triangle(&mut self) {
+        for c in 0..NODE {
+            for r in c + 1..NODE {
+                self.0[NODE * r + c] = self.0[NODE * c + r];
+            }
+        }
+    }
+
     /// `self` −= X Yᵀ.
     #[inline(always)]
     pub(super) fn subtract_product(&mut self, x: &Self, y: &Self) {

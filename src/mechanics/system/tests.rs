@@ -6,6 +6,7 @@ use crate::mechanics::contact::ContactParameters;
 use crate::mechanics::scene::{
     Clamp, Load, LoadKind, Motion, NaturalShape, Plane, RodDescription, Scene, Stiffness,
 };
+use std::f64::consts::TAU;
 
 fn rod(name: &str, centreline: Vec<Vector3>, closed: bool) -> RodDescription {
     RodDescription {
@@ -314,4 +315,74 @@ fn candidates_that_come_while_nothing_touches_are_in_the_pattern() {
         height -= 0.01;
     };
     assert!(contacts > 0 && height > 0.0);
+}
+
+/// A free ring of unit length and 120 edges, straight by nature, with frames that turn four times around.
+fn twisted_ring(contact: Option<ContactParameters>) -> Scene {
+    let (edges, radius) = (120, 0.01);
+    let corner = |k: usize| {
+        let angle = TAU * k as f64 / edges as f64;
+        Vector3::new(angle.cos(), angle.sin(), 0.0) / TAU
+    };
+    Scene {
+        rods: vec![RodDescription {
+            twist: 4.0 * TAU,
+            natural_shape: NaturalShape::Straight,
+            stiffness: Stiffness {
+                stretching: 4.0 / (radius * radius),
+                bending: [1.0, 1.0],
+                twisting: 2.0 / 3.0,
+            },
+            radius,
+            ..rod("ring", (0..edges).map(corner).collect(), true)
+        }],
+        contact,
+        ..Scene::default()
+    }
+}
+
+#[test]
+fn the_inertia_of_a_twisted_ring_is_that_of_its_eigenvalues() {
+    // Without contact, with candidates that do not touch, and with contacts that push.
+    let contact_at = |distance_tolerance| {
+        Some(ContactParameters {
+            distance_tolerance,
+            ..ContactParameters::default()
+        })
+    };
+    for (contact, touches) in [
+        (None, false),
+        (contact_at(0.001), false),
+        (contact_at(0.05), true),
+    ] {
+        let mut system = System::new(&twisted_ring(contact)).unwrap();
+        let unknowns = perturbed(&system, 1e-6);
+        system.update_candidates(&unknowns);
+        if let Some(contact) = &system.contact {
+            assert!(!contact.candidates().is_empty());
+        }
+        let spin = system.assembly.shortest_edge.powi(2);
+        for shift in [1.0, 100.0, 1e4, 1e6] {
+            system.linearize(&unknowns, None);
+            system.shift(shift, shift * spin);
+            let contacts = system.contact.as_ref().map_or(0, |c| c.contacts().len());
+            assert_eq!(contacts > 0, touches);
+            let dense = system.dense_matrix();
+            let eigenvalues = dense.clone().symmetric_eigenvalues();
+            let rounding = 1e-13 * eigenvalues.amax();
+            assert!(eigenvalues.iter().all(|value| value.abs() > rounding));
+            let negative = eigenvalues.iter().filter(|&&value| value < 0.0).count();
+            let inertia = system.factor().unwrap().expect("a symmetric matrix");
+            assert_eq!(inertia.negative, negative, "shift {shift}");
+
+            let expected =
+                nalgebra::DVector::from_fn(unknowns.len(), |k, _| (0.3 * k as f64).cos());
+            let mut solution = &dense * &expected;
+            system.solve(solution.as_mut_slice()).unwrap();
+            let error = (solution - expected).amax();
+            assert!(error < 1e-8, "shift {shift}: {error:e}");
+            // The symmetric factors have solved it: no others have taken their place.
+            assert!(system.factor().unwrap().is_some(), "shift {shift}");
+        }
+    }
 }
