@@ -3,9 +3,9 @@
 use super::failure::Failure;
 use super::output::print_json;
 use super::solve_knot::KnotInversionArguments;
-use crate::experiment::{FEWEST_EDGES, estimated_critical_distance};
+use crate::experiment::estimated_critical_distance;
 use crate::mechanics::kirchhoff::{HangingStrip, HeavyLoop, Helix, critical_distance};
-use crate::scenario::metres;
+use crate::scenario::{HelixStability, metres};
 use clap::{Args, Subcommand, ValueEnum};
 use serde::Serialize;
 
@@ -167,9 +167,10 @@ fn helix(arguments: &HelixArguments) -> Result<HelixAnswer, Failure> {
 
 fn edges(text: &str) -> Result<usize, String> {
     match text.parse() {
-        Ok(edges) if (FEWEST_EDGES..=MOST_EDGES).contains(&edges) => Ok(edges),
+        Ok(edges) if (HelixStability::FEWEST_EDGES..=MOST_EDGES).contains(&edges) => Ok(edges),
         _ => Err(format!(
-            "a number of edges from {FEWEST_EDGES} to {MOST_EDGES} is needed"
+            "a number of edges from {} to {MOST_EDGES} is needed",
+            HelixStability::FEWEST_EDGES
         )),
     }
 }

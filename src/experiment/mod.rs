@@ -22,7 +22,7 @@ mod view;
 mod workers;
 
 pub use derived::{DerivedNumbers, DerivedRod, derived_numbers};
-pub use helix_stability::{FEWEST_EDGES, discrete_critical_distance, estimated_critical_distance};
+pub use helix_stability::{discrete_critical_distance, estimated_critical_distance};
 pub use knot_observer::KnotObserver;
 pub use plot::{CustomFigure, PlotError, custom_figure, plot_results, write_figure};
 pub use prepared::{Mode, OutputPlan, PreparedRun};

@@ -3,7 +3,7 @@
 use super::discrete_rod::{DiscreteRod, END, deviation};
 use crate::mechanics::dynamics::{IntegrationParameters, Simulation, SimulationError};
 use crate::mechanics::kirchhoff::{CriticalDistance, Helix};
-use crate::scenario::HelixSearch;
+use crate::scenario::{HelixSearch, HelixStability};
 
 /// Twisting over bending stiffness at Poisson's ratio 1/2. Stability does not depend on it.
 const STIFFNESS_RATIO: f64 = 1.0 / 1.5;
@@ -34,8 +34,6 @@ const ROUND_OFF: f64 = 1e-6;
 /// A path ends when the step is this short, as a fraction of the distance. Near the loss Newton's method
 /// loses its speed, which hides it by about as much.
 const PATH_PRECISION: f64 = 1e-6;
-/// Largest distance per edge: the rod turns by half a radian from edge to edge there.
-const LARGEST_TURN: f64 = 0.5;
 /// The search ends when the bracket is this narrow, as a fraction of the distance.
 const PRECISION: f64 = 1e-8;
 
@@ -53,7 +51,8 @@ pub fn discrete_critical_distance(
         stiffness_ratio: STIFFNESS_RATIO,
         bending_stiffness: 1.0,
     };
-    rod.critical_distance(helix, HelixSearch::Fast, LARGEST_TURN * edges as f64, None)
+    let largest = HelixStability::LARGEST_TURN * edges as f64;
+    rod.critical_distance(helix, HelixSearch::Fast, largest, None)
 }
 
 /// The same with an estimate of its error: the error of the mesh falls with the square of the edge length, so

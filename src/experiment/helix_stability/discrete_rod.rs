@@ -7,8 +7,6 @@ use crate::mechanics::scene::{Clamp, Motion, NaturalShape, RodDescription, Scene
 use crate::mechanics::{Matrix3, UnitQuaternion, Vector3};
 use crate::scenario::HelixStability;
 
-/// Fewest edges that make a helix.
-pub const FEWEST_EDGES: usize = 8;
 /// Radius, m. EA = 4 EI/h² then makes the rod as good as inextensible: forces of 100 EI/L² stretch it by
 /// 2.5e-5.
 const RADIUS: f64 = 1e-3;

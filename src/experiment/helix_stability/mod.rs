@@ -23,7 +23,6 @@ mod surface;
 pub(super) use boundary::{Boundary, BoundaryRow, Part, read_boundary};
 pub(super) use comparison::compare;
 pub use critical_distance::{discrete_critical_distance, estimated_critical_distance};
-pub use discrete_rod::FEWEST_EDGES;
 pub(super) use discrete_rod::{DiscreteRod, first_scene};
 pub(super) use sections::section_figures;
 pub(super) use surface::boundary_page;

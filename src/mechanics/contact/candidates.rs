@@ -45,6 +45,22 @@ pub(super) struct Candidates {
     found: Vec<(CandidatePair, f64)>,
 }
 
+/// What belongs to the pairs of a list, for a newer list; for new pairs nothing. Both lists are sorted.
+pub fn carried_over<T: Copy + Default>(
+    old: &[CandidatePair],
+    values: &[T],
+    new: &[CandidatePair],
+) -> Vec<T> {
+    let mut known = old.iter().zip(values).peekable();
+    let carried = new.iter().map(|pair| {
+        while known.next_if(|(before, _)| *before < pair).is_some() {}
+        known
+            .next_if(|(before, _)| *before == pair)
+            .map_or_else(T::default, |(_, value)| *value)
+    });
+    carried.collect()
+}
+
 impl Candidates {
     /// No candidates yet, for a potential that reaches `reach` (m) beyond the surfaces.
     pub fn new(surface: &ContactSurface, reach: f64) -> Self {

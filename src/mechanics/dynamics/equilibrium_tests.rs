@@ -1,10 +1,11 @@
 //! Equilibria with closed forms.
 
+use super::tests::clamp;
 use super::{IntegrationParameters, Simulation};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactModel, ContactParameters};
 use crate::mechanics::scene::{
-    Clamp, Load, LoadKind, Motion, NaturalShape, Plane, RodDescription, Scene, Stiffness,
+    Load, LoadKind, NaturalShape, Plane, RodDescription, Scene, Stiffness,
 };
 use std::cell::Cell;
 use std::f64::consts::PI;
@@ -35,16 +36,6 @@ fn rod() -> RodDescription {
         velocity: Vector3::zeros(),
         angular_velocity: Vector3::zeros(),
         held: false,
-    }
-}
-
-fn clamp(node: usize) -> Clamp {
-    Clamp {
-        rod: 0,
-        node,
-        holds_position: true,
-        holds_frame: true,
-        motion: Motion::default(),
     }
 }
 

@@ -1,10 +1,9 @@
 //! Paths of equilibria with known critical points and branches.
 
+use super::tests::clamp;
 use super::{IntegrationParameters, Simulation};
 use crate::mechanics::Vector3;
-use crate::mechanics::scene::{
-    Clamp, Load, LoadKind, Motion, NaturalShape, RodDescription, Scene, Stiffness,
-};
+use crate::mechanics::scene::{Load, LoadKind, NaturalShape, RodDescription, Scene, Stiffness};
 use crate::mechanics::statics::{PathMethod, PathPlan, PathPoint, PointKind};
 use std::f64::consts::PI;
 
@@ -31,16 +30,6 @@ fn rod(centreline: Vec<Vector3>) -> RodDescription {
         velocity: Vector3::zeros(),
         angular_velocity: Vector3::zeros(),
         held: false,
-    }
-}
-
-fn clamp(node: usize) -> Clamp {
-    Clamp {
-        rod: 0,
-        node,
-        holds_position: true,
-        holds_frame: true,
-        motion: Motion::default(),
     }
 }
 

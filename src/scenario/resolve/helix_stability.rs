@@ -6,13 +6,9 @@ use super::section::{POSITIVE, Section};
 use crate::scenario::resolved::{Directions, Experiment, HelixSearch, HelixStability};
 use crate::scenario::typed;
 
-/// Fewest edges that make a helix.
-const FEWEST_EDGES: usize = 8;
 /// Most edges, and most directions of a list.
 const MOST_EDGES: usize = 10_000;
 const MOST_DIRECTIONS: usize = 10_000_000;
-/// Largest distance per edge: the rod turns by half a radian from edge to edge there.
-const LARGEST_TURN: f64 = 0.5;
 /// Radius over length of the rod of the thesis (section 6.3.4).
 const RADIUS: f64 = 0.781e-3;
 
@@ -26,7 +22,7 @@ pub fn helix_stability(
     let edges = section.count(
         "edges",
         typed.edges.or(Some(100)),
-        FEWEST_EDGES..=MOST_EDGES,
+        HelixStability::FEWEST_EDGES..=MOST_EDGES,
     );
     let radius = section.with_default("radius", &typed.radius, POSITIVE, RADIUS);
     if radius > 0.05 {
@@ -49,17 +45,17 @@ pub fn helix_stability(
     let directions = directions(context, &section, typed.directions.as_ref());
     let edges = edges?;
     let extrapolate = typed.extrapolate.unwrap_or(false);
-    if extrapolate && (edges % 2 == 1 || edges < 2 * FEWEST_EDGES) {
+    if extrapolate && (edges % 2 == 1 || edges < 2 * HelixStability::FEWEST_EDGES) {
         section.fault(
             "edges",
             format!(
                 "{edges} is out of range; allowed with extrapolate = true: even numbers from {}",
-                2 * FEWEST_EDGES
+                2 * HelixStability::FEWEST_EDGES
             ),
         );
     }
     let coarsest = if extrapolate { edges / 2 } else { edges };
-    let farthest = LARGEST_TURN * coarsest as f64;
+    let farthest = HelixStability::LARGEST_TURN * coarsest as f64;
     let largest_distance = section.with_default(
         "largest_distance",
         &typed.largest_distance,

@@ -25,6 +25,13 @@ pub struct HelixStability {
     pub section_directions: usize,
 }
 
+impl HelixStability {
+    /// Fewest edges that make a helix.
+    pub const FEWEST_EDGES: usize = 8;
+    /// Largest distance per edge: the rod turns by half a radian from edge to edge there.
+    pub const LARGEST_TURN: f64 = 0.5;
+}
+
 /// How the rod gets to a point of the (κ, τ, ω) space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
