@@ -16,13 +16,14 @@
 //! elasticity are those where the step ends.
 //!
 //! The drag is that of the predicted motion q̂ + H v*, implicit in each node's own velocity, with the velocity v*
-//! extrapolated by a + c cos ωt + d sin ωt from the last five by least squares: of third order as well, for one solution
+//! extrapolated by a + c cos ωt + d sin ωt from the last four by least squares: of third order as well, for one solution
 //! of the fluid per step.
 //!
-//! Why five, where three would do: what the local resistance D lacks of the drag R, (R − D) v*, is fed back from step to
+//! Why four, where three would do: what the local resistance D lacks of the drag R, (R − D) v*, is fed back from step to
 //! step. Where drag rules, and without elasticity, this rings unless R is between 0.50 and 1.14 of D for three
-//! velocities, and between 0.42 and 1.44 for five. The drag of a free end next to another rod is beyond 1.14; with three
-//! velocities ten flagella in a bundle ring there from steps of 2 ms on, with five not yet at 4 ms.
+//! velocities, and between 0.46 and 1.40 for four; with an inertia of D times the step the upper bounds are 1.70 and
+//! 2.54. The drag of close rods that part, or of a free end beside another rod, is about 2 D. With three velocities ten
+//! flagella in a bundle ring from steps of 1.5 ms on, with four not yet at 2.5 ms.
 //!
 //! Rods on clamps that turn steadily move like a sum of turning with their ω and something slow: BDF3 would get the
 //! speed of the turning wrong by (ωh)³/4, fitted differences do not.
@@ -41,13 +42,18 @@ const LARGEST_GROWTHS: [f64; 2] = [2.1, 1.51];
 /// Velocities that v* is extrapolated from.
 const VELOCITIES: usize = LENGTH + 1;
 
+/// Weight of each of them in the least squares, as a part of that of the next one. Velocities of the same weight would
+/// ring sooner and err more.
+const FADING: f64 = 0.6;
+
 /// Largest angle ω(h₋₁ + h₀ + h) that is fitted, rad. What turns faster than the steps resolve is not followed but
 /// damped.
 const LARGEST_ANGLE: f64 = 1.0;
 
 /// Least number of steps, chosen by the error, in which a clamp turns once. The error of each step stands for that of
-/// many: where bundled flagella bear on each other, what larger steps lose adds up.
-const STEPS_PER_TURN: f64 = 160.0;
+/// many: where bundled flagella bear on each other, what larger steps lose adds up. Over 250 s two of them come 0.5 radii
+/// off those of steps of 1 ms with 160 steps a turn, 7 with 80.
+const STEPS_PER_TURN: f64 = 170.0;
 
 /// Largest step that the error may choose where clamps turn with ω, s.
 pub(super) fn largest_step(turning: f64) -> f64 {
@@ -115,7 +121,7 @@ impl BackwardDifference {
         }
     }
 
-    /// The same with velocities of third order, through a point more, and extrapolated from those at all `times` (at
+    /// The same with velocities of third order, through a point more, and v* extrapolated from those at all `times` (at
     /// least three) ahead of the end of the step.
     fn with_third_order(self, times: &[f64], turning: Turning) -> Self {
         // Each column holds the functions at one point, all zero at the end of the step.
@@ -178,25 +184,25 @@ impl Turning {
         0.5 * self.chord(time).powi(2)
     }
 
-    /// Of all weights of values at `times` before the extrapolated one that are exact for a + c cos ωt + d sin ωt, those
-    /// with the least sum of squares.
+    /// Weights of values at `times` before the one to extrapolate by a + c cos ωt + d sin ωt, fitted by least squares in
+    /// which earlier values count less by [`FADING`] each.
     fn extrapolation(self, times: &[f64]) -> Option<[f64; VELOCITIES]> {
         let scale = times[0];
         let functions = |time: f64| {
-            Vector3::new(
-                1.0,
-                self.sine(time) / scale,
-                self.versine(time) / (scale * scale),
-            )
+            let (sine, versine) = (self.sine(time), self.versine(time));
+            Vector3::new(1.0, sine / scale, versine / (scale * scale))
         };
-        let products = times.iter().map(|&time| {
-            let values = functions(time);
-            values * values.transpose()
-        });
-        let solved = products.sum::<Matrix3>().lu().solve(&Vector3::x())?;
         let mut weights = [0.0; VELOCITIES];
+        let mut counts = 1.0;
+        let mut products = Matrix3::zeros();
         for (weight, &time) in weights.iter_mut().zip(times) {
-            *weight = functions(time).dot(&solved);
+            *weight = counts;
+            products += counts * functions(time) * functions(time).transpose();
+            counts *= FADING;
+        }
+        let solved = products.lu().solve(&Vector3::x())?;
+        for (weight, &time) in weights.iter_mut().zip(times) {
+            *weight *= functions(time).dot(&solved);
         }
         Some(weights)
     }
@@ -275,8 +281,8 @@ mod tests {
         for [earlier_step, step] in steps {
             let (now, end) = (0.4, 0.4 + step);
             let before = now - earlier_step;
-            let times = [now, before, before - 0.1, before - 0.22, before - 0.3];
-            let earlier = [earlier_step, 0.1, 0.12, 0.08];
+            let times = [now, before, before - 0.1, before - 0.22];
+            let earlier = [earlier_step, 0.1, 0.12];
             let difference = BackwardDifference::new(step, earlier, turning);
             let [q, v] = [place, velocity].map(|function| times.map(function));
             let start = q[0]
@@ -328,7 +334,7 @@ mod tests {
     fn steps_that_grow_lower_the_order() {
         let order = |earlier, step| {
             let [last, before] = earlier;
-            let difference = BackwardDifference::new(step, [last, before, 0.0, 0.0], 0.0);
+            let difference = BackwardDifference::new(step, [last, before, 0.0], 0.0);
             1 + difference
                 .weights
                 .iter()

@@ -13,8 +13,8 @@ use serde::{Deserialize, Serialize};
 const SNAP: f64 = 1e-6;
 /// Aimed-at fraction of the largest step that the error estimate would allow.
 const SAFETY: f64 = 0.9;
-/// Bounds on the growth and the decay of the step from one to the next.
-const GROWTH: [f64; 2] = [0.2, 1.5];
+/// Largest decay of the step from one to the next.
+const DECAY: f64 = 0.2;
 /// Iterations above which a step is thought too large for Newton's method, and shrinks.
 const MANY_ITERATIONS: usize = 10;
 /// Growth of a step below that of the fixed grid, after one that succeeded. Chosen by trial in a tangle of two flagella
@@ -33,6 +33,15 @@ const REFUSAL: f64 = 4.0;
 pub struct StepControl {
     /// Next step of automatic control, or of a fixed grid where steps have failed, s.
     proposal: f64,
+}
+
+/// What step control must know of a scheme.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ErrorLaw {
+    /// Power of the step with which the local error falls.
+    pub order: i32,
+    /// Largest growth of the step from one to the next.
+    pub largest_growth: f64,
 }
 
 /// A judgement on a step with error control.
@@ -122,22 +131,14 @@ impl StepControl {
         }
     }
 
-    /// Judges a step of automatic control by its local error (m) and sets the next proposal. `order` is
-    /// the power of the step with which the local error falls.
-    pub fn judge(
-        &mut self,
-        tolerance: f64,
-        step: f64,
-        error: f64,
-        order: i32,
-        iterations: usize,
-    ) -> Verdict {
-        let ratio = (tolerance / error.max(1e-300)).powf(1.0 / f64::from(order));
-        let mut factor = (SAFETY * ratio).clamp(GROWTH[0], GROWTH[1]);
+    /// Judges a step of automatic control by its local error as a multiple of the tolerance, and sets the next proposal.
+    pub fn judge(&mut self, step: f64, error: f64, law: ErrorLaw, iterations: usize) -> Verdict {
+        let ratio = error.max(1e-300).powf(-1.0 / f64::from(law.order));
+        let mut factor = (SAFETY * ratio).clamp(DECAY, law.largest_growth);
         if iterations > MANY_ITERATIONS {
             factor = factor.min(0.7);
         }
-        if error > REFUSAL * tolerance {
+        if error > REFUSAL {
             self.proposal = step * factor.min(0.7);
             return Verdict::Refused(self.proposal);
         }
@@ -234,10 +235,14 @@ mod tests {
             maximum: 1.0,
         };
         let mut control = StepControl::new(&size);
+        let law = ErrorLaw {
+            order: 2,
+            largest_growth: 1.5,
+        };
         // Local error 0.05 h²: the step that meets 1e-6 is √(1e-6/0.05).
         let (tolerance, mut step) = (1e-6, 1e-3);
         for _ in 0..60 {
-            match control.judge(tolerance, step, 0.05 * step * step, 2, 2) {
+            match control.judge(step, 0.05 * step * step / tolerance, law, 2) {
                 Verdict::Accepted => step = control.goal(&size, 0.0, 10.0),
                 Verdict::Refused(smaller) => step = smaller,
             }
