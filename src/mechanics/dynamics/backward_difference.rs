@@ -52,7 +52,7 @@ const LARGEST_ANGLE: f64 = 1.0;
 
 /// Least number of steps, chosen by the error, in which a clamp turns once. The error of each step stands for that of
 /// many: where bundled flagella bear on each other, what larger steps lose adds up. Over 250 s two of them come 0.5 radii
-/// off those of steps of 1 ms with 160 steps a turn, 7 with 80.
+/// off those of steps of 1 ms with 160 steps a turn.
 const STEPS_PER_TURN: f64 = 170.0;
 
 /// Largest step that the error may choose where clamps turn with ω, s.
