@@ -140,7 +140,7 @@ mod tests {
         length: 1.0,
         tolerance: 1e-4,
         determinant: 7,
-        pulled_from: 0.0,
+        pulled_from: 2.0,
         glance_interval: 0.1,
         kinetic_bound: 1e-3,
         may_invert: true,
