@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// Decrease of l̄_k from one glance to the next. The traction between them is a mean, so that its vibrations do not
 /// count; an inversion, which takes 1 or less, is seen whatever the output interval.
-pub const BETWEEN_GLANCES: f64 = 0.1;
+const BETWEEN_GLANCES: f64 = 0.1;
 /// Decrease of l̄_k over which a knot is followed after it has inverted.
 const FOLLOWED: f64 = 10.0;
 /// Decrease of l̄_k between two looks at whether the rod slips.
@@ -40,7 +40,7 @@ impl KnotCourse {
 
     /// Takes note of what was seen of the knot at a glance, when its ends had done so much `work` (J).
     pub fn add(&mut self, time: f64, seen: &KnotGlance, work: f64, observer: &KnotObserver) {
-        self.next = time + observer.glance_interval;
+        self.next = time + 0.5 * BETWEEN_GLANCES * observer.radius / observer.pull_speed;
         let now = (seen.end_to_end, work);
         let Some((distance, earlier)) = self.glance.replace(now) else {
             return;
@@ -141,7 +141,7 @@ mod tests {
         tolerance: 1e-4,
         determinant: 7,
         pulled_from: 2.0,
-        glance_interval: 0.1,
+        pull_speed: 5e-4,
         kinetic_bound: 1e-3,
         may_invert: true,
         ends_after_inversion: true,

@@ -31,8 +31,8 @@ pub struct KnotObserver {
     pub determinant: u64,
     /// When its ends begin to move, s.
     pub pulled_from: f64,
-    /// Time between two glances at the knot while its ends move, s.
-    pub glance_interval: f64,
+    /// Speed of each end from then on, m/s.
+    pub pull_speed: f64,
     /// Largest kinetic over elastic energy of a quasi-static pull.
     pub kinetic_bound: f64,
     /// Whether an inversion is looked for.
@@ -119,6 +119,11 @@ impl KnotObserver {
         }
     }
 
+    /// l̄_k = (L − l_c)/h of the knot at these nodes of its rods (m).
+    pub fn length_normalized(&self, rods: &[&[Vector3]]) -> f64 {
+        (self.length - self.end_to_end(rods, &outward(rods))) / self.radius
+    }
+
     /// Mean distance of the ends of a rod along the directions in which they are pulled, m.
     fn end_to_end(&self, rods: &[&[Vector3]], outward: &[[Vector3; 2]]) -> f64 {
         let reach = |(rod, outward): (&&[Vector3], &[Vector3; 2])| {
@@ -196,7 +201,7 @@ mod tests {
         tolerance: 1e-4,
         determinant: 3,
         pulled_from: 2.0,
-        glance_interval: 0.1,
+        pull_speed: 5e-4,
         kinetic_bound: 1e-3,
         may_invert: true,
         ends_after_inversion: false,

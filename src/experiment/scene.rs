@@ -2,7 +2,6 @@
 
 use super::curve::{SampledCurve, sample};
 use super::gripper_motion::gripper_motion;
-use super::knot_course::BETWEEN_GLANCES;
 use super::knot_observer::KnotObserver;
 use super::prepared::{Mode, OutputPlan, PreparedRun};
 use super::run::RunError;
@@ -158,7 +157,7 @@ fn knot_observer(scenario: &Scenario, scene: &mechanics::Scene) -> Option<KnotOb
             .map(determinant_of_kind)
             .or_else(|| determinant_of_rods(&placed))?,
         pulled_from: knot.settling_time,
-        glance_interval: 0.5 * BETWEEN_GLANCES * rod.radius / knot.pull_speed,
+        pull_speed: knot.pull_speed,
         kinetic_bound: knot.kinetic_bound,
         may_invert: has_long_braid || is_pulled_for_it,
         ends_after_inversion: is_pulled_for_it,

@@ -47,7 +47,7 @@ impl KnotOutcome {
         let (ratio, bound) = (self.kinetic_over_elastic?, self.kinetic_bound?);
         (ratio > bound).then(|| {
             format!(
-                "not quasi-static: the kinetic energy reached {ratio:.1e} of the elastic energy, beyond knot.kinetic_bound = {bound:e}"
+                "not quasi-static: the kinetic energy reached {ratio:.1e} of the elastic energy, beyond knot.kinetic_bound = {bound:e}; a smaller knot.pull_speed, or \"auto\", keeps it below"
             )
         })
     }
