@@ -56,6 +56,11 @@ pub fn main() -> ExitCode {
 fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
     logging::start(&arguments.common);
     arguments.common.start_threads()?;
+    // A thread of the pool shares work out without waking another one first and waiting for it.
+    rayon::scope(|_| run_command(arguments))
+}
+
+fn run_command(arguments: &Arguments) -> Result<(), Failure> {
     match &arguments.command {
         Command::Run(command) => run::run(command, &arguments.common),
         Command::Check(command) => check::check(command, &arguments.common),

@@ -1,5 +1,6 @@
 //! What can be reproduced, and the runs that it takes.
 
+use super::auto_steps;
 use super::bundling::{Bundling, ContactModel, DISTANCE_TOLERANCE, STEP, Scheme};
 use super::drag_steps;
 use super::figure_2_5;
@@ -49,6 +50,8 @@ pub enum Artifact {
     Cost,
     /// Error over the size of the time step.
     DragSteps,
+    /// Automatic steps over the whole time of the thesis.
+    AutoSteps,
 }
 
 /// The runs of an artefact.
@@ -83,7 +86,7 @@ const QUICK_END_OF_STEPS: f64 = 5.0;
 
 impl Artifact {
     /// All of them.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 20] = [
         Self::Table2_1,
         Self::Table2_2,
         Self::Figure2_5,
@@ -103,6 +106,7 @@ impl Artifact {
         Self::KnotConvergence,
         Self::Cost,
         Self::DragSteps,
+        Self::AutoSteps,
     ];
 
     /// The artefact of a name.
@@ -134,6 +138,7 @@ impl Artifact {
             Self::KnotConvergence => "knot-convergence",
             Self::Cost => "cost",
             Self::DragSteps => "drag-steps",
+            Self::AutoSteps => "auto-steps",
         }
     }
 
@@ -161,6 +166,7 @@ impl Artifact {
             }
             Self::Cost => "Cost of a step over the number of flagella",
             Self::DragSteps => "Error of larger and automatic steps, two flagella",
+            Self::AutoSteps => "Automatic steps over 250 s, two and ten flagella",
         }
     }
 
@@ -211,6 +217,7 @@ impl Artifact {
                 distance_tolerance,
                 scheme: Scheme::ImplicitEuler,
                 step: STEP,
+                widening: 0.0,
                 end,
             };
             models
@@ -225,6 +232,7 @@ impl Artifact {
             distance_tolerance: DISTANCE_TOLERANCE,
             scheme: Scheme::ImplicitEuler,
             step: STEP,
+            widening: 0.0,
             end,
         };
         let rubbing = |friction: f64| Bundling {
@@ -246,6 +254,17 @@ impl Artifact {
                     ..free(2)
                 })
                 .to_vec(),
+            Self::AutoSteps => auto_steps::FLAGELLA
+                .into_iter()
+                .flat_map(|flagella| {
+                    auto_steps::VARIANTS.map(|(step, widening)| Bundling {
+                        scheme: Scheme::BackwardDifferences,
+                        step,
+                        widening,
+                        ..free(flagella)
+                    })
+                })
+                .collect(),
             Self::Figure2_7
             | Self::Figure2_8
             | Self::Figure3_4

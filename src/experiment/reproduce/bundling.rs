@@ -23,9 +23,14 @@ pub(super) struct Bundling {
     pub scheme: Scheme,
     /// Time step.
     pub step: Step,
+    /// By which part of itself the helices' radius is larger, to see what becomes of a small difference.
+    pub widening: f64,
     /// Simulated time, s.
     pub end: f64,
 }
+
+/// Radius of the helices of the thesis, m.
+const HELIX_RADIUS: f64 = 0.01;
 
 /// Time scheme of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,6 +112,7 @@ impl Run for Bundling {
             distance_tolerance,
             scheme,
             step,
+            widening,
             end,
         } = self;
         let mut name = format!("m{flagella}_{}_mu{friction}_{end}s", model.key());
@@ -115,6 +121,9 @@ impl Run for Bundling {
         }
         if *scheme != Scheme::ImplicitEuler {
             name = format!("{name}_{}", scheme.key());
+        }
+        if *widening != 0.0 {
+            name += &format!("_wider{widening:e}");
         }
         match *step {
             STEP => name,
@@ -135,6 +144,10 @@ impl Run for Bundling {
         ];
         if self.scheme != Scheme::ImplicitEuler {
             overrides.push(format!("time.scheme=\"{}\"", self.scheme.key()));
+        }
+        if self.widening != 0.0 {
+            let radius = HELIX_RADIUS * (1.0 + self.widening);
+            overrides.push(format!("flagella.helix_radius={radius:?}"));
         }
         let loaded = from_text_with(&self.id(), BASE, Path::new(""), &overrides);
         let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
@@ -177,6 +190,7 @@ mod tests {
             distance_tolerance: DISTANCE_TOLERANCE,
             scheme: Scheme::ImplicitEuler,
             step: STEP,
+            widening: 0.0,
             end: 20.0,
         };
         assert_eq!(bundling.id(), "m3_ipc_mu0.7_20s");
@@ -204,6 +218,16 @@ mod tests {
         assert_eq!(finer.id(), "m3_ipc_mu0.7_20s_backward-differences");
         let scheme = finer.prepare().integration.scheme;
         assert_eq!(scheme, dynamics::Scheme::BackwardDifferences);
+        let wider = Bundling {
+            widening: 1e-8,
+            ..bundling
+        };
+        assert_eq!(wider.id(), "m3_ipc_mu0.7_20s_wider1e-8");
+        let difference = |node: usize| {
+            let [a, b] = [wider, bundling].map(|run| run.prepare().scene.rods[0].centreline[node]);
+            (a - b).norm()
+        };
+        assert!((difference(60) - 1e-10).abs() < 2e-13, "{}", difference(60));
         let automatic = Bundling {
             step: Step::Auto,
             ..bundling

@@ -20,10 +20,11 @@
 //! | `figure_6_5` | disturbances of a manipulated rod |
 //! | `overhand_law` | knots pulled tight against Eq. 2.30, part by part |
 //! | `knot_convergence` | what mesh, pull speed and contact tolerance change |
-//! | `cost`, `drag_steps` | what steps cost, and what larger ones lose |
+//! | `cost`, `drag_steps`, `auto_steps` | what steps cost, and what larger and automatic ones lose |
 //! | `difference` | distance of the nodes between two runs (thesis Eq. 2.28) |
 
 mod artifact;
+mod auto_steps;
 mod bundling;
 mod cases;
 mod cost;
@@ -125,6 +126,7 @@ fn make(
                 Artifact::Figure2_5 => figure_2_5::write(&mut page, &cases),
                 Artifact::Cost => cost::write(&mut page, &cases),
                 Artifact::DragSteps => drag_steps::write(&mut page, &cases),
+                Artifact::AutoSteps => auto_steps::write(&mut page, &cases),
                 _ => figure_2_6::write(&mut page, &cases),
             }?;
             page

@@ -11,7 +11,9 @@
 //! | `chain`, `patch` | parts of A: the blocks of some nodes with others |
 //! | `hierarchy` | products with A by clusters of nodes, at a cost like N log N |
 //! | `flow` | which of the two: exact for few nodes, by clusters for many |
-//! | `elimination`, `preconditioner` | approximate inverse of A from neighbourhoods |
+//! | `preconditioner` | approximate inverse of A, of two levels |
+//! | `neighbourhoods`, `elimination` | the fine one, from the neighbourhoods of nodes |
+//! | `stretches` | the coarse one, from stretches of filaments |
 //! | `gmres`, `initial_guess` | solving A f = 8πη u, warm-started |
 //! | `stokeslet_drag` | a time series of such solves (thesis Eq. 2.27) |
 //! | `resistive_force_theory` | the cheap model: local coefficients along and across |
@@ -50,6 +52,7 @@ mod initial_guess;
 mod lanes;
 mod logarithm;
 mod model;
+mod neighbourhoods;
 mod operator;
 mod patch;
 mod preconditioner;
@@ -57,6 +60,7 @@ mod quadrature;
 mod resistive_force_theory;
 mod segment;
 mod stokeslet_drag;
+mod stretches;
 #[cfg(test)]
 mod tests;
 

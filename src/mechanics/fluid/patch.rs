@@ -8,7 +8,7 @@ use super::segment::{Segment, full};
 use crate::linalg::instruction_set::{InstructionSet, LANES};
 use crate::mechanics::{Matrix3, Vector3};
 
-/// Exact blocks A_ij of some nodes i with some nodes j, 48 bytes each and a few more for the neighbours
+/// Blocks A_ij of some nodes i with some nodes j, 24 bytes each and a few more for the neighbours
 /// of the latter. Slots are stored in lanes as in [`FlowOperator`](super::FlowOperator).
 #[derive(Default)]
 pub(super) struct Patch {

@@ -115,8 +115,8 @@ impl StokesletDrag {
                     TOLERANCE.max(TOLERANCE_OF_FAR_FIELD_ERROR * far_field_error)
                 }
             },
+            preconditioner: Preconditioner::new(filaments, &operator, NEIGHBOURHOOD),
             operator,
-            preconditioner: Preconditioner::new(nodes, NEIGHBOURHOOD),
             preconditioned_at: Vec::with_capacity(nodes),
             age: Age::default(),
             guess: InitialGuess::new(unknowns),
@@ -196,9 +196,11 @@ impl StokesletDrag {
             .map(Vector3::from)
             .collect();
         if built != 0 {
-            self.preconditioner = Preconditioner::new(nodes, memory.neighbourhood);
+            self.preconditioner =
+                Preconditioner::new(&self.filaments, &self.operator, memory.neighbourhood);
+            self.operator.assemble(&self.preconditioned_at);
             self.preconditioner
-                .build(&self.links, &self.preconditioned_at)?;
+                .build(&self.links, &self.preconditioned_at, &self.operator)?;
         }
         self.age = memory.age;
         self.guess.restore(memory.densities);
@@ -216,7 +218,7 @@ impl StokesletDrag {
         if !(size.is_finite() && positions.is_finite()) {
             return Err(FluidError::NotFinite);
         }
-        let price = (self.preconditioner).price(self.operator.nodes(), self.operator.operations());
+        let price = self.preconditioner.price(&self.operator);
         if self.preconditioned_at.is_empty() || self.age.is_over(price) {
             self.build_preconditioner()?;
         }
@@ -240,7 +242,8 @@ impl StokesletDrag {
                         residual: convergence.residual / size,
                     });
                 }
-                self.preconditioner = Preconditioner::new(self.operator.nodes(), 2 * neighbourhood);
+                self.preconditioner =
+                    Preconditioner::new(&self.filaments, &self.operator, 2 * neighbourhood);
             }
             self.build_preconditioner()?;
         };
@@ -268,7 +271,8 @@ impl StokesletDrag {
 
     fn build_preconditioner(&mut self) -> Result<(), FluidError> {
         self.preconditioned_at.clear();
-        self.preconditioner.build(&self.links, &self.positions)?;
+        self.preconditioner
+            .build(&self.links, &self.positions, &self.operator)?;
         self.preconditioned_at.extend_from_slice(&self.positions);
         self.age = Age::default();
         Ok(())

@@ -202,8 +202,9 @@ fn forces_leave_the_residual_they_report() {
     }
     let relative = (residual / size).sqrt();
     assert!(relative < 1e-6, "{relative:e}");
+    // The operator is stored in single precision.
     assert!(
-        (relative - report.residual).abs() < 1e-10,
+        (relative - report.residual).abs() < f64::from(f32::EPSILON),
         "{relative:e} {report:?}"
     );
 }
@@ -470,9 +471,11 @@ proptest! {
             drag(&mut Fluid::new(&STOKESLETS, &filaments).unwrap(), &moved, &turned);
         let scale = forces.iter().map(|f| f.norm()).fold(0.0, f64::max);
         for i in 0..68 {
-            prop_assert!((rotation * forces[i] - moved_forces[i]).norm() < 1e-9 * scale);
+            // The operator is stored in single precision, whose rounding does not turn with the scene.
+            let rounding = f64::from(f32::EPSILON);
+            prop_assert!((rotation * forces[i] - moved_forces[i]).norm() < 2.0 * rounding * scale);
             let expected = rotation * resistance[i] * rotation.inverse();
-            prop_assert!((expected - moved_resistance[i]).norm() < 1e-10 * expected.norm());
+            prop_assert!((expected - moved_resistance[i]).norm() < rounding * expected.norm());
         }
     }
 

@@ -1,0 +1,144 @@
+//! Automatic steps over the whole simulated time of the thesis, beside what a small difference at the start grows to.
+
+use super::ReproduceError;
+use super::bundling::{STEP, Step};
+use super::cases::Case;
+use super::difference::{Difference, differences, nodes_of};
+use super::page::{Page, number};
+use crate::figure::{AxisScale, Curve, LinePlot, PlotStyle, styled_line_plots};
+use serde::Serialize;
+
+/// Numbers of flagella.
+pub(super) const FLAGELLA: [usize; 2] = [2, 10];
+
+/// Step and widening of the helices; the first is the measure of the others.
+pub(super) const VARIANTS: [(Step, f64); 3] = [(STEP, 0.0), (Step::Auto, 0.0), (STEP, 1e-8)];
+
+/// Difference in radii that automatic steps should keep below.
+const BOUND: f64 = 0.5;
+
+/// A row of the CSV file; differences are ē of thesis Eq. 2.28.
+#[derive(Serialize)]
+struct Row {
+    flagella: usize,
+    step: String,
+    helix_widening: f64,
+    status: &'static str,
+    steps: u64,
+    retries: u64,
+    iterations_per_step: f64,
+    wall_time_s: f64,
+    cpu_time_s: Option<f64>,
+    /// Largest over the whole time that both runs reached.
+    difference_radii: Option<f64>,
+    /// When it first exceeds [`BOUND`].
+    bound_exceeded_s: Option<f64>,
+}
+
+/// Writes the table and ē over time.
+pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceError> {
+    let (mut rows, mut curves) = (Vec::new(), Vec::new());
+    for variants in cases.chunks(VARIANTS.len()) {
+        let measure = nodes_of(&variants[0])?;
+        let radius = variants[0].manifest.rods[0].radius;
+        for (index, case) in variants.iter().enumerate() {
+            let differences = match index {
+                0 => Vec::new(),
+                _ => differences(&measure, &nodes_of(case)?, radius),
+            };
+            rows.push(row(case, &differences));
+            if index > 0 {
+                curves.push(curve(case, &differences));
+            }
+        }
+    }
+    page.text(
+        "By backward differences. ē is the mean distance of the nodes from the solution with steps of 1 ms and the same \
+         number of flagella, in radii (thesis Eq. 2.28), at the output times. The last run of each number begins with \
+         helices wider by 1e-8 of their radius: no method whose steps lose more than that can keep ē smaller for long.",
+    );
+    let header = [
+        "Flagella",
+        "Step in s",
+        "Helices wider by",
+        "Steps",
+        "Repeated",
+        "Iterations per step",
+        "Wall time in s",
+        "Processor time in s",
+        "Largest ē",
+        "ē above 0.5 from, s",
+    ];
+    let lines: Vec<Vec<String>> = rows.iter().map(line).collect();
+    page.table(&header, &lines);
+    page.csv(&rows)?;
+    let plot = LinePlot {
+        label: "ē".into(),
+        curves,
+    };
+    let style = PlotStyle {
+        vertical: vec![AxisScale::Logarithmic],
+        ..PlotStyle::default()
+    };
+    let figure = styled_line_plots(&[plot], "Time in s", &style);
+    page.figure(
+        "auto-steps",
+        "Difference ē from steps of 1 ms, in radii",
+        &figure,
+    )?;
+    Ok(())
+}
+
+fn row(case: &Case, differences: &[Difference]) -> Row {
+    let outcome = &case.record.outcome;
+    let radii = differences.iter().map(|row| row.mean_difference_radii);
+    Row {
+        flagella: case.run.flagella,
+        step: step_of(case),
+        helix_widening: case.run.widening,
+        status: case.status(),
+        steps: outcome.steps,
+        retries: outcome.retries,
+        iterations_per_step: outcome.newton_iterations as f64 / outcome.steps as f64,
+        wall_time_s: case.record.wall_time,
+        cpu_time_s: case.record.cpu_time,
+        difference_radii: radii.reduce(f64::max),
+        bound_exceeded_s: differences
+            .iter()
+            .find(|row| row.mean_difference_radii > BOUND)
+            .map(|row| row.time_s),
+    }
+}
+
+fn step_of(case: &Case) -> String {
+    case.run.step.key().trim_matches('"').to_owned()
+}
+
+fn line(row: &Row) -> Vec<String> {
+    vec![
+        row.flagella.to_string(),
+        row.step.clone(),
+        format!("{:e}", row.helix_widening),
+        row.steps.to_string(),
+        row.retries.to_string(),
+        number(Some(row.iterations_per_step), 2),
+        number(Some(row.wall_time_s), 0),
+        number(row.cpu_time_s, 0),
+        number(row.difference_radii, 4),
+        number(row.bound_exceeded_s, 1),
+    ]
+}
+
+fn curve(case: &Case, differences: &[Difference]) -> Curve {
+    let what = match case.run.widening {
+        0.0 => step_of(case),
+        widening => format!("helices wider by {widening:e}"),
+    };
+    Curve {
+        name: format!("{} flagella, {what}", case.run.flagella),
+        points: differences
+            .iter()
+            .map(|row| (row.time_s, Some(row.mean_difference_radii)))
+            .collect(),
+    }
+}
