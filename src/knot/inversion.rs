@@ -34,11 +34,14 @@ const FALLING: f64 = 3.0;
 const DURING: f64 = 1.0;
 /// Least part of its traction that an inverting knot loses.
 const FALL: f64 = 0.3;
+/// Part of the steepest fall at which another that begins later is as good: vibrations before the fall do not decide
+/// where it begins.
+const NEARLY: f64 = 0.95;
 
 /// Watches a knot while it is pulled tight, and finds where it inverts.
 ///
 /// By force that is the start of the steepest fall of F̄: where F̄ loses the largest part of itself while l̄_k decreases
-/// by 1, if that is 0.3 and more.
+/// by 1, if that is 0.3 and more; the last such place where several are nearly as good.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct InversionWatch {
     /// l̄_k when the loop was last seen to stand.
@@ -77,12 +80,19 @@ impl InversionWatch {
         while (self.recent.front()).is_some_and(|(length, _)| length - knot.length > DURING) {
             self.recent.pop_front();
         }
-        for &(length, force) in &self.recent {
-            let fall = 1.0 - knot.force / force;
-            if force > 0.0 && fall > self.steepest.max(FALL) {
-                self.steepest = fall;
-                self.point.by_force = Some(length);
+        let fall = |&(_, force): &(f64, f64)| {
+            if force > 0.0 {
+                1.0 - knot.force / force
+            } else {
+                0.0
             }
+        };
+        let steepest = self.recent.iter().map(fall).fold(0.0, f64::max);
+        if steepest > self.steepest.max(FALL) {
+            self.steepest = steepest;
+            let is_start = |seen: &&(f64, f64)| fall(seen) >= NEARLY * steepest;
+            let start = self.recent.iter().rev().find(is_start);
+            self.point.by_force = start.map(|(length, _)| *length);
         }
         self.recent.push_back((knot.length, knot.force));
     }
