@@ -134,7 +134,7 @@ fn summary(outcome: &RunOutcome) -> String {
     }
     if let Some(knot) = &case.knot {
         if let (Some(length), Some(traction)) = (knot.length_normalized, knot.traction_n) {
-            let pulled = format!("l̄_k = {length:.2}, traction {traction:.4} N");
+            let pulled = format!("l̄_k = {length:.2} radii shorter, traction {traction:.4} N");
             line("pulled to", pulled);
         }
         if knot.may_invert {
