@@ -14,7 +14,7 @@ const FOLLOWED: f64 = 10.0;
 const LOOK: f64 = 4.0;
 /// Part of that distance that a rod which slips takes up by its stretch at most, and one that is locked at least.
 /// At the start a rod stretches, too, until friction gives way, and again after it has slackened in an inversion: only
-/// one that has slipped since can be locked.
+/// one that has slipped, and is pulled harder than ever before, can be locked.
 const SLIPPING: f64 = 0.5;
 const LOCKED: f64 = 0.9;
 
@@ -29,6 +29,8 @@ pub struct KnotCourse {
     /// l̄_k and F̄ at the last look.
     look: Option<(f64, f64)>,
     slipped: bool,
+    /// Largest F̄ of all looks.
+    strongest: f64,
     /// Why the run is over.
     pub ending: Option<KnotEnding>,
 }
@@ -62,11 +64,7 @@ impl KnotCourse {
     }
 
     fn watch_inversion(&mut self, knot: &TightenedKnot, observer: &KnotObserver) {
-        let had_inverted = self.watch.point().by_height.is_some();
         self.watch.look(knot);
-        if !had_inverted && self.watch.point().by_height.is_some() {
-            self.slipped = false;
-        }
         let followed = |start: f64| start - knot.length >= FOLLOWED;
         if observer.ends_after_inversion && self.watch.point().by_height.is_some_and(followed) {
             self.ending = Some(KnotEnding::Inverted);
@@ -80,10 +78,11 @@ impl KnotCourse {
         if pulled >= LOOK * observer.radius {
             let traction = (now.1 - force) / observer.force_unit();
             let stretch = traction / observer.stretching_stiffness * observer.length;
-            if self.slipped && stretch > LOCKED * pulled {
+            if self.slipped && force >= self.strongest && stretch > LOCKED * pulled {
                 self.ending = Some(KnotEnding::Locked);
             }
             self.slipped |= stretch < SLIPPING * pulled;
+            self.strongest = self.strongest.max(now.1);
             self.look = Some(now);
         }
     }
