@@ -90,12 +90,7 @@ impl KnotCourse {
     /// What the knot came to, with the energies of the whole series.
     pub fn outcome(&self, rows: &[(SeriesRow, KnotRow)], observer: &KnotObserver) -> KnotOutcome {
         let point = self.watch.point();
-        let before = |knot: &KnotRow| {
-            [point.by_force, point.by_height]
-                .into_iter()
-                .flatten()
-                .all(|length| knot.length_normalized > length)
-        };
+        let before = |knot: &KnotRow| point.is_ahead_of(knot.length_normalized);
         let slow: Vec<&(SeriesRow, KnotRow)> = rows
             .iter()
             .filter(|(series, knot)| series.time_s > observer.pulled_from && before(knot))

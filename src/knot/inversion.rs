@@ -99,6 +99,12 @@ impl InversionWatch {
 }
 
 impl InversionPoint {
+    /// Whether a knot at this l̄_k does not invert yet: it is 1 before both measures, since an inversion takes no more.
+    pub fn is_ahead_of(&self, length: f64) -> bool {
+        let mut measures = [self.by_force, self.by_height].into_iter().flatten();
+        measures.all(|point| length >= point + DURING)
+    }
+
     /// Difference of the two measures over their mean; `None` where one is missing.
     pub fn difference(&self) -> Option<f64> {
         let (force, height) = (self.by_force?, self.by_height?);
