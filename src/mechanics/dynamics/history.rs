@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// Steps that are remembered.
-pub const LENGTH: usize = 4;
+pub const LENGTH: usize = 3;
 
 /// The motion at the last steps, the latest first.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
