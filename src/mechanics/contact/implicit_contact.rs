@@ -165,7 +165,12 @@ impl ImplicitContact {
         if self.parameters.is_complementarity() {
             return;
         }
-        self.multipliers.begin(self.candidates.pairs().len());
+        let factor = self
+            .parameters
+            .stiffness_per_force(self.surface.largest_moving_radius());
+        let expected = self.stiffness / factor;
+        self.multipliers
+            .begin(self.candidates.pairs().len(), expected);
         self.carried_tractions.begin(self.candidates.pairs().len());
     }
 

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// Steps that are remembered.
-pub const LENGTH: usize = 2;
+pub const LENGTH: usize = 3;
 
 /// The motion at the last steps, the latest first.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -31,7 +31,7 @@ impl History {
             velocity: velocity.to_vec(),
         };
         Self {
-            moments: [moment.clone(), moment],
+            moments: std::array::from_fn(|_| moment.clone()),
         }
     }
 
