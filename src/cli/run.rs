@@ -133,9 +133,15 @@ fn summary(outcome: &RunOutcome) -> String {
         line("smallest distance", format!("{:.4} mm", 1e3 * distance));
     }
     if let Some(knot) = &case.knot {
-        let length = |value: Option<f64>| value.map_or("none".to_owned(), |l| format!("{l:.2}"));
-        line("inversion, by force", length(knot.inversion_by_force));
-        line("inversion, by height", length(knot.inversion_by_height));
+        if let (Some(length), Some(traction)) = (knot.length_normalized, knot.traction_n) {
+            let pulled = format!("l̄_k = {length:.2} radii shorter, traction {traction:.4} N");
+            line("pulled to", pulled);
+        }
+        if knot.may_invert {
+            let point = |at: Option<f64>| at.map_or("none".to_owned(), |l| format!("l̄_k = {l:.2}"));
+            line("inversion, by force", point(knot.inversion_by_force));
+            line("inversion, by height", point(knot.inversion_by_height));
+        }
         if let Some(ending) = knot.knot_ending {
             line("ended early", ending.in_words().to_owned());
         }

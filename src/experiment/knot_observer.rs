@@ -1,7 +1,7 @@
-//! What is measured of a knot at each output time.
+//! What is measured of a knot, at each output time and in between.
 
 use super::tied_knot::{determinant_of_rods, outward};
-use crate::knot::{fit_circle, silhouette};
+use crate::knot::{Silhouette, fit_circle, silhouette};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::ActiveContact;
 use crate::mechanics::dynamics::Simulation;
@@ -31,10 +31,23 @@ pub struct KnotObserver {
     pub determinant: u64,
     /// When its ends begin to move, s.
     pub pulled_from: f64,
+    /// Speed of each end from then on, m/s.
+    pub pull_speed: f64,
     /// Largest kinetic over elastic energy of a quasi-static pull.
     pub kinetic_bound: f64,
+    /// Whether an inversion is looked for.
+    pub may_invert: bool,
     /// Whether the run ends some time after the knot has inverted.
     pub ends_after_inversion: bool,
+}
+
+/// What is seen of a knot between output times.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct KnotGlance {
+    /// Mean distance of the ends of a rod along the pull, m.
+    pub end_to_end: f64,
+    /// Clear height of the loop, m; `None` where there is none.
+    pub loop_height: Option<f64>,
 }
 
 impl KnotObserver {
@@ -42,6 +55,11 @@ impl KnotObserver {
     pub fn knotted<'a>(&self, positions: &'a [Vector3]) -> Vec<&'a [Vector3]> {
         let rods = positions.chunks_exact(self.nodes);
         rods.take(self.rods).collect()
+    }
+
+    /// F̄ of a traction of one newton: h²/EI, 1/N.
+    pub fn force_unit(&self) -> f64 {
+        self.radius.powi(2) / self.bending_stiffness
     }
 
     /// Measures the knot now; work and losses, which take the whole run, are left at zero.
@@ -61,28 +79,21 @@ impl KnotObserver {
             })
             .collect();
         let traction = tractions.iter().flatten().sum::<f64>() / (2 * self.rods) as f64;
-        let reach = |(rod, outward): (&&[Vector3], &[Vector3; 2])| {
-            rod[0].dot(&outward[0]) + rod[self.nodes - 1].dot(&outward[1])
-        };
-        let end_to_end = rods.iter().zip(&outward).map(reach).sum::<f64>() / self.rods as f64;
+        let end_to_end = self.end_to_end(&rods, &outward);
         let contacts = simulation.contacts();
         let touching = self.touching(contacts);
-        let silhouette = self
-            .has_braid
-            .then(|| silhouette(rods[0], self.radius, &touching))
-            .flatten();
+        let silhouette = self.silhouette(rods[0], &touching);
         let loop_radius = self
             .free_loop(&touching)
             .and_then(|nodes| fit_circle(&simulation.positions()[nodes]))
             .map(|circle| circle.radius);
-        let unit = self.radius.powi(2) / self.bending_stiffness;
         KnotRow {
             end_to_end_m: end_to_end,
             shortening_m: self.length - end_to_end,
             traction_start_n: tractions[0][0],
             traction_end_n: tractions[0][1],
             loop_radius_m: loop_radius,
-            force_normalized: traction * unit,
+            force_normalized: traction * self.force_unit(),
             epsilon: loop_radius.map(|radius| (self.radius / radius).sqrt()),
             length_normalized: (self.length - end_to_end) / self.radius,
             loop_height_m: silhouette.map(|shape| shape.height),
@@ -94,6 +105,37 @@ impl KnotObserver {
             second_traction_end_n: tractions.get(1).map(|second| second[1]),
             ..KnotRow::default()
         }
+    }
+
+    /// Looks at the knot between output times.
+    pub fn glance(&self, simulation: &Simulation) -> KnotGlance {
+        let rods = self.knotted(simulation.positions());
+        let touching = self.touching(simulation.contacts());
+        KnotGlance {
+            end_to_end: self.end_to_end(&rods, &outward(&rods)),
+            loop_height: self
+                .silhouette(rods[0], &touching)
+                .map(|shape| shape.height),
+        }
+    }
+
+    /// l̄_k = (L − l_c)/h of the knot at these nodes of its rods (m).
+    pub fn length_normalized(&self, rods: &[&[Vector3]]) -> f64 {
+        (self.length - self.end_to_end(rods, &outward(rods))) / self.radius
+    }
+
+    /// Mean distance of the ends of a rod along the directions in which they are pulled, m.
+    fn end_to_end(&self, rods: &[&[Vector3]], outward: &[[Vector3; 2]]) -> f64 {
+        let reach = |(rod, outward): (&&[Vector3], &[Vector3; 2])| {
+            rod[0].dot(&outward[0]) + rod[self.nodes - 1].dot(&outward[1])
+        };
+        rods.iter().zip(outward).map(reach).sum::<f64>() / self.rods as f64
+    }
+
+    fn silhouette(&self, rod: &[Vector3], touching: &[(usize, usize)]) -> Option<Silhouette> {
+        self.has_braid
+            .then(|| silhouette(rod, self.radius, touching))
+            .flatten()
     }
 
     /// Whether a measured determinant is that of the knot that was tied.
@@ -159,7 +201,9 @@ mod tests {
         tolerance: 1e-4,
         determinant: 3,
         pulled_from: 2.0,
+        pull_speed: 5e-4,
         kinetic_bound: 1e-3,
+        may_invert: true,
         ends_after_inversion: false,
     };
 

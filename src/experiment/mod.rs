@@ -23,7 +23,7 @@ mod workers;
 
 pub use derived::{DerivedNumbers, DerivedRod, derived_numbers};
 pub use helix_stability::{discrete_critical_distance, estimated_critical_distance};
-pub use knot_observer::KnotObserver;
+pub use knot_observer::{KnotGlance, KnotObserver};
 pub use plot::{CustomFigure, PlotError, custom_figure, plot_results, write_figure};
 pub use prepared::{Mode, OutputPlan, PreparedRun};
 pub use run::{AmongBars, Reached, RunError, RunOptions, RunOutcome, RunStatus, StopRequest, run};

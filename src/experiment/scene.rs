@@ -141,6 +141,9 @@ fn knot_observer(scenario: &Scenario, scene: &mechanics::Scene) -> Option<KnotOb
     let stiffness = &rods.first()?.stiffness;
     let kind = knot.start.kind();
     let placed: Vec<&[Vector3]> = rods.iter().map(|rod| &rod.centreline[..]).collect();
+    let is_pulled_for_it = matches!(scenario.experiment, Experiment::KnotInversion { .. });
+    let has_long_braid =
+        matches!(kind, Some(KnotKind::Overhand { unknotting_number }) if unknotting_number > 1);
     Some(KnotObserver {
         rods: rods.len(),
         nodes: rod.nodes,
@@ -154,8 +157,10 @@ fn knot_observer(scenario: &Scenario, scene: &mechanics::Scene) -> Option<KnotOb
             .map(determinant_of_kind)
             .or_else(|| determinant_of_rods(&placed))?,
         pulled_from: knot.settling_time,
+        pull_speed: knot.pull_speed,
         kinetic_bound: knot.kinetic_bound,
-        ends_after_inversion: matches!(scenario.experiment, Experiment::KnotInversion { .. }),
+        may_invert: has_long_braid || is_pulled_for_it,
+        ends_after_inversion: is_pulled_for_it,
     })
 }
 

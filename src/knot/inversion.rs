@@ -1,6 +1,7 @@
 //! Where an overhand knot inverts while it is pulled tight (thesis 3.4): its loop snaps onto the braid.
 
 use serde::{Deserialize, Serialize};
+use std::collections::VecDeque;
 
 /// A knot at one time while it is pulled tight.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,7 +15,7 @@ pub struct TightenedKnot {
 }
 
 /// The inversion point by both measures of the thesis, as l̄_k.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct InversionPoint {
     /// Where the traction begins to fall; `None` where it does not.
     pub by_force: Option<f64>,
@@ -33,55 +34,77 @@ const FALLING: f64 = 3.0;
 const DURING: f64 = 1.0;
 /// Least part of its traction that an inverting knot loses.
 const FALL: f64 = 0.3;
+/// Part of the steepest fall at which another that begins later is as good: vibrations before the fall do not decide
+/// where it begins.
+const NEARLY: f64 = 0.95;
 
-/// Watches the loop of a knot while it is pulled tight.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct LoopWatch {
+/// Watches a knot while it is pulled tight, and finds where it inverts.
+///
+/// By force that is the start of the steepest fall of F̄: where F̄ loses the largest part of itself while l̄_k decreases
+/// by 1, if that is 0.3 and more; the last such place where several are nearly as good.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct InversionWatch {
     /// l̄_k when the loop was last seen to stand.
     standing: Option<f64>,
+    /// l̄_k and F̄ while l̄_k last decreased by [`DURING`].
+    recent: VecDeque<(f64, f64)>,
+    /// Largest part of itself that F̄ has lost; 0 as long as that is less than [`FALL`].
+    steepest: f64,
+    point: InversionPoint,
 }
 
-impl LoopWatch {
-    /// Looks at the knot; tells whether its loop lies on the braid, having stood a little before.
-    pub fn sees_inversion(&mut self, knot: &TightenedKnot) -> bool {
-        if knot.height.is_some_and(|height| height > STANDING) {
+impl InversionWatch {
+    /// Looks at the knot, whose l̄_k never increases.
+    pub fn look(&mut self, knot: &TightenedKnot) {
+        self.watch_height(knot);
+        self.watch_force(knot);
+    }
+
+    /// The inversion point as far as it has been seen.
+    pub fn point(&self) -> InversionPoint {
+        self.point
+    }
+
+    fn watch_height(&mut self, knot: &TightenedKnot) {
+        let Some(height) = knot.height else { return };
+        if height > STANDING {
             self.standing = Some(knot.length);
         }
-        knot.height.is_some_and(|height| height < LYING)
-            && self
-                .standing
-                .is_some_and(|length| length - knot.length <= FALLING)
-    }
-}
-
-/// The inversion point of a knot from its course while it was pulled tight.
-///
-/// By force it is the start of the steepest fall of F̄: where F̄ loses the largest part of itself while l̄_k decreases
-/// by 1, if that is 0.3 and more.
-pub fn inversion_point(course: &[TightenedKnot]) -> InversionPoint {
-    let mut steepest = (FALL, None);
-    for (index, start) in course.iter().enumerate() {
-        let least = course[index..]
-            .iter()
-            .take_while(|knot| start.length - knot.length <= DURING)
-            .map(|knot| knot.force)
-            .fold(start.force, f64::min);
-        let fall = 1.0 - least / start.force;
-        if start.force > 0.0 && fall > steepest.0 {
-            steepest = (fall, Some(start.length));
+        let stood_before = |length: f64| length - knot.length <= FALLING;
+        if height < LYING && self.standing.is_some_and(stood_before) {
+            self.point.by_height.get_or_insert(knot.length);
         }
     }
-    let mut watch = LoopWatch::default();
-    InversionPoint {
-        by_force: steepest.1,
-        by_height: course
-            .iter()
-            .find(|knot| watch.sees_inversion(knot))
-            .map(|knot| knot.length),
+
+    fn watch_force(&mut self, knot: &TightenedKnot) {
+        while (self.recent.front()).is_some_and(|(length, _)| length - knot.length > DURING) {
+            self.recent.pop_front();
+        }
+        let fall = |&(_, force): &(f64, f64)| {
+            if force > 0.0 {
+                1.0 - knot.force / force
+            } else {
+                0.0
+            }
+        };
+        let steepest = self.recent.iter().map(fall).fold(0.0, f64::max);
+        if steepest > self.steepest.max(FALL) {
+            self.steepest = steepest;
+            let is_start = |seen: &&(f64, f64)| fall(seen) >= NEARLY * steepest;
+            let start = self.recent.iter().rev().find(is_start);
+            self.point.by_force = start.map(|(length, _)| *length);
+        }
+        self.recent.push_back((knot.length, knot.force));
     }
 }
 
 impl InversionPoint {
+    /// Whether a knot at this l̄_k does not invert yet: it is 1 before both measures, since an inversion takes no more.
+    pub fn is_ahead_of(&self, length: f64) -> bool {
+        let mut measures = [self.by_force, self.by_height].into_iter().flatten();
+        measures.all(|point| length >= point + DURING)
+    }
+
     /// Difference of the two measures over their mean; `None` where one is missing.
     pub fn difference(&self) -> Option<f64> {
         let (force, height) = (self.by_force?, self.by_height?);
@@ -106,6 +129,14 @@ mod tests {
                 }
             })
             .collect()
+    }
+
+    fn inversion_point(course: &[TightenedKnot]) -> InversionPoint {
+        let mut watch = InversionWatch::default();
+        for knot in course {
+            watch.look(knot);
+        }
+        watch.point()
     }
 
     #[test]

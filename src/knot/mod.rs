@@ -40,7 +40,7 @@ pub use determinant::{determinant, determinant_of_closed, determinant_of_pair, f
 pub use figure_eight::{FIGURE_EIGHT_DETERMINANT, figure_eight_nodes};
 pub use fisherman::{FISHERMAN_DETERMINANT, fisherman_nodes};
 pub use helical_braid::HelicalBraid;
-pub use inversion::{InversionPoint, LoopWatch, TightenedKnot, inversion_point};
+pub use inversion::{InversionPoint, InversionWatch, TightenedKnot};
 pub use loop_elastica::LoopElastica;
 pub use overhand::{Overhand, overhand_nodes};
 pub use silhouette::{Silhouette, silhouette};

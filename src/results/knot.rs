@@ -5,6 +5,10 @@ use serde::{Deserialize, Serialize};
 /// Outcomes of a knot; the last columns of `summary.csv`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct KnotOutcome {
+    /// Whether an inversion was looked for: in overhand knots of unknotting number 2 and more, and in all that are pulled
+    /// for it.
+    #[serde(default)]
+    pub may_invert: bool,
     /// l̄_k at which the traction fell as the knot inverted; empty where it did not.
     pub inversion_by_force: Option<f64>,
     /// l̄_k at which the loop had come to lie on the braid; empty where it did not.
@@ -19,6 +23,12 @@ pub struct KnotOutcome {
     pub energy_balance: Option<f64>,
     /// Why the run ended before its time; empty where it did not.
     pub knot_ending: Option<KnotEnding>,
+    /// l̄_k at the last output.
+    #[serde(default)]
+    pub length_normalized: Option<f64>,
+    /// Mean traction of the ends at the last output, N.
+    #[serde(default)]
+    pub traction_n: Option<f64>,
 }
 
 /// Why a run with a knot ended before its time, as it should.
@@ -37,7 +47,7 @@ impl KnotOutcome {
         let (ratio, bound) = (self.kinetic_over_elastic?, self.kinetic_bound?);
         (ratio > bound).then(|| {
             format!(
-                "not quasi-static: the kinetic energy reached {ratio:.1e} of the elastic energy, beyond knot.kinetic_bound = {bound:e}"
+                "not quasi-static: the kinetic energy reached {ratio:.1e} of the elastic energy, beyond knot.kinetic_bound = {bound:e}; a smaller knot.pull_speed, or \"auto\", keeps it below"
             )
         })
     }

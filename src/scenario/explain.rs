@@ -158,7 +158,8 @@ impl<'a> Explainer<'a> {
         }
         let mut names: Vec<&str> = Vec::new();
         for (_, name) in self.keys(meaning.schema) {
-            if name != "kind" && !names.contains(&name) {
+            let tells_kinds_apart = name == "kind" && !kinds.is_empty();
+            if !tells_kinds_apart && !names.contains(&name) {
                 names.push(name);
             }
         }

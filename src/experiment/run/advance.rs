@@ -1,6 +1,6 @@
 //! What the run loop asks of a simulation.
 
-use crate::experiment::KnotObserver;
+use crate::experiment::{KnotGlance, KnotObserver};
 use crate::mechanics::dynamics::{
     Energies, Simulation, SimulationError, SimulationState, StepReport,
 };
@@ -35,6 +35,8 @@ pub(super) trait Advance {
     fn frame(&self, with_forces: bool) -> Frame;
     /// What is measured of a knot.
     fn measure(&self, observer: &KnotObserver) -> KnotRow;
+    /// What is seen of a knot between output times.
+    fn glance(&self, observer: &KnotObserver) -> KnotGlance;
     /// What a checkpoint must hold.
     fn state(&self) -> Self::State;
     /// Continues from a checkpoint.
@@ -93,6 +95,10 @@ impl Advance for Simulation {
 
     fn measure(&self, observer: &KnotObserver) -> KnotRow {
         observer.measure(self)
+    }
+
+    fn glance(&self, observer: &KnotObserver) -> KnotGlance {
+        observer.glance(self)
     }
 
     fn state(&self) -> SimulationState {

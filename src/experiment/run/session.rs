@@ -48,7 +48,7 @@ pub(super) struct Session {
 }
 
 /// How far a run has come.
-#[derive(Clone, Copy, Default, Serialize, Deserialize)]
+#[derive(Clone, Default, Serialize, Deserialize)]
 struct Standing {
     /// Outputs written so far.
     outputs: usize,
@@ -197,11 +197,23 @@ impl Session {
                     self.meter.add_step_with_contact(start.elapsed());
                 }
                 self.standing.tally.add_step(&report);
+                self.glance_if_due(simulation);
                 self.progress.update(&report);
             }
             self.record(simulation)?;
         }
         Ok(())
+    }
+
+    /// Looks at a knot while its ends move, at times that do not depend on those of outputs.
+    fn glance_if_due(&mut self, simulation: &impl Advance) {
+        let Some(observer) = self.knot else { return };
+        let (time, standing) = (simulation.time(), &mut self.standing);
+        if standing.knot.is_due(time, &observer) {
+            let work = standing.tally.exchange.clamp_work;
+            let seen = simulation.glance(&observer);
+            standing.knot.add(time, &seen, work, &observer);
+        }
     }
 
     /// Stops where a stop is requested or the time limit is reached.
@@ -285,9 +297,6 @@ impl Session {
             let changed = changed_knot(time, observer.determinant, knot.knot_determinant);
             return Err(Stop::Simulation(SimulationError::Unphysical(changed)));
         }
-        if time > observer.pulled_from {
-            self.standing.knot.add(&knot, &observer);
-        }
         Ok(())
     }
 
@@ -308,7 +317,7 @@ impl Session {
         sync(&self.directory.file(MANIFEST))?;
         let standing = Standing {
             earlier_usage: self.usage(),
-            ..self.standing
+            ..self.standing.clone()
         };
         self.checkpoints.write(&Checkpoint {
             state: simulation.state(),

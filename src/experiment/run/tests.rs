@@ -2,7 +2,7 @@
 
 use super::advance::Advance;
 use super::*;
-use crate::experiment::{KnotObserver, Mode, OutputPlan};
+use crate::experiment::{KnotGlance, KnotObserver, Mode, OutputPlan};
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::{Energies, IntegrationParameters, SimulationError, StepReport};
 use crate::mechanics::scene::{NaturalShape, RodDescription, Scene, Stiffness};
@@ -133,6 +133,10 @@ impl Advance for Pendulum {
 
     fn measure(&self, _: &KnotObserver) -> KnotRow {
         KnotRow::default()
+    }
+
+    fn glance(&self, _: &KnotObserver) -> KnotGlance {
+        KnotGlance::default()
     }
 
     fn state(&self) -> Self {

@@ -1,9 +1,19 @@
 //! Closest points of two segments, and which of their features they lie on.
 //!
-//! Minimises the convex quadratic ½‖x_i + β_i e_i − x_j − β_j e_j‖² over the unit square of contact
-//! ratios (thesis Eq. 2.3; Lumelsky 1985; Ericson 2005, section 5.1.9). The minimum over the lines is
-//! computed from a triple product with e_i × e_j, which stays accurate for edges that are nearly parallel,
-//! where the usual difference of dot products cancels.
+//! Minimises the convex quadratic
+//!
+//! ½‖x_i + β_i e_i − x_j − β_j e_j‖² + ½ c [(β_i − ½)² + (β_j − ½)²]
+//!
+//! over the unit square of contact ratios: with c = 0 these are the closest points (thesis Eq. 2.3; Lumelsky 1985;
+//! Ericson 2005, section 5.1.9). The minimum over the lines is computed from a triple product with e_i × e_j,
+//! which stays accurate for edges that are nearly parallel, where the usual difference of dot products cancels.
+//!
+//! Where edges turn through parallel the closest points leap from one end of the stretch along which they face each
+//! other to the other end, and the torque of the contact force with them. Rods that lie along each other come to rest
+//! just there, in between, where Newton's method finds no force that would hold them. With a smoothing c the points pass
+//! through the middle of that stretch, within an angle of about c/(2 Δ ‖e‖). The distance is then the root of twice
+//! the minimum, so that its gradient at fixed ratios still is the whole one; it is larger than that of the edges by
+//! at most c/(4 Δ).
 
 use crate::mechanics::Vector3;
 
@@ -30,35 +40,46 @@ pub(super) struct ClosestPoints {
     pub free: FreeRatios,
     /// c_i − c_j, m.
     pub separation: Vector3,
+    /// Smoothing c with which they were found, m².
+    pub smoothing: f64,
 }
 
 impl ClosestPoints {
     /// Closest points of the edges (`nodes[0]`, `nodes[1]`) and (`nodes[2]`, `nodes[3]`).
     pub fn of(nodes: &[Vector3; 4]) -> Self {
+        Self::smoothed(nodes, 0.0)
+    }
+
+    /// Closest points that pass smoothly through parallel edges, with a smoothing c (m²); 0 for the true ones.
+    pub fn smoothed(nodes: &[Vector3; 4], smoothing: f64) -> Self {
         let edge_i = nodes[1] - nodes[0];
         let edge_j = nodes[3] - nodes[2];
-        let (square_i, square_j) = (edge_i.norm_squared(), edge_j.norm_squared());
+        let (square_i, square_j) = (
+            edge_i.norm_squared() + smoothing,
+            edge_j.norm_squared() + smoothing,
+        );
         let cross = edge_i.cross(&edge_j);
-        let cross_squared = cross.norm_squared();
-        if cross_squared <= PARALLEL_SINE * PARALLEL_SINE * square_i * square_j {
+        let determinant = cross.norm_squared() + smoothing * (square_i + square_j - smoothing);
+        if determinant <= PARALLEL_SINE * PARALLEL_SINE * square_i * square_j {
             return Self::of_parallel_edges(nodes);
         }
-        let offset = nodes[2] - nodes[0];
+        let offset = 0.5 * ((nodes[2] - nodes[0]) + (nodes[3] - nodes[1]));
         let mixed = edge_i.dot(&edge_j);
         let (along_i, along_j) = (offset.dot(&edge_i), offset.dot(&edge_j));
         let (inverse_i, inverse_j) = (1.0 / square_i, 1.0 / square_j);
 
         // The minimum over the lines, cut to the first edge; the nearest point of the second edge; and, for
         // the case that this was cut too, the nearest point of the first edge to it. Where nothing was
-        // cut the last two change nothing; computing them without branches is faster.
-        let start = (offset.cross(&edge_j).dot(&cross) / cross_squared).clamp(0.0, 1.0);
-        let ratio_j = ((start * mixed - along_j) * inverse_j).clamp(0.0, 1.0);
-        let ratio_i = ((ratio_j * mixed + along_i) * inverse_i).clamp(0.0, 1.0);
-        Self::at(
-            nodes,
-            [ratio_i, ratio_j],
-            [is_inside(ratio_i), is_inside(ratio_j)],
-        )
+        // cut the last two change nothing; computing them without branches is faster. Ratios count from the middles.
+        let over_lines = offset.cross(&edge_j).dot(&cross) + smoothing * along_i;
+        let start = (over_lines / determinant).clamp(-0.5, 0.5);
+        let ratio_j = ((start * mixed - along_j) * inverse_j).clamp(-0.5, 0.5);
+        let ratio_i = ((ratio_j * mixed + along_i) * inverse_i).clamp(-0.5, 0.5);
+        let ratios = [0.5 + ratio_i, 0.5 + ratio_j];
+        Self {
+            smoothing,
+            ..Self::at(nodes, ratios, ratios.map(is_inside))
+        }
     }
 
     /// Closest points of parallel edges: the middle of the stretch along which they face each other,
@@ -88,6 +109,7 @@ impl ClosestPoints {
             ratios,
             free,
             separation: point_i - point_j,
+            smoothing: 0.0,
         }
     }
 
@@ -99,10 +121,11 @@ impl ClosestPoints {
 
     /// Centreline distance Δ, m.
     pub fn distance(&self) -> f64 {
-        self.separation.norm()
+        let [i, j] = self.ratios.map(|ratio| ratio - 0.5);
+        (self.separation.norm_squared() + self.smoothing * (i * i + j * j)).sqrt()
     }
 
-    /// Unit normal from the second edge to the first.
+    /// Normal from the second edge to the first, of length 1 without smoothing.
     pub fn normal(&self) -> Vector3 {
         self.separation / self.distance()
     }
@@ -219,6 +242,48 @@ mod tests {
         assert!((found.ratios[0] - 0.3).abs() < 1e-10, "{found:?}");
         assert!((found.ratios[1] - 0.6).abs() < 1e-10, "{found:?}");
         assert_eq!(found.free, [true, true]);
+    }
+
+    proptest! {
+        #[test]
+        fn no_other_ratios_have_a_smaller_smoothed_distance(
+            nodes in points(), c in 0.0..1.0f64, others in prop::array::uniform2(0.0..=1.0f64),
+        ) {
+            let found = ClosestPoints::smoothed(&nodes, c);
+            let other = ClosestPoints {
+                smoothing: c,
+                ..ClosestPoints::at(&nodes, others, [true; 2])
+            };
+            prop_assert!(found.distance() <= other.distance() + 1e-14);
+        }
+    }
+
+    #[test]
+    fn smoothed_points_pass_through_the_middle_of_the_overlap_as_edges_turn_through_parallel() {
+        // The second edge, a quarter of its length ahead of the first, is turned about the middle of their overlap.
+        let (gap, smoothing) = (0.5, 1e-3);
+        let turned = |angle: f64| {
+            let direction = Vector3::new(angle.cos(), 0.0, angle.sin());
+            let middle = Vector3::new(0.625, 0.0, gap);
+            let nodes = [
+                Vector3::zeros(),
+                Vector3::x(),
+                middle - direction * 0.375,
+                middle + direction * 0.625,
+            ];
+            ClosestPoints::smoothed(&nodes, smoothing)
+        };
+        assert!((turned(0.0).ratios[0] - 0.625).abs() < smoothing);
+        let mut before = turned(-5e-3);
+        assert!(before.ratios[0] > 0.99 && turned(5e-3).ratios[0] < 0.26);
+        for k in -499..=500 {
+            let now = turned(1e-5 * f64::from(k));
+            let moved = before.ratios[0] - now.ratios[0];
+            assert!((-1e-6..0.01).contains(&moved), "{k}: {moved}");
+            let apart = now.separation.norm();
+            assert!(now.distance() - apart <= smoothing / (4.0 * apart));
+            before = now;
+        }
     }
 
     #[test]

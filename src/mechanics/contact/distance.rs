@@ -1,24 +1,23 @@
 //! Derivatives of the centreline distance Δ of two edges, of its direction and of the contact ratios.
 //!
 //! With the weights w = (1−β_i, β_i, −(1−β_j), −β_j) on the nodes x = (x_i, x_{i+1}, x_j, x_{j+1}) the
-//! separation is r = Σ w_m x_m, the distance Δ = ‖r‖ and its direction n = r/Δ. The contact ratios
-//! minimise Δ, so that
+//! separation is r = Σ w_m x_m, and with the smoothing c of [`ClosestPoints`] the distance Δ is given by
+//! Δ² = ‖r‖² + c Σ_k (β_k − ½)² and n = r/Δ, a unit vector where c = 0. The contact ratios minimise Δ, so that
 //!
 //! ∇Δ = w ⊗ n
 //!
 //! in every class of contact. Which ratios are free to move makes the second derivative. Let s_i = e_i and
 //! s_j = −e_j be the derivatives of r with respect to the ratios, a_i = (−1, 1, 0, 0) and
-//! a_j = (0, 0, 1, −1) those of w, and Q_kl = s_k·s_l over the free ratios. Then, from the optimality
-//! condition r·s_k = 0,
+//! a_j = (0, 0, 1, −1) those of w, and Q_kl = s_k·s_l + c δ_kl over the free ratios. Then, from the optimality
+//! condition r·s_k + c (β_k − ½) = 0,
 //!
 //! - ∂β_k = −Σ_l Q⁻¹_kl (w ⊗ s_l + Δ a_l ⊗ n),
-//! - ∂n = T (w ⊗ ·)/Δ − Σ_kl Q⁻¹_kl s_k (a_l ⊗ n)ᵀ,
-//! - ∇²Δ = Σ_k (a_k ⊗ n) ∂β_kᵀ + w ⊗ ∂n,
+//! - ∂n = T (w ⊗ ·)/Δ − Σ_kl Q⁻¹_kl s_k (a_l ⊗ n)ᵀ, with T = 1 − n nᵀ − Σ_kl Q⁻¹_kl s_k s_lᵀ,
+//! - ∇²Δ = Σ_k (a_k ⊗ n) ∂β_kᵀ + w ⊗ ∂n.
 //!
-//! where T projects on what is normal to n and to all free s_k: the tangent plane for point–point, one line
-//! for point–edge, nothing for edge–edge. These are the second derivatives of thesis Eqs. 2.4, 2.5 and 2.6
-//! (the tests take those as printed), without their cross products and quotients, and free of
-//! cancellation.
+//! Where c = 0, T projects on what is normal to n and to all free s_k: the tangent plane for point–point, one line
+//! for point–edge, nothing for edge–edge. These are then the second derivatives of thesis Eqs. 2.4, 2.5 and 2.6
+//! (the tests take those as printed), without their cross products and quotients.
 //!
 //! The thesis multiplies all lengths by 1/h before (Eq. 2.15). Relative rounding errors do not depend on the
 //! unit of length, so that here only the potential is scaled.
@@ -34,7 +33,7 @@ pub(super) const WEIGHT_RATES: [f64; 4] = [-1.0, 1.0, 1.0, -1.0];
 /// Rows of 12 are derivatives with respect to the coordinates of the four nodes, node after node.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DistanceDerivatives {
-    /// Direction n from the second edge to the first.
+    /// Direction n from the second edge to the first, of length 1 without smoothing.
     pub normal: Vector3,
     /// Weights w of the four nodes in the separation.
     pub weights: [f64; 4],
@@ -53,13 +52,13 @@ impl DistanceDerivatives {
         let normal = closest.separation / distance;
         let weights = closest.weights();
         let slides = [nodes[1] - nodes[0], nodes[2] - nodes[3]];
-        let inverse = inverse_over_free_ratios(&slides, closest.free);
+        let inverse = inverse_over_free_ratios(&slides, closest.free, closest.smoothing);
         // y_k = Σ_l Q⁻¹_kl s_l
         let duals = [
             slides[0] * inverse[0][0] + slides[1] * inverse[0][1],
             slides[0] * inverse[1][0] + slides[1] * inverse[1][1],
         ];
-        let projection = tangent_projection(&normal, &slides, closest.free) / distance;
+        let projection = tangent_projection(&normal, &slides, &duals) / distance;
 
         let mut ratio_gradients = [[0.0; 12]; 2];
         let mut normal_jacobian = [[0.0; 12]; 3];
@@ -93,15 +92,20 @@ impl DistanceDerivatives {
     }
 }
 
-/// Q⁻¹ over the free ratios, zero elsewhere. For two free ratios det Q = ‖e_i × e_j‖².
-fn inverse_over_free_ratios(slides: &[Vector3; 2], free: [bool; 2]) -> [[f64; 2]; 2] {
-    let (square_i, square_j) = (slides[0].norm_squared(), slides[1].norm_squared());
+/// Q⁻¹ over the free ratios, zero elsewhere. For two free ratios det Q = ‖e_i × e_j‖² + c (Q_ii + Q_jj − c).
+fn inverse_over_free_ratios(
+    slides: &[Vector3; 2],
+    free: [bool; 2],
+    smoothing: f64,
+) -> [[f64; 2]; 2] {
+    let [square_i, square_j] = slides.map(|slide| slide.norm_squared() + smoothing);
     match free {
         [false, false] => [[0.0; 2]; 2],
         [true, false] => [[1.0 / square_i, 0.0], [0.0, 0.0]],
         [false, true] => [[0.0, 0.0], [0.0, 1.0 / square_j]],
         [true, true] => {
-            let determinant = slides[0].cross(&slides[1]).norm_squared();
+            let determinant = slides[0].cross(&slides[1]).norm_squared()
+                + smoothing * (square_i + square_j - smoothing);
             let mixed = -slides[0].dot(&slides[1]) / determinant;
             [
                 [square_j / determinant, mixed],
@@ -111,17 +115,12 @@ fn inverse_over_free_ratios(slides: &[Vector3; 2], free: [bool; 2]) -> [[f64; 2]
     }
 }
 
-/// Projection on the directions in which the separation can turn while the free points follow.
-fn tangent_projection(normal: &Vector3, slides: &[Vector3; 2], free: [bool; 2]) -> Matrix3 {
-    match free {
-        [false, false] => Matrix3::identity() - normal * normal.transpose(),
-        [true, true] => Matrix3::zeros(),
-        [first, _] => {
-            let slide = if first { slides[0] } else { slides[1] };
-            let across = normal.cross(&slide).normalize();
-            across * across.transpose()
-        }
-    }
+/// T: the directions in which the separation can turn while the free points follow.
+fn tangent_projection(normal: &Vector3, slides: &[Vector3; 2], duals: &[Vector3; 2]) -> Matrix3 {
+    Matrix3::identity()
+        - normal * normal.transpose()
+        - slides[0] * duals[0].transpose()
+        - slides[1] * duals[1].transpose()
 }
 
 #[cfg(test)]
@@ -207,6 +206,44 @@ mod tests {
     #[test]
     fn edge_edge_derivatives() {
         compare_with_the_printed_formula([true, true]);
+    }
+
+    #[test]
+    fn smoothed_derivatives_of_nearly_parallel_edges() {
+        let mut random = Random::new(13);
+        let (mut inside, smoothing, step) = (0, 1e-2, 1e-6);
+        while inside < 20 {
+            let along = Vector3::x() + random.vector() * 0.02;
+            let start = Vector3::z() * 0.7 + random.vector() * 0.3;
+            let nodes = [Vector3::zeros(), Vector3::x(), start, start + along];
+            let closest = ClosestPoints::smoothed(&nodes, smoothing);
+            if !closest
+                .ratios
+                .iter()
+                .all(|ratio| (0.01..0.99).contains(ratio))
+            {
+                continue;
+            }
+            inside += 1;
+            let derivatives = DistanceDerivatives::of(&nodes, &closest);
+            let (slope, curvature) = (derivatives.gradient(), distance_hessian(&derivatives));
+            for column in 0..12 {
+                let moved = |sign: f64| {
+                    let mut nodes = nodes;
+                    nodes[column / 3][column % 3] += sign * step;
+                    let closest = ClosestPoints::smoothed(&nodes, smoothing);
+                    let gradient = DistanceDerivatives::of(&nodes, &closest).gradient();
+                    (closest.distance(), gradient)
+                };
+                let (after, before) = (moved(1.0), moved(-1.0));
+                let expected = (after.0 - before.0) / (2.0 * step);
+                assert!((slope[column] - expected).abs() < 1e-8);
+                for row in 0..12 {
+                    let expected = (after.1[row] - before.1[row]) / (2.0 * step);
+                    assert!((curvature[row][column] - expected).abs() < 1e-6 / smoothing);
+                }
+            }
+        }
     }
 
     #[test]

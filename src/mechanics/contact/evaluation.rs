@@ -1,7 +1,7 @@
 //! Forces and Jacobians of all contacts at one configuration.
 
 use super::candidates::approach;
-use super::closest_points::ClosestPoints;
+use super::closest_points::{ClosestPoints, edge_distance};
 use super::contacts::{ActiveContact, PlaneContact};
 use super::edge_contact::{Sliding, edge_force, edge_jacobian};
 use super::friction::{FrictionLaw, slip};
@@ -119,9 +119,9 @@ impl ImplicitContact {
                 continue;
             }
             let nodes = pair.nodes.map(|node| motion.positions[node]);
-            let closest = ClosestPoints::of(&nodes);
-            let (distance, threshold) = (closest.distance(), self.surface.threshold(pair.edges));
-            let gap = distance - threshold;
+            let threshold = self.surface.threshold(pair.edges);
+            let closest = ClosestPoints::smoothed(&nodes, parameters.smoothing(threshold));
+            let gap = closest.distance() - threshold;
             if !loaded && gap >= reach {
                 continue;
             }
@@ -141,7 +141,8 @@ impl ImplicitContact {
             self.contacts.push(ActiveContact {
                 candidate,
                 nodes: pair.nodes,
-                distance,
+                // What is reported is the true distance, without smoothing.
+                distance: edge_distance(&nodes),
                 threshold,
                 normal: closest.normal(),
                 normal_force: response.force,

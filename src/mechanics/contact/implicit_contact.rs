@@ -20,8 +20,9 @@ use crate::mechanics::Vector3;
 /// after it, [`candidates_are_complete`](Self::candidates_are_complete) and
 /// [`excessive_penetration`](Self::excessive_penetration).
 ///
-/// The distance of two edges has kinks where several pairs of points are equally near: parallel edges, and
-/// joints of a rod. Newton's method may need its line search there. With the implicit contact model two edges
+/// The distance of two edges has kinks where several pairs of points are equally near: joints of a rod, and
+/// parallel edges, whose closest points the implicit contact model smooths. Newton's method may need its line search
+/// there. With the implicit contact model two edges
 /// that pass through each other within one step are not noticed; with incremental potential contact
 /// [`largest_step`](Self::largest_step) keeps them from it.
 #[derive(Clone, Debug)]

@@ -2,6 +2,12 @@
 
 use super::{barrier, potential};
 
+/// Most that the smoothing of closest points adds to a gap, in units of δ.
+///
+/// The contact force at a gap then changes by at most 1.5 %. A reef knot whose straight tails come to lie along each other
+/// takes 2.1 iterations a step with a tenth of this and with 30 times as much, and without any it goes no farther.
+const SMOOTHING: f64 = 5e-4;
+
 /// Contact models, all with Coulomb friction (thesis Eqs. 2.7–2.14).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContactModel {
@@ -54,6 +60,17 @@ impl ContactParameters {
             ContactModel::IncrementalPotential | ContactModel::Complementarity => {
                 self.distance_tolerance
             }
+        }
+    }
+
+    /// Smoothing c of the closest points of edges that touch at the distance `threshold` (m), m².
+    ///
+    /// None for incremental potential contact, whose barrier must be infinite where the surfaces themselves touch, and
+    /// none for complementarity, whose contacts have no gap to spare.
+    pub(super) fn smoothing(&self, threshold: f64) -> f64 {
+        match self.model {
+            ContactModel::ImplicitContact => 4.0 * SMOOTHING * self.distance_tolerance * threshold,
+            ContactModel::IncrementalPotential | ContactModel::Complementarity => 0.0,
         }
     }
 

@@ -6,7 +6,7 @@ use crate::scenario::units::{Dimensionless, Length, LinearDrag, Time, Velocity};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// A knot on the x axis, its ends pulled apart at constant speed without turning against each other.
+/// A knot of one rod or two: it settles, then its ends are pulled apart at constant speed.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "knot")]
 pub struct Knot {

@@ -123,7 +123,7 @@ pub struct Time {
     pub step: Option<Quantity<units::Time>>,
     /// With step = "auto": local error allowed per step, as a multiple of the rod radius. Default: 1e-2.
     pub tolerance: Option<Quantity<Dimensionless>>,
-    /// With step = "auto": the largest step. Default: the output interval. Backward differences take at least 170 steps
+    /// With step = "auto": the largest step. Default: the output interval. Backward differences take at least 200 steps
     /// while a clamp turns once.
     pub maximum_step: Option<Quantity<units::Time>>,
     /// End of the simulated time.
