@@ -3,9 +3,8 @@
 use super::ReproduceError;
 use super::bundling::{STEP, Step};
 use super::cases::Case;
-use super::difference::{Difference, differences, nodes_of};
+use super::difference::{Difference, curve, differences, figure, nodes_of};
 use super::page::{Page, number};
-use crate::figure::{AxisScale, Curve, LinePlot, PlotStyle, styled_line_plots};
 use serde::Serialize;
 
 /// Numbers of flagella.
@@ -48,7 +47,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceErro
             };
             rows.push(row(case, &differences));
             if index > 0 {
-                curves.push(curve(case, &differences));
+                curves.push(curve(name(case), &differences));
             }
         }
     }
@@ -72,21 +71,12 @@ pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceErro
     let lines: Vec<Vec<String>> = rows.iter().map(line).collect();
     page.table(&header, &lines);
     page.csv(&rows)?;
-    let plot = LinePlot {
-        label: "ē".into(),
-        curves,
-    };
-    let style = PlotStyle {
-        vertical: vec![AxisScale::Logarithmic],
-        ..PlotStyle::default()
-    };
-    let figure = styled_line_plots(&[plot], "Time in s", &style);
-    page.figure(
+    figure(
+        page,
         "auto-steps",
         "Difference ē from steps of 1 ms, in radii",
-        &figure,
-    )?;
-    Ok(())
+        curves,
+    )
 }
 
 fn row(case: &Case, differences: &[Difference]) -> Row {
@@ -129,16 +119,11 @@ fn line(row: &Row) -> Vec<String> {
     ]
 }
 
-fn curve(case: &Case, differences: &[Difference]) -> Curve {
+/// What a curve shows.
+fn name(case: &Case) -> String {
     let what = match case.run.widening {
         0.0 => step_of(case),
         widening => format!("helices wider by {widening:e}"),
     };
-    Curve {
-        name: format!("{} flagella, {what}", case.run.flagella),
-        points: differences
-            .iter()
-            .map(|row| (row.time_s, Some(row.mean_difference_radii)))
-            .collect(),
-    }
+    format!("{} flagella, {what}", case.run.flagella)
 }

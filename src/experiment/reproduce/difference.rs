@@ -1,6 +1,9 @@
 //! The normalised difference ē of two runs (thesis Eq. 2.28).
 
+use super::ReproduceError;
 use super::cases::Case;
+use super::page::Page;
+use crate::figure::{AxisScale, Curve, LinePlot, PlotStyle, styled_line_plots};
 use crate::results::{NodePositions, ResultsError, RodRecord, read_nodes};
 use serde::Serialize;
 
@@ -41,6 +44,36 @@ pub(super) fn differences(
             }
         })
         .collect()
+}
+
+/// ē over time as a curve of a plot.
+pub(super) fn curve(name: String, differences: &[Difference]) -> Curve {
+    Curve {
+        name,
+        points: differences
+            .iter()
+            .map(|row| (row.time_s, Some(row.mean_difference_radii)))
+            .collect(),
+    }
+}
+
+/// Adds a figure of such curves over time, ē on a logarithmic axis.
+pub(super) fn figure(
+    page: &mut Page,
+    name: &str,
+    caption: &str,
+    curves: Vec<Curve>,
+) -> Result<(), ReproduceError> {
+    let plot = LinePlot {
+        label: "ē".into(),
+        curves,
+    };
+    let style = PlotStyle {
+        vertical: vec![AxisScale::Logarithmic],
+        ..PlotStyle::default()
+    };
+    let figure = styled_line_plots(&[plot], "Time in s", &style);
+    Ok(page.figure(name, caption, &figure)?)
 }
 
 #[cfg(test)]

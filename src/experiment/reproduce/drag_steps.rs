@@ -3,9 +3,8 @@
 use super::ReproduceError;
 use super::bundling::{Bundling, Scheme, Step};
 use super::cases::Case;
-use super::difference::{Difference, differences, nodes_of};
+use super::difference::{Difference, curve, differences, figure, nodes_of};
 use super::page::{Page, number};
-use crate::figure::{AxisScale, Curve, LinePlot, PlotStyle, styled_line_plots};
 use serde::Serialize;
 
 /// Time steps that are compared; the first is the measure of the others.
@@ -50,7 +49,8 @@ pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceErro
         let differences = differences(&fine, &nodes_of(case)?, radius);
         rows.push(row(case, &differences, contact));
         if index > 0 {
-            curves.push(curve(case, &differences));
+            let name = format!("{}, {}", case.run.scheme.key(), step_of(&case.run));
+            curves.push(curve(name, &differences));
         }
     }
     page.text(
@@ -72,21 +72,12 @@ pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceErro
     let lines: Vec<Vec<String>> = rows.iter().map(line).collect();
     page.table(&header, &lines);
     page.csv(&rows)?;
-    let plot = LinePlot {
-        label: "ē".into(),
-        curves,
-    };
-    let style = PlotStyle {
-        vertical: vec![AxisScale::Logarithmic],
-        ..PlotStyle::default()
-    };
-    let figure = styled_line_plots(&[plot], "Time in s", &style);
-    page.figure(
+    figure(
+        page,
         "drag-steps",
         "Difference ē from the finest solution in radii",
-        &figure,
-    )?;
-    Ok(())
+        curves,
+    )
 }
 
 fn row(case: &Case, differences: &[Difference], contact: Option<f64>) -> Row {
@@ -126,14 +117,4 @@ fn line(row: &Row) -> Vec<String> {
         number(row.difference_before_contact_radii, 3),
         number(row.difference_radii, 3),
     ]
-}
-
-fn curve(case: &Case, differences: &[Difference]) -> Curve {
-    Curve {
-        name: format!("{}, {}", case.run.scheme.key(), step_of(&case.run)),
-        points: differences
-            .iter()
-            .map(|row| (row.time_s, Some(row.mean_difference_radii)))
-            .collect(),
-    }
 }

@@ -202,14 +202,21 @@ mod tests {
         assert_eq!(multipliers.settled(), [0.0, 2.0, 0.0, 3.0, 0.0]);
     }
 
-    #[test]
-    fn a_linear_law_touches_the_force_law_at_its_force() {
-        let law = |gap: f64| NormalResponse {
+    /// The law N(g) = e⁻ᵍ.
+    fn law(gap: f64) -> NormalResponse {
+        NormalResponse {
             energy: 0.0,
             force: (-gap).exp(),
             force_slope: -(-gap).exp(),
-        };
-        let inverse = |force: f64| -force.ln();
+        }
+    }
+
+    fn inverse(force: f64) -> f64 {
+        -force.ln()
+    }
+
+    #[test]
+    fn a_linear_law_touches_the_force_law_at_its_force() {
         let mut multipliers = Multipliers::default();
         multipliers.restore(&[2.0]);
         multipliers.begin(1, 1.0);
@@ -236,12 +243,6 @@ mod tests {
 
     #[test]
     fn a_contact_that_begins_with_overlap_bears_what_is_believed() {
-        let law = |gap: f64| NormalResponse {
-            energy: 0.0,
-            force: (-gap).exp(),
-            force_slope: -(-gap).exp(),
-        };
-        let inverse = |force: f64| -force.ln();
         let mut multipliers = Multipliers::default();
         multipliers.begin(2, 3.0);
         let deep = multipliers.linear_law(0, -9.0, &law(-9.0), law, inverse);
