@@ -8,8 +8,8 @@ use super::neighbourhoods::Neighbourhoods;
 use super::stretches::Stretches;
 use crate::mechanics::Vector3;
 
-/// Nodes of a neighbourhood to begin with. Iterations in a bundle of ten helices (pairs 3 mm apart, 680
-/// nodes) for 16, 24, 32, 48, 64 nodes: 27, 21, 17, 13, 11; the price of building grows with the cube.
+/// Nodes of a neighbourhood to begin with. Iterations, from neighbourhoods alone, in a bundle of ten helices (pairs 3 mm
+/// apart, 680 nodes) for 16, 24, 32, 48, 64 nodes: 27, 21, 17, 13, 11; the price of building grows with the cube.
 pub(super) const NEIGHBOURHOOD: usize = 32;
 
 /// Price of an operation of an elimination in operations of a product, as timed for 136 and 680 nodes.
