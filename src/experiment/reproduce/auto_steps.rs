@@ -5,6 +5,7 @@ use super::bundling::{STEP, Step};
 use super::cases::Case;
 use super::difference::{Difference, curve, differences, figure, nodes_of};
 use super::page::{Page, number};
+use crate::results::{SeriesRow, read_series};
 use serde::Serialize;
 
 /// Numbers of flagella.
@@ -15,6 +16,9 @@ pub(super) const VARIANTS: [(Step, f64); 3] = [(STEP, 0.0), (Step::Auto, 0.0), (
 
 /// Difference in radii that automatic steps should keep below.
 const BOUND: f64 = 0.5;
+
+/// Part of the simulated time after which flagella have bundled, and means are taken.
+const BUNDLED: f64 = 0.2;
 
 /// A row of the CSV file; differences are ē of thesis Eq. 2.28.
 #[derive(Serialize)]
@@ -32,6 +36,9 @@ struct Row {
     difference_radii: Option<f64>,
     /// When it first exceeds [`BOUND`].
     bound_exceeded_s: Option<f64>,
+    /// Means over the output times after the part [`BUNDLED`] of the simulated time.
+    mean_bending_energy_j: f64,
+    mean_contacts: f64,
 }
 
 /// Writes the table and ē over time.
@@ -45,7 +52,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceErro
                 0 => Vec::new(),
                 _ => differences(&measure, &nodes_of(case)?, radius),
             };
-            rows.push(row(case, &differences));
+            rows.push(row(case, &differences)?);
             if index > 0 {
                 curves.push(curve(name(case), &differences));
             }
@@ -54,7 +61,9 @@ pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceErro
     page.text(
         "By backward differences. ē is the mean distance of the nodes from the solution with steps of 1 ms and the same \
          number of flagella, in radii (thesis Eq. 2.28), at the output times. The last run of each number begins with \
-         helices wider by 1e-8 of their radius: no method whose steps lose more than that can keep ē smaller for long.",
+         helices wider by 1e-8 of their radius: no method whose steps lose more than that can keep ē smaller for long. \
+         Means are over the last four fifths of the simulated time: where ē has grown, they tell whether the motion is of \
+         the same kind.",
     );
     let header = [
         "Flagella",
@@ -67,6 +76,8 @@ pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceErro
         "Processor time in s",
         "Largest ē",
         "ē above 0.5 from, s",
+        "Mean bending energy in mJ",
+        "Mean contacts",
     ];
     let lines: Vec<Vec<String>> = rows.iter().map(line).collect();
     page.table(&header, &lines);
@@ -79,10 +90,17 @@ pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceErro
     )
 }
 
-fn row(case: &Case, differences: &[Difference]) -> Row {
+fn row(case: &Case, differences: &[Difference]) -> Result<Row, ReproduceError> {
     let outcome = &case.record.outcome;
+    let series = read_series(&case.directory)?;
+    let bundled: Vec<&SeriesRow> = (series.iter())
+        .filter(|row| row.time_s >= BUNDLED * case.run.end)
+        .collect();
+    let mean = |of: fn(&SeriesRow) -> f64| {
+        bundled.iter().map(|row| of(row)).sum::<f64>() / bundled.len() as f64
+    };
     let radii = differences.iter().map(|row| row.mean_difference_radii);
-    Row {
+    Ok(Row {
         flagella: case.run.flagella,
         step: step_of(case),
         helix_widening: case.run.widening,
@@ -97,7 +115,9 @@ fn row(case: &Case, differences: &[Difference]) -> Row {
             .iter()
             .find(|row| row.mean_difference_radii > BOUND)
             .map(|row| row.time_s),
-    }
+        mean_bending_energy_j: mean(|row| row.bending_energy_j),
+        mean_contacts: mean(|row| row.contacts.unwrap_or(0) as f64),
+    })
 }
 
 fn step_of(case: &Case) -> String {
@@ -116,6 +136,8 @@ fn line(row: &Row) -> Vec<String> {
         number(row.cpu_time_s, 0),
         number(row.difference_radii, 4),
         number(row.bound_exceeded_s, 1),
+        number(Some(1e3 * row.mean_bending_energy_j), 4),
+        number(Some(row.mean_contacts), 1),
     ]
 }
 
