@@ -128,7 +128,10 @@ fn line(row: &Row) -> Vec<String> {
     vec![
         row.flagella.to_string(),
         row.step.clone(),
-        format!("{:e}", row.helix_widening),
+        match row.helix_widening {
+            0.0 => "0".into(),
+            widening => format!("{widening:e}"),
+        },
         row.steps.to_string(),
         row.retries.to_string(),
         number(Some(row.iterations_per_step), 2),
