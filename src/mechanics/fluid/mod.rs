@@ -21,8 +21,8 @@
 //! # What it costs
 //! Per pair of nodes and core (Zen 5): assembly 3.4 ns with AVX-512 (4.3 ns where A is too large for the
 //! second-level cache), 5 ns with AVX2 and some 120 ns without either, limited by arithmetic; a product
-//! 0.45 ns while A fits the second-level cache (136 nodes) and 0.9 ns where it streams from farther away
-//! (680 nodes, 48 bytes a pair). There is no cheaper quadrature for far pairs: three Gauss points, which
+//! 0.31 ns while A fits the second-level cache (136 nodes) and about twice that where it streams from farther
+//! away (680 nodes, 24 bytes a pair). There is no cheaper quadrature for far pairs: three Gauss points, which
 //! 10⁻⁸ would take from some five segment lengths on, need three square roots and three divisions, more
 //! than the closed form's two and two with one logarithm.
 //!
