@@ -102,7 +102,7 @@ fn row(case: &Case, differences: &[Difference]) -> Result<Row, ReproduceError> {
     let radii = differences.iter().map(|row| row.mean_difference_radii);
     Ok(Row {
         flagella: case.run.flagella,
-        step: step_of(case),
+        step: case.run.step.in_words(),
         helix_widening: case.run.widening,
         status: case.status(),
         steps: outcome.steps,
@@ -118,10 +118,6 @@ fn row(case: &Case, differences: &[Difference]) -> Result<Row, ReproduceError> {
         mean_bending_energy_j: mean(|row| row.bending_energy_j),
         mean_contacts: mean(|row| row.contacts.unwrap_or(0) as f64),
     })
-}
-
-fn step_of(case: &Case) -> String {
-    case.run.step.key().trim_matches('"').to_owned()
 }
 
 fn line(row: &Row) -> Vec<String> {
@@ -147,7 +143,7 @@ fn line(row: &Row) -> Vec<String> {
 /// What a curve shows.
 fn name(case: &Case) -> String {
     let what = match case.run.widening {
-        0.0 => step_of(case),
+        0.0 => case.run.step.in_words(),
         widening => format!("helices wider by {widening:e}"),
     };
     format!("{} flagella, {what}", case.run.flagella)

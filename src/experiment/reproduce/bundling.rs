@@ -71,6 +71,11 @@ impl Step {
             Self::Auto => "\"auto\"".into(),
         }
     }
+
+    /// As tables have it: in s, or "auto".
+    pub fn in_words(self) -> String {
+        self.key().trim_matches('"').to_owned()
+    }
 }
 
 /// Distance tolerance of the thesis, m.

@@ -1,7 +1,7 @@
 //! What time steps lose against a fine solution.
 
 use super::ReproduceError;
-use super::bundling::{Bundling, Scheme, Step};
+use super::bundling::{Scheme, Step};
 use super::cases::Case;
 use super::difference::{Difference, curve, differences, figure, nodes_of};
 use super::page::{Page, number};
@@ -49,7 +49,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceErro
         let differences = differences(&fine, &nodes_of(case)?, radius);
         rows.push(row(case, &differences, contact));
         if index > 0 {
-            let name = format!("{}, {}", case.run.scheme.key(), step_of(&case.run));
+            let name = format!("{}, {}", case.run.scheme.key(), case.run.step.in_words());
             curves.push(curve(name, &differences));
         }
     }
@@ -91,7 +91,7 @@ fn row(case: &Case, differences: &[Difference], contact: Option<f64>) -> Row {
     };
     Row {
         scheme: case.run.scheme.key(),
-        step: step_of(&case.run),
+        step: case.run.step.in_words(),
         status: case.status(),
         steps: outcome.steps,
         iterations_per_step: outcome.newton_iterations as f64 / outcome.steps as f64,
@@ -100,10 +100,6 @@ fn row(case: &Case, differences: &[Difference], contact: Option<f64>) -> Row {
         difference_before_contact_radii: contact.and_then(largest_until),
         difference_radii: largest_until(f64::INFINITY),
     }
-}
-
-fn step_of(run: &Bundling) -> String {
-    run.step.key().trim_matches('"').to_owned()
 }
 
 fn line(row: &Row) -> Vec<String> {
