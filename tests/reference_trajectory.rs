@@ -21,12 +21,13 @@
 use flate2::read::GzDecoder;
 use nalgebra::{Cholesky, DMatrix, DVector, Vector3};
 use rayon::prelude::*;
-use rodlab::experiment::{PreparedRun, prepare};
+use rodlab::experiment::prepare;
 use rodlab::mechanics::dynamics::Simulation;
 use rodlab::mechanics::fluid::segment_integral;
 use rodlab::mechanics::rod::vertex::{
     EdgeFrame, VertexStiffness, VertexStrains, curvatures, gradient,
 };
+use rodlab::run::PreparedRun;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::fs::File;

@@ -4,9 +4,9 @@ use super::arguments::Common;
 use super::failure::Failure;
 use super::output::print;
 use super::run::prepare;
-use crate::experiment::sweep::check_every_value;
 use crate::experiment::{DerivedNumbers, derived_numbers, try_scene};
 use crate::scenario::Family;
+use crate::sweep::check_every_value;
 use clap::Args;
 use std::path::{Path, PathBuf};
 

@@ -3,7 +3,8 @@
 use super::failure::Failure;
 use super::output::print;
 use super::sweep::verdict;
-use crate::experiment::{plot_results, sweep};
+use crate::report::plot_results;
+use crate::sweep;
 use clap::Args;
 use std::path::PathBuf;
 

@@ -2,8 +2,8 @@
 
 use super::failure::Failure;
 use super::output::print;
-use crate::experiment::{CustomFigure, custom_figure, plot_results, write_figure};
 use crate::figure::AxisScale;
+use crate::report::{CustomFigure, custom_figure, plot_results, write_figure};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 

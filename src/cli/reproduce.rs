@@ -3,7 +3,7 @@
 use super::arguments::Common;
 use super::failure::Failure;
 use super::output::print;
-use crate::experiment::reproduce::{self, Artifact, ReproduceOptions};
+use crate::reproduce::{self, Artifact, ReproduceOptions};
 use clap::Args;
 use std::path::PathBuf;
 

@@ -4,9 +4,10 @@ use super::arguments::Common;
 use super::failure::Failure;
 use super::output::print;
 use super::sweep;
-use crate::experiment::sweep::Shard;
-use crate::experiment::{self, PreparedRun, RunOptions, RunOutcome, RunStatus, try_scene};
+use crate::experiment::{self, try_scene};
+use crate::run::{PreparedRun, RunOptions, RunOutcome, RunStatus};
 use crate::scenario::{Family, seconds};
+use crate::sweep::Shard;
 use clap::Args;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -89,7 +90,7 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), Failure> {
         try_scene(&prepared)?;
         return print(&prepared.scenario_toml);
     }
-    print(&summary(&experiment::run(&prepared, &options)?))
+    print(&summary(&crate::run::run(&prepared, &options)?))
 }
 
 /// Builds the scene of a family of one.

@@ -3,9 +3,9 @@
 use super::failure::Failure;
 use super::output::print;
 use crate::cluster::{self, ClusterError, Jobs, Task};
-use crate::experiment::sweep::{self, CaseCounts, Shard};
 use crate::results::{CaseRecord, CaseStatus};
 use crate::scenario::Case;
+use crate::sweep::{self, CaseCounts, Shard};
 use clap::Args;
 use serde::Serialize;
 use std::collections::BTreeMap;

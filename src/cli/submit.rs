@@ -4,10 +4,10 @@ use super::failure::Failure;
 use super::output::print;
 use super::sweep::refuse_too_many;
 use crate::cluster::{self, Jobs, Program, Request, TaskState};
-use crate::experiment::RunOptions;
-use crate::experiment::sweep::{self, Shard};
 use crate::results::{CaseRecord, SCENARIO};
+use crate::run::RunOptions;
 use crate::scenario::{Case, Family};
+use crate::sweep::{self, Shard};
 use clap::Args;
 use std::path::{Path, PathBuf};
 

@@ -3,11 +3,11 @@
 use super::failure::Failure;
 use super::output::print;
 use super::run::RunArguments;
-use crate::experiment::RunOptions;
-use crate::experiment::sweep::{
+use crate::run::RunOptions;
+use crate::scenario::{Family, Parameter};
+use crate::sweep::{
     self, Found, SEARCH_TABLE, Shard, SweepOptions, SweepOutcome, derived_numbers_of,
 };
-use crate::scenario::{Family, Parameter};
 use std::fmt::Write;
 use std::num::NonZeroUsize;
 

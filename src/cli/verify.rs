@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use super::output::print;
-use crate::experiment::verify::{self, Check, Verdict};
+use crate::verify::{self, Check, Verdict};
 use clap::Args;
 use serde::Serialize;
 

@@ -3,7 +3,7 @@
 use super::arguments::Common;
 use super::failure::Failure;
 use super::output::print;
-use crate::experiment::write_page;
+use crate::report::write_page;
 use crate::results::PAGE;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};

@@ -1,10 +1,10 @@
 //! Numbers that follow from a scenario, for people to judge it before it runs.
 
-use super::prepared::{Mode, PreparedRun};
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::StepSize;
 use crate::mechanics::fluid::FluidModel;
 use crate::mechanics::scene::{Clamp, LoadKind, RodDescription, Scene};
+use crate::run::{Mode, PreparedRun};
 use serde::Serialize;
 use std::f64::consts::TAU;
 use std::fmt;

@@ -1,4 +1,4 @@
-//! The engine against closed forms; the full table of checks is in `experiment::verify`.
+//! The engine against closed forms; the full table of checks is in `verify`.
 
 use super::*;
 use crate::mechanics::Vector3;

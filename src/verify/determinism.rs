@@ -1,0 +1,123 @@
+//! The same bytes for any number of threads and across interruptions.
+
+use super::{Check, Claim, FamilyError};
+use crate::experiment::prepare;
+use crate::run::PreparedRun;
+use crate::run::{RunError, RunOptions, run};
+use crate::scenario::from_text;
+use std::path::Path;
+use std::time::Duration;
+
+const THREADS: Claim = Claim {
+    formula: "1 thread = 2 threads",
+    source: "same operations, same order",
+};
+const RESUMED: Claim = Claim {
+    formula: "run = run, interrupt, resume",
+    source: "checkpoint holds the state",
+};
+
+/// A rod sinks onto another one in viscous fluid; they touch after 24 ms and rub.
+const SCENARIO: &str = r#"
+experiment = "scene"
+[material]
+youngs_modulus = "3 MPa"
+poissons_ratio = 0.5
+density = 1000.0
+[[rods]]
+name = "lower"
+radius = "1 mm"
+edges = 30
+shape = { kind = "straight", start = [0, 0, 0], end = [0.1, 0, 0] }
+[[rods]]
+name = "upper"
+radius = "1 mm"
+edges = 30
+shape = { kind = "straight", start = [0.04, -0.04, 0.00205], end = [0.07, 0.04, 0.00205] }
+[[clamps]]
+rod = "lower"
+at = "start"
+[[clamps]]
+rod = "lower"
+at = "end"
+[[loads]]
+kind = "gravity"
+acceleration = [0, 0, -9.81]
+[contact]
+model = "imc"
+friction = 0.2
+distance_tolerance = 5e-5
+[fluid]
+model = "rss"
+viscosity = 0.1
+[time]
+step = 1e-3
+end = 0.4
+[output]
+interval = 0.02
+nodes = true
+"#;
+
+/// Bytes of `series.csv` and `nodes.csv` that differ.
+pub fn checks(_full: bool) -> Result<Vec<Check>, FamilyError> {
+    let loaded = from_text("determinism.toml", SCENARIO, Path::new("."))?;
+    let prepared = prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?;
+    let scratch = tempfile::tempdir()?;
+    let directory = |name: &str| scratch.path().join(name);
+    let (one, two, pieces) = (directory("one"), directory("two"), directory("pieces"));
+    with_threads(1, || run_through(&prepared, &one))??;
+    with_threads(2, || run_through(&prepared, &two))??;
+    let interruptions = run_in_pieces(&prepared, &pieces)?;
+    let mut checks = Vec::new();
+    for file in ["series.csv", "nodes.csv"] {
+        let differing = differing_bytes(&one.join(file), &two.join(file))?;
+        let name = format!("{file}, 1 and 2 threads: differing bytes");
+        checks.push(THREADS.scaled(name, "", 0.0, differing, 1.0, 0.0));
+    }
+    for file in ["series.csv", "nodes.csv"] {
+        let differing = differing_bytes(&one.join(file), &pieces.join(file))?;
+        let name = format!("{file}, {interruptions} interruptions: differing bytes");
+        checks.push(RESUMED.scaled(name, "", 0.0, differing, 1.0, 0.0));
+    }
+    Ok(checks)
+}
+
+fn with_threads<T: Send>(count: usize, work: impl FnOnce() -> T + Send) -> Result<T, FamilyError> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build()?;
+    Ok(pool.install(work))
+}
+
+fn options(directory: &Path) -> RunOptions {
+    RunOptions {
+        progress: false,
+        ..RunOptions::new(directory)
+    }
+}
+
+fn run_through(prepared: &PreparedRun, directory: &Path) -> Result<(), RunError> {
+    run(prepared, &options(directory)).map(drop)
+}
+
+/// Stops the run by its time limit again and again, later each time; tells how often.
+fn run_in_pieces(prepared: &PreparedRun, directory: &Path) -> Result<usize, RunError> {
+    let mut limit = Duration::from_millis(5);
+    let mut interruptions = 0;
+    loop {
+        let hurried = RunOptions {
+            timeout: Some(limit),
+            ..options(directory)
+        };
+        match run(prepared, &hurried) {
+            Ok(_) => return Ok(interruptions),
+            Err(RunError::TimeLimit { .. }) => interruptions += 1,
+            Err(error) => return Err(error),
+        }
+        limit *= 2;
+    }
+}
+
+fn differing_bytes(a: &Path, b: &Path) -> Result<f64, FamilyError> {
+    let (a, b) = (std::fs::read(a)?, std::fs::read(b)?);
+    let common = a.iter().zip(&b).filter(|(a, b)| a != b).count();
+    Ok((common + a.len().abs_diff(b.len())) as f64)
+}
