@@ -6,7 +6,7 @@ use super::output::print;
 use super::sweep;
 use crate::experiment::{self, try_scene};
 use crate::run::{PreparedRun, RunOptions, RunOutcome, RunStatus};
-use crate::scenario::{Family, seconds};
+use crate::scenario::{CaseSet, seconds};
 use crate::sweep::Shard;
 use clap::Args;
 use std::fmt::Write;
@@ -70,21 +70,21 @@ fn duration(text: &str) -> Result<Duration, String> {
 
 /// Runs a scenario.
 pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), Failure> {
-    let family = Family::load(&arguments.scenario, &arguments.overrides, &arguments.vary)?;
+    let case_set = CaseSet::load(&arguments.scenario, &arguments.overrides, &arguments.vary)?;
     let directory = arguments
         .out
         .clone()
-        .unwrap_or_else(|| Path::new("results").join(family.name()));
+        .unwrap_or_else(|| Path::new("results").join(case_set.name()));
     let options = RunOptions {
         force: arguments.force,
         progress: !common.quiet,
         timeout: arguments.timeout,
         ..RunOptions::new(directory)
     };
-    if family.is_sweep() {
-        return sweep::run(arguments, &family, options);
+    if case_set.is_sweep() {
+        return sweep::run(arguments, &case_set, options);
     }
-    let prepared = prepare(&family)?;
+    let prepared = prepare(&case_set)?;
     if arguments.dry_run {
         // The scene must be possible, too.
         try_scene(&prepared)?;
@@ -93,9 +93,9 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), Failure> {
     print(&summary(&crate::run::run(&prepared, &options)?))
 }
 
-/// Builds the scene of a family of one.
-pub fn prepare(family: &Family) -> Result<PreparedRun, Failure> {
-    let loaded = family.scenario_of(0)?;
+/// Builds the scene of a case_set of one.
+pub fn prepare(case_set: &CaseSet) -> Result<PreparedRun, Failure> {
+    let loaded = case_set.scenario_of(0)?;
     experiment::prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues).into())
 }
 

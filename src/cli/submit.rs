@@ -6,7 +6,7 @@ use super::sweep::refuse_too_many;
 use crate::cluster::{self, Jobs, Program, Request, TaskState};
 use crate::results::{CaseRecord, SCENARIO};
 use crate::run::RunOptions;
-use crate::scenario::{Case, Family};
+use crate::scenario::{Case, CaseSet};
 use crate::sweep::{self, Shard};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -77,14 +77,14 @@ pub struct SubmitArguments {
 
 /// Submits what is neither finished nor in the queue.
 pub fn submit(arguments: &SubmitArguments) -> Result<(), Failure> {
-    let family = Family::load(&arguments.scenario, &arguments.overrides, &arguments.vary)?;
-    refuse_too_many(&family, arguments.yes)?;
-    if !family.is_sweep() {
+    let case_set = CaseSet::load(&arguments.scenario, &arguments.overrides, &arguments.vary)?;
+    refuse_too_many(&case_set, arguments.yes)?;
+    if !case_set.is_sweep() {
         return Err(Failure::Input(
             "nothing is varied: a job array needs a [sweep] or --vary".to_owned(),
         ));
     }
-    if family.search().is_some() {
+    if case_set.search().is_some() {
         return Err(Failure::Input(
             "a search runs its cases one after the other: use `rodlab run`".to_owned(),
         ));
@@ -92,12 +92,12 @@ pub fn submit(arguments: &SubmitArguments) -> Result<(), Failure> {
     let directory = arguments
         .out
         .clone()
-        .unwrap_or_else(|| Path::new("results").join(family.name()));
+        .unwrap_or_else(|| Path::new("results").join(case_set.name()));
     let directory = std::path::absolute(&directory)
         .map_err(|error| Failure::System(format!("{}: {error}", directory.display())))?;
     let known = Jobs::read(&directory)?;
     let mut jobs = known.unwrap_or_else(|| Jobs {
-        tasks: tasks_of(&family, arguments.tasks),
+        tasks: tasks_of(&case_set, arguments.tasks),
         jobs: Vec::new(),
     });
     let executable = std::env::current_exe()
@@ -108,14 +108,14 @@ pub fn submit(arguments: &SubmitArguments) -> Result<(), Failure> {
         directory: directory.clone(),
         tasks: jobs.tasks,
     };
-    let request = request(arguments, family.name());
+    let request = request(arguments, case_set.name());
     if arguments.print {
         let all: Vec<usize> = (1..=jobs.tasks).collect();
         return print(&cluster::script(&program, &request, &all));
     }
-    sweep::establish(&family, &RunOptions::new(&directory))?;
+    sweep::establish(&case_set, &RunOptions::new(&directory))?;
     let queue = cluster::tasks(&jobs.jobs)?;
-    let left: Vec<usize> = unfinished_tasks(&sweep::standing(&directory)?, jobs.tasks)
+    let left: Vec<usize> = unfinished_tasks(&sweep::case_records(&directory)?, jobs.tasks)
         .into_iter()
         .filter(|task| {
             queue
@@ -138,13 +138,13 @@ pub fn submit(arguments: &SubmitArguments) -> Result<(), Failure> {
     ))
 }
 
-fn tasks_of(family: &Family, asked: Option<u32>) -> usize {
-    let cases = usize::try_from(family.count()).unwrap_or(usize::MAX);
+fn tasks_of(case_set: &CaseSet, asked: Option<u32>) -> usize {
+    let cases = usize::try_from(case_set.count()).unwrap_or(usize::MAX);
     asked.map_or(TASKS, |tasks| tasks as usize).min(cases)
 }
 
 /// Tasks with cases that are not over.
-fn unfinished_tasks(standing: &[(Case, CaseRecord)], tasks: usize) -> Vec<usize> {
+fn unfinished_tasks(records: &[(Case, CaseRecord)], tasks: usize) -> Vec<usize> {
     (1..=tasks)
         .filter(|number| {
             let shard = Shard {
@@ -152,8 +152,8 @@ fn unfinished_tasks(standing: &[(Case, CaseRecord)], tasks: usize) -> Vec<usize>
                 of: tasks,
             };
             shard
-                .indices(standing.len())
-                .any(|index| !standing[index].1.status.is_final())
+                .indices(records.len())
+                .any(|index| !records[index].1.status.is_final())
         })
         .collect()
 }

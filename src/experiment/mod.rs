@@ -8,5 +8,5 @@ mod scene;
 
 pub use derived::{DerivedNumbers, DerivedRod, derived_numbers};
 pub use helix::stability::{discrete_critical_distance, estimated_critical_distance};
-pub use knot::{KnotGlance, KnotObserver};
+pub use knot::{KnotObserver, KnotSample};
 pub use scene::{prepare, try_scene};

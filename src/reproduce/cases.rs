@@ -3,7 +3,7 @@
 use super::bundling::Bundling;
 use super::{ReproduceError, ReproduceOptions};
 use crate::results::{CaseRecord, MAIN_CASE, Manifest, scenario_hash};
-use crate::run::{PreparedRun, RunError, RunOptions, RunStatus, run, workers};
+use crate::run::{PreparedRun, RunError, RunOptions, RunStatus, run, thread_pools};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::OnceLock;
@@ -52,7 +52,7 @@ pub(super) fn run_all<R: Run>(
     report: &(dyn Fn(&str) + Sync),
 ) -> Result<Vec<Case<R>>, ReproduceError> {
     let results: Vec<OnceLock<Ended<R>>> = runs.iter().map(|_| OnceLock::new()).collect();
-    workers::for_each(runs.len(), options.jobs, |index| {
+    thread_pools::for_each(runs.len(), options.jobs, |index| {
         let result = run_one(&runs[index], options);
         let flow = match &result {
             Ok(case) => {

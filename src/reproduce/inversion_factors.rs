@@ -14,23 +14,23 @@ struct Factor {
     /// Its value in a run.
     value: fn(&Inversion) -> String,
     /// What the thesis says.
-    claim: &'static str,
+    statement: &'static str,
 }
 
 const RADIUS: Factor = Factor {
     head: "h",
     value: |run| format!("h = {} mm", (1e6 * run.radius).round() / 1e3),
-    claim: "The thesis: the inversion point in l̄_k does not depend on the radius.",
+    statement: "The thesis: the inversion point in l̄_k does not depend on the radius.",
 };
 const NUMBER: Factor = Factor {
     head: "n",
     value: |run| format!("n = {}", run.unknotting_number),
-    claim: "The thesis: l̄_k grows with the unknotting number, and a trefoil (n = 1) does not invert.",
+    statement: "The thesis: l̄_k grows with the unknotting number, and a trefoil (n = 1) does not invert.",
 };
 const FRICTION: Factor = Factor {
     head: "μ",
     value: |run| format!("μ = {}", run.friction),
-    claim: "The thesis: the larger the friction, the earlier, at larger l̄_k, the knot inverts. Its rod is 3.4 mm thick; \
+    statement: "The thesis: the larger the friction, the earlier, at larger l̄_k, the knot inverts. Its rod is 3.4 mm thick; \
             here it has 1.6 mm, so that knots can be pulled from l̄_k = 312.5: strong friction remembers a start nearby.",
 };
 
@@ -62,7 +62,7 @@ pub(super) fn write(
         "Traction and height of the loop while the ends are pulled apart, from right to left",
         &plots(&all),
     )?;
-    page.text(factor.claim);
+    page.text(factor.statement);
     table(page, factor.head, &names, cases);
     page.text(&spread(cases));
     page.figure(

@@ -41,10 +41,10 @@ pub(super) fn pictures(
         return Ok(Vec::new());
     };
     let at = |length: f64| rows.iter().find(|(_, row)| row.length_normalized <= length);
-    let Some((_, standing)) = at(by_force) else {
+    let Some((_, upright)) = at(by_force) else {
         return Ok(Vec::new());
     };
-    let half = standing.loop_height_m.map(|height| 0.5 * height);
+    let half = upright.loop_height_m.map(|height| 0.5 * height);
     let mut fallen = rows.iter().filter(|(_, row)| {
         row.length_normalized <= by_force.min(by_height + 1.0) && row.loop_height_m < half
     });
@@ -60,7 +60,7 @@ pub(super) fn pictures(
             let output = outputs.iter().find(|output| output.time == *time)?;
             Some((output, row))
         });
-        let reach = standing.braid_width_m.map(|width| 0.5 * WIDTH * width);
+        let reach = upright.braid_width_m.map(|width| 0.5 * WIDTH * width);
         if let (Some((output, row)), Some(reach)) = (node_output, reach) {
             pictures.push(picture(case, output, row, reach));
         }

@@ -3,7 +3,7 @@
 use super::cases::{Case, Run};
 use super::{Artifact, ReproduceOptions};
 use crate::results::{CaseStatus, MANIFEST, ResultsError, write_whole};
-use crate::run::workers::threads_of_a_job;
+use crate::run::thread_pools::threads_of_a_job;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};

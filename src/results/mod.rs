@@ -4,7 +4,7 @@
 //! keeps [`CheckpointFiles`], and ends with [`write_summary`] and [`write_timings`]. Nothing here knows
 //! mechanics: rods are names, node counts and arrays.
 //!
-//! The directory of a sweep ([`SweepDirectory`]) has such a directory for each case; [`Claims`] tell the processes
+//! The directory of a sweep ([`SweepDirectory`]) has such a directory for each case; [`Leases`] tell the processes
 //! that share it who works on which.
 //!
 //! Files that are written once appear whole ([`write_whole`]); files that grow are flushed at each output
@@ -13,12 +13,12 @@
 mod atomic;
 mod branch;
 mod checkpoint;
-mod claim;
 mod directory;
 mod error;
 mod forces;
 mod frame;
 mod knot;
+mod lease;
 mod manifest;
 mod nodes;
 mod outcome;
@@ -35,7 +35,6 @@ pub(crate) use atomic::sync;
 pub use atomic::write_whole;
 pub use branch::{BranchKind, BranchRow, read_branches};
 pub use checkpoint::CheckpointFiles;
-pub use claim::{Claim, Claiming, Claims, HEARTBEAT, Owner, host_name};
 pub use directory::{
     BOUNDARY, BRANCH, BRANCH_FIGURE, COMPARISON, NODE_FORCES, NODES, Opened, PAGE, RODS_FIGURE,
     ResultsDirectory, SCENARIO, SECTION_FIGURES, SERIES, SERIES_FIGURE, SUMMARY, SURFACE,
@@ -45,6 +44,7 @@ pub use error::ResultsError;
 pub use forces::{NodeForces, read_node_forces};
 pub use frame::Frame;
 pub use knot::{KnotEnding, KnotOutcome};
+pub use lease::{HEARTBEAT, Lease, LeaseAttempt, Leases, Owner, host_name};
 pub use manifest::{
     CaseRecord, CaseStatus, MAIN_CASE, MANIFEST, Manifest, RodRecord, scenario_hash,
 };

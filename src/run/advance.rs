@@ -1,6 +1,6 @@
 //! What the run loop asks of a simulation.
 
-use crate::experiment::{KnotGlance, KnotObserver};
+use crate::experiment::{KnotObserver, KnotSample};
 use crate::mechanics::dynamics::{
     Energies, Simulation, SimulationError, SimulationState, StepReport,
 };
@@ -36,7 +36,7 @@ pub(crate) trait Advance {
     /// What is measured of a knot.
     fn measure(&self, observer: &KnotObserver) -> KnotRow;
     /// What is seen of a knot between output times.
-    fn glance(&self, observer: &KnotObserver) -> KnotGlance;
+    fn sample(&self, observer: &KnotObserver) -> KnotSample;
     /// What a checkpoint must hold.
     fn state(&self) -> Self::State;
     /// Continues from a checkpoint.
@@ -97,8 +97,8 @@ impl Advance for Simulation {
         observer.measure(self)
     }
 
-    fn glance(&self, observer: &KnotObserver) -> KnotGlance {
-        observer.glance(self)
+    fn sample(&self, observer: &KnotObserver) -> KnotSample {
+        observer.sample(self)
     }
 
     fn state(&self) -> SimulationState {

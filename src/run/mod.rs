@@ -1,6 +1,7 @@
 //! The run loop: a prepared run goes in, a results directory comes out.
 
 mod advance;
+mod counters;
 mod error;
 mod interruption;
 mod output_times;
@@ -11,10 +12,9 @@ mod records;
 mod session;
 mod stop;
 mod table;
-mod tally;
 #[cfg(test)]
 mod tests;
-pub(crate) mod workers;
+pub(crate) mod thread_pools;
 
 pub use error::RunError;
 pub(crate) use interruption::Interruption;

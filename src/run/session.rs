@@ -1,15 +1,15 @@
 //! One call of `run` on a results directory: begin or continue, integrate, conclude.
 
 use super::advance::Advance;
+use super::counters::Counters;
 use super::output_times::OutputTimes;
 use super::path::{PathAtWork, PathCheckpoint};
 use super::progress::Progress;
 use super::records::{manifest_of_call, recorder_plan, rod_records};
 use super::stop::{Stop, StopRequest};
-use super::tally::Tally;
 use super::{Reached, RunError, RunOptions, RunOutcome, RunStatus};
 use crate::experiment::KnotObserver;
-use crate::experiment::knot::course::KnotCourse;
+use crate::experiment::knot::monitor::KnotMonitor;
 use crate::experiment::knot::observer::changed_knot;
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::{SimulationError, StepReport};
@@ -36,7 +36,7 @@ pub(crate) struct Session {
     pub(super) path: Option<PathAtWork>,
     /// Positions at the start, m.
     pub(super) placed: Vec<Vector3>,
-    standing: Standing,
+    run_state: RunState,
     /// Twice the largest radius, m.
     diameter: f64,
     meter: UsageMeter,
@@ -50,14 +50,14 @@ pub(crate) struct Session {
 
 /// How far a run has come.
 #[derive(Clone, Default, Serialize, Deserialize)]
-struct Standing {
+struct RunState {
     /// Outputs written so far.
     outputs: usize,
-    tally: Tally,
+    counters: Counters,
     /// Cost of the calls before this one.
     earlier_usage: Usage,
     /// Where a knot stands.
-    knot: KnotCourse,
+    knot: KnotMonitor,
 }
 
 /// What a checkpoint holds.
@@ -65,7 +65,7 @@ struct Standing {
 struct Checkpoint<S> {
     state: S,
     lengths: StreamLengths,
-    standing: Standing,
+    run_state: RunState,
     path: Option<PathCheckpoint>,
 }
 
@@ -106,15 +106,15 @@ impl Session {
 
         let placed = simulation.frame(false).positions;
         let is_continued = continued.is_some();
-        let (standing, recorder, path) = match continued {
+        let (run_state, recorder, path) = match continued {
             Some((checkpoint, recorder, path)) => {
                 let restored = simulation.restore(checkpoint.state);
                 restored.map_err(RunError::Scene)?;
-                (checkpoint.standing, recorder, path)
+                (checkpoint.run_state, recorder, path)
             }
             None => {
                 let recorder = Recorder::create(directory.path(), rods, plan)?;
-                (Standing::default(), recorder, None)
+                (RunState::default(), recorder, None)
             }
         };
         let times = match prepared.mode {
@@ -140,7 +140,7 @@ impl Session {
             times,
             path,
             placed,
-            standing,
+            run_state,
             meter,
             timeout: options.timeout,
             resumed_from: None,
@@ -174,7 +174,7 @@ impl Session {
                 let goes_on = || self.ask_to_stop(stop_requested).is_ok();
                 let found = simulation.find_equilibrium(&goes_on)?;
                 let report = found.ok_or_else(|| self.reason_to_stop(stop_requested))?;
-                self.standing.tally.add_equilibrium(&report);
+                self.run_state.counters.add_equilibrium(&report);
                 self.record(simulation)
             }
             Mode::Continuation(plan) => self.follow(simulation, plan, stop_requested),
@@ -187,8 +187,8 @@ impl Session {
         simulation: &mut impl Advance,
         stop_requested: &dyn Fn() -> Option<StopRequest>,
     ) -> Result<(), Stop> {
-        while self.standing.outputs <= self.times.last() && self.standing.knot.ending.is_none() {
-            let target = self.times.time(self.standing.outputs);
+        while self.run_state.outputs <= self.times.last() && self.run_state.knot.ending.is_none() {
+            let target = self.times.time(self.run_state.outputs);
             while simulation.time() < target {
                 self.ask_to_stop(stop_requested)?;
                 self.write_checkpoint_if_due(simulation)?;
@@ -197,8 +197,8 @@ impl Session {
                 if report.contacts > 0 {
                     self.meter.add_step_with_contact(start.elapsed());
                 }
-                self.standing.tally.add_step(&report);
-                self.glance_if_due(simulation);
+                self.run_state.counters.add_step(&report);
+                self.sample_if_due(simulation);
                 self.progress.update(&report);
             }
             self.record(simulation)?;
@@ -207,13 +207,13 @@ impl Session {
     }
 
     /// Looks at a knot while its ends move, at times that do not depend on those of outputs.
-    fn glance_if_due(&mut self, simulation: &impl Advance) {
+    fn sample_if_due(&mut self, simulation: &impl Advance) {
         let Some(observer) = self.knot else { return };
-        let (time, standing) = (simulation.time(), &mut self.standing);
-        if standing.knot.is_due(time, &observer) {
-            let work = standing.tally.exchange.clamp_work;
-            let seen = simulation.glance(&observer);
-            standing.knot.add(time, &seen, work, &observer);
+        let (time, run_state) = (simulation.time(), &mut self.run_state);
+        if run_state.knot.is_due(time, &observer) {
+            let work = run_state.counters.exchange.clamp_work;
+            let seen = simulation.sample(&observer);
+            run_state.knot.add(time, &seen, work, &observer);
         }
     }
 
@@ -250,7 +250,7 @@ impl Session {
         report: &StepReport,
         critical: bool,
     ) -> Result<(), Stop> {
-        self.standing.tally.add_point(report, critical);
+        self.run_state.counters.add_point(report, critical);
         self.record(simulation)
     }
 
@@ -264,13 +264,13 @@ impl Session {
     /// Writes the output that is due now.
     fn record(&mut self, simulation: &impl Advance) -> Result<(), Stop> {
         let distance = simulation.minimum_distance();
-        self.standing
-            .tally
+        self.run_state
+            .counters
             .add_distance(distance, distance / self.diameter);
-        let time = self.output_time(self.standing.outputs);
+        let time = self.output_time(self.run_state.outputs);
         let energies = simulation.energies();
-        self.standing.tally.note_energies(&energies);
-        let row = self.standing.tally.take_row(time, distance, &energies);
+        self.run_state.counters.note_energies(&energies);
+        let row = self.run_state.counters.take_row(time, distance, &energies);
         let frame = if self.recorder.needs_frames() {
             Frame {
                 time,
@@ -280,11 +280,11 @@ impl Session {
             Frame::default()
         };
         let Some(observer) = self.knot else {
-            self.recorder.record(self.standing.outputs, &row, &frame)?;
-            self.standing.outputs += 1;
+            self.recorder.record(self.run_state.outputs, &row, &frame)?;
+            self.run_state.outputs += 1;
             return Ok(());
         };
-        let exchange = self.standing.tally.exchange;
+        let exchange = self.run_state.counters.exchange;
         let knot = KnotRow {
             work_of_ends_j: exchange.clamp_work,
             friction_loss_j: exchange.friction_loss,
@@ -292,8 +292,8 @@ impl Session {
             ..simulation.measure(&observer)
         };
         self.recorder
-            .record(self.standing.outputs, &(row, knot), &frame)?;
-        self.standing.outputs += 1;
+            .record(self.run_state.outputs, &(row, knot), &frame)?;
+        self.run_state.outputs += 1;
         if !observer.recognises(&knot) {
             let changed = changed_knot(time, observer.determinant, knot.knot_determinant);
             return Err(Stop::Simulation(SimulationError::Unphysical(changed)));
@@ -316,14 +316,14 @@ impl Session {
         let lengths = self.sync_outputs()?;
         // Without it the checkpoint would not be known for what it is.
         sync(&self.directory.file(MANIFEST))?;
-        let standing = Standing {
+        let run_state = RunState {
             earlier_usage: self.usage(),
-            ..self.standing.clone()
+            ..self.run_state.clone()
         };
         self.checkpoints.write(&Checkpoint {
             state: simulation.state(),
             lengths,
-            standing,
+            run_state,
             path: self.path.as_mut().map(PathAtWork::checkpoint).transpose()?,
         })?;
         self.last_checkpoint = Instant::now();
@@ -331,14 +331,14 @@ impl Session {
     }
 
     fn sync_outputs(&mut self) -> Result<StreamLengths, ResultsError> {
-        let times: Vec<f64> = (0..self.standing.outputs)
+        let times: Vec<f64> = (0..self.run_state.outputs)
             .map(|index| self.output_time(index))
             .collect();
         self.recorder.sync(times.into_iter())
     }
 
     fn usage(&self) -> Usage {
-        self.standing.earlier_usage + self.meter.usage()
+        self.run_state.earlier_usage + self.meter.usage()
     }
 
     /// Brings all files into the state in which they are left.
@@ -370,14 +370,14 @@ impl Session {
             }
         }
         self.checkpoints.remove()?;
-        let knot = self.standing.tally.outcome.knot;
+        let knot = self.run_state.counters.outcome.knot;
         self.remarks.extend(knot.and_then(|knot| knot.remark()));
         Ok(RunOutcome {
             directory,
             status: self
                 .resumed_from
                 .map_or(RunStatus::Finished, |from| RunStatus::Resumed { from }),
-            case: self.standing.tally.outcome,
+            case: self.run_state.counters.outcome,
             wall_time: self.usage().wall_time,
             remarks: self.remarks,
         })
@@ -391,12 +391,12 @@ impl Session {
         let path = self.directory.path();
         if let Some(observer) = self.knot {
             let outcome = self
-                .standing
+                .run_state
                 .knot
                 .outcome(&read_knot_series(path)?, &observer);
-            self.standing.tally.outcome.knot = Some(outcome);
+            self.run_state.counters.outcome.knot = Some(outcome);
         }
-        let outcome = self.standing.tally.outcome;
+        let outcome = self.run_state.counters.outcome;
         let record = CaseRecord::with_usage(status, outcome, self.usage(), error);
         self.manifest.conclude(path, record)
     }

@@ -2,7 +2,7 @@
 
 use super::advance::Advance;
 use super::*;
-use crate::experiment::{KnotGlance, KnotObserver};
+use crate::experiment::{KnotObserver, KnotSample};
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::{Energies, IntegrationParameters, SimulationError, StepReport};
 use crate::mechanics::scene::{NaturalShape, RodDescription, Scene, Stiffness};
@@ -136,8 +136,8 @@ impl Advance for Pendulum {
         KnotRow::default()
     }
 
-    fn glance(&self, _: &KnotObserver) -> KnotGlance {
-        KnotGlance::default()
+    fn sample(&self, _: &KnotObserver) -> KnotSample {
+        KnotSample::default()
     }
 
     fn state(&self) -> Self {

@@ -45,6 +45,6 @@ pub use resolved::{
     KnotStart, Load, LoadKind, Material, NaturalShape, Output, PathMethod, Place, Plane, Pose, Rod,
     Scenario, Scheme, Shape, Solver, Step, Stiffness, Time,
 };
-pub use sweep::{Case, Family, Parameter, Search};
+pub use sweep::{Case, CaseSet, Parameter, Search};
 pub use typed::SearchMethod;
 pub use units::{metres, seconds};

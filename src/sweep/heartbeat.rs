@@ -1,15 +1,15 @@
-//! Signs of life of the claims of this process.
+//! Signs of life of the leases of this process.
 
-use crate::results::{Claim, HEARTBEAT};
+use crate::results::{HEARTBEAT, Lease};
 use std::collections::BTreeMap;
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 
-/// The claims that this process holds, by case.
-pub(super) type Claimed = Arc<Mutex<BTreeMap<String, Claim>>>;
+/// The leases that this process holds, by case.
+pub(super) type HeldLeases = Arc<Mutex<BTreeMap<String, Lease>>>;
 
-/// Touches the claims from time to time until it is dropped.
+/// Touches the leases from time to time until it is dropped.
 pub(super) struct Heartbeat {
     stop: Option<Sender<()>>,
     thread: Option<JoinHandle<()>>,
@@ -17,12 +17,12 @@ pub(super) struct Heartbeat {
 
 impl Heartbeat {
     /// Starts it.
-    pub fn start(claimed: Claimed) -> Self {
+    pub fn start(leased: HeldLeases) -> Self {
         let (stop, stopped) = mpsc::channel::<()>();
         let beat = move || {
             while let Err(RecvTimeoutError::Timeout) = stopped.recv_timeout(HEARTBEAT) {
-                let claimed = claimed.lock().expect("no thread panics with this lock");
-                claimed.values().for_each(Claim::touch);
+                let leased = leased.lock().expect("no thread panics with this lock");
+                leased.values().for_each(Lease::touch);
             }
         };
         Self {

@@ -2,9 +2,9 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `crew` | runs one case after the other: claims it, runs it, notes how it ended |
-//! | `board` | how all cases stand; summary, timings and manifest of the whole |
-//! | `heartbeat` | signs of life of the claims |
+//! | `workers` | runs one case after the other: leases it, runs it, notes how it ended |
+//! | `case_table` | how all cases stand; summary, timings and manifest of the whole |
+//! | `heartbeat` | signs of life of the leases |
 //! | `search` | bisection and golden section over an outcome |
 //! | `objective` | the outcome that a search looks at |
 //!
@@ -12,13 +12,13 @@
 //! from that, again and again. So a sweep may be killed at any moment, and several processes, of one machine
 //! or of many, may work on one directory.
 
-mod board;
-mod crew;
+mod case_table;
 mod error;
 mod heartbeat;
 mod objective;
 mod outcome;
 mod search;
+mod workers;
 
 pub use error::SweepError;
 pub use outcome::{CaseCounts, SweepOutcome};
@@ -28,16 +28,16 @@ use crate::experiment::{DerivedNumbers, derived_numbers, prepare};
 use crate::results::{
     CASES, CaseRecord, CaseStatus, Manifest, SweepDirectory, host_name, scenario_hash,
 };
-use crate::run::{Interruption, PreparedRun, RunOptions, workers};
-use crate::scenario::{Case, Family, Loaded, ScenarioError};
-use board::Board;
-use crew::Crew;
+use crate::run::{Interruption, PreparedRun, RunOptions, thread_pools};
+use crate::scenario::{Case, CaseSet, Loaded, ScenarioError};
+use case_table::CaseTable;
 use heartbeat::Heartbeat;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use search::Searched;
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::path::Path;
+use workers::Workers;
 
 /// How to run a sweep, as opposed to what.
 #[derive(Clone, Debug)]
@@ -82,22 +82,22 @@ impl Shard {
 /// # Errors
 /// [`SweepError`] where the sweep could not begin, or its directory could not be written. Cases that failed
 /// are no error here: [`SweepOutcome`] counts them.
-pub fn run_sweep(family: &Family, options: &SweepOptions) -> Result<SweepOutcome, SweepError> {
-    let cases = all_cases(family);
+pub fn run_sweep(case_set: &CaseSet, options: &SweepOptions) -> Result<SweepOutcome, SweepError> {
+    let cases = all_cases(case_set);
     refuse_repeated(&cases)?;
-    let (directory, manifest) = open(family, &options.run)?;
-    let board = Board::new(&directory, family, manifest);
+    let (directory, manifest) = open(case_set, &options.run)?;
+    let case_table = CaseTable::new(&directory, case_set, manifest);
     let interruption = Interruption::watch();
-    let crew = Crew::new(family, &directory, &board, options, &interruption);
-    let heartbeat = Heartbeat::start(crew.claimed());
-    match family.search() {
-        Some(search) => search::run(&crew, search, cases.len())?,
-        None => crew.run_all(&cases)?,
+    let workers = Workers::new(case_set, &directory, &case_table, options, &interruption);
+    let heartbeat = Heartbeat::start(workers.leased());
+    match case_set.search() {
+        Some(search) => search::run(&workers, search, cases.len())?,
+        None => workers.run_all(&cases)?,
     }
     drop(heartbeat);
-    let all = all_and_found(family, cases, directory.path())?;
-    let published = board.publish(&all.cases);
-    let share: Vec<&Case> = match family.search() {
+    let all = all_and_found(case_set, cases, directory.path())?;
+    let published = case_table.publish(&all.cases);
+    let share: Vec<&Case> = match case_set.search() {
         Some(_) => all.cases.iter().collect(),
         None => {
             let indices = options.shard.indices(all.cases.len());
@@ -106,27 +106,27 @@ pub fn run_sweep(family: &Family, options: &SweepOptions) -> Result<SweepOutcome
     };
     let outcome = SweepOutcome {
         found: all.found,
-        ..crew.outcome(share)
+        ..workers.outcome(share)
     };
     // What ended the sweep counts more than what followed from it.
-    if let Some(fault) = crew.into_fault() {
+    if let Some(fault) = workers.into_fault() {
         return Err(fault.into());
     }
     published?;
-    if family.search().is_some() {
-        search::write(&directory, family, &outcome.found)?;
+    if case_set.search().is_some() {
+        search::write(&directory, case_set, &outcome.found)?;
     }
     Ok(outcome)
 }
 
 /// The cases that were, or are to be, run, and what searches found.
 fn all_and_found(
-    family: &Family,
+    case_set: &CaseSet,
     cases: Vec<Case>,
     directory: &Path,
 ) -> Result<Searched, SweepError> {
-    match family.search() {
-        Some(search) => search::replay(family, search, directory),
+    match case_set.search() {
+        Some(search) => search::replay(case_set, search, directory),
         None => Ok(Searched {
             cases,
             found: Vec::new(),
@@ -138,21 +138,24 @@ fn all_and_found(
 ///
 /// # Errors
 /// As [`run_sweep`].
-pub fn establish(family: &Family, options: &RunOptions) -> Result<(), SweepError> {
-    refuse_repeated(&all_cases(family))?;
-    open(family, options).map(drop)
+pub fn establish(case_set: &CaseSet, options: &RunOptions) -> Result<(), SweepError> {
+    refuse_repeated(&all_cases(case_set))?;
+    open(case_set, options).map(drop)
 }
 
-fn open(family: &Family, options: &RunOptions) -> Result<(SweepDirectory, Manifest), SweepError> {
-    let first = check_every_value(family)?;
-    let manifest = first_manifest(family, &first, options)?;
+fn open(
+    case_set: &CaseSet,
+    options: &RunOptions,
+) -> Result<(SweepDirectory, Manifest), SweepError> {
+    let first = check_every_value(case_set)?;
+    let manifest = first_manifest(case_set, &first, options)?;
     let directory = SweepDirectory::open(&options.directory, &manifest, options.force)?;
     Ok((directory, manifest))
 }
 
-fn all_cases(family: &Family) -> Vec<Case> {
-    (0..family.count() as usize)
-        .map(|index| family.case(index))
+fn all_cases(case_set: &CaseSet) -> Vec<Case> {
+    (0..case_set.count() as usize)
+        .map(|index| case_set.case(index))
         .collect()
 }
 
@@ -160,10 +163,13 @@ fn all_cases(family: &Family) -> Vec<Case> {
 ///
 /// # Errors
 /// What is wrong with its scenario.
-pub fn derived_numbers_of(family: &Family, index: usize) -> Result<DerivedNumbers, ScenarioError> {
-    let loaded = match family.search() {
-        Some(search) => family.searched_scenario(index, search.from)?,
-        None => family.scenario_of(index)?,
+pub fn derived_numbers_of(
+    case_set: &CaseSet,
+    index: usize,
+) -> Result<DerivedNumbers, ScenarioError> {
+    let loaded = match case_set.search() {
+        Some(search) => case_set.searched_scenario(index, search.from)?,
+        None => case_set.scenario_of(index)?,
     };
     Ok(derived_numbers(&prepared(&loaded)?))
 }
@@ -177,16 +183,16 @@ fn prepared(loaded: &Loaded) -> Result<PreparedRun, ScenarioError> {
 ///
 /// # Errors
 /// Everything that is wrong with the first faulty one of these cases.
-pub fn check_every_value(family: &Family) -> Result<PreparedRun, ScenarioError> {
-    let check = |index: usize| match family.search() {
+pub fn check_every_value(case_set: &CaseSet) -> Result<PreparedRun, ScenarioError> {
+    let check = |index: usize| match case_set.search() {
         Some(search) => {
-            prepared(&family.searched_scenario(index, search.to)?)?;
-            prepared(&family.searched_scenario(index, search.from)?)
+            prepared(&case_set.searched_scenario(index, search.to)?)?;
+            prepared(&case_set.searched_scenario(index, search.from)?)
         }
-        None => prepared(&family.scenario_of(index)?),
+        None => prepared(&case_set.scenario_of(index)?),
     };
     let first = check(0)?;
-    let others: Vec<usize> = family.probes().skip(1).collect();
+    let others: Vec<usize> = case_set.probes().skip(1).collect();
     let faulty = others.into_par_iter().map(|index| check(index).map(drop));
     faulty.collect::<Result<(), _>>()?;
     Ok(first)
@@ -206,16 +212,16 @@ fn refuse_repeated(cases: &[Case]) -> Result<(), SweepError> {
 
 /// The manifest with which the sweep begins.
 fn first_manifest(
-    family: &Family,
+    case_set: &CaseSet,
     first: &PreparedRun,
     options: &RunOptions,
 ) -> Result<Manifest, SweepError> {
-    let scenario = family.to_toml()?;
+    let scenario = case_set.to_toml()?;
     Ok(Manifest {
         version: env!("CARGO_PKG_VERSION").into(),
         commit: option_env!("RODLAB_COMMIT").map(Into::into),
         command_line: options.command_line.clone(),
-        name: family.name().to_owned(),
+        name: case_set.name().to_owned(),
         experiment: first.experiment.clone(),
         title: first.title.clone(),
         scenario_hash: scenario_hash(&scenario),
@@ -226,7 +232,7 @@ fn first_manifest(
         start: jiff::Timestamp::now(),
         end: None,
         continuations: 0,
-        seeds: family
+        seeds: case_set
             .seed()
             .map(|seed| ("sweep.sample".to_owned(), seed))
             .into_iter()
@@ -240,17 +246,17 @@ fn first_manifest(
 /// # Errors
 /// [`SweepError`] where the directory holds no sweep, or cannot be read or written.
 pub fn gather(directory: &Path) -> Result<SweepOutcome, SweepError> {
-    let (family, manifest) = family_in(directory)?;
+    let (case_set, manifest) = case_set_in(directory)?;
     let sweep = SweepDirectory::open(directory, &manifest, false)?;
-    let board = Board::new(&sweep, &family, manifest);
-    let all = all_and_found(&family, all_cases(&family), directory)?;
-    board.publish(&all.cases)?;
-    if family.search().is_some() {
-        search::write(&sweep, &family, &all.found)?;
+    let case_table = CaseTable::new(&sweep, &case_set, manifest);
+    let all = all_and_found(&case_set, all_cases(&case_set), directory)?;
+    case_table.publish(&all.cases)?;
+    if case_set.search().is_some() {
+        search::write(&sweep, &case_set, &all.found)?;
     }
     Ok(SweepOutcome {
         directory: directory.to_owned(),
-        counts: board.counts(&all.cases),
+        counts: case_table.counts(&all.cases),
         interrupted: None,
         found: all.found,
     })
@@ -261,29 +267,29 @@ pub fn gather(directory: &Path) -> Result<SweepOutcome, SweepError> {
 ///
 /// # Errors
 /// [`SweepError`] where the directory holds no sweep, or cannot be read.
-pub fn standing(directory: &Path) -> Result<Vec<(Case, CaseRecord)>, SweepError> {
-    let (family, _) = family_in(directory)?;
-    let all = all_and_found(&family, all_cases(&family), directory)?;
-    let standing = all.cases.into_iter().map(|case| {
-        let record = board::record_in(&directory.join(CASES).join(&case.id))?;
+pub fn case_records(directory: &Path) -> Result<Vec<(Case, CaseRecord)>, SweepError> {
+    let (case_set, _) = case_set_in(directory)?;
+    let all = all_and_found(&case_set, all_cases(&case_set), directory)?;
+    let case_records = all.cases.into_iter().map(|case| {
+        let record = case_table::record_in(&directory.join(CASES).join(&case.id))?;
         let record = record.unwrap_or_else(|| CaseRecord::new(CaseStatus::Pending));
         Ok((case, record))
     });
-    standing.collect()
+    case_records.collect()
 }
 
-/// The family whose results a directory holds, and its manifest.
-fn family_in(directory: &Path) -> Result<(Family, Manifest), SweepError> {
+/// The case_set whose results a directory holds, and its manifest.
+fn case_set_in(directory: &Path) -> Result<(CaseSet, Manifest), SweepError> {
     let manifest = Manifest::read(directory)?.ok_or_else(|| SweepError::NoSweep {
         directory: directory.to_owned(),
     })?;
-    let family = Family::from_text(&manifest.name, &manifest.scenario, directory)?;
-    if !family.is_sweep() {
+    let case_set = CaseSet::from_text(&manifest.name, &manifest.scenario, directory)?;
+    if !case_set.is_sweep() {
         return Err(SweepError::NoSweep {
             directory: directory.to_owned(),
         });
     }
-    Ok((family, manifest))
+    Ok((case_set, manifest))
 }
 
 #[cfg(test)]

@@ -2,12 +2,12 @@
 //!
 //! Each evaluation is a case like any other, so that a search that is interrupted repeats only what is left.
 
-use super::board::record_in;
-use super::crew::{Crew, Job};
+use super::case_table::record_in;
 use super::objective::objective;
-use super::{SweepError, workers};
+use super::workers::{Job, Workers};
+use super::{SweepError, thread_pools};
 use crate::results::{CASES, CaseRecord, CaseStatus, ResultsError, SweepDirectory, write_whole};
-use crate::scenario::{Case, Family, Parameter, Search, SearchMethod};
+use crate::scenario::{Case, CaseSet, Parameter, Search, SearchMethod};
 use std::cell::RefCell;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -29,20 +29,20 @@ pub struct Found {
     /// Cases that it took.
     pub evaluations: usize,
     /// Why it came to no end.
-    pub trouble: Option<String>,
+    pub failure: Option<String>,
 }
 
 /// Why a search ends early.
-enum Trouble {
+enum SearchFailure {
     /// The sweep stops.
     Stopped,
     /// There is nothing to find, or no way to go on; in words.
-    Words(String),
+    Explained(String),
     /// The sweep must be given up.
     Fault(SweepError),
 }
 
-/// All evaluations and findings, both in the order of the family.
+/// All evaluations and findings, both in the order of the case_set.
 pub(super) struct Searched {
     /// The cases that were evaluated.
     pub cases: Vec<Case>,
@@ -54,22 +54,22 @@ pub(super) struct Searched {
 type Traced = (Found, Vec<(f64, Case)>);
 
 /// Makes the search for the cases of the other keys in the share of this process; [`replay`] tells what came out.
-pub(super) fn run(crew: &Crew<'_>, search: &Search, count: usize) -> Result<(), SweepError> {
+pub(super) fn run(workers: &Workers<'_>, search: &Search, count: usize) -> Result<(), SweepError> {
     let fault = Mutex::new(None);
-    let share: Vec<usize> = crew.shard().indices(count).collect();
-    workers::for_each(share.len(), crew.jobs(), |place| {
+    let share: Vec<usize> = workers.shard().indices(count).collect();
+    thread_pools::for_each(share.len(), workers.jobs(), |place| {
         let index = share[place];
         let evaluate = |number: f64, case: &Case| {
-            let record = crew
+            let record = workers
                 .run_one(&Job {
                     case: case.clone(),
                     index,
                     searched: Some(number),
                 })
-                .ok_or(Trouble::Stopped)?;
-            outcome_of(search, case, &record, &crew.case_directory(&case.id))
+                .ok_or(SearchFailure::Stopped)?;
+            outcome_of(search, case, &record, &workers.case_directory(&case.id))
         };
-        match trace(crew.family(), search, index, evaluate) {
+        match trace(workers.case_set(), search, index, evaluate) {
             Ok(_) => ControlFlow::Continue(()),
             Err(error) => {
                 fault.lock().expect("no search panics").get_or_insert(error);
@@ -85,7 +85,7 @@ pub(super) fn run(crew: &Crew<'_>, search: &Search, count: usize) -> Result<(), 
 
 /// What all searches came to, as far as their cases have been run, by this process or others.
 pub(super) fn replay(
-    family: &Family,
+    case_set: &CaseSet,
     search: &Search,
     directory: &Path,
 ) -> Result<Searched, SweepError> {
@@ -93,13 +93,13 @@ pub(super) fn replay(
         cases: Vec::new(),
         found: Vec::new(),
     };
-    for index in 0..family.count() as usize {
+    for index in 0..case_set.count() as usize {
         let evaluate = |_: f64, case: &Case| {
             let path = directory.join(CASES).join(&case.id);
-            let record = record_in(&path).map_err(|error| Trouble::Fault(error.into()))?;
-            outcome_of(search, case, &record.ok_or(Trouble::Stopped)?, &path)
+            let record = record_in(&path).map_err(|error| SearchFailure::Fault(error.into()))?;
+            outcome_of(search, case, &record.ok_or(SearchFailure::Stopped)?, &path)
         };
-        let (found, mut evaluations) = trace(family, search, index, evaluate)?;
+        let (found, mut evaluations) = trace(case_set, search, index, evaluate)?;
         evaluations.sort_by(|a, b| a.0.total_cmp(&b.0));
         searched.found.push(found);
         searched
@@ -111,16 +111,16 @@ pub(super) fn replay(
 
 /// Makes one search.
 fn trace(
-    family: &Family,
+    case_set: &CaseSet,
     search: &Search,
     index: usize,
-    evaluate: impl Fn(f64, &Case) -> Result<f64, Trouble>,
+    evaluate: impl Fn(f64, &Case) -> Result<f64, SearchFailure>,
 ) -> Result<Traced, SweepError> {
     let evaluations = RefCell::new(Vec::new());
     let evaluate = |number: f64| {
-        let case = family.searched_case(index, number);
+        let case = case_set.searched_case(index, number);
         let value = evaluate(number, &case);
-        let begun = !matches!(value, Err(Trouble::Stopped));
+        let begun = !matches!(value, Err(SearchFailure::Stopped));
         let mut evaluations = evaluations.borrow_mut();
         if begun && evaluations.iter().all(|(known, _)| *known != number) {
             evaluations.push((number, case));
@@ -133,18 +133,18 @@ fn trace(
         SearchMethod::Golden => golden(search, &mut interval, evaluate),
     };
     let evaluations = evaluations.into_inner();
-    let (value, trouble) = match end {
+    let (value, failure) = match end {
         Ok(value) => (Some(value), None),
-        Err(Trouble::Words(words)) => (None, Some(words)),
-        Err(Trouble::Stopped) => (None, Some("not all its cases were run".to_owned())),
-        Err(Trouble::Fault(error)) => return Err(error),
+        Err(SearchFailure::Explained(words)) => (None, Some(words)),
+        Err(SearchFailure::Stopped) => (None, Some("not all its cases were run".to_owned())),
+        Err(SearchFailure::Fault(error)) => return Err(error),
     };
     let found = Found {
         index,
         value,
         interval,
         evaluations: evaluations.len(),
-        trouble,
+        failure,
     };
     Ok((found, evaluations))
 }
@@ -155,32 +155,34 @@ fn outcome_of(
     case: &Case,
     record: &CaseRecord,
     directory: &Path,
-) -> Result<f64, Trouble> {
+) -> Result<f64, SearchFailure> {
     let id = &case.id;
     match record.status {
         CaseStatus::Finished => {}
         status if status.is_final() => {
-            return Err(Trouble::Words(format!(
+            return Err(SearchFailure::Explained(format!(
                 "case `{id}`: {}",
                 status.in_words()
             )));
         }
-        _ => return Err(Trouble::Stopped),
+        _ => return Err(SearchFailure::Stopped),
     }
-    let value = objective(directory, &search.objective).map_err(Trouble::Fault)?;
-    value.ok_or_else(|| Trouble::Words(format!("case `{id}` has no `{}`", search.objective)))
+    let value = objective(directory, &search.objective).map_err(SearchFailure::Fault)?;
+    value.ok_or_else(|| {
+        SearchFailure::Explained(format!("case `{id}` has no `{}`", search.objective))
+    })
 }
 
 /// Halves the interval on which the objective passes the target.
 fn bisect(
     search: &Search,
     interval: &mut [f64; 2],
-    evaluate: impl Fn(f64) -> Result<f64, Trouble>,
-) -> Result<f64, Trouble> {
-    let above = |number| Ok::<bool, Trouble>(evaluate(number)? > search.target);
+    evaluate: impl Fn(f64) -> Result<f64, SearchFailure>,
+) -> Result<f64, SearchFailure> {
+    let above = |number| Ok::<bool, SearchFailure>(evaluate(number)? > search.target);
     let first = above(interval[0])?;
     if above(interval[1])? == first {
-        return Err(Trouble::Words(format!(
+        return Err(SearchFailure::Explained(format!(
             "`{}` does not pass {} between the ends",
             search.objective, search.target
         )));
@@ -200,8 +202,8 @@ fn bisect(
 fn golden(
     search: &Search,
     interval: &mut [f64; 2],
-    evaluate: impl Fn(f64) -> Result<f64, Trouble>,
-) -> Result<f64, Trouble> {
+    evaluate: impl Fn(f64) -> Result<f64, SearchFailure>,
+) -> Result<f64, SearchFailure> {
     let ratio = 0.5 * (5f64.sqrt() - 1.0);
     let inner = |[a, b]: [f64; 2]| [b - ratio * (b - a), a + ratio * (b - a)];
     let mut points = inner(*interval);
@@ -226,21 +228,21 @@ fn golden(
 /// Writes the table of what was found.
 pub(super) fn write(
     directory: &SweepDirectory,
-    family: &Family,
+    case_set: &CaseSet,
     found: &[Found],
 ) -> Result<(), ResultsError> {
-    let mut keys = family.keys();
+    let mut keys = case_set.keys();
     let searched = keys.pop().unwrap_or_default().to_owned();
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let names = [searched.as_str(), "from", "to", "evaluations", "trouble"];
+    let names = [searched.as_str(), "from", "to", "evaluations", "failure"];
     let header = keys.iter().copied().chain(names);
     writer
         .write_record(header)
         .expect("plain rows go into memory");
     for found in found {
-        let case = family.case(found.index);
+        let case = case_set.case(found.index);
         let number = |number: f64| {
-            let case = family.searched_case(found.index, number);
+            let case = case_set.searched_case(found.index, number);
             case.parameters
                 .last()
                 .map(Parameter::column)
@@ -251,7 +253,7 @@ pub(super) fn write(
             number(found.interval[0]),
             number(found.interval[1]),
             found.evaluations.to_string(),
-            found.trouble.clone().unwrap_or_default(),
+            found.failure.clone().unwrap_or_default(),
         ];
         let others = case.parameters.iter().map(Parameter::column);
         writer

@@ -2,22 +2,22 @@
 
 use super::rods::{STIFFNESS_RATIO, clamp, line, unit_rod, unit_stiffness};
 use super::theory::beam::{CLAMPED_COLUMN, clamped_twist_moment, ring_twist};
-use super::{Check, Claim, FamilyError};
+use super::{Check, Expectation, GroupError};
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::{IntegrationParameters, Simulation, SimulationError};
 use crate::mechanics::kirchhoff::numerics::bisect;
 use crate::mechanics::scene::{NaturalShape, RodDescription, Scene};
 use std::f64::consts::TAU;
 
-const EULER: Claim = Claim {
+const EULER: Expectation = Expectation {
     formula: "P = 4π² EI/L²",
     source: "Euler",
 };
-const GREENHILL: Claim = Claim {
+const GREENHILL: Expectation = Expectation {
     formula: "M = 2x EI/L, tan x = x",
     source: "Greenhill 1883",
 };
-const MICHELL: Claim = Claim {
+const MICHELL: Expectation = Expectation {
     formula: "Θ = 2π√3 EI/GJ",
     source: "Michell 1889, Zajac 1962",
 };
@@ -28,7 +28,7 @@ const RING_EDGES: usize = 140;
 const BOUND: f64 = 2e-3;
 
 /// Euler's column, the twisted rod and the twisted ring.
-pub fn checks(_full: bool) -> Result<Vec<Check>, FamilyError> {
+pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     Ok(vec![
         EULER.relative(
             "column with clamped ends: critical load P L²/EI",

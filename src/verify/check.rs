@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 /// Where an expected value comes from.
 #[derive(Clone, Copy, Debug)]
-pub struct Claim {
+pub struct Expectation {
     /// The formula or equation.
     pub formula: &'static str,
     /// Who found it.
@@ -43,7 +43,7 @@ pub enum Verdict {
     Fail,
 }
 
-impl Claim {
+impl Expectation {
     /// A check whose error is relative to the expected value.
     pub fn relative(
         &self,
@@ -80,10 +80,10 @@ impl Claim {
 }
 
 impl Check {
-    /// A failed check in place of a family whose simulation failed; the reason stands for its source.
-    pub fn not_run(family: &str, reason: &str) -> Self {
+    /// A failed check in place of a group whose simulation failed; the reason stands for its source.
+    pub fn not_run(group: &str, reason: &str) -> Self {
         Self {
-            name: format!("{family}: not run"),
+            name: format!("{group}: not run"),
             formula: String::new(),
             source: reason.into(),
             expected: f64::NAN,
@@ -159,7 +159,7 @@ fn number(value: f64) -> String {
 mod tests {
     use super::*;
 
-    const CLAIM: Claim = Claim {
+    const EXPECTATION: Expectation = Expectation {
         formula: "1 + 1",
         source: "Peano 1889",
     };
@@ -167,7 +167,9 @@ mod tests {
     #[test]
     fn a_number_that_is_not_a_number_fails() {
         assert_eq!(
-            CLAIM.relative("sum", "", 2.0, f64::NAN, 1.0).verdict(),
+            EXPECTATION
+                .relative("sum", "", 2.0, f64::NAN, 1.0)
+                .verdict(),
             Verdict::Fail
         );
         assert_eq!(Check::not_run("sums", "no pencil").verdict(), Verdict::Fail);
@@ -175,11 +177,11 @@ mod tests {
 
     #[test]
     fn errors_are_fractions_of_their_scale() {
-        let check = CLAIM.scaled("sum", "m", 2.0, 2.5, 10.0, 0.05);
+        let check = EXPECTATION.scaled("sum", "m", 2.0, 2.5, 10.0, 0.05);
         assert_eq!(check.error, 0.05);
         assert_eq!(check.verdict(), Verdict::Pass);
         assert_eq!(
-            CLAIM.relative("sum", "m", 2.0, 2.5, 0.2).verdict(),
+            EXPECTATION.relative("sum", "m", 2.0, 2.5, 0.2).verdict(),
             Verdict::Fail
         );
     }
@@ -187,8 +189,8 @@ mod tests {
     #[test]
     fn the_table_names_each_check_and_counts_the_passed() {
         let checks = [
-            CLAIM.relative("one", "", 2.0, 2.0, 1e-9),
-            CLAIM.relative("other", "", 2.0, 3.0, 1e-9),
+            EXPECTATION.relative("one", "", 2.0, 2.0, 1e-9),
+            EXPECTATION.relative("other", "", 2.0, 3.0, 1e-9),
         ];
         let text = table(&checks);
         assert_eq!(text.lines().count(), 4);

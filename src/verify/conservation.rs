@@ -1,20 +1,20 @@
 //! A free rod that tumbles and vibrates: what the implicit midpoint rule keeps.
 
 use super::rods::unit_rod;
-use super::{Check, Claim, FamilyError};
+use super::{Check, Expectation, GroupError};
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::{IntegrationParameters, Scheme, Simulation, StepSize};
 use crate::mechanics::scene::{RodDescription, Scene};
 
-const ENERGY: Claim = Claim {
+const ENERGY: Expectation = Expectation {
     formula: "T + V = const",
     source: "no external force",
 };
-const MOMENTUM: Claim = Claim {
+const MOMENTUM: Expectation = Expectation {
     formula: "Σ m v = const",
     source: "Newton",
 };
-const ANGULAR_MOMENTUM: Claim = Claim {
+const ANGULAR_MOMENTUM: Expectation = Expectation {
     formula: "Σ x × m v = const",
     source: "Euler",
 };
@@ -24,7 +24,7 @@ const EDGES: usize = 30;
 const STEP: f64 = 5e-4;
 
 /// Drift of energy, momentum and angular momentum.
-pub fn checks(full: bool) -> Result<Vec<Check>, FamilyError> {
+pub fn checks(full: bool) -> Result<Vec<Check>, GroupError> {
     let steps = if full { 40_000 } else { 2_000 };
     let parameters = IntegrationParameters {
         scheme: Scheme::ImplicitMidpoint,

@@ -1,25 +1,25 @@
 //! Two rods that collide and rub, by every contact model: no penetration, momentum, energy, Coulomb's law.
 
 use super::rods::{RADIUS, line, unit_rod};
-use super::{Check, Claim, FamilyError};
+use super::{Check, Expectation, GroupError};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ActiveContact, ContactModel, ContactParameters};
 use crate::mechanics::dynamics::{IntegrationParameters, Simulation, StepSize};
 use crate::mechanics::scene::{RodDescription, Scene};
 
-const PENETRATION: Claim = Claim {
+const PENETRATION: Expectation = Expectation {
     formula: "max(0, 1 − Δ/2h) = 0",
     source: "Signorini",
 };
-const MOMENTUM: Claim = Claim {
+const MOMENTUM: Expectation = Expectation {
     formula: "|Σ F| / Σ |F| = 0",
     source: "Newton",
 };
-const ENERGY: Claim = Claim {
+const ENERGY: Expectation = Expectation {
     formula: "max(0, E/E₀ − 1) = 0",
     source: "second law",
 };
-const COULOMB: Claim = Claim {
+const COULOMB: Expectation = Expectation {
     formula: "max |T|/N = μ",
     source: "Coulomb",
 };
@@ -37,7 +37,7 @@ const LENGTH: f64 = 0.2;
 const EDGES: usize = 10;
 
 /// Collisions by all models, and one so fast that only a barrier notices.
-pub fn checks(_full: bool) -> Result<Vec<Check>, FamilyError> {
+pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let mut checks = Vec::new();
     for (model, name, penetration) in MODELS {
         let seen = collide(model, Vector3::new(0.3, 0.1, -0.5), 1e-4, 400)?;
@@ -125,7 +125,7 @@ fn collide(
     velocity: Vector3,
     step: f64,
     steps: usize,
-) -> Result<Collision, FamilyError> {
+) -> Result<Collision, GroupError> {
     let parameters = IntegrationParameters {
         step: StepSize::Fixed(step),
         ..IntegrationParameters::default()

@@ -3,7 +3,7 @@
 
 use super::rods::{STIFFNESS_RATIO, clamp, line, unit_rod, unit_stiffness};
 use super::theory::beam::{CLAMPED_COLUMN, FREE_COLUMN, ring_twist, strip_tip_load};
-use super::{Check, Claim, FamilyError};
+use super::{Check, Expectation, GroupError};
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::{IntegrationParameters, Simulation, SimulationError};
 use crate::mechanics::kirchhoff::numerics::bisect;
@@ -13,15 +13,15 @@ use crate::mechanics::scene::{
 use crate::mechanics::statics::{PathMethod, PathPlan, PointKind};
 use std::f64::consts::TAU;
 
-const EULER: Claim = Claim {
+const EULER: Expectation = Expectation {
     formula: "P = c π² EI/L²",
     source: "Euler",
 };
-const PRANDTL: Claim = Claim {
+const PRANDTL: Expectation = Expectation {
     formula: "P = 4.0126 √(EI₂ GJ)/L²",
     source: "Prandtl 1899",
 };
-const MICHELL: Claim = Claim {
+const MICHELL: Expectation = Expectation {
     formula: "Θ = 2π√3 EI/GJ",
     source: "Michell 1889, Zajac 1962",
 };
@@ -34,10 +34,10 @@ const BOUND: f64 = 2e-3;
 const STRIP_RATIO: f64 = 1e4;
 
 /// Critical loads by continuation and by inertia.
-pub fn checks(_full: bool) -> Result<Vec<Check>, FamilyError> {
+pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let strip = unit_stiffness();
     let strip_unit = (strip.bending[1] * strip.twisting).sqrt();
-    let cases: [(Claim, &str, Scene, f64, f64); 3] = [
+    let cases: [(Expectation, &str, Scene, f64, f64); 3] = [
         (
             EULER,
             "column clamped and free: P L²/EI",

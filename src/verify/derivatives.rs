@@ -1,7 +1,7 @@
 //! Gradient and Hessian of all terms against finite differences, at random states.
 
 use super::rods::{clamp, unit_rod};
-use super::{Check, Claim, FamilyError};
+use super::{Check, Expectation, GroupError};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::ContactParameters;
 use crate::mechanics::kirchhoff::numerics::uniform_numbers;
@@ -9,11 +9,11 @@ use crate::mechanics::scene::{NaturalShape, Plane, RodDescription, Scene};
 use crate::mechanics::system::{Stage, System};
 use std::f64::consts::TAU;
 
-const GRADIENT: Claim = Claim {
+const GRADIENT: Expectation = Expectation {
     formula: "R = ∇E",
     source: "central differences",
 };
-const HESSIAN: Claim = Claim {
+const HESSIAN: Expectation = Expectation {
     formula: "J = ∂R/∂q",
     source: "central differences",
 };
@@ -25,7 +25,7 @@ const CONTACT_ZONE: f64 = 0.02;
 const THICK: f64 = 0.05;
 
 /// Elasticity of clamped ribbons and rings, contact, friction with inertia.
-pub fn checks(_full: bool) -> Result<Vec<Check>, FamilyError> {
+pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let mut checks = Vec::new();
     for (name, scene) in [
         ("clamped ribbon with natural curvature", ribbon()),
@@ -76,7 +76,7 @@ struct Sample {
 }
 
 impl Sample {
-    fn new(scene: &Scene) -> Result<Self, FamilyError> {
+    fn new(scene: &Scene) -> Result<Self, GroupError> {
         let mut system = System::new(scene)?;
         let mut number = uniform_numbers(1);
         let mut unknowns = system.assembly.unknowns.clone();

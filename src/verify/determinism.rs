@@ -1,6 +1,6 @@
 //! The same bytes for any number of threads and across interruptions.
 
-use super::{Check, Claim, FamilyError};
+use super::{Check, Expectation, GroupError};
 use crate::experiment::prepare;
 use crate::run::PreparedRun;
 use crate::run::{RunError, RunOptions, run};
@@ -8,11 +8,11 @@ use crate::scenario::from_text;
 use std::path::Path;
 use std::time::Duration;
 
-const THREADS: Claim = Claim {
+const THREADS: Expectation = Expectation {
     formula: "1 thread = 2 threads",
     source: "same operations, same order",
 };
-const RESUMED: Claim = Claim {
+const RESUMED: Expectation = Expectation {
     formula: "run = run, interrupt, resume",
     source: "checkpoint holds the state",
 };
@@ -59,7 +59,7 @@ nodes = true
 "#;
 
 /// Bytes of `series.csv` and `nodes.csv` that differ.
-pub fn checks(_full: bool) -> Result<Vec<Check>, FamilyError> {
+pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let loaded = from_text("determinism.toml", SCENARIO, Path::new("."))?;
     let prepared = prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?;
     let scratch = tempfile::tempdir()?;
@@ -82,7 +82,7 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, FamilyError> {
     Ok(checks)
 }
 
-fn with_threads<T: Send>(count: usize, work: impl FnOnce() -> T + Send) -> Result<T, FamilyError> {
+fn with_threads<T: Send>(count: usize, work: impl FnOnce() -> T + Send) -> Result<T, GroupError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build()?;
     Ok(pool.install(work))
 }
@@ -116,7 +116,7 @@ fn run_in_pieces(prepared: &PreparedRun, directory: &Path) -> Result<usize, RunE
     }
 }
 
-fn differing_bytes(a: &Path, b: &Path) -> Result<f64, FamilyError> {
+fn differing_bytes(a: &Path, b: &Path) -> Result<f64, GroupError> {
     let (a, b) = (std::fs::read(a)?, std::fs::read(b)?);
     let common = a.iter().zip(&b).filter(|(a, b)| a != b).count();
     Ok((common + a.len().abs_diff(b.len())) as f64)

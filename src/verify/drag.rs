@@ -1,17 +1,17 @@
 //! Drag in viscous fluid, against quadrature and a dense solution.
 
 use super::theory::stokeslet::{adaptive_segment_integral, forces};
-use super::{Check, Claim, FamilyError};
+use super::{Check, Expectation, GroupError};
 use crate::mechanics::dynamics::SimulationError;
 use crate::mechanics::fluid::{Filament, Fluid, FluidModel, segment_integral};
 use crate::mechanics::{Matrix3, Vector3};
 use std::f64::consts::TAU;
 
-const SEGMENT: Claim = Claim {
+const SEGMENT: Expectation = Expectation {
     formula: "∫ S(x − y(s)) f(s) ds",
     source: "adaptive quadrature",
 };
-const DENSE: Claim = Claim {
+const DENSE: Expectation = Expectation {
     formula: "8πη u(xᵢ) = Σ ∫ S f ds",
     source: "Cortez 2001, dense solution",
 };
@@ -20,7 +20,7 @@ const REGULARIZATION: f64 = 1.02;
 const BOUND: f64 = 1e-3;
 
 /// Segment integral, straight rod, helix of the thesis.
-pub fn checks(_full: bool) -> Result<Vec<Check>, FamilyError> {
+pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let mut checks = vec![segment_check()];
     checks.extend(straight_rod()?);
     checks.extend(helix()?);

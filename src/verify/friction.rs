@@ -3,22 +3,22 @@
 use super::contact::contact_parameters;
 use super::rods::{line, steady, unit_rod};
 use super::theory::friction::{Capstan, sliding_acceleration};
-use super::{Check, Claim, FamilyError};
+use super::{Check, Expectation, GroupError};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactModel, ContactParameters};
 use crate::mechanics::dynamics::{IntegrationParameters, Simulation, StepSize};
 use crate::mechanics::scene::{Clamp, LoadKind, Motion, Plane, RodDescription, Scene, Stiffness};
 use std::f64::consts::PI;
 
-const SLIDING: Claim = Claim {
+const SLIDING: Expectation = Expectation {
     formula: "a = g (sin α − μ cos α)",
     source: "Coulomb",
 };
-const STICKING: Claim = Claim {
+const STICKING: Expectation = Expectation {
     formula: "v = 0 for μ > tan α",
     source: "Coulomb",
 };
-const CAPSTAN: Claim = Claim {
+const CAPSTAN: Expectation = Expectation {
     formula: "T₂ = T₁ exp(μφ), corrected for EI",
     source: "Euler; balance of the elastica",
 };
@@ -35,7 +35,7 @@ const MODELS: [(ContactModel, &str, f64); 3] = [
 ];
 
 /// Sliding and sticking on an incline, and the capstan, by every contact model.
-pub fn checks(_full: bool) -> Result<Vec<Check>, FamilyError> {
+pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let (steep, shallow) = (30f64.to_radians(), 20f64.to_radians());
     let slip_tolerance = ContactParameters::default().slip_tolerance;
     let mut checks = Vec::new();
@@ -73,7 +73,7 @@ struct Slide {
 }
 
 /// A rod along the line of steepest descent, let go at rest.
-fn slide(model: ContactModel, incline: f64, friction: f64) -> Result<Slide, FamilyError> {
+fn slide(model: ContactModel, incline: f64, friction: f64) -> Result<Slide, GroupError> {
     let contact = contact_parameters(model, friction);
     let rod = unit_rod(line(Vector3::zeros(), 0.1 * Vector3::x(), 4));
     let height = rod.radius + 0.5 * contact.distance_tolerance;
@@ -95,7 +95,7 @@ fn slide(model: ContactModel, incline: f64, friction: f64) -> Result<Slide, Fami
         ..Scene::default()
     };
     let mut simulation = Simulation::new(&scene, &IntegrationParameters::default())?;
-    let speed_at = |simulation: &mut Simulation, time: f64| -> Result<f64, FamilyError> {
+    let speed_at = |simulation: &mut Simulation, time: f64| -> Result<f64, GroupError> {
         while simulation.time() < time {
             simulation.advance(time)?;
         }
@@ -124,7 +124,7 @@ const ROPE_FRICTION: f64 = 0.3;
 const PULL: f64 = 0.02;
 
 /// A rope over a post, half a turn; a weight hangs on one leg, the other is pulled.
-fn capstan(model: ContactModel, name: &str) -> Result<Check, FamilyError> {
+fn capstan(model: ContactModel, name: &str) -> Result<Check, GroupError> {
     let rope = rope();
     let (stiffness, nodes) = (rope.stiffness, rope.centreline.clone());
     let parameters = IntegrationParameters {

@@ -1,6 +1,6 @@
 //! Helical rods with clamped ends: where the discrete rod loses stability, against conjugate points.
 
-use super::{Check, Claim, FamilyError};
+use super::{Check, Expectation, GroupError};
 use crate::experiment::helix::stability::{DiscreteRod, discrete_critical_distance};
 use crate::mechanics::dynamics::SimulationError;
 use crate::mechanics::kirchhoff::numerics::uniform_numbers;
@@ -8,15 +8,15 @@ use crate::mechanics::kirchhoff::{HeavyLoop, Helix, critical_distance};
 use crate::scenario::HelixSearch;
 use std::f64::consts::TAU;
 
-const CONJUGATE_POINT: Claim = Claim {
+const CONJUGATE_POINT: Expectation = Expectation {
     formula: "det J(s) = 0",
     source: "Borum & Bretl 2020",
 };
-const MIRRORED: Claim = Claim {
+const MIRRORED: Expectation = Expectation {
     formula: "(κ, τ, ω) → (κ, −τ, −ω)",
     source: "mirror image",
 };
-const HEAVY_LOOP: Claim = Claim {
+const HEAVY_LOOP: Expectation = Expectation {
     formula: "θ'' = −(V + s/2) cos θ",
     source: "elastica by shooting",
 };
@@ -28,18 +28,18 @@ const EDGES: usize = 100;
 /// taken there.
 const FAR: f64 = 12.0;
 
-const MATERIAL: Claim = Claim {
+const MATERIAL: Expectation = Expectation {
     formula: "critical distance of (κ, τ, ω) L",
     source: "Borum & Bretl 2020",
 };
-const PATH: Claim = Claim {
+const PATH: Expectation = Expectation {
     formula: "rod at once on the helix, or followed from straight",
     source: "two ways to one boundary",
 };
 
 /// Critical distances on a mesh and extrapolated in it, their independence of material and path, the mirror image,
 /// the loop's height.
-pub fn checks(full: bool) -> Result<Vec<Check>, FamilyError> {
+pub fn checks(full: bool) -> Result<Vec<Check>, GroupError> {
     let directions: &[(&str, [f64; 3])] = &[
         ("planar ring (1, 0, 0)", [1.0, 0.0, 0.0]),
         ("pushed straight rod (0, 1, 0)", [0.0, 1.0, 0.0]),

@@ -1,6 +1,6 @@
 //! Helical rods manipulated slowly in time: where they leave the helix, against conjugate points.
 
-use super::{Check, Claim, FamilyError};
+use super::{Check, Expectation, GroupError};
 use crate::experiment::helix::manipulation::{
     Buckling, EndPath, Manipulation, Observation, helix_error,
 };
@@ -10,7 +10,7 @@ use crate::mechanics::kirchhoff::numerics::uniform_numbers;
 use crate::mechanics::kirchhoff::{Helix, critical_distance};
 use std::f64::consts::TAU;
 
-const SLOW: Claim = Claim {
+const SLOW: Expectation = Expectation {
     formula: "e(‖(κ, τ, ω)‖) = 0.1, slowly",
     source: "Borum & Bretl 2020",
 };
@@ -33,7 +33,7 @@ const LEAST_CURVATURE: f64 = 0.1;
 const FARTHEST: f64 = 14.0;
 
 /// The distance at which the rod leaves the helix, of the worst of some random directions.
-pub fn checks(full: bool) -> Result<Vec<Check>, FamilyError> {
+pub fn checks(full: bool) -> Result<Vec<Check>, GroupError> {
     let count = if full { 10 } else { 1 };
     let mut number = uniform_numbers(65);
     let mut worst = (1.0, 1.0);

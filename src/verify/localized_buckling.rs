@@ -2,17 +2,17 @@
 
 use super::rods::{clamp, unit_rod};
 use super::theory::localized_buckling::LocalizedBuckle;
-use super::{Check, Claim, FamilyError};
+use super::{Check, Expectation, GroupError};
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::{IntegrationParameters, Simulation};
 use crate::mechanics::scene::{RodDescription, Scene, Stiffness};
 use std::f64::consts::TAU;
 
-const ENVELOPE: Claim = Claim {
+const ENVELOPE: Expectation = Expectation {
     formula: "(cos φ − cos φ₀)/(1 − cos φ₀) = tanh²(s/s*)",
     source: "van der Heijden & Thompson 2000",
 };
-const DEFLECTION: Claim = Claim {
+const DEFLECTION: Expectation = Expectation {
     formula: "cos φ₀ = M²/2BT − 1",
     source: "van der Heijden & Thompson 2000",
 };
@@ -26,7 +26,7 @@ const SHORTENING: f64 = 0.3;
 const EDGES: usize = 800;
 
 /// Depth of the buckle and its envelope.
-pub fn checks(_full: bool) -> Result<Vec<Check>, FamilyError> {
+pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let theory = LocalizedBuckle::new(BENDING, TWISTING, LENGTH, TURNS * TAU, SHORTENING);
     let mut simulation = Simulation::new(&scene(&theory), &IntegrationParameters::default())?;
     simulation.find_equilibrium()?;

@@ -1,7 +1,7 @@
 //! `rodlab verify`: the engine against theory.
 //!
 //! Every [`Check`] compares one number of a simulation with one number of a theory that knows nothing of
-//! the simulation: closed forms and independent solutions in [`theory`]. The families run in parallel;
+//! the simulation: closed forms and independent solutions in [`theory`]. The groups run in parallel;
 //! the table keeps its order.
 
 mod buckling;
@@ -24,19 +24,19 @@ mod tests;
 pub mod theory;
 mod vibration;
 
-pub use check::{Check, Claim, Verdict, table};
+pub use check::{Check, Expectation, Verdict, table};
 
 use rayon::prelude::*;
 use std::error::Error;
 
-/// A family of checks. With `full` it may take minutes and cover more parameters.
-type Family = fn(full: bool) -> Result<Vec<Check>, FamilyError>;
+/// A group of checks. With `full` it may take minutes and cover more parameters.
+type CheckGroup = fn(full: bool) -> Result<Vec<Check>, GroupError>;
 
-/// Whatever kept a family from coming to its numbers.
-type FamilyError = Box<dyn Error + Send + Sync>;
+/// Whatever kept a group from coming to its numbers.
+type GroupError = Box<dyn Error + Send + Sync>;
 
-/// All families, in the order of the table.
-const FAMILIES: [(&str, Family); 14] = [
+/// All groups, in the order of the table.
+const GROUPS: [(&str, CheckGroup); 14] = [
     ("derivatives", derivatives::checks),
     ("statics", statics::checks),
     ("vibration", vibration::checks),
@@ -53,12 +53,12 @@ const FAMILIES: [(&str, Family); 14] = [
     ("determinism", determinism::checks),
 ];
 
-/// Runs every check. A family whose simulation fails yields one failed check that says why.
+/// Runs every check. A group whose simulation fails yields one failed check that says why.
 pub fn verify(full: bool) -> Vec<Check> {
-    FAMILIES
+    GROUPS
         .par_iter()
-        .map(|&(name, family)| {
-            family(full).unwrap_or_else(|error| vec![Check::not_run(name, &error.to_string())])
+        .map(|&(name, group)| {
+            group(full).unwrap_or_else(|error| vec![Check::not_run(name, &error.to_string())])
         })
         .collect::<Vec<_>>()
         .concat()

@@ -1,7 +1,7 @@
 //! Cantilevers that bend far, against the elastica.
 
 use super::rods::{clamp, gravity, line, steady, unit_rod};
-use super::{Check, Claim, FamilyError};
+use super::{Check, Expectation, GroupError};
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::{
     IntegrationParameters, Scheme, Simulation, SimulationError, StepSize,
@@ -9,19 +9,19 @@ use crate::mechanics::dynamics::{
 use crate::mechanics::kirchhoff::{Cantilever, CantileverLoad};
 use crate::mechanics::scene::{LoadKind, Scene};
 
-const HEAVY: Claim = Claim {
+const HEAVY: Expectation = Expectation {
     formula: "θ'' = −γ (1−s) cos θ",
     source: "elastica by shooting",
 };
-const TIP_LOADED: Claim = Claim {
+const TIP_LOADED: Expectation = Expectation {
     formula: "θ'' = −α cos θ",
     source: "Bisshopp & Drucker 1945",
 };
-const ORDER: Claim = Claim {
+const ORDER: Expectation = Expectation {
     formula: "log₂(error at N / error at 2N)",
     source: "second order",
 };
-const RELAXED: Claim = Claim {
+const RELAXED: Expectation = Expectation {
     formula: "rest of damped motion = equilibrium",
     source: "static solution",
 };
@@ -30,7 +30,7 @@ const RELAXED: Claim = Claim {
 const GAMMA: f64 = 15.696;
 
 /// Shapes of heavy and tip-loaded cantilevers, order of convergence, and the same by damped motion.
-pub fn checks(full: bool) -> Result<Vec<Check>, FamilyError> {
+pub fn checks(full: bool) -> Result<Vec<Check>, GroupError> {
     let mut checks = Vec::new();
     let loads: &[(f64, f64)] = if full {
         &[

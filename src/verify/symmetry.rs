@@ -1,18 +1,18 @@
 //! Answers that must not depend on where the axes point or how nodes and rods are numbered.
 
 use super::rods::{clamp, line, steady, unit_rod};
-use super::{Check, Claim, FamilyError};
+use super::{Check, Expectation, GroupError};
 use crate::mechanics::contact::ContactParameters;
 use crate::mechanics::dynamics::{IntegrationParameters, Simulation, SimulationError, StepSize};
 use crate::mechanics::scene::{Clamp, LoadKind, NaturalShape, RodDescription, Scene};
 use crate::mechanics::{Matrix3, Vector3};
 use nalgebra::{Rotation3, Unit};
 
-const RIGID_MOTION: Claim = Claim {
+const RIGID_MOTION: Expectation = Expectation {
     formula: "x(R scene + c) = R x(scene) + c",
     source: "frame indifference",
 };
-const RELABELLING: Claim = Claim {
+const RELABELLING: Expectation = Expectation {
     formula: "x(renumbered scene) = renumbered x(scene)",
     source: "symmetry",
 };
@@ -21,14 +21,14 @@ const EDGES: usize = 24;
 const STEP: f64 = 5e-3;
 
 /// Rigid motion, reversed nodes and swapped rods, each for twenty time steps of two rods.
-pub fn checks(_full: bool) -> Result<Vec<Check>, FamilyError> {
+pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let mut checks = invariance(&two_rods(), "two rods")?;
     checks.extend(invariance(&touching_rods(), "two rods in contact")?);
     Ok(checks)
 }
 
 /// Compares a scene of two rods with itself moved and renumbered.
-fn invariance(scene: &Scene, name: &str) -> Result<Vec<Check>, FamilyError> {
+fn invariance(scene: &Scene, name: &str) -> Result<Vec<Check>, GroupError> {
     let original = run(scene)?;
     let rotation =
         Rotation3::from_axis_angle(&Unit::new_normalize(Vector3::new(1.0, 2.0, -0.7)), 1.1);

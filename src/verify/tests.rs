@@ -1,9 +1,9 @@
-//! Every family passes; one test each, so that they run side by side and a failure names its family.
+//! Every group passes; one test each, so that they run side by side and a failure names its group.
 
 use super::*;
 
-fn assert_passes(family: Family) {
-    let checks = family(false).unwrap();
+fn assert_passes(group: CheckGroup) {
+    let checks = group(false).unwrap();
     assert!(!checks.is_empty());
     println!("{}", table(&checks));
     let failed: Vec<_> = checks

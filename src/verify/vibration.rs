@@ -2,20 +2,20 @@
 
 use super::rods::{RADIUS, STIFFNESS_RATIO, clamp, line, unit_rod};
 use super::theory::beam::{cantilever_wave_number, fixed_free_wave_number};
-use super::{Check, Claim, FamilyError};
+use super::{Check, Expectation, GroupError};
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::{IntegrationParameters, Simulation, SimulationError};
 use crate::mechanics::scene::Scene;
 
-const BENDING: Claim = Claim {
+const BENDING: Expectation = Expectation {
     formula: "cos βL cosh βL = −1, ω = β² √(EI/ρA)",
     source: "Euler–Bernoulli",
 };
-const TORSION: Claim = Claim {
+const TORSION: Expectation = Expectation {
     formula: "ω = π/2L √(GJ/ρJ)",
     source: "wave equation",
 };
-const AXIAL: Claim = Claim {
+const AXIAL: Expectation = Expectation {
     formula: "ω = π/2L √(EA/ρA)",
     source: "wave equation",
 };
@@ -23,7 +23,7 @@ const BOUND: f64 = 5e-3;
 const EDGES: usize = 50;
 
 /// First three bending modes, first torsional and first axial mode.
-pub fn checks(_full: bool) -> Result<Vec<Check>, FamilyError> {
+pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let modes = Modes::of_cantilever()?;
     let mut checks = Vec::new();
     // Bending modes come in pairs, one in either plane.

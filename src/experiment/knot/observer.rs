@@ -43,7 +43,7 @@ pub struct KnotObserver {
 
 /// What is seen of a knot between output times.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct KnotGlance {
+pub struct KnotSample {
     /// Mean distance of the ends of a rod along the pull, m.
     pub end_to_end: f64,
     /// Clear height of the loop, m; `None` where there is none.
@@ -108,10 +108,10 @@ impl KnotObserver {
     }
 
     /// Looks at the knot between output times.
-    pub fn glance(&self, simulation: &Simulation) -> KnotGlance {
+    pub fn sample(&self, simulation: &Simulation) -> KnotSample {
         let rods = self.knotted(simulation.positions());
         let touching = self.touching(simulation.contacts());
-        KnotGlance {
+        KnotSample {
             end_to_end: self.end_to_end(&rods, &outward(&rods)),
             loop_height: self
                 .silhouette(rods[0], &touching)

@@ -482,7 +482,7 @@ fn integration_parameters(scenario: &Scenario) -> IntegrationParameters {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{Family, Loaded, from_text};
+    use crate::scenario::{CaseSet, Loaded, from_text};
     use crate::sweep::check_every_value;
     use std::path::Path;
 
@@ -572,12 +572,12 @@ moment = [1, 0, 0]
             if path.extension().is_some_and(|ending| ending == "csv") {
                 continue;
             }
-            let family = Family::load(&path, &[], &[]).unwrap_or_else(|error| panic!("{error}"));
-            check_every_value(&family).unwrap_or_else(|error| panic!("{error}"));
-            if family.search().is_some() {
+            let case_set = CaseSet::load(&path, &[], &[]).unwrap_or_else(|error| panic!("{error}"));
+            check_every_value(&case_set).unwrap_or_else(|error| panic!("{error}"));
+            if case_set.search().is_some() {
                 continue;
             }
-            let loaded = family.scenario_of(0).unwrap();
+            let loaded = case_set.scenario_of(0).unwrap();
             let run = prepare(&loaded.scenario).unwrap_or_else(|error| panic!("{error}"));
             let again = from_text(&run.name, &run.scenario_toml, Path::new("")).unwrap();
             assert_eq!(again.scenario, loaded.scenario, "{}", path.display());

@@ -36,7 +36,7 @@ pub enum Part {
 /// What becomes of the rod along a direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Fate {
+pub enum Outcome {
     /// It loses stability.
     Buckles,
     /// It loses stability, but touches itself before.
@@ -59,7 +59,7 @@ pub struct BoundaryRow {
     /// Unit direction: twisting moment.
     pub omega: f64,
     /// What becomes of the rod.
-    pub fate: Fate,
+    pub outcome: Outcome,
     /// Distance at which the discrete rod loses stability; empty where it does not.
     pub critical: Option<f64>,
     /// The same in the limit of a fine mesh, by the error's falling with the square of the edge length; empty where
@@ -164,11 +164,11 @@ impl TableJob for Boundary<'_> {
             kappa,
             tau,
             omega,
-            fate: match (&found, contact) {
-                (Err(_), _) => Fate::NoConvergence,
-                (Ok(None), _) => Fate::Stable,
-                (Ok(Some(_)), None) => Fate::Buckles,
-                (Ok(Some(_)), Some(_)) => Fate::TouchesItself,
+            outcome: match (&found, contact) {
+                (Err(_), _) => Outcome::NoConvergence,
+                (Ok(None), _) => Outcome::Stable,
+                (Ok(Some(_)), None) => Outcome::Buckles,
+                (Ok(Some(_)), Some(_)) => Outcome::TouchesItself,
             },
             critical,
             extrapolated,

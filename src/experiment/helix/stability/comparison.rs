@@ -1,6 +1,6 @@
 //! The discrete rod against theory, in bands of distance.
 
-use super::boundary::{BoundaryRow, Fate};
+use super::boundary::{BoundaryRow, Outcome};
 use crate::results::{COMPARISON, ResultsError, write_whole};
 use serde::Serialize;
 use std::path::Path;
@@ -111,14 +111,14 @@ impl Comparison {
 
 /// The boundary in words.
 pub fn remarks(rows: &[BoundaryRow], comparison: &Comparison) -> Vec<String> {
-    let count = |fate| rows.iter().filter(|row| row.fate == fate).count();
+    let count = |outcome| rows.iter().filter(|row| row.outcome == outcome).count();
     let mut remarks = vec![format!(
         "{} directions: {} buckle, {} touch themselves first, {} stay stable, {} without convergence",
         rows.len(),
-        count(Fate::Buckles),
-        count(Fate::TouchesItself),
-        count(Fate::Stable),
-        count(Fate::NoConvergence)
+        count(Outcome::Buckles),
+        count(Outcome::TouchesItself),
+        count(Outcome::Stable),
+        count(Outcome::NoConvergence)
     )];
     for band in &comparison.0 {
         if let (Some(largest), Some(mean)) = (band.largest_difference, band.mean_difference) {
@@ -147,7 +147,7 @@ mod tests {
             kappa: 1.0,
             tau: 0.0,
             omega: 0.0,
-            fate: Fate::Buckles,
+            outcome: Outcome::Buckles,
             critical: Some(theory * (1.0 + difference)),
             theory: Some(theory),
             relative_difference: Some(difference),

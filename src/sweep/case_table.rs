@@ -5,7 +5,7 @@ use crate::results::{
     CaseRecord, CaseStatus, MAIN_CASE, Manifest, ResultsError, SummaryRow, SweepDirectory,
     write_sweep_summary, write_timings,
 };
-use crate::scenario::{Case, Family, Parameter};
+use crate::scenario::{Case, CaseSet, Parameter};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Mutex;
@@ -14,10 +14,10 @@ use std::time::{Duration, Instant};
 /// Least time between two writings of the tables while cases run.
 const INTERVAL: Duration = Duration::from_secs(1);
 /// Least ratio of the time between two writings to the time that one takes.
-const LEISURE: u32 = 50;
+const PAUSE_FACTOR: u32 = 50;
 
 /// How the cases stand, as far as this process knows.
-pub(super) struct Board<'a> {
+pub(super) struct CaseTable<'a> {
     directory: &'a SweepDirectory,
     keys: Vec<String>,
     manifest: Manifest,
@@ -36,12 +36,12 @@ pub(super) fn record_in(directory: &Path) -> Result<Option<CaseRecord>, ResultsE
     Ok(manifest.and_then(|mut manifest| manifest.cases.remove(MAIN_CASE)))
 }
 
-impl<'a> Board<'a> {
-    /// A board on which nothing stands yet. `manifest` is that of the whole directory.
-    pub fn new(directory: &'a SweepDirectory, family: &Family, manifest: Manifest) -> Self {
+impl<'a> CaseTable<'a> {
+    /// A case_table on which nothing stands yet. `manifest` is that of the whole directory.
+    pub fn new(directory: &'a SweepDirectory, case_set: &CaseSet, manifest: Manifest) -> Self {
         Self {
             directory,
-            keys: family.keys().into_iter().map(str::to_owned).collect(),
+            keys: case_set.keys().into_iter().map(str::to_owned).collect(),
             manifest,
             state: Mutex::new(State {
                 settled: BTreeMap::new(),
@@ -55,13 +55,13 @@ impl<'a> Board<'a> {
         let record = record_in(&self.directory.case(id))?;
         let record = record.unwrap_or_else(|| CaseRecord::new(CaseStatus::Pending));
         if record.status.is_final() {
-            self.settle(id, record.clone());
+            self.commit(id, record.clone());
         }
         Ok(record)
     }
 
     /// Notes how a case of this process stands.
-    pub fn settle(&self, id: &str, record: CaseRecord) {
+    pub fn commit(&self, id: &str, record: CaseRecord) {
         let mut state = self.state.lock().expect("no thread panics with this lock");
         state.settled.insert(id.to_owned(), record);
     }
@@ -94,7 +94,7 @@ impl<'a> Board<'a> {
     }
 
     /// Writes the tables if that was not done lately.
-    pub fn publish_sometimes(&self, cases: &[Case]) -> Result<(), ResultsError> {
+    pub fn publish_if_due(&self, cases: &[Case]) -> Result<(), ResultsError> {
         {
             let mut state = self.state.lock().expect("no thread panics with this lock");
             if Instant::now() < state.next_writing {
@@ -105,7 +105,7 @@ impl<'a> Board<'a> {
         }
         let start = Instant::now();
         let written = self.write(cases, None);
-        let pause = INTERVAL.max(LEISURE * start.elapsed());
+        let pause = INTERVAL.max(PAUSE_FACTOR * start.elapsed());
         let mut state = self.state.lock().expect("no thread panics with this lock");
         state.next_writing = Instant::now() + pause;
         written
@@ -116,7 +116,7 @@ impl<'a> Board<'a> {
         self.write(cases, Some(jiff::Timestamp::now()))?;
         let counts = self.counts(cases);
         if counts.finished == counts.total() {
-            self.directory.claims.bury()?;
+            self.directory.leases.remove_dead()?;
         }
         Ok(())
     }

@@ -1,15 +1,15 @@
-//! Runs cases: claims, runs and records one after the other, on each of several workers.
+//! Runs cases: leases, runs and records one after the other, on each of several workers.
 
-use super::board::Board;
-use super::heartbeat::Claimed;
+use super::case_table::CaseTable;
+use super::heartbeat::HeldLeases;
 use super::outcome::SweepOutcome;
-use super::{Shard, SweepError, SweepOptions, prepared, workers};
+use super::{Shard, SweepError, SweepOptions, prepared, thread_pools};
 use crate::results::{
-    CaseRecord, CaseStatus, Claiming, MAIN_CASE, Manifest, ResultsError, SweepDirectory,
+    CaseRecord, CaseStatus, LeaseAttempt, MAIN_CASE, Manifest, ResultsError, SweepDirectory,
 };
 use crate::run::{AmongBars, PreparedRun, RunError, RunOptions, StopRequest};
 use crate::run::{Interruption, run_until};
-use crate::scenario::{Case, Family, ScenarioError};
+use crate::scenario::{Case, CaseSet, ScenarioError};
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::ControlFlow;
@@ -21,12 +21,12 @@ use std::time::{Duration, Instant};
 /// Time between two looks at cases that other processes work on.
 const WAIT: Duration = Duration::from_millis(100);
 
-/// A case by its place in the family.
+/// A case by its place in the case_set.
 #[derive(Clone, Debug)]
 pub(super) struct Job {
     /// The case.
     pub case: Case,
-    /// Its index in the family.
+    /// Its index in the case_set.
     pub index: usize,
     /// The number of the searched key.
     pub searched: Option<f64>,
@@ -43,13 +43,13 @@ pub(super) enum Attempt {
 }
 
 /// The workers, and what they share.
-pub(super) struct Crew<'a> {
-    family: &'a Family,
+pub(super) struct Workers<'a> {
+    case_set: &'a CaseSet,
     directory: &'a SweepDirectory,
-    board: &'a Board<'a>,
+    case_table: &'a CaseTable<'a>,
     options: &'a SweepOptions,
     interruption: &'a Interruption,
-    claimed: Claimed,
+    leased: HeldLeases,
     /// Cases that failed before, and were tried again by this call.
     retried: Mutex<BTreeSet<String>>,
     /// Set once no further case is to be begun.
@@ -60,22 +60,22 @@ pub(super) struct Crew<'a> {
     bars: MultiProgress,
 }
 
-impl<'a> Crew<'a> {
-    /// A crew that has not begun.
+impl<'a> Workers<'a> {
+    /// A workers that has not begun.
     pub fn new(
-        family: &'a Family,
+        case_set: &'a CaseSet,
         directory: &'a SweepDirectory,
-        board: &'a Board<'a>,
+        case_table: &'a CaseTable<'a>,
         options: &'a SweepOptions,
         interruption: &'a Interruption,
     ) -> Self {
         Self {
-            family,
+            case_set,
             directory,
-            board,
+            case_table,
             options,
             interruption,
-            claimed: Arc::new(Mutex::new(BTreeMap::new())),
+            leased: Arc::new(Mutex::new(BTreeMap::new())),
             retried: Mutex::new(BTreeSet::new()),
             stopped: AtomicBool::new(false),
             fault: OnceLock::new(),
@@ -84,9 +84,9 @@ impl<'a> Crew<'a> {
         }
     }
 
-    /// The claims that are held, for their signs of life.
-    pub fn claimed(&self) -> Claimed {
-        Arc::clone(&self.claimed)
+    /// The leases that are held, for their signs of life.
+    pub fn leased(&self) -> HeldLeases {
+        Arc::clone(&self.leased)
     }
 
     /// The share of the cases.
@@ -105,8 +105,8 @@ impl<'a> Crew<'a> {
     }
 
     /// What is swept.
-    pub fn family(&self) -> &Family {
-        self.family
+    pub fn case_set(&self) -> &CaseSet {
+        self.case_set
     }
 
     /// Runs all cases of the share, and waits for those that other processes work on.
@@ -115,7 +115,7 @@ impl<'a> Crew<'a> {
         let bar = self.whole_bar(left.len());
         while !left.is_empty() {
             let held = Mutex::new(Vec::new());
-            workers::for_each(left.len(), self.options.jobs.get(), |place| {
+            thread_pools::for_each(left.len(), self.options.jobs.get(), |place| {
                 let index = left[place];
                 let job = Job {
                     case: cases[index].clone(),
@@ -127,7 +127,7 @@ impl<'a> Crew<'a> {
                     Attempt::Held => held.lock().expect("no case panics").push(index),
                     Attempt::Stopped => return ControlFlow::Break(()),
                 }
-                if let Err(error) = self.board.publish_sometimes(cases) {
+                if let Err(error) = self.case_table.publish_if_due(cases) {
                     self.give_up(error);
                 }
                 ControlFlow::Continue(())
@@ -176,37 +176,37 @@ impl<'a> Crew<'a> {
             return Ok(Attempt::Stopped);
         }
         let id = &job.case.id;
-        let claim = match self.directory.claims.claim(id)? {
-            Claiming::Claimed(claim) => claim,
-            Claiming::Held(_) => return Ok(Attempt::Held),
+        let lease = match self.directory.leases.acquire(id)? {
+            LeaseAttempt::Granted(lease) => lease,
+            LeaseAttempt::Held(_) => return Ok(Attempt::Held),
         };
-        self.lock_claimed().insert(id.clone(), claim);
-        // Another process may have finished it before this one had the claim.
+        self.lock_leases().insert(id.clone(), lease);
+        // Another process may have finished it before this one had the lease.
         let attempt = match self.settled(&job.case) {
             Ok(Some(record)) => Ok(Attempt::Settled(Box::new(record))),
-            Ok(None) => self.run_claimed(job),
+            Ok(None) => self.run_leased(job),
             Err(error) => Err(error),
         };
-        drop(self.lock_claimed().remove(id));
+        drop(self.lock_leases().remove(id));
         attempt
     }
 
     /// The record of a case that needs no work.
     fn settled(&self, case: &Case) -> Result<Option<CaseRecord>, ResultsError> {
-        let record = self.board.look_up(&case.id)?;
+        let record = self.case_table.look_up(&case.id)?;
         let again = self.options.retry_failed
             && record.status != CaseStatus::Finished
             && !self.lock_retried().contains(&case.id);
         Ok((record.status.is_final() && !again).then_some(record))
     }
 
-    fn run_claimed(&self, job: &Job) -> Result<Attempt, ResultsError> {
+    fn run_leased(&self, job: &Job) -> Result<Attempt, ResultsError> {
         let id = &job.case.id;
-        let before = self.board.look_up(id)?;
+        let before = self.case_table.look_up(id)?;
         let again = before.status.is_final();
         if again {
             self.lock_retried().insert(id.clone());
-            self.board.forget(id);
+            self.case_table.forget(id);
         }
         let record = match self.prepare(job) {
             Ok(prepared) => match self.run_prepared(job, &prepared, again) {
@@ -219,11 +219,11 @@ impl<'a> Crew<'a> {
                     RunError::Simulation { .. }
                     | RunError::TimeLimit { .. }
                     | RunError::Interrupted { .. },
-                ) => self.board.look_up(id)?,
+                ) => self.case_table.look_up(id)?,
             },
             Err(error) => self.record_invalid(job, error.to_string())?,
         };
-        self.board.settle(id, record.clone());
+        self.case_table.commit(id, record.clone());
         if record.status.is_final() && record.status != CaseStatus::Finished {
             let error = record.error.as_deref().unwrap_or_default();
             self.bars.suspend(|| {
@@ -238,8 +238,8 @@ impl<'a> Crew<'a> {
 
     fn prepare(&self, job: &Job) -> Result<PreparedRun, ScenarioError> {
         prepared(&match job.searched {
-            Some(number) => self.family.searched_scenario(job.index, number)?,
-            None => self.family.scenario_of(job.index)?,
+            Some(number) => self.case_set.searched_scenario(job.index, number)?,
+            None => self.case_set.scenario_of(job.index)?,
         })
     }
 
@@ -277,7 +277,7 @@ impl<'a> Crew<'a> {
         std::fs::create_dir_all(&directory).map_err(io)?;
         Manifest {
             cases: BTreeMap::from([(MAIN_CASE.to_owned(), record.clone())]),
-            ..self.board.manifest().clone()
+            ..self.case_table.manifest().clone()
         }
         .write(&directory)?;
         Ok(record)
@@ -305,7 +305,7 @@ impl<'a> Crew<'a> {
 
     /// What the cases of this process came to.
     pub fn outcome<'c>(&self, cases: impl IntoIterator<Item = &'c Case>) -> SweepOutcome {
-        let counts = self.board.counts(cases);
+        let counts = self.case_table.counts(cases);
         let is_over = counts.unfinished == 0;
         SweepOutcome {
             directory: self.directory.path().to_owned(),
@@ -331,10 +331,8 @@ impl<'a> Crew<'a> {
             .add(ProgressBar::new(length as u64).with_style(style))
     }
 
-    fn lock_claimed(&self) -> std::sync::MutexGuard<'_, BTreeMap<String, crate::results::Claim>> {
-        self.claimed
-            .lock()
-            .expect("no thread panics with this lock")
+    fn lock_leases(&self) -> std::sync::MutexGuard<'_, BTreeMap<String, crate::results::Lease>> {
+        self.leased.lock().expect("no thread panics with this lock")
     }
 
     fn lock_retried(&self) -> std::sync::MutexGuard<'_, BTreeSet<String>> {

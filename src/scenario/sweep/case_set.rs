@@ -1,4 +1,4 @@
-//! A scenario file with its sweep: the family of all its cases.
+//! A scenario file with its sweep: the case_set of all its cases.
 
 use super::axis::{self, Axis, sweep_path};
 use super::case::{Case, Parameter};
@@ -19,7 +19,7 @@ use std::path::Path;
 
 /// A scenario and all its cases; a single one where nothing is varied.
 #[derive(Clone, Debug)]
-pub struct Family {
+pub struct CaseSet {
     name: String,
     sources: Sources,
     /// The scenario without its sweep.
@@ -29,13 +29,13 @@ pub struct Family {
     seed: Option<u64>,
 }
 
-impl Family {
+impl CaseSet {
     /// Reads a scenario file with its sweep. `overrides` are those of `--set`; each of `varied` is an argument
     /// of `--vary`, which takes the place of what the file says of its key.
     ///
     /// # Errors
     /// Everything that is wrong with the file and its sweep, but not with the values of each case; those show
-    /// in [`Family::scenario_of`].
+    /// in [`CaseSet::scenario_of`].
     pub fn load(
         path: &Path,
         overrides: &[String],
@@ -45,10 +45,10 @@ impl Family {
         Self::new(&load::name_of(path), sources, document, varied)
     }
 
-    /// The family in the text of a scenario, called `name`, that names other files relative to `directory`.
+    /// The case_set in the text of a scenario, called `name`, that names other files relative to `directory`.
     ///
     /// # Errors
-    /// As [`Family::load`].
+    /// As [`CaseSet::load`].
     pub fn from_text(name: &str, text: &str, directory: &Path) -> Result<Self, ScenarioError> {
         let (sources, document) = load::merged_text(name, text, directory, &[])?;
         Self::new(name, sources, document, &[])
@@ -63,7 +63,7 @@ impl Family {
         let whole = document.clone();
         let sweep = document.remove("sweep");
         let mut issues = Issues::default();
-        let mut family = Self {
+        let mut case_set = Self {
             name: name.to_owned(),
             sources: Sources::default(),
             document,
@@ -72,17 +72,17 @@ impl Family {
             seed: None,
         };
         if let Some(sweep) = sweep {
-            family.read_sweep(sweep, &sources, &mut issues);
+            case_set.read_sweep(sweep, &sources, &mut issues);
         }
         if !issues.0.is_empty() {
             return Err(load::located(&sources, &whole, issues));
         }
         for argument in varied {
-            family.vary(&mut sources, argument)?;
+            case_set.vary(&mut sources, argument)?;
         }
-        family.sources = sources;
-        family.refuse_repeated_keys()?;
-        Ok(family)
+        case_set.sources = sources;
+        case_set.refuse_repeated_keys()?;
+        Ok(case_set)
     }
 
     fn read_sweep(&mut self, mut sweep: Entry, sources: &Sources, issues: &mut Issues) {
@@ -226,7 +226,7 @@ impl Family {
     /// A case; the last axis runs fastest.
     ///
     /// # Panics
-    /// Where `index` is not less than [`Family::count`].
+    /// Where `index` is not less than [`CaseSet::count`].
     pub fn case(&self, index: usize) -> Case {
         Case::new(self.parameters(&self.position(index)))
     }
@@ -288,10 +288,10 @@ impl Family {
         self.resolved(index, None)
     }
 
-    /// The scenario of [`Family::searched_case`].
+    /// The scenario of [`CaseSet::searched_case`].
     ///
     /// # Errors
-    /// As [`Family::scenario_of`].
+    /// As [`CaseSet::scenario_of`].
     pub fn searched_scenario(&self, index: usize, number: f64) -> Result<Loaded, ScenarioError> {
         self.resolved(index, Some(number))
     }
@@ -325,7 +325,7 @@ impl Family {
         })
     }
 
-    /// The scenario file of the whole family: it needs no other file and has the same cases.
+    /// The scenario file of the whole case_set: it needs no other file and has the same cases.
     ///
     /// # Errors
     /// A file of points that a shape names cannot be read.

@@ -1,12 +1,12 @@
-//! Claims: which process works on which case.
+//! Leases: which process works on which case.
 //!
-//! A claim is a small file `<case>.<generation>`, created only where there is none. The highest generation
-//! owns the case; who takes over a dead process's claim creates the next one, so that of several only one
-//! succeeds, and none ever removes a claim that another process still trusts. A claim says where its process
+//! A lease is a small file `<case>.<generation>`, created only where there is none. The highest generation
+//! owns the case; who takes over a dead process's lease creates the next one, so that of several only one
+//! succeeds, and none ever removes a lease that another process still trusts. A lease says where its process
 //! runs, and its time of change moves on while that process lives.
 //!
 //! Dead is a process of this machine that does not run any more, at once; and one of another machine whose
-//! claims have not been touched for [`Claims::patience`] while we looked. Clocks are never compared.
+//! leases have not been touched for [`Leases::patience`] while we looked. Clocks are never compared.
 
 use super::ResultsError;
 use super::atomic::{TEMPORARY_PREFIX, create_whole};
@@ -20,16 +20,16 @@ use std::time::{Duration, Instant, SystemTime};
 
 /// Time between two signs of life.
 pub const HEARTBEAT: Duration = Duration::from_secs(5);
-/// Time after which a claim of another machine without a sign of life is taken over. File systems of
+/// Time after which a lease of another machine without a sign of life is taken over. File systems of
 /// clusters may show a change a minute late.
 const PATIENCE: Duration = Duration::from_secs(90);
 
-/// The claims of a sweep, as this process sees and makes them.
-pub struct Claims {
+/// The leases of a sweep, as this process sees and makes them.
+pub struct Leases {
     folder: PathBuf,
     owner: Owner,
     patience: Duration,
-    /// When a claim of another machine was first seen with a given time of change.
+    /// When a lease of another machine was first seen with a given time of change.
     seen: Mutex<BTreeMap<PathBuf, (SystemTime, Instant)>>,
 }
 
@@ -46,24 +46,24 @@ pub struct Owner {
     pub started: Option<u64>,
 }
 
-/// What became of the wish to claim a case.
+/// Whether a case could be leased.
 #[derive(Debug)]
-pub enum Claiming {
+pub enum LeaseAttempt {
     /// This process has it now.
-    Claimed(Claim),
+    Granted(Lease),
     /// Another process, that lives as far as can be told, has it.
     Held(Option<Owner>),
 }
 
 /// A case that this process works on. Dropped, it is free again.
 #[derive(Debug)]
-pub struct Claim {
-    /// This claim's file and those it has overruled, oldest first.
+pub struct Lease {
+    /// This lease's file and those it has overruled, oldest first.
     files: Vec<PathBuf>,
 }
 
-impl Claims {
-    /// The claims in a folder, which must exist.
+impl Leases {
+    /// The leases in a folder, which must exist.
     pub fn new(folder: &Path) -> Self {
         Self {
             folder: folder.to_owned(),
@@ -78,18 +78,18 @@ impl Claims {
         self.patience
     }
 
-    /// Claims a case, if nobody who lives has it.
+    /// Leases a case, if nobody who lives has it.
     ///
     /// # Errors
     /// [`ResultsError::Io`] where the folder cannot be read or written.
-    pub fn claim(&self, case: &str) -> Result<Claiming, ResultsError> {
+    pub fn acquire(&self, case: &str) -> Result<LeaseAttempt, ResultsError> {
         let mut files = self.files_of(case)?;
         let overruled = files.last().map(|(_, newest)| newest.clone());
         let mut former = None;
         if let Some(newest) = &overruled {
             let owner = read_owner(newest);
             if self.is_alive(newest, owner.as_ref()) {
-                return Ok(Claiming::Held(owner));
+                return Ok(LeaseAttempt::Held(owner));
             }
             if let Some(owner) = &owner {
                 tracing::info!(
@@ -107,21 +107,21 @@ impl Claims {
             Ok(()) if overruled.is_some_and(|newest| read_owner(&newest) != former) => {
                 // While we judged, somebody else took over, came to an end and let go.
                 let _ = fs::remove_file(path);
-                Ok(Claiming::Held(None))
+                Ok(LeaseAttempt::Held(None))
             }
             Ok(()) => {
                 files.push((generation, path));
-                Ok(Claiming::Claimed(Claim {
+                Ok(LeaseAttempt::Granted(Lease {
                     files: files.into_iter().map(|(_, path)| path).collect(),
                 }))
             }
             // Somebody was faster.
-            Err(error) if error.kind() == ErrorKind::AlreadyExists => Ok(Claiming::Held(None)),
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => Ok(LeaseAttempt::Held(None)),
             Err(error) => Err(ResultsError::io("create", path)(error)),
         }
     }
 
-    /// Whether any living process has a claim.
+    /// Whether any living process has a lease.
     ///
     /// # Errors
     /// [`ResultsError::Io`] where the folder cannot be read.
@@ -132,12 +132,12 @@ impl Claims {
         }))
     }
 
-    /// Removes the claims of the dead. Only where no case is left to be claimed: otherwise who is about to take
+    /// Removes the leases of the dead. Only where no case is left to be leased: otherwise who is about to take
     /// over would not notice another one that was faster.
     ///
     /// # Errors
     /// [`ResultsError::Io`] where the folder cannot be read.
-    pub fn bury(&self) -> Result<(), ResultsError> {
+    pub fn remove_dead(&self) -> Result<(), ResultsError> {
         // Those among them that were just being written, too.
         for path in self.all_paths()? {
             if !self.is_alive(&path, read_owner(&path).as_ref()) {
@@ -148,7 +148,7 @@ impl Claims {
         Ok(())
     }
 
-    /// A claim appears with its owner in it: an empty one would look like that of a process unknown.
+    /// A lease appears with its owner in it: an empty one would look like that of a process unknown.
     fn create(&self, name: &str) -> io::Result<()> {
         let text = serde_json::to_vec(&self.owner).expect("an owner has string keys only");
         create_whole(&self.folder, name, &text)
@@ -175,10 +175,10 @@ impl Claims {
         since.elapsed() < self.patience
     }
 
-    /// The claims on a case by generation, the newest last.
+    /// The leases on a case by generation, the newest last.
     fn files_of(&self, case: &str) -> Result<Vec<(u32, PathBuf)>, ResultsError> {
         let first = self.folder.join(format!("{case}.0"));
-        // The usual cases: no claim at all, or one; the folder is listed only after a take-over.
+        // The usual cases: no lease at all, or one; the folder is listed only after a take-over.
         let lone = first.exists() && !self.folder.join(format!("{case}.1")).exists();
         if lone {
             return Ok(vec![(0, first)]);
@@ -206,7 +206,7 @@ impl Claims {
         Ok(paths)
     }
 
-    /// Claims, and what is being written to become one.
+    /// Leases, and what is being written to become one.
     fn all_paths(&self) -> Result<Vec<PathBuf>, ResultsError> {
         fs::read_dir(&self.folder)
             .and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect())
@@ -214,7 +214,7 @@ impl Claims {
     }
 }
 
-impl Claim {
+impl Lease {
     /// Gives a sign of life.
     pub fn touch(&self) {
         if let Some(path) = self.files.last() {
@@ -224,9 +224,9 @@ impl Claim {
     }
 }
 
-impl Drop for Claim {
+impl Drop for Lease {
     fn drop(&mut self) {
-        // The oldest first: what is left by a crash on the way is a claim of a dead process.
+        // The oldest first: what is left by a crash on the way is a lease of a dead process.
         for path in &self.files {
             let _ = fs::remove_file(path);
         }
@@ -283,18 +283,18 @@ mod tests {
     use super::*;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    fn claimed(claims: &Claims, case: &str) -> Option<Claim> {
-        match claims.claim(case).unwrap() {
-            Claiming::Claimed(claim) => Some(claim),
-            Claiming::Held(_) => None,
+    fn leased(leases: &Leases, case: &str) -> Option<Lease> {
+        match leases.acquire(case).unwrap() {
+            LeaseAttempt::Granted(lease) => Some(lease),
+            LeaseAttempt::Held(_) => None,
         }
     }
 
-    /// Claims as another process of the given owner would make them.
-    fn of_another(folder: &Path, owner: Owner) -> Claims {
-        Claims {
+    /// Leases as another process of the given owner would make them.
+    fn of_another(folder: &Path, owner: Owner) -> Leases {
+        Leases {
             owner,
-            ..Claims::new(folder)
+            ..Leases::new(folder)
         }
     }
 
@@ -310,13 +310,13 @@ mod tests {
     #[test]
     fn a_case_is_claimed_once_and_is_free_when_the_claim_is_dropped() {
         let folder = tempfile::tempdir().unwrap();
-        let claims = Claims::new(folder.path());
-        let first = claimed(&claims, "a").unwrap();
-        assert!(claimed(&claims, "a").is_none());
-        assert!(claimed(&claims, "b").is_some());
+        let leases = Leases::new(folder.path());
+        let first = leased(&leases, "a").unwrap();
+        assert!(leased(&leases, "a").is_none());
+        assert!(leased(&leases, "b").is_some());
         drop(first);
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
-        assert!(claimed(&claims, "a").is_some());
+        assert!(leased(&leases, "a").is_some());
     }
 
     #[test]
@@ -340,10 +340,10 @@ mod tests {
                 ..Owner::this_process()
             },
         ] {
-            std::mem::forget(claimed(&of_another(folder.path(), dead), "a").unwrap());
-            let claims = Claims::new(folder.path());
-            assert!(!claims.any_alive().unwrap());
-            drop(claimed(&claims, "a").expect("taken over"));
+            std::mem::forget(leased(&of_another(folder.path(), dead), "a").unwrap());
+            let leases = Leases::new(folder.path());
+            assert!(!leases.any_alive().unwrap());
+            drop(leased(&leases, "a").expect("taken over"));
             assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
         }
     }
@@ -356,34 +356,34 @@ mod tests {
             boot: Some("before".into()),
             ..Owner::this_process()
         };
-        let claims = Claims::new(folder.path());
-        let _mine = claimed(&claims, "a").unwrap();
-        std::mem::forget(claimed(&of_another(folder.path(), dead.clone()), "b").unwrap());
+        let leases = Leases::new(folder.path());
+        let _mine = leased(&leases, "a").unwrap();
+        std::mem::forget(leased(&of_another(folder.path(), dead.clone()), "b").unwrap());
         let half_way = folder.path().join(format!("{TEMPORARY_PREFIX}c"));
         fs::write(&half_way, serde_json::to_vec(&dead).unwrap()).unwrap();
         let begun = folder.path().join(format!("{TEMPORARY_PREFIX}d"));
-        fs::write(&begun, serde_json::to_vec(&claims.owner).unwrap()).unwrap();
-        claims.bury().unwrap();
-        assert_eq!(claims.all_files().unwrap(), [folder.path().join("a.0")]);
+        fs::write(&begun, serde_json::to_vec(&leases.owner).unwrap()).unwrap();
+        leases.remove_dead().unwrap();
+        assert_eq!(leases.all_files().unwrap(), [folder.path().join("a.0")]);
         assert!(!half_way.exists() && begun.exists());
     }
 
     #[test]
     fn a_claim_of_another_machine_holds_while_it_is_touched() {
         let folder = tempfile::tempdir().unwrap();
-        let other = claimed(&of_another(folder.path(), elsewhere()), "a").unwrap();
-        let claims = Claims {
+        let other = leased(&of_another(folder.path(), elsewhere()), "a").unwrap();
+        let leases = Leases {
             patience: Duration::from_millis(60),
-            ..Claims::new(folder.path())
+            ..Leases::new(folder.path())
         };
         for _ in 0..5 {
-            assert!(claimed(&claims, "a").is_none());
+            assert!(leased(&leases, "a").is_none());
             std::thread::sleep(Duration::from_millis(20));
             other.touch();
         }
-        assert!(claimed(&claims, "a").is_none());
+        assert!(leased(&leases, "a").is_none());
         std::thread::sleep(Duration::from_millis(80));
-        assert!(claimed(&claims, "a").is_some());
+        assert!(leased(&leases, "a").is_some());
         std::mem::forget(other);
     }
 
@@ -391,19 +391,19 @@ mod tests {
     fn of_many_that_take_over_one_succeeds() {
         let folder = tempfile::tempdir().unwrap();
         for _ in 0..20 {
-            std::mem::forget(claimed(&of_another(folder.path(), elsewhere()), "a").unwrap());
+            std::mem::forget(leased(&of_another(folder.path(), elsewhere()), "a").unwrap());
             let taken = AtomicUsize::new(0);
             let barrier = std::sync::Barrier::new(4);
             std::thread::scope(|scope| {
                 for _ in 0..4 {
                     scope.spawn(|| {
-                        let claims = Claims {
+                        let leases = Leases {
                             patience: Duration::ZERO,
-                            ..Claims::new(folder.path())
+                            ..Leases::new(folder.path())
                         };
                         barrier.wait();
-                        let claim = claimed(&claims, "a");
-                        taken.fetch_add(usize::from(claim.is_some()), Ordering::Relaxed);
+                        let lease = leased(&leases, "a");
+                        taken.fetch_add(usize::from(lease.is_some()), Ordering::Relaxed);
                         // Nobody lets go before all have tried.
                         barrier.wait();
                     });

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// Counters of a run: those of the whole, and those since the last row of the series.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Tally {
+pub(crate) struct Counters {
     /// Counters of the whole run.
     pub outcome: CaseOutcome,
     /// Work and losses of the whole run.
@@ -18,7 +18,7 @@ pub(crate) struct Tally {
     contacts: Option<usize>,
 }
 
-impl Tally {
+impl Counters {
     /// Counts a step of a moving scene.
     pub fn add_step(&mut self, report: &StepReport) {
         self.add(report);
@@ -125,8 +125,8 @@ mod tests {
 
     #[test]
     fn rows_hold_means_since_the_row_before_and_the_outcome_totals() {
-        let mut tally = Tally::default();
-        let first = tally.take_row(0.0, f64::INFINITY, &Energies::default());
+        let mut counters = Counters::default();
+        let first = counters.take_row(0.0, f64::INFINITY, &Energies::default());
         assert_eq!(
             (
                 first.newton_iterations,
@@ -135,18 +135,18 @@ mod tests {
             ),
             (None, None, None)
         );
-        tally.add_step(&step(0.5, 2, 0));
-        tally.add_step(&step(1.0, 5, 3));
-        let second = tally.take_row(1.0, 2e-3, &Energies::default());
+        counters.add_step(&step(0.5, 2, 0));
+        counters.add_step(&step(1.0, 5, 3));
+        let second = counters.take_row(1.0, 2e-3, &Energies::default());
         assert_eq!((second.steps, second.newton_iterations), (2, Some(3.5)));
         assert_eq!(
             (second.contacts, second.min_distance_m),
             (Some(3), Some(2e-3))
         );
-        tally.add_step(&step(1.5, 9, 1));
-        let third = tally.take_row(1.5, 2e-3, &Energies::default());
+        counters.add_step(&step(1.5, 9, 1));
+        let third = counters.take_row(1.5, 2e-3, &Energies::default());
         assert_eq!((third.steps, third.newton_iterations), (1, Some(9.0)));
-        let outcome = tally.outcome;
+        let outcome = counters.outcome;
         assert_eq!(
             (outcome.steps, outcome.newton_iterations, outcome.retries),
             (3, 16, 3)
@@ -163,13 +163,13 @@ mod tests {
 
     #[test]
     fn the_smallest_distance_is_kept_and_infinity_is_none() {
-        let mut tally = Tally::default();
-        tally.add_distance(f64::INFINITY, f64::INFINITY);
-        assert_eq!(tally.outcome.minimum_distance, None);
+        let mut counters = Counters::default();
+        counters.add_distance(f64::INFINITY, f64::INFINITY);
+        assert_eq!(counters.outcome.minimum_distance, None);
         for distance in [4e-3, 1e-3, 3e-3] {
-            tally.add_distance(distance, distance / 2e-3);
+            counters.add_distance(distance, distance / 2e-3);
         }
-        assert_eq!(tally.outcome.minimum_distance, Some(1e-3));
-        assert_eq!(tally.outcome.minimum_distance_ratio, Some(0.5));
+        assert_eq!(counters.outcome.minimum_distance, Some(1e-3));
+        assert_eq!(counters.outcome.minimum_distance_ratio, Some(0.5));
     }
 }

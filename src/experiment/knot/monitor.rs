@@ -1,13 +1,13 @@
-//! The course of a knot that is pulled tight: when all has been seen, and what it came to.
+//! Monitors a knot that is pulled tight: when all has been seen, and what it came to.
 
-use super::observer::{KnotGlance, KnotObserver};
+use super::observer::{KnotObserver, KnotSample};
 use crate::knot::{InversionWatch, TightenedKnot};
 use crate::results::{KnotEnding, KnotOutcome, KnotRow, SeriesRow};
 use serde::{Deserialize, Serialize};
 
-/// Decrease of l̄_k from one glance to the next. The traction between them is a mean, so that its vibrations do not
+/// Decrease of l̄_k from one sample to the next. The traction between them is a mean, so that its vibrations do not
 /// count; an inversion, which takes 1 or less, is seen whatever the output interval.
-const BETWEEN_GLANCES: f64 = 0.1;
+const BETWEEN_SAMPLES: f64 = 0.1;
 /// Decrease of l̄_k over which a knot is followed after it has inverted.
 const FOLLOWED: f64 = 10.0;
 /// Decrease of l̄_k between two looks at whether the rod slips.
@@ -20,11 +20,11 @@ const LOCKED: f64 = 0.9;
 
 /// What a run remembers of its knot to know when all has been seen.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct KnotCourse {
+pub struct KnotMonitor {
     watch: InversionWatch,
-    /// End-to-end distance (m) and work of the ends (J) at the last glance.
-    glance: Option<(f64, f64)>,
-    /// Time of the next glance, s.
+    /// End-to-end distance (m) and work of the ends (J) at the last sample.
+    sample: Option<(f64, f64)>,
+    /// Time of the next sample, s.
     next: f64,
     /// l̄_k and F̄ at the last look.
     look: Option<(f64, f64)>,
@@ -35,17 +35,17 @@ pub struct KnotCourse {
     pub ending: Option<KnotEnding>,
 }
 
-impl KnotCourse {
-    /// Whether a glance at the knot is due; there is one at the start of the pull.
+impl KnotMonitor {
+    /// Whether a sample at the knot is due; there is one at the start of the pull.
     pub fn is_due(&self, time: f64, observer: &KnotObserver) -> bool {
         time >= observer.pulled_from.max(self.next)
     }
 
-    /// Takes note of what was seen of the knot at a glance, when its ends had done so much `work` (J).
-    pub fn add(&mut self, time: f64, seen: &KnotGlance, work: f64, observer: &KnotObserver) {
-        self.next = time + 0.5 * BETWEEN_GLANCES * observer.radius / observer.pull_speed;
+    /// Takes note of what was seen of the knot at a sample, when its ends had done so much `work` (J).
+    pub fn add(&mut self, time: f64, seen: &KnotSample, work: f64, observer: &KnotObserver) {
+        self.next = time + 0.5 * BETWEEN_SAMPLES * observer.radius / observer.pull_speed;
         let now = (seen.end_to_end, work);
-        let Some((distance, earlier)) = self.glance.replace(now) else {
+        let Some((distance, earlier)) = self.sample.replace(now) else {
             return;
         };
         let pulled = (now.0 - distance) * observer.rods as f64;
@@ -146,27 +146,27 @@ mod tests {
         ends_after_inversion: true,
     };
 
-    /// A course in which the knot is pulled from a distance of 0.8 m in steps of 0.1 mm, up to 100 mm, with a traction
+    /// A record in which the knot is pulled from a distance of 0.8 m in steps of 0.1 mm, up to 100 mm, with a traction
     /// (N) and a height of the loop (m) that depend on how far (m); and how far it had been when it was over.
     fn pull(
         observer: &KnotObserver,
         traction: impl Fn(f64) -> f64,
         height: impl Fn(f64) -> f64,
-    ) -> (KnotCourse, Option<f64>) {
-        let (mut course, mut work, mut over) = (KnotCourse::default(), 0.0, None);
+    ) -> (KnotMonitor, Option<f64>) {
+        let (mut monitor, mut work, mut over) = (KnotMonitor::default(), 0.0, None);
         for k in 0..1000 {
             let pulled = 1e-4 * f64::from(k);
             work += 1e-4 * traction(pulled);
-            let seen = KnotGlance {
+            let seen = KnotSample {
                 end_to_end: 0.8 + pulled,
                 loop_height: Some(height(pulled)),
             };
-            course.add(0.1 * f64::from(k), &seen, work, observer);
-            if course.ending.is_some() {
+            monitor.add(0.1 * f64::from(k), &seen, work, observer);
+            if monitor.ending.is_some() {
                 over.get_or_insert(pulled);
             }
         }
-        (course, over)
+        (monitor, over)
     }
 
     fn collapsing(pulled: f64) -> f64 {
@@ -175,8 +175,8 @@ mod tests {
 
     #[test]
     fn an_inverted_knot_is_followed_for_ten_radii() {
-        let (course, over) = pull(&OBSERVER, |_| 0.01, collapsing);
-        assert_eq!(course.ending, Some(KnotEnding::Inverted));
+        let (monitor, over) = pull(&OBSERVER, |_| 0.01, collapsing);
+        assert_eq!(monitor.ending, Some(KnotEnding::Inverted));
         assert!((over.unwrap() - 0.06).abs() < 1.5e-4, "{over:?}");
         let tightened = KnotObserver {
             ends_after_inversion: false,
@@ -201,8 +201,8 @@ mod tests {
     fn a_rod_that_has_slipped_and_stretches_is_locked() {
         // Friction gives way after 20 mm, the knot locks after 60 mm.
         let stretch = |pulled: f64| pulled.min(0.02) + (pulled - 0.06).max(0.0);
-        let (course, over) = pull(&OBSERVER, |pulled| 4.0 * stretch(pulled), |_| 2e-2);
-        assert_eq!(course.ending, Some(KnotEnding::Locked));
+        let (monitor, over) = pull(&OBSERVER, |pulled| 4.0 * stretch(pulled), |_| 2e-2);
+        assert_eq!(monitor.ending, Some(KnotEnding::Locked));
         assert!((0.06..0.07).contains(&over.unwrap()), "{over:?}");
     }
 
@@ -216,14 +216,14 @@ mod tests {
                 (0.5 + 4.0 * (pulled - 0.05)).min(1.0)
             }
         };
-        let (course, _) = pull(&OBSERVER, traction, collapsing);
-        assert_eq!(course.ending, Some(KnotEnding::Inverted));
+        let (monitor, _) = pull(&OBSERVER, traction, collapsing);
+        assert_eq!(monitor.ending, Some(KnotEnding::Inverted));
     }
 
     #[test]
     fn the_outcome_leaves_out_what_was_before_the_pull_and_after_the_inversion() {
         let traction = |pulled: f64| if pulled < 0.05 { 0.02 } else { 0.01 };
-        let (course, _) = pull(&OBSERVER, traction, collapsing);
+        let (monitor, _) = pull(&OBSERVER, traction, collapsing);
         let rows: Vec<(SeriesRow, KnotRow)> = (0..100)
             .map(|k| {
                 let series = SeriesRow {
@@ -240,7 +240,7 @@ mod tests {
                 (series, knot)
             })
             .collect();
-        let outcome = course.outcome(&rows, &OBSERVER);
+        let outcome = monitor.outcome(&rows, &OBSERVER);
         assert!((outcome.inversion_by_force.unwrap() - 150.0).abs() < 0.15);
         assert!((outcome.inversion_by_height.unwrap() - 150.0).abs() < 0.15);
         assert_eq!(outcome.kinetic_over_elastic, Some(1e-4));

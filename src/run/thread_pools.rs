@@ -26,7 +26,7 @@ pub(crate) fn for_each(
         .collect::<Result<_, _>>()?;
     let next = AtomicUsize::new(0);
     let stopped = AtomicBool::new(false);
-    let labour = || {
+    let work_loop = || {
         while !stopped.load(Ordering::Relaxed) {
             let index = next.fetch_add(1, Ordering::Relaxed);
             if index >= count {
@@ -39,7 +39,7 @@ pub(crate) fn for_each(
     };
     std::thread::scope(|scope| {
         for pool in &pools {
-            scope.spawn(|| pool.install(labour));
+            scope.spawn(|| pool.install(work_loop));
         }
     });
     Ok(())
