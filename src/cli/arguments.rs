@@ -72,7 +72,7 @@ pub struct Common {
     /// Threads to use; results do not depend on it [default: one per core]
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
-    /// Log more; twice for debugging
+    /// Log more: once for what is done, twice for time steps, three times for Newton iterations
     #[arg(short, long, global = true, action = ArgAction::Count)]
     pub verbose: u8,
     /// Log errors only, and show no progress
