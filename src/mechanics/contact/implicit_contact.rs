@@ -216,6 +216,11 @@ impl ImplicitContact {
         &self.contacts
     }
 
+    /// Normal forces of the candidates in the last accepted step, N; may be shorter than their list.
+    pub fn normal_forces(&self) -> &[f64] {
+        self.multipliers.settled()
+    }
+
     /// Largest normal force between edges in the last accepted step, N; zero without contacts.
     pub fn largest_normal_force(&self) -> f64 {
         self.multipliers
