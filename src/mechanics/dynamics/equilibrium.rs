@@ -72,6 +72,8 @@ impl Simulation {
             stiffen_contact(&mut self.system);
         }
         self.rest_at(&trial);
+        self.validity
+            .check_stretch(&self.system, &trial, self.state.time);
         report_contacts(&self.system, &mut report);
         debug!(
             time = report.time,

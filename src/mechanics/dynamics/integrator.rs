@@ -17,6 +17,8 @@ use tracing::{debug, trace_span};
 
 /// Factor by which the contact stiffness grows when a step ends with too much penetration.
 const STIFFENING: f64 = 10.0;
+/// Part of the largest step that is no step.
+const SAME_TIME: f64 = 1e-6;
 /// Such growths before the step is halved instead.
 const STIFFENINGS: usize = 3;
 
@@ -103,6 +105,7 @@ impl Integrator {
         }
         system.update_candidates(&state.unknowns);
         let sizes = self.setting.parameters.step;
+        let until = earlier_event(system, &sizes, state.time, until);
         let mut goal = self.control.goal(&sizes, state.time, until);
         let mut stiffenings = 0;
         loop {
@@ -160,6 +163,7 @@ impl Integrator {
         }
         report.step = self.control.size(&sizes, goal - state.time);
         report.exchange = self.accepted(system, state, goal).exchange();
+        self.heed_events(system, state.time, goal);
         self.accept(system, state, goal);
         report.time = state.time;
         report_contacts(system, &mut report);
@@ -180,6 +184,22 @@ impl Integrator {
     /// barrier say, are over when they are done.
     fn keeps_failed_step(&self, system: &System) -> bool {
         matches!(self.setting.parameters.step, StepSize::Auto { .. }) || system.has_friction()
+    }
+
+    /// Begins small again after an event in the step from `start` to `goal`: by how much velocities jump, a step errs that
+    /// knows only those before.
+    fn heed_events(&mut self, system: &System, start: f64, goal: f64) {
+        let Setting { parameters, radius } = &self.setting;
+        let StepSize::Auto { tolerance, maximum } = parameters.step else {
+            return;
+        };
+        let snap = same_time(&parameters.step);
+        let Some(jump) = system.largest_jump(start + snap, goal + snap) else {
+            return;
+        };
+        let harmless = 2.0 * tolerance * radius / jump;
+        let spacing = system.next_event(goal + snap) - goal;
+        self.control.begin_again(maximum, harmless, spacing);
     }
 
     /// Whether a solved step is accurate enough.
@@ -237,6 +257,19 @@ impl Integrator {
         system.update_geometry(&state.unknowns);
         error
     }
+}
+
+/// The end of a step from `time`, no later than `until`: an event before it, but for those that are as good as now or
+/// then.
+fn earlier_event(system: &System, sizes: &StepSize, time: f64, until: f64) -> f64 {
+    let snap = same_time(sizes);
+    let event = system.next_event(time + snap);
+    if event < until - snap { event } else { until }
+}
+
+/// Times that are nearer to each other than this count as one, s.
+fn same_time(sizes: &StepSize) -> f64 {
+    SAME_TIME * sizes.largest()
 }
 
 /// Makes contact stiffer.

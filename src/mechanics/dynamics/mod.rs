@@ -13,6 +13,7 @@
 //! | `integrator` | the step |
 //! | `drag`, `exchange` | forces of the fluid; work and losses of a step |
 //! | `equilibrium`, `path` | statics of the same scene |
+//! | `validity` | warnings of strains beyond the theory, and of energy from nowhere |
 //! | `report`, `failure`, `observe` | what is reported, why a step fails, what can be seen |
 
 mod drag;
@@ -31,6 +32,7 @@ mod simulation;
 mod stage;
 mod state;
 mod step_control;
+mod validity;
 
 pub use parameters::{IntegrationParameters, Scheme, StepSize};
 pub use report::{Energies, Exchange, SimulationError, SimulationState, StepReport};
@@ -45,8 +47,12 @@ mod complementarity_tests;
 #[cfg(test)]
 mod equilibrium_tests;
 #[cfg(test)]
+mod event_tests;
+#[cfg(test)]
 mod friction_tests;
 #[cfg(test)]
 mod path_tests;
+#[cfg(test)]
+mod test_log;
 #[cfg(test)]
 mod tests;

@@ -4,6 +4,7 @@ use super::integrator::Integrator;
 use super::parameters::{IntegrationParameters, Scheme};
 use super::report::{SimulationError, StepReport};
 use super::state::State;
+use super::validity::Validity;
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::scene::{Motion, Scene};
 use crate::mechanics::system::{System, copy_positions};
@@ -20,6 +21,7 @@ pub struct Simulation {
     pub(super) state: State,
     pub(super) integrator: Integrator,
     pub(super) published: Published,
+    pub(super) validity: Validity,
 }
 
 /// The state as arrays of nodes, which observers read.
@@ -49,6 +51,7 @@ impl Simulation {
             system,
             state,
             integrator,
+            validity: Validity::new(scene),
             published: Published {
                 positions: vec![Vector3::zeros(); nodes],
                 velocities: vec![Vector3::zeros(); nodes],
@@ -63,6 +66,7 @@ impl Simulation {
     /// coupling step by step. `forces` act on the nodes, N; `moments` about the tangent of the edge that
     /// starts at each node, N m. They are no part of the state that checkpoints hold.
     pub fn set_external_forces(&mut self, forces: &[Vector3], moments: &[f64]) {
+        self.validity.stop_counting_energy();
         let entries = self.system.external_forces.chunks_exact_mut(STRIDE);
         for (entry, (force, moment)) in entries.zip(forces.iter().zip(moments)) {
             entry.copy_from_slice(&[force.x, force.y, force.z, *moment]);
@@ -72,7 +76,8 @@ impl Simulation {
     /// Gives a clamp of the scene, counted from 0, another motion, which holds from the next step or equilibrium
     /// on: for ends that a robot or a continuation moves. It is no part of the state that checkpoints hold.
     pub fn move_clamp(&mut self, clamp: usize, motion: Motion) {
-        self.system.assembly.drives[clamp].follow(motion);
+        self.validity.stop_counting_energy();
+        self.system.move_clamp(clamp, motion);
     }
 
     /// Takes one step that ends no later than `until` (hit exactly when it is within the step).
@@ -85,6 +90,13 @@ impl Simulation {
             .integrator
             .step(&mut self.system, &mut self.state, until);
         self.publish();
+        if let Ok(report) = &result {
+            let mut validity = self.validity;
+            let scheme = self.integrator.setting.parameters.scheme;
+            let unknowns = &self.state.unknowns;
+            validity.after_step(&self.system, scheme, report, unknowns, || self.energies());
+            self.validity = validity;
+        }
         result
     }
 

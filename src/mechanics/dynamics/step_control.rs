@@ -4,7 +4,9 @@
 //! of the grid. A tangle of rods in frictional contact that slips fails at the whole step many times in a row, and each
 //! failure costs more than all the small steps in its place.
 //!
-//! Automatic steps lead evenly to the times that are wanted, such as those of outputs.
+//! Automatic steps lead evenly to the times that are wanted: those of outputs and of events, which are the corners of what
+//! is prescribed. The local error says nothing of what is to come, so after an event they begin small again; otherwise a
+//! blow shorter than a step would be missed. Steps of a fixed grid are cut at events, and return to the grid.
 
 use super::parameters::StepSize;
 use serde::{Deserialize, Serialize};
@@ -20,6 +22,11 @@ const MANY_ITERATIONS: usize = 10;
 /// Growth of a step below that of the fixed grid, after one that succeeded. Chosen by trial in a tangle of two flagella
 /// with μ = 1, over 0.3 s: faster growth takes fewer steps and meets the next failure sooner.
 const RECOVERY: f64 = 1.1;
+/// First automatic step, and first after an event, as a part of the largest: the true scale is found within a few growths.
+const FIRST_STEP: f64 = 1e-3;
+/// But no less than this part of the way to the next event: many corners close to each other, as of a table, are resolved
+/// by some ten steps from one to the next.
+const PART_OF_SPACING: f64 = 0.1;
 /// First step of a scheme of several steps, as a part of those of its fixed grid: Euler's error, of second order in one
 /// step, is then below the third order's of a whole step.
 const FIRST_PART: f64 = 1.0 / 64.0;
@@ -58,8 +65,7 @@ impl StepControl {
     pub fn new(size: &StepSize) -> Self {
         let proposal = match *size {
             StepSize::Fixed(step) => step,
-            // The first steps find the true scale within a few growths.
-            StepSize::Auto { maximum, .. } => 1e-3 * maximum,
+            StepSize::Auto { maximum, .. } => FIRST_STEP * maximum,
         };
         Self { proposal }
     }
@@ -151,6 +157,18 @@ impl StepControl {
         Decision::Accept
     }
 
+    /// Begins small after an event: with the first step of a simulation whose largest is `maximum`, unless a larger one is
+    /// `harmless`, or the next event is as near as `spacing`, all in s.
+    pub fn begin_again(&mut self, maximum: f64, harmless: f64, spacing: f64) {
+        let first = FIRST_STEP * maximum;
+        let dense = if spacing < maximum {
+            PART_OF_SPACING * spacing
+        } else {
+            0.0
+        };
+        self.proposal = self.proposal.min(first.max(harmless).max(dense));
+    }
+
     /// A failed step proposes a smaller one.
     pub fn failed(&mut self, step: f64) {
         self.proposal = self.proposal.min(step);
@@ -226,6 +244,37 @@ mod tests {
             "no step is tiny: {steps:?}"
         );
         assert_eq!(steps.last().unwrap().1, 1.0);
+    }
+
+    #[test]
+    fn a_step_with_too_large_an_error_is_repeated() {
+        let law = ErrorLaw {
+            order: 2,
+            largest_growth: 1.5,
+        };
+        let mut control = StepControl { proposal: 0.1 };
+        let Decision::Repeat(smaller) = control.decide(0.1, 1.01 * REJECTION, law, 2) else {
+            panic!("an error of four tolerances is accepted");
+        };
+        assert!(smaller < 0.07 && smaller > 0.01, "{smaller}");
+        assert_eq!(
+            control.decide(0.1, 0.99 * REJECTION, law, 2),
+            Decision::Accept
+        );
+        assert!(control.proposal < 0.1, "the next step is smaller");
+    }
+
+    #[test]
+    fn steps_begin_small_after_an_event_unless_they_need_not() {
+        let after = |harmless: f64, spacing: f64| {
+            let mut control = StepControl { proposal: 0.5 };
+            control.begin_again(1.0, harmless, spacing);
+            control.proposal
+        };
+        assert_eq!(after(0.0, f64::INFINITY), FIRST_STEP);
+        assert_eq!(after(0.02, f64::INFINITY), 0.02);
+        assert_eq!(after(7.0, f64::INFINITY), 0.5);
+        assert_eq!(after(0.0, 0.4), 0.1 * 0.4);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! The engine against closed forms; the full table of checks is in `verify`.
 
+use super::test_log::Log;
 use super::*;
 use crate::mechanics::Vector3;
 use crate::mechanics::scene::{Clamp, Load, LoadKind, Motion, RodDescription, Scene, Stiffness};
@@ -300,4 +301,50 @@ fn a_short_step_to_an_output_time_converges() {
             "{remainder} s: {drop} m"
         );
     }
+}
+
+/// Runs `scene` and says what was logged at the level of warnings.
+fn warnings(scene: &Scene, parameters: &IntegrationParameters, end: f64) -> Vec<String> {
+    let log = Log::default();
+    tracing::subscriber::with_default(log.clone(), || {
+        let mut simulation = Simulation::new(scene, parameters).unwrap();
+        while simulation.time() < end {
+            simulation.advance(end).unwrap();
+        }
+    });
+    log.lines()
+}
+
+#[test]
+fn a_sixfold_stretch_draws_a_warning() {
+    let mut scene = Scene {
+        rods: vec![straight_rod(10, 0.2)],
+        clamps: vec![clamp(0), clamp(10)],
+        ..Scene::default()
+    };
+    let fixed = IntegrationParameters {
+        step: StepSize::Fixed(0.01),
+        ..IntegrationParameters::default()
+    };
+    assert!(warnings(&scene, &fixed, 1.0).is_empty());
+    let way = vec![(0.0, Vector3::zeros()), (0.5, Vector3::x())];
+    scene.clamps[1].motion.translation = way;
+    let said = warnings(&scene, &fixed, 1.0);
+    assert!(
+        said.len() == 1 && said[0].contains("`rod` is stretched"),
+        "{said:?}"
+    );
+}
+
+#[test]
+fn the_midpoint_rule_says_so_where_large_steps_create_energy() {
+    let scene = heavy_cantilever(20);
+    let with = |step: f64| IntegrationParameters {
+        scheme: Scheme::ImplicitMidpoint,
+        step: StepSize::Fixed(step),
+        ..IntegrationParameters::default()
+    };
+    assert!(warnings(&scene, &with(1e-3), 1.0).is_empty());
+    let said = warnings(&scene, &with(10.0), 1000.0);
+    assert!(said.iter().any(|line| line.contains("gained")), "{said:?}");
 }

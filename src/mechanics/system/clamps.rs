@@ -1,5 +1,6 @@
 //! Clamps: prescribed positions and frames as functions of time.
 
+use super::Event;
 use crate::mechanics::rod::topology::position;
 use crate::mechanics::rod::transport::{
     any_normal, normal_part, parallel_transport, rotated, signed_angle, unwrapped,
@@ -11,6 +12,9 @@ use crate::mechanics::{UnitQuaternion, Vector3};
 /// Turn of a clamp in one piece of the way along which its turns are counted, rad: less than half a turn, so that
 /// frames show it.
 const PIECE: f64 = 0.5;
+
+/// Direct way over the way through a corner from which on a motion goes straight on there.
+const STRAIGHT_ON: f64 = 0.99;
 
 /// 1 − cos of the angle between an axis and a tangent that are the same but for rounding.
 const SAME_AXIS: f64 = 1e-14;
@@ -89,6 +93,20 @@ impl Drive {
         self.axis = motion.axis.unwrap_or(self.frame.tangent);
         self.pivot = motion.pivot.unwrap_or(self.position);
         self.motion = motion;
+    }
+
+    /// Adds the corners of its motion, on a rod of a radius (m), to `events`.
+    pub fn list_events(&self, radius: f64, events: &mut Vec<Event>) {
+        let motion = &self.motion;
+        // What turns moves the farther from the pivot the faster, and the surface of the rod at least.
+        let arm = (self.position - self.pivot).norm().max(radius);
+        list_corners(&motion.translation, |from, to| (to - from).norm(), events);
+        list_corners(&motion.angle, |from, to| (to - from).abs() * arm, events);
+        list_corners(
+            &motion.orientation,
+            |from, to| from.angle_to(to) * arm,
+            events,
+        );
     }
 
     /// The rotation R(t) at a time.
@@ -216,6 +234,44 @@ impl Drive {
             before = after;
         }
         spin
+    }
+}
+
+/// Adds the corners of a piecewise linear motion, whose way between two of them is `way` (m). A corner counts with the
+/// sum of the speeds on both sides of it, of which the jump of the velocity is at most as large; where the motion goes
+/// straight on, by its direction, it is their difference.
+fn list_corners<T>(corners: &[(f64, T)], way: impl Fn(&T, &T) -> f64, events: &mut Vec<Event>) {
+    for (k, (time, value)) in corners.iter().enumerate() {
+        let speed = |(from, start): &(f64, T), (to, end): &(f64, T)| {
+            let moved = way(start, end);
+            if moved == 0.0 {
+                0.0
+            } else {
+                moved / (to - from)
+            }
+        };
+        let before = k.checked_sub(1).map(|k| &corners[k]);
+        let after = corners.get(k + 1);
+        let speeds = [
+            before.map_or(0.0, |before| speed(before, &corners[k])),
+            after.map_or(0.0, |after| speed(&corners[k], after)),
+        ];
+        let turns_back = match (before, after) {
+            (Some(before), Some(after)) => {
+                let through = way(&before.1, value) + way(value, &after.1);
+                way(&before.1, &after.1) < STRAIGHT_ON * through
+            }
+            _ => true,
+        };
+        let velocity_jump = if turns_back {
+            speeds[0] + speeds[1]
+        } else {
+            (speeds[0] - speeds[1]).abs()
+        };
+        events.push(Event {
+            time: *time,
+            velocity_jump,
+        });
     }
 }
 

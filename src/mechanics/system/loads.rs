@@ -163,6 +163,15 @@ impl Loads {
         Ok(loads)
     }
 
+    /// Times at which a load changes its rate, s.
+    pub fn corners(&self) -> impl Iterator<Item = f64> {
+        let dead = self.dead.iter().map(|load| &load.schedule);
+        let moments = self.moments.iter().map(|moment| &moment.schedule);
+        let drags = self.drags.iter().map(|drag| &drag.schedule);
+        let schedules = dead.chain(moments).chain(drags);
+        schedules.flatten().map(|corner| corner.0)
+    }
+
     /// Sets the coefficients of drag to those of `time`.
     pub fn update_damping(&mut self, time: f64) {
         self.damping.fill(0.0);

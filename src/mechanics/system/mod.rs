@@ -14,9 +14,11 @@ mod balance;
 mod build;
 mod clamps;
 mod complementarity;
+mod events;
 mod loads;
 mod newton_matrix;
 mod residual;
+mod strain;
 mod touching;
 
 pub use balance::Imbalance;
@@ -24,9 +26,11 @@ use balance::RodTolerance;
 pub use build::Assembly;
 pub use clamps::Drive;
 pub use complementarity::NoContactForces;
+pub use events::Event;
 use loads::Loads;
 use newton_matrix::NewtonMatrix;
 pub use residual::TERMS;
+pub use strain::Strain;
 use touching::contact_of;
 pub use touching::name_overlap;
 
@@ -34,7 +38,7 @@ use super::contact::{ContactModel, ImplicitContact};
 use super::rod::{
     ElasticEnergy, GhostEdge, ReferenceFrames, RodGeometry, STRIDE, topology::position,
 };
-use super::scene::Scene;
+use super::scene::{Motion, Scene};
 use super::{Matrix3, SceneError, Vector3};
 use crate::linalg::{Inertia, SingularMatrix};
 
@@ -101,6 +105,8 @@ pub struct System {
     correction: Vec<f64>,
     responses: Vec<f64>,
     has_planes: bool,
+    /// Corners of schedules, in the order of time.
+    events: Vec<Event>,
     matrix: NewtonMatrix,
     /// What residual counts as none, rod by rod, and the multiple of the acting forces that it is.
     tolerances: Vec<RodTolerance>,
@@ -135,6 +141,7 @@ impl System {
             external_forces: vec![0.0; assembly.unknowns.len()],
             positions: vec![Vector3::zeros(); assembly.rods.nodes],
             has_planes: !scene.planes.is_empty(),
+            events: Vec::new(),
             nodal_forces: vec![Vector3::zeros(); assembly.rods.nodes],
             displacements: vec![Vector3::zeros(); assembly.rods.nodes],
             correction: Vec::new(),
@@ -146,10 +153,17 @@ impl System {
             assembly,
             loads,
         };
+        system.list_events();
         let mut unknowns = system.assembly.unknowns.clone();
         system.drive(0.0, &mut unknowns);
         system.update_geometry(&unknowns);
         Ok(system)
+    }
+
+    /// Gives a clamp another motion.
+    pub fn move_clamp(&mut self, clamp: usize, motion: Motion) {
+        self.assembly.drives[clamp].follow(motion);
+        self.list_events();
     }
 
     /// Moves the clamps to `time`: writes prescribed unknowns and ghost edges, and the dead loads.

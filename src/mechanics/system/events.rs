@@ -1,0 +1,47 @@
+//! Times at which what is prescribed changes its rate: corners of schedules, of motions and of poses.
+
+use super::System;
+
+/// A corner of a schedule.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Event {
+    /// When it is, s.
+    pub time: f64,
+    /// Jump of the velocity of the clamp that moves so, m/s; infinite for a load, whose effect depends on what it acts on.
+    pub velocity_jump: f64,
+}
+
+impl System {
+    /// Lists the events of all loads and clamps, in the order of time; to be called where one of them changes.
+    pub fn list_events(&mut self) {
+        let loads = self.loads.corners().map(|time| Event {
+            time,
+            velocity_jump: f64::INFINITY,
+        });
+        let mut events: Vec<Event> = loads.collect();
+        for drive in &self.assembly.drives {
+            let (rod, _) = self.assembly.locate(drive.node);
+            drive.list_events(self.assembly.radii[rod], &mut events);
+        }
+        events.sort_by(|a, b| a.time.total_cmp(&b.time));
+        self.events = events;
+    }
+
+    /// The first event later than `time`, s; infinite after the last.
+    pub fn next_event(&self, time: f64) -> f64 {
+        let next = self.events.partition_point(|event| event.time <= time);
+        self.events
+            .get(next)
+            .map_or(f64::INFINITY, |event| event.time)
+    }
+
+    /// Largest jump of a velocity among the events from `after` (not itself) to `until`, m/s; `None` where there is none.
+    pub fn largest_jump(&self, after: f64, until: f64) -> Option<f64> {
+        let first = self.events.partition_point(|event| event.time <= after);
+        let events = self.events[first..].iter();
+        events
+            .take_while(|event| event.time <= until)
+            .map(|event| event.velocity_jump)
+            .max_by(f64::total_cmp)
+    }
+}
