@@ -148,6 +148,7 @@ impl ManipulatedHelix {
              edges = {edges}\n\
              shape = {{ kind = \"straight\", start = [0, 0, 0], end = [{LENGTH:?}, 0, 0] }}\n\
              [time]\n\
+             scheme = \"implicit-euler\"\n\
              step = {step:?}\n\
              end = {end:?}\n\
              [output]\n\

@@ -96,6 +96,8 @@ pub fn resolve(context: &Context<'_>, file: &ScenarioFile) -> Result<Scenario, I
     let planes = load::planes(&top, &file.planes);
     continuation::refuse_friction(&top, &time, contact.friction(), &planes);
     continuation::refuse_without_energy(&top, &time, &fluid, &loads);
+    let clamps = load::clamps(context, &top, &file.clamps);
+    model::refuse_static_motion(&top, &time, &clamps, &loads);
     let scenario = experiment.map(|experiment| Scenario {
         name: context.name.to_owned(),
         title: file
@@ -103,7 +105,7 @@ pub fn resolve(context: &Context<'_>, file: &ScenarioFile) -> Result<Scenario, I
             .clone()
             .unwrap_or_else(|| context.name.to_owned()),
         experiment,
-        clamps: load::clamps(context, &top, &file.clamps),
+        clamps,
         loads,
         planes,
         contact,

@@ -23,6 +23,16 @@ pub const NON_NEGATIVE: Range = Range {
     allows: |value| value >= 0.0,
     words: "at least 0",
 };
+/// Residuals that Newton's method may leave: more would let forces go unanswered.
+pub const FORCE_TOLERANCE: Range = Range {
+    allows: |value| value > 0.0 && value <= 1e-3,
+    words: "greater than 0 and at most 0.001",
+};
+/// Errors and corrections of positions, in radii.
+pub const DISPLACEMENT_TOLERANCE: Range = Range {
+    allows: |value| value > 0.0 && value <= 1.0,
+    words: "greater than 0 and at most 1",
+};
 /// Any finite number.
 pub const FINITE: Range = Range {
     allows: f64::is_finite,

@@ -83,6 +83,10 @@ fn faults_name_file_line_column_key_and_range() {
     insta::assert_snapshot!(faults("mode = \"static\"", "mode = \"continuation\"\n[continuation]\nto = -2\nstep = 3"), @"beam.toml:27:8: `continuation.step`: 3.0 is out of range; allowed: at most |to − from| = 2.0");
     insta::assert_snapshot!(faults("[output]", "[contact]\nmodel = \"imc\"\nfriction = 0.1\n[output]"), @r#"beam.toml:28:12: `contact.friction`: an equilibrium knows no friction: leave the key out, or let the rods come to rest with time.mode = "dynamic""#);
     insta::assert_snapshot!(faults("[output]", "[[planes]]\npoint = [0, 0, -1]\nnormal = [0, 0, 1]\nfriction = 0.1\n[output]"), @r#"beam.toml:29:12: `planes.0.friction`: an equilibrium knows no friction: leave the key out, or let the rods come to rest with time.mode = "dynamic""#);
+    insta::assert_snapshot!(faults("mode = \"static\"", "mode = \"static\"\n[solver]\nforce_tolerance = 1e300\ndisplacement_tolerance = 2"), @r"
+beam.toml:26:19: `solver.force_tolerance`: 1e300 is out of range; allowed: greater than 0 and at most 0.001
+beam.toml:27:26: `solver.displacement_tolerance`: 2.0 is out of range; allowed: greater than 0 and at most 1
+");
     insta::assert_snapshot!(faults("mode = \"static\"", "end = 0"), @"beam.toml:24:7: `time.end`: 0.0 is out of range; allowed: greater than 0");
     insta::assert_snapshot!(faults("mode = \"static\"", "end = 1\nstep = 0"), @"beam.toml:25:8: `time.step`: 0.0 is out of range; allowed: greater than 0");
     insta::assert_snapshot!(faults("mode = \"static\"", "end = 1\nstep = 1e-12"), @"beam.toml:25:8: `time.step`: 1e-12 s is out of range; allowed: at least solver.minimum_step = 1e-9 s");
@@ -108,6 +112,25 @@ beam.toml:30:18: `contact.slip_tolerance`: 0.0 is out of range; allowed: greater
 beam.toml:1:1: `time`: missing key `end` (a time, greater than 0)
 beam.toml:1:1: missing key `experiment` ("scene", "flagella", "knot-tightening", "knot-inversion" or "helix-stability")
 "###);
+}
+
+/// It would stay where it is at time 0, without a word.
+#[test]
+fn a_static_run_with_a_motion_or_a_schedule_is_refused() {
+    let moving = BEAM.replace(
+        "at = \"start\"",
+        "at = \"start\"\nmove = [[0, [0, 0, 0]], [1, [0, 0, 0.1]]]\nturn = [[0, 0], [1, 2]]",
+    );
+    let error = read(&moving).unwrap_err().to_string();
+    for key in ["clamps.0.move", "clamps.0.turn"] {
+        assert!(error.contains(key), "{error}");
+    }
+    assert!(error.contains("a static run has no time"), "{error}");
+    let growing = BEAM.replace("-9.81]", "-9.81]\nschedule = [[0, 0], [1, 1]]");
+    let error = read(&growing).unwrap_err().to_string();
+    assert!(error.contains("loads.0.schedule"), "{error}");
+    let dynamic = moving.replace("mode = \"static\"", "end = 1");
+    assert!(read(&dynamic).is_ok());
 }
 
 #[test]

@@ -18,7 +18,8 @@ pub use helix_stability::{Directions, HelixStability, List};
 pub use knot::{Knot, KnotKind};
 pub use load::{Clamp, Load, Place, Plane, Pose};
 pub use model::{
-    BuilderRod, Contact, ContactModel, Flagella, Fluid, FluidModel, Mode, Output, Solver, Time,
+    BuilderRod, Contact, ContactModel, Flagella, Fluid, FluidModel, Mode, Output, SchemeChoice,
+    Solver, Time,
 };
 pub use quantity::{Quantity, Vector};
 pub use rod::{CrossSection, Material, Rod, Stiffness};

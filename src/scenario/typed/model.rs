@@ -1,7 +1,7 @@
 //! Models, time, solver, output and builders as typed.
 
 use super::quantity::Quantity;
-use crate::scenario::resolved::{Head, Scheme};
+use crate::scenario::resolved::Head;
 use crate::scenario::units::{self, AngularVelocity, Dimensionless, Length, Velocity, Viscosity};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -113,21 +113,40 @@ pub enum FluidModel {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "time")]
 pub struct Time {
-    /// "dynamic" (the default), "static" (equilibrium by Newton's method without inertia), or
+    /// "dynamic" (the default), "static" (equilibrium by Newton's method without inertia: there is no time, so clamps that
+    /// move and loads with a schedule are errors), or
     /// "continuation" (equilibria along a path, with folds, bifurcations and stability; see [continuation]).
     pub mode: Option<Mode>,
-    /// "implicit-euler" (the default: first order, damps fast modes), "implicit-midpoint" (second order, nearly
-    /// conserves energy) or "backward-differences" (third order where drag rules, damps fast modes: for rods in fluids).
-    pub scheme: Option<Scheme>,
-    /// Time step, or "auto" to choose it by the local error. Default: 1e-3 s.
+    /// "implicit-euler" (first order, damps all oscillations, takes impacts and friction as they are), "implicit-midpoint"
+    /// (second order, nearly conserves energy, damps nothing), "backward-differences" (second order, third where drag
+    /// rules, damps fast modes), or "auto" (the default): "implicit-euler" where there is contact, otherwise
+    /// "backward-differences".
+    pub scheme: Option<SchemeChoice>,
+    /// Time step, or "auto" to choose it by the local error. Corners of motions and schedules end a step in any case.
+    /// Default: 1e-3 s.
     pub step: Option<Quantity<units::Time>>,
-    /// With step = "auto": local error allowed per step, as a multiple of the rod radius. Default: 1e-2.
+    /// With step = "auto": local error allowed per step, as a multiple of the rod radius; at most 1. Default: 1e-2.
     pub tolerance: Option<Quantity<Dimensionless>>,
     /// With step = "auto": the largest step. Default: the output interval. Backward differences take at least 200 steps
     /// while a clamp turns once.
     pub maximum_step: Option<Quantity<units::Time>>,
     /// End of the simulated time.
     pub end: Option<Quantity<units::Time>>,
+}
+
+/// Time integration schemes, and the choice between them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+pub enum SchemeChoice {
+    /// By what the scene holds.
+    Auto,
+    /// First order, damps all oscillations.
+    ImplicitEuler,
+    /// Second order, nearly conserves energy.
+    ImplicitMidpoint,
+    /// Second order, third where drag rules; damps fast modes.
+    BackwardDifferences,
 }
 
 /// Modes of a run.
@@ -147,9 +166,10 @@ pub enum Mode {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "solver")]
 pub struct Solver {
-    /// Residual allowed at every degree of freedom, as a multiple of the force scale EI/L². Default: 1e-6.
+    /// Residual that a correction of Newton's method may leave at any degree of freedom, as a multiple of the largest of
+    /// EI/L², loads and contact forces of the same rod; at most 1e-3. Default: 1e-6.
     pub force_tolerance: Option<Quantity<Dimensionless>>,
-    /// Last correction allowed, as a multiple of the rod radius. Default: 1e-4.
+    /// Last correction allowed, as a multiple of the rod radius; at most 1. Default: 1e-4.
     pub displacement_tolerance: Option<Quantity<Dimensionless>>,
     /// Newton iterations after which a step counts as failed and is halved. Default: 40.
     pub maximum_iterations: Option<i64>,
