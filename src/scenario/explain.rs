@@ -221,7 +221,8 @@ time
 "###);
         insta::assert_snapshot!(explain("time.mode").unwrap(), @r###"
 time.mode
-  "dynamic" (the default), "static" (equilibrium by Newton's method without inertia), or
+  "dynamic" (the default), "static" (equilibrium by Newton's method without inertia: there is no time, so clamps that
+  move and loads with a schedule are errors), or
   "continuation" (equilibria along a path, with folds, bifurcations and stability; see [continuation]).
   Modes of a run.
   "dynamic": Time steps from zero to `end`.

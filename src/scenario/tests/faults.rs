@@ -45,7 +45,11 @@ beam.toml:3:39: `helix_stability.directions.polar`: 0 is out of range; allowed: 
 
 #[test]
 fn faults_of_poses_name_what_is_allowed() {
-    let clamped = |keys: &str| faults("at = \"start\"", &format!("at = \"start\"\n{keys}"));
+    let moving = BEAM.replace("mode = \"static\"", "end = 1");
+    let clamped = |keys: &str| {
+        let text = moving.replacen("at = \"start\"", &format!("at = \"start\"\n{keys}"), 1);
+        read(&text).unwrap_err().to_string()
+    };
     let pose = "poses = [[0, [0, 0, 0], [1, 0, 0, 0]]]";
     insta::assert_snapshot!(clamped("poses = []"), @"beam.toml:18:9: `clamps.0.poses`: a gripper needs at least one pose");
     insta::assert_snapshot!(clamped("poses = [[1, [0, 0, 0], [1, 0, 0, 0]], [1, [0, 0, 0], [2, 0, 0, 0]]]"), @r##"
