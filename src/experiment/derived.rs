@@ -1,5 +1,6 @@
 //! Numbers that follow from a scenario, for people to judge it before it runs.
 
+use super::knot::KnotMonitor;
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::StepSize;
 use crate::mechanics::fluid::FluidModel;
@@ -135,7 +136,8 @@ fn derived_rod(rod: &RodDescription, gravity: f64) -> DerivedRod {
 }
 
 fn derived_knot(prepared: &PreparedRun) -> Option<DerivedKnot> {
-    let (knot, Mode::Dynamic { end }) = (prepared.knot?, prepared.mode) else {
+    let knot = prepared.observer::<KnotMonitor>()?.observer;
+    let Mode::Dynamic { end } = prepared.mode else {
         return None;
     };
     let rods = prepared.scene.rods.iter().take(knot.rods);

@@ -8,5 +8,7 @@ mod scene;
 
 pub use derived::{DerivedNumbers, DerivedRod, derived_numbers};
 pub use helix::stability::{discrete_critical_distance, estimated_critical_distance};
-pub use knot::{KnotObserver, KnotSample};
+pub use knot::{
+    KnotEnding, KnotMonitor, KnotObserver, KnotOutcome, KnotRow, KnotSample, read_knot_series,
+};
 pub use scene::{prepare, try_scene};

@@ -2,7 +2,8 @@
 
 use super::cases::{Case, Run};
 use crate::experiment::prepare;
-use crate::results::{KnotRow, ResultsError, SeriesRow, read_knot_series};
+use crate::experiment::{KnotMonitor, KnotOutcome, KnotRow, read_knot_series};
+use crate::results::{ResultsError, SeriesRow};
 use crate::run::PreparedRun;
 use crate::scenario::from_text_with;
 use std::path::Path;
@@ -112,7 +113,9 @@ impl Tightening {
 
     /// h²/EI, by which tractions are made dimensionless, 1/N.
     pub fn traction_unit(&self) -> f64 {
-        let observer = self.prepare().knot.expect("a knot is observed");
+        let prepared = self.prepare();
+        let monitor = prepared.observer::<KnotMonitor>();
+        let observer = monitor.expect("a knot is observed").observer;
         observer.radius.powi(2) / observer.bending_stiffness
     }
 
@@ -225,7 +228,7 @@ pub(super) fn range_before_inversion(
     case: &Case<Tightening>,
 ) -> Result<Option<[f64; 2]>, ResultsError> {
     let rows = pulled_rows(case)?;
-    let knot = case.record.outcome.knot.unwrap_or_default();
+    let knot = KnotOutcome::of(&case.record.outcome).unwrap_or_default();
     let inverted = [knot.inversion_by_force, knot.inversion_by_height];
     let inverted = inverted.into_iter().flatten().fold(0.0, f64::max);
     Ok(rows.first().zip(rows.last()).map(|(first, last)| {
@@ -306,7 +309,14 @@ mod tests {
         );
         let prepared = runs[2].prepare();
         assert_eq!(prepared.scene.contact.unwrap().friction, 0.1);
-        assert_eq!(prepared.knot.unwrap().determinant, 3);
+        assert_eq!(
+            prepared
+                .observer::<KnotMonitor>()
+                .unwrap()
+                .observer
+                .determinant,
+            3
+        );
     }
 
     #[test]

@@ -153,9 +153,11 @@ fn described(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::experiment::knot::{
+        KnotEnding, KnotMonitor, KnotOutcome, KnotRow, read_knot_series,
+    };
     use crate::experiment::prepare;
     use crate::mechanics::dynamics::Simulation;
-    use crate::results::{KnotEnding, KnotOutcome, KnotRow, read_knot_series};
     use crate::run::{RunOptions, run};
     use crate::scenario::from_text_with;
     use std::path::Path;
@@ -197,7 +199,7 @@ mod tests {
         while simulation.time() < 0.25 {
             simulation.advance(0.25).unwrap();
         }
-        let observer = run.knot.unwrap();
+        let observer = run.observer::<KnotMonitor>().unwrap().observer;
         let row = observer.measure(&simulation);
         assert!(observer.recognises(&row));
         assert!(row.traction_start_n > 0.0);
@@ -238,7 +240,7 @@ mod tests {
         let finished = run(&prepared, &RunOptions::new(directory.path())).unwrap();
         let rows = read_knot_series(directory.path()).unwrap().into_iter();
         (
-            finished.case.knot.unwrap(),
+            KnotOutcome::of(&finished.case).unwrap(),
             rows.map(|(_, row)| row).collect(),
         )
     }
@@ -279,7 +281,7 @@ mod tests {
         let prepared = prepare(&loaded.scenario).unwrap();
         let directory = tempfile::tempdir().unwrap();
         let options = RunOptions::new(directory.path());
-        run(&prepared, &options).unwrap().case.knot.unwrap()
+        KnotOutcome::of(&run(&prepared, &options).unwrap().case).unwrap()
     }
 
     #[test]

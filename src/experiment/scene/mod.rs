@@ -5,9 +5,9 @@ mod gripper_motion;
 
 use super::flagella;
 use super::helix::stability as helix_stability;
-use super::knot::KnotObserver;
 use super::knot::tied_knot::{determinant_of_kind, determinant_of_rods};
 use super::knot::tightening as knot_tightening;
+use super::knot::{KnotMonitor, KnotObserver};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactModel, ContactParameters};
 use crate::mechanics::dynamics::{self, IntegrationParameters, Simulation, StepSize};
@@ -15,7 +15,7 @@ use crate::mechanics::fluid::FluidModel;
 use crate::mechanics::scene as mechanics;
 use crate::mechanics::statics::{PathMethod, PathPlan};
 use crate::run::RunError;
-use crate::run::{Mode, OutputPlan, PreparedRun};
+use crate::run::{Mode, Observer, OutputPlan, PreparedRun, TableRun};
 use crate::scenario::{
     self, Clamp, Contact, Continuation, Experiment, Fluid, Hold, Issue, Issues, KeyPath, KnotKind,
     KnotStart, Load, LoadKind, NaturalShape, Place, Plane, Rod, Scenario, Scheme, Step, Time,
@@ -23,6 +23,7 @@ use crate::scenario::{
 };
 use curve::{SampledCurve, sample};
 use gripper_motion::gripper_motion;
+use std::sync::Arc;
 
 /// Builds the mechanics of a scenario.
 ///
@@ -89,7 +90,10 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
     scene.planes = scenario.planes.iter().map(place_plane).collect();
     scene.contact = contact_parameters(&scenario.contact);
     scene.fluid = fluid_model(&scenario.fluid);
-    let knot = knot_observer(scenario, &scene);
+    let mut observers: Vec<Box<dyn Observer>> = Vec::new();
+    if let Some(knot) = knot_observer(scenario, &scene) {
+        observers.push(Box::new(KnotMonitor::new(knot)));
+    }
     let prepared = PreparedRun {
         name: scenario.name.clone(),
         experiment: scenario.experiment.name().to_owned(),
@@ -109,9 +113,13 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
             forces: scenario.output.forces,
             vtk: scenario.output.vtk,
         },
-        knot,
-        helix: match &scenario.experiment {
-            Experiment::HelixStability { helix_stability } => Some(helix_stability.clone()),
+        observers,
+        controllers: Vec::new(),
+        table: match &scenario.experiment {
+            Experiment::HelixStability { helix_stability } => {
+                let boundary = helix_stability::Boundary::new(helix_stability.clone());
+                Some(Arc::new(boundary) as Arc<dyn TableRun>)
+            }
             _ => None,
         },
     };

@@ -8,6 +8,7 @@ mod equilibrium;
 mod exchange;
 mod failure;
 mod history;
+mod intervene;
 mod newton;
 mod observe;
 mod parameters;
@@ -17,6 +18,7 @@ mod simulation;
 mod stage;
 mod step_control;
 
+pub use crate::mechanics::system::Grasp;
 pub use parameters::{IntegrationParameters, Scheme, StepSize};
 pub use report::{Energies, Exchange, SimulationError, SimulationState, StepReport};
 pub use simulation::Simulation;
@@ -27,6 +29,8 @@ mod barrier_tests;
 mod complementarity_tests;
 #[cfg(test)]
 mod equilibrium_tests;
+#[cfg(test)]
+mod intervene_tests;
 #[cfg(test)]
 mod path_tests;
 #[cfg(test)]

@@ -147,6 +147,7 @@ impl Simulation {
             history: self.history.clone(),
             reference: self.system.reference.clone(),
             control: self.control,
+            interventions: self.system.interventions(),
             contact: self.system.contact.as_ref().map(|contact| contact.memory()),
             fluid: self.fluid.as_ref().map(|fluid| fluid.memory()),
         }
@@ -160,6 +161,8 @@ impl Simulation {
         let foreign = |what: String| {
             SimulationError::BadScene(format!("the checkpoint does not fit: {what}"))
         };
+        let restored = self.system.restore_interventions(state.interventions);
+        restored.map_err(|what| foreign(what.to_owned()))?;
         if state.unknowns.len() != self.unknowns.len()
             || state.reference.twist.len() != self.system.reference.twist.len()
         {

@@ -5,6 +5,7 @@ use super::step_control::StepControl;
 use crate::mechanics::contact::ContactMemory;
 use crate::mechanics::fluid::FluidMemory;
 use crate::mechanics::rod::ReferenceFrames;
+use crate::mechanics::system::Interventions;
 use serde::{Deserialize, Serialize};
 use std::ops::AddAssign;
 
@@ -23,6 +24,8 @@ pub struct SimulationState {
     pub reference: ReferenceFrames,
     /// Step control.
     pub control: StepControl,
+    /// What was done to clamps and loads since the start.
+    pub interventions: Interventions,
     /// Contact candidates and stiffness.
     pub contact: Option<ContactMemory>,
     /// Force history and preconditioner of the fluid.

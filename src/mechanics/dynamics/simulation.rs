@@ -11,7 +11,7 @@ use super::step_control::{ErrorLaw, StepControl, Verdict};
 use crate::mechanics::contact::ActiveContact;
 use crate::mechanics::fluid::{Filament, Fluid, FluidModel};
 use crate::mechanics::rod::{STRIDE, topology::position};
-use crate::mechanics::scene::{Motion, Scene};
+use crate::mechanics::scene::Scene;
 use crate::mechanics::system::{Stage, System, copy_positions};
 use crate::mechanics::{Matrix3, Vector3};
 
@@ -140,22 +140,6 @@ impl Simulation {
                 .map_err(|error| SimulationError::BadScene(error.to_string()))?;
         }
         Ok(simulation)
-    }
-
-    /// Sets forces of another solver, which act beside the loads of the scene from the next step on: for
-    /// coupling step by step. `forces` act on the nodes, N; `moments` about the tangent of the edge that
-    /// starts at each node, N m. They are no part of the state that checkpoints hold.
-    pub fn set_external_forces(&mut self, forces: &[Vector3], moments: &[f64]) {
-        let entries = self.system.external_forces.chunks_exact_mut(STRIDE);
-        for (entry, (force, moment)) in entries.zip(forces.iter().zip(moments)) {
-            entry.copy_from_slice(&[force.x, force.y, force.z, *moment]);
-        }
-    }
-
-    /// Gives a clamp of the scene, counted from 0, another motion, which holds from the next step or equilibrium
-    /// on: for ends that a robot or a continuation moves. It is no part of the state that checkpoints hold.
-    pub fn move_clamp(&mut self, clamp: usize, motion: Motion) {
-        self.system.assembly.drives[clamp].follow(motion);
     }
 
     /// Takes one step that ends no later than `until` (hit exactly when it is within the step).

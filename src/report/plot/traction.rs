@@ -1,9 +1,10 @@
 //! Traction of a knot over its tightness, with the laws that it should follow.
 
 use super::PlotError;
+use crate::experiment::{KnotRow, read_knot_series};
 use crate::figure::{AxisScale, Curve, LinePlot, PlotStyle, styled_line_plots};
 use crate::knot::{TREFOIL_FRICTION, audoly_traction, jawed_traction};
-use crate::results::{KnotRow, SCENARIO, SERIES, Table, read_knot_series};
+use crate::results::{SCENARIO, SERIES, Table};
 use crate::scenario::{KnotKind, load};
 use std::path::Path;
 

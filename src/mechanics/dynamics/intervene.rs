@@ -1,0 +1,73 @@
+//! What may be done to a simulation between its steps. All of it is part of the state that checkpoints hold.
+
+use super::Simulation;
+use super::history::History;
+use super::parameters::Scheme;
+use super::report::SimulationError;
+use super::step_control::StepControl;
+use crate::mechanics::Vector3;
+use crate::mechanics::rod::STRIDE;
+use crate::mechanics::scene::Motion;
+use crate::mechanics::system::Grasp;
+
+impl Simulation {
+    /// Sets forces of another solver, which act beside the loads of the scene from the next step on: for
+    /// coupling step by step. `forces` act on the nodes, N; `moments` about the tangent of the edge that
+    /// starts at each node, N m.
+    pub fn set_external_forces(&mut self, forces: &[Vector3], moments: &[f64]) {
+        let entries = self.system.external_forces.chunks_exact_mut(STRIDE);
+        for (entry, (force, moment)) in entries.zip(forces.iter().zip(moments)) {
+            entry.copy_from_slice(&[force.x, force.y, force.z, *moment]);
+        }
+    }
+
+    /// Multiplies a load of the scene, counted from 0, by a factor beside its schedule, from the next step on.
+    ///
+    /// # Errors
+    /// [`SimulationError::BadScene`] where there is no such load.
+    pub fn set_load_factor(&mut self, load: usize, factor: f64) -> Result<(), SimulationError> {
+        let set = self.system.assembly.loads.set_factor(load, factor);
+        set.ok_or_else(|| SimulationError::BadScene(format!("there is no load {load}")))
+    }
+
+    /// Gives a clamp another motion, which holds from the next step or equilibrium on: for ends that a robot or a
+    /// continuation moves. Clamps of the scene are counted from 0; those that [`Self::grasp`] makes follow.
+    pub fn move_clamp(&mut self, clamp: usize, motion: Motion) {
+        self.system.assembly.drives[clamp].follow(motion);
+    }
+
+    /// Takes hold of a node, counted over the whole scene, where it is now; returns the number of the clamp, for
+    /// [`Self::move_clamp`] and [`Self::release`]. A node whose position is held stops at once.
+    ///
+    /// # Errors
+    /// [`SimulationError::BadScene`] where there is no such node, or it cannot be grasped.
+    pub fn grasp(&mut self, node: usize, grasp: Grasp) -> Result<usize, SimulationError> {
+        let grasped = self.system.grasp(node, grasp, &self.unknowns);
+        let clamp = grasped.map_err(SimulationError::BadScene)?;
+        if grasp.position {
+            self.velocity[STRIDE * node..STRIDE * node + 3].fill(0.0);
+        }
+        self.begin_anew();
+        Ok(clamp)
+    }
+
+    /// Lets a clamp go, one of the scene or one that was grasped. The node goes on with its velocity.
+    ///
+    /// # Errors
+    /// [`SimulationError::BadScene`] where there is no such clamp, or it cannot be released.
+    pub fn release(&mut self, clamp: usize) -> Result<(), SimulationError> {
+        let released = self.system.release(clamp, &self.unknowns);
+        released.map_err(SimulationError::BadScene)?;
+        self.begin_anew();
+        Ok(())
+    }
+
+    /// Forgets the steps before, whose accelerations say nothing about what follows.
+    fn begin_anew(&mut self) {
+        self.history = History::begin(&self.unknowns, &self.velocity);
+        if self.parameters.scheme == Scheme::BackwardDifferences {
+            self.control = StepControl::beginning_small(&self.parameters.step);
+        }
+        self.publish();
+    }
+}
