@@ -4,6 +4,9 @@ mod derived;
 mod flagella;
 pub(crate) mod helix;
 pub(crate) mod knot;
+mod probes;
+#[cfg(test)]
+mod probes_tests;
 mod scene;
 
 pub use derived::{DerivedNumbers, DerivedRod, derived_numbers};

@@ -11,7 +11,7 @@ use serde::de::DeserializeOwned;
 use std::any::Any;
 use std::fmt::Debug;
 
-/// Acts on a simulation before each of its steps.
+/// Acts on a simulation before each of its time steps; a search for an equilibrium and a path have none.
 ///
 /// A controller is a value that can be saved: what it remembers are its fields, and a checkpoint holds all of them. What
 /// it did to the simulation (motions of clamps, nodes grasped and released, external forces, factors of loads) is part of

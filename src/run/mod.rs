@@ -12,6 +12,7 @@ mod output_times;
 mod participant_tests;
 mod path;
 mod prepared;
+pub mod probes;
 mod progress;
 mod records;
 mod saved;

@@ -40,6 +40,9 @@ pub use issue::{Issue, Issues, KeyPath, did_you_mean};
 pub use load::{Loaded, from_text, from_text_with, load};
 pub use resolve::read_polyline;
 pub use resolved::{
+    AtPlace, Between, OneRod, PressedRod, Probe, ProbeKind, StopWhen, Summary, TwoNodes, TwoRods,
+};
+pub use resolved::{
     BuilderRod, Clamp, Contact, Continuation, CrossSection, Directions, Experiment, Flagella,
     Fluid, Handedness, Head, HelixSearch, HelixStability, Hold, Knot, KnotEnds, KnotKind,
     KnotStart, Load, LoadKind, Material, NaturalShape, Output, PathMethod, Place, Plane, Pose, Rod,

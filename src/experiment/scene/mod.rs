@@ -94,7 +94,7 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
     if let Some(knot) = knot_observer(scenario, &scene) {
         observers.push(Box::new(KnotMonitor::new(knot)));
     }
-    let prepared = PreparedRun {
+    let mut prepared = PreparedRun {
         name: scenario.name.clone(),
         experiment: scenario.experiment.name().to_owned(),
         title: scenario.title.clone(),
@@ -123,6 +123,9 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
             _ => None,
         },
     };
+    if let Err(found) = super::probes::add(&mut prepared, scenario) {
+        found.0.into_iter().for_each(|issue| issues.push(issue));
+    }
     if let Some((_, knot)) = scenario.experiment.knot()
         && let KnotStart::Curve { .. } = knot.start
         && let Err(RunError::Scene(error)) = try_scene(&prepared)

@@ -9,6 +9,7 @@ mod exchange;
 mod failure;
 mod history;
 mod intervene;
+mod measure;
 mod newton;
 mod observe;
 mod parameters;
@@ -18,7 +19,7 @@ mod simulation;
 mod stage;
 mod step_control;
 
-pub use crate::mechanics::system::Grasp;
+pub use crate::mechanics::system::{Grasp, Resultants};
 pub use parameters::{IntegrationParameters, Scheme, StepSize};
 pub use report::{Energies, Exchange, SimulationError, SimulationState, StepReport};
 pub use simulation::Simulation;

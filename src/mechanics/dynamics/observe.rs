@@ -4,7 +4,6 @@ use super::Simulation;
 use super::report::{Energies, SimulationError, SimulationState};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::ActiveContact;
-use crate::mechanics::rod::STRIDE;
 
 impl Simulation {
     /// Time, s.
@@ -68,11 +67,6 @@ impl Simulation {
             forces[touch.node] += Vector3::from(touch.force);
         }
         forces
-    }
-
-    /// Force that a clamp exerts on its held node, N: the residual there.
-    pub fn reaction(&self, node: usize) -> Vector3 {
-        Vector3::from_column_slice(&self.system.residual[STRIDE * node..STRIDE * node + 3])
     }
 
     /// Energies now, J.

@@ -17,6 +17,7 @@ mod grasp;
 mod loads;
 mod newton_matrix;
 mod residual;
+mod resultants;
 mod touching;
 
 pub use build::Assembly;
@@ -25,6 +26,7 @@ pub use complementarity::NoContactForces;
 pub use grasp::{Grasp, Interventions};
 use newton_matrix::NewtonMatrix;
 pub use residual::TERMS;
+pub use resultants::Resultants;
 use touching::contact_of;
 pub use touching::describe_overlap;
 

@@ -9,6 +9,7 @@ mod load;
 mod model;
 mod polyline;
 mod poses;
+mod probe;
 mod rod;
 mod section;
 mod shape;
@@ -106,6 +107,8 @@ pub fn resolve(context: &Context<'_>, file: &ScenarioFile) -> Result<Scenario, I
         clamps: load::clamps(context, &top, &file.clamps),
         loads,
         planes,
+        probes: probe::probes(&top, &file.probes),
+        stop_when: probe::stop_when(&top, file.stop_when.as_ref()),
         contact,
         fluid,
         output: model::output(&top, &file.output, &time),

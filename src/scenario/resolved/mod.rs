@@ -9,6 +9,7 @@ mod helix_stability;
 mod knot;
 mod load;
 mod model;
+mod probe;
 mod rod;
 mod run;
 
@@ -18,6 +19,9 @@ pub use helix_stability::{Directions, HelixSearch, HelixStability};
 pub use knot::{Knot, KnotEnds, KnotKind, KnotStart};
 pub use load::{Clamp, Hold, Load, LoadKind, Place, Plane, Pose};
 pub use model::{Contact, Fluid};
+pub use probe::{
+    AtPlace, Between, OneRod, PressedRod, Probe, ProbeKind, StopWhen, Summary, TwoNodes, TwoRods,
+};
 pub use rod::{CrossSection, Handedness, Material, NaturalShape, Rod, Shape, Stiffness};
 pub use run::{Output, Scheme, Solver, Step, Time};
 
@@ -46,6 +50,12 @@ pub struct Scenario {
     /// Rigid half spaces.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub planes: Vec<Plane>,
+    /// What is measured at every output.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub probes: Vec<Probe>,
+    /// The condition that ends the run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stop_when: Option<StopWhen>,
     /// Contact model.
     pub contact: Contact,
     /// Surrounding fluid.

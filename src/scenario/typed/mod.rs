@@ -8,6 +8,7 @@ mod kinds;
 mod knot;
 mod load;
 mod model;
+mod probe;
 mod quantity;
 mod rod;
 mod shape;
@@ -19,6 +20,9 @@ pub use knot::{Knot, KnotKind};
 pub use load::{Clamp, Load, Place, Plane, Pose};
 pub use model::{
     BuilderRod, Contact, ContactModel, Flagella, Fluid, FluidModel, Mode, Output, Solver, Time,
+};
+pub use probe::{
+    ContactForceProbe, DistanceProbe, EdgeProbe, NodeProbe, Probe, RodProbe, SectionProbe, StopWhen,
 };
 pub use quantity::{Quantity, Vector};
 pub use rod::{CrossSection, Material, Rod, Stiffness};
@@ -58,6 +62,11 @@ pub struct ScenarioFile {
     /// Rigid half spaces that rods may touch.
     #[serde(default)]
     pub planes: Vec<Plane>,
+    /// What is measured at every output: columns of series.csv and summary.csv.
+    #[serde(default)]
+    pub probes: Vec<Probe>,
+    /// A condition on a probe that ends the run.
+    pub stop_when: Option<StopWhen>,
     /// Contact between rods and with planes; without this table everything passes through.
     pub contact: Option<Contact>,
     /// The surrounding fluid; without this table a vacuum.
