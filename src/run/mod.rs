@@ -6,10 +6,10 @@ mod counters;
 mod error;
 mod interruption;
 mod observer;
-mod observers;
 mod output_times;
 #[cfg(test)]
 mod participant_tests;
+mod participants;
 mod path;
 mod prepared;
 pub mod probes;
@@ -189,7 +189,7 @@ impl RunOutcome {
         Self {
             directory: options.directory.clone(),
             status: RunStatus::AlreadyFinished,
-            highlights: observers::highlights(&prepared.observers, &case),
+            highlights: participants::highlights(&prepared.observers, &case),
             case,
             wall_time: record
                 .map(|record| Duration::from_secs_f64(record.wall_time))

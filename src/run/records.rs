@@ -1,7 +1,7 @@
 //! What the results say of a prepared run.
 
 use super::RunOptions;
-use super::observers::columns;
+use super::participants::columns;
 use crate::mechanics::scene::RodDescription;
 use crate::results::{
     CaseRecord, CaseStatus, MAIN_CASE, Manifest, RecorderPlan, RodRecord, host_name, scenario_hash,

@@ -3,8 +3,8 @@
 use super::advance::Advance;
 use super::counters::Counters;
 use super::observer::{Finding, Sample};
-use super::observers::{self, Participants, SavedStates};
 use super::output_times::OutputTimes;
+use super::participants::{self, Participants, SavedStates};
 use super::path::{PathAtWork, PathCheckpoint};
 use super::progress::Progress;
 use super::records::{manifest_of_call, recorder_plan, rod_records};
@@ -430,7 +430,7 @@ impl Session {
             status: self
                 .resumed_from
                 .map_or(RunStatus::Finished, |from| RunStatus::Resumed { from }),
-            highlights: observers::highlights(observers, &case),
+            highlights: participants::highlights(observers, &case),
             wall_time: self.usage().wall_time,
             case,
             remarks: self.remarks,
@@ -444,7 +444,7 @@ impl Session {
     ) -> Result<(), ResultsError> {
         let path = self.directory.path();
         let outcome = &mut self.run_state.counters.outcome;
-        outcome.observed = observers::outcomes(&self.participants.observers);
+        outcome.observed = participants::outcomes(&self.participants.observers);
         let outcome = outcome.clone();
         let record = CaseRecord::with_usage(status, outcome, self.usage(), error);
         self.manifest.conclude(path, record)
