@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use super::output::print;
-use crate::scenario;
+use crate::experiment;
 use clap::Args;
 
 /// Arguments of `rodlab explain`.
@@ -20,5 +20,5 @@ pub struct ExplainArguments {
 /// Explains a key.
 pub fn explain(arguments: &ExplainArguments) -> Result<(), Failure> {
     let key = arguments.key.as_deref().unwrap_or("");
-    print(&scenario::explain(key).map_err(Failure::Input)?)
+    print(&experiment::explain(key).map_err(Failure::Input)?)
 }

@@ -70,7 +70,8 @@ fn duration(text: &str) -> Result<Duration, String> {
 
 /// Runs a scenario.
 pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), Failure> {
-    let case_set = CaseSet::load(&arguments.scenario, &arguments.overrides, &arguments.vary)?;
+    let case_set =
+        experiment::case_set(&arguments.scenario, &arguments.overrides, &arguments.vary)?;
     let directory = arguments
         .out
         .clone()

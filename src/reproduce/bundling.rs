@@ -1,9 +1,8 @@
 //! A run of bundling flagella with the parameters of the thesis, section 2.4.2.
 
 use super::cases::Run;
-use crate::experiment::prepare;
+use crate::experiment::{from_text, prepare};
 use crate::run::PreparedRun;
-use crate::scenario::from_text_with;
 use std::path::Path;
 
 /// What the flagella scenarios have in common.
@@ -155,7 +154,7 @@ impl Run for Bundling {
             let radius = HELIX_RADIUS * (1.0 + self.widening);
             overrides.push(format!("flagella.helix_radius={radius:?}"));
         }
-        let loaded = from_text_with(&self.id(), BASE, Path::new(""), &overrides);
+        let loaded = from_text(&self.id(), BASE, Path::new(""), &overrides);
         let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
         prepare(&loaded.scenario).expect("a scene of the thesis is possible")
     }

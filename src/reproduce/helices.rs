@@ -1,9 +1,8 @@
 //! The boundary of the stable helices (thesis 6.2).
 
 use super::cases::Run;
-use crate::experiment::prepare;
+use crate::experiment::{from_text, prepare};
 use crate::run::PreparedRun;
-use crate::scenario::from_text_with;
 use std::path::Path;
 
 const BASE: &str = include_str!("../../scenarios/helix_boundary.toml");
@@ -50,7 +49,7 @@ impl Run for Helices {
                 self.section_directions
             ),
         ];
-        let loaded = from_text_with(&self.id(), BASE, Path::new(""), &overrides);
+        let loaded = from_text(&self.id(), BASE, Path::new(""), &overrides);
         let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
         prepare(&loaded.scenario).expect("helices are possible")
     }

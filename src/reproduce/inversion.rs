@@ -1,10 +1,9 @@
 //! A knot pulled until it inverts, with the parameters of the thesis, chapter 3.
 
 use super::cases::{Case, Run};
-use crate::experiment::prepare;
+use crate::experiment::{from_text, prepare};
 use crate::results::{KnotOutcome, KnotRow, ResultsError, read_knot_series};
 use crate::run::PreparedRun;
-use crate::scenario::from_text_with;
 use std::path::Path;
 
 /// The inversion of the thesis' figure 3.4.
@@ -194,7 +193,7 @@ impl Run for Inversion {
             format!("time.end={:?}", self.end()),
             format!("output.interval={interval:?}"),
         ];
-        let loaded = from_text_with(&self.id(), BASE, Path::new(""), &overrides);
+        let loaded = from_text(&self.id(), BASE, Path::new(""), &overrides);
         let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
         prepare(&loaded.scenario).expect("a knot of the thesis is possible")
     }

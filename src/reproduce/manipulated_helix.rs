@@ -3,11 +3,10 @@
 use super::cases::{Case, Run};
 use crate::experiment::helix::manipulation::{EndPath, Manipulation, Observation, helix_error};
 use crate::experiment::helix::stability::DiscreteRod;
-use crate::experiment::prepare;
+use crate::experiment::{from_text, prepare};
 use crate::mechanics::kirchhoff::Helix;
 use crate::results::{ResultsError, read_nodes, read_series};
 use crate::run::PreparedRun;
-use crate::scenario::from_text_with;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -205,7 +204,7 @@ impl Run for ManipulatedHelix {
     }
 
     fn prepare(&self) -> PreparedRun {
-        let loaded = from_text_with(&self.id(), &self.scenario(), Path::new(""), &[]);
+        let loaded = from_text(&self.id(), &self.scenario(), Path::new(""), &[]);
         let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
         prepare(&loaded.scenario).expect("a rod of the thesis is possible")
     }

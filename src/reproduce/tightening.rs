@@ -1,10 +1,9 @@
 //! A knot pulled tight, with the parameters of the thesis, section 2.5, and quasi-static.
 
 use super::cases::{Case, Run};
-use crate::experiment::prepare;
+use crate::experiment::{from_text, prepare};
 use crate::results::{KnotRow, ResultsError, SeriesRow, read_knot_series};
 use crate::run::PreparedRun;
-use crate::scenario::from_text_with;
 use std::path::Path;
 
 /// The trefoil of the thesis.
@@ -183,7 +182,7 @@ impl Run for Tightening {
             format!("time.end={:?}", self.end),
             format!("output.interval={interval:?}"),
         ];
-        let loaded = from_text_with(&self.id(), BASE, Path::new(""), &overrides);
+        let loaded = from_text(&self.id(), BASE, Path::new(""), &overrides);
         let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
         prepare(&loaded.scenario).expect("a knot of the thesis is possible")
     }

@@ -1,10 +1,10 @@
 //! A run that is ready to start: what every experiment builds from its scenario.
 
+use crate::experiment::HelixStability;
 use crate::experiment::KnotObserver;
 use crate::mechanics::dynamics::IntegrationParameters;
 use crate::mechanics::scene::Scene;
 use crate::mechanics::statics::PathPlan;
-use crate::scenario::HelixStability;
 
 /// A scenario turned into mechanics, with all that the run loop needs to know.
 #[derive(Clone, Debug)]

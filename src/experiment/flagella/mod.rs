@@ -12,16 +12,61 @@
 //! the flow then winds the flagella around each other into a bundle. The released reference code has the
 //! same sign.
 
+mod keys;
+
+use super::Kind;
 use crate::mechanics::Vector3;
 use crate::mechanics::scene::{Clamp, Motion, NaturalShape, RodDescription, Scene, Stiffness};
-use crate::scenario::{self, BuilderRod, CrossSection, Flagella, Head, Material};
+use crate::scenario::keys::{ExperimentKeys, OwnTable, Request};
+use crate::scenario::{self, BuilderRod, CrossSection, Experiment, Issue, Material, Scenario};
+use keys::{Flagella, FlagellaTables, Head, TABLES, resolve};
 use std::f64::consts::TAU;
 
 /// Edges of the hook: one inlet, two of the ramp.
 const HOOK_EDGES: usize = 3;
 
+/// Helical flagella turned at their heads.
+pub struct FlagellaKind;
+
+impl ExperimentKeys for FlagellaKind {
+    fn name(&self) -> &'static str {
+        "flagella"
+    }
+
+    fn summary(&self) -> &'static str {
+        "Helical flagella turned at their heads in a viscous fluid."
+    }
+
+    fn tables(&self) -> &'static [OwnTable] {
+        &TABLES
+    }
+
+    fn resolve(&self, request: &Request<'_>) -> Option<Experiment> {
+        let tables = resolve(request)?;
+        let radius = tables.rod.radius;
+        Some(Experiment::new(self.name(), tables).with_radius(radius))
+    }
+}
+
+impl Kind for FlagellaKind {
+    fn template(&self) -> &'static str {
+        include_str!("template.toml")
+    }
+
+    fn build(&self, scenario: &Scenario, scene: &mut Scene) -> Result<(), Issue> {
+        let tables = scenario.experiment.tables();
+        add(scene, tables.expect("the tables of this experiment"));
+        Ok(())
+    }
+}
+
 /// Adds the flagella and their driven heads to a scene.
-pub fn add(scene: &mut Scene, material: &Material, rod: &BuilderRod, flagella: &Flagella) {
+fn add(scene: &mut Scene, tables: &FlagellaTables) {
+    let FlagellaTables {
+        material,
+        rod,
+        flagella,
+    } = tables;
     for (number, foot) in feet(flagella.count, flagella.side).into_iter().enumerate() {
         let index = scene.rods.len();
         scene
@@ -53,7 +98,7 @@ pub fn add(scene: &mut Scene, material: &Material, rod: &BuilderRod, flagella: &
 }
 
 /// Name of a flagellum, counted from one.
-pub fn name(number: usize) -> String {
+fn name(number: usize) -> String {
     format!("flagellum_{}", number + 1)
 }
 
@@ -174,7 +219,12 @@ mod tests {
 
     fn built(flagella: &Flagella) -> Scene {
         let mut scene = Scene::default();
-        add(&mut scene, &MATERIAL, &ROD, flagella);
+        let tables = FlagellaTables {
+            material: MATERIAL,
+            rod: ROD,
+            flagella: *flagella,
+        };
+        add(&mut scene, &tables);
         scene
     }
 

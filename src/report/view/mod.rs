@@ -3,15 +3,14 @@
 mod fields;
 mod parameters;
 
-use crate::experiment::helix::stability::boundary_page;
+use crate::experiment::{Page, from_text, kind_named};
 use crate::figure::{Movie, MovieCase, MovieFrame, MoviePlane, MovieRod, View, movie_page};
 use crate::mechanics::contact::{ContactPlane, ContactSurface, touching_points};
 use crate::report::case_folders::{CaseFolder, case_folders};
 use crate::results::{
-    BOUNDARY, Manifest, NODES, NodePositions, ResultsError, read_node_forces, read_nodes,
-    write_whole,
+    Manifest, NODES, NodePositions, ResultsError, read_node_forces, read_nodes, write_whole,
 };
-use crate::scenario::{self, Contact, Scenario};
+use crate::scenario::{Contact, Scenario};
 use fields::fields;
 use parameters::flattened;
 use rayon::prelude::*;
@@ -30,9 +29,14 @@ pub enum ViewError {
         .0.display()
     )]
     NoNodes(PathBuf),
-    /// Too few directions lead to a boundary.
-    #[error("`{}` has a boundary, but too few directions for a surface", .0.display())]
-    NoSurface(PathBuf),
+    /// The experiment has a page of its own, but not of these results.
+    #[error("`{}` has {reason}", directory.display())]
+    NoPage {
+        /// The directory.
+        directory: PathBuf,
+        /// What there is, and why it makes no page.
+        reason: &'static str,
+    },
     /// A file could not be read or written.
     #[error(transparent)]
     Results(#[from] ResultsError),
@@ -42,7 +46,7 @@ impl ViewError {
     /// Exit code of the program.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::NotResults(_) | Self::NoNodes(_) | Self::NoSurface(_) => 2,
+            Self::NotResults(_) | Self::NoNodes(_) | Self::NoPage { .. } => 2,
             Self::Results(error) => error.exit_code(),
         }
     }
@@ -75,15 +79,24 @@ pub fn write_page(
     let Some(manifest) = Manifest::read(directory)? else {
         return Err(ViewError::NotResults(directory.to_owned()));
     };
-    if directory.join(BOUNDARY).exists() {
-        let page =
-            boundary_page(directory)?.ok_or_else(|| ViewError::NoSurface(directory.to_owned()))?;
-        write_whole(to, page.as_bytes())?;
-        return Ok(WrittenPage {
-            cases: 1,
-            bytes: page.len(),
-            thinned: false,
-        });
+    let kind = kind_named(&manifest.experiment);
+    let page = kind.map_or(Ok(Page::RodsInMotion), |kind| kind.page(directory))?;
+    match page {
+        Page::RodsInMotion => {}
+        Page::Nothing(reason) => {
+            return Err(ViewError::NoPage {
+                directory: directory.to_owned(),
+                reason,
+            });
+        }
+        Page::Own(page) => {
+            write_whole(to, page.as_bytes())?;
+            return Ok(WrittenPage {
+                cases: 1,
+                bytes: page.len(),
+                thinned: false,
+            });
+        }
     }
     let folders = case_folders(directory)?;
     let count = AtomicUsize::new(0);
@@ -148,7 +161,7 @@ fn movie_case(
         return Ok(None);
     }
     // Results of an older version may not be understood as a scenario any more; the rods still are.
-    let scenario = scenario::from_text(&manifest.name, &manifest.scenario, &folder.path);
+    let scenario = from_text(&manifest.name, &manifest.scenario, &folder.path, &[]);
     let scenario = scenario.ok().map(|loaded| loaded.scenario);
     let rods: Vec<MovieRod> = manifest
         .rods

@@ -1,11 +1,11 @@
 //! The clamped rod: at once on a helix, or straight with ends to be moved to those of helices.
 
+use super::keys::HelixStability;
 use crate::mechanics::dynamics::Simulation;
 use crate::mechanics::kirchhoff::Helix;
 use crate::mechanics::rod::transport::{parallel_transport, rotated};
 use crate::mechanics::scene::{Clamp, Motion, NaturalShape, RodDescription, Scene, Stiffness};
 use crate::mechanics::{Matrix3, UnitQuaternion, Vector3};
-use crate::scenario::HelixStability;
 
 /// Radius, m. EA = 4 EI/h² then makes the rod as good as inextensible: forces of 100 EI/L² stretch it by
 /// 2.5e-5.
