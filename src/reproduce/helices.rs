@@ -29,11 +29,6 @@ impl Helices {
             section_directions: 361,
         }
     }
-
-    /// Rough cost on one core, s.
-    pub fn cost(&self) -> f64 {
-        SECONDS_PER_DIRECTION * (self.directions + 3 * self.section_directions) as f64
-    }
 }
 
 impl Run for Helices {
@@ -60,5 +55,17 @@ impl Run for Helices {
 
     fn extent(&self) -> String {
         format!("{} directions were searched", self.directions)
+    }
+
+    fn cost(&self) -> f64 {
+        SECONDS_PER_DIRECTION * (self.directions + 3 * self.section_directions) as f64
+    }
+
+    #[cfg(test)]
+    fn shortened(&self) -> Self {
+        Self {
+            directions: 60,
+            section_directions: 9,
+        }
     }
 }

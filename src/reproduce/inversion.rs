@@ -148,12 +148,6 @@ impl Inversion {
             .filter(|(time, _)| *time >= case.run.settling)
             .collect())
     }
-
-    /// Rough cost on one core, s.
-    pub fn cost(&self) -> f64 {
-        let steps = self.end() / STEP;
-        2e-6 * self.nodes as f64 * steps
-    }
 }
 
 impl Run for Inversion {
@@ -200,6 +194,22 @@ impl Run for Inversion {
 
     fn end(&self) -> f64 {
         self.settling + 0.5 * (self.start - self.last) * self.radius / self.pull_speed
+    }
+
+    fn cost(&self) -> f64 {
+        let steps = self.end() / STEP;
+        2e-6 * self.nodes as f64 * steps
+    }
+
+    #[cfg(test)]
+    fn shortened(&self) -> Self {
+        let last = self.start - 0.005 * self.pull_speed / self.radius;
+        Self {
+            settling: 0.0,
+            last,
+            resolution: 0.5 * (self.start - last),
+            ..*self
+        }
     }
 }
 

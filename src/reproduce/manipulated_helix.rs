@@ -93,12 +93,6 @@ impl ManipulatedHelix {
         runs
     }
 
-    /// Rough cost on one core, s.
-    pub fn cost(&self) -> f64 {
-        let steps = self.end() / self.step();
-        SECONDS_PER_STEP_AND_EDGE * self.edges as f64 * steps
-    }
-
     fn rod(&self) -> DiscreteRod {
         DiscreteRod {
             edges: self.edges,
@@ -215,6 +209,19 @@ impl Run for ManipulatedHelix {
 
     fn extent(&self) -> String {
         format!("rods of {} edges were manipulated", self.edges)
+    }
+
+    fn cost(&self) -> f64 {
+        let steps = self.end() / self.step();
+        SECONDS_PER_STEP_AND_EDGE * self.edges as f64 * steps
+    }
+
+    #[cfg(test)]
+    fn shortened(&self) -> Self {
+        Self {
+            farthest: 0.05,
+            ..*self
+        }
     }
 }
 

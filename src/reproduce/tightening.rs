@@ -114,12 +114,6 @@ impl Tightening {
         let observer = self.prepare().knot.expect("a knot is observed");
         observer.radius.powi(2) / observer.bending_stiffness
     }
-
-    /// Rough cost on one core, s.
-    pub fn cost(&self) -> f64 {
-        let steps = self.end / 2.5e-3;
-        4e-6 * self.nodes as f64 * self.unknotting_number as f64 * steps
-    }
 }
 
 /// A knot with one choice changed.
@@ -189,6 +183,20 @@ impl Run for Tightening {
 
     fn end(&self) -> f64 {
         self.end
+    }
+
+    fn cost(&self) -> f64 {
+        let steps = self.end / 2.5e-3;
+        4e-6 * self.nodes as f64 * self.unknotting_number as f64 * steps
+    }
+
+    #[cfg(test)]
+    fn shortened(&self) -> Self {
+        Self {
+            settling: 0.0,
+            end: 1e-2,
+            ..*self
+        }
     }
 }
 

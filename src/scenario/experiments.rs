@@ -3,93 +3,18 @@
 //! The experiments themselves are built in rooms above; this room is given a list of them ([`Experiments`]) and knows
 //! none by name. How a kind defines its keys is shown in [`keys`](super::keys).
 
-use super::decode::{decode, decode_beside};
+use super::decode::decode_beside;
 use super::document::{Node, Value};
 use super::issue::{Issue, Issues, KeyPath, did_you_mean};
-use super::resolve::{CommonTables, Request, Section};
-use super::resolved::{Experiment, Time};
+use super::own_tables::{OwnTable, OwnTables};
+use super::resolve::ExperimentKeys;
 use super::typed::ScenarioFile;
-use schemars::{JsonSchema, Schema, SchemaGenerator};
-use serde::de::DeserializeOwned;
+use schemars::SchemaGenerator;
 use serde_json::{Map, Value as Json, json};
-use std::any::Any;
-use std::collections::BTreeMap;
 use std::fmt;
 
 /// The key that names the experiment.
 const EXPERIMENT: &str = "experiment";
-
-/// A kind of experiment as scenario files see it.
-pub trait ExperimentKeys: Sync {
-    /// The name by which scenario files call it.
-    fn name(&self) -> &'static str;
-
-    /// What it simulates, in one sentence.
-    fn summary(&self) -> &'static str;
-
-    /// The tables that belong to it; kinds may share a table.
-    fn tables(&self) -> &'static [OwnTable] {
-        &[]
-    }
-
-    /// What holds where the file has no table `[time]`; `None` where it must have one.
-    fn usual_time(&self) -> Option<Time> {
-        None
-    }
-
-    /// What to say of a table that belongs to other kinds only.
-    fn refusal(&self) -> &'static str {
-        "this table is for another experiment"
-    }
-
-    /// Resolves its own tables and refuses common ones that mean nothing to it; `None` if a fault was reported that
-    /// leaves nothing to go on with.
-    fn resolve(&self, request: &Request<'_>) -> Option<Experiment>;
-
-    /// Reports what it needs of the common tables, or cannot have there.
-    fn judge(&self, _top: &Section<'_>, _common: &CommonTables<'_>) {}
-}
-
-/// A table of scenario files that belongs to some kinds of experiments.
-#[derive(Clone, Copy)]
-pub struct OwnTable {
-    key: &'static str,
-    description: &'static str,
-    curve: Option<&'static str>,
-    schema: fn(&mut SchemaGenerator) -> Schema,
-    decode: fn(&Node) -> Result<Box<dyn Any>, Issues>,
-}
-
-impl OwnTable {
-    /// The table `[key]`, typed as the struct `T`, whose doc comments explain its keys. The description says what the
-    /// table is for.
-    pub const fn new<T: DeserializeOwned + JsonSchema + Any>(
-        key: &'static str,
-        description: &'static str,
-    ) -> Self {
-        Self {
-            key,
-            description,
-            curve: None,
-            schema: |generator| generator.subschema_for::<Option<T>>(),
-            decode: |node| Ok(Box::new(decode::<T>(node)?)),
-        }
-    }
-
-    /// The same table, whose `key` names a CSV file of corners that may stand in the table itself as `points`.
-    #[must_use]
-    pub const fn with_curve(self, key: &'static str) -> Self {
-        Self {
-            curve: Some(key),
-            ..self
-        }
-    }
-
-    /// Its key.
-    pub fn key(&self) -> &'static str {
-        self.key
-    }
-}
 
 /// All kinds of experiments that scenario files may name.
 #[derive(Clone, Copy)]
@@ -113,17 +38,17 @@ impl Experiments {
     fn tables(self) -> impl Iterator<Item = &'static OwnTable> {
         let before = move |index: usize, key: &str| {
             let tables = self.0[..index].iter().flat_map(|kind| kind.tables());
-            tables.into_iter().any(|table| table.key == key)
+            tables.into_iter().any(|table| table.key() == key)
         };
         self.0.iter().enumerate().flat_map(move |(index, kind)| {
             let tables = kind.tables().iter();
-            tables.filter(move |table| !before(index, table.key))
+            tables.filter(move |table| !before(index, table.key()))
         })
     }
 
     /// The key of the table `table` that names a CSV file of corners, if it has one.
     pub(super) fn curve_of(self, table: &str) -> Option<&'static str> {
-        self.tables().find(|own| own.key == table)?.curve
+        self.tables().find(|own| own.key() == table)?.curve()
     }
 
     /// Names in words: `"scene", "flagella" or "toy"`.
@@ -162,9 +87,8 @@ impl Experiments {
         let mut generator = SchemaGenerator::default();
         let mut own = Map::new();
         for table in self.tables() {
-            let mut schema = (table.schema)(&mut generator);
-            schema.insert("description".to_owned(), table.description.into());
-            own.insert(table.key.to_owned(), schema.to_value());
+            let schema = table.schema(&mut generator);
+            own.insert(table.key().to_owned(), schema.to_value());
         }
         let names: Vec<Json> = self
             .0
@@ -187,13 +111,14 @@ impl fmt::Debug for Experiments {
     }
 }
 
-/// A scenario file as typed: its common tables, the kind that it names, and the tables of kinds.
+/// A scenario file as typed.
 pub struct TypedFile {
     /// The common tables.
     pub common: ScenarioFile,
     /// The kind, where one is named.
     pub kind: Option<&'static dyn ExperimentKeys>,
-    own: BTreeMap<&'static str, Box<dyn Any>>,
+    /// The tables of kinds.
+    pub own: OwnTables,
 }
 
 impl TypedFile {
@@ -210,31 +135,11 @@ impl TypedFile {
             let chosen = experiments.chosen(&entry.node);
             issues.keep(chosen.map_err(Issues::from))
         });
-        let mut own = BTreeMap::new();
-        for table in experiments.tables() {
-            if let Some(entry) = document.entry(table.key) {
-                let typed = (table.decode)(&entry.node);
-                let below = |faults: Issues| faults.below(&KeyPath::from(table.key));
-                if let Some(typed) = issues.keep(typed.map_err(below)) {
-                    own.insert(table.key, typed);
-                }
-            }
-        }
-        let common = common.unwrap_or_default();
-        issues.or_ok(Self { common, kind, own })
-    }
-
-    /// The table `[key]` of a kind, where the file has one.
-    pub fn own<T: Any>(&self, key: &str) -> Option<&T> {
-        self.own.get(key)?.downcast_ref()
-    }
-
-    /// Reports tables that belong to other kinds only.
-    pub fn refuse_tables_of_others(&self, top: &Section<'_>, kind: &dyn ExperimentKeys) {
-        for key in self.own.keys() {
-            if !kind.tables().iter().any(|table| table.key == *key) {
-                top.fault(key, kind.refusal());
-            }
-        }
+        let own = issues.keep(OwnTables::decode(document, experiments.tables()));
+        issues.or_ok(Self {
+            common: common.unwrap_or_default(),
+            kind,
+            own: own.unwrap_or_default(),
+        })
     }
 }

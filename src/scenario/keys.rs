@@ -50,10 +50,10 @@
 //! }
 //! ```
 
-pub use super::experiments::{ExperimentKeys, OwnTable};
+pub use super::own_tables::OwnTable;
 pub use super::resolve::{
-    BuiltRod, CommonTables, FINITE, FRACTION, NON_NEGATIVE, POSITIVE, Range, Request, Section,
-    read_columns,
+    BuiltRod, CommonTables, ExperimentKeys, FINITE, FRACTION, NON_NEGATIVE, POSITIVE, Range,
+    Request, Section, read_columns,
 };
 pub use super::typed::{Quantity, Vector};
 pub use super::units::{

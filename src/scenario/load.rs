@@ -114,11 +114,11 @@ pub(super) fn finish(
         };
         let context = Context {
             name,
-            experiments,
+            experiments: experiments.in_words(),
             document: &document,
             directory_of: &directory_of,
         };
-        resolve(&context, &file)
+        resolve(&context, &file.common, file.kind, &file.own)
     });
     match resolved {
         Ok(scenario) => Ok(Loaded {

@@ -7,7 +7,7 @@
 //! | `source`, `document`, `document_text` | the texts; TOML as a tree whose every key knows its place, and back |
 //! | `load`, `overrides` | reading a file and what it `extends`, `--set key=value` |
 //! | `decode`, `typed` | serde from the tree to the file as typed: unknown keys, wrong types |
-//! | `experiments`, [`keys`] | the experiments that there are, and what defines the keys of one |
+//! | `experiments`, `own_tables`, [`keys`] | the experiments that there are, and what defines the keys of one |
 //! | `units`, `resolve` | SI units, defaults, ranges: from the file as typed to the scenario as resolved |
 //! | `sweep` | many cases of one scenario: lists, ranges, samples, searches |
 //! | `resolved`, `cross_section`, `canonical` | the [`Scenario`], its stiffnesses, its own TOML |
@@ -28,6 +28,7 @@ mod issue;
 pub mod keys;
 mod load;
 mod overrides;
+mod own_tables;
 mod resolve;
 mod resolved;
 mod source;

@@ -2,6 +2,7 @@
 
 mod columns;
 mod continuation;
+mod experiment;
 mod load;
 mod model;
 mod polyline;
@@ -12,14 +13,16 @@ mod section;
 mod shape;
 
 pub use columns::read_columns;
+pub use experiment::ExperimentKeys;
 pub use polyline::read as read_polyline;
 pub use request::{BuiltRod, CommonTables, Request};
 pub use section::{FINITE, FRACTION, NON_NEGATIVE, POSITIVE, Range, Section};
 
 use super::document::Node;
-use super::experiments::{Experiments, TypedFile};
 use super::issue::{Issues, KeyPath};
+use super::own_tables::OwnTables;
 use super::resolved::{Experiment, Scenario};
+use super::typed::ScenarioFile;
 use std::cell::RefCell;
 use std::path::PathBuf;
 
@@ -27,8 +30,8 @@ use std::path::PathBuf;
 pub struct Context<'a> {
     /// Stem of the scenario file.
     pub name: &'a str,
-    /// The experiments that there are.
-    pub experiments: Experiments,
+    /// Names of the experiments that there are, in words.
+    pub experiments: String,
     /// The file as a tree.
     pub document: &'a Node,
     /// The directory against which the value of a key names files.
@@ -39,26 +42,31 @@ pub struct Context<'a> {
 ///
 /// # Errors
 /// All values that are missing, out of range, of the wrong dimension or at odds with each other.
-pub fn resolve(context: &Context<'_>, typed: &TypedFile) -> Result<Scenario, Issues> {
+pub fn resolve(
+    context: &Context<'_>,
+    file: &ScenarioFile,
+    kind: Option<&dyn ExperimentKeys>,
+    own: &OwnTables,
+) -> Result<Scenario, Issues> {
     let issues = RefCell::new(Issues::default());
     let top = Section::new(KeyPath::root(), &issues);
-    let file = &typed.common;
-    let usual_time = typed.kind.and_then(|kind| kind.usual_time());
+    let usual_time = kind.and_then(|kind| kind.usual_time());
     let time = match (usual_time, &file.time) {
         (Some(usual), None) => usual,
         _ => model::time(&top, file),
     };
-    let experiment = typed.kind.and_then(|kind| {
-        typed.refuse_tables_of_others(&top, kind);
+    let experiment = kind.and_then(|kind| {
+        refuse_tables_of_others(&top, kind, own);
         kind.resolve(&Request {
             top: &top,
             time: &time,
-            file: typed,
+            file,
+            own,
             context,
         })
     });
-    if typed.kind.is_none() {
-        top.missing("experiment", context.experiments.in_words());
+    if kind.is_none() {
+        top.missing("experiment", context.experiments.as_str());
     }
     let rods = rod::rods(context, &top, file);
     let smallest_radius = rods
@@ -71,7 +79,7 @@ pub fn resolve(context: &Context<'_>, typed: &TypedFile) -> Result<Scenario, Iss
     let contact = model::contact(&top, file.contact.as_ref(), smallest_radius);
     model::refuse_rigid_statics(&top, &contact, &time);
     let fluid = model::fluid(&top, file.fluid.as_ref());
-    if let Some(kind) = typed.kind {
+    if let Some(kind) = kind {
         let common = CommonTables {
             rods: &rods,
             contact: &contact,
@@ -106,5 +114,14 @@ pub fn resolve(context: &Context<'_>, typed: &TypedFile) -> Result<Scenario, Iss
     match scenario {
         Some(scenario) => issues.into_inner().or_ok(scenario),
         None => Err(issues.into_inner()),
+    }
+}
+
+/// Reports tables that belong to other kinds only.
+fn refuse_tables_of_others(top: &Section<'_>, kind: &dyn ExperimentKeys, own: &OwnTables) {
+    for key in own.keys() {
+        if !kind.tables().iter().any(|table| table.key() == key) {
+            top.fault(key, kind.refusal());
+        }
     }
 }

@@ -3,12 +3,12 @@
 use super::rod::{material, refuse_degenerate};
 use super::section::{POSITIVE, Section};
 use super::{Context, polyline};
-use crate::scenario::experiments::TypedFile;
 use crate::scenario::issue::KeyPath;
+use crate::scenario::own_tables::OwnTables;
 use crate::scenario::resolved::{
     BuilderRod, Contact, CrossSection, Fluid, Material, Rod, Stiffness, Time,
 };
-use crate::scenario::typed::Vector;
+use crate::scenario::typed::{ScenarioFile, Vector};
 use crate::scenario::units::Length;
 use std::any::Any;
 use std::ops::RangeInclusive;
@@ -20,7 +20,8 @@ pub struct Request<'a> {
     pub top: &'a Section<'a>,
     /// Mode and time steps.
     pub time: &'a Time,
-    pub(super) file: &'a TypedFile,
+    pub(super) file: &'a ScenarioFile,
+    pub(super) own: &'a OwnTables,
     pub(super) context: &'a Context<'a>,
 }
 
@@ -61,13 +62,13 @@ impl BuiltRod {
 impl<'a> Request<'a> {
     /// The table `[key]` of this kind, which must be there.
     pub fn table<T: Any>(&self, key: &str) -> Option<&'a T> {
-        let table = self.file.own(key);
+        let table = self.own.get(key);
         self.top.needed(key, table, &format!("a table [{key}]"))
     }
 
     /// Whether the tables `[rod]` and `[material]` are there, which is reported where they are not.
     pub fn needs_rod(&self) -> bool {
-        let common = &self.file.common;
+        let common = self.file;
         let help = "a table [rod] with radius and nodes";
         let rod = self.top.needed("rod", common.rod.as_ref(), help);
         let help = "a table [material] with youngs_modulus, poissons_ratio and density";
@@ -77,7 +78,7 @@ impl<'a> Request<'a> {
 
     /// The round rod that the tables `[rod]` and `[material]` describe, with so many nodes; `None` without the tables.
     pub fn rod(&self, nodes: RangeInclusive<usize>) -> Option<BuiltRod> {
-        let common = &self.file.common;
+        let common = self.file;
         let (rod, table) = (common.rod.as_ref()?, common.material.as_ref()?);
         let section = self.top.below("rod");
         let nodes = section.count("nodes", rod.nodes, nodes);
