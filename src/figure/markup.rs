@@ -26,6 +26,18 @@ pub fn fill(template: &str, parts: &[(&str, &str)]) -> String {
     filled + rest
 }
 
+/// Whether the beginning of a file is that of a page of ours.
+pub fn is_page(head: &[u8]) -> bool {
+    let head = String::from_utf8_lossy(head);
+    head.starts_with("<!DOCTYPE html>")
+        && head.contains(r#"<meta name="generator" content="rodlab">"#)
+}
+
+/// Whether the beginning of a file is that of a picture as we draw them: SVG or PNG.
+pub fn is_picture(head: &[u8]) -> bool {
+    head.starts_with(b"<svg") || head.starts_with(b"<?xml") || head.starts_with(b"\x89PNG")
+}
+
 /// JSON as it stands in a script element, which a name such as `</script>` must not end.
 pub fn json_in_script(value: &serde_json::Value) -> String {
     value.to_string().replace('<', "\\u003c")

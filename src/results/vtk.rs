@@ -21,6 +21,9 @@ pub(super) fn write_frame(
     frame: &Frame,
 ) -> Result<(), ResultsError> {
     let folder = directory.join(VTK_FOLDER);
+    if folder.is_symlink() {
+        return Err(ResultsError::Link { path: folder });
+    }
     fs::create_dir_all(&folder).map_err(ResultsError::io("create", &folder))?;
     write_whole(&directory.join(frame_name(index)), &poly_data(rods, frame))
 }
@@ -43,6 +46,14 @@ pub(super) fn write_collection(
 
 fn frame_name(index: usize) -> String {
     format!("{VTK_FOLDER}/rods_{index:06}.vtp")
+}
+
+/// Whether a file in the folder of frames is called like one of them.
+pub(super) fn is_frame_name(name: &str) -> bool {
+    let number = name
+        .strip_prefix("rods_")
+        .and_then(|rest| rest.strip_suffix(".vtp"));
+    number.is_some_and(|number| number.len() >= 6 && number.bytes().all(|b| b.is_ascii_digit()))
 }
 
 fn poly_data(rods: &[RodRecord], frame: &Frame) -> Vec<u8> {
