@@ -112,7 +112,7 @@ pub fn submit(arguments: &SubmitArguments) -> Result<(), Failure> {
     let request = request(arguments, case_set.name());
     if arguments.print {
         let all: Vec<usize> = (1..=jobs.tasks).collect();
-        return print(&cluster::script(&program, &request, &all));
+        return print(&cluster::script(&program, &request, &all)?);
     }
     sweep::establish(&case_set, &RunOptions::new(&directory))?;
     let queue = cluster::tasks(&jobs.jobs)?;

@@ -33,7 +33,7 @@ mod usage;
 mod vtk;
 
 pub(crate) use atomic::sync;
-pub use atomic::write_whole;
+pub use atomic::{replace_own, write_whole};
 pub use branch::{BranchKind, BranchRow, read_branches};
 pub use checkpoint::CheckpointFiles;
 pub use columns::{
