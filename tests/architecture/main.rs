@@ -13,7 +13,7 @@ type Table = &'static [(&'static str, &'static [&'static str])];
 
 /// Rooms of the crate; the documentation of the crate shows the same table.
 const ROOMS: Table = &[
-    ("cli", &["sweep", "verify", "reproduce", "cluster"]),
+    ("cli", &["sweep", "verify", "reproduce", "guide", "cluster"]),
     ("sweep", &["experiment"]),
     ("verify", &["experiment"]),
     ("reproduce", &["report"]),
@@ -26,6 +26,7 @@ const ROOMS: Table = &[
     ("results", &[]),
     ("figure", &[]),
     ("cluster", &[]),
+    ("guide", &[]),
     ("linalg", &[]),
 ];
 

@@ -1,16 +1,18 @@
-//! Why a step fails, and what is said of it.
+//! Why a step or an equilibrium fails, and what is reported of it.
 
-use super::Simulation;
 use super::report::SimulationError;
+use crate::mechanics::Overlap;
 use crate::mechanics::rod::STRIDE;
-use crate::mechanics::system::{Divergence, Stage};
+use crate::mechanics::system::{Divergence, Stage, System};
+use std::fmt;
 
+/// Why one attempt at a step fails.
+#[derive(Debug)]
 pub(super) enum Failure {
+    /// Newton's method does not converge.
     Newton(Divergence),
-    Penetration {
-        iterations: usize,
-        what: String,
-    },
+    /// Surfaces overlap by more than is allowed.
+    Penetration { iterations: usize, overlap: Overlap },
     /// Where the motion leads, or must lead, surfaces would cross.
     Crossing {
         iterations: usize,
@@ -19,59 +21,88 @@ pub(super) enum Failure {
 }
 
 impl Failure {
+    /// Newton iterations that were spent.
     pub fn iterations(&self) -> usize {
         match self {
             Self::Newton(divergence) => divergence.iterations,
             Self::Penetration { iterations, .. } | Self::Crossing { iterations, .. } => *iterations,
         }
     }
+
+    /// The error of a run whose step of a size (s) from `time` (s) fails so; `trial` is where Newton's method ended.
+    pub fn into_error(
+        self,
+        system: &mut System,
+        trial: &[f64],
+        stage: &Stage,
+        [time, step]: [f64; 2],
+    ) -> SimulationError {
+        match self {
+            Self::Newton(divergence) => {
+                let place = Place::of(system, trial, Some(stage), divergence.unknown);
+                SimulationError::NoConvergence {
+                    time,
+                    step,
+                    residual: divergence.residual,
+                    term: place.term,
+                    rod: place.rod,
+                    node: place.node,
+                }
+            }
+            Self::Penetration { .. } | Self::Crossing { .. } => {
+                SimulationError::Unphysical(format!("at t = {time:.6e} s {self}"))
+            }
+        }
+    }
 }
 
-impl Simulation {
-    /// Returns to the last accepted state and says why the step failed.
-    pub(super) fn give_up(&mut self, step: f64, failure: Failure) -> SimulationError {
-        let error = match failure {
-            Failure::Newton(divergence) => self.no_convergence(step, &divergence),
-            Failure::Penetration { what, .. } => {
-                SimulationError::Unphysical(format!("at t = {:.6e} s {what}", self.time))
-            }
-            Failure::Crossing { what, .. } => {
-                SimulationError::Unphysical(format!("at t = {:.6e} s {what}", self.time))
-            }
-        };
-        self.system.drive(self.time, &mut self.unknowns);
-        self.system.update_geometry(&self.unknowns);
-        error
+impl fmt::Display for Failure {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Newton(divergence) => write!(
+                formatter,
+                "no convergence in {} iterations, residual {:.3e} N",
+                divergence.iterations, divergence.residual
+            ),
+            Self::Penetration { overlap, .. } => overlap.fmt(formatter),
+            Self::Crossing { what, .. } => formatter.write_str(what),
+        }
     }
+}
 
-    /// Term, rod and node of the largest residual at a failed configuration.
-    fn culprit(&mut self, stage: Option<&Stage>, unknown: usize) -> (&'static str, String, usize) {
-        let term = self.system.largest_term(&self.trial, stage, unknown);
-        let (rod, node) = self.system.assembly.locate(unknown / STRIDE);
-        (term, self.system.assembly.names[rod].clone(), node)
-    }
+/// Where Newton's method fails.
+struct Place {
+    /// The term of the residual that is largest there.
+    term: &'static str,
+    rod: String,
+    /// Node along the rod.
+    node: usize,
+}
 
-    fn no_convergence(&mut self, step: f64, divergence: &Divergence) -> SimulationError {
-        let stage = self.stage.clone();
-        let (term, rod, node) = self.culprit(Some(&stage), divergence.unknown);
-        SimulationError::NoConvergence {
-            time: self.time,
-            step,
-            residual: divergence.residual,
+impl Place {
+    fn of(system: &mut System, trial: &[f64], stage: Option<&Stage>, unknown: usize) -> Self {
+        let term = system.largest_term(trial, stage, unknown);
+        let (rod, node) = system.assembly.locate(unknown / STRIDE);
+        Self {
             term,
-            rod,
+            rod: system.assembly.names[rod].clone(),
             node,
         }
     }
+}
 
-    pub(super) fn no_equilibrium(&mut self, divergence: &Divergence) -> SimulationError {
-        let (term, rod, node) = self.culprit(None, divergence.unknown);
-        SimulationError::NoEquilibrium {
-            iterations: divergence.iterations,
-            residual: divergence.residual,
-            term,
-            rod,
-            node,
-        }
+/// The error of a search for an equilibrium that ended at `trial`.
+pub(super) fn no_equilibrium(
+    system: &mut System,
+    trial: &[f64],
+    divergence: &Divergence,
+) -> SimulationError {
+    let place = Place::of(system, trial, None, divergence.unknown);
+    SimulationError::NoEquilibrium {
+        iterations: divergence.iterations,
+        residual: divergence.residual,
+        term: place.term,
+        rod: place.rod,
+        node: place.node,
     }
 }

@@ -2,6 +2,7 @@
 
 use super::history::History;
 use super::step_control::StepControl;
+use crate::mechanics::SceneError;
 use crate::mechanics::contact::ContactMemory;
 use crate::mechanics::fluid::FluidMemory;
 use crate::mechanics::rod::ReferenceFrames;
@@ -88,12 +89,24 @@ pub struct Energies {
     pub gravitational: f64,
 }
 
+impl Energies {
+    /// Stretching, bending and twisting energy.
+    pub fn elastic(&self) -> f64 {
+        self.stretching + self.bending + self.twisting
+    }
+
+    /// Kinetic, elastic, contact and gravitational energy.
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.elastic() + self.contact + self.gravitational
+    }
+}
+
 /// Why a simulation stopped.
 #[derive(Debug, thiserror::Error)]
 pub enum SimulationError {
-    /// The scene itself is wrong (exit code 2).
-    #[error("{0}")]
-    BadScene(String),
+    /// The scene itself is wrong, or cannot answer what is asked (exit code 2).
+    #[error(transparent)]
+    BadScene(#[from] SceneError),
     /// Newton did not converge at the smallest step (exit code 3).
     #[error(
         "no convergence at t = {time:.6e} s with the smallest step {step:.3e} s: residual {residual:.3e} N, largest in the {term} term at node {node} of rod `{rod}`"

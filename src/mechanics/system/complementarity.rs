@@ -111,10 +111,10 @@ impl System {
         stage: &Stage,
         correction: &mut [f64],
     ) -> Result<DVector<f64>, NoContactForces> {
-        let rubs = constraints
+        let has_friction = constraints
             .iter()
             .any(|constraint| constraint.friction > 0.0);
-        let directions = if rubs { 3 } else { 1 };
+        let directions = if has_friction { 3 } else { 1 };
         let rows = directions * constraints.len();
         let row_of = |row: usize| (&constraints[row / directions], row % directions);
         let unknowns = correction.len();

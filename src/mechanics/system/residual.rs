@@ -64,7 +64,7 @@ impl System {
             .add_gradient(&self.geometry, &mut elastic);
         let mut inertia = vec![0.0; self.residual.len()];
         if let Some(stage) = stage {
-            add_inertia(&self.assembly, stage, unknowns, &mut inertia);
+            add_inertia(&self.assembly, &self.loads, stage, unknowns, &mut inertia);
         }
         let load = -self.dead_forces[unknown];
         let known = [inertia[unknown], elastic[unknown], load];

@@ -1,20 +1,20 @@
 //! The contact model of a scene, and words for what touches.
 
 use super::{Assembly, copy_positions};
-use crate::mechanics::Vector3;
 use crate::mechanics::contact::{
     ContactPair, ContactPlane, ContactSurface, ImplicitContact, Proximity,
 };
 use crate::mechanics::scene::Scene;
+use crate::mechanics::{Overlap, Vector3};
 
 /// The contact model of a scene with its first candidates; `None` where everything passes through.
 ///
 /// # Errors
-/// A sentence that names two bodies that overlap as placed.
+/// [`Overlap`] names two bodies that overlap as placed.
 pub(super) fn contact_of(
     scene: &Scene,
     assembly: &Assembly,
-) -> Result<Option<ImplicitContact>, String> {
+) -> Result<Option<ImplicitContact>, Overlap> {
     let Some(parameters) = scene.contact else {
         return Ok(None);
     };
@@ -39,24 +39,24 @@ pub(super) fn contact_of(
     let mut positions = vec![Vector3::zeros(); assembly.rods.nodes];
     copy_positions(&assembly.unknowns, &mut positions);
     if let Some(overlap) = contact.initial_overlaps(&positions).first() {
-        return Err(describe_overlap(overlap, &contact, assembly));
+        return Err(name_overlap(overlap, &contact, assembly));
     }
     contact.update_candidates(&positions);
     Ok(Some(contact))
 }
 
-/// A sentence that names two bodies that are too close.
-pub fn describe_overlap(
-    overlap: &Proximity,
+/// Names the two bodies of `proximity` that are too close.
+pub fn name_overlap(
+    proximity: &Proximity,
     contact: &ImplicitContact,
     assembly: &Assembly,
-) -> String {
+) -> Overlap {
     let edge_name = |edge: usize| {
         let edge = contact.surface().edges()[edge];
         let (rod, node) = assembly.locate(edge.nodes[0]);
         format!("edge {node} of rod `{}`", assembly.names[rod])
     };
-    let (first, second) = match overlap.pair {
+    let (first, second) = match proximity.pair {
         ContactPair::Edges([a, b]) => (edge_name(a), edge_name(b)),
         ContactPair::NodeAndPlane { node, plane } => {
             let (rod, along) = assembly.locate(node);
@@ -66,13 +66,11 @@ pub fn describe_overlap(
             )
         }
     };
-    let (meet, least) = if contact.parameters().is_barrier() {
-        ("touch or interpenetrate", "more than")
-    } else {
-        ("interpenetrate", "at least")
-    };
-    format!(
-        "{first} and {second} {meet}: distance {:.6e} m, allowed is {least} {:.6e} m",
-        overlap.distance, overlap.threshold
-    )
+    Overlap {
+        first,
+        second,
+        distance: proximity.distance,
+        least: proximity.threshold,
+        exclusive: contact.parameters().is_barrier(),
+    }
 }

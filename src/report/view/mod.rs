@@ -4,11 +4,14 @@ mod fields;
 mod parameters;
 
 use crate::experiment::{Page, from_text, kind_named};
-use crate::figure::{Movie, MovieCase, MovieFrame, MoviePlane, MovieRod, View, movie_page};
+use crate::figure::{
+    Movie, MovieCase, MovieFrame, MoviePlane, MovieRod, View, is_page, movie_page,
+};
 use crate::mechanics::contact::{ContactPlane, ContactSurface, touching_points};
 use crate::report::case_folders::{CaseFolder, case_folders};
 use crate::results::{
-    Manifest, NODES, NodePositions, ResultsError, read_node_forces, read_nodes, write_whole,
+    Manifest, NODES, NodePositions, ResultsError, read_node_forces, read_nodes,
+    replace_own,
 };
 use crate::scenario::{Contact, Scenario};
 use fields::fields;
@@ -90,7 +93,7 @@ pub fn write_page(
             });
         }
         Page::Own(page) => {
-            write_whole(to, page.as_bytes())?;
+            replace_own(to, page.as_bytes(), is_page)?;
             return Ok(WrittenPage {
                 cases: 1,
                 bytes: page.len(),
@@ -124,7 +127,7 @@ pub fn write_page(
         cases,
     };
     let page = movie_page(&movie);
-    write_whole(to, page.as_bytes())?;
+    replace_own(to, page.as_bytes(), is_page)?;
     Ok(WrittenPage {
         cases: movie.cases.len(),
         bytes: page.len(),

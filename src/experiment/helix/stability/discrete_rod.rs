@@ -142,20 +142,10 @@ impl DiscreteRod {
         };
         Scene {
             rods: vec![RodDescription {
-                name: "helix".into(),
-                centreline,
-                closed: false,
                 end_tangents: tangents.map(Some),
-                first_director: None,
                 twist,
                 natural_shape: NaturalShape::Centreline(natural),
-                stiffness: self.stiffness(),
-                radius: RADIUS,
-                mass_per_length: 1.0,
-                rotational_inertia_per_length: 0.5 * RADIUS * RADIUS,
-                velocity: Vector3::zeros(),
-                angular_velocity: Vector3::zeros(),
-                held: false,
+                ..RodDescription::uniform("helix", centreline, self.stiffness(), RADIUS, 1.0)
             }],
             clamps: vec![clamp(0), clamp(self.edges)],
             ..Scene::default()
