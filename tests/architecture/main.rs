@@ -32,11 +32,11 @@ const ROOMS: Table = &[
 
 /// Parts of `experiment`: the kinds do not know each other.
 const EXPERIMENT: Table = &[
-    ("derived", &["kind", "kind_named", "OwnNumbers"]),
-    ("prepare", &["kind", "kind_named"]),
-    ("scene", &["kind", "Kind"]),
-    ("flagella", &["kind", "Kind"]),
-    ("knot", &["kind", "prepare", "load"]),
+    ("derived", &["kind"]),
+    ("prepare", &["kind"]),
+    ("scene", &["kind"]),
+    ("flagella", &["kind", "prepare"]),
+    ("knot", &["kind", "prepare"]),
     ("helix", &["kind"]),
     ("kind", &[]),
 ];

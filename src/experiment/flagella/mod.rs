@@ -15,10 +15,11 @@
 mod keys;
 
 use super::Kind;
+use super::prepare::round_rod;
 use crate::mechanics::Vector3;
-use crate::mechanics::scene::{Clamp, Motion, NaturalShape, RodDescription, Scene, Stiffness};
+use crate::mechanics::scene::{Clamp, Motion, NaturalShape, RodDescription, Scene};
 use crate::scenario::keys::{ExperimentKeys, OwnTable, Request};
-use crate::scenario::{self, BuilderRod, CrossSection, Experiment, Issue, Material, Scenario};
+use crate::scenario::{BuilderRod, Experiment, Issue, Material, Scenario};
 use keys::{Flagella, FlagellaTables, Head, TABLES, resolve};
 use std::f64::consts::TAU;
 
@@ -124,38 +125,17 @@ fn flagellum(
     rod: &BuilderRod,
     flagella: &Flagella,
 ) -> RodDescription {
-    let section = CrossSection::Circle;
-    let scenario::Stiffness {
-        stretching,
-        bending_1,
-        bending_2,
-        twisting,
-    } = section.stiffness(rod.radius, material);
-    let [second_moment_1, second_moment_2] = section.second_moments(rod.radius);
     let (centreline, end_tangents) = centreline(rod.nodes, flagella);
+    let centreline = centreline.into_iter().map(|node| foot + node).collect();
     RodDescription {
-        name: name(number),
-        centreline: centreline.into_iter().map(|node| foot + node).collect(),
-        closed: false,
         end_tangents: end_tangents.map(Some),
         first_director: Some(if flagella.hook {
             Vector3::x()
         } else {
             Vector3::z()
         }),
-        twist: 0.0,
         natural_shape: NaturalShape::AsPlaced,
-        stiffness: Stiffness {
-            stretching,
-            bending: [bending_1, bending_2],
-            twisting,
-        },
-        radius: rod.radius,
-        mass_per_length: material.density * section.area(rod.radius),
-        rotational_inertia_per_length: material.density * (second_moment_1 + second_moment_2),
-        velocity: Vector3::zeros(),
-        angular_velocity: Vector3::zeros(),
-        held: false,
+        ..round_rod(&name(number), centreline, material, rod)
     }
 }
 

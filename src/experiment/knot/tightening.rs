@@ -9,11 +9,10 @@
 
 use super::tied_knot::{TiedKnot, outward, tie};
 use super::{Knot, KnotEnds, KnotTables};
+use crate::experiment::prepare::round_rod;
 use crate::mechanics::Vector3;
-use crate::mechanics::scene::{
-    Clamp, Load, LoadKind, Motion, NaturalShape, RodDescription, Scene, Stiffness,
-};
-use crate::scenario::{BuilderRod, CrossSection, Issue, Material};
+use crate::mechanics::scene::{Clamp, Load, LoadKind, Motion, Scene};
+use crate::scenario::Issue;
 use std::f64::consts::TAU;
 
 /// Part of the settling time after which its drag begins to fade.
@@ -55,7 +54,7 @@ pub fn add(scene: &mut Scene, tables: &KnotTables, end: f64) -> Result<(), Issue
                 motion: pulled(knot, direction, end),
             });
         }
-        let mut description = described(name, nodes, material, rod);
+        let mut description = round_rod(&name, nodes, material, rod);
         if is_built {
             description.end_tangents = [Some(-outward[0]), Some(outward[1])];
             description.first_director = Some(Vector3::y());
@@ -116,37 +115,6 @@ fn add_drag(
             },
             schedule,
         });
-    }
-}
-
-fn described(
-    name: String,
-    centreline: Vec<Vector3>,
-    material: &Material,
-    rod: &BuilderRod,
-) -> RodDescription {
-    let section = CrossSection::Circle;
-    let stiffness = section.stiffness(rod.radius, material);
-    let [second_moment_1, second_moment_2] = section.second_moments(rod.radius);
-    RodDescription {
-        name,
-        centreline,
-        closed: false,
-        end_tangents: [None; 2],
-        first_director: None,
-        twist: 0.0,
-        natural_shape: NaturalShape::Straight,
-        stiffness: Stiffness {
-            stretching: stiffness.stretching,
-            bending: [stiffness.bending_1, stiffness.bending_2],
-            twisting: stiffness.twisting,
-        },
-        radius: rod.radius,
-        mass_per_length: material.density * section.area(rod.radius),
-        rotational_inertia_per_length: material.density * (second_moment_1 + second_moment_2),
-        velocity: Vector3::zeros(),
-        angular_velocity: Vector3::zeros(),
-        held: false,
     }
 }
 

@@ -2,6 +2,7 @@
 
 pub(crate) mod curve;
 mod gripper_motion;
+mod round_rod;
 
 use super::kind_named;
 use crate::mechanics::Vector3;
@@ -18,6 +19,8 @@ use crate::scenario::{
 };
 use curve::{SampledCurve, sample};
 use gripper_motion::gripper_motion;
+
+pub use round_rod::round_rod;
 
 /// Builds the mechanics of a scenario.
 ///

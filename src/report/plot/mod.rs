@@ -14,9 +14,8 @@ pub use error::PlotError;
 use crate::experiment::kind_named;
 use crate::figure::{RodCurve, Snapshot, View, is_picture, line_plots, png, snapshots};
 use crate::results::{
-    BRANCH_FIGURE, Manifest, NODES, NodePositions, RODS_FIGURE, ResultsError, RodRecord,
-    SERIES, SERIES_FIGURE, SUMMARY, SWEEP_FIGURE, Table, read_nodes, read_series,
-    replace_own,
+    BRANCH_FIGURE, Manifest, NODES, NodePositions, RODS_FIGURE, ResultsError, RodRecord, SERIES,
+    SERIES_FIGURE, SUMMARY, SWEEP_FIGURE, Table, read_nodes, read_series, replace_own,
 };
 use branch::branch_figure;
 use series::series_plots;

@@ -10,8 +10,7 @@ use crate::figure::{
 use crate::mechanics::contact::{ContactPlane, ContactSurface, touching_points};
 use crate::report::case_folders::{CaseFolder, case_folders};
 use crate::results::{
-    Manifest, NODES, NodePositions, ResultsError, read_node_forces, read_nodes,
-    replace_own,
+    Manifest, NODES, NodePositions, ResultsError, read_node_forces, read_nodes, replace_own,
 };
 use crate::scenario::{Contact, Scenario};
 use fields::fields;
