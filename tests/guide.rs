@@ -249,6 +249,25 @@ fn the_front_page_leads_to_every_topic() {
 }
 
 #[test]
+fn scenarios_named_by_the_table_of_experiments_exist() {
+    let page = rodlab::guide::page("scenarios").unwrap().text;
+    let table = page.split("| examples in `scenarios/` |").nth(1).unwrap();
+    let rows = table
+        .lines()
+        .skip(2)
+        .take_while(|line| line.starts_with('|'));
+    let mut count = 0;
+    for examples in rows.map(|row| row.rsplit(" | ").next().unwrap()) {
+        for name in examples.split('`').skip(1).step_by(2) {
+            let file = repository().join(format!("scenarios/{name}.toml"));
+            assert!(file.exists(), "{name}");
+            count += 1;
+        }
+    }
+    assert!(count > 20, "{count}");
+}
+
+#[test]
 fn reproduced_pages_are_listed() {
     let folder = repository().join("results/reproduced");
     let index = fs::read_to_string(folder.join("README.md")).unwrap();
