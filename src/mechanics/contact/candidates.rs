@@ -147,9 +147,9 @@ impl Candidates {
         self.is_within(positions, COMPLETE_FRACTION)
     }
 
-    /// A part of the way `displacements` from `positions` along which the set is complete; 0 where it is not
+    /// A fraction of the path `displacements` from `positions` along which the set is complete; 0 where it is not
     /// complete at `positions`, and may be greater than 1.
-    pub fn covered_part(&self, positions: &[Vector3], displacements: &[Vector3]) -> f64 {
+    pub fn covered_fraction(&self, positions: &[Vector3], displacements: &[Vector3]) -> f64 {
         if self.positions.len() != positions.len() {
             return 0.0;
         }

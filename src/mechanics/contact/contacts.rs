@@ -20,7 +20,7 @@ pub struct CandidatePair {
 /// A pair of edges within reach of the contact potential.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ActiveContact {
-    /// Index into [`ImplicitContact::candidates`](super::ImplicitContact::candidates).
+    /// Index into [`ContactSystem::candidates`](super::ContactSystem::candidates).
     pub candidate: usize,
     /// The nodes x_i, x_{i+1}, x_j, x_{j+1}.
     pub nodes: [usize; 4],

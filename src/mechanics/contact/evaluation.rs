@@ -2,10 +2,10 @@
 
 use super::candidates::approach;
 use super::closest_points::{ClosestPoints, edge_distance};
+use super::contact_system::ContactSystem;
 use super::contacts::{ActiveContact, PlaneContact};
 use super::edge_contact::{Sliding, edge_force, edge_jacobian};
 use super::friction::{FrictionLaw, slip};
-use super::implicit_contact::ImplicitContact;
 use super::multipliers::LinearLaw;
 use super::normal_law::{NormalLaw, NormalResponse};
 use super::plane_contact::{NodeSliding, plane_force, plane_jacobian};
@@ -51,7 +51,7 @@ struct TouchingEdges {
     force: [f64; 12],
 }
 
-impl ImplicitContact {
+impl ContactSystem {
     /// Finds the active contacts at `positions` and evaluates energy, forces and Jacobians.
     ///
     /// Friction acts on the velocity (`positions` − `previous`)/`time_step`, and not at all where
@@ -171,27 +171,27 @@ impl ImplicitContact {
     /// Adds the Jacobian of two edges, and the differences between the force of their laws, that of the linearised
     /// laws, and that of the carried normal force and traction.
     fn linearize_edges(&mut self, edges: &TouchingEdges) {
-        let pressing = self.linear_normal_law(edges);
-        let rubbing = self.linear_friction_law(edges);
+        let pressure = self.linear_normal_law(edges);
+        let friction = self.linear_friction_law(edges);
         let sliding = edges.sliding.as_ref();
         self.jacobians.push(edge_jacobian(
             &edges.nodes,
             &edges.closest,
-            &pressing.tangent,
-            sliding.map(|sliding| (sliding, rubbing.slip)),
+            &pressure.tangent,
+            sliding.map(|sliding| (sliding, friction.slip)),
         ));
         let with = |normal_force: f64, traction: &Vector3| {
             edge_force(&edges.closest, normal_force, traction)
         };
         // The product of force and direction, linearised where the Jacobian is: N d₀ + N₀ (d − d₀).
-        let normal_force = pressing.tangent.force;
-        let pressed = with(pressing.force, &rubbing.value);
-        let [slid, base] = [&rubbing.present, &rubbing.value].map(|t| with(normal_force, t));
+        let normal_force = pressure.tangent.force;
+        let pressed = with(pressure.force, &friction.value);
+        let [slid, base] = [&friction.present, &friction.value].map(|t| with(normal_force, t));
         let force = &edges.force;
         self.linear_corrections.push(std::array::from_fn(|k| {
             pressed[k] + (slid[k] - base[k]) - force[k]
         }));
-        let carried = with(normal_force, &rubbing.carried);
+        let carried = with(normal_force, &friction.carried);
         self.multiplier_corrections
             .push(std::array::from_fn(|k| carried[k] - force[k]));
     }

@@ -1,7 +1,6 @@
-//! Contact between rods and with planes: broad phase, distances, the implicit contact model, incremental
-//! potential contact, friction.
+//! Contact between rods and with planes: broad phase, distances, three contact models, friction.
 //!
-//! [`ImplicitContact`] is the door to this room; the other files follow the chain from geometry to force:
+//! [`ContactSystem`] holds all contacts of a scene; the other files follow the chain from geometry to force:
 //!
 //! | file | what |
 //! |---|---|
@@ -16,7 +15,7 @@
 //! | `edge_contact`, `plane_contact` | force and Jacobian of one contact |
 //! | `multipliers`, `tractions` | normal forces and friction that Newton's method carries along |
 //! | `stiffness` | the adaptive contact stiffness (Eqs. 2.18, 2.19) |
-//! | `implicit_contact`, `evaluation`, `contacts` | all contacts of a scene |
+//! | `contact_system`, `evaluation`, `contacts` | all contacts of a scene |
 //! | `proximity` | least distance, penetration, overlaps of a new scene |
 //! | `touching` | where surfaces touch, for pictures |
 //! | `memory` | what a restart needs |
@@ -26,6 +25,7 @@ mod broad_phase;
 mod candidates;
 mod closest_points;
 mod constraints;
+mod contact_system;
 mod contacts;
 mod continuous_collision;
 mod coulomb_problem;
@@ -33,7 +33,6 @@ mod distance;
 mod edge_contact;
 mod evaluation;
 mod friction;
-mod implicit_contact;
 mod memory;
 mod multipliers;
 mod normal_law;
@@ -52,9 +51,10 @@ mod touching;
 mod tractions;
 
 pub use constraints::ContactConstraint;
+pub use contact_system::ContactSystem;
+pub use contact_system::ContactSystem as ImplicitContact;
 pub use contacts::{ActiveContact, CandidatePair, EdgeJacobian, PlaneContact, PlaneJacobian};
 pub(crate) use coulomb_problem::CoulombProblem;
-pub use implicit_contact::ImplicitContact;
 pub use memory::{ContactMemory, MismatchedMemory};
 pub use parameters::{ContactModel, ContactParameters};
 pub use proximity::{ContactPair, Proximity};

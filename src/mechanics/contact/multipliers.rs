@@ -17,7 +17,7 @@
 //!
 //! Where a contact slides over a node it passes from one pair to the next. The new pair has hardly a force
 //! to start from, but a gap that is known well, since it is that of the old pair; so a force that the
-//! present gap gives is believed up to [`BELIEVED_PART`] of the largest force. So is that of a contact that begins: where
+//! present gap gives is trusted up to [`TRUSTED_FRACTION`] of the largest force. So is that of a contact that begins: where
 //! the predictor overlaps by some δ, the law gives a force that is too large by eight orders of magnitude, each of which
 //! would take half an iteration to lose.
 //!
@@ -34,12 +34,12 @@ use super::normal_law::NormalResponse;
 /// within two or three iterations.
 const LARGEST_LOSS: f64 = 0.98;
 
-/// Part of the largest force of the last step up to which forces of present gaps are believed.
+/// Part of the largest force of the last step up to which forces of present gaps are trusted.
 ///
 /// The prediction errs by some δ/30, so larger forces may be out by factors, which cost an iteration each;
 /// smaller ones are not worth it. In a bundle of two flagella 0.1 takes 2.7 iterations a step, 0.5 takes 2.9, 3
 /// takes 3.2, and none at all 3.8.
-const BELIEVED_PART: f64 = 0.1;
+const TRUSTED_FRACTION: f64 = 0.1;
 
 /// How evaluations treat the multipliers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -58,9 +58,9 @@ enum Phase {
 pub(super) struct Multipliers {
     phase: Phase,
     /// Forces at the end of the last accepted step, N, one per candidate.
-    settled: Vec<f64>,
-    /// Force of present gaps that is believed, N.
-    believed: f64,
+    committed: Vec<f64>,
+    /// Force of present gaps that is trusted, N.
+    trusted: f64,
     /// Forces in the present iteration, N.
     present: Vec<f64>,
 }
@@ -75,43 +75,43 @@ pub(super) struct LinearLaw {
 }
 
 impl Multipliers {
-    /// Starts the iterations of a step from the settled forces; where there are none, forces up to about `expected`, N,
+    /// Starts the iterations of a step from the committed forces; where there are none, forces up to about `expected`, N,
     /// are to come.
     pub fn begin(&mut self, candidates: usize, expected: f64) {
-        self.settled.resize(candidates, 0.0);
-        self.present.clone_from(&self.settled);
-        let largest = self.settled.iter().copied().fold(0.0, f64::max);
-        self.believed = BELIEVED_PART * if largest > 0.0 { largest } else { expected };
+        self.committed.resize(candidates, 0.0);
+        self.present.clone_from(&self.committed);
+        let largest = self.committed.iter().copied().fold(0.0, f64::max);
+        self.trusted = TRUSTED_FRACTION * if largest > 0.0 { largest } else { expected };
         self.phase = Phase::Fresh;
     }
 
     /// Takes over the forces of an accepted step, of contacts nearer than `reach` (m).
-    pub fn settle(&mut self, candidates: usize, contacts: &[ActiveContact], reach: f64) {
-        self.settled.clear();
-        self.settled.resize(candidates, 0.0);
+    pub fn commit(&mut self, candidates: usize, contacts: &[ActiveContact], reach: f64) {
+        self.committed.clear();
+        self.committed.resize(candidates, 0.0);
         for contact in contacts
             .iter()
             .filter(|contact| contact.distance - contact.threshold < reach)
         {
-            self.settled[contact.candidate] = contact.normal_force;
+            self.committed[contact.candidate] = contact.normal_force;
         }
         self.phase = Phase::Unused;
     }
 
-    /// Carries the settled forces over to a new list of candidates; both lists are sorted.
+    /// Carries the committed forces over to a new list of candidates; both lists are sorted.
     pub fn carry_over(&mut self, old: &[CandidatePair], new: &[CandidatePair]) {
-        self.settled = carried_over(old, &self.settled, new);
+        self.committed = carried_over(old, &self.committed, new);
         self.phase = Phase::Unused;
     }
 
     /// Forces at the end of the last accepted step, N, one per candidate.
-    pub fn settled(&self) -> &[f64] {
-        &self.settled
+    pub fn committed(&self) -> &[f64] {
+        &self.committed
     }
 
     /// Continues from stored forces.
-    pub fn restore(&mut self, settled: &[f64]) {
-        self.settled = settled.to_vec();
+    pub fn restore(&mut self, committed: &[f64]) {
+        self.committed = committed.to_vec();
         self.phase = Phase::Unused;
     }
 
@@ -151,9 +151,9 @@ impl Multipliers {
             return None;
         }
         let known = self.present[candidate];
-        let believed = response.force.min(self.believed);
-        if known == 0.0 && believed == response.force {
-            self.present[candidate] = believed;
+        let trusted = response.force.min(self.trusted);
+        if known == 0.0 && trusted == response.force {
+            self.present[candidate] = trusted;
             return None;
         }
         let at = |force: f64| {
@@ -169,7 +169,7 @@ impl Multipliers {
         } else {
             known
         };
-        let force = next.max(believed);
+        let force = next.max(trusted);
         self.present[candidate] = force;
         let (tangent, linear) = at(force);
         Some(LinearLaw {
@@ -199,7 +199,7 @@ mod tests {
             &old,
             &[pair(0, 3), pair(1, 4), pair(2, 6), pair(2, 7), pair(3, 9)],
         );
-        assert_eq!(multipliers.settled(), [0.0, 2.0, 0.0, 3.0, 0.0]);
+        assert_eq!(multipliers.committed(), [0.0, 2.0, 0.0, 3.0, 0.0]);
     }
 
     /// The law N(g) = e⁻ᵍ.
@@ -236,7 +236,7 @@ mod tests {
         assert!((multipliers.present[0] - 1.0).abs() < 1e-15);
         multipliers.linear_law(0, gap + 9.0, &law(gap + 9.0), law, inverse);
         assert!((multipliers.present[0] - 0.02).abs() < 1e-15);
-        // A gap that comes near is believed up to a tenth of the largest force, which was 2.
+        // A gap that comes near is trusted up to a tenth of the largest force, which was 2.
         multipliers.linear_law(0, inverse(5.0), &law(inverse(5.0)), law, inverse);
         assert!((multipliers.present[0] - 0.2).abs() < 1e-15);
     }

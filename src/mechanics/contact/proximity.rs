@@ -2,7 +2,7 @@
 
 use super::broad_phase::BroadPhase;
 use super::closest_points::edge_distance;
-use super::implicit_contact::ImplicitContact;
+use super::contact_system::ContactSystem;
 use crate::mechanics::Vector3;
 
 /// Surfaces that touch to rounding error do not count as overlapping.
@@ -45,7 +45,7 @@ impl Proximity {
     }
 }
 
-impl ImplicitContact {
+impl ContactSystem {
     /// Smallest centreline distance over the candidates, m; infinite without candidates.
     pub fn minimum_distance(&self, positions: &[Vector3]) -> f64 {
         self.candidates()

@@ -58,15 +58,15 @@ impl Tangent {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tractions {
     /// At the end of the last accepted step, one per candidate.
-    settled: Vec<Option<Vector3>>,
+    committed: Vec<Option<Vector3>>,
     /// Linear laws of the last linearisation.
     tangents: Vec<Option<Tangent>>,
 }
 
 impl Tractions {
-    /// Starts the iterations of a step from the settled tractions.
+    /// Starts the iterations of a step from the committed tractions.
     pub fn begin(&mut self, candidates: usize) {
-        self.settled.resize(candidates, None);
+        self.committed.resize(candidates, None);
         self.tangents.clear();
         let constant = |value: &Vector3| Tangent {
             value: *value,
@@ -74,42 +74,42 @@ impl Tractions {
             slip: Vector3::zeros(),
         };
         self.tangents.extend(
-            self.settled
+            self.committed
                 .iter()
                 .map(|known| known.as_ref().map(constant)),
         );
     }
 
     /// At the end of the last accepted step, one per candidate.
-    pub fn settled(&self) -> &[Option<Vector3>] {
-        &self.settled
+    pub fn committed(&self) -> &[Option<Vector3>] {
+        &self.committed
     }
 
     /// Continues from stored tractions.
-    pub fn restore(&mut self, settled: Vec<Option<Vector3>>) {
-        self.settled = settled;
+    pub fn restore(&mut self, committed: Vec<Option<Vector3>>) {
+        self.committed = committed;
     }
 
     /// Takes over the tractions of an accepted step, one per contact, of contacts nearer than `reach` (m).
-    pub fn settle(
+    pub fn commit(
         &mut self,
         candidates: usize,
         contacts: &[ActiveContact],
         tractions: &[Vector3],
         reach: f64,
     ) {
-        self.settled.clear();
-        self.settled.resize(candidates, None);
+        self.committed.clear();
+        self.committed.resize(candidates, None);
         for (contact, traction) in contacts.iter().zip(tractions) {
             if contact.distance - contact.threshold < reach {
-                self.settled[contact.candidate] = Some(*traction);
+                self.committed[contact.candidate] = Some(*traction);
             }
         }
     }
 
-    /// Carries the settled tractions over to a new list of candidates; both lists are sorted.
+    /// Carries the committed tractions over to a new list of candidates; both lists are sorted.
     pub fn carry_over(&mut self, old: &[CandidatePair], new: &[CandidatePair]) {
-        self.settled = carried_over(old, &self.settled, new);
+        self.committed = carried_over(old, &self.committed, new);
     }
 
     /// The law for `candidate` at the slip `slip` (m/s) on surfaces with the unit normal `normal`.
@@ -130,19 +130,19 @@ impl Tractions {
             None => law.traction_of_slip(slip),
         };
         let sticking = STICKING_PART * law.coefficient;
-        let place = if tangent.is_some() && (carried.norm() < sticking || carried.dot(slip) > 0.0) {
+        let at = if tangent.is_some() && (carried.norm() < sticking || carried.dot(slip) > 0.0) {
             law.slip_of_traction(&cut(carried, sticking))
         } else {
             *slip
         };
         let next = Tangent {
-            value: law.traction_of_slip(&place),
-            slope: law.slope(&place),
-            slip: place,
+            value: law.traction_of_slip(&at),
+            slope: law.slope(&at),
+            slip: at,
         };
         *tangent = Some(next);
         LinearTraction {
-            slip: place,
+            slip: at,
             value: next.value,
             present: next.at(slip),
             carried,
@@ -266,6 +266,6 @@ mod tests {
         tractions.restore(vec![first, None, second]);
         let old = [pair(0, 4), pair(1, 4), pair(2, 7)];
         tractions.carry_over(&old, &[pair(0, 3), pair(0, 4), pair(1, 4), pair(2, 7)]);
-        assert_eq!(tractions.settled(), [None, first, None, second]);
+        assert_eq!(tractions.committed(), [None, first, None, second]);
     }
 }

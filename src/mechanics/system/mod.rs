@@ -365,7 +365,7 @@ impl System {
         contact.candidates_are_complete(&self.positions)
     }
 
-    /// Largest part of the straight way between two sets of unknowns along which no contact is crossed; 1
+    /// Largest part of the straight path between two sets of unknowns along which no contact is crossed; 1
     /// where the contact model allows penetration.
     pub fn largest_step(&mut self, from: &[f64], to: &[f64]) -> f64 {
         let Some(contact) = &mut self.contact else {
@@ -379,7 +379,7 @@ impl System {
         if step.candidates_changed {
             self.matrix.forget_pattern();
         }
-        step.part
+        step.fraction
     }
 
     /// Farthest that a node may move at once so that surfaces do not pass through each other unnoticed, m; infinite

@@ -16,7 +16,7 @@ use crate::mechanics::Vector3;
 ///
 /// In a time step: [`update_candidates`](Self::update_candidates), then per Newton iteration
 /// [`evaluate`](Self::evaluate) and per trial of the line search [`evaluate_forces`](Self::evaluate_forces),
-/// no farther along a straight way than [`largest_step`](Self::largest_step) allows;
+/// no farther along a straight path than [`largest_step`](Self::largest_step) allows;
 /// after it, [`candidates_are_complete`](Self::candidates_are_complete) and
 /// [`excessive_penetration`](Self::excessive_penetration).
 ///
@@ -26,7 +26,7 @@ use crate::mechanics::Vector3;
 /// that pass through each other within one step are not noticed; with incremental potential contact
 /// [`largest_step`](Self::largest_step) keeps them from it.
 #[derive(Clone, Debug)]
-pub struct ImplicitContact {
+pub struct ContactSystem {
     pub(super) parameters: ContactParameters,
     pub(super) surface: ContactSurface,
     pub(super) planes: Vec<ContactPlane>,
@@ -37,8 +37,8 @@ pub struct ImplicitContact {
     least_stiffness: f64,
     /// How far every node has moved since the candidates were built, m; scratch.
     pub(super) motion: Vec<f64>,
-    /// Where a step has come to while it is searched for collisions, m; scratch.
-    pub(super) place: Vec<Vector3>,
+    /// Positions along a step that is searched for collisions, m; scratch.
+    pub(super) scratch_positions: Vec<Vector3>,
     pub(super) contacts: Vec<ActiveContact>,
     /// Friction per normal force of the contacts.
     pub(super) tractions: Vec<Vector3>,
@@ -54,7 +54,7 @@ pub struct ImplicitContact {
     pub(super) contact_count: usize,
 }
 
-impl ImplicitContact {
+impl ContactSystem {
     /// `least_stiffness` is the contact stiffness k at the start and the least that
     /// [`Self::adapt_stiffness`] chooses; that of the force scale EI/L² suits.
     pub fn new(
@@ -75,7 +75,7 @@ impl ImplicitContact {
             stiffness: least_stiffness,
             least_stiffness,
             motion: Vec::new(),
-            place: Vec::new(),
+            scratch_positions: Vec::new(),
             contacts: Vec::new(),
             jacobians: Vec::new(),
             linear_corrections: Vec::new(),
@@ -188,9 +188,9 @@ impl ImplicitContact {
     pub fn settle_multipliers(&mut self) {
         let candidates = self.candidates.pairs().len();
         let reach = self.parameters.reach();
-        self.multipliers.settle(candidates, &self.contacts, reach);
+        self.multipliers.commit(candidates, &self.contacts, reach);
         self.carried_tractions
-            .settle(candidates, &self.contacts, &self.tractions, reach);
+            .commit(candidates, &self.contacts, &self.tractions, reach);
     }
 
     pub(super) fn multipliers(&self) -> &Multipliers {
@@ -219,7 +219,7 @@ impl ImplicitContact {
     /// Largest normal force between edges in the last accepted step, N; zero without contacts.
     pub fn largest_normal_force(&self) -> f64 {
         self.multipliers
-            .settled()
+            .committed()
             .iter()
             .copied()
             .fold(0.0, f64::max)
