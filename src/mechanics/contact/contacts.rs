@@ -52,3 +52,12 @@ pub struct PlaneContact {
     /// Force on the node, friction included, N.
     pub force: [f64; 3],
 }
+
+/// What to add to the forces of all contacts of an evaluation, N.
+#[derive(Clone, Copy, Debug)]
+pub struct ForceCorrections<'a> {
+    /// One per contact of two edges, node after node.
+    pub edges: &'a [[f64; 12]],
+    /// One per plane contact.
+    pub planes: &'a [[f64; 3]],
+}

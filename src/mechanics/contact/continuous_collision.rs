@@ -39,12 +39,41 @@ pub(super) fn safe_fraction(
     threshold: f64,
     longest: f64,
 ) -> f64 {
-    let mut closest = ClosestPoints::of(nodes);
+    let closest = ClosestPoints::of(nodes);
     let gap = closest.distance() - threshold;
     if !(gap > 0.0) {
         return 0.0;
     }
     let kept = threshold + KEPT_GAP * gap;
+    let tolerance = USED_UP * KEPT_GAP * gap;
+    advance(closest, nodes, displacements, [kept, tolerance], longest)
+}
+
+/// The largest fraction of the path `displacements`, up to `longest`, along which the centrelines of the edges are certain
+/// to be farther apart than the first of `bounds` (m): all of it where they never come within the second of that.
+pub(super) fn fraction_beyond(
+    nodes: &[Vector3; 4],
+    displacements: &[Vector3; 4],
+    bounds: [f64; 2],
+    longest: f64,
+) -> f64 {
+    advance(
+        ClosestPoints::of(nodes),
+        nodes,
+        displacements,
+        bounds,
+        longest,
+    )
+}
+
+/// The same from closest points that are known.
+fn advance(
+    mut closest: ClosestPoints,
+    nodes: &[Vector3; 4],
+    displacements: &[Vector3; 4],
+    [kept, tolerance]: [f64; 2],
+    longest: f64,
+) -> f64 {
     let (mut fraction, mut moved) = (0.0, *nodes);
     for _ in 0..ADVANCES {
         let normal = closest.separation / closest.distance();
@@ -65,7 +94,7 @@ pub(super) fn safe_fraction(
         fraction += advance;
         moved = std::array::from_fn(|m| nodes[m] + displacements[m] * fraction);
         closest = ClosestPoints::of(&moved);
-        if closest.distance() - kept <= USED_UP * KEPT_GAP * gap {
+        if closest.distance() - kept <= tolerance {
             break;
         }
     }
@@ -74,9 +103,10 @@ pub(super) fn safe_fraction(
 
 #[cfg(test)]
 mod tests {
-    use super::super::closest_points::edge_distance;
     use super::super::test_support::Random;
     use super::*;
+
+    use super::super::closest_points::edge_distance;
 
     const THRESHOLD: f64 = 1.0;
 

@@ -39,6 +39,7 @@ pub(super) struct Traction {
 
 impl FrictionLaw {
     /// Friction per normal force at the relative velocity `velocity` (m/s).
+    #[cfg(test)]
     pub fn traction(&self, normal: &Vector3, velocity: &Vector3) -> Vector3 {
         self.traction_of_slip(&slip(normal, velocity))
     }

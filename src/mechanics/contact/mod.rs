@@ -10,6 +10,7 @@
 //! | `parameters` | the contact model and its numbers |
 //! | `normal_law`, `potential`, `barrier` | contact energy of a gap: Eqs. 2.15, 2.16 or the barrier of Eq. 2.1 |
 //! | `continuous_collision`, `step_bound` | how far a step may go without crossing the barrier |
+//! | `certificate` | that nothing has passed through anything in a step |
 //! | `constraints`, `coulomb_problem` | contacts as constraints, and their forces by complementarity (thesis 3.3) |
 //! | `friction` | Coulomb friction, smoothed near zero slip (Eqs. 2.7–2.14) |
 //! | `edge_contact`, `plane_contact` | force and Jacobian of one contact |
@@ -23,6 +24,7 @@
 mod barrier;
 mod broad_phase;
 mod candidates;
+mod certificate;
 mod closest_points;
 mod constraints;
 mod contact_system;
@@ -53,7 +55,9 @@ mod tractions;
 pub use constraints::ContactConstraint;
 pub use contact_system::ContactSystem;
 pub use contact_system::ContactSystem as ImplicitContact;
-pub use contacts::{ActiveContact, CandidatePair, EdgeJacobian, PlaneContact, PlaneJacobian};
+pub use contacts::{
+    ActiveContact, CandidatePair, EdgeJacobian, ForceCorrections, PlaneContact, PlaneJacobian,
+};
 pub(crate) use coulomb_problem::CoulombProblem;
 pub use memory::{ContactMemory, MismatchedMemory};
 pub use parameters::{ContactModel, ContactParameters};

@@ -1,5 +1,8 @@
 //! Normal forces that Newton's method carries along as unknowns of their own.
 //!
+//! Every candidate pair of edges has a slot, and after them every node over every plane (see [`Slots`]).
+//!
+//!
 //! The contact force falls to a third within δ/30 of gap, a distance that rods cross many times within one
 //! time step. Newton's method on the gap alone sees no force a little too far out, and one that is out
 //! by orders of magnitude a little too far in; it then needs an iteration for every factor of e. So each
@@ -25,7 +28,7 @@
 //! present gap.
 
 use super::candidates::carried_over;
-use super::contacts::{ActiveContact, CandidatePair};
+use super::contacts::CandidatePair;
 use super::normal_law::NormalResponse;
 
 /// Part of a multiplier that one iteration may take away.
@@ -41,6 +44,30 @@ const LARGEST_LOSS: f64 = 0.98;
 /// takes 3.2, and none at all 3.8.
 const TRUSTED_FRACTION: f64 = 0.1;
 
+/// Where the contacts of a scene keep what they carry from step to step: candidate pairs first, then every node over
+/// every plane.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Slots {
+    /// Candidate pairs.
+    pub candidates: usize,
+    /// Nodes of all rods.
+    pub nodes: usize,
+    /// Planes.
+    pub planes: usize,
+}
+
+impl Slots {
+    /// Number of slots.
+    pub fn count(&self) -> usize {
+        self.candidates + self.planes * self.nodes
+    }
+
+    /// Slot of a node over a plane.
+    pub fn over_plane(&self, plane: usize, node: usize) -> usize {
+        self.candidates + plane * self.nodes + node
+    }
+}
+
 /// How evaluations treat the multipliers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Phase {
@@ -53,11 +80,11 @@ enum Phase {
     Advancing,
 }
 
-/// The normal forces of all candidates.
+/// The normal forces of all slots.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Multipliers {
     phase: Phase,
-    /// Forces at the end of the last accepted step, N, one per candidate.
+    /// Forces at the end of the last accepted step, N, one per slot.
     committed: Vec<f64>,
     /// Force of present gaps that is trusted, N.
     trusted: f64,
@@ -77,23 +104,20 @@ pub(super) struct LinearLaw {
 impl Multipliers {
     /// Starts the iterations of a step from the committed forces; where there are none, forces up to about `expected`, N,
     /// are to come.
-    pub fn begin(&mut self, candidates: usize, expected: f64) {
-        self.committed.resize(candidates, 0.0);
+    pub fn begin(&mut self, slots: Slots, expected: f64) {
+        self.committed.resize(slots.count(), 0.0);
         self.present.clone_from(&self.committed);
         let largest = self.committed.iter().copied().fold(0.0, f64::max);
         self.trusted = TRUSTED_FRACTION * if largest > 0.0 { largest } else { expected };
         self.phase = Phase::Fresh;
     }
 
-    /// Takes over the forces of an accepted step, of contacts nearer than `reach` (m).
-    pub fn commit(&mut self, candidates: usize, contacts: &[ActiveContact], reach: f64) {
+    /// Takes over the forces of an accepted step, slot by slot; those not given are zero.
+    pub fn commit(&mut self, slots: Slots, forces: impl Iterator<Item = (usize, f64)>) {
         self.committed.clear();
-        self.committed.resize(candidates, 0.0);
-        for contact in contacts
-            .iter()
-            .filter(|contact| contact.distance - contact.threshold < reach)
-        {
-            self.committed[contact.candidate] = contact.normal_force;
+        self.committed.resize(slots.count(), 0.0);
+        for (slot, force) in forces {
+            self.committed[slot] = force;
         }
         self.phase = Phase::Unused;
     }
@@ -104,7 +128,7 @@ impl Multipliers {
         self.phase = Phase::Unused;
     }
 
-    /// Forces at the end of the last accepted step, N, one per candidate.
+    /// Forces at the end of the last accepted step, N, one per slot.
     pub fn committed(&self) -> &[f64] {
         &self.committed
     }
@@ -125,9 +149,9 @@ impl Multipliers {
         self.phase != Phase::Unused
     }
 
-    /// Whether a candidate bears force by its multiplier, wherever it is.
-    pub fn is_loaded(&self, candidate: usize) -> bool {
-        self.in_use() && self.present[candidate] > 0.0
+    /// Whether the contact of a slot bears force by its multiplier, wherever it is.
+    pub fn is_loaded(&self, slot: usize) -> bool {
+        self.in_use() && self.present[slot] > 0.0
     }
 
     /// The next evaluation with Jacobians brings the forces up to date.
@@ -137,11 +161,11 @@ impl Multipliers {
         }
     }
 
-    /// The law for `candidate` at `gap`, whose own response there is `response`; `None` where it is
+    /// The law of a slot at `gap`, whose own response there is `response`; `None` where it is
     /// linearised at that gap. `law` gives the response of a gap, `inverse` the gap of a force.
     pub fn linear_law(
         &mut self,
-        candidate: usize,
+        slot: usize,
         gap: f64,
         response: &NormalResponse,
         law: impl Fn(f64) -> NormalResponse,
@@ -150,10 +174,10 @@ impl Multipliers {
         if !self.in_use() {
             return None;
         }
-        let known = self.present[candidate];
+        let known = self.present[slot];
         let trusted = response.force.min(self.trusted);
         if known == 0.0 && trusted == response.force {
-            self.present[candidate] = trusted;
+            self.present[slot] = trusted;
             return None;
         }
         let at = |force: f64| {
@@ -170,7 +194,7 @@ impl Multipliers {
             known
         };
         let force = next.max(trusted);
-        self.present[candidate] = force;
+        self.present[slot] = force;
         let (tangent, linear) = at(force);
         Some(LinearLaw {
             tangent,
@@ -202,6 +226,21 @@ mod tests {
         assert_eq!(multipliers.committed(), [0.0, 2.0, 0.0, 3.0, 0.0]);
     }
 
+    fn slots(candidates: usize) -> Slots {
+        Slots {
+            candidates,
+            ..Slots::default()
+        }
+    }
+
+    #[test]
+    fn forces_of_planes_stay_behind_those_of_any_list_of_pairs() {
+        let mut multipliers = Multipliers::default();
+        multipliers.restore(&[1.0, 2.0, 7.0, 8.0]);
+        multipliers.carry_over(&[pair(0, 4), pair(1, 4)], &[pair(1, 4)]);
+        assert_eq!(multipliers.committed(), [2.0, 7.0, 8.0]);
+    }
+
     /// The law N(g) = e⁻ᵍ.
     fn law(gap: f64) -> NormalResponse {
         NormalResponse {
@@ -219,7 +258,7 @@ mod tests {
     fn a_linear_law_touches_the_force_law_at_its_force() {
         let mut multipliers = Multipliers::default();
         multipliers.restore(&[2.0]);
-        multipliers.begin(1, 1.0);
+        multipliers.begin(slots(1), 1.0);
         // At the gap of the force itself the two agree; half a unit farther the tangent is lower.
         let linear = multipliers
             .linear_law(0, inverse(2.0), &law(inverse(2.0)), law, inverse)
@@ -244,7 +283,7 @@ mod tests {
     #[test]
     fn a_contact_that_begins_with_overlap_bears_what_is_believed() {
         let mut multipliers = Multipliers::default();
-        multipliers.begin(2, 3.0);
+        multipliers.begin(slots(2), 3.0);
         let deep = multipliers.linear_law(0, -9.0, &law(-9.0), law, inverse);
         assert!((multipliers.present[0] - 0.3).abs() < 1e-15);
         let line = 0.3 * (1.0 - (-9.0 - inverse(0.3)));

@@ -18,8 +18,9 @@
 //! Two flagella in a tangle at μ = 1 take 8 iterations per millisecond so, against 80 with the law at the present slip.
 
 use super::candidates::carried_over;
-use super::contacts::{ActiveContact, CandidatePair};
+use super::contacts::CandidatePair;
 use super::friction::FrictionLaw;
+use super::multipliers::Slots;
 use crate::mechanics::{Matrix3, Vector3};
 
 /// Part of the friction coefficient up to which a traction counts as that of sticking surfaces.
@@ -54,10 +55,10 @@ impl Tangent {
     }
 }
 
-/// The tractions of all candidates; those of pairs without contact are not known.
+/// The tractions of all slots, as in [`multipliers`](super::multipliers); those without contact are not known.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tractions {
-    /// At the end of the last accepted step, one per candidate.
+    /// At the end of the last accepted step, one per slot.
     committed: Vec<Option<Vector3>>,
     /// Linear laws of the last linearisation.
     tangents: Vec<Option<Tangent>>,
@@ -65,8 +66,8 @@ pub(super) struct Tractions {
 
 impl Tractions {
     /// Starts the iterations of a step from the committed tractions.
-    pub fn begin(&mut self, candidates: usize) {
-        self.committed.resize(candidates, None);
+    pub fn begin(&mut self, slots: Slots) {
+        self.committed.resize(slots.count(), None);
         self.tangents.clear();
         let constant = |value: &Vector3| Tangent {
             value: *value,
@@ -80,7 +81,7 @@ impl Tractions {
         );
     }
 
-    /// At the end of the last accepted step, one per candidate.
+    /// At the end of the last accepted step, one per slot.
     pub fn committed(&self) -> &[Option<Vector3>] {
         &self.committed
     }
@@ -90,20 +91,12 @@ impl Tractions {
         self.committed = committed;
     }
 
-    /// Takes over the tractions of an accepted step, one per contact, of contacts nearer than `reach` (m).
-    pub fn commit(
-        &mut self,
-        candidates: usize,
-        contacts: &[ActiveContact],
-        tractions: &[Vector3],
-        reach: f64,
-    ) {
+    /// Takes over the tractions of an accepted step, slot by slot; those not given are not known.
+    pub fn commit(&mut self, slots: Slots, tractions: impl Iterator<Item = (usize, Vector3)>) {
         self.committed.clear();
-        self.committed.resize(candidates, None);
-        for (contact, traction) in contacts.iter().zip(tractions) {
-            if contact.distance - contact.threshold < reach {
-                self.committed[contact.candidate] = Some(*traction);
-            }
+        self.committed.resize(slots.count(), None);
+        for (slot, traction) in tractions {
+            self.committed[slot] = Some(traction);
         }
     }
 
@@ -112,15 +105,15 @@ impl Tractions {
         self.committed = carried_over(old, &self.committed, new);
     }
 
-    /// The law for `candidate` at the slip `slip` (m/s) on surfaces with the unit normal `normal`.
+    /// The law of a slot at the slip `slip` (m/s) on surfaces with the unit normal `normal`.
     pub fn linear_law(
         &mut self,
-        candidate: usize,
+        slot: usize,
         law: &FrictionLaw,
         normal: &Vector3,
         slip: &Vector3,
     ) -> LinearTraction {
-        let tangent = &mut self.tangents[candidate];
+        let tangent = &mut self.tangents[slot];
         let carried = match tangent {
             Some(tangent) => {
                 let linear = tangent.at(slip);
@@ -176,10 +169,17 @@ mod tests {
         }
     }
 
+    fn one_slot() -> Slots {
+        Slots {
+            candidates: 1,
+            ..Slots::default()
+        }
+    }
+
     fn starting_from(traction: Vector3) -> Tractions {
         let mut tractions = Tractions::default();
         tractions.restore(vec![Some(traction)]);
-        tractions.begin(1);
+        tractions.begin(one_slot());
         tractions
     }
 
@@ -251,7 +251,7 @@ mod tests {
         let slip = Vector3::new(3e-4, 0.0, 0.0);
         let mut sliding = starting_from(Vector3::x() * -LAW.coefficient);
         let mut unknown = Tractions::default();
-        unknown.begin(1);
+        unknown.begin(one_slot());
         for tractions in [&mut sliding, &mut unknown] {
             let linear = tractions.linear_law(0, &LAW, &Vector3::z(), &slip);
             assert_eq!(linear.slip, slip);

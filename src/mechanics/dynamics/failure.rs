@@ -14,7 +14,7 @@ pub(super) enum Failure {
     /// Where the motion leads, or must lead, surfaces would cross.
     Crossing {
         iterations: usize,
-        what: &'static str,
+        what: String,
     },
 }
 

@@ -170,7 +170,7 @@ impl Simulation {
         }
         self.system.update_candidates(&self.unknowns);
         let mut goal = self.control.goal(&self.parameters.step, self.time, until);
-        let mut stiffenings = 0;
+        let (mut stiffenings, mut passes) = (0, false);
         loop {
             let step = goal - self.time;
             report.fluid_iterations += self.prepare_stage(goal)?;
@@ -189,6 +189,7 @@ impl Simulation {
                 }
                 Err(failure) => {
                     report.newton_iterations += failure.iterations();
+                    passes |= matches!(failure, Failure::Crossing { .. });
                     if 0.5 * step < self.parameters.minimum_step {
                         return Err(self.give_up(step, failure));
                     }
@@ -197,7 +198,7 @@ impl Simulation {
             };
             report.retries += 1;
             if smaller < step {
-                if self.stays_careful() {
+                if passes || self.stays_careful() {
                     self.control.failed(smaller);
                 }
                 goal = self.time + smaller;

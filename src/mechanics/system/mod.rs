@@ -26,7 +26,7 @@ pub use residual::TERMS;
 use touching::contact_of;
 pub use touching::describe_overlap;
 
-use super::contact::{ContactModel, ImplicitContact};
+use super::contact::{ContactModel, ForceCorrections, ImplicitContact};
 use super::rod::{
     ElasticEnergy, GhostEdge, ReferenceFrames, RodGeometry, STRIDE, topology::position,
 };
@@ -293,14 +293,20 @@ impl System {
     }
 
     /// Writes the residual with other contact forces.
-    fn correct_residual(&mut self, of: fn(&ImplicitContact) -> &[[f64; 12]]) {
+    fn correct_residual(&mut self, of: fn(&ImplicitContact) -> ForceCorrections<'_>) {
         self.corrected_residual.copy_from_slice(&self.residual);
         let Some(contact) = &self.contact else { return };
-        for (pair, correction) in contact.contacts().iter().zip(of(contact)) {
+        let corrections = of(contact);
+        for (pair, correction) in contact.contacts().iter().zip(corrections.edges) {
             for (corner, &node) in pair.nodes.iter().enumerate() {
                 for axis in 0..3 {
                     self.corrected_residual[STRIDE * node + axis] -= correction[3 * corner + axis];
                 }
+            }
+        }
+        for (touch, correction) in contact.plane_contacts().iter().zip(corrections.planes) {
+            for axis in 0..3 {
+                self.corrected_residual[STRIDE * touch.node + axis] -= correction[axis];
             }
         }
     }
