@@ -125,7 +125,7 @@ impl ContactSystem {
             let nodes = pair.nodes.map(|node| motion.positions[node]);
             let threshold = self.surface.threshold(pair.edges);
             let closest = ClosestPoints::smoothed(&nodes, parameters.smoothing(threshold));
-            let gap = closest.distance() - threshold;
+            let gap = closest.distance() - threshold - parameters.standoff();
             if !loaded && gap >= reach {
                 continue;
             }

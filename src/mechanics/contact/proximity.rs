@@ -137,7 +137,11 @@ impl ContactSystem {
             .chain(planes)
             .filter(|proximity| {
                 if is_barrier {
-                    proximity.distance <= proximity.threshold
+                    let standoff = match proximity.pair {
+                        ContactPair::Edges(_) => self.parameters().standoff(),
+                        ContactPair::NodeAndPlane { .. } => 0.0,
+                    };
+                    proximity.distance <= proximity.threshold + standoff
                 } else {
                     proximity.penetration() > TOUCHING
                 }

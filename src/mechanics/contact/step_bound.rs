@@ -66,7 +66,7 @@ impl ContactSystem {
         displacements: &[Vector3],
         longest: f64,
     ) -> f64 {
-        let reach = self.parameters().reach();
+        let (reach, standoff) = (self.parameters().reach(), self.parameters().standoff());
         self.candidates.motion(start, &mut self.motion);
         for (motion, displacement) in self.motion.iter_mut().zip(displacements) {
             *motion += longest * displacement.norm();
@@ -76,8 +76,8 @@ impl ContactSystem {
             if earlier - approach(pair, &self.motion) < reach {
                 let nodes = pair.nodes.map(|node| start[node]);
                 let moves = pair.nodes.map(|node| displacements[node]);
-                fraction =
-                    safe_fraction(&nodes, &moves, self.surface.threshold(pair.edges), fraction);
+                let least = self.surface.threshold(pair.edges) + standoff;
+                fraction = safe_fraction(&nodes, &moves, least, fraction);
             }
         }
         fraction
