@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Rooms of the crate and what each may import beside itself.
-const ROOMS: [(&str, &[&str]); 9] = [
+const ROOMS: [(&str, &[&str]); 10] = [
     (
         "cli",
         &[
@@ -16,8 +16,10 @@ const ROOMS: [(&str, &[&str]); 9] = [
             "results",
             "figure",
             "cluster",
+            "guide",
         ],
     ),
+    ("guide", &[]),
     (
         "experiment",
         &["knot", "mechanics", "scenario", "results", "figure"],

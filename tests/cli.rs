@@ -91,7 +91,7 @@ fn a_run_says_where_its_results_lie_and_is_not_run_twice() {
     let series = fs::read(results.join("series.csv")).unwrap();
     let (code, stdout, _) = outcome(&directory, &["run", "swing.toml"]);
     assert_eq!(code, 0);
-    assert!(stdout.starts_with("finished before"), "{stdout}");
+    assert!(stdout.starts_with("already finished"), "{stdout}");
     let (code, stdout, _) = outcome(
         &directory,
         &["run", "swing.toml", "--force", "--threads", "2"],

@@ -58,6 +58,38 @@ pub struct RodDescription {
     pub held: bool,
 }
 
+impl RodDescription {
+    /// A rod with the same circular section everywhere, open and at rest, naturally straight and untwisted: what most
+    /// rods are, to be varied by the syntax of struct updates.
+    ///
+    /// `stiffness` in N and N m², `radius` in m, `mass_per_length` in kg/m. The moment of inertia about the centreline
+    /// is that of a solid circular section, ρ(I₁ + I₂) = ½ ρA h² per length.
+    pub fn uniform(
+        name: &str,
+        centreline: Vec<Vector3>,
+        stiffness: Stiffness,
+        radius: f64,
+        mass_per_length: f64,
+    ) -> Self {
+        Self {
+            name: name.into(),
+            centreline,
+            closed: false,
+            end_tangents: [None; 2],
+            first_director: None,
+            twist: 0.0,
+            natural_shape: NaturalShape::Straight,
+            stiffness,
+            radius,
+            mass_per_length,
+            rotational_inertia_per_length: 0.5 * mass_per_length * radius * radius,
+            velocity: Vector3::zeros(),
+            angular_velocity: Vector3::zeros(),
+            held: false,
+        }
+    }
+}
+
 /// The shape of a rod without stress.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NaturalShape {

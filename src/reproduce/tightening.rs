@@ -51,6 +51,13 @@ const TOLERANCE: f64 = 0.0125;
 /// Density at the radius of the thesis, kg/m³. The thesis has 1180, with which the loose loop takes seconds to swing
 /// and 6 mm/s is no longer slow; force balance does not depend on the density.
 const DENSITY: f64 = 10.0;
+/// What readers of the pages must know of it.
+pub(super) fn density_in_words() -> String {
+    format!(
+        "Rods of the thesis' radius have a density of {DENSITY} kg/m³ here instead of 1180 kg/m³, so that the pull is \
+         quasi-static; force balance does not depend on the density."
+    )
+}
 /// Time between outputs, s, and the most of the time of pulling.
 const INTERVAL: f64 = 0.25;
 const LARGEST_PART: f64 = 0.25;

@@ -176,9 +176,7 @@ impl RunOutcome {
             directory: options.directory.clone(),
             status: RunStatus::AlreadyFinished,
             case: case.map(|case| case.outcome).unwrap_or_default(),
-            wall_time: case
-                .map(|case| Duration::from_secs_f64(case.wall_time))
-                .unwrap_or_default(),
+            wall_time: case.map(|case| case.usage().wall_time).unwrap_or_default(),
             remarks: Vec::new(),
         }
     }

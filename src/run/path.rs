@@ -108,7 +108,7 @@ fn remarks(ended_early: EndedEarly) -> Vec<String> {
 }
 
 fn row(point: &PathPoint, displacement_rms_m: f64, energies: &Energies) -> BranchRow {
-    let elastic = energies.stretching + energies.bending + energies.twisting;
+    let elastic = energies.elastic();
     BranchRow {
         branch: point.branch,
         parameter: point.parameter,

@@ -124,7 +124,7 @@ impl Sample {
             .contact
             .as_ref()
             .map_or(0.0, |contact| contact.energy());
-        elastic.stretching + elastic.bending + elastic.twisting + contact
+        elastic.total() + contact
     }
 
     /// Largest error of the gradient, relative to its largest entry.

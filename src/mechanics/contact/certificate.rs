@@ -15,7 +15,7 @@
 use super::contact_system::ContactSystem;
 use super::contacts::CandidatePair;
 use super::continuous_collision::fraction_beyond;
-use super::proximity::{ContactPair, Proximity};
+use super::proximity::ContactPair;
 use crate::mechanics::Vector3;
 
 /// Part of the least distance allowed at the ends of a step that centrelines keep within it. Zero would be enough to tell
@@ -31,7 +31,7 @@ impl ContactSystem {
     /// `end`, m; `None` where it is certain that there are none.
     ///
     /// At `start` and `end` no surfaces may overlap by more than `maximum_penetration`.
-    pub fn passage(&mut self, start: &[Vector3], end: &[Vector3]) -> Option<Proximity> {
+    pub fn passage(&mut self, start: &[Vector3], end: &[Vector3]) -> Option<ContactPair> {
         let allowed = 1.0 - self.parameters.maximum_penetration;
         let moved = start.iter().zip(end).map(|(a, b)| (b - a).norm_squared());
         let largest = moved.fold(0.0, f64::max);
@@ -54,16 +54,12 @@ impl ContactSystem {
         pair: &CandidatePair,
         start: &[Vector3],
         end: &[Vector3],
-    ) -> Option<Proximity> {
+    ) -> Option<ContactPair> {
         let nodes = pair.nodes.map(|node| start[node]);
         let displacements = pair.nodes.map(|node| end[node] - start[node]);
         let threshold = self.surface.threshold(pair.edges);
         let kept = KEPT_PART * (1.0 - self.parameters.maximum_penetration) * threshold;
         let fraction = fraction_beyond(&nodes, &displacements, [kept, TOLERANCE * kept], 1.0);
-        (fraction < 1.0).then_some(Proximity {
-            pair: ContactPair::Edges(pair.edges),
-            distance: kept,
-            threshold,
-        })
+        (fraction < 1.0).then_some(ContactPair::Edges(pair.edges))
     }
 }

@@ -202,7 +202,7 @@ impl ContactSystem {
         self.candidates.are_complete(positions)
     }
 
-    /// Starts the Newton iterations of a step: until [`Self::settle_multipliers`] or
+    /// Starts the Newton iterations of a step: until [`Self::commit_multipliers`] or
     /// [`Self::abandon_multipliers`] the Jacobians are those of the force law linearised at the normal forces
     /// that the iteration carries along, the first ones those of the last step.
     pub fn begin_iterations(&mut self) {
@@ -228,7 +228,7 @@ impl ContactSystem {
     }
 
     /// Takes over the normal forces of the last evaluation as those of an accepted step.
-    pub fn settle_multipliers(&mut self) {
+    pub fn commit_multipliers(&mut self) {
         let slots = self.slots();
         let reach = self.parameters.reach();
         // Contacts that opened stay listed where their multipliers bore force.

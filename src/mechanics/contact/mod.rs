@@ -54,7 +54,6 @@ mod tractions;
 
 pub use constraints::ContactConstraint;
 pub use contact_system::ContactSystem;
-pub use contact_system::ContactSystem as ImplicitContact;
 pub use contacts::{
     ActiveContact, CandidatePair, EdgeJacobian, ForceCorrections, PlaneContact, PlaneJacobian,
 };

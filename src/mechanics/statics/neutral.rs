@@ -92,7 +92,7 @@ fn remove(vectors: &[Vec<f64>], from: &mut [f64], weight: f64) {
 mod tests {
     use super::*;
     use crate::mechanics::Vector3;
-    use crate::mechanics::scene::{NaturalShape, RodDescription, Scene, Stiffness};
+    use crate::mechanics::scene::{RodDescription, Scene, Stiffness};
     use crate::mechanics::statics::find_equilibrium;
     use std::f64::consts::TAU;
 
@@ -104,26 +104,17 @@ mod tests {
             let angle = TAU * k as f64 / EDGES as f64;
             Vector3::new(angle.cos(), angle.sin(), 0.0)
         };
+        let centreline = (0..EDGES).map(node).collect();
+        let stiffness = Stiffness {
+            stretching: 1e4,
+            bending,
+            twisting: 1.0,
+        };
         Scene {
             rods: vec![RodDescription {
-                name: "ring".into(),
-                centreline: (0..EDGES).map(node).collect(),
                 closed: true,
-                end_tangents: [None; 2],
                 first_director: Some(Vector3::z()),
-                twist: 0.0,
-                natural_shape: NaturalShape::Straight,
-                stiffness: Stiffness {
-                    stretching: 1e4,
-                    bending,
-                    twisting: 1.0,
-                },
-                radius: 1e-2,
-                mass_per_length: 1.0,
-                rotational_inertia_per_length: 1e-4,
-                velocity: Vector3::zeros(),
-                angular_velocity: Vector3::zeros(),
-                held: false,
+                ..RodDescription::uniform("ring", centreline, stiffness, 1e-2, 1.0)
             }],
             ..Scene::default()
         }

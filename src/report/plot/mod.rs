@@ -13,11 +13,11 @@ pub use custom::{CustomFigure, custom_figure};
 pub use error::PlotError;
 
 use crate::experiment::helix::stability::section_figures;
-use crate::figure::{RodCurve, Snapshot, View, line_plots, png, snapshots};
+use crate::figure::{RodCurve, Snapshot, View, is_picture, line_plots, png, snapshots};
 use crate::results::{
     BOUNDARY, BRANCH_FIGURE, Manifest, NODES, NodePositions, RODS_FIGURE, ResultsError, RodRecord,
     SERIES, SERIES_FIGURE, SUMMARY, SWEEP_FIGURE, TRACTION_FIGURE, Table, read_nodes, read_series,
-    write_whole,
+    replace_own,
 };
 use branch::branch_figure;
 use series::series_plots;
@@ -86,8 +86,8 @@ pub fn plot_results(directory: &Path) -> Result<Vec<PathBuf>, PlotError> {
 /// [`ResultsError::Io`].
 pub fn write_figure(path: &Path, svg: &str) -> Result<[PathBuf; 2], ResultsError> {
     let paths = ["svg", "png"].map(|ending| path.with_extension(ending));
-    write_whole(&paths[0], svg.as_bytes())?;
-    write_whole(&paths[1], &png(svg))?;
+    replace_own(&paths[0], svg.as_bytes(), is_picture)?;
+    replace_own(&paths[1], &png(svg), is_picture)?;
     Ok(paths)
 }
 

@@ -4,12 +4,14 @@ mod fields;
 mod parameters;
 
 use crate::experiment::helix::stability::boundary_page;
-use crate::figure::{Movie, MovieCase, MovieFrame, MoviePlane, MovieRod, View, movie_page};
+use crate::figure::{
+    Movie, MovieCase, MovieFrame, MoviePlane, MovieRod, View, is_page, movie_page,
+};
 use crate::mechanics::contact::{ContactPlane, ContactSurface, touching_points};
 use crate::report::case_folders::{CaseFolder, case_folders};
 use crate::results::{
     BOUNDARY, Manifest, NODES, NodePositions, ResultsError, read_node_forces, read_nodes,
-    write_whole,
+    replace_own,
 };
 use crate::scenario::{self, Contact, Scenario};
 use fields::fields;
@@ -78,7 +80,7 @@ pub fn write_page(
     if directory.join(BOUNDARY).exists() {
         let page =
             boundary_page(directory)?.ok_or_else(|| ViewError::NoSurface(directory.to_owned()))?;
-        write_whole(to, page.as_bytes())?;
+        replace_own(to, page.as_bytes(), is_page)?;
         return Ok(WrittenPage {
             cases: 1,
             bytes: page.len(),
@@ -111,7 +113,7 @@ pub fn write_page(
         cases,
     };
     let page = movie_page(&movie);
-    write_whole(to, page.as_bytes())?;
+    replace_own(to, page.as_bytes(), is_page)?;
     Ok(WrittenPage {
         cases: movie.cases.len(),
         bytes: page.len(),
