@@ -99,7 +99,8 @@ pub enum NaturalShape {
     Straight,
     /// Constant material curvatures (1/m) and twist (rad/m), edge lengths as placed.
     Curved {
-        /// Natural curvatures κ̃¹, κ̃² about the two material directors, 1/m.
+        /// Natural curvatures about the two material directors, 1/m: the components κb·m₁ and κb·m₂ of the curvature
+        /// binormal.
         curvature: [f64; 2],
         /// Natural twist, rad/m.
         twist: f64,
@@ -113,7 +114,7 @@ pub enum NaturalShape {
 pub struct Stiffness {
     /// Stretching stiffness EA, N.
     pub stretching: f64,
-    /// Bending stiffnesses EI₁ (of κ¹) and EI₂ (of κ²), N m².
+    /// Bending stiffnesses EI₁ and EI₂ about the first and the second material director, N m².
     pub bending: [f64; 2],
     /// Twisting stiffness GJ, N m².
     pub twisting: f64,

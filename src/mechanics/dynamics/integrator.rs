@@ -104,7 +104,7 @@ impl Integrator {
         system.update_candidates(&state.unknowns);
         let sizes = self.setting.parameters.step;
         let mut goal = self.control.goal(&sizes, state.time, until);
-        let mut stiffenings = 0;
+        let (mut stiffenings, mut crosses) = (0, false);
         loop {
             let step = goal - state.time;
             report.fluid_iterations += self
@@ -137,6 +137,7 @@ impl Integrator {
                 }
                 Err(failure) => {
                     report.newton_iterations += failure.iterations();
+                    crosses |= matches!(failure, Failure::Crossing { .. });
                     debug!(
                         time = state.time,
                         step,
@@ -152,7 +153,7 @@ impl Integrator {
             };
             report.retries += 1;
             if smaller < step {
-                if self.keeps_failed_step(system) {
+                if crosses || self.keeps_failed_step(system) {
                     self.control.failed(smaller);
                 }
                 goal = state.time + smaller;
@@ -176,8 +177,8 @@ impl Integrator {
     }
 
     /// Whether the steps after a failed one begin small: where the step is automatic, and with friction, since the
-    /// slip that fails one step fails many. Steps of a fixed grid that fail for another reason, an impact on a
-    /// barrier say, are over when they are done.
+    /// slip that fails one step fails many. (So do steps that lead through a contact, of which more follow.) Steps of a
+    /// fixed grid that fail for another reason are over when they are done.
     fn keeps_failed_step(&self, system: &System) -> bool {
         matches!(self.setting.parameters.step, StepSize::Auto { .. }) || system.has_friction()
     }

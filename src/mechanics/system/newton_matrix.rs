@@ -7,7 +7,7 @@ use crate::linalg::{
     BandedFactor, BandedSymmetric, CoupledSystem, Element, ElementMatrix, Inertia, SingularMatrix,
     UNUSED,
 };
-use crate::mechanics::contact::ImplicitContact;
+use crate::mechanics::contact::ContactSystem;
 use crate::mechanics::rod::{ElasticRods, ReferenceFrames, RodGeometry, STRIDE};
 
 const ZERO: ElementMatrix = [[0.0; 12]; 12];
@@ -138,7 +138,7 @@ impl NewtonMatrix {
         }
     }
 
-    pub fn add_contact(&mut self, contact: &ImplicitContact) {
+    pub fn add_contact(&mut self, contact: &ContactSystem) {
         for (pair, jacobian) in contact.contacts().iter().zip(contact.jacobians()) {
             let mut matrix = *jacobian;
             matrix
@@ -177,7 +177,7 @@ impl NewtonMatrix {
         }
     }
 
-    fn list_contact_elements(&mut self, contact: &ImplicitContact) {
+    fn list_contact_elements(&mut self, contact: &ContactSystem) {
         self.contact_elements.clear();
         for candidate in contact.candidates() {
             let mut element = [UNUSED; 12];
