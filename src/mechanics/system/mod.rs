@@ -13,6 +13,7 @@
 mod build;
 mod clamps;
 mod complementarity;
+mod grasp;
 mod loads;
 mod newton_matrix;
 mod residual;
@@ -21,6 +22,7 @@ mod touching;
 pub use build::Assembly;
 pub use clamps::Drive;
 pub use complementarity::NoContactForces;
+pub use grasp::{Grasp, Interventions};
 use loads::Loads;
 use newton_matrix::NewtonMatrix;
 pub use residual::TERMS;
@@ -83,7 +85,7 @@ pub struct System {
     pub geometry: RodGeometry,
     /// Time of the present evaluation, s.
     pub time: f64,
-    /// Residual of the last evaluation, N and N m; at held unknowns minus the reaction.
+    /// Residual of the last evaluation, N and N m; at held unknowns what holds them.
     pub residual: Vec<f64>,
     corrected_residual: Vec<f64>,
     dead_forces: Vec<f64>,
@@ -96,6 +98,8 @@ pub struct System {
     correction: Vec<f64>,
     responses: Vec<f64>,
     has_planes: bool,
+    /// Whether a node was ever grasped or released.
+    switched: bool,
     matrix: NewtonMatrix,
 }
 
@@ -126,6 +130,7 @@ impl System {
             external_forces: vec![0.0; assembly.unknowns.len()],
             positions: vec![Vector3::zeros(); assembly.rods.nodes],
             has_planes: !scene.planes.is_empty(),
+            switched: false,
             nodal_forces: vec![Vector3::zeros(); assembly.rods.nodes],
             displacements: vec![Vector3::zeros(); assembly.rods.nodes],
             correction: Vec::new(),

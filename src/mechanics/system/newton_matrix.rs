@@ -214,6 +214,14 @@ impl NewtonMatrix {
         }
     }
 
+    /// Takes over which unknowns are held and how many ghost edges there are.
+    pub fn adapt(&mut self, assembly: &Assembly) {
+        self.held.clone_from(&assembly.held);
+        let edges = assembly.rods.nodes + assembly.rods.ghosts;
+        self.spin_moment.resize(edges, 0.0);
+        self.forget_pattern();
+    }
+
     /// Drops the pattern; it is found again when something couples.
     pub fn forget_pattern(&mut self) {
         self.coupled = None;
