@@ -1,16 +1,16 @@
 //! Probes against what is known of simple scenes, from the scenario file to the tables.
 
-use super::prepare;
+use super::{from_text, prepare};
 use crate::mechanics::Vector3;
 use crate::results::{BRANCH, NODES, SERIES, SUMMARY, Table, read_nodes};
 use crate::run::{PreparedRun, RunError, RunOptions, RunOutcome, StopRequest, run_until};
-use crate::scenario::from_text;
 use std::cell::Cell;
 use std::fs;
 use std::path::Path;
 
 fn prepared(text: &str) -> Result<PreparedRun, String> {
-    let loaded = from_text("probes", text, Path::new("")).map_err(|error| error.to_string())?;
+    let loaded =
+        from_text("probes", text, Path::new(""), &[]).map_err(|error| error.to_string())?;
     let prepared = prepare(&loaded.scenario);
     prepared.map_err(|issues| loaded.locate(issues).to_string())
 }
@@ -578,9 +578,9 @@ fn resolved_probes_read_back_to_themselves() {
         above = 3
         "#
     );
-    let loaded = from_text("probes", &text, Path::new("")).unwrap();
+    let loaded = from_text("probes", &text, Path::new(""), &[]).unwrap();
     let resolved = loaded.scenario.to_toml();
-    let again = from_text("probes", &resolved, Path::new("")).unwrap();
+    let again = from_text("probes", &resolved, Path::new(""), &[]).unwrap();
     assert_eq!(again.scenario, loaded.scenario, "{resolved}");
     assert_eq!(again.scenario.probes.len(), 5);
 }

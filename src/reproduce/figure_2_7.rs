@@ -4,7 +4,7 @@ use super::ReproduceError;
 use super::cases::Case;
 use super::overhand_law;
 use super::page::{Page, number};
-use super::tightening::{FRICTIONS, Tightening, pulled_rows};
+use super::tightening::{FRICTIONS, Tightening, density_in_words, pulled_rows};
 use crate::experiment::{KnotOutcome, KnotRow};
 use crate::figure::{Curve, LinePlot, line_plots};
 use crate::knot::{TREFOIL_FRICTION, audoly_traction};
@@ -71,6 +71,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Tightening>]) -> Result<(), R
         rows.extend(measured);
     }
     page.csv(&rows)?;
+    page.text(&density_in_words());
     let svg = line_plots(&plots, "ε = √(h/R)");
     page.figure(
         "fig2.7",

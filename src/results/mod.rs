@@ -13,6 +13,7 @@
 mod atomic;
 mod branch;
 mod checkpoint;
+mod columns;
 mod directory;
 mod error;
 mod forces;
@@ -32,9 +33,12 @@ mod value;
 mod vtk;
 
 pub(crate) use atomic::sync;
-pub use atomic::write_whole;
+pub use atomic::{replace_own, write_whole};
 pub use branch::{BranchKind, BranchRow, read_branches};
 pub use checkpoint::CheckpointFiles;
+pub use columns::{
+    Column, ColumnGroup, Described, FILES, FileDescription, describe, files_with_column,
+};
 pub use directory::{
     BOUNDARY, BRANCH, BRANCH_FIGURE, COMPARISON, NODE_FORCES, NODES, Opened, PAGE, RODS_FIGURE,
     ResultsDirectory, SCENARIO, SECTION_FIGURES, SERIES, SERIES_FIGURE, SUMMARY, SURFACE,

@@ -45,7 +45,7 @@ impl Counters {
 
     /// Notes the energies at an output; those of the last are an outcome of the run.
     pub fn note_energies(&mut self, energies: &Energies) {
-        let elastic = energies.stretching + energies.bending + energies.twisting;
+        let elastic = energies.elastic();
         self.outcome.elastic_energy = Some(elastic);
         self.outcome.gravitational_energy = Some(energies.gravitational);
     }

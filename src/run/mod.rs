@@ -192,7 +192,7 @@ impl RunOutcome {
             highlights: participants::highlights(&prepared.observers, &case),
             case,
             wall_time: record
-                .map(|record| Duration::from_secs_f64(record.wall_time))
+                .map(|record| record.usage().wall_time)
                 .unwrap_or_default(),
             remarks: Vec::new(),
         }

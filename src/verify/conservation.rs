@@ -85,7 +85,7 @@ fn nodal_masses() -> Vec<f64> {
 /// Energy, momentum and angular momentum about the origin.
 fn invariants(simulation: &Simulation, masses: &[f64]) -> (f64, Vector3, Vector3) {
     let energies = simulation.energies();
-    let energy = energies.kinetic + energies.stretching + energies.bending + energies.twisting;
+    let energy = energies.kinetic + energies.elastic();
     let (mut momentum, mut spin) = (Vector3::zeros(), Vector3::zeros());
     let nodes = simulation.positions().iter().zip(simulation.velocities());
     for ((x, v), mass) in nodes.zip(masses) {

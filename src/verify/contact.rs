@@ -190,7 +190,7 @@ fn scene(model: ContactModel, velocity: Vector3) -> Scene {
 /// Kinetic and elastic energy, J.
 fn energy(simulation: &Simulation) -> f64 {
     let energies = simulation.energies();
-    energies.kinetic + energies.stretching + energies.bending + energies.twisting
+    energies.kinetic + energies.elastic()
 }
 
 /// T/N of the force √(N² + T²) between two edges.

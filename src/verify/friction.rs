@@ -186,17 +186,12 @@ fn rope() -> RodDescription {
         .collect();
     // Bending is a small correction, EI/(2ρ² T₁) = 0.5 %; at the greater tension the rope stretches by 0.3 %.
     let bending = 0.01 * WEIGHT * WRAP_RADIUS * WRAP_RADIUS;
-    RodDescription {
-        stiffness: Stiffness {
-            stretching: 1e3 * WEIGHT,
-            bending: [bending; 2],
-            twisting: bending,
-        },
-        radius: ROPE_RADIUS,
-        mass_per_length: 0.01,
-        rotational_inertia_per_length: 0.5 * 0.01 * ROPE_RADIUS * ROPE_RADIUS,
-        ..unit_rod(centreline)
-    }
+    let stiffness = Stiffness {
+        stretching: 1e3 * WEIGHT,
+        bending: [bending; 2],
+        twisting: bending,
+    };
+    RodDescription::uniform("rod", centreline, stiffness, ROPE_RADIUS, 0.01)
 }
 
 fn capstan_scene(model: ContactModel, rope: RodDescription) -> Scene {

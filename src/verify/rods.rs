@@ -1,9 +1,7 @@
 //! The rod of the checks: a metre long, with unit bending stiffness, so that loads are dimensionless.
 
 use crate::mechanics::Vector3;
-use crate::mechanics::scene::{
-    Clamp, Load, LoadKind, Motion, NaturalShape, RodDescription, Stiffness,
-};
+use crate::mechanics::scene::{Clamp, Load, LoadKind, Motion, RodDescription, Stiffness};
 
 /// Radius of the rod, m: slender enough for theories of inextensible rods without shear.
 pub const RADIUS: f64 = 1e-3;
@@ -21,22 +19,7 @@ pub fn unit_stiffness() -> Stiffness {
 
 /// An open, naturally straight rod of unit stiffness and 1 kg/m along a polyline.
 pub fn unit_rod(centreline: Vec<Vector3>) -> RodDescription {
-    RodDescription {
-        name: "rod".into(),
-        centreline,
-        closed: false,
-        end_tangents: [None; 2],
-        first_director: None,
-        twist: 0.0,
-        natural_shape: NaturalShape::Straight,
-        stiffness: unit_stiffness(),
-        radius: RADIUS,
-        mass_per_length: 1.0,
-        rotational_inertia_per_length: 0.5 * RADIUS * RADIUS,
-        velocity: Vector3::zeros(),
-        angular_velocity: Vector3::zeros(),
-        held: false,
-    }
+    RodDescription::uniform("rod", centreline, unit_stiffness(), RADIUS, 1.0)
 }
 
 /// Equally spaced nodes from `start` to `end`.

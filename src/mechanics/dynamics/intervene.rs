@@ -1,14 +1,11 @@
 //! What may be done to a simulation between its steps. All of it is part of the state that checkpoints hold.
 
 use super::Simulation;
-use super::history::History;
-use super::parameters::Scheme;
 use super::report::SimulationError;
-use super::step_control::StepControl;
-use crate::mechanics::Vector3;
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::scene::Motion;
 use crate::mechanics::system::Grasp;
+use crate::mechanics::{SceneError, Vector3};
 
 impl Simulation {
     /// Sets forces of another solver, which act beside the loads of the scene from the next step on: for
@@ -26,8 +23,8 @@ impl Simulation {
     /// # Errors
     /// [`SimulationError::BadScene`] where there is no such load.
     pub fn set_load_factor(&mut self, load: usize, factor: f64) -> Result<(), SimulationError> {
-        let set = self.system.assembly.loads.set_factor(load, factor);
-        set.ok_or_else(|| SimulationError::BadScene(format!("there is no load {load}")))
+        let set = self.system.loads.set_factor(load, factor);
+        set.ok_or_else(|| refused(format!("there is no load {load}")))
     }
 
     /// Gives a clamp another motion, which holds from the next step or equilibrium on: for ends that a robot or a
@@ -42,10 +39,10 @@ impl Simulation {
     /// # Errors
     /// [`SimulationError::BadScene`] where there is no such node, or it cannot be grasped.
     pub fn grasp(&mut self, node: usize, grasp: Grasp) -> Result<usize, SimulationError> {
-        let grasped = self.system.grasp(node, grasp, &self.unknowns);
-        let clamp = grasped.map_err(SimulationError::BadScene)?;
+        let grasped = self.system.grasp(node, grasp, &self.state.unknowns);
+        let clamp = grasped.map_err(refused)?;
         if grasp.position {
-            self.velocity[STRIDE * node..STRIDE * node + 3].fill(0.0);
+            self.state.velocity[STRIDE * node..STRIDE * node + 3].fill(0.0);
         }
         self.begin_anew();
         Ok(clamp)
@@ -56,18 +53,20 @@ impl Simulation {
     /// # Errors
     /// [`SimulationError::BadScene`] where there is no such clamp, or it cannot be released.
     pub fn release(&mut self, clamp: usize) -> Result<(), SimulationError> {
-        let released = self.system.release(clamp, &self.unknowns);
-        released.map_err(SimulationError::BadScene)?;
+        let released = self.system.release(clamp, &self.state.unknowns);
+        released.map_err(refused)?;
         self.begin_anew();
         Ok(())
     }
 
     /// Forgets the steps before, whose accelerations say nothing about what follows.
     fn begin_anew(&mut self) {
-        self.history = History::begin(&self.unknowns, &self.velocity);
-        if self.parameters.scheme == Scheme::BackwardDifferences {
-            self.control = StepControl::beginning_small(&self.parameters.step);
-        }
+        self.state.begin_anew();
+        self.integrator.begin_anew();
         self.publish();
     }
+}
+
+fn refused(what: String) -> SimulationError {
+    SimulationError::BadScene(SceneError::Intervention(what))
 }

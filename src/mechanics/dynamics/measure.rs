@@ -52,7 +52,7 @@ impl Simulation {
         let assembly = &self.system.assembly;
         let nodes = assembly.rods.rods[rod].node_indices();
         let unknowns = STRIDE * nodes.start..STRIDE * nodes.end;
-        let velocity = self.velocity[unknowns.clone()].iter();
+        let velocity = self.state.velocity[unknowns.clone()].iter();
         let kinetic = velocity
             .zip(&assembly.masses[unknowns])
             .map(|(v, m)| 0.5 * m * v * v);
@@ -66,11 +66,11 @@ impl Simulation {
             bending: elastic.bending,
             twisting: elastic.twisting,
             contact: 0.0,
-            gravitational: assembly.loads.gravitational_energy(
-                self.time,
+            gravitational: self.system.loads.gravitational_energy(
+                self.state.time,
                 &assembly.masses,
                 &left_out,
-                &self.unknowns,
+                &self.state.unknowns,
             ),
         }
     }

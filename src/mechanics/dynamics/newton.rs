@@ -3,6 +3,7 @@
 
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::system::{Divergence, Stage, System};
+use tracing::trace;
 
 /// When Newton's method stops.
 #[derive(Clone, Copy, Debug)]
@@ -11,8 +12,9 @@ pub struct Stopping {
     pub force: f64,
     /// Largest correction of a position, m.
     pub displacement: f64,
-    /// Farthest that an iteration may move a position, m; one that would goes astray.
-    pub farthest: f64,
+    /// Farthest that an iteration may move a position, m; one that would move farther has left the solution near the
+    /// prediction.
+    pub trust_radius: f64,
     /// Most iterations.
     pub iterations: usize,
     /// Whether to give up earlier, where the residual does not fall or a line search would be needed: a smaller
@@ -68,6 +70,7 @@ impl Newton {
         system.linearize(unknowns, Some(stage));
         for iteration in 0..=stopping.iterations {
             let (residual, unknown) = system.worst_residual();
+            trace!(iteration, residual, last_move, "Newton iteration");
             if residual <= stopping.force && last_move <= stopping.displacement {
                 return Ok(iteration);
             }
@@ -89,8 +92,12 @@ impl Newton {
             let solved = system
                 .factor()
                 .and_then(|_| system.direction(&mut self.direction));
-            let astray = !(largest_move(&self.direction) <= stopping.farthest);
-            if solved.is_err() || astray || self.direction.iter().any(|d| !d.is_finite()) {
+            let is_near = largest_move(&self.direction) <= stopping.trust_radius;
+            let is_finite = self.direction.iter().all(|d| d.is_finite());
+            if solved.is_ok() && is_finite && !is_near {
+                return Err(failed);
+            }
+            if solved.is_err() || !is_finite {
                 return Err(Divergence {
                     residual: f64::NAN,
                     ..failed

@@ -10,26 +10,17 @@ use std::f64::consts::PI;
 const EDGES: usize = 40;
 
 fn rod(centreline: Vec<Vector3>) -> RodDescription {
+    // Soft about the first director alone: it bends in the plane of x and y.
+    let stiffness = Stiffness {
+        stretching: 1e5,
+        bending: [1.0, 50.0],
+        twisting: 10.0,
+    };
     RodDescription {
-        name: "rod".into(),
-        centreline,
-        closed: false,
-        end_tangents: [None; 2],
         first_director: Some(Vector3::z()),
-        twist: 0.0,
         natural_shape: NaturalShape::AsPlaced,
-        // Soft about the first director alone: it bends in the plane of x and y.
-        stiffness: Stiffness {
-            stretching: 1e5,
-            bending: [50.0, 1.0],
-            twisting: 10.0,
-        },
-        radius: 1e-2,
-        mass_per_length: 1.0,
         rotational_inertia_per_length: 1e-4,
-        velocity: Vector3::zeros(),
-        angular_velocity: Vector3::zeros(),
-        held: false,
+        ..RodDescription::uniform("rod", centreline, stiffness, 1e-2, 1.0)
     }
 }
 

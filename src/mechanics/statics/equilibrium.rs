@@ -15,6 +15,7 @@ use super::neutral::NeutralModes;
 use super::spectrum::inverse_iteration;
 use crate::mechanics::rod::{STRIDE, topology::position};
 use crate::mechanics::system::{Divergence, System};
+use tracing::trace;
 
 /// Most iterations. Strongly bent shapes from a straight start take some tens; rods that settle on each other
 /// more, since no step may be longer than their radius.
@@ -125,7 +126,7 @@ impl Descent {
     }
 
     /// Finds an equilibrium from `unknowns`, stable where forces have a potential; returns the iterations, or
-    /// `None` where `goes_on` has said no before. `force` is the largest residual left, N.
+    /// `None` where `goes_on` has returned false before. `force` is the largest residual left, N.
     ///
     /// # Errors
     /// [`Divergence`] with the largest residual after the last iteration.
@@ -155,16 +156,17 @@ impl Descent {
             if !residual.is_finite() || iterations == ITERATIONS {
                 return Err(failed);
             }
-            let settled = residual <= force;
-            let least = if settled { 0.0 } else { shift };
+            trace!(iterations, residual, shift, "Newton iteration");
+            let balanced = residual <= force;
+            let least = if balanced { 0.0 } else { shift };
             shift = stabilise(system, unknowns, &scale, least).ok_or(failed)?;
-            if settled && (shift == 0.0 || !self.leave(system, unknowns, &scale)) {
+            if balanced && (shift == 0.0 || !self.leave(system, unknowns, &scale)) {
                 // The residual of this configuration, in case a departure was tried.
                 system.evaluate(unknowns, None);
                 system.commit_frames();
                 return Ok(Some(iterations));
             }
-            if !settled {
+            if !balanced {
                 system.direction(&mut self.direction).map_err(|_| failed)?;
                 let lengthening = self.lengthening(system, shift, &scale);
                 limit(&mut self.direction, system, scale.largest_move, lengthening);
@@ -321,7 +323,7 @@ pub fn find_equilibrium(
     force: f64,
 ) -> Result<usize, Divergence> {
     let found = Descent::new(unknowns.len()).run(system, unknowns, force, &|| true)?;
-    Ok(found.expect("nobody stops it"))
+    Ok(found.expect("it is never stopped"))
 }
 
 /// Factors the Jacobian of the last linearisation, shifted by at least `least` and until no pivot is negative;

@@ -148,7 +148,7 @@ impl System {
         Interventions {
             drives: self.assembly.drives.clone(),
             external_forces: self.external_forces.clone(),
-            load_factors: self.assembly.loads.factors().to_vec(),
+            load_factors: self.loads.factors().to_vec(),
             switched: self.switched.then(|| Switched {
                 held: self.assembly.held.clone(),
                 vertices: rods.vertices.clone(),
@@ -166,7 +166,7 @@ impl System {
         if done.external_forces.len() != assembly.unknowns.len() {
             return Err("other numbers of nodes");
         }
-        if done.load_factors.len() != assembly.loads.factors().len() {
+        if done.load_factors.len() != self.loads.factors().len() {
             return Err("other loads");
         }
         let clamps = assembly.drives.len();
@@ -180,7 +180,7 @@ impl System {
         }
         assembly.drives = done.drives;
         for (load, factor) in done.load_factors.into_iter().enumerate() {
-            assembly.loads.set_factor(load, factor);
+            self.loads.set_factor(load, factor);
         }
         self.external_forces = done.external_forces;
         if let Some(switched) = done.switched {

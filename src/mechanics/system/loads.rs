@@ -3,8 +3,8 @@
 use super::build::Assembly;
 use crate::mechanics::rod::vertex::EdgeFrame;
 use crate::mechanics::rod::{RodRange, STRIDE, holonomy_jacobian};
-use crate::mechanics::scene::{LoadKind, Scene, piecewise_linear};
-use crate::mechanics::{Matrix3, Vector3};
+use crate::mechanics::scene::{Load, LoadKind, piecewise_linear};
+use crate::mechanics::{LoadError, Matrix3, Vector3};
 
 /// All external loads of a scene, resolved to unknowns.
 #[derive(Clone, Debug, Default)]
@@ -63,25 +63,21 @@ pub struct EdgeMoment {
 }
 
 impl Loads {
-    /// Resolves the loads of `scene`.
+    /// Resolves the loads of a scene to the unknowns of its rods.
     ///
     /// # Errors
-    /// A sentence that names a node or edge that does not exist.
-    pub fn new(scene: &Scene, assembly: &Assembly) -> Result<Self, String> {
+    /// [`LoadError`] names a rod, node or edge that does not exist.
+    pub fn new(descriptions: &[Load], assembly: &Assembly) -> Result<Self, LoadError> {
         let mut loads = Self::default();
-        let range = |rod: usize| -> Result<RodRange, String> {
-            assembly
-                .rods
-                .rods
-                .get(rod)
-                .copied()
-                .ok_or_else(|| format!("a load asks for rod {rod}"))
+        let range = |rod: usize| -> Result<RodRange, LoadError> {
+            let found = assembly.rods.rods.get(rod).copied();
+            found.ok_or(LoadError::NoSuchRod(rod))
         };
         let along = |rod: Option<usize>, range: &RodRange| {
             rod.is_none_or(|r| assembly.rods.rods[r] == *range)
         };
-        loads.factors = vec![1.0; scene.loads.len()];
-        for (number, load) in scene.loads.iter().enumerate() {
+        loads.factors = vec![1.0; descriptions.len()];
+        for (number, load) in descriptions.iter().enumerate() {
             let mut entries = Vec::new();
             let scale = Scale {
                 load: number,
@@ -101,7 +97,10 @@ impl Loads {
                 LoadKind::Force { rod, node, force } => {
                     let range = range(*rod)?;
                     if *node >= range.nodes {
-                        return Err(format!("a force asks for node {node} of {}", range.nodes));
+                        return Err(LoadError::NoSuchNode {
+                            node: *node,
+                            nodes: range.nodes,
+                        });
                     }
                     for axis in 0..3 {
                         entries.push((STRIDE * (range.first_node + node) + axis, force[axis]));
@@ -110,10 +109,10 @@ impl Loads {
                 LoadKind::Moment { rod, edge, moment } => {
                     let range = range(*rod)?;
                     if *edge >= range.edges() {
-                        return Err(format!(
-                            "a moment asks for edge {edge} of {}",
-                            range.edges()
-                        ));
+                        return Err(LoadError::NoSuchEdge {
+                            edge: *edge,
+                            edges: range.edges(),
+                        });
                     }
                     let start = range.first_node + edge;
                     loads.moments.push(EdgeMoment {

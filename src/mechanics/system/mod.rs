@@ -24,18 +24,19 @@ pub use build::Assembly;
 pub use clamps::Drive;
 pub use complementarity::NoContactForces;
 pub use grasp::{Grasp, Interventions};
+use loads::Loads;
 use newton_matrix::NewtonMatrix;
 pub use residual::TERMS;
 pub use resultants::Resultants;
 use touching::contact_of;
-pub use touching::describe_overlap;
+pub use touching::name_overlap;
 
-use super::contact::{ContactModel, ImplicitContact};
+use super::contact::{ContactModel, ContactSystem, ForceCorrections};
 use super::rod::{
     ElasticEnergy, GhostEdge, ReferenceFrames, RodGeometry, STRIDE, topology::position,
 };
 use super::scene::Scene;
-use super::{Matrix3, Vector3};
+use super::{Matrix3, SceneError, Vector3};
 use crate::linalg::{Inertia, SingularMatrix};
 
 /// What an implicit stage of a time step knows.
@@ -72,10 +73,12 @@ pub struct Divergence {
 
 /// Models, state of the frames, and scratch of one scene.
 pub struct System {
-    /// Rods, masses, held unknowns, clamps and loads.
+    /// Rods, masses, held unknowns and clamps.
     pub assembly: Assembly,
+    /// External loads.
+    pub loads: Loads,
     /// Contact, where the scene has it.
-    pub contact: Option<ImplicitContact>,
+    pub contact: Option<ContactSystem>,
     /// Frames from which the present step transports.
     pub reference: ReferenceFrames,
     /// Ghost edges at the present time.
@@ -106,13 +109,14 @@ impl System {
     /// Sets up a scene at time zero.
     ///
     /// # Errors
-    /// A sentence that names what is impossible, overlapping rods among it.
-    pub fn new(scene: &Scene) -> Result<Self, String> {
+    /// [`SceneError`] names what is impossible, overlapping rods among it.
+    pub fn new(scene: &Scene) -> Result<Self, SceneError> {
         let assembly = Assembly::new(scene)?;
+        let loads = Loads::new(&scene.loads, &assembly)?;
         let contact = contact_of(scene, &assembly)?;
         let friction = scene.contact.map_or(0.0, |parameters| parameters.friction);
-        let rods_rub = friction > 0.0;
-        let planes_rub = contact.is_some()
+        let friction_between_rods = friction > 0.0;
+        let friction_on_planes = contact.is_some()
             && scene
                 .planes
                 .iter()
@@ -133,9 +137,10 @@ impl System {
             displacements: vec![Vector3::zeros(); assembly.rods.nodes],
             correction: Vec::new(),
             responses: Vec::new(),
-            matrix: NewtonMatrix::new(&assembly, rods_rub, planes_rub),
+            matrix: NewtonMatrix::new(&assembly, &loads, friction_between_rods, friction_on_planes),
             contact,
             assembly,
+            loads,
         };
         let mut unknowns = system.assembly.unknowns.clone();
         system.drive(0.0, &mut unknowns);
@@ -152,8 +157,8 @@ impl System {
         for drive in &self.assembly.drives {
             drive.turn_edges(time, &self.reference, unknowns);
         }
-        self.assembly.loads.dead_forces(time, &mut self.dead_forces);
-        self.assembly.loads.update_damping(time);
+        self.loads.dead_forces(time, &mut self.dead_forces);
+        self.loads.update_damping(time);
         for (dead, external) in self.dead_forces.iter_mut().zip(&self.external_forces) {
             *dead += external;
         }
@@ -174,7 +179,7 @@ impl System {
     pub fn accept(&mut self) {
         self.commit_frames();
         if let Some(contact) = &mut self.contact {
-            contact.settle_multipliers();
+            contact.commit_multipliers();
         }
     }
 
@@ -187,11 +192,11 @@ impl System {
     /// forces. Moments of fixed direction have none.
     pub fn potential(&self, unknowns: &[f64]) -> f64 {
         let elastic = self.elastic_energy();
-        let contact = self.contact.as_ref().map_or(0.0, ImplicitContact::energy);
+        let contact = self.contact.as_ref().map_or(0.0, ContactSystem::energy);
         let work: f64 = (self.dead_forces.iter().zip(unknowns))
             .map(|(force, unknown)| force * unknown)
             .sum();
-        elastic.stretching + elastic.bending + elastic.twisting + contact - work
+        elastic.total() + contact - work
     }
 
     /// Evaluates the residual at `unknowns`.
@@ -219,10 +224,10 @@ impl System {
             .add_elastic(&self.assembly.rods, &self.geometry, &mut self.residual);
         self.add_simple_terms(unknowns, stage);
         if let Some(stage) = stage {
-            self.matrix.add_inertia(&self.assembly, stage);
+            self.matrix.add_inertia(&self.assembly, &self.loads, stage);
         }
         self.matrix
-            .add_moments(&self.assembly, self.time, &self.reference, &self.geometry);
+            .add_moments(&self.loads, self.time, &self.reference, &self.geometry);
         if let Some(contact) = &mut self.contact {
             copy_positions(unknowns, &mut self.positions);
             let (previous, step) = start_of(stage, &self.positions);
@@ -238,7 +243,7 @@ impl System {
         for (entry, force) in self.residual.iter_mut().zip(&self.dead_forces) {
             *entry -= force;
         }
-        for moment in &self.assembly.loads.moments {
+        for moment in &self.loads.moments {
             let (force, spin) = moment.force(self.time, &self.geometry.edges[moment.start]);
             for axis in 0..3 {
                 self.residual[STRIDE * moment.end + axis] -= force[axis];
@@ -247,7 +252,13 @@ impl System {
             self.residual[STRIDE * moment.start + 3] -= spin;
         }
         let Some(stage) = stage else { return };
-        add_inertia(&self.assembly, stage, unknowns, &mut self.residual);
+        add_inertia(
+            &self.assembly,
+            &self.loads,
+            stage,
+            unknowns,
+            &mut self.residual,
+        );
     }
 
     /// Adds `shift` times the unit matrix (in N/m and N m) to the Jacobian of the last linearisation.
@@ -269,7 +280,7 @@ impl System {
     /// # Errors
     /// A system that is singular to working precision.
     pub fn direction(&mut self, direction: &mut [f64]) -> Result<(), SingularMatrix> {
-        self.correct_residual(ImplicitContact::linear_corrections);
+        self.correct_residual(ContactSystem::linear_corrections);
         for k in 0..direction.len() {
             let held = self.assembly.held[k];
             direction[k] = if held {
@@ -300,27 +311,33 @@ impl System {
     }
 
     /// Writes the residual with other contact forces.
-    fn correct_residual(&mut self, of: fn(&ImplicitContact) -> &[[f64; 12]]) {
+    fn correct_residual(&mut self, of: fn(&ContactSystem) -> ForceCorrections<'_>) {
         self.corrected_residual.copy_from_slice(&self.residual);
         let Some(contact) = &self.contact else { return };
-        for (pair, correction) in contact.contacts().iter().zip(of(contact)) {
+        let corrections = of(contact);
+        for (pair, correction) in contact.contacts().iter().zip(corrections.edges) {
             for (corner, &node) in pair.nodes.iter().enumerate() {
                 for axis in 0..3 {
                     self.corrected_residual[STRIDE * node + axis] -= correction[3 * corner + axis];
                 }
             }
         }
+        for (touch, correction) in contact.plane_contacts().iter().zip(corrections.planes) {
+            for axis in 0..3 {
+                self.corrected_residual[STRIDE * touch.node + axis] -= correction[axis];
+            }
+        }
     }
 
     /// Sum of squares of the residual with the contact forces of the linearised laws, N².
     pub fn squared_linear_residual(&mut self) -> f64 {
-        self.correct_residual(ImplicitContact::linear_corrections);
+        self.correct_residual(ContactSystem::linear_corrections);
         self.square(&self.corrected_residual)
     }
 
     /// Sum of squares of the residual with the contact forces of the multipliers, N².
     pub fn squared_multiplier_residual(&mut self) -> f64 {
-        self.correct_residual(ImplicitContact::multiplier_corrections);
+        self.correct_residual(ContactSystem::multiplier_corrections);
         self.square(&self.corrected_residual)
     }
 
@@ -342,7 +359,7 @@ impl System {
     pub fn uses_multipliers(&self) -> bool {
         self.contact
             .as_ref()
-            .is_some_and(ImplicitContact::uses_multipliers)
+            .is_some_and(ContactSystem::uses_multipliers)
     }
 
     /// Whether the candidates of contact changed; to be called at the start of a step.
@@ -355,8 +372,8 @@ impl System {
         }
     }
 
-    /// Whether rods rub on each other by a penalty, which any step may overcome.
-    pub fn rubs(&self) -> bool {
+    /// Whether contact is frictional and by a penalty, which any step may overcome.
+    pub fn has_friction(&self) -> bool {
         self.contact.as_ref().is_some_and(|contact| {
             let parameters = contact.parameters();
             parameters.friction > 0.0 && parameters.model == ContactModel::ImplicitContact
@@ -372,7 +389,7 @@ impl System {
         contact.candidates_are_complete(&self.positions)
     }
 
-    /// Largest part of the straight way between two sets of unknowns along which no contact is crossed; 1
+    /// Largest part of the straight path between two sets of unknowns along which no contact is crossed; 1
     /// where the contact model allows penetration.
     pub fn largest_step(&mut self, from: &[f64], to: &[f64]) -> f64 {
         let Some(contact) = &mut self.contact else {
@@ -386,7 +403,7 @@ impl System {
         if step.candidates_changed {
             self.matrix.forget_pattern();
         }
-        step.part
+        step.fraction
     }
 
     /// Farthest that a node may move at once so that surfaces do not pass through each other unnoticed, m; infinite
@@ -454,14 +471,20 @@ fn start_of<'a>(stage: Option<&'a Stage>, now: &'a [Vector3]) -> (&'a [Vector3],
 }
 
 /// Adds M/hₐ ((q − qₙ)/h − vₙ) + C (q − qₙ)/h − F₀ + D ((q − qₙ)/h − v₀).
-fn add_inertia(assembly: &Assembly, stage: &Stage, unknowns: &[f64], residual: &mut [f64]) {
+fn add_inertia(
+    assembly: &Assembly,
+    loads: &Loads,
+    stage: &Stage,
+    unknowns: &[f64],
+    residual: &mut [f64],
+) {
     let per_step = 1.0 / stage.step;
     let per_acceleration_step = 1.0 / stage.acceleration_step;
     for k in 0..residual.len() {
         let change = (unknowns[k] - stage.start[k]) * per_step - stage.velocity[k];
         residual[k] += assembly.masses[k] * per_acceleration_step * change;
     }
-    for (k, coefficient) in assembly.loads.damping.iter().enumerate() {
+    for (k, coefficient) in loads.damping.iter().enumerate() {
         residual[k] += coefficient * (unknowns[k] - stage.start[k]) * per_step;
     }
     for (node, (drag, resistance)) in stage.drag.iter().zip(&stage.resistance).enumerate() {
@@ -474,7 +497,7 @@ fn add_inertia(assembly: &Assembly, stage: &Stage, unknowns: &[f64], residual: &
     }
 }
 
-fn subtract_contact_forces(contact: &ImplicitContact, residual: &mut [f64]) {
+fn subtract_contact_forces(contact: &ContactSystem, residual: &mut [f64]) {
     for pair in contact.contacts() {
         for (corner, &node) in pair.nodes.iter().enumerate() {
             for axis in 0..3 {

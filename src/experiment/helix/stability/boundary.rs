@@ -2,12 +2,12 @@
 
 use super::comparison::{compare, remarks};
 use super::discrete_rod::DiscreteRod;
+use super::keys::HelixStability;
 use super::sections::draw_sections;
 use super::surface::write_surfaces;
 use crate::mechanics::kirchhoff::{Helix, critical_distance};
 use crate::results::{BOUNDARY, ResultsError, read_whole_rows};
 use crate::run::TableJob;
-use crate::scenario::HelixStability;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 use std::path::Path;

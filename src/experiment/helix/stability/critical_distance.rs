@@ -1,9 +1,10 @@
 //! The loss of stability along one direction.
 
 use super::discrete_rod::{DiscreteRod, END, deviation};
+use super::keys::{HelixSearch, HelixStability};
+use crate::mechanics::SceneError;
 use crate::mechanics::dynamics::{IntegrationParameters, Simulation, SimulationError};
 use crate::mechanics::kirchhoff::{CriticalDistance, Helix};
-use crate::scenario::{HelixSearch, HelixStability};
 
 /// Twisting over bending stiffness at Poisson's ratio 1/2. Stability does not depend on it.
 const STIFFNESS_RATIO: f64 = 1.0 / 1.5;
@@ -20,7 +21,7 @@ const ELSEWHERE: [f64; 6] = [0.97, 0.9, 0.75, 0.5, 0.3, 0.1];
 /// Step along a path, whose end finds the next equilibrium from the last: longer ones may leave the branch.
 const PATH_STEP: f64 = 0.2;
 /// Newton's method may leave an unstable helix for an equilibrium of another shape.
-const ANOTHER: &str = "the equilibrium that was found is no helix";
+const NO_HELIX: SceneError = SceneError::Unsuitable("the equilibrium that was found is no helix");
 /// Largest distance of a node from the helix, over its radius, up to which the rod is that helix: the mesh alone
 /// makes 1e-3 of 100 edges.
 const LEFT: f64 = 0.1;
@@ -143,7 +144,7 @@ impl DiscreteRod {
             let mut simulation = Simulation::new(&scene, &IntegrationParameters::default())?;
             let unstable = simulation.find_nearby_equilibrium()? > 0;
             if deviation(&simulation, &helix, 1.0) > farthest(&helix) {
-                return Err(SimulationError::BadScene(ANOTHER.into()));
+                return Err(NO_HELIX.into());
             }
             Ok((distance, unstable))
         };

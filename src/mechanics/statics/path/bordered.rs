@@ -138,9 +138,9 @@ impl Bordered {
                 .filter(|(k, _)| k % STRIDE != 3)
                 .map(|(_, (newton, rate))| (newton + change * rate).abs())
                 .fold(0.0, f64::max);
-            let settled =
+            let stationary =
                 next_move <= PRECISION * self.extent || next_move >= STAGNATION * last_move;
-            if residual <= force && settled {
+            if residual <= force && stationary {
                 return Ok(Converged {
                     iterations,
                     negative,
