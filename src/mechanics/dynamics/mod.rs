@@ -40,6 +40,8 @@ pub use report::{Energies, Exchange, SimulationError, SimulationState, StepRepor
 pub use simulation::Simulation;
 
 #[cfg(test)]
+mod balance_tests;
+#[cfg(test)]
 mod barrier_tests;
 #[cfg(test)]
 mod complementarity_tests;

@@ -180,7 +180,8 @@ impl Simulation {
             history: state.history,
         };
         self.integrator.control = state.control;
-        self.system.reference = state.reference;
+        self.system
+            .resume(state.time, &self.state.unknowns, &state.reference);
         self.system.forget_pattern();
         self.system.drive(self.state.time, &mut self.state.unknowns);
         self.system.update_geometry(&self.state.unknowns);

@@ -19,6 +19,9 @@ pub struct GhostEdge {
     pub tangent: Vector3,
     /// First material director.
     pub director: Vector3,
+    /// Turn of the director about the tangent since the reference frames were committed, rad. The frames show it but for
+    /// whole turns.
+    pub spin: f64,
 }
 
 /// A real edge.

@@ -190,6 +190,7 @@ impl System {
             let any = GhostEdge {
                 tangent: Vector3::x(),
                 director: Vector3::y(),
+                spin: 0.0,
             };
             self.ghosts = vec![any; switched.ghosts];
             self.reference.twist = vec![0.0; assembly.rods.vertices.len()];
@@ -268,6 +269,7 @@ impl System {
             return GhostEdge {
                 tangent: edges[edge].tangent,
                 director: edges[edge].director_1,
+                spin: 0.0,
             };
         };
         let source = &edges[before];
@@ -280,6 +282,7 @@ impl System {
         GhostEdge {
             tangent,
             director: normal_part(&director, &tangent).unwrap_or_else(|| any_normal(&tangent)),
+            spin: 0.0,
         }
     }
 
