@@ -11,8 +11,11 @@ use std::path::PathBuf;
 /// Arguments of `rodlab gather`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Brings summary.csv, timings.csv and manifest.json up to date with the cases, whoever ran them, and draws the
-figures of `rodlab plot`. Works while tasks run, too.")]
+Example:
+  rodlab gather results/sweep
+
+Updates summary.csv, timings.csv and manifest.json from the cases, whichever process ran them, and draws the figures
+of `rodlab plot`. It may be called while tasks are running.")]
 pub struct GatherArguments {
     /// The results directory of a sweep
     pub directory: PathBuf,

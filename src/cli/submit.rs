@@ -4,6 +4,7 @@ use super::failure::Failure;
 use super::output::print;
 use super::sweep::refuse_too_many;
 use crate::cluster::{self, Jobs, Program, Request, TaskState};
+use crate::experiment::case_set;
 use crate::results::{CaseRecord, SCENARIO};
 use crate::run::RunOptions;
 use crate::scenario::{Case, CaseSet};
@@ -23,8 +24,8 @@ Examples:
   rodlab submit sweep.toml --wrapper \"apptainer exec rodlab.sif\" --print    the script only
 
 Each task of the job array runs one share of the cases. A minute before its time limit it writes checkpoints and
-puts itself into the queue again. The same command again submits what is neither finished nor in the queue, for
-example after `scancel`. `rodlab status DIR` shows how it stands, `rodlab gather DIR` makes the tables of the whole.")]
+puts itself into the queue again. The same command submits what is neither finished nor in the queue, for example
+after `scancel`. `rodlab status DIR` shows the progress, `rodlab gather DIR` makes the tables of the whole sweep.")]
 pub struct SubmitArguments {
     /// The scenario file, with what is varied
     pub scenario: PathBuf,
@@ -37,22 +38,22 @@ pub struct SubmitArguments {
     /// Where the results go, seen by all machines [default: results/<name of the scenario>]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Tasks of the job array, among which the cases are shared [default: one per case, at most 64]
+    /// Tasks of the job array; the cases are divided among them [default: one per case, at most 64]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub tasks: Option<u32>,
-    /// Tasks that run at a time
+    /// Most tasks that may run at a time
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub array_limit: Option<u32>,
     /// The partition
     #[arg(long, value_name = "NAME")]
     pub partition: Option<String>,
-    /// Time limit of a task in the words of Slurm, such as 8:00:00
+    /// Time limit of a task in Slurm's format, such as 8:00:00
     #[arg(long, value_name = "TIME")]
     pub time: Option<String>,
     /// Memory of a task, such as 2G
     #[arg(long, value_name = "SIZE")]
     pub memory: Option<String>,
-    /// Cores of a task; so many of its cases run at a time
+    /// Cores of a task; it runs as many cases at a time
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
     pub cores: u16,
     /// The account that is charged
@@ -77,7 +78,7 @@ pub struct SubmitArguments {
 
 /// Submits what is neither finished nor in the queue.
 pub fn submit(arguments: &SubmitArguments) -> Result<(), Failure> {
-    let case_set = CaseSet::load(&arguments.scenario, &arguments.overrides, &arguments.vary)?;
+    let case_set = case_set(&arguments.scenario, &arguments.overrides, &arguments.vary)?;
     refuse_too_many(&case_set, arguments.yes)?;
     if !case_set.is_sweep() {
         return Err(Failure::Input(
@@ -100,8 +101,9 @@ pub fn submit(arguments: &SubmitArguments) -> Result<(), Failure> {
         tasks: tasks_of(&case_set, arguments.tasks),
         jobs: Vec::new(),
     });
-    let executable = std::env::current_exe()
-        .map_err(|error| Failure::System(format!("where this program lies: {error}")))?;
+    let executable = std::env::current_exe().map_err(|error| {
+        Failure::System(format!("cannot find the path of this program: {error}"))
+    })?;
     let program = Program {
         executable,
         scenario: directory.join(SCENARIO),
@@ -111,7 +113,7 @@ pub fn submit(arguments: &SubmitArguments) -> Result<(), Failure> {
     let request = request(arguments, case_set.name());
     if arguments.print {
         let all: Vec<usize> = (1..=jobs.tasks).collect();
-        return print(&cluster::script(&program, &request, &all));
+        return print(&cluster::script(&program, &request, &all)?);
     }
     sweep::establish(&case_set, &RunOptions::new(&directory))?;
     let queue = cluster::tasks(&jobs.jobs)?;

@@ -83,14 +83,14 @@ fn list(case_set: &CaseSet, shard: Shard, jobs: usize) -> Result<(), Failure> {
     if let Some(search) = case_set.search() {
         let _ = writeln!(
             text,
-            "each a search by `{}`, of several cases",
+            "each of them is a search by `{}` and takes several cases",
             search.objective
         );
     }
     print(&text)
 }
 
-/// A guess of the time that the cases take.
+/// An estimate of the time that the cases take.
 fn cost(case_set: &CaseSet, shard: Shard, jobs: usize) -> Result<String, Failure> {
     let indices: Vec<usize> = shard.indices(case_set.count() as usize).collect();
     let costed = indices.len().min(COSTED_CASES);
@@ -100,12 +100,12 @@ fn cost(case_set: &CaseSet, shard: Shard, jobs: usize) -> Result<String, Failure
         let index = indices[place * indices.len() / costed];
         match derived_numbers_of(case_set, index)?.rough_wall_time {
             Some(time) => seconds += time,
-            None => return Ok("no guess of the time they take".to_owned()),
+            None => return Ok("no estimate of the time they take".to_owned()),
         }
     }
     let seconds = seconds * indices.len() as f64 / (costed.max(1) * jobs) as f64;
     Ok(format!(
-        "roughly {seconds:.1} s, without contact, right to a factor of three"
+        "roughly {seconds:.1} s without contact, within a factor of three"
     ))
 }
 
@@ -162,14 +162,14 @@ fn why(outcome: &SweepOutcome) -> String {
     }
     if outcome.counts.not_good() > 0 {
         return format!(
-            "{} cases failed; `{directory}/manifest.json` says why, and --retry-failed tries them again",
+            "{} cases failed; `{directory}/manifest.json` holds the reasons, --retry-failed runs them again",
             outcome.counts.not_good()
         );
     }
     if outcome.counts.unfinished > 0 {
         return format!("not all cases were run; the same command continues in `{directory}`");
     }
-    "the search came to no end".to_owned()
+    "the search did not reach its end; `search.csv` holds the reason".to_owned()
 }
 
 #[cfg(test)]

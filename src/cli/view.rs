@@ -13,7 +13,7 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct ViewArguments {
-    /// The results directory: of a run or a sweep, finished or still at work
+    /// The results directory of a run or a sweep, finished or still running
     pub directory: PathBuf,
     /// Where to write the page [default: view.html in the directory]
     #[arg(long, value_name = "FILE")]

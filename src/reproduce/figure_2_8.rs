@@ -4,7 +4,7 @@ use super::ReproduceError;
 use super::cases::Case;
 use super::overhand_law::{HEADER, line};
 use super::page::Page;
-use super::tightening::{FRICTION_OF_FIGURE_2_8, Tightening, pulled_rows};
+use super::tightening::{FRICTION_OF_FIGURE_2_8, Tightening, density_in_words, pulled_rows};
 use crate::figure::{Curve, LinePlot, line_plots};
 use crate::knot::jawed_shortening;
 use serde::Serialize;
@@ -48,6 +48,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Tightening>]) -> Result<(), R
             .map(|force| (jawed_shortening(force, FRICTION_OF_FIGURE_2_8), Some(force)))
             .collect(),
     });
+    page.text(&density_in_words());
     page.text("A knot leaves the law where it inverts. Before that, over tenths of the way:");
     page.table(&[["n"].as_slice(), &HEADER].concat(), &table);
     page.text(

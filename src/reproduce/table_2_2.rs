@@ -47,7 +47,8 @@ pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceErro
     let rows: Vec<Row> = cases.iter().zip(&THESIS).map(row).collect();
     page.text(
         "Iterations and times are means and totals over the steps with contact, as in the thesis, whose \
-         simulations end early where the flagella tangle.",
+         simulations end early where the flagella tangle. How often a step failed and was halved is in the CSV file \
+         (`retries`).",
     );
     let header = [
         "μ",

@@ -10,6 +10,7 @@
 
 use super::ResultsError;
 use super::atomic::{TEMPORARY_PREFIX, create_whole};
+use super::directory::remove_own;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -206,12 +207,31 @@ impl Leases {
         Ok(paths)
     }
 
-    /// Leases, and what is being written to become one.
-    fn all_paths(&self) -> Result<Vec<PathBuf>, ResultsError> {
-        fs::read_dir(&self.folder)
-            .and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect())
-            .map_err(ResultsError::io("read", &self.folder))
+    /// Removes all leases, whoever has them.
+    ///
+    /// # Errors
+    /// [`ResultsError::Io`] where the folder cannot be read.
+    pub(super) fn remove_all(&self) -> Result<(), ResultsError> {
+        self.all_paths()?
+            .iter()
+            .try_for_each(|path| remove_own(path))
     }
+
+    /// Leases, and what is being written to become one; other files in the folder are somebody else's.
+    fn all_paths(&self) -> Result<Vec<PathBuf>, ResultsError> {
+        let entries = fs::read_dir(&self.folder)
+            .and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect());
+        let mut paths: Vec<PathBuf> = entries.map_err(ResultsError::io("read", &self.folder))?;
+        paths.retain(|path| is_lease_name(&path.file_name().unwrap_or_default().to_string_lossy()));
+        Ok(paths)
+    }
+}
+
+/// Whether a file is called as a lease, `<case>.<generation>`, or is about to become one.
+fn is_lease_name(name: &str) -> bool {
+    let generation = name.rsplit_once('.').map(|(_, generation)| generation);
+    name.starts_with(TEMPORARY_PREFIX)
+        || generation.is_some_and(|number| number.parse::<u32>().is_ok())
 }
 
 impl Lease {
@@ -308,7 +328,7 @@ mod tests {
     }
 
     #[test]
-    fn a_case_is_claimed_once_and_is_free_when_the_claim_is_dropped() {
+    fn a_case_is_leased_once_and_is_free_when_the_lease_is_dropped() {
         let folder = tempfile::tempdir().unwrap();
         let leases = Leases::new(folder.path());
         let first = leased(&leases, "a").unwrap();
@@ -321,7 +341,7 @@ mod tests {
 
     #[test]
     #[cfg(target_os = "linux")]
-    fn the_claim_of_a_dead_process_of_this_machine_is_taken_over_at_once() {
+    fn the_lease_of_a_dead_process_of_this_machine_is_taken_over_at_once() {
         let folder = tempfile::tempdir().unwrap();
         let mut child = std::process::Command::new("true").spawn().unwrap();
         child.wait().unwrap();
@@ -350,7 +370,7 @@ mod tests {
 
     #[test]
     #[cfg(target_os = "linux")]
-    fn the_dead_are_buried_with_what_they_were_writing_and_the_living_are_not() {
+    fn leases_of_dead_processes_are_removed_with_what_they_were_writing_and_living_ones_are_not() {
         let folder = tempfile::tempdir().unwrap();
         let dead = Owner {
             boot: Some("before".into()),
@@ -369,7 +389,7 @@ mod tests {
     }
 
     #[test]
-    fn a_claim_of_another_machine_holds_while_it_is_touched() {
+    fn a_lease_of_another_machine_holds_while_it_is_touched() {
         let folder = tempfile::tempdir().unwrap();
         let other = leased(&of_another(folder.path(), elsewhere()), "a").unwrap();
         let leases = Leases {

@@ -1,6 +1,8 @@
 //! The directory of a sweep: a results directory for each case, and tables of all.
 
-use super::directory::{LOCK, not_writable, recognise, remove_results, sweep_temporary_files};
+use super::directory::{
+    LOCK, is_own_folder, not_writable, recognise, remove_own, remove_results, sweep_temporary_files,
+};
 use super::{Leases, Manifest, ResultsError, SCENARIO, write_whole};
 use std::fs::{self, File, OpenOptions};
 use std::io::ErrorKind;
@@ -34,19 +36,28 @@ impl SweepDirectory {
         sweep_temporary_files(path).map_err(not_writable(path))?;
         let leases = path.join(LEASES);
         if known.is_none() {
-            if leases.exists() && Leases::new(&leases).any_alive()? {
+            let old = Leases::new(&leases);
+            let are_there = is_own_folder(&leases);
+            if are_there && old.any_alive()? {
                 return Err(ResultsError::Locked {
                     directory: path.to_owned(),
                 });
             }
             remove_cases(&path.join(CASES))?;
-            remove_leases(&leases)?;
+            if are_there {
+                old.remove_all()?;
+            }
             remove_results(path)?;
             // First of all files: by it the directory is known for what it is.
             manifest.write(path)?;
         }
         write_whole(&path.join(SCENARIO), manifest.scenario.as_bytes())?;
         for folder in [&path.join(CASES), &leases] {
+            if folder.is_symlink() {
+                return Err(ResultsError::Link {
+                    path: folder.clone(),
+                });
+            }
             fs::create_dir_all(folder).map_err(not_writable(folder))?;
         }
         Ok(Self {
@@ -96,12 +107,12 @@ fn lock(path: &Path) -> Result<File, ResultsError> {
 /// Removes the results of all cases, and nothing else.
 fn remove_cases(folder: &Path) -> Result<(), ResultsError> {
     for case in entries(folder)? {
-        if !case.is_dir() {
+        if !is_own_folder(&case) {
             continue;
         }
         sweep_temporary_files(&case).map_err(not_writable(&case))?;
         remove_results(&case)?;
-        remove_file(&case.join(LOCK))?;
+        remove_own(&case.join(LOCK))?;
         // Stays where somebody else's files are in it.
         let _ = fs::remove_dir(&case);
     }
@@ -109,29 +120,13 @@ fn remove_cases(folder: &Path) -> Result<(), ResultsError> {
     Ok(())
 }
 
-fn remove_leases(folder: &Path) -> Result<(), ResultsError> {
-    entries(folder)?
-        .iter()
-        .try_for_each(|lease| remove_file(lease))
-}
-
-fn remove_file(path: &Path) -> Result<(), ResultsError> {
-    match fs::remove_file(path) {
-        Err(error) if error.kind() != ErrorKind::NotFound => {
-            Err(ResultsError::io("remove", path)(error))
-        }
-        _ => Ok(()),
-    }
-}
-
-/// What a folder holds; nothing where there is none.
+/// What a folder holds; nothing where there is none, or only a link to one.
 fn entries(folder: &Path) -> Result<Vec<PathBuf>, ResultsError> {
-    let listed = match fs::read_dir(folder) {
-        Ok(listed) => listed,
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
-        Err(error) => return Err(ResultsError::io("read", folder)(error)),
-    };
-    listed
+    if !is_own_folder(folder) {
+        return Ok(Vec::new());
+    }
+    fs::read_dir(folder)
+        .map_err(ResultsError::io("read", folder))?
         .map(|entry| Ok(entry.map_err(ResultsError::io("read", folder))?.path()))
         .collect()
 }

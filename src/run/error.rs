@@ -53,7 +53,9 @@ impl RunError {
             Self::Scene(_) => 2,
             Self::Simulation { source, .. } => match source {
                 SimulationError::BadScene(_) => 2,
-                SimulationError::NoConvergence { .. } | SimulationError::NoEquilibrium { .. } => 3,
+                SimulationError::NoConvergence { .. }
+                | SimulationError::NoContactForces { .. }
+                | SimulationError::NoEquilibrium { .. } => 3,
                 SimulationError::Unphysical(_) => 4,
             },
             Self::TimeLimit { .. } => 5,

@@ -1,18 +1,24 @@
-//! Ctrl-C and SIGTERM end a run after the step at hand, with a checkpoint; so does SIGUSR1, by which batch
-//! systems tell that the time is nearly up.
+//! Ctrl-C, SIGTERM and a terminal that closes end a run after the step at hand, with a checkpoint; so does SIGUSR1, by
+//! which batch systems say that the time is nearly up.
 
 use super::stop::StopRequest;
-use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1};
 use signal_hook::{SigId, flag, low_level};
 use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Watches for a request to stop, from its creation until it is dropped.
+///
+/// Signals end the program at once as long as nobody has asked for them: there is nothing to save yet. From the first
+/// call of [`requested`](Self::requested) on, whoever asks has work to save and will stop; a second signal, which shells
+/// and wrappers often send within milliseconds of the first, then changes nothing.
 #[derive(Default)]
 pub(crate) struct Interruption {
     interrupted: Arc<AtomicBool>,
     time_is_up: Arc<AtomicBool>,
+    /// Whether nobody has asked yet.
+    unattended: Arc<AtomicBool>,
     handlers: Vec<SigId>,
 }
 
@@ -28,16 +34,14 @@ impl Interruption {
         })
     }
 
-    /// A second signal ends the program at once, without a checkpoint.
     fn install() -> io::Result<Self> {
         let mut interruption = Self::default();
-        for signal in [SIGINT, SIGTERM] {
-            let interrupted = &interruption.interrupted;
-            // In this order: the first signal finds the flag down, and raises it.
-            let second =
-                flag::register_conditional_shutdown(signal, EXIT_CODE, Arc::clone(interrupted))?;
-            let first = flag::register(signal, Arc::clone(interrupted))?;
-            interruption.handlers.extend([second, first]);
+        interruption.unattended.store(true, Ordering::Relaxed);
+        for signal in [SIGINT, SIGTERM, SIGHUP] {
+            let unattended = Arc::clone(&interruption.unattended);
+            let at_once = flag::register_conditional_shutdown(signal, EXIT_CODE, unattended)?;
+            let noted = flag::register(signal, Arc::clone(&interruption.interrupted))?;
+            interruption.handlers.extend([at_once, noted]);
         }
         let warning = flag::register(SIGUSR1, Arc::clone(&interruption.time_is_up))?;
         interruption.handlers.push(warning);
@@ -46,6 +50,7 @@ impl Interruption {
 
     /// Whether the run was asked to stop.
     pub fn requested(&self) -> Option<StopRequest> {
+        self.unattended.store(false, Ordering::Relaxed);
         if self.interrupted.load(Ordering::Relaxed) {
             Some(StopRequest::Interrupt)
         } else if self.time_is_up.load(Ordering::Relaxed) {

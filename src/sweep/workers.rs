@@ -61,7 +61,7 @@ pub(super) struct Workers<'a> {
 }
 
 impl<'a> Workers<'a> {
-    /// A workers that has not begun.
+    /// Workers that have not begun.
     pub fn new(
         case_set: &'a CaseSet,
         directory: &'a SweepDirectory,
@@ -79,7 +79,10 @@ impl<'a> Workers<'a> {
             retried: Mutex::new(BTreeSet::new()),
             stopped: AtomicBool::new(false),
             fault: OnceLock::new(),
-            deadline: options.run.timeout.map(|timeout| Instant::now() + timeout),
+            deadline: options
+                .run
+                .timeout
+                .and_then(|timeout| Instant::now().checked_add(timeout)),
             bars: MultiProgress::new(),
         }
     }

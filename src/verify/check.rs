@@ -147,7 +147,7 @@ pub fn table(checks: &[Check]) -> String {
 }
 
 /// Eight significant digits, in powers of ten only where the number is very large or small.
-fn number(value: f64) -> String {
+pub(super) fn number(value: f64) -> String {
     if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
         format!("{value:.8}")
     } else {

@@ -16,6 +16,7 @@ mod friction;
 mod helix;
 mod helix_manipulation;
 mod localized_buckling;
+mod page;
 mod rods;
 mod statics;
 mod symmetry;
@@ -25,6 +26,7 @@ pub mod theory;
 mod vibration;
 
 pub use check::{Check, Expectation, Verdict, table};
+pub use page::markdown;
 
 use rayon::prelude::*;
 use std::error::Error;
@@ -53,13 +55,23 @@ const GROUPS: [(&str, CheckGroup); 14] = [
     ("determinism", determinism::checks),
 ];
 
+/// What a group came to.
+#[derive(Clone, Debug)]
+pub struct GroupResult {
+    /// Name of the group.
+    pub name: &'static str,
+    /// Its checks, in their order.
+    pub checks: Vec<Check>,
+}
+
 /// Runs every check. A group whose simulation fails yields one failed check that says why.
-pub fn verify(full: bool) -> Vec<Check> {
+pub fn verify(full: bool) -> Vec<GroupResult> {
     GROUPS
         .par_iter()
-        .map(|&(name, group)| {
-            group(full).unwrap_or_else(|error| vec![Check::not_run(name, &error.to_string())])
+        .map(|&(name, group)| GroupResult {
+            name,
+            checks: group(full)
+                .unwrap_or_else(|error| vec![Check::not_run(name, &error.to_string())]),
         })
-        .collect::<Vec<_>>()
-        .concat()
+        .collect()
 }

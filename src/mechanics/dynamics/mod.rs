@@ -22,6 +22,8 @@ mod exchange;
 mod failure;
 mod history;
 mod integrator;
+mod intervene;
+mod measure;
 mod newton;
 mod observe;
 mod parameters;
@@ -34,6 +36,7 @@ mod state;
 mod step_control;
 mod validity;
 
+pub use crate::mechanics::system::{Grasp, Resultants};
 pub use parameters::{IntegrationParameters, Scheme, StepSize};
 pub use report::{Energies, Exchange, SimulationError, SimulationState, StepReport};
 pub use simulation::Simulation;
@@ -50,6 +53,8 @@ mod equilibrium_tests;
 mod event_tests;
 #[cfg(test)]
 mod friction_tests;
+#[cfg(test)]
+mod intervene_tests;
 #[cfg(test)]
 mod path_tests;
 #[cfg(test)]

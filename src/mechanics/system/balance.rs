@@ -13,7 +13,7 @@
 //! time step in inertia.
 
 use super::{Stage, System, add_inertia};
-use crate::mechanics::contact::ImplicitContact;
+use crate::mechanics::contact::ContactSystem;
 use crate::mechanics::rod::{RodRange, STRIDE};
 
 /// Last digits of the unknowns to which a residual must vanish.
@@ -245,7 +245,7 @@ impl System {
 }
 
 /// Adds the magnitudes of the contact forces of the last evaluation, and marks their nodes.
-fn add_contact_forces(contact: &ImplicitContact, forces: &mut [f64], in_contact: &mut [bool]) {
+fn add_contact_forces(contact: &ContactSystem, forces: &mut [f64], in_contact: &mut [bool]) {
     for pair in contact.contacts() {
         for (corner, &node) in pair.nodes.iter().enumerate() {
             in_contact[node] = true;

@@ -8,6 +8,7 @@ use crate::mechanics::rod::transport::{
 use crate::mechanics::rod::{GhostEdge, ReferenceFrames, STRIDE};
 use crate::mechanics::scene::{Clamp, Motion, piecewise_linear, piecewise_turning};
 use crate::mechanics::{UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
 
 /// Turn of a clamp in one piece of the way along which its turns are counted, rad: less than half a turn, so that
 /// frames show it.
@@ -20,27 +21,29 @@ const STRAIGHT_ON: f64 = 0.99;
 const SAME_AXIS: f64 = 1e-14;
 
 /// A clamp with everything resolved.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Drive {
     /// Node of the whole scene.
     pub node: usize,
     /// Whether its position is prescribed.
     pub holds_position: bool,
-    /// Position at time zero, m.
+    /// Position at time zero, or when it took hold, m.
     pub position: Vector3,
-    /// Tangent and director at time zero.
+    /// Tangent and director at that time.
     pub frame: GhostEdge,
     /// Ghost edges that follow the frame.
     pub ghosts: Vec<usize>,
     /// Edges whose both ends are held; their material frames follow, too.
     pub edges: Vec<HeldEdge>,
+    /// Whether it has let go: it then holds nothing.
+    pub released: bool,
     motion: Motion,
     axis: Vector3,
     pivot: Vector3,
 }
 
 /// An edge whose nodes are both held, one of them with its frame.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct HeldEdge {
     /// Node of the whole scene where it starts.
     pub start: usize,
@@ -77,6 +80,7 @@ impl Drive {
             frame,
             ghosts: Vec::new(),
             edges: Vec::new(),
+            released: false,
             axis: clamp.motion.axis.unwrap_or(frame.tangent),
             pivot: clamp.motion.pivot.unwrap_or(position),
             motion: clamp.motion.clone(),
@@ -121,6 +125,9 @@ impl Drive {
 
     /// Writes the prescribed position and frames at `time`; the reference frames are those of `committed`, s.
     pub fn apply(&self, time: f64, committed: f64, unknowns: &mut [f64], ghosts: &mut [GhostEdge]) {
+        if self.released {
+            return;
+        }
         let turning = self.turning(time);
         if self.holds_position {
             let arm = self.position - self.pivot;

@@ -19,7 +19,8 @@ impl System {
             velocity_jump: f64::INFINITY,
         });
         let mut events: Vec<Event> = loads.collect();
-        for drive in &self.assembly.drives {
+        let drives = self.assembly.drives.iter();
+        for drive in drives.filter(|drive| !drive.released) {
             let (rod, _) = self.assembly.locate(drive.node);
             drive.list_events(self.assembly.radii[rod], &mut events);
         }

@@ -25,9 +25,18 @@ impl System {
         }
         let load = -self.dead_forces[unknown];
         let known = [inertia[unknown], elastic[unknown], load];
-        let contact = total - known.iter().sum::<f64>();
-        let sizes = [known[0], known[1], known[2], contact];
-        let largest = (0..4).max_by(|&a, &b| sizes[a].abs().total_cmp(&sizes[b].abs()));
-        TERMS[largest.unwrap_or(0)]
+        // One term that is not a number leaves no other to blame.
+        if let Some(term) = known.iter().position(|term| !term.is_finite()) {
+            return TERMS[term];
+        }
+        let sizes = known.into_iter().chain(
+            self.contact
+                .is_some()
+                .then(|| total - known.iter().sum::<f64>()),
+        );
+        let largest = sizes
+            .enumerate()
+            .max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()));
+        TERMS[largest.map_or(0, |(term, _)| term)]
     }
 }
