@@ -47,6 +47,7 @@ const MECHANICS: Table = &[
     ("contact", &[]),
     ("fluid", &[]),
     ("kirchhoff", &[]),
+    ("error", &[]),
     ("scene", &["contact", "fluid"]),
     ("system", &["rod", "contact", "scene"]),
     ("statics", &["rod", "system"]),
