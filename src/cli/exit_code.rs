@@ -17,7 +17,9 @@ impl ExitCode for SimulationError {
     fn exit_code(&self) -> u8 {
         match self {
             Self::BadScene(_) => 2,
-            Self::NoConvergence { .. } | Self::NoEquilibrium { .. } => 3,
+            Self::NoConvergence { .. }
+            | Self::NoContactForces { .. }
+            | Self::NoEquilibrium { .. } => 3,
             Self::Unphysical(_) => 4,
         }
     }

@@ -25,7 +25,9 @@ pub use helix::stability::{
     HelixSearch, HelixStability, discrete_critical_distance, estimated_critical_distance,
 };
 pub use kind::{FigureError, FileNote, Kind, OwnNumbers, Page};
-pub use knot::{KnotObserver, KnotSample};
+pub use knot::{
+    KnotEnding, KnotMonitor, KnotObserver, KnotOutcome, KnotRow, KnotSample, read_knot_series,
+};
 pub use prepare::{prepare, try_scene};
 
 use crate::scenario::keys::ExperimentKeys;

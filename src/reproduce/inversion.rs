@@ -1,8 +1,8 @@
 //! A knot pulled until it inverts, with the parameters of the thesis, chapter 3.
 
 use super::cases::{Case, Run};
-use crate::experiment::{from_text, prepare};
-use crate::results::{KnotOutcome, KnotRow, ResultsError, read_knot_series};
+use crate::experiment::{KnotOutcome, KnotRow, from_text, prepare, read_knot_series};
+use crate::results::ResultsError;
 use crate::run::PreparedRun;
 use std::path::Path;
 
@@ -137,7 +137,7 @@ impl Inversion {
 
     /// What became of the knot.
     pub fn outcome(case: &Case<Self>) -> KnotOutcome {
-        case.record.outcome.knot.unwrap_or_default()
+        KnotOutcome::of(&case.record.outcome).unwrap_or_default()
     }
 
     /// What was measured of the knot while its ends moved.
@@ -221,7 +221,10 @@ mod tests {
     fn runs_are_scenarios_of_the_numbers_asked_for() {
         let run = Inversion::of_figure_3_5(false)[4];
         let prepared = run.prepare();
-        let observer = prepared.knot.unwrap();
+        let observer = prepared
+            .observer::<crate::experiment::KnotMonitor>()
+            .unwrap()
+            .observer;
         assert!(observer.ends_after_inversion);
         assert_eq!((observer.radius, observer.determinant), (3.2e-3, 7));
         let contact = prepared.scene.contact.unwrap();

@@ -1,8 +1,8 @@
 //! A knot pulled tight, with the parameters of the thesis, section 2.5, and quasi-static.
 
 use super::cases::{Case, Run};
-use crate::experiment::{from_text, prepare};
-use crate::results::{KnotRow, ResultsError, SeriesRow, read_knot_series};
+use crate::experiment::{KnotMonitor, KnotOutcome, KnotRow, from_text, prepare, read_knot_series};
+use crate::results::{ResultsError, SeriesRow};
 use crate::run::PreparedRun;
 use std::path::Path;
 
@@ -118,7 +118,9 @@ impl Tightening {
 
     /// h²/EI, by which tractions are made dimensionless, 1/N.
     pub fn traction_unit(&self) -> f64 {
-        let observer = self.prepare().knot.expect("a knot is observed");
+        let prepared = self.prepare();
+        let monitor = prepared.observer::<KnotMonitor>();
+        let observer = monitor.expect("a knot is observed").observer;
         observer.radius.powi(2) / observer.bending_stiffness
     }
 }
@@ -239,7 +241,7 @@ pub(super) fn range_before_inversion(
     case: &Case<Tightening>,
 ) -> Result<Option<[f64; 2]>, ResultsError> {
     let rows = pulled_rows(case)?;
-    let knot = case.record.outcome.knot.unwrap_or_default();
+    let knot = KnotOutcome::of(&case.record.outcome).unwrap_or_default();
     let inverted = [knot.inversion_by_force, knot.inversion_by_height];
     let inverted = inverted.into_iter().flatten().fold(0.0, f64::max);
     Ok(rows.first().zip(rows.last()).map(|(first, last)| {
@@ -320,7 +322,14 @@ mod tests {
         );
         let prepared = runs[2].prepare();
         assert_eq!(prepared.scene.contact.unwrap().friction, 0.1);
-        assert_eq!(prepared.knot.unwrap().determinant, 3);
+        assert_eq!(
+            prepared
+                .observer::<KnotMonitor>()
+                .unwrap()
+                .observer
+                .determinant,
+            3
+        );
     }
 
     #[test]

@@ -84,6 +84,9 @@ impl Session {
             self.ask_to_stop(stop_requested)?;
             self.write_checkpoint_if_due(simulation)?;
             path = self.path.take().expect("kept above");
+            if self.has_ended() {
+                break;
+            }
         }
         path.branches.sync()?;
         self.remarks.extend(remarks(path.tracer.ended_early()));

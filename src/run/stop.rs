@@ -50,7 +50,9 @@ impl Stop {
             Self::Interrupted => CaseStatus::Interrupted,
             Self::TimeLimit => CaseStatus::TimeLimit,
             Self::Simulation(
-                SimulationError::NoConvergence { .. } | SimulationError::NoEquilibrium { .. },
+                SimulationError::NoConvergence { .. }
+                | SimulationError::NoContactForces { .. }
+                | SimulationError::NoEquilibrium { .. },
             ) => CaseStatus::NoConvergence,
             Self::Simulation(SimulationError::Unphysical(_)) => CaseStatus::Unphysical,
             Self::Simulation(SimulationError::BadScene(_)) | Self::Results(_) => CaseStatus::Failed,

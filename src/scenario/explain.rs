@@ -137,7 +137,9 @@ impl<'a> Explainer<'a> {
             let Some(description) = description.filter(|words| !said.contains(words)) else {
                 continue;
             };
-            let words = description.replace('\n', "\n  ");
+            // Fences are for pages; a terminal shows drawings as they are.
+            let lines = description.lines().filter(|line| !line.starts_with("```"));
+            let words = lines.collect::<Vec<_>>().join("\n  ");
             match schema.get("const") {
                 Some(word) => {
                     let _ = writeln!(text, "  {word}: {words}");

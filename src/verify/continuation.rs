@@ -18,7 +18,7 @@ const EULER: Expectation = Expectation {
     source: "Euler",
 };
 const PRANDTL: Expectation = Expectation {
-    formula: "P = 4.0126 √(EI₂ GJ)/L²",
+    formula: "P = 4.0126 √(EI₁ GJ)/L²",
     source: "Prandtl 1899",
 };
 const MICHELL: Expectation = Expectation {
@@ -36,7 +36,7 @@ const STRIP_RATIO: f64 = 1e4;
 /// Critical loads by continuation and by inertia.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let strip = unit_stiffness();
-    let strip_unit = (strip.bending[1] * strip.twisting).sqrt();
+    let strip_unit = (strip.bending[0] * strip.twisting).sqrt();
     let cases: [(Expectation, &str, Scene, f64, f64); 3] = [
         (
             EULER,
@@ -54,7 +54,7 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
         ),
         (
             PRANDTL,
-            "strip with a tip load: P L²/√(EI₂ GJ)",
+            "strip with a tip load: P L²/√(EI₁ GJ)",
             loaded_strip(),
             strip_tip_load(),
             1.0 / strip_unit,
@@ -202,7 +202,7 @@ fn loaded_strip() -> Scene {
             first_director: Some(Vector3::z()),
             natural_shape: NaturalShape::Straight,
             stiffness: Stiffness {
-                bending: [STRIP_RATIO * soft.bending[0], soft.bending[1]],
+                bending: [soft.bending[0], STRIP_RATIO * soft.bending[1]],
                 ..soft
             },
             ..unit_rod(line(Vector3::zeros(), Vector3::x(), EDGES))

@@ -196,7 +196,7 @@ fn ribbon() -> Scene {
         Vector3::new(s, 0.3 * (3.0 * s).sin(), 0.2 * s * s)
     };
     let mut rod = soft_rod((0..=8).map(node).collect());
-    rod.stiffness.bending = [1.0, 2.5];
+    rod.stiffness.bending = [2.5, 1.0];
     rod.twist = 1.5;
     rod.natural_shape = NaturalShape::Curved {
         curvature: [0.7, -0.4],

@@ -77,7 +77,7 @@ fn two_rods() -> Scene {
     };
     let mut ribbon = unit_rod((0..=EDGES).map(arc).collect());
     ribbon.natural_shape = NaturalShape::AsPlaced;
-    ribbon.stiffness.bending = [1.0, 3.0];
+    ribbon.stiffness.bending = [3.0, 1.0];
     ribbon.first_director = Some(Vector3::z());
     let mut twisted = unit_rod(line(
         Vector3::new(0.0, 0.5, 0.2),

@@ -47,7 +47,7 @@ const MECHANICS: Table = &[
     ("contact", &[]),
     ("fluid", &[]),
     ("kirchhoff", &[]),
-    ("error", &[]),
+    ("error", &["rod", "fluid"]),
     ("scene", &["contact", "fluid"]),
     ("system", &["rod", "contact", "scene"]),
     ("statics", &["rod", "system"]),

@@ -2,6 +2,7 @@
 
 use super::files::FILES;
 use super::keys::{KnotKind, KnotStart, KnotTables, TABLES, resolve};
+use super::monitor::KnotMonitor;
 use super::observer::KnotObserver;
 use super::tied_knot::{determinant_of_kind, determinant_of_rods};
 use super::tightening;
@@ -161,7 +162,9 @@ fn build(scenario: &Scenario, scene: &mut Scene) -> Result<(), Issue> {
 
 fn attach(scenario: &Scenario, run: &mut PreparedRun, until_inverted: bool) -> Result<(), Issue> {
     let tables = tables(scenario);
-    run.knot = observer(tables, &run.scene, until_inverted);
+    if let Some(observer) = observer(tables, &run.scene, until_inverted) {
+        run.observers.push(Box::new(KnotMonitor::new(observer)));
+    }
     if let KnotStart::Curve { .. } = tables.knot.start
         && let Err(RunError::Scene(error)) = try_scene(run)
     {
@@ -201,7 +204,8 @@ fn observer(tables: &KnotTables, scene: &Scene, until_inverted: bool) -> Option<
 }
 
 fn derived(run: &PreparedRun) -> Option<OwnNumbers> {
-    let knot = derived_knot(&run.knot?, run)?;
+    let monitor = run.observer::<KnotMonitor>()?;
+    let knot = derived_knot(&monitor.observer, run)?;
     let [start, end] = knot.length_normalized;
     let lines = [
         ("knot", format!("determinant {}", knot.determinant)),
@@ -248,7 +252,8 @@ mod tests {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/reef.toml");
         let loaded = load(&path, &[]).unwrap_or_else(|error| panic!("{error}"));
         let run = prepare(&loaded.scenario).unwrap();
-        let knot = derived_knot(&run.knot.unwrap(), &run).unwrap();
+        let monitor = run.observer::<KnotMonitor>().unwrap();
+        let knot = derived_knot(&monitor.observer, &run).unwrap();
         assert_eq!((knot.determinant, knot.pull_speed), (9, 5e-3));
         // (0.6 − 0.36)/0.0016, and less by 2 · 5 mm/s · 18 s.
         assert!((knot.length_normalized[0] - 150.0).abs() < 1e-9);

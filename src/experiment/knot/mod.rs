@@ -14,10 +14,15 @@ mod keys;
 mod kind;
 pub(crate) mod monitor;
 pub(crate) mod observer;
+mod outcome;
+mod row;
 pub(crate) mod tied_knot;
 pub(crate) mod tightening;
 mod traction_figure;
 
 pub use keys::{Knot, KnotEnds, KnotKind, KnotStart, KnotTables};
 pub use kind::{InversionKind, TighteningKind};
+pub use monitor::KnotMonitor;
 pub use observer::{KnotObserver, KnotSample};
+pub use outcome::{KnotEnding, KnotOutcome};
+pub use row::{KnotRow, read_knot_series};

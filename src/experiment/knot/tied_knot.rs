@@ -136,9 +136,9 @@ pub fn determinant_of_rods(rods: &[&[Vector3]]) -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::experiment::knot::{KnotMonitor, KnotRow};
     use crate::experiment::{from_text, prepare};
     use crate::mechanics::dynamics::Simulation;
-    use crate::results::KnotRow;
     use crate::run::PreparedRun;
     use std::fmt::Write;
     use std::path::Path;
@@ -179,7 +179,7 @@ mod tests {
         while simulation.time() < 0.3 {
             simulation.advance(0.3).unwrap();
         }
-        let observer = run.knot.unwrap();
+        let observer = run.observer::<KnotMonitor>().unwrap().observer;
         let row = observer.measure(&simulation);
         assert!(observer.recognises(&row), "{row:?}");
         row

@@ -121,9 +121,11 @@ fn add_drag(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::experiment::knot::{
+        KnotEnding, KnotMonitor, KnotOutcome, KnotRow, read_knot_series,
+    };
     use crate::experiment::{from_text, prepare};
     use crate::mechanics::dynamics::Simulation;
-    use crate::results::{KnotEnding, KnotOutcome, KnotRow, read_knot_series};
     use crate::run::{RunOptions, run};
     use std::path::Path;
 
@@ -164,7 +166,7 @@ mod tests {
         while simulation.time() < 0.25 {
             simulation.advance(0.25).unwrap();
         }
-        let observer = run.knot.unwrap();
+        let observer = run.observer::<KnotMonitor>().unwrap().observer;
         let row = observer.measure(&simulation);
         assert!(observer.recognises(&row));
         assert!(row.traction_start_n > 0.0);
@@ -205,7 +207,7 @@ mod tests {
         let finished = run(&prepared, &RunOptions::new(directory.path())).unwrap();
         let rows = read_knot_series(directory.path()).unwrap().into_iter();
         (
-            finished.case.knot.unwrap(),
+            KnotOutcome::of(&finished.case).unwrap(),
             rows.map(|(_, row)| row).collect(),
         )
     }
@@ -246,7 +248,7 @@ mod tests {
         let prepared = prepare(&loaded.scenario).unwrap();
         let directory = tempfile::tempdir().unwrap();
         let options = RunOptions::new(directory.path());
-        run(&prepared, &options).unwrap().case.knot.unwrap()
+        KnotOutcome::of(&run(&prepared, &options).unwrap().case).unwrap()
     }
 
     #[test]

@@ -1,11 +1,11 @@
 //! Traction of a knot over its tightness, with the laws that it should follow.
 
-use super::{KnotKind, KnotTables};
+use super::{KnotKind, KnotRow, KnotTables, read_knot_series};
 use crate::experiment::kind::FigureError;
 use crate::experiment::load;
 use crate::figure::{AxisScale, Curve, LinePlot, PlotStyle, styled_line_plots};
 use crate::knot::{TREFOIL_FRICTION, audoly_traction, jawed_traction};
-use crate::results::{KnotRow, SCENARIO, SERIES, Table, read_knot_series};
+use crate::results::{SCENARIO, SERIES, Table};
 use std::path::Path;
 
 /// F̄ = F h²/EI over ε = √(h/R) while the ends move apart, on logarithmic axes, as SVG; `None` where no knot was

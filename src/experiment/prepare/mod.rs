@@ -82,8 +82,9 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
             forces: scenario.output.forces,
             vtk: scenario.output.vtk,
         },
-        knot: None,
-        helix: None,
+        observers: Vec::new(),
+        controllers: Vec::new(),
+        table: None,
     };
     if let Err(issue) = kind.attach(scenario, &mut prepared) {
         issues.push(issue);

@@ -98,7 +98,7 @@ fn a_straight_column_leaves_its_unstable_equilibrium_and_bends_over() {
             force: -load * 0.25 * PI * PI * Vector3::x(),
         }));
         // Soft in one plane, so that it is known where to.
-        scene.rods[0].stiffness.bending = [20.0, 1.0];
+        scene.rods[0].stiffness.bending = [1.0, 20.0];
         let mut simulation = simulation(&scene);
         let report = simulation.find_equilibrium().unwrap();
         println!("{load}: {}", report.newton_iterations);

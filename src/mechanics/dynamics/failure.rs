@@ -13,11 +13,45 @@ pub(super) enum Failure {
     Newton(Divergence),
     /// Surfaces overlap by more than is allowed.
     Penetration { iterations: usize, overlap: Overlap },
+    /// No contact forces obey the laws of Signorini and Coulomb, or none were found.
+    NoContactForces { iterations: usize },
     /// Where the motion leads, or must lead, surfaces would cross.
     Crossing {
         iterations: usize,
-        what: &'static str,
+        crossing: Crossing,
     },
+}
+
+/// How a motion would lead surfaces across each other.
+#[derive(Debug)]
+pub(super) enum Crossing {
+    /// A clamp prescribes it.
+    Clamp,
+    /// The midpoint rule goes on from the middle of the step through a contact.
+    Extrapolation,
+    /// Surfaces overlap by more than is allowed at the end of the step.
+    Overlap(Overlap),
+    /// Two edges pass through each other within the step.
+    Passage([String; 2]),
+}
+
+impl fmt::Display for Crossing {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Clamp => {
+                formatter.write_str("the prescribed motion of a clamp leads through a contact")
+            }
+            Self::Extrapolation => formatter
+                .write_str("the extrapolation of the midpoint rule leads through a contact"),
+            Self::Overlap(overlap) => overlap.fmt(formatter),
+            Self::Passage([first, second]) => {
+                write!(
+                    formatter,
+                    "{first} and {second} would pass through each other"
+                )
+            }
+        }
+    }
 }
 
 impl Failure {
@@ -25,7 +59,9 @@ impl Failure {
     pub fn iterations(&self) -> usize {
         match self {
             Self::Newton(divergence) => divergence.iterations,
-            Self::Penetration { iterations, .. } | Self::Crossing { iterations, .. } => *iterations,
+            Self::Penetration { iterations, .. }
+            | Self::NoContactForces { iterations }
+            | Self::Crossing { iterations, .. } => *iterations,
         }
     }
 
@@ -49,6 +85,7 @@ impl Failure {
                     node: place.node,
                 }
             }
+            Self::NoContactForces { .. } => SimulationError::NoContactForces { time, step },
             Self::Penetration { .. } | Self::Crossing { .. } => {
                 SimulationError::Unphysical(format!("at t = {time:.6e} s {self}"))
             }
@@ -65,7 +102,10 @@ impl fmt::Display for Failure {
                 divergence.iterations, divergence.residual
             ),
             Self::Penetration { overlap, .. } => overlap.fmt(formatter),
-            Self::Crossing { what, .. } => formatter.write_str(what),
+            Self::NoContactForces { .. } => {
+                formatter.write_str("no contact forces obey the laws of Signorini and Coulomb")
+            }
+            Self::Crossing { crossing, .. } => crossing.fmt(formatter),
         }
     }
 }

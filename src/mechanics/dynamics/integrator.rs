@@ -64,6 +64,14 @@ impl Integrator {
         })
     }
 
+    /// The motion begins anew: schemes that need steps before begin with small ones.
+    pub fn begin_anew(&mut self) {
+        let parameters = &self.setting.parameters;
+        if parameters.scheme.rules().begins_small() {
+            self.control = StepControl::beginning_small(&parameters.step);
+        }
+    }
+
     /// Rods too thick for resistive force theory show in the first forces, which leave no trace.
     ///
     /// # Errors
@@ -104,7 +112,7 @@ impl Integrator {
         system.update_candidates(&state.unknowns);
         let sizes = self.setting.parameters.step;
         let mut goal = self.control.goal(&sizes, state.time, until);
-        let mut stiffenings = 0;
+        let (mut stiffenings, mut crosses) = (0, false);
         loop {
             let step = goal - state.time;
             report.fluid_iterations += self
@@ -137,6 +145,7 @@ impl Integrator {
                 }
                 Err(failure) => {
                     report.newton_iterations += failure.iterations();
+                    crosses |= matches!(failure, Failure::Crossing { .. });
                     debug!(
                         time = state.time,
                         step,
@@ -152,7 +161,7 @@ impl Integrator {
             };
             report.retries += 1;
             if smaller < step {
-                if self.keeps_failed_step(system) {
+                if crosses || self.keeps_failed_step(system) {
                     self.control.failed(smaller);
                 }
                 goal = state.time + smaller;
@@ -176,8 +185,8 @@ impl Integrator {
     }
 
     /// Whether the steps after a failed one begin small: where the step is automatic, and with friction, since the
-    /// slip that fails one step fails many. Steps of a fixed grid that fail for another reason, an impact on a
-    /// barrier say, are over when they are done.
+    /// slip that fails one step fails many. (So do steps that lead through a contact, of which more follow.) Steps of a
+    /// fixed grid that fail for another reason are over when they are done.
     fn keeps_failed_step(&self, system: &System) -> bool {
         matches!(self.setting.parameters.step, StepSize::Auto { .. }) || system.has_friction()
     }

@@ -21,6 +21,7 @@ mod exchange;
 mod failure;
 mod history;
 mod integrator;
+mod intervene;
 mod newton;
 mod observe;
 mod parameters;
@@ -32,6 +33,7 @@ mod stage;
 mod state;
 mod step_control;
 
+pub use crate::mechanics::system::Grasp;
 pub use parameters::{IntegrationParameters, Scheme, StepSize};
 pub use report::{Energies, Exchange, SimulationError, SimulationState, StepReport};
 pub use simulation::Simulation;
@@ -44,6 +46,8 @@ mod complementarity_tests;
 mod equilibrium_tests;
 #[cfg(test)]
 mod friction_tests;
+#[cfg(test)]
+mod intervene_tests;
 #[cfg(test)]
 mod path_tests;
 #[cfg(test)]

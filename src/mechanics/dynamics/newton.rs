@@ -93,7 +93,11 @@ impl Newton {
                 .factor()
                 .and_then(|_| system.direction(&mut self.direction));
             let is_near = largest_move(&self.direction) <= stopping.trust_radius;
-            if solved.is_err() || !is_near || self.direction.iter().any(|d| !d.is_finite()) {
+            let is_finite = self.direction.iter().all(|d| d.is_finite());
+            if solved.is_ok() && is_finite && !is_near {
+                return Err(failed);
+            }
+            if solved.is_err() || !is_finite {
                 return Err(Divergence {
                     residual: f64::NAN,
                     ..failed

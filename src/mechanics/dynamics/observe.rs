@@ -149,6 +149,7 @@ impl Simulation {
             history: self.state.history.clone(),
             reference: self.system.reference.clone(),
             control: self.integrator.control,
+            interventions: self.system.interventions(),
             contact: self.system.contact.as_ref().map(|contact| contact.memory()),
             fluid: self.integrator.fluid.memory(),
         }
@@ -160,6 +161,8 @@ impl Simulation {
     /// [`SimulationError::BadScene`] where the checkpoint does not fit the scene.
     pub fn restore(&mut self, state: SimulationState) -> Result<(), SimulationError> {
         let foreign = |what: String| SimulationError::BadScene(SceneError::Checkpoint(what));
+        let restored = self.system.restore_interventions(state.interventions);
+        restored.map_err(|what| foreign(what.to_owned()))?;
         if state.unknowns.len() != self.state.unknowns.len()
             || state.reference.twist.len() != self.system.reference.twist.len()
         {

@@ -13,7 +13,7 @@ fn rod(centreline: Vec<Vector3>) -> RodDescription {
     // Soft about the first director alone: it bends in the plane of x and y.
     let stiffness = Stiffness {
         stretching: 1e5,
-        bending: [50.0, 1.0],
+        bending: [1.0, 50.0],
         twisting: 10.0,
     };
     RodDescription {

@@ -1,13 +1,13 @@
 //! One attempt at a step: the implicit stage with its predictor, Newton's method and contact.
 
 use super::drag::FluidDrag;
-use super::failure::Failure;
+use super::failure::{Crossing, Failure};
 use super::newton::{Newton, Stopping};
 use super::parameters::{IntegrationParameters, StepSize};
 use super::scheme::{Prediction, SolvedStep};
 use super::state::State;
 use crate::mechanics::fluid::FluidError;
-use crate::mechanics::system::{Divergence, Stage, System, name_overlap};
+use crate::mechanics::system::{Stage, System, name_overlap};
 use crate::mechanics::{Matrix3, Vector3};
 
 /// Times that contact forces and the rods under them are found in turn before the step counts as failed.
@@ -124,6 +124,7 @@ impl Workspace {
         if scheme.extrapolates() {
             self.extrapolate(system, state, goal, iterations)?;
         }
+        self.certify(setting, system, state, iterations)?;
         let solved = SolvedStep {
             step,
             state,
@@ -165,10 +166,10 @@ impl Workspace {
                 iterations += 1;
                 let moved = system
                     .find_contact_forces(trial, &self.stage)
-                    .map_err(|_| no_contact_forces(system, iterations))?;
+                    .map_err(|_| Failure::NoContactForces { iterations })?;
                 balanced = moved <= stopping.displacement;
                 if !balanced && passes == CONTACT_PASSES {
-                    return Err(no_contact_forces(system, iterations));
+                    return Err(Failure::NoContactForces { iterations });
                 }
             }
             iterations += self
@@ -201,10 +202,43 @@ impl Workspace {
         system.drive(goal, trial);
         system.update_geometry(trial);
         if system.largest_step(&state.unknowns, trial) < 1.0 {
-            let what = "the extrapolation of the midpoint rule leads through a contact";
-            return Err(Failure::Crossing { iterations, what });
+            return Err(Failure::Crossing {
+                iterations,
+                crossing: Crossing::Extrapolation,
+            });
         }
         Ok(())
+    }
+
+    /// Certifies the step that ends at the trial: no surfaces overlap there beyond the bound, and none have passed through
+    /// each other on the way.
+    fn certify(
+        &self,
+        setting: &Setting,
+        system: &mut System,
+        state: &State,
+        iterations: usize,
+    ) -> Result<(), Failure> {
+        let trial = &self.trial.unknowns;
+        // Where contact forces are functions of the gaps at the end, these have been looked at.
+        let is_evaluated =
+            !setting.parameters.scheme.rules().extrapolates() && !system.has_constraints();
+        let overlap = if is_evaluated {
+            None
+        } else {
+            system.excessive_penetration_at(trial)
+        };
+        let crossing = overlap.map(Crossing::Overlap).or_else(|| {
+            let passage = system.passage(&state.unknowns, trial);
+            passage.map(Crossing::Passage)
+        });
+        match crossing {
+            None => Ok(()),
+            Some(crossing) => Err(Failure::Crossing {
+                iterations,
+                crossing,
+            }),
+        }
     }
 
     /// Adapts the contact stiffness to the forces at the prediction, and with friction to an inertia that takes the last
@@ -247,16 +281,7 @@ impl Workspace {
         }
         Err(Failure::Crossing {
             iterations: 0,
-            what: "the prescribed motion of a clamp leads through a contact",
+            crossing: Crossing::Clamp,
         })
     }
-}
-
-fn no_contact_forces(system: &System, iterations: usize) -> Failure {
-    let (_, unknown) = system.worst_residual();
-    Failure::Newton(Divergence {
-        iterations,
-        residual: f64::NAN,
-        unknown,
-    })
 }

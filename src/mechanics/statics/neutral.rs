@@ -122,7 +122,7 @@ mod tests {
 
     #[test]
     fn a_round_ring_moves_rigidly_and_rolls_and_a_flat_one_does_not_roll() {
-        for (bending, expected) in [([1.0, 1.0], 7), ([5.0, 1.0], 6)] {
+        for (bending, expected) in [([1.0, 1.0], 7), ([1.0, 5.0], 6)] {
             let mut system = System::new(&ring(bending)).unwrap();
             let mut unknowns = system.assembly.unknowns.clone();
             find_equilibrium(&mut system, &mut unknowns, 1e-9).unwrap();

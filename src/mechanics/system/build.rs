@@ -244,13 +244,10 @@ impl Assembly {
             match &rod.natural_shape {
                 NaturalShape::AsPlaced => placed_strains,
                 NaturalShape::Straight => VertexStrains::default(),
-                NaturalShape::Curved {
-                    curvature: [a, b],
-                    twist,
-                } => VertexStrains {
-                    curvature: [a * voronoi, b * voronoi, a * voronoi, b * voronoi],
-                    twist: twist * voronoi,
-                },
+                NaturalShape::Curved { curvature, twist } => {
+                    let integrated = curvature.map(|curvature| curvature * voronoi);
+                    VertexStrains::about_directors(integrated, twist * voronoi)
+                }
                 NaturalShape::Centreline(_) => of_shape(natural_placement.expect("placed above")),
             }
         };
@@ -385,8 +382,6 @@ impl Assembly {
 }
 
 fn stiffness(rod: &RodDescription, voronoi: f64) -> VertexStiffness {
-    VertexStiffness {
-        bending: rod.stiffness.bending.map(|ei| 0.5 * ei / voronoi),
-        twisting: rod.stiffness.twisting / voronoi,
-    }
+    let stiffness = &rod.stiffness;
+    VertexStiffness::about_directors(stiffness.bending, stiffness.twisting, voronoi)
 }

@@ -7,29 +7,32 @@ use crate::mechanics::rod::transport::{
 use crate::mechanics::rod::{GhostEdge, ReferenceFrames, STRIDE};
 use crate::mechanics::scene::{Clamp, Motion, piecewise_linear, piecewise_turning};
 use crate::mechanics::{UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
 
 /// A clamp with everything resolved.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Drive {
     /// Node of the whole scene.
     pub node: usize,
     /// Whether its position is prescribed.
     pub holds_position: bool,
-    /// Position at time zero, m.
+    /// Position at time zero, or when it took hold, m.
     pub position: Vector3,
-    /// Tangent and director at time zero.
+    /// Tangent and director at that time.
     pub frame: GhostEdge,
     /// Ghost edges that follow the frame.
     pub ghosts: Vec<usize>,
     /// Edges whose both ends are held; their material frames follow, too.
     pub edges: Vec<HeldEdge>,
+    /// Whether it has let go: it then holds nothing.
+    pub released: bool,
     motion: Motion,
     axis: Vector3,
     pivot: Vector3,
 }
 
 /// An edge whose nodes are both held, one of them with its frame.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct HeldEdge {
     /// Node of the whole scene where it starts.
     pub start: usize,
@@ -49,6 +52,7 @@ impl Drive {
             frame,
             ghosts: Vec::new(),
             edges: Vec::new(),
+            released: false,
             axis: clamp.motion.axis.unwrap_or(frame.tangent),
             pivot: clamp.motion.pivot.unwrap_or(position),
             motion: clamp.motion.clone(),
@@ -79,6 +83,9 @@ impl Drive {
 
     /// Writes the prescribed position and frames at `time`.
     pub fn apply(&self, time: f64, unknowns: &mut [f64], ghosts: &mut [GhostEdge]) {
+        if self.released {
+            return;
+        }
         let turning = self.turning(time);
         if self.holds_position {
             let arm = self.position - self.pivot;

@@ -13,6 +13,7 @@
 mod build;
 mod clamps;
 mod complementarity;
+mod grasp;
 mod loads;
 mod newton_matrix;
 mod residual;
@@ -21,13 +22,14 @@ mod touching;
 pub use build::Assembly;
 pub use clamps::Drive;
 pub use complementarity::NoContactForces;
+pub use grasp::{Grasp, Interventions};
 use loads::Loads;
 use newton_matrix::NewtonMatrix;
 pub use residual::TERMS;
 use touching::contact_of;
 pub use touching::name_overlap;
 
-use super::contact::{ContactModel, ImplicitContact};
+use super::contact::{ContactModel, ContactSystem, ForceCorrections};
 use super::rod::{
     ElasticEnergy, GhostEdge, ReferenceFrames, RodGeometry, STRIDE, topology::position,
 };
@@ -74,7 +76,7 @@ pub struct System {
     /// External loads.
     pub loads: Loads,
     /// Contact, where the scene has it.
-    pub contact: Option<ImplicitContact>,
+    pub contact: Option<ContactSystem>,
     /// Frames from which the present step transports.
     pub reference: ReferenceFrames,
     /// Ghost edges at the present time.
@@ -83,7 +85,7 @@ pub struct System {
     pub geometry: RodGeometry,
     /// Time of the present evaluation, s.
     pub time: f64,
-    /// Residual of the last evaluation, N and N m; at held unknowns minus the reaction.
+    /// Residual of the last evaluation, N and N m; at held unknowns what holds them.
     pub residual: Vec<f64>,
     corrected_residual: Vec<f64>,
     dead_forces: Vec<f64>,
@@ -96,6 +98,8 @@ pub struct System {
     correction: Vec<f64>,
     responses: Vec<f64>,
     has_planes: bool,
+    /// Whether a node was ever grasped or released.
+    switched: bool,
     matrix: NewtonMatrix,
 }
 
@@ -126,6 +130,7 @@ impl System {
             external_forces: vec![0.0; assembly.unknowns.len()],
             positions: vec![Vector3::zeros(); assembly.rods.nodes],
             has_planes: !scene.planes.is_empty(),
+            switched: false,
             nodal_forces: vec![Vector3::zeros(); assembly.rods.nodes],
             displacements: vec![Vector3::zeros(); assembly.rods.nodes],
             correction: Vec::new(),
@@ -172,7 +177,7 @@ impl System {
     pub fn accept(&mut self) {
         self.commit_frames();
         if let Some(contact) = &mut self.contact {
-            contact.settle_multipliers();
+            contact.commit_multipliers();
         }
     }
 
@@ -185,7 +190,7 @@ impl System {
     /// forces. Moments of fixed direction have none.
     pub fn potential(&self, unknowns: &[f64]) -> f64 {
         let elastic = self.elastic_energy();
-        let contact = self.contact.as_ref().map_or(0.0, ImplicitContact::energy);
+        let contact = self.contact.as_ref().map_or(0.0, ContactSystem::energy);
         let work: f64 = (self.dead_forces.iter().zip(unknowns))
             .map(|(force, unknown)| force * unknown)
             .sum();
@@ -273,7 +278,7 @@ impl System {
     /// # Errors
     /// A system that is singular to working precision.
     pub fn direction(&mut self, direction: &mut [f64]) -> Result<(), SingularMatrix> {
-        self.correct_residual(ImplicitContact::linear_corrections);
+        self.correct_residual(ContactSystem::linear_corrections);
         for k in 0..direction.len() {
             let held = self.assembly.held[k];
             direction[k] = if held {
@@ -304,27 +309,33 @@ impl System {
     }
 
     /// Writes the residual with other contact forces.
-    fn correct_residual(&mut self, of: fn(&ImplicitContact) -> &[[f64; 12]]) {
+    fn correct_residual(&mut self, of: fn(&ContactSystem) -> ForceCorrections<'_>) {
         self.corrected_residual.copy_from_slice(&self.residual);
         let Some(contact) = &self.contact else { return };
-        for (pair, correction) in contact.contacts().iter().zip(of(contact)) {
+        let corrections = of(contact);
+        for (pair, correction) in contact.contacts().iter().zip(corrections.edges) {
             for (corner, &node) in pair.nodes.iter().enumerate() {
                 for axis in 0..3 {
                     self.corrected_residual[STRIDE * node + axis] -= correction[3 * corner + axis];
                 }
             }
         }
+        for (touch, correction) in contact.plane_contacts().iter().zip(corrections.planes) {
+            for axis in 0..3 {
+                self.corrected_residual[STRIDE * touch.node + axis] -= correction[axis];
+            }
+        }
     }
 
     /// Sum of squares of the residual with the contact forces of the linearised laws, N².
     pub fn squared_linear_residual(&mut self) -> f64 {
-        self.correct_residual(ImplicitContact::linear_corrections);
+        self.correct_residual(ContactSystem::linear_corrections);
         self.square(&self.corrected_residual)
     }
 
     /// Sum of squares of the residual with the contact forces of the multipliers, N².
     pub fn squared_multiplier_residual(&mut self) -> f64 {
-        self.correct_residual(ImplicitContact::multiplier_corrections);
+        self.correct_residual(ContactSystem::multiplier_corrections);
         self.square(&self.corrected_residual)
     }
 
@@ -346,7 +357,7 @@ impl System {
     pub fn uses_multipliers(&self) -> bool {
         self.contact
             .as_ref()
-            .is_some_and(ImplicitContact::uses_multipliers)
+            .is_some_and(ContactSystem::uses_multipliers)
     }
 
     /// Whether the candidates of contact changed; to be called at the start of a step.
@@ -376,7 +387,7 @@ impl System {
         contact.candidates_are_complete(&self.positions)
     }
 
-    /// Largest part of the straight way between two sets of unknowns along which no contact is crossed; 1
+    /// Largest part of the straight path between two sets of unknowns along which no contact is crossed; 1
     /// where the contact model allows penetration.
     pub fn largest_step(&mut self, from: &[f64], to: &[f64]) -> f64 {
         let Some(contact) = &mut self.contact else {
@@ -390,7 +401,7 @@ impl System {
         if step.candidates_changed {
             self.matrix.forget_pattern();
         }
-        step.part
+        step.fraction
     }
 
     /// Farthest that a node may move at once so that surfaces do not pass through each other unnoticed, m; infinite
@@ -484,7 +495,7 @@ fn add_inertia(
     }
 }
 
-fn subtract_contact_forces(contact: &ImplicitContact, residual: &mut [f64]) {
+fn subtract_contact_forces(contact: &ContactSystem, residual: &mut [f64]) {
     for pair in contact.contacts() {
         for (corner, &node) in pair.nodes.iter().enumerate() {
             for axis in 0..3 {

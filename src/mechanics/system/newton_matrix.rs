@@ -7,7 +7,7 @@ use crate::linalg::{
     BandedFactor, BandedSymmetric, CoupledSystem, Element, ElementMatrix, Inertia, SingularMatrix,
     UNUSED,
 };
-use crate::mechanics::contact::ImplicitContact;
+use crate::mechanics::contact::ContactSystem;
 use crate::mechanics::rod::{ElasticRods, ReferenceFrames, RodGeometry, STRIDE};
 
 const ZERO: ElementMatrix = [[0.0; 12]; 12];
@@ -138,7 +138,7 @@ impl NewtonMatrix {
         }
     }
 
-    pub fn add_contact(&mut self, contact: &ImplicitContact) {
+    pub fn add_contact(&mut self, contact: &ContactSystem) {
         for (pair, jacobian) in contact.contacts().iter().zip(contact.jacobians()) {
             let mut matrix = *jacobian;
             matrix
@@ -177,7 +177,7 @@ impl NewtonMatrix {
         }
     }
 
-    fn list_contact_elements(&mut self, contact: &ImplicitContact) {
+    fn list_contact_elements(&mut self, contact: &ContactSystem) {
         self.contact_elements.clear();
         for candidate in contact.candidates() {
             let mut element = [UNUSED; 12];
@@ -212,6 +212,14 @@ impl NewtonMatrix {
                 column[0] += if k % STRIDE == 3 { spin_shift } else { shift };
             }
         }
+    }
+
+    /// Takes over which unknowns are held and how many ghost edges there are.
+    pub fn adapt(&mut self, assembly: &Assembly) {
+        self.held.clone_from(&assembly.held);
+        let edges = assembly.rods.nodes + assembly.rods.ghosts;
+        self.spin_moment.resize(edges, 0.0);
+        self.forget_pattern();
     }
 
     /// Drops the pattern; it is found again when something couples.

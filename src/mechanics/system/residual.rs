@@ -1,7 +1,7 @@
 //! How large the residual is, how small it must become, and which term is to blame.
 
 use super::{Stage, System, add_inertia};
-use crate::mechanics::contact::ImplicitContact;
+use crate::mechanics::contact::ContactSystem;
 use crate::mechanics::rod::STRIDE;
 
 /// The terms of the residual, for the message that says which one diverged.
@@ -68,10 +68,19 @@ impl System {
         }
         let load = -self.dead_forces[unknown];
         let known = [inertia[unknown], elastic[unknown], load];
-        let contact = total - known.iter().sum::<f64>();
-        let sizes = [known[0], known[1], known[2], contact];
-        let largest = (0..4).max_by(|&a, &b| sizes[a].abs().total_cmp(&sizes[b].abs()));
-        TERMS[largest.unwrap_or(0)]
+        // One term that is not a number leaves no other to blame.
+        if let Some(term) = known.iter().position(|term| !term.is_finite()) {
+            return TERMS[term];
+        }
+        let sizes = known.into_iter().chain(
+            self.contact
+                .is_some()
+                .then(|| total - known.iter().sum::<f64>()),
+        );
+        let largest = sizes
+            .enumerate()
+            .max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()));
+        TERMS[largest.map_or(0, |(term, _)| term)]
     }
 
     /// Tolerance for the residual: `relative` times the largest of EI/L², the loads and the contact forces
@@ -85,7 +94,7 @@ impl System {
         let largest_contact = self
             .contact
             .as_ref()
-            .map_or(0.0, ImplicitContact::largest_normal_force);
+            .map_or(0.0, ContactSystem::largest_normal_force);
         let scale = self
             .assembly
             .force_scale

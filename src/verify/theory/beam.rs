@@ -25,7 +25,7 @@ pub const CLAMPED_COLUMN: f64 = 4.0 * PI * PI;
 /// Critical compression of a column with one end clamped and one free, P L²/EI = π²/4 (Euler).
 pub const FREE_COLUMN: f64 = 0.25 * PI * PI;
 
-/// Critical tip load of a clamped strip that bends in its stiff plane, P L²/√(EI₂ GJ) = 4.0126 (Prandtl
+/// Critical tip load of a clamped strip that bends in its stiff plane, P L²/√(EI₁ GJ) = 4.0126 (Prandtl
 /// 1899): the twist angle obeys u″ + β² s² u = 0 over the distance s from the tip, u′(0) = 0, u(1) = 0.
 pub fn strip_tip_load() -> f64 {
     bisect(3.0, 5.0, |load| {

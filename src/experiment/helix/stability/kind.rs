@@ -1,5 +1,6 @@
 //! The experiment `helix-stability`.
 
+use super::boundary::Boundary;
 use super::discrete_rod::first_scene;
 use super::keys::{HelixTables, TABLES, resolve};
 use super::sections::section_figures;
@@ -11,6 +12,7 @@ use crate::run::PreparedRun;
 use crate::scenario::keys::{CommonTables, ExperimentKeys, OwnTable, Request, Section};
 use crate::scenario::{Contact, Experiment, Fluid, Issue, Scenario, Time};
 use std::path::Path;
+use std::sync::Arc;
 
 /// Where clamped helical rods lose stability.
 pub struct HelixStabilityKind;
@@ -176,7 +178,8 @@ impl Kind for HelixStabilityKind {
     }
 
     fn attach(&self, scenario: &Scenario, run: &mut PreparedRun) -> Result<(), Issue> {
-        run.helix = Some(tables(scenario).helix_stability.clone());
+        let boundary = Boundary::new(tables(scenario).helix_stability.clone());
+        run.table = Some(Arc::new(boundary));
         Ok(())
     }
 

@@ -23,7 +23,7 @@ mod kind;
 mod sections;
 mod surface;
 
-pub use boundary::{Boundary, BoundaryRow, Part, read_boundary};
+pub use boundary::{BoundaryRow, Part, read_boundary};
 pub use comparison::compare;
 pub use critical_distance::{discrete_critical_distance, estimated_critical_distance};
 pub use discrete_rod::DiscreteRod;

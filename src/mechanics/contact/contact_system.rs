@@ -1,10 +1,13 @@
 //! All contacts of a scene: candidates, forces, Jacobians, stiffness.
 
+use super::broad_phase::BroadPhase;
 use super::candidates::{Candidates, approach};
 use super::closest_points::edge_distance;
 use super::constraints::ContactConstraint;
-use super::contacts::{ActiveContact, CandidatePair, EdgeJacobian, PlaneContact, PlaneJacobian};
-use super::multipliers::Multipliers;
+use super::contacts::{
+    ActiveContact, CandidatePair, EdgeJacobian, ForceCorrections, PlaneContact, PlaneJacobian,
+};
+use super::multipliers::{Multipliers, Slots};
 use super::parameters::ContactParameters;
 use super::stiffness::adapted_stiffness;
 use super::surface::{ContactPlane, ContactSurface};
@@ -16,19 +19,20 @@ use crate::mechanics::Vector3;
 ///
 /// In a time step: [`update_candidates`](Self::update_candidates), then per Newton iteration
 /// [`evaluate`](Self::evaluate) and per trial of the line search [`evaluate_forces`](Self::evaluate_forces),
-/// no farther along a straight way than [`largest_step`](Self::largest_step) allows;
-/// after it, [`candidates_are_complete`](Self::candidates_are_complete) and
-/// [`excessive_penetration`](Self::excessive_penetration).
+/// no farther along a straight path than [`largest_step`](Self::largest_step) allows;
+/// after it, [`candidates_are_complete`](Self::candidates_are_complete),
+/// [`excessive_penetration`](Self::excessive_penetration) and [`passage`](Self::passage).
 ///
 /// The distance of two edges has kinks where several pairs of points are equally near: joints of a rod, and
 /// parallel edges, whose closest points the implicit contact model smooths. Newton's method may need its line search
-/// there. With the implicit contact model two edges
-/// that pass through each other within one step are not noticed; with incremental potential contact
-/// [`largest_step`](Self::largest_step) keeps them from it.
+/// there. What holds for every model at the end of a step: no surfaces overlap beyond the bound, and nothing has passed
+/// through anything else.
 #[derive(Clone, Debug)]
-pub struct ImplicitContact {
+pub struct ContactSystem {
     pub(super) parameters: ContactParameters,
     pub(super) surface: ContactSurface,
+    /// Nodes of all rods.
+    node_count: usize,
     pub(super) planes: Vec<ContactPlane>,
     pub(super) candidates: Candidates,
     pub(super) multipliers: Multipliers,
@@ -37,8 +41,11 @@ pub struct ImplicitContact {
     least_stiffness: f64,
     /// How far every node has moved since the candidates were built, m; scratch.
     pub(super) motion: Vec<f64>,
-    /// Where a step has come to while it is searched for collisions, m; scratch.
-    pub(super) place: Vec<Vector3>,
+    pub(super) broad_phase: BroadPhase,
+    /// Pairs of edges whose paths come near each other; scratch.
+    pub(super) swept_pairs: Vec<CandidatePair>,
+    /// Positions along a step that is searched for collisions, m; scratch.
+    pub(super) scratch_positions: Vec<Vector3>,
     pub(super) contacts: Vec<ActiveContact>,
     /// Friction per normal force of the contacts.
     pub(super) tractions: Vec<Vector3>,
@@ -47,14 +54,18 @@ pub struct ImplicitContact {
     pub(super) linear_corrections: Vec<[f64; 12]>,
     pub(super) multiplier_corrections: Vec<[f64; 12]>,
     pub(super) plane_contacts: Vec<PlaneContact>,
+    /// Friction per normal force of the plane contacts.
+    pub(super) plane_tractions: Vec<Vector3>,
     pub(super) plane_jacobians: Vec<PlaneJacobian>,
+    pub(super) plane_linear_corrections: Vec<[f64; 3]>,
+    pub(super) plane_multiplier_corrections: Vec<[f64; 3]>,
     /// Contacts of the complementarity model.
     pub(super) constraints: Vec<ContactConstraint>,
     pub(super) energy: f64,
     pub(super) contact_count: usize,
 }
 
-impl ImplicitContact {
+impl ContactSystem {
     /// `least_stiffness` is the contact stiffness k at the start and the least that
     /// [`Self::adapt_stiffness`] chooses; that of the force scale EI/L² suits.
     pub fn new(
@@ -65,6 +76,7 @@ impl ImplicitContact {
     ) -> Self {
         let candidates = Candidates::new(&surface, parameters.reach());
         Self {
+            node_count: surface.node_count(),
             parameters,
             surface,
             planes,
@@ -75,13 +87,18 @@ impl ImplicitContact {
             stiffness: least_stiffness,
             least_stiffness,
             motion: Vec::new(),
-            place: Vec::new(),
+            broad_phase: BroadPhase::default(),
+            swept_pairs: Vec::new(),
+            scratch_positions: Vec::new(),
             contacts: Vec::new(),
             jacobians: Vec::new(),
             linear_corrections: Vec::new(),
             multiplier_corrections: Vec::new(),
             plane_contacts: Vec::new(),
+            plane_tractions: Vec::new(),
             plane_jacobians: Vec::new(),
+            plane_linear_corrections: Vec::new(),
+            plane_multiplier_corrections: Vec::new(),
             constraints: Vec::new(),
             energy: 0.0,
             contact_count: 0,
@@ -134,6 +151,33 @@ impl ImplicitContact {
         let (old, new) = (self.candidates.earlier_pairs(), self.candidates.pairs());
         self.multipliers.carry_over(old, new);
         self.carried_tractions.carry_over(old, new);
+        self.renumber_contacts();
+    }
+
+    /// Lets the contacts of the last evaluation count along the new candidates; the Jacobians, of which the
+    /// Newton system knows the old pattern, go.
+    fn renumber_contacts(&mut self) {
+        let (old, new) = (self.candidates.earlier_pairs(), self.candidates.pairs());
+        let numbers: Vec<Option<usize>> = self
+            .contacts
+            .iter()
+            .map(|contact| new.binary_search(&old[contact.candidate]).ok())
+            .collect();
+        let mut known = numbers.iter();
+        self.tractions
+            .retain(|_| known.next().is_some_and(Option::is_some));
+        let mut known = numbers.iter();
+        self.contacts
+            .retain_mut(|contact| match known.next().copied().flatten() {
+                Some(number) => {
+                    contact.candidate = number;
+                    true
+                }
+                None => false,
+            });
+        self.jacobians.clear();
+        self.linear_corrections.clear();
+        self.multiplier_corrections.clear();
     }
 
     /// Rebuilds the candidates for these positions in any case; without positions there are none.
@@ -158,7 +202,7 @@ impl ImplicitContact {
         self.candidates.are_complete(positions)
     }
 
-    /// Starts the Newton iterations of a step: until [`Self::settle_multipliers`] or
+    /// Starts the Newton iterations of a step: until [`Self::commit_multipliers`] or
     /// [`Self::abandon_multipliers`] the Jacobians are those of the force law linearised at the normal forces
     /// that the iteration carries along, the first ones those of the last step.
     pub fn begin_iterations(&mut self) {
@@ -169,9 +213,8 @@ impl ImplicitContact {
             .parameters
             .stiffness_per_force(self.surface.largest_moving_radius());
         let expected = self.stiffness / factor;
-        self.multipliers
-            .begin(self.candidates.pairs().len(), expected);
-        self.carried_tractions.begin(self.candidates.pairs().len());
+        self.multipliers.begin(self.slots(), expected);
+        self.carried_tractions.begin(self.slots());
     }
 
     /// Whether the Jacobians are those of the carried normal forces.
@@ -185,12 +228,40 @@ impl ImplicitContact {
     }
 
     /// Takes over the normal forces of the last evaluation as those of an accepted step.
-    pub fn settle_multipliers(&mut self) {
-        let candidates = self.candidates.pairs().len();
+    pub fn commit_multipliers(&mut self) {
+        let slots = self.slots();
         let reach = self.parameters.reach();
-        self.multipliers.settle(candidates, &self.contacts, reach);
+        // Contacts that opened stay listed where their multipliers bore force.
+        let pairs = self
+            .contacts
+            .iter()
+            .filter(|c| c.distance - c.threshold < reach);
+        let planes = self
+            .plane_contacts
+            .iter()
+            .filter(|c| c.distance - c.threshold < reach);
+        let of_pairs = pairs.clone().map(|c| (c.candidate, c.normal_force));
+        let of_planes = planes
+            .clone()
+            .map(|c| (slots.over_plane(c.plane, c.node), c.normal_force));
+        self.multipliers.commit(slots, of_pairs.chain(of_planes));
+        let pairs = self.contacts.iter().zip(&self.tractions);
+        let pairs = pairs.filter(|(c, _)| c.distance - c.threshold < reach);
+        let planes = self.plane_contacts.iter().zip(&self.plane_tractions);
+        let planes = planes.filter(|(c, _)| c.distance - c.threshold < reach);
+        let of_pairs = pairs.map(|(c, traction)| (c.candidate, *traction));
+        let of_planes = planes.map(|(c, traction)| (slots.over_plane(c.plane, c.node), *traction));
         self.carried_tractions
-            .settle(candidates, &self.contacts, &self.tractions, reach);
+            .commit(slots, of_pairs.chain(of_planes));
+    }
+
+    /// Where contacts keep what they carry from step to step.
+    pub(super) fn slots(&self) -> Slots {
+        Slots {
+            candidates: self.candidates.pairs().len(),
+            nodes: self.node_count,
+            planes: self.planes.len(),
+        }
     }
 
     pub(super) fn multipliers(&self) -> &Multipliers {
@@ -216,10 +287,10 @@ impl ImplicitContact {
         &self.contacts
     }
 
-    /// Largest normal force between edges in the last accepted step, N; zero without contacts.
+    /// Largest normal force of a contact in the last accepted step, N; zero without contacts.
     pub fn largest_normal_force(&self) -> f64 {
         self.multipliers
-            .settled()
+            .committed()
             .iter()
             .copied()
             .fold(0.0, f64::max)
@@ -230,15 +301,21 @@ impl ImplicitContact {
         &self.jacobians
     }
 
-    /// What to add to the forces of [`Self::contacts`] to have those of the linearised laws at the present
-    /// gaps, N: the right-hand side that goes with the Jacobians. Zero without multipliers.
-    pub fn linear_corrections(&self) -> &[[f64; 12]] {
-        &self.linear_corrections
+    /// What to add to the forces of [`Self::contacts`] and [`Self::plane_contacts`] to have those of the linearised laws at
+    /// the present gaps, N: the right-hand side that goes with the Jacobians. Zero without multipliers.
+    pub fn linear_corrections(&self) -> ForceCorrections<'_> {
+        ForceCorrections {
+            edges: &self.linear_corrections,
+            planes: &self.plane_linear_corrections,
+        }
     }
 
-    /// What to add to the forces of [`Self::contacts`] to have those of the multipliers, N.
-    pub fn multiplier_corrections(&self) -> &[[f64; 12]] {
-        &self.multiplier_corrections
+    /// What to add to the same forces to have those of the multipliers, N.
+    pub fn multiplier_corrections(&self) -> ForceCorrections<'_> {
+        ForceCorrections {
+            edges: &self.multiplier_corrections,
+            planes: &self.plane_multiplier_corrections,
+        }
     }
 
     /// Active plane contacts of the last evaluation, sorted by plane and node.

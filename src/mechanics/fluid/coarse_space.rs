@@ -1,4 +1,4 @@
-//! The coarse level of the preconditioner: filaments in stretches of constant force density.
+//! The coarse level of the preconditioner: filaments in aggregates of constant force density.
 
 use super::lanes::{SingleLanes, multiply_rows};
 use super::operator::FlowOperator;
@@ -6,15 +6,15 @@ use super::{Filament, FluidError};
 use crate::linalg::instruction_set::{InstructionSet, LANES, Lanes};
 use nalgebra::{DMatrix, DVector};
 
-/// Nodes of a stretch, about. In the bundle of ten flagella stretches of 8, 17 nodes and none take 7.0, 7.7 and 11.6
+/// Nodes of an aggregate, about. In the bundle of ten flagella aggregates of 8, 17 nodes and none take 7.0, 7.7 and 11.6
 /// iterations a solve; shorter ones cost more than they save.
 const NODES: usize = 17;
 
-/// The best forces Q x that are constant along stretches: Q = Z (Zᵀ A Z)⁻¹ Zᵀ, where Z has a column for each component
-/// of the force on each stretch, with ones at its nodes.
-pub(super) struct Stretches {
+/// The best forces Q x that are constant along aggregates: Q = Z (Zᵀ A Z)⁻¹ Zᵀ, where Z has a column for each component
+/// of the force on each aggregate, with ones at its nodes.
+pub(super) struct CoarseSpace {
     set: InstructionSet,
-    /// First node of each stretch, and the number of nodes.
+    /// First node of each aggregate, and the number of nodes.
     bounds: Vec<usize>,
     /// A Z, row by row, padded to whole lanes.
     images: Vec<SingleLanes>,
@@ -22,14 +22,14 @@ pub(super) struct Stretches {
     inverse: DMatrix<f64>,
     /// Zᵀ x.
     sums: DVector<f64>,
-    /// Q x by stretches.
+    /// Q x by aggregates.
     forces: DVector<f64>,
     /// The same, padded to whole lanes.
     lanes: Vec<Lanes>,
 }
 
-impl Stretches {
-    /// Divides filaments, whose nodes are numbered one filament after the other, into equal stretches.
+impl CoarseSpace {
+    /// Divides filaments, whose nodes are numbered one filament after the other, into equal aggregates.
     pub fn new(filaments: &[Filament]) -> Self {
         let mut bounds = vec![0];
         let mut first = 0;
@@ -59,13 +59,17 @@ impl Stretches {
         operator.sum_columns(&self.bounds, &mut self.images);
         let width = self.lanes.len();
         let mut system = DMatrix::zeros(self.inverse.nrows(), self.inverse.ncols());
-        for (stretch, nodes) in self.bounds.windows(2).enumerate() {
+        for (aggregate, nodes) in self.bounds.windows(2).enumerate() {
             for (k, row) in self.images[3 * nodes[0] * width..3 * nodes[1] * width]
                 .chunks_exact(width)
                 .enumerate()
             {
                 let entries = row.as_flattened().iter();
-                for (sum, entry) in system.row_mut(3 * stretch + k % 3).iter_mut().zip(entries) {
+                for (sum, entry) in system
+                    .row_mut(3 * aggregate + k % 3)
+                    .iter_mut()
+                    .zip(entries)
+                {
                     *sum += f64::from(*entry);
                 }
             }
@@ -74,16 +78,16 @@ impl Stretches {
         Ok(())
     }
 
-    /// Solves for the forces of the stretches; `rest` = x − A Q x.
+    /// Solves for the forces of the aggregates; `rest` = x − A Q x.
     pub fn solve(&mut self, x: &[f64], rest: &mut [f64]) {
-        for (stretch, nodes) in self.bounds.windows(2).enumerate() {
+        for (aggregate, nodes) in self.bounds.windows(2).enumerate() {
             let mut sum = [0.0; 3];
             for x in x[3 * nodes[0]..3 * nodes[1]].chunks_exact(3) {
                 for (sum, x) in sum.iter_mut().zip(x) {
                     *sum += x;
                 }
             }
-            self.sums.as_mut_slice()[3 * stretch..3 * stretch + 3].copy_from_slice(&sum);
+            self.sums.as_mut_slice()[3 * aggregate..3 * aggregate + 3].copy_from_slice(&sum);
         }
         self.forces.gemv(1.0, &self.inverse, &self.sums, 0.0);
         let lanes = self.lanes.as_flattened_mut();
