@@ -1,5 +1,6 @@
 //! Why the program fails, what it says and its exit code.
 
+use super::exit_code::ExitCode;
 use crate::cluster::ClusterError;
 use crate::mechanics::dynamics::SimulationError;
 use crate::report::{PlotError, ViewError};
@@ -48,9 +49,8 @@ pub enum Failure {
     System(String),
 }
 
-impl Failure {
-    /// The exit code of the program.
-    pub fn exit_code(&self) -> u8 {
+impl ExitCode for Failure {
+    fn exit_code(&self) -> u8 {
         match self {
             Self::Scenario(_) | Self::Input(_) => 2,
             Self::Run(error) => error.exit_code(),
@@ -65,7 +65,9 @@ impl Failure {
             Self::Cluster(_) | Self::System(_) => 1,
         }
     }
+}
 
+impl Failure {
     /// Says what is wrong on standard error.
     pub fn report(&self, colour: bool) {
         match self {

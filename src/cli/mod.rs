@@ -1,7 +1,7 @@
 //! The command line: one file per subcommand, each of which parses, calls the library and prints.
 //!
 //! Standard output carries results, standard error progress, logs and faults. The exit codes are a
-//! promise to scripts; `Failure::exit_code` holds them:
+//! promise to scripts; the file `exit_code` holds them:
 //!
 //! | code | meaning |
 //! |---|---|
@@ -16,6 +16,7 @@
 mod arguments;
 mod check;
 mod completions;
+mod exit_code;
 mod explain;
 mod failure;
 mod gather;
@@ -40,17 +41,18 @@ mod view;
 
 use arguments::{Arguments, Command};
 use clap::Parser;
+pub(crate) use exit_code::ExitCode;
 use failure::Failure;
-use std::process::ExitCode;
+use std::process;
 
 /// Runs the program and returns its exit code.
-pub fn main() -> ExitCode {
+pub fn main() -> process::ExitCode {
     let arguments = Arguments::parse();
     match dispatch(&arguments) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => process::ExitCode::SUCCESS,
         Err(failure) => {
             failure.report(arguments.common.colours_stderr());
-            ExitCode::from(failure.exit_code())
+            process::ExitCode::from(failure.exit_code())
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Sweeps of `rodlab run`: which cases there are, and what became of them.
 
+use super::exit_code::ExitCode;
 use super::failure::Failure;
 use super::output::print;
 use super::run::RunArguments;

@@ -85,17 +85,6 @@ pub enum ReproduceError {
     Threads(String),
 }
 
-impl ReproduceError {
-    /// Exit code of the program.
-    pub fn exit_code(&self) -> u8 {
-        match self {
-            Self::Run(error) => error.exit_code(),
-            Self::Results(error) => error.exit_code(),
-            Self::Threads(_) => 1,
-        }
-    }
-}
-
 /// Makes an artefact and returns the files written; `report` is told of each run that ended.
 ///
 /// # Errors

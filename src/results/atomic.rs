@@ -130,6 +130,7 @@ pub(super) fn create_whole(directory: &Path, name: &str, bytes: &[u8]) -> std::i
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::ExitCode;
 
     #[test]
     fn only_an_own_file_is_replaced_never_a_device_a_link_or_a_folder() {

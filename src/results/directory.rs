@@ -294,6 +294,7 @@ mod tests {
     use super::super::CaseStatus;
     use super::super::manifest::tests::example;
     use super::*;
+    use crate::cli::ExitCode;
 
     fn names(path: &Path) -> Vec<String> {
         let mut names: Vec<_> = fs::read_dir(path)

@@ -1,4 +1,4 @@
-//! What can go wrong with a results directory, and the exit code of each.
+//! What can go wrong with a results directory.
 
 use std::io;
 use std::path::PathBuf;
@@ -75,19 +75,6 @@ pub enum ResultsError {
 }
 
 impl ResultsError {
-    /// Exit code of the program: 2 where another directory must be chosen, 1 for a fault during the run.
-    pub fn exit_code(&self) -> u8 {
-        match self {
-            Self::AnotherScenario { .. }
-            | Self::NotResults { .. }
-            | Self::Link { .. }
-            | Self::NotOwn { .. }
-            | Self::Locked { .. }
-            | Self::NotWritable { .. } => 2,
-            Self::Damaged { .. } | Self::Io { .. } => 1,
-        }
-    }
-
     /// Turns an error of the operating system into one that names the file.
     pub(crate) fn io(
         action: &'static str,

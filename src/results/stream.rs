@@ -162,6 +162,7 @@ fn into_io(error: csv::Error) -> io::Error {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::ExitCode;
     use proptest::prelude::*;
 
     #[derive(Serialize, serde::Deserialize, Debug, PartialEq)]

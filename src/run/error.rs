@@ -1,4 +1,4 @@
-//! Why a run ended early, and the exit code of each reason.
+//! Why a run ended early.
 
 use super::Reached;
 use crate::mechanics::dynamics::SimulationError;
@@ -8,10 +8,10 @@ use std::path::PathBuf;
 /// Why a run did not reach its end.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
-    /// The scene cannot be set up; nothing was written (exit code 2).
+    /// The scene cannot be set up; nothing was written.
     #[error(transparent)]
     Scene(SimulationError),
-    /// The mechanics stopped: no convergence (exit code 3) or a physics check failed (4).
+    /// The mechanics stopped: no convergence or a physics check failed.
     #[error("{source}\nresults up to there are in `{}`", directory.display())]
     Simulation {
         /// What the simulation said.
@@ -19,7 +19,7 @@ pub enum RunError {
         /// Where the results lie.
         directory: PathBuf,
     },
-    /// The time limit was reached; a checkpoint was written (exit code 5).
+    /// The time limit was reached; a checkpoint was written.
     #[error(
         "time limit reached at {reached}; the same command continues from there, in `{}`",
         directory.display()
@@ -30,7 +30,7 @@ pub enum RunError {
         /// Where the results lie.
         directory: PathBuf,
     },
-    /// Ctrl-C or SIGTERM; a checkpoint was written (exit code 130).
+    /// Ctrl-C or SIGTERM; a checkpoint was written.
     #[error(
         "interrupted at {reached}; the same command continues from there, in `{}`",
         directory.display()
@@ -41,26 +41,7 @@ pub enum RunError {
         /// Where the results lie.
         directory: PathBuf,
     },
-    /// Results could not be written or read (exit code 1, or 2 where another directory must be chosen).
+    /// Results could not be written or read.
     #[error(transparent)]
     Results(#[from] ResultsError),
-}
-
-impl RunError {
-    /// Exit code of the program.
-    pub fn exit_code(&self) -> u8 {
-        match self {
-            Self::Scene(_) => 2,
-            Self::Simulation { source, .. } => match source {
-                SimulationError::BadScene(_) => 2,
-                SimulationError::NoConvergence { .. }
-                | SimulationError::NoContactForces { .. }
-                | SimulationError::NoEquilibrium { .. } => 3,
-                SimulationError::Unphysical(_) => 4,
-            },
-            Self::TimeLimit { .. } => 5,
-            Self::Interrupted { .. } => 130,
-            Self::Results(error) => error.exit_code(),
-        }
-    }
 }

@@ -138,7 +138,7 @@ impl fmt::Display for Reached {
 /// from their last checkpoint, bit for bit.
 ///
 /// # Errors
-/// See [`RunError`]; its [`exit_code`](RunError::exit_code) is that of the program.
+/// See [`RunError`].
 pub fn run(prepared: &PreparedRun, options: &RunOptions) -> Result<RunOutcome, RunError> {
     let interruption = Interruption::watch();
     run_until(prepared, options, &|| interruption.requested())

@@ -1,6 +1,7 @@
 //! Observers and controllers in real runs: what they add to the results, and that restarts are bit for bit.
 
 use super::*;
+use crate::cli::ExitCode;
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::{
     Grasp, IntegrationParameters, Scheme, Simulation, SimulationError, StepSize,

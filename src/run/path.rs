@@ -140,6 +140,7 @@ fn root_mean_square(from: &[Vector3], to: &[Vector3]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use crate::cli::ExitCode;
     use crate::experiment;
     use crate::results::{BRANCH, NODES, SERIES, SUMMARY};
     use crate::run::PreparedRun;

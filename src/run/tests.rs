@@ -2,6 +2,7 @@
 
 use super::advance::Advance;
 use super::*;
+use crate::cli::ExitCode;
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::{
     Energies, IntegrationParameters, Simulation, SimulationError, StepReport,

@@ -1,4 +1,4 @@
-//! Why a sweep could not be run, and the exit code of each reason.
+//! Why a sweep could not be run.
 
 use crate::results::ResultsError;
 use crate::scenario::ScenarioError;
@@ -7,28 +7,28 @@ use std::path::PathBuf;
 /// Why a sweep could not begin, or had to be given up.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
-    /// The scenario is wrong, or one of the values (exit code 2).
+    /// The scenario is wrong, or one of the values.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
-    /// Two cases are the same (exit code 2).
+    /// Two cases are the same.
     #[error("the case `{id}` occurs twice; give each value once")]
     RepeatedCase {
         /// Its id.
         id: String,
     },
-    /// A directory that is not that of a sweep (exit code 2).
+    /// A directory that is not that of a sweep.
     #[error("`{}` does not hold the results of a sweep", directory.display())]
     NoSweep {
         /// The directory.
         directory: PathBuf,
     },
-    /// Results could not be written or read (exit code 1, or 2 where another directory must be chosen).
+    /// Results could not be written or read.
     #[error(transparent)]
     Results(#[from] ResultsError),
-    /// The system could not start the threads (exit code 1).
+    /// The system could not start the threads.
     #[error("cannot start the threads of the cases: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
-    /// A search has no outcome to look at (exit code 2).
+    /// A search has no outcome to look at.
     #[error("there is no column `{column}` to search by; there are {known}")]
     UnknownObjective {
         /// The column that was asked for.
@@ -36,18 +36,4 @@ pub enum SweepError {
         /// Those that exist.
         known: String,
     },
-}
-
-impl SweepError {
-    /// Exit code of the program.
-    pub fn exit_code(&self) -> u8 {
-        match self {
-            Self::Scenario(_)
-            | Self::RepeatedCase { .. }
-            | Self::NoSweep { .. }
-            | Self::UnknownObjective { .. } => 2,
-            Self::Results(error) => error.exit_code(),
-            Self::Threads(_) => 1,
-        }
-    }
 }

@@ -20,25 +20,6 @@ pub struct SweepOutcome {
     pub found: Vec<Found>,
 }
 
-impl SweepOutcome {
-    /// Exit code of the program: that of the worst case, or of the interruption.
-    pub fn exit_code(&self) -> u8 {
-        let count = &self.counts;
-        let searches_failed = self.found.iter().any(|found| found.value.is_none());
-        match self.interrupted {
-            Some(StopRequest::Interrupt) => 130,
-            _ if count.failed > 0 => 1,
-            _ if count.invalid > 0 => 2,
-            _ if count.unphysical > 0 => 4,
-            _ if count.no_convergence > 0 => 3,
-            Some(StopRequest::TimeLimit) => 5,
-            None if count.unfinished > 0 => 5,
-            None if searches_failed => 3,
-            None => 0,
-        }
-    }
-}
-
 /// How many cases stand how.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct CaseCounts {
@@ -104,39 +85,5 @@ impl fmt::Display for CaseCounts {
             }
         }
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_exit_code_is_that_of_the_worst_case() {
-        let code = |statuses: &[CaseStatus], interrupted| {
-            let mut counts = CaseCounts::default();
-            statuses.iter().for_each(|status| counts.add(*status));
-            SweepOutcome {
-                directory: PathBuf::new(),
-                counts,
-                interrupted,
-                found: Vec::new(),
-            }
-            .exit_code()
-        };
-        use CaseStatus::{Failed, Finished, Interrupted, Invalid, NoConvergence, Unphysical};
-        assert_eq!(code(&[Finished, Finished], None), 0);
-        assert_eq!(code(&[Finished, NoConvergence], None), 3);
-        assert_eq!(code(&[Unphysical, NoConvergence], None), 4);
-        assert_eq!(code(&[Invalid, Unphysical], None), 2);
-        assert_eq!(code(&[Failed, Invalid], None), 1);
-        assert_eq!(
-            code(&[Finished, Interrupted], Some(StopRequest::TimeLimit)),
-            5
-        );
-        assert_eq!(
-            code(&[Failed, Interrupted], Some(StopRequest::Interrupt)),
-            130
-        );
     }
 }

@@ -48,6 +48,7 @@ const MECHANICS: Table = &[
     ("contact", &[]),
     ("fluid", &[]),
     ("kirchhoff", &[]),
+    ("error", &["rod", "fluid"]),
     ("scene", &["contact", "fluid"]),
     ("system", &["rod", "contact", "scene"]),
     ("statics", &["rod", "system"]),

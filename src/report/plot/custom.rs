@@ -210,6 +210,7 @@ fn drawn(plots: Vec<LinePlot>, x: &str, scales: Option<[AxisScale; 2]>, marks: b
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::ExitCode;
     use std::fs;
     use tempfile::TempDir;
 

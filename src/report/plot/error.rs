@@ -44,16 +44,6 @@ pub enum PlotError {
     Results(#[from] ResultsError),
 }
 
-impl PlotError {
-    /// Exit code of the program.
-    pub fn exit_code(&self) -> u8 {
-        match self {
-            Self::Results(error) => error.exit_code(),
-            _ => 2,
-        }
-    }
-}
-
 impl From<FigureError> for PlotError {
     fn from(error: FigureError) -> Self {
         match error {

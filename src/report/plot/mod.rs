@@ -140,6 +140,7 @@ fn snapshot(output: &NodePositions, rods: &[RodRecord], timed: bool) -> Snapshot
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::ExitCode;
 
     #[test]
     fn spread_items_hold_both_ends() {

@@ -44,16 +44,6 @@ pub enum ViewError {
     Results(#[from] ResultsError),
 }
 
-impl ViewError {
-    /// Exit code of the program.
-    pub fn exit_code(&self) -> u8 {
-        match self {
-            Self::NotResults(_) | Self::NoNodes(_) | Self::NoPage { .. } => 2,
-            Self::Results(error) => error.exit_code(),
-        }
-    }
-}
-
 /// What became of a page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WrittenPage {
@@ -266,6 +256,7 @@ fn contacts(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::ExitCode;
 
     #[test]
     fn spread_items_hold_both_ends() {

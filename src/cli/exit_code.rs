@@ -1,0 +1,151 @@
+//! The exit code of each reason to fail: a promise to scripts, kept here alone.
+
+use crate::mechanics::dynamics::SimulationError;
+use crate::report::{PlotError, ViewError};
+use crate::reproduce::ReproduceError;
+use crate::results::ResultsError;
+use crate::run::{RunError, StopRequest};
+use crate::sweep::{SweepError, SweepOutcome};
+
+/// What the program returns.
+pub(crate) trait ExitCode {
+    /// Its exit code.
+    fn exit_code(&self) -> u8;
+}
+
+impl ExitCode for SimulationError {
+    fn exit_code(&self) -> u8 {
+        match self {
+            Self::BadScene(_) => 2,
+            Self::NoConvergence { .. }
+            | Self::NoContactForces { .. }
+            | Self::NoEquilibrium { .. } => 3,
+            Self::Unphysical(_) => 4,
+        }
+    }
+}
+
+impl ExitCode for RunError {
+    fn exit_code(&self) -> u8 {
+        match self {
+            // Nothing was written yet: whatever the mechanics refuses, the input is at fault.
+            Self::Scene(_) => 2,
+            Self::Simulation { source, .. } => source.exit_code(),
+            Self::TimeLimit { .. } => 5,
+            Self::Interrupted { .. } => 130,
+            Self::Results(error) => error.exit_code(),
+        }
+    }
+}
+
+impl ExitCode for ResultsError {
+    /// 2 where another directory must be chosen, 1 for a fault during the run.
+    fn exit_code(&self) -> u8 {
+        match self {
+            Self::AnotherScenario { .. }
+            | Self::NotResults { .. }
+            | Self::Link { .. }
+            | Self::NotOwn { .. }
+            | Self::Locked { .. }
+            | Self::NotWritable { .. } => 2,
+            Self::Damaged { .. } | Self::Io { .. } => 1,
+        }
+    }
+}
+
+impl ExitCode for SweepError {
+    fn exit_code(&self) -> u8 {
+        match self {
+            Self::Scenario(_)
+            | Self::RepeatedCase { .. }
+            | Self::NoSweep { .. }
+            | Self::UnknownObjective { .. } => 2,
+            Self::Results(error) => error.exit_code(),
+            Self::Threads(_) => 1,
+        }
+    }
+}
+
+impl ExitCode for SweepOutcome {
+    /// That of the worst case, or of the interruption.
+    fn exit_code(&self) -> u8 {
+        let count = &self.counts;
+        let searches_failed = self.found.iter().any(|found| found.value.is_none());
+        match self.interrupted {
+            Some(StopRequest::Interrupt) => 130,
+            _ if count.failed > 0 => 1,
+            _ if count.invalid > 0 => 2,
+            _ if count.unphysical > 0 => 4,
+            _ if count.no_convergence > 0 => 3,
+            Some(StopRequest::TimeLimit) => 5,
+            None if count.unfinished > 0 => 5,
+            None if searches_failed => 3,
+            None => 0,
+        }
+    }
+}
+
+impl ExitCode for ReproduceError {
+    fn exit_code(&self) -> u8 {
+        match self {
+            Self::Run(error) => error.exit_code(),
+            Self::Results(error) => error.exit_code(),
+            Self::Threads(_) => 1,
+        }
+    }
+}
+
+impl ExitCode for PlotError {
+    fn exit_code(&self) -> u8 {
+        match self {
+            Self::Results(error) => error.exit_code(),
+            _ => 2,
+        }
+    }
+}
+
+impl ExitCode for ViewError {
+    fn exit_code(&self) -> u8 {
+        match self {
+            Self::NotResults(_) | Self::NoNodes(_) | Self::NoPage { .. } => 2,
+            Self::Results(error) => error.exit_code(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::CaseStatus;
+    use crate::sweep::CaseCounts;
+    use std::path::PathBuf;
+
+    #[test]
+    fn the_exit_code_of_a_sweep_is_that_of_the_worst_case() {
+        let code = |statuses: &[CaseStatus], interrupted| {
+            let mut counts = CaseCounts::default();
+            statuses.iter().for_each(|status| counts.add(*status));
+            SweepOutcome {
+                directory: PathBuf::new(),
+                counts,
+                interrupted,
+                found: Vec::new(),
+            }
+            .exit_code()
+        };
+        use CaseStatus::{Failed, Finished, Interrupted, Invalid, NoConvergence, Unphysical};
+        assert_eq!(code(&[Finished, Finished], None), 0);
+        assert_eq!(code(&[Finished, NoConvergence], None), 3);
+        assert_eq!(code(&[Unphysical, NoConvergence], None), 4);
+        assert_eq!(code(&[Invalid, Unphysical], None), 2);
+        assert_eq!(code(&[Failed, Invalid], None), 1);
+        assert_eq!(
+            code(&[Finished, Interrupted], Some(StopRequest::TimeLimit)),
+            5
+        );
+        assert_eq!(
+            code(&[Failed, Interrupted], Some(StopRequest::Interrupt)),
+            130
+        );
+    }
+}
