@@ -117,8 +117,8 @@ mod tests {
         for seed in 0..600 {
             let (mut contact, start) = layers();
             let mut random = Random::new(seed);
-            let size = RADIUS * 10f64.powf(0.3 + 0.9 * random.symmetric());
-            let sink = RADIUS * 5.0 * (1.0 + random.symmetric());
+            let size = RADIUS * 10f64.powf(0.9 * random.symmetric());
+            let sink = RADIUS * 4.0 * (1.0 + random.symmetric());
             let end: Vec<Vector3> = start
                 .iter()
                 .enumerate()
@@ -154,6 +154,6 @@ mod tests {
                 near += 1;
             }
         }
-        assert!(passed > 50 && free > 50, "{passed} {near} {free}");
+        assert!(passed > 20 && free > 20, "{passed} {near} {free}");
     }
 }
