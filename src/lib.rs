@@ -3,7 +3,7 @@
 //! A scenario file (TOML) goes in; the implicit rod engine runs it; a results directory comes out. A heavy cantilever:
 //!
 //! ```
-//! use rodlab::{experiment::prepare, mechanics::dynamics::Simulation, scenario::from_text};
+//! use rodlab::{experiment::{from_text, prepare}, mechanics::dynamics::Simulation};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let loaded = from_text("cantilever", r#"
@@ -13,7 +13,7 @@
 //!     rods = [{ name = "beam", radius = "5 mm", edges = 50, shape = { kind = "straight", start = [0, 0, 0], end = [1, 0, 0] } }]
 //!     clamps = [{ rod = "beam", at = "start" }]
 //!     loads = [{ kind = "gravity", acceleration = [0, 0, -9.81] }]
-//! "#, ".".as_ref())?;
+//! "#, ".".as_ref(), &[])?;
 //! let prepared = prepare(&loaded.scenario)?;
 //! let mut simulation = Simulation::new(&prepared.scene, &prepared.integration)?;
 //! simulation.find_equilibrium()?;
@@ -24,16 +24,18 @@
 //! ```
 //!
 //! The [`guide`] has a page per topic, from [a first run](guide::getting_started) to
-//! [using the library](guide::library). The rooms, and who may import whom (an arrow means "may import"):
+//! [using the library](guide::library). The rooms, and who may import whom (an arrow means "may import", and what those
+//! may import, too):
 //!
 //! ```text
-//! cli ──> sweep, verify, reproduce, guide
-//!          │        │        │
-//!          │        │        └──> report ─┐
-//!          └────────┴─────────────────────┴──> experiment ──> run ──> mechanics ──> linalg
-//!                                              │              └───> results
-//!                                              └──> knot ──> mechanics
-//! scenario, results, figure, cluster, guide: at the bottom; they know no mechanics and no experiment
+//! cli            ──> sweep, verify, reproduce, guide, cluster
+//! sweep, verify  ──> experiment
+//! reproduce      ──> report
+//! report         ──> experiment
+//! experiment     ──> run, knot, scenario, figure
+//! run            ──> mechanics, results
+//! knot           ──> mechanics
+//! mechanics      ──> linalg
 //! ```
 //!
 //! | room | what lives there |
@@ -41,7 +43,7 @@
 //! | [`cli`] | one file per subcommand: parse, call one library function, print |
 //! | [`guide`] | the guide's pages, here and in `rodlab guide` |
 //! | [`scenario`] | the TOML schema as Rust types, units, validation with source positions |
-//! | [`experiment`] | scenario → scene, and what is observed |
+//! | [`experiment`] | one folder per kind of experiment: its keys, scene, observers, figures; the list of kinds |
 //! | [`run`] | the run loop on a results directory |
 //! | [`sweep`], [`verify`], [`reproduce`] | many cases; physics checks; tables and figures of the thesis |
 //! | [`report`] | figures and pages of a results directory |

@@ -280,7 +280,7 @@ fn check_goes_through_all_files_and_speaks_json() {
         &["check", "bad.toml", "swing.toml", "none.toml"],
     );
     assert_eq!(code, 2);
-    assert!(stdout.contains("swing.toml: good"), "{stdout}");
+    assert!(stdout.contains("swing.toml: valid"), "{stdout}");
     assert!(
         stderr.contains("bad.toml:1:14") && stderr.contains("none.toml"),
         "{stderr}"

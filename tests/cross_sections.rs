@@ -1,9 +1,9 @@
 //! Which way a rectangular section lies, and about which axes natural curvatures bend: scenario files against beam theory.
 
+use rodlab::experiment;
 use rodlab::mechanics::Vector3;
 use rodlab::mechanics::dynamics::Simulation;
 use rodlab::mechanics::kirchhoff::{Cantilever, CantileverLoad};
-use rodlab::{experiment, scenario};
 use std::path::Path;
 
 const EDGES: usize = 100;
@@ -37,7 +37,7 @@ acceleration = {gravity:?}
 mode = "static"
 "#
     );
-    let loaded = scenario::from_text("strip", &text, Path::new("")).unwrap();
+    let loaded = experiment::from_text("strip", &text, Path::new(""), &[]).unwrap();
     let prepared = experiment::prepare(&loaded.scenario).unwrap();
     let mut simulation = Simulation::new(&prepared.scene, &prepared.integration).unwrap();
     simulation.find_equilibrium().unwrap();

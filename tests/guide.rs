@@ -15,9 +15,9 @@
 //!
 //! That every command line parses, run or not, is tested in `cli`.
 
-use rodlab::experiment::prepare;
+use rodlab::experiment::{case_set, prepare};
 use rodlab::guide::PAGES;
-use rodlab::scenario::{CaseSet, Loaded};
+use rodlab::scenario::Loaded;
 use rodlab::sweep::check_every_value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -103,7 +103,7 @@ fn pages() -> Vec<(String, &'static str)> {
 
 /// Loads a scenario file, every case of it, and builds its scene.
 fn load(path: &Path) -> Result<(), String> {
-    let case_set = CaseSet::load(path, &[], &[]).map_err(|error| error.to_string())?;
+    let case_set = case_set(path, &[], &[]).map_err(|error| error.to_string())?;
     if case_set.is_sweep() {
         return check_every_value(&case_set)
             .map(drop)
@@ -135,7 +135,7 @@ fn scenarios_load() {
             count += 1;
         }
     }
-    assert!(count > 15, "{count}");
+    assert!(count > 12, "{count}");
 }
 
 /// Lines of `rodlab` in a block, with what shortens them.
@@ -216,12 +216,9 @@ fn run_commands(pages: &[(String, &str)]) -> usize {
 
 #[cfg(unix)]
 #[test]
-fn commands_of_the_guide_run() {
-    let guide: Vec<_> = pages()
-        .into_iter()
-        .filter(|(page, _)| page != "README")
-        .collect();
-    assert!(run_commands(&guide) > 40);
+fn commands_run() {
+    let count = run_commands(&pages());
+    assert!(count > 60, "{count}");
 }
 
 #[test]
@@ -246,6 +243,25 @@ fn the_front_page_leads_to_every_topic() {
         let file = format!("src/guide/{}.md", page.topic().replace('-', "_"));
         assert!(README.contains(&file), "{file}");
     }
+}
+
+#[test]
+fn scenarios_named_by_the_table_of_experiments_exist() {
+    let page = rodlab::guide::page("scenarios").unwrap().text;
+    let table = page.split("| examples in `scenarios/` |").nth(1).unwrap();
+    let rows = table
+        .lines()
+        .skip(2)
+        .take_while(|line| line.starts_with('|'));
+    let mut count = 0;
+    for examples in rows.map(|row| row.rsplit(" | ").next().unwrap()) {
+        for name in examples.split('`').skip(1).step_by(2) {
+            let file = repository().join(format!("scenarios/{name}.toml"));
+            assert!(file.exists(), "{name}");
+            count += 1;
+        }
+    }
+    assert!(count > 20, "{count}");
 }
 
 #[test]

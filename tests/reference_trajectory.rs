@@ -74,7 +74,7 @@ fn flagella(head: &str) -> PreparedRun {
         format!("time.step = {STEP}"),
     ];
     let scenario = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/flagella_m2.toml");
-    let loaded = rodlab::scenario::load(&scenario, &overrides).unwrap();
+    let loaded = rodlab::experiment::load(&scenario, &overrides).unwrap();
     let mut prepared = prepare(&loaded.scenario).unwrap();
     prepared.scene.rods.swap(0, 1);
     for clamp in &mut prepared.scene.clamps {

@@ -4,8 +4,7 @@ use super::arguments::Common;
 use super::failure::Failure;
 use super::output::print;
 use super::run::prepare;
-use crate::experiment::{DerivedNumbers, derived_numbers, try_scene};
-use crate::scenario::CaseSet;
+use crate::experiment::{DerivedNumbers, case_set, derived_numbers, try_scene};
 use crate::sweep::check_every_value;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -66,7 +65,7 @@ impl Checked {
 }
 
 fn check_one(path: &Path, overrides: &[String]) -> Result<Checked, Failure> {
-    let case_set = CaseSet::load(path, overrides, &[])?;
+    let case_set = case_set(path, overrides, &[])?;
     let prepared = if case_set.is_sweep() {
         check_every_value(&case_set)?
     } else {

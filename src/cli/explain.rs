@@ -2,8 +2,9 @@
 
 use super::failure::Failure;
 use super::output::print;
+use crate::experiment;
 use crate::results::{Described, FILES, FileDescription, describe, files_with_column};
-use crate::scenario::{self, did_you_mean};
+use crate::scenario::did_you_mean;
 use clap::Args;
 use std::fmt::Write;
 
@@ -33,8 +34,8 @@ fn explanation(key: &str) -> Result<String, String> {
             Ok(column_in_words(file, column.name, column.meaning))
         }
         Some(Described::NoColumn(file, name)) => column_of_a_key(file, name),
-        None if key.is_empty() => Ok(scenario::explain(key)? + &files()),
-        None => scenario::explain(key).or_else(|error| column_anywhere(key).ok_or(error)),
+        None if key.is_empty() => Ok(experiment::explain(key)? + &files()),
+        None => experiment::explain(key).or_else(|error| column_anywhere(key).ok_or(error)),
     }
 }
 
@@ -43,7 +44,7 @@ fn column_of_a_key(file: &FileDescription, name: &str) -> Result<String, String>
     let of_sweeps = ["summary.csv", "search.csv"].contains(&file.names[0]);
     if of_sweeps
         && name.contains('.')
-        && let Ok(words) = scenario::explain(name)
+        && let Ok(words) = experiment::explain(name)
     {
         return Ok(words);
     }
@@ -93,7 +94,7 @@ fn files() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::json_schema;
+    use crate::experiment::json_schema;
 
     #[test]
     fn columns_and_files_are_explained() {

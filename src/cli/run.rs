@@ -70,7 +70,8 @@ fn duration(text: &str) -> Result<Duration, String> {
 
 /// Runs a scenario.
 pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), Failure> {
-    let case_set = CaseSet::load(&arguments.scenario, &arguments.overrides, &arguments.vary)?;
+    let case_set =
+        experiment::case_set(&arguments.scenario, &arguments.overrides, &arguments.vary)?;
     let directory = arguments
         .out
         .clone()
@@ -133,19 +134,11 @@ fn summary(outcome: &RunOutcome) -> String {
     if let Some(distance) = case.minimum_distance {
         line("smallest distance", format!("{:.4} mm", 1e3 * distance));
     }
-    if let Some(knot) = &case.knot {
-        if let (Some(length), Some(traction)) = (knot.length_normalized, knot.traction_n) {
-            let pulled = format!("l̄_k = {length:.2} radii shorter, traction {traction:.4} N");
-            line("pulled to", pulled);
-        }
-        if knot.may_invert {
-            let point = |at: Option<f64>| at.map_or("none".to_owned(), |l| format!("l̄_k = {l:.2}"));
-            line("inversion, by force", point(knot.inversion_by_force));
-            line("inversion, by height", point(knot.inversion_by_height));
-        }
-        if let Some(ending) = knot.knot_ending {
-            line("ended early", ending.in_words().to_owned());
-        }
+    for (name, value) in &outcome.highlights {
+        line(name, value.clone());
+    }
+    if let Some(ending) = &case.ending {
+        line("ended early", ending.sentence.clone());
     }
     line(
         "wall time",

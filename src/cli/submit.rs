@@ -4,6 +4,7 @@ use super::failure::Failure;
 use super::output::print;
 use super::sweep::refuse_too_many;
 use crate::cluster::{self, Jobs, Program, Request, TaskState};
+use crate::experiment::case_set;
 use crate::results::{CaseRecord, SCENARIO};
 use crate::run::RunOptions;
 use crate::scenario::{Case, CaseSet};
@@ -77,7 +78,7 @@ pub struct SubmitArguments {
 
 /// Submits what is neither finished nor in the queue.
 pub fn submit(arguments: &SubmitArguments) -> Result<(), Failure> {
-    let case_set = CaseSet::load(&arguments.scenario, &arguments.overrides, &arguments.vary)?;
+    let case_set = case_set(&arguments.scenario, &arguments.overrides, &arguments.vary)?;
     refuse_too_many(&case_set, arguments.yes)?;
     if !case_set.is_sweep() {
         return Err(Failure::Input(

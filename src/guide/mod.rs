@@ -49,6 +49,7 @@ pages! {
     helices
     fluid
     results
+    probes
     figures
     theory
     accuracy

@@ -30,6 +30,9 @@ pub enum SceneError {
     /// The scene lacks what a method needs.
     #[error("{0}")]
     Unsuitable(&'static str),
+    /// A node cannot be grasped or released, or a load not be scaled.
+    #[error("{0}")]
+    Intervention(String),
     /// A checkpoint belongs to another scene.
     #[error("the checkpoint does not fit: {0}")]
     Checkpoint(String),

@@ -6,6 +6,7 @@
 use super::contact::ContactParameters;
 use super::fluid::FluidModel;
 use super::{UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
 
 /// A complete mechanical scene.
 #[derive(Clone, Debug, Default)]
@@ -143,7 +144,7 @@ pub struct Clamp {
 
 /// Prescribed motion: x(t) = pivot + R(t)(x(0) − pivot) + translation(t), frame(t) = R(t) frame(0),
 /// where R(t) turns by `angle(t) + angular_velocity · t` about `axis` first and to `orientation(t)` then.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Motion {
     /// Displacement in m at given times in s.
     pub translation: Vec<(f64, Vector3)>,

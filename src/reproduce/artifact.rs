@@ -1,344 +1,336 @@
-//! What can be reproduced, and the runs that it takes.
+//! What can be reproduced: one value for each table and figure, with its runs and what is made of them.
 
-use super::auto_steps;
-use super::bundling::{Bundling, ContactModel, DISTANCE_TOLERANCE, STEP, Scheme};
-use super::drag_steps;
-use super::figure_2_5;
+use super::bundling::Bundling;
+use super::cases::{Case, Run, run_all};
 use super::helices::Helices;
 use super::inversion::Inversion;
 use super::manipulated_helix::ManipulatedHelix;
+use super::page::Page;
+use super::simplified_inversion::{self, Factor};
 use super::tightening::Tightening;
+use super::{
+    ReproduceError, ReproduceOptions, auto_steps, cost, drag_steps, figure_2_5, figure_2_6,
+    figure_2_7, figure_2_8, figure_3_4, figure_3_9, figure_6_2, figure_6_5, inversion_factors,
+    knot_convergence, table_2_1, table_2_2,
+};
+use std::fmt;
+use std::path::PathBuf;
 
 /// A table or figure of the thesis, or one about this engine itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Artifact {
-    /// IMC against IPC: iterations and time.
-    Table2_1,
-    /// Convergence for growing friction.
-    Table2_2,
-    /// Difference between IMC and IPC.
-    Figure2_5,
-    /// Snapshots for growing friction.
-    Figure2_6,
-    /// Traction of a trefoil.
-    Figure2_7,
-    /// Traction of overhand knots.
-    Figure2_8,
-    /// The inversion of an overhand knot.
-    Figure3_4,
-    /// Inversion over the radius of the rod.
-    Figure3_5,
-    /// Inversion over the unknotting number.
-    Figure3_6,
-    /// Inversion over friction.
-    Figure3_7,
-    /// Energy and equilibria of the simplified knot.
-    Figure3_9,
-    /// Its inversion over the radius of the rod.
-    Figure3_10,
-    /// Its inversion over the unknotting number.
-    Figure3_11,
-    /// The boundary of the stable helices.
-    Figure6_2,
-    /// Disturbances of a manipulated helical rod.
-    Figure6_5,
-    /// The section ω = 0 of the boundary.
-    Figure6_6,
-    /// Mesh, pull speed and contact tolerance of overhand knots.
-    KnotConvergence,
-    /// Cost of a step over the number of flagella.
-    Cost,
-    /// Error over the size of the time step.
-    DragSteps,
-    /// Automatic steps over the whole time of the thesis.
-    AutoSteps,
+pub struct Artifact {
+    name: &'static str,
+    title: &'static str,
+    pub(super) recipe: &'static dyn AnyRecipe,
 }
 
-/// The runs of an artefact.
-pub(super) enum Runs {
-    /// Bundling flagella.
-    Bundling(Vec<Bundling>),
-    /// Knots pulled tight.
-    Tightening(Vec<Tightening>),
-    /// Knots pulled until they invert.
-    Inversion(Vec<Inversion>),
-    /// Stability of helices.
-    Helices(Vec<Helices>),
-    /// Helical rods manipulated in time.
-    ManipulatedHelices(Vec<ManipulatedHelix>),
-}
-
-/// Numbers of flagella of the thesis (section 2.4.2).
-pub(super) const FLAGELLA: [usize; 4] = [2, 3, 5, 10];
-/// Numbers of flagella whose cost is measured.
-const FLAGELLA_OF_COST: [usize; 6] = [2, 5, 10, 20, 50, 100];
-/// Simulated time of the thesis, s.
-const END: f64 = 250.0;
-/// Simulated time of a quick look, s; that at a difference has 20 s of contact.
-const QUICK_END: f64 = 20.0;
-const QUICK_END_OF_DIFFERENCE: f64 = 25.0;
-/// Simulated time over which costs are measured, s: 400 steps, of which the first dozens build the preconditioner.
-const END_OF_COST: f64 = 0.4;
-const QUICK_END_OF_COST: f64 = 0.05;
-/// Simulated time of the comparison of steps, s.
-const END_OF_STEPS: f64 = 20.0;
-const QUICK_END_OF_STEPS: f64 = 5.0;
+/// All tables and figures.
+pub static ARTIFACTS: [Artifact; 20] = [
+    Artifact {
+        name: "tab2.1",
+        title: "Table 2.1: IMC and IPC, iterations and time of bundling flagella",
+        recipe: &Recipe {
+            runs: Bundling::of_table_2_1,
+            write: table_2_1::write,
+        },
+    },
+    Artifact {
+        name: "tab2.2",
+        title: "Table 2.2: two flagella with growing friction, convergence",
+        recipe: &Recipe {
+            runs: Bundling::of_table_2_2,
+            write: table_2_2::write,
+        },
+    },
+    Artifact {
+        name: "fig2.5",
+        title: "Figure 2.5: difference between IMC and IPC, five flagella",
+        recipe: &Recipe {
+            runs: Bundling::of_figure_2_5,
+            write: figure_2_5::write,
+        },
+    },
+    Artifact {
+        name: "fig2.6",
+        title: "Figure 2.6: two flagella with growing friction, snapshots",
+        recipe: &Recipe {
+            runs: Bundling::of_figure_2_6,
+            write: figure_2_6::write,
+        },
+    },
+    Artifact {
+        name: "fig2.7",
+        title: "Figure 2.7: a trefoil pulled tight, traction and theory",
+        recipe: &Recipe {
+            runs: Tightening::of_figure_2_7,
+            write: figure_2_7::write,
+        },
+    },
+    Artifact {
+        name: "fig2.8",
+        title: "Figure 2.8: overhand knots pulled tight, traction and theory",
+        recipe: &Recipe {
+            runs: Tightening::of_figure_2_8,
+            write: figure_2_8::write,
+        },
+    },
+    Artifact {
+        name: "fig3.4",
+        title: "Figure 3.4: an overhand knot pulled until it inverts",
+        recipe: &Recipe {
+            runs: Inversion::of_figure_3_4,
+            write: figure_3_4::write,
+        },
+    },
+    Artifact {
+        name: "fig3.5",
+        title: "Figure 3.5: inversion over the radius of the rod",
+        recipe: &Recipe {
+            runs: Inversion::of_figure_3_5,
+            write: |page, cases| inversion_factors::write(page, &inversion_factors::RADIUS, cases),
+        },
+    },
+    Artifact {
+        name: "fig3.6",
+        title: "Figure 3.6: inversion over the unknotting number",
+        recipe: &Recipe {
+            runs: Inversion::of_figure_3_6,
+            write: |page, cases| inversion_factors::write(page, &inversion_factors::NUMBER, cases),
+        },
+    },
+    Artifact {
+        name: "fig3.7",
+        title: "Figure 3.7: inversion over friction",
+        recipe: &Recipe {
+            runs: Inversion::of_figure_3_7,
+            write: |page, cases| {
+                inversion_factors::write(page, &inversion_factors::FRICTION, cases)
+            },
+        },
+    },
+    Artifact {
+        name: "fig3.9",
+        title: "Figure 3.9: energy and equilibria of the simplified knot",
+        recipe: &Recipe {
+            runs: |quick| vec![Inversion::of_figure_3_5(quick)[0]],
+            write: figure_3_9::write,
+        },
+    },
+    Artifact {
+        name: "fig3.10",
+        title: "Figure 3.10: the simplified knot over the radius",
+        recipe: &Recipe {
+            runs: Inversion::of_figure_3_5,
+            write: |page, cases| simplified_inversion::write(page, Factor::Radius, cases),
+        },
+    },
+    Artifact {
+        name: "fig3.11",
+        title: "Figure 3.11: the simplified knot over the unknotting number",
+        recipe: &Recipe {
+            runs: Inversion::of_figure_3_6,
+            write: |page, cases| simplified_inversion::write(page, Factor::UnknottingNumber, cases),
+        },
+    },
+    Artifact {
+        name: "fig6.2",
+        title: "Figure 6.2: the boundary of the stable helices",
+        recipe: &Recipe {
+            runs: |quick| vec![Helices::of_the_thesis(quick)],
+            write: figure_6_2::write,
+        },
+    },
+    Artifact {
+        name: "fig6.5",
+        title: "Figure 6.5: disturbances of a manipulated helical rod",
+        recipe: &Recipe {
+            runs: ManipulatedHelix::of_figure_6_5,
+            write: figure_6_5::write,
+        },
+    },
+    Artifact {
+        name: "fig6.6",
+        title: "Figure 6.6: the boundary of the stable helices at ω = 0",
+        recipe: &Recipe {
+            runs: |quick| vec![Helices::of_the_thesis(quick)],
+            write: figure_6_2::write_section,
+        },
+    },
+    Artifact {
+        name: "knot-convergence",
+        title: "Overhand knots pulled tight: mesh, pull speed and contact tolerance",
+        recipe: &Recipe {
+            runs: Tightening::of_convergence,
+            write: knot_convergence::write,
+        },
+    },
+    Artifact {
+        name: "cost",
+        title: "Cost of a step over the number of flagella",
+        recipe: &Recipe {
+            runs: Bundling::of_cost,
+            write: cost::write,
+        },
+    },
+    Artifact {
+        name: "drag-steps",
+        title: "Error of larger and automatic steps, two flagella",
+        recipe: &Recipe {
+            runs: Bundling::of_drag_steps,
+            write: drag_steps::write,
+        },
+    },
+    Artifact {
+        name: "auto-steps",
+        title: "Automatic steps over 250 s, two and ten flagella",
+        recipe: &Recipe {
+            runs: Bundling::of_auto_steps,
+            write: auto_steps::write,
+        },
+    },
+];
 
 impl Artifact {
-    /// All of them.
-    pub const ALL: [Self; 20] = [
-        Self::Table2_1,
-        Self::Table2_2,
-        Self::Figure2_5,
-        Self::Figure2_6,
-        Self::Figure2_7,
-        Self::Figure2_8,
-        Self::Figure3_4,
-        Self::Figure3_5,
-        Self::Figure3_6,
-        Self::Figure3_7,
-        Self::Figure3_9,
-        Self::Figure3_10,
-        Self::Figure3_11,
-        Self::Figure6_2,
-        Self::Figure6_5,
-        Self::Figure6_6,
-        Self::KnotConvergence,
-        Self::Cost,
-        Self::DragSteps,
-        Self::AutoSteps,
-    ];
-
     /// The artefact of a name.
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL
-            .into_iter()
-            .find(|artifact| artifact.name() == name)
+    pub fn named(name: &str) -> Option<&'static Self> {
+        ARTIFACTS.iter().find(|artifact| artifact.name == name)
     }
 
     /// What the command line and directories call it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Table2_1 => "tab2.1",
-            Self::Table2_2 => "tab2.2",
-            Self::Figure2_5 => "fig2.5",
-            Self::Figure2_6 => "fig2.6",
-            Self::Figure2_7 => "fig2.7",
-            Self::Figure2_8 => "fig2.8",
-            Self::Figure3_4 => "fig3.4",
-            Self::Figure3_5 => "fig3.5",
-            Self::Figure3_6 => "fig3.6",
-            Self::Figure3_7 => "fig3.7",
-            Self::Figure3_9 => "fig3.9",
-            Self::Figure3_10 => "fig3.10",
-            Self::Figure3_11 => "fig3.11",
-            Self::Figure6_2 => "fig6.2",
-            Self::Figure6_5 => "fig6.5",
-            Self::Figure6_6 => "fig6.6",
-            Self::KnotConvergence => "knot-convergence",
-            Self::Cost => "cost",
-            Self::DragSteps => "drag-steps",
-            Self::AutoSteps => "auto-steps",
-        }
+    pub fn name(&self) -> &'static str {
+        self.name
     }
 
     /// What it shows, with its number.
-    pub fn title(self) -> &'static str {
-        match self {
-            Self::Table2_1 => "Table 2.1: IMC and IPC, iterations and time of bundling flagella",
-            Self::Table2_2 => "Table 2.2: two flagella with growing friction, convergence",
-            Self::Figure2_5 => "Figure 2.5: difference between IMC and IPC, five flagella",
-            Self::Figure2_6 => "Figure 2.6: two flagella with growing friction, snapshots",
-            Self::Figure2_7 => "Figure 2.7: a trefoil pulled tight, traction and theory",
-            Self::Figure2_8 => "Figure 2.8: overhand knots pulled tight, traction and theory",
-            Self::Figure3_4 => "Figure 3.4: an overhand knot pulled until it inverts",
-            Self::Figure3_5 => "Figure 3.5: inversion over the radius of the rod",
-            Self::Figure3_6 => "Figure 3.6: inversion over the unknotting number",
-            Self::Figure3_7 => "Figure 3.7: inversion over friction",
-            Self::Figure3_9 => "Figure 3.9: energy and equilibria of the simplified knot",
-            Self::Figure3_10 => "Figure 3.10: the simplified knot over the radius",
-            Self::Figure3_11 => "Figure 3.11: the simplified knot over the unknotting number",
-            Self::Figure6_2 => "Figure 6.2: the boundary of the stable helices",
-            Self::Figure6_5 => "Figure 6.5: disturbances of a manipulated helical rod",
-            Self::Figure6_6 => "Figure 6.6: the boundary of the stable helices at ω = 0",
-            Self::KnotConvergence => {
-                "Overhand knots pulled tight: mesh, pull speed and contact tolerance"
-            }
-            Self::Cost => "Cost of a step over the number of flagella",
-            Self::DragSteps => "Error of larger and automatic steps, two flagella",
-            Self::AutoSteps => "Automatic steps over 250 s, two and ten flagella",
-        }
+    pub fn title(&self) -> &'static str {
+        self.title
     }
 
     /// Rough cost of all its runs on one core, s.
-    pub fn cost(self, quick: bool) -> f64 {
-        match self.runs(quick) {
-            Runs::Bundling(runs) => runs.iter().map(Bundling::cost).sum(),
-            Runs::Tightening(runs) => runs.iter().map(Tightening::cost).sum(),
-            Runs::Inversion(runs) => runs.iter().map(Inversion::cost).sum(),
-            Runs::Helices(runs) => runs.iter().map(Helices::cost).sum(),
-            Runs::ManipulatedHelices(runs) => runs.iter().map(ManipulatedHelix::cost).sum(),
-        }
+    pub fn cost(&self, quick: bool) -> f64 {
+        self.recipe.cost(quick)
+    }
+}
+
+impl PartialEq for Artifact {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
+impl fmt::Debug for Artifact {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.name)
+    }
+}
+
+/// How an artefact is made: its runs, quick ones or all of their time, and the page that is written of them.
+struct Recipe<R> {
+    runs: fn(quick: bool) -> Vec<R>,
+    write: fn(&mut Page, &[Case<R>]) -> Result<(), ReproduceError>,
+}
+
+/// A [`Recipe`] of whatever runs.
+pub(super) trait AnyRecipe: Sync {
+    /// Rough cost of all runs on one core, s.
+    fn cost(&self, quick: bool) -> f64;
+
+    /// Makes the runs and writes the page; returns the files written.
+    fn make(
+        &self,
+        artifact: &'static Artifact,
+        options: &ReproduceOptions,
+        report: &(dyn Fn(&str) + Sync),
+    ) -> Result<Vec<PathBuf>, ReproduceError>;
+
+    /// The same with a few steps of the first `count` runs.
+    #[cfg(test)]
+    fn make_shortened(
+        &self,
+        artifact: &'static Artifact,
+        count: usize,
+        options: &ReproduceOptions,
+        report: &(dyn Fn(&str) + Sync),
+    ) -> Result<Vec<PathBuf>, ReproduceError>;
+
+    /// The ids of the runs, each of which is prepared.
+    #[cfg(test)]
+    fn ids(&self, quick: bool) -> Vec<String>;
+}
+
+impl<R: Run> Recipe<R> {
+    fn make_of(
+        &self,
+        artifact: &'static Artifact,
+        runs: &[R],
+        options: &ReproduceOptions,
+        report: &(dyn Fn(&str) + Sync),
+    ) -> Result<Vec<PathBuf>, ReproduceError> {
+        let cases = run_all(runs, options, report)?;
+        let mut page = Page::begin(artifact, options, &cases)?;
+        (self.write)(&mut page, &cases)?;
+        Ok(page.finish()?)
+    }
+}
+
+impl<R: Run> AnyRecipe for Recipe<R> {
+    fn cost(&self, quick: bool) -> f64 {
+        (self.runs)(quick).iter().map(Run::cost).sum()
     }
 
-    /// Its runs; of flagella those of IMC before those of IPC.
-    pub(super) fn runs(self, quick: bool) -> Runs {
-        match self {
-            Self::Figure2_7 => Runs::Tightening(Tightening::of_figure_2_7(quick)),
-            Self::Figure2_8 => Runs::Tightening(Tightening::of_figure_2_8(quick)),
-            Self::KnotConvergence => Runs::Tightening(Tightening::of_convergence(quick)),
-            Self::Figure3_4 => Runs::Inversion(Inversion::of_figure_3_4(quick)),
-            Self::Figure3_5 | Self::Figure3_10 => Runs::Inversion(Inversion::of_figure_3_5(quick)),
-            Self::Figure3_6 | Self::Figure3_11 => Runs::Inversion(Inversion::of_figure_3_6(quick)),
-            Self::Figure3_9 => Runs::Inversion(vec![Inversion::of_figure_3_5(quick)[0]]),
-            Self::Figure3_7 => Runs::Inversion(Inversion::of_figure_3_7(quick)),
-            Self::Figure6_2 | Self::Figure6_6 => Runs::Helices(vec![Helices::of_the_thesis(quick)]),
-            Self::Figure6_5 => Runs::ManipulatedHelices(ManipulatedHelix::of_figure_6_5(quick)),
-            _ => Runs::Bundling(self.bundlings(quick)),
-        }
+    fn make(
+        &self,
+        artifact: &'static Artifact,
+        options: &ReproduceOptions,
+        report: &(dyn Fn(&str) + Sync),
+    ) -> Result<Vec<PathBuf>, ReproduceError> {
+        self.make_of(artifact, &(self.runs)(options.quick), options, report)
     }
 
-    fn bundlings(self, quick: bool) -> Vec<Bundling> {
-        let end = match (quick, self) {
-            (false, Self::Cost) => END_OF_COST,
-            (true, Self::Cost) => QUICK_END_OF_COST,
-            (false, Self::DragSteps) => END_OF_STEPS,
-            (true, Self::DragSteps) => QUICK_END_OF_STEPS,
-            (false, _) => END,
-            (true, Self::Figure2_5) => QUICK_END_OF_DIFFERENCE,
-            (true, _) => QUICK_END,
+    #[cfg(test)]
+    fn make_shortened(
+        &self,
+        artifact: &'static Artifact,
+        count: usize,
+        options: &ReproduceOptions,
+        report: &(dyn Fn(&str) + Sync),
+    ) -> Result<Vec<PathBuf>, ReproduceError> {
+        let runs = (self.runs)(options.quick);
+        let runs: Vec<R> = runs.iter().take(count).map(Run::shortened).collect();
+        self.make_of(artifact, &runs, options, report)
+    }
+
+    #[cfg(test)]
+    fn ids(&self, quick: bool) -> Vec<String> {
+        let id = |run: &R| {
+            assert!(!run.prepare().scene.rods.is_empty());
+            run.id()
         };
-        let both = |counts: &[usize], distance_tolerance: f64| {
-            let models = [ContactModel::Imc, ContactModel::Ipc];
-            let run = |model, flagella: &usize| Bundling {
-                flagella: *flagella,
-                model,
-                friction: 0.0,
-                distance_tolerance,
-                scheme: Scheme::ImplicitEuler,
-                step: STEP,
-                widening: 0.0,
-                end,
-            };
-            models
-                .into_iter()
-                .flat_map(|model| counts.iter().map(move |flagella| run(model, flagella)))
-                .collect()
-        };
-        let free = |flagella: usize| Bundling {
-            flagella,
-            model: ContactModel::Imc,
-            friction: 0.0,
-            distance_tolerance: DISTANCE_TOLERANCE,
-            scheme: Scheme::ImplicitEuler,
-            step: STEP,
-            widening: 0.0,
-            end,
-        };
-        let rubbing = |friction: f64| Bundling {
-            friction,
-            ..free(2)
-        };
-        match self {
-            Self::Table2_1 => both(&FLAGELLA, DISTANCE_TOLERANCE),
-            Self::Table2_2 => (1..=10)
-                .map(|tenths| rubbing(f64::from(tenths) / 10.0))
-                .collect(),
-            Self::Figure2_5 => both(&[5], figure_2_5::DISTANCE_TOLERANCE),
-            Self::Figure2_6 => [0.0, 0.3, 0.7].map(rubbing).to_vec(),
-            Self::Cost => FLAGELLA_OF_COST.map(free).to_vec(),
-            Self::DragSteps => drag_steps::STEPS
-                .map(|(scheme, step)| Bundling {
-                    scheme,
-                    step,
-                    ..free(2)
-                })
-                .to_vec(),
-            Self::AutoSteps => auto_steps::FLAGELLA
-                .into_iter()
-                .flat_map(|flagella| {
-                    auto_steps::VARIANTS.map(|(step, widening)| Bundling {
-                        scheme: Scheme::BackwardDifferences,
-                        step,
-                        widening,
-                        ..free(flagella)
-                    })
-                })
-                .collect(),
-            Self::Figure2_7
-            | Self::Figure2_8
-            | Self::Figure3_4
-            | Self::Figure3_5
-            | Self::Figure3_6
-            | Self::Figure3_7
-            | Self::Figure3_9
-            | Self::Figure3_10
-            | Self::Figure3_11
-            | Self::Figure6_2
-            | Self::Figure6_5
-            | Self::Figure6_6
-            | Self::KnotConvergence => Vec::new(),
-        }
+        (self.runs)(quick).iter().map(id).collect()
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::cases::Run;
     use super::*;
     use std::collections::BTreeSet;
 
     #[test]
     fn artefacts_are_found_by_their_names() {
-        for artifact in Artifact::ALL {
-            assert_eq!(Artifact::named(artifact.name()), Some(artifact));
+        for artifact in &ARTIFACTS {
+            let found = Artifact::named(artifact.name()).unwrap();
+            assert_eq!(found.title(), artifact.title());
         }
         assert_eq!(Artifact::named("tab9.9"), None);
     }
 
     #[test]
     fn runs_of_an_artefact_have_different_ids_and_are_scenarios() {
-        for artifact in Artifact::ALL {
+        for artifact in &ARTIFACTS {
             for quick in [false, true] {
-                let (ids, rods): (Vec<String>, Vec<[usize; 2]>) = match artifact.runs(quick) {
-                    Runs::Bundling(runs) => runs
-                        .iter()
-                        .map(|run| (run.id(), [run.prepare().scene.rods.len(), run.flagella]))
-                        .unzip(),
-                    Runs::Tightening(runs) => runs
-                        .iter()
-                        .map(|run| (run.id(), [run.prepare().scene.rods.len(), 1]))
-                        .unzip(),
-                    Runs::ManipulatedHelices(runs) => runs
-                        .iter()
-                        .map(|run| (run.id(), [run.prepare().scene.rods.len(), 1]))
-                        .unzip(),
-                    Runs::Inversion(runs) => runs
-                        .iter()
-                        .map(|run| (run.id(), [run.prepare().scene.rods.len(), 1]))
-                        .unzip(),
-                    Runs::Helices(runs) => runs
-                        .iter()
-                        .map(|run| (run.id(), [run.prepare().scene.rods.len(), 1]))
-                        .unzip(),
-                };
-                assert!(rods.iter().all(|[built, asked]| built == asked));
+                let ids = artifact.recipe.ids(quick);
                 let different: BTreeSet<&String> = ids.iter().collect();
                 assert_eq!(different.len(), ids.len(), "{artifact:?}");
             }
-        }
-    }
-
-    #[test]
-    fn the_runs_of_table_2_1_come_in_pairs_of_models() {
-        let runs = Artifact::Table2_1.bundlings(false);
-        let (penalty, barrier) = runs.split_at(FLAGELLA.len());
-        for (imc, ipc) in penalty.iter().zip(barrier) {
-            assert_eq!(
-                (imc.model, ipc.model),
-                (ContactModel::Imc, ContactModel::Ipc)
-            );
-            assert_eq!(imc.flagella, ipc.flagella);
         }
     }
 }

@@ -1,9 +1,9 @@
 //! A run of bundling flagella with the parameters of the thesis, section 2.4.2.
 
 use super::cases::Run;
-use crate::experiment::prepare;
+use super::{auto_steps, drag_steps, figure_2_5};
+use crate::experiment::{from_text, prepare};
 use crate::run::PreparedRun;
-use crate::scenario::from_text_with;
 use std::path::Path;
 
 /// What the flagella scenarios have in common.
@@ -82,6 +82,19 @@ impl Step {
 /// Distance tolerance of the thesis, m.
 pub(super) const DISTANCE_TOLERANCE: f64 = 1e-5;
 
+/// Numbers of flagella of the thesis (section 2.4.2).
+pub(super) const FLAGELLA: [usize; 4] = [2, 3, 5, 10];
+/// Numbers of flagella whose cost is measured.
+const FLAGELLA_OF_COST: [usize; 6] = [2, 5, 10, 20, 50, 100];
+/// Simulated time of the thesis and of a quick look, s.
+const END: [f64; 2] = [250.0, 20.0];
+/// The same of a difference, whose quick look has 20 s of contact.
+const END_OF_DIFFERENCE: [f64; 2] = [250.0, 25.0];
+/// The same of costs: 400 steps, of which the first dozens build the preconditioner.
+const END_OF_COST: [f64; 2] = [0.4, 0.05];
+/// The same of the comparison of steps.
+const END_OF_STEPS: [f64; 2] = [20.0, 5.0];
+
 /// Contact models that the thesis compares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ContactModel {
@@ -105,6 +118,92 @@ impl ContactModel {
             Self::Imc => "imc",
             Self::Ipc => "ipc",
         }
+    }
+}
+
+impl Bundling {
+    /// Flagella without friction, by the contact model of the thesis.
+    fn free(flagella: usize, ends: [f64; 2], quick: bool) -> Self {
+        Self {
+            flagella,
+            model: ContactModel::Imc,
+            friction: 0.0,
+            distance_tolerance: DISTANCE_TOLERANCE,
+            scheme: Scheme::ImplicitEuler,
+            step: STEP,
+            widening: 0.0,
+            end: ends[usize::from(quick)],
+        }
+    }
+
+    /// Each run by both contact models, those of IMC before those of IPC.
+    fn by_both_models(runs: &[Self]) -> Vec<Self> {
+        let models = [ContactModel::Imc, ContactModel::Ipc];
+        let run = |model| runs.iter().map(move |run| Self { model, ..*run });
+        models.into_iter().flat_map(run).collect()
+    }
+
+    /// All numbers of flagella by both contact models.
+    pub fn of_table_2_1(quick: bool) -> Vec<Self> {
+        Self::by_both_models(&FLAGELLA.map(|flagella| Self::free(flagella, END, quick)))
+    }
+
+    /// Two flagella with growing friction.
+    pub fn of_table_2_2(quick: bool) -> Vec<Self> {
+        let run = |tenths| Self {
+            friction: f64::from(tenths) / 10.0,
+            ..Self::free(2, END, quick)
+        };
+        (1..=10).map(run).collect()
+    }
+
+    /// Five flagella by both contact models, with a small distance tolerance.
+    pub fn of_figure_2_5(quick: bool) -> Vec<Self> {
+        Self::by_both_models(&[Self {
+            distance_tolerance: figure_2_5::DISTANCE_TOLERANCE,
+            ..Self::free(5, END_OF_DIFFERENCE, quick)
+        }])
+    }
+
+    /// Two flagella with three frictions.
+    pub fn of_figure_2_6(quick: bool) -> Vec<Self> {
+        let run = |friction| Self {
+            friction,
+            ..Self::free(2, END, quick)
+        };
+        [0.0, 0.3, 0.7].map(run).to_vec()
+    }
+
+    /// Growing numbers of flagella for a short time.
+    pub fn of_cost(quick: bool) -> Vec<Self> {
+        let run = |flagella| Self::free(flagella, END_OF_COST, quick);
+        FLAGELLA_OF_COST.map(run).to_vec()
+    }
+
+    /// Two flagella by time steps of growing size.
+    pub fn of_drag_steps(quick: bool) -> Vec<Self> {
+        let run = |(scheme, step)| Self {
+            scheme,
+            step,
+            ..Self::free(2, END_OF_STEPS, quick)
+        };
+        drag_steps::STEPS.map(run).to_vec()
+    }
+
+    /// Fixed and automatic steps over the whole time, and a small difference to compare with.
+    pub fn of_auto_steps(quick: bool) -> Vec<Self> {
+        let variants = |flagella| {
+            auto_steps::VARIANTS.map(|(step, widening)| Self {
+                scheme: Scheme::BackwardDifferences,
+                step,
+                widening,
+                ..Self::free(flagella, END, quick)
+            })
+        };
+        auto_steps::FLAGELLA
+            .into_iter()
+            .flat_map(variants)
+            .collect()
     }
 }
 
@@ -155,7 +254,7 @@ impl Run for Bundling {
             let radius = HELIX_RADIUS * (1.0 + self.widening);
             overrides.push(format!("flagella.helix_radius={radius:?}"));
         }
-        let loaded = from_text_with(&self.id(), BASE, Path::new(""), &overrides);
+        let loaded = from_text(&self.id(), BASE, Path::new(""), &overrides);
         let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
         prepare(&loaded.scenario).expect("a scene of the thesis is possible")
     }
@@ -163,12 +262,10 @@ impl Run for Bundling {
     fn end(&self) -> f64 {
         self.end
     }
-}
 
-impl Bundling {
     /// Rough cost on one core, s: of steps whose fluid costs grow with the square of the flagella, up to the thousand
     /// nodes above which the fluid is computed by clusters.
-    pub fn cost(&self) -> f64 {
+    fn cost(&self) -> f64 {
         let flagella = self.flagella as f64;
         let rubbing = 1.0 + 3.0 * self.friction;
         let cost_of_step = 0.1e-3 * flagella + 0.04e-3 * flagella * flagella.min(40.0);
@@ -179,6 +276,11 @@ impl Bundling {
         };
         self.end / step * cost_of_step * rubbing
     }
+
+    #[cfg(test)]
+    fn shortened(&self) -> Self {
+        Self { end: 2e-3, ..*self }
+    }
 }
 
 #[cfg(test)]
@@ -186,6 +288,26 @@ mod tests {
     use super::*;
     use crate::mechanics::dynamics::{self, StepSize};
     use crate::run::Mode;
+
+    #[test]
+    fn the_runs_of_table_2_1_come_in_pairs_of_models() {
+        let runs = Bundling::of_table_2_1(false);
+        let (penalty, barrier) = runs.split_at(FLAGELLA.len());
+        for (imc, ipc) in penalty.iter().zip(barrier) {
+            assert_eq!(
+                (imc.model, ipc.model),
+                (ContactModel::Imc, ContactModel::Ipc)
+            );
+            assert_eq!(imc.flagella, ipc.flagella);
+        }
+    }
+
+    #[test]
+    fn as_many_flagella_are_built_as_are_asked_for() {
+        for run in Bundling::of_cost(true) {
+            assert_eq!(run.prepare().scene.rods.len(), run.flagella);
+        }
+    }
 
     #[test]
     fn ids_say_what_is_run() {

@@ -21,6 +21,11 @@ pub(super) trait Run: Clone + Sync + Send {
     fn prepare(&self) -> PreparedRun;
     /// Simulated time, s.
     fn end(&self) -> f64;
+    /// Rough cost on one core, s.
+    fn cost(&self) -> f64;
+    /// A few steps of it.
+    #[cfg(test)]
+    fn shortened(&self) -> Self;
     /// How much is done, for a quick look to say it.
     fn extent(&self) -> String {
         format!("{} s were simulated", self.end())

@@ -5,9 +5,9 @@ use super::cases::Case;
 use super::overhand_law;
 use super::page::{Page, number};
 use super::tightening::{FRICTIONS, Tightening, density_in_words, pulled_rows};
+use crate::experiment::{KnotOutcome, KnotRow};
 use crate::figure::{Curve, LinePlot, line_plots};
 use crate::knot::{TREFOIL_FRICTION, audoly_traction};
-use crate::results::KnotRow;
 use serde::Serialize;
 
 /// A row of the CSV file.
@@ -58,11 +58,8 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Tightening>]) -> Result<(), R
                 let friction = vec![case.run.friction.to_string()];
                 by_law.push([friction, overhand_law::line(case)?].concat());
             }
-            let balance = case
-                .record
-                .outcome
-                .knot
-                .and_then(|knot| knot.energy_balance);
+            let knot = KnotOutcome::of(&case.record.outcome);
+            let balance = knot.and_then(|knot| knot.energy_balance);
             balances.push(vec![
                 case.run.friction.to_string(),
                 number(balance, 4),

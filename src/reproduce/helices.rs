@@ -1,9 +1,8 @@
 //! The boundary of the stable helices (thesis 6.2).
 
 use super::cases::Run;
-use crate::experiment::prepare;
+use crate::experiment::{from_text, prepare};
 use crate::run::PreparedRun;
-use crate::scenario::from_text_with;
 use std::path::Path;
 
 const BASE: &str = include_str!("../../scenarios/helix_boundary.toml");
@@ -30,11 +29,6 @@ impl Helices {
             section_directions: 361,
         }
     }
-
-    /// Rough cost on one core, s.
-    pub fn cost(&self) -> f64 {
-        SECONDS_PER_DIRECTION * (self.directions + 3 * self.section_directions) as f64
-    }
 }
 
 impl Run for Helices {
@@ -50,7 +44,7 @@ impl Run for Helices {
                 self.section_directions
             ),
         ];
-        let loaded = from_text_with(&self.id(), BASE, Path::new(""), &overrides);
+        let loaded = from_text(&self.id(), BASE, Path::new(""), &overrides);
         let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
         prepare(&loaded.scenario).expect("helices are possible")
     }
@@ -61,5 +55,17 @@ impl Run for Helices {
 
     fn extent(&self) -> String {
         format!("{} directions were searched", self.directions)
+    }
+
+    fn cost(&self) -> f64 {
+        SECONDS_PER_DIRECTION * (self.directions + 3 * self.section_directions) as f64
+    }
+
+    #[cfg(test)]
+    fn shortened(&self) -> Self {
+        Self {
+            directions: 60,
+            section_directions: 9,
+        }
     }
 }

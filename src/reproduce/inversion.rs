@@ -1,10 +1,9 @@
 //! A knot pulled until it inverts, with the parameters of the thesis, chapter 3.
 
 use super::cases::{Case, Run};
-use crate::experiment::prepare;
-use crate::results::{KnotOutcome, KnotRow, ResultsError, read_knot_series};
+use crate::experiment::{KnotOutcome, KnotRow, from_text, prepare, read_knot_series};
+use crate::results::ResultsError;
 use crate::run::PreparedRun;
-use crate::scenario::from_text_with;
 use std::path::Path;
 
 /// The inversion of the thesis' figure 3.4.
@@ -138,7 +137,7 @@ impl Inversion {
 
     /// What became of the knot.
     pub fn outcome(case: &Case<Self>) -> KnotOutcome {
-        case.record.outcome.knot.unwrap_or_default()
+        KnotOutcome::of(&case.record.outcome).unwrap_or_default()
     }
 
     /// What was measured of the knot while its ends moved.
@@ -148,12 +147,6 @@ impl Inversion {
             .map(|(series, knot)| (series.time_s, knot))
             .filter(|(time, _)| *time >= case.run.settling)
             .collect())
-    }
-
-    /// Rough cost on one core, s.
-    pub fn cost(&self) -> f64 {
-        let steps = self.end() / STEP;
-        2e-6 * self.nodes as f64 * steps
     }
 }
 
@@ -194,13 +187,29 @@ impl Run for Inversion {
             format!("time.end={:?}", self.end()),
             format!("output.interval={interval:?}"),
         ];
-        let loaded = from_text_with(&self.id(), BASE, Path::new(""), &overrides);
+        let loaded = from_text(&self.id(), BASE, Path::new(""), &overrides);
         let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
         prepare(&loaded.scenario).expect("a knot of the thesis is possible")
     }
 
     fn end(&self) -> f64 {
         self.settling + 0.5 * (self.start - self.last) * self.radius / self.pull_speed
+    }
+
+    fn cost(&self) -> f64 {
+        let steps = self.end() / STEP;
+        2e-6 * self.nodes as f64 * steps
+    }
+
+    #[cfg(test)]
+    fn shortened(&self) -> Self {
+        let last = self.start - 0.005 * self.pull_speed / self.radius;
+        Self {
+            settling: 0.0,
+            last,
+            resolution: 0.5 * (self.start - last),
+            ..*self
+        }
     }
 }
 
@@ -212,7 +221,10 @@ mod tests {
     fn runs_are_scenarios_of_the_numbers_asked_for() {
         let run = Inversion::of_figure_3_5(false)[4];
         let prepared = run.prepare();
-        let observer = prepared.knot.unwrap();
+        let observer = prepared
+            .observer::<crate::experiment::KnotMonitor>()
+            .unwrap()
+            .observer;
         assert!(observer.ends_after_inversion);
         assert_eq!((observer.radius, observer.determinant), (3.2e-3, 7));
         let contact = prepared.scene.contact.unwrap();

@@ -1,14 +1,14 @@
 //! Figures 3.5 to 3.7: what the inversion point depends on: radius, unknotting number, friction.
 
+use super::ReproduceError;
 use super::cases::Case;
 use super::inversion::Inversion;
 use super::inversion_page::{plots, rows, table};
 use super::inversion_pictures::{Moment, pictures, side_view};
 use super::page::Page;
-use super::{Artifact, ReproduceError};
 
 /// What is varied in a figure.
-struct Factor {
+pub(super) struct Factor {
     /// Its name and unit.
     head: &'static str,
     /// Its value in a run.
@@ -17,17 +17,17 @@ struct Factor {
     statement: &'static str,
 }
 
-const RADIUS: Factor = Factor {
+pub(super) static RADIUS: Factor = Factor {
     head: "h",
     value: |run| format!("h = {} mm", (1e6 * run.radius).round() / 1e3),
     statement: "The thesis: the inversion point in l̄_k does not depend on the radius.",
 };
-const NUMBER: Factor = Factor {
+pub(super) static NUMBER: Factor = Factor {
     head: "n",
     value: |run| format!("n = {}", run.unknotting_number),
     statement: "The thesis: l̄_k grows with the unknotting number, and a trefoil (n = 1) does not invert.",
 };
-const FRICTION: Factor = Factor {
+pub(super) static FRICTION: Factor = Factor {
     head: "μ",
     value: |run| format!("μ = {}", run.friction),
     statement: "The thesis: the larger the friction, the earlier, at larger l̄_k, the knot inverts. Its rod is 3.4 mm thick; \
@@ -37,14 +37,9 @@ const FRICTION: Factor = Factor {
 /// Writes traction and height over tightness, pictures before and after, and the inversion points.
 pub(super) fn write(
     page: &mut Page,
-    artifact: Artifact,
+    factor: &Factor,
     cases: &[Case<Inversion>],
 ) -> Result<(), ReproduceError> {
-    let factor = match artifact {
-        Artifact::Figure3_5 => RADIUS,
-        Artifact::Figure3_6 => NUMBER,
-        _ => FRICTION,
-    };
     let names: Vec<String> = cases.iter().map(|case| (factor.value)(&case.run)).collect();
     let mut all = Vec::new();
     let mut shown = Vec::new();
@@ -58,7 +53,7 @@ pub(super) fn write(
     let flat: Vec<_> = all.iter().flat_map(|(_, rows)| rows.clone()).collect();
     page.csv(&flat)?;
     page.figure(
-        artifact.name(),
+        page.name(),
         "Traction and height of the loop while the ends are pulled apart, from right to left",
         &plots(&all),
     )?;
@@ -66,7 +61,7 @@ pub(super) fn write(
     table(page, factor.head, &names, cases);
     page.text(&spread(cases));
     page.figure(
-        &format!("{}_knots", artifact.name()),
+        &format!("{}_knots", page.name()),
         "Before the inversion and after it, on one scale",
         &side_view(&shown),
     )?;

@@ -3,8 +3,9 @@
 use super::cases::Case;
 use super::inversion::Inversion;
 use super::page::{Page, number};
+use crate::experiment::KnotRow;
 use crate::figure::{Curve, LinePlot, line_plots};
-use crate::results::{KnotRow, ResultsError};
+use crate::results::ResultsError;
 use serde::Serialize;
 
 /// A row of the CSV file.

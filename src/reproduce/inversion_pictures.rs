@@ -2,9 +2,10 @@
 
 use super::cases::Case;
 use super::inversion::Inversion;
+use crate::experiment::KnotRow;
 use crate::figure::{RodCurve, Snapshot, View, snapshots};
 use crate::mechanics::Vector3;
-use crate::results::{KnotRow, NodePositions, ResultsError, read_nodes};
+use crate::results::{NodePositions, ResultsError, read_nodes};
 
 /// A moment of an inversion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

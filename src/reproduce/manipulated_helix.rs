@@ -3,11 +3,10 @@
 use super::cases::{Case, Run};
 use crate::experiment::helix::manipulation::{EndPath, Manipulation, Observation, helix_error};
 use crate::experiment::helix::stability::DiscreteRod;
-use crate::experiment::prepare;
+use crate::experiment::{from_text, prepare};
 use crate::mechanics::kirchhoff::Helix;
 use crate::results::{ResultsError, read_nodes, read_series};
 use crate::run::PreparedRun;
-use crate::scenario::from_text_with;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -92,12 +91,6 @@ impl ManipulatedHelix {
             runs.iter_mut().for_each(|run| run.edges = QUICK_EDGES);
         }
         runs
-    }
-
-    /// Rough cost on one core, s.
-    pub fn cost(&self) -> f64 {
-        let steps = self.end() / self.step();
-        SECONDS_PER_STEP_AND_EDGE * self.edges as f64 * steps
     }
 
     fn rod(&self) -> DiscreteRod {
@@ -205,7 +198,7 @@ impl Run for ManipulatedHelix {
     }
 
     fn prepare(&self) -> PreparedRun {
-        let loaded = from_text_with(&self.id(), &self.scenario(), Path::new(""), &[]);
+        let loaded = from_text(&self.id(), &self.scenario(), Path::new(""), &[]);
         let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
         prepare(&loaded.scenario).expect("a rod of the thesis is possible")
     }
@@ -216,6 +209,19 @@ impl Run for ManipulatedHelix {
 
     fn extent(&self) -> String {
         format!("rods of {} edges were manipulated", self.edges)
+    }
+
+    fn cost(&self) -> f64 {
+        let steps = self.end() / self.step();
+        SECONDS_PER_STEP_AND_EDGE * self.edges as f64 * steps
+    }
+
+    #[cfg(test)]
+    fn shortened(&self) -> Self {
+        Self {
+            farthest: 0.05,
+            ..*self
+        }
     }
 }
 

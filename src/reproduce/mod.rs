@@ -1,11 +1,11 @@
 //! Tables and figures of the thesis, made again with this engine.
 //!
-//! An [`Artifact`] is a set of runs and what is made of them. Each run is an ordinary one, with its own
+//! An [`Artifact`] is a set of runs and what is made of them; all stand in [`ARTIFACTS`]. Each run is an ordinary one, with its own
 //! results directory: an interrupted [`reproduce`] continues where it was, and artefacts share their runs.
 //!
 //! | file | what |
 //! |---|---|
-//! | `artifact` | what there is, and its runs |
+//! | `artifact` | the list of all: name, title, runs, page |
 //! | `bundling` | a run of bundling flagella (thesis 2.4.2) |
 //! | `tightening` | a knot pulled tight (thesis 2.5) |
 //! | `inversion` | a knot pulled until it inverts (thesis 3) |
@@ -52,12 +52,10 @@ mod table_2_1;
 mod table_2_2;
 mod tightening;
 
-pub use artifact::Artifact;
+pub use artifact::{ARTIFACTS, Artifact};
 
 use crate::results::ResultsError;
 use crate::run::RunError;
-use artifact::Runs;
-use page::Page;
 use std::path::PathBuf;
 
 /// How to reproduce, as opposed to what.
@@ -103,74 +101,11 @@ impl ReproduceError {
 /// # Errors
 /// See [`ReproduceError`].
 pub fn reproduce(
-    artifact: Artifact,
+    artifact: &'static Artifact,
     options: &ReproduceOptions,
     report: &(dyn Fn(&str) + Sync),
 ) -> Result<Vec<PathBuf>, ReproduceError> {
-    make(artifact, &artifact.runs(options.quick), options, report)
-}
-
-fn make(
-    artifact: Artifact,
-    runs: &Runs,
-    options: &ReproduceOptions,
-    report: &(dyn Fn(&str) + Sync),
-) -> Result<Vec<PathBuf>, ReproduceError> {
-    let page = match runs {
-        Runs::Bundling(runs) => {
-            let cases = cases::run_all(runs, options, report)?;
-            let mut page = Page::begin(artifact, options, &cases)?;
-            match artifact {
-                Artifact::Table2_1 => table_2_1::write(&mut page, &cases),
-                Artifact::Table2_2 => table_2_2::write(&mut page, &cases),
-                Artifact::Figure2_5 => figure_2_5::write(&mut page, &cases),
-                Artifact::Cost => cost::write(&mut page, &cases),
-                Artifact::DragSteps => drag_steps::write(&mut page, &cases),
-                Artifact::AutoSteps => auto_steps::write(&mut page, &cases),
-                _ => figure_2_6::write(&mut page, &cases),
-            }?;
-            page
-        }
-        Runs::Tightening(runs) => {
-            let cases = cases::run_all(runs, options, report)?;
-            let mut page = Page::begin(artifact, options, &cases)?;
-            match artifact {
-                Artifact::Figure2_7 => figure_2_7::write(&mut page, &cases),
-                Artifact::KnotConvergence => knot_convergence::write(&mut page, &cases),
-                _ => figure_2_8::write(&mut page, &cases),
-            }?;
-            page
-        }
-        Runs::Inversion(runs) => {
-            let cases = cases::run_all(runs, options, report)?;
-            let mut page = Page::begin(artifact, options, &cases)?;
-            match artifact {
-                Artifact::Figure3_4 => figure_3_4::write(&mut page, &cases),
-                Artifact::Figure3_9 => figure_3_9::write(&mut page, &cases),
-                Artifact::Figure3_10 | Artifact::Figure3_11 => {
-                    simplified_inversion::write(&mut page, artifact, &cases)
-                }
-                _ => inversion_factors::write(&mut page, artifact, &cases),
-            }?;
-            page
-        }
-        Runs::Helices(runs) => {
-            let cases = cases::run_all(runs, options, report)?;
-            let mut page = Page::begin(artifact, options, &cases)?;
-            match artifact {
-                Artifact::Figure6_2 => figure_6_2::write(&mut page, &cases),
-                _ => figure_6_2::write_section(&mut page, &cases),
-            }?;
-            page
-        }
-        Runs::ManipulatedHelices(runs) => {
-            let cases = cases::run_all(runs, options, report)?;
-            let mut page = Page::begin(artifact, options, &cases)?;
-            figure_6_5::write(&mut page, &cases)?;
-            page
-        }
-    };
-    Ok(page.finish()?)
+    artifact.recipe.make(artifact, options, report)
 }
 
 #[cfg(test)]
@@ -178,29 +113,6 @@ mod tests {
     use super::*;
     use std::fs;
     use std::sync::Mutex;
-
-    /// A few steps of each run.
-    fn runs(artifact: Artifact) -> Runs {
-        let mut runs = artifact.runs(true);
-        match &mut runs {
-            Runs::Bundling(runs) => runs.iter_mut().for_each(|run| run.end = 2e-3),
-            Runs::Tightening(runs) => runs
-                .iter_mut()
-                .for_each(|run| (run.settling, run.end) = (0.0, 1e-2)),
-            Runs::Inversion(runs) => runs.iter_mut().for_each(|run| {
-                run.settling = 0.0;
-                run.last = run.start - 0.005 * run.pull_speed / run.radius;
-                run.resolution = 0.5 * (run.start - run.last);
-            }),
-            Runs::Helices(runs) => runs
-                .iter_mut()
-                .for_each(|run| (run.directions, run.section_directions) = (60, 9)),
-            Runs::ManipulatedHelices(runs) => {
-                runs.iter_mut().for_each(|run| run.farthest = 0.05);
-            }
-        }
-        runs
-    }
 
     fn options(directory: &std::path::Path, jobs: usize) -> ReproduceOptions {
         ReproduceOptions {
@@ -214,9 +126,12 @@ mod tests {
     #[test]
     fn every_artefact_has_its_page_its_table_and_its_figures() {
         let directory = tempfile::tempdir().unwrap();
-        for artifact in Artifact::ALL {
+        for artifact in &ARTIFACTS {
             let options = options(directory.path(), 2);
-            let written = make(artifact, &runs(artifact), &options, &|_| {}).unwrap();
+            let written = artifact
+                .recipe
+                .make_shortened(artifact, usize::MAX, &options, &|_| {})
+                .unwrap();
             let page = directory.path().join(artifact.name());
             assert!(written.iter().all(|file| file.starts_with(&page)));
             let text = fs::read_to_string(page.join("README.md")).unwrap();
@@ -247,19 +162,17 @@ mod tests {
         let directory = tempfile::tempdir().unwrap();
         let reports = Mutex::new(Vec::new());
         let report = |line: &str| reports.lock().unwrap().push(line.to_owned());
-        let artifact = Artifact::Figure2_6;
+        let artifact = Artifact::named("fig2.6").unwrap();
         let options = options(directory.path(), 1);
-        make(artifact, &runs(artifact), &options, &report).unwrap();
-        let table = || fs::read(directory.path().join("fig2.6/fig2.6.csv")).unwrap();
-        let first = table();
-        let Runs::Bundling(all) = runs(artifact) else {
-            panic!("flagella bundle in figure 2.6");
+        let make = |count: usize| {
+            let recipe = artifact.recipe;
+            let made = recipe.make_shortened(artifact, count, &options, &report);
+            made.unwrap();
+            fs::read(directory.path().join("fig2.6/fig2.6.csv")).unwrap()
         };
-        let two = Runs::Bundling(all[..2].to_vec());
-        make(artifact, &two, &options, &report).unwrap();
-        assert_ne!(table(), first);
-        make(artifact, &runs(artifact), &options, &report).unwrap();
-        assert_eq!(table(), first);
+        let first = make(3);
+        assert_ne!(make(2), first);
+        assert_eq!(make(3), first);
         let reports = reports.into_inner().unwrap();
         let again = reports
             .iter()

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 /// The directory of an artefact while it is written.
 pub(super) struct Page {
-    artifact: Artifact,
+    artifact: &'static Artifact,
     directory: PathBuf,
     manifest: PageManifest,
     markdown: String,
@@ -51,7 +51,7 @@ struct CaseNote {
 impl Page {
     /// Makes the directory and the head of the page.
     pub fn begin<R: Run>(
-        artifact: Artifact,
+        artifact: &'static Artifact,
         options: &ReproduceOptions,
         cases: &[Case<R>],
     ) -> Result<Self, ResultsError> {
@@ -88,6 +88,11 @@ impl Page {
             directory,
             written: Vec::new(),
         })
+    }
+
+    /// What directories and files of the artefact are called.
+    pub fn name(&self) -> &'static str {
+        self.artifact.name()
     }
 
     /// Writes rows as a CSV file, called like the artefact.
@@ -157,7 +162,7 @@ impl Page {
 }
 
 /// Title, command, and what a reader must know of times and timings.
-fn head<R: Run>(artifact: Artifact, options: &ReproduceOptions, cases: &[Case<R>]) -> String {
+fn head<R: Run>(artifact: &Artifact, options: &ReproduceOptions, cases: &[Case<R>]) -> String {
     let mut text = format!("# {}\n\n", artifact.title());
     let mut add = |paragraph: String| {
         // Writing to a string cannot fail.

@@ -1,10 +1,10 @@
 //! Figures 3.10 and 3.11: inversion points of the simplified knot and of the full simulation.
 
+use super::ReproduceError;
 use super::cases::Case;
 use super::figure_3_9::SPINS;
 use super::inversion::Inversion;
 use super::page::{Page, number};
-use super::{Artifact, ReproduceError};
 use crate::figure::{Curve, LinePlot, PlotStyle, styled_line_plots};
 use crate::knot::SimplifiedKnot;
 use serde::Serialize;
@@ -19,24 +19,29 @@ struct Row {
     free_to_spin: Option<f64>,
 }
 
+/// Over what the inversion points are drawn.
+#[derive(Clone, Copy)]
+pub(super) enum Factor {
+    /// The radius of the rod.
+    Radius,
+    /// The unknotting number.
+    UnknottingNumber,
+}
+
 /// Name of the curve of the simulation, whose points are not joined.
 const SIMULATION: &str = "full simulation, μ = 0.1";
 
 /// Writes inversion points over the radius (3.10) or the unknotting number (3.11).
 pub(super) fn write(
     page: &mut Page,
-    artifact: Artifact,
+    factor: Factor,
     cases: &[Case<Inversion>],
 ) -> Result<(), ReproduceError> {
     let rows: Vec<Row> = cases.iter().map(row).collect();
     page.csv(&rows)?;
-    let over_radius = artifact == Artifact::Figure3_10;
-    let place = |row: &Row| {
-        if over_radius {
-            1e3 * row.radius_m
-        } else {
-            row.unknotting_number as f64
-        }
+    let place = |row: &Row| match factor {
+        Factor::Radius => 1e3 * row.radius_m,
+        Factor::UnknottingNumber => row.unknotting_number as f64,
     };
     let curve = |name: &str, value: fn(&Row) -> Option<f64>| Curve {
         name: name.into(),
@@ -55,10 +60,9 @@ pub(super) fn write(
         unjoined: vec![SIMULATION.into()],
         ..PlotStyle::default()
     };
-    let [label, head] = if over_radius {
-        ["h, mm", "h, mm"]
-    } else {
-        ["unknotting number n", "n"]
+    let [label, head] = match factor {
+        Factor::Radius => ["h, mm", "h, mm"],
+        Factor::UnknottingNumber => ["unknotting number n", "n"],
     };
     page.text(
         "The simplified knot (φ = π/3, ε = 0.7, ends of the loop on the axis, no friction, see fig3.9) has no other \
@@ -89,7 +93,7 @@ pub(super) fn write(
         .collect();
     page.table(&header, &table);
     let svg = styled_line_plots(&[plot], label, &style);
-    page.figure(artifact.name(), "Inversion points", &svg)?;
+    page.figure(page.name(), "Inversion points", &svg)?;
     Ok(())
 }
 

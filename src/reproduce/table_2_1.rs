@@ -1,8 +1,8 @@
 //! Table 2.1: IMC against IPC.
 
 use super::ReproduceError;
-use super::artifact::FLAGELLA;
 use super::bundling::ContactModel;
+use super::bundling::FLAGELLA;
 use super::cases::Case;
 use super::page::{Page, count, number};
 use crate::figure::{Curve, LinePlot, line_plots};

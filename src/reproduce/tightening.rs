@@ -1,10 +1,9 @@
 //! A knot pulled tight, with the parameters of the thesis, section 2.5, and quasi-static.
 
 use super::cases::{Case, Run};
-use crate::experiment::prepare;
-use crate::results::{KnotRow, ResultsError, SeriesRow, read_knot_series};
+use crate::experiment::{KnotMonitor, KnotOutcome, KnotRow, from_text, prepare, read_knot_series};
+use crate::results::{ResultsError, SeriesRow};
 use crate::run::PreparedRun;
-use crate::scenario::from_text_with;
 use std::path::Path;
 
 /// The trefoil of the thesis.
@@ -119,14 +118,10 @@ impl Tightening {
 
     /// h²/EI, by which tractions are made dimensionless, 1/N.
     pub fn traction_unit(&self) -> f64 {
-        let observer = self.prepare().knot.expect("a knot is observed");
+        let prepared = self.prepare();
+        let monitor = prepared.observer::<KnotMonitor>();
+        let observer = monitor.expect("a knot is observed").observer;
         observer.radius.powi(2) / observer.bending_stiffness
-    }
-
-    /// Rough cost on one core, s.
-    pub fn cost(&self) -> f64 {
-        let steps = self.end / 2.5e-3;
-        4e-6 * self.nodes as f64 * self.unknotting_number as f64 * steps
     }
 }
 
@@ -190,13 +185,27 @@ impl Run for Tightening {
             format!("time.end={:?}", self.end),
             format!("output.interval={interval:?}"),
         ];
-        let loaded = from_text_with(&self.id(), BASE, Path::new(""), &overrides);
+        let loaded = from_text(&self.id(), BASE, Path::new(""), &overrides);
         let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
         prepare(&loaded.scenario).expect("a knot of the thesis is possible")
     }
 
     fn end(&self) -> f64 {
         self.end
+    }
+
+    fn cost(&self) -> f64 {
+        let steps = self.end / 2.5e-3;
+        4e-6 * self.nodes as f64 * self.unknotting_number as f64 * steps
+    }
+
+    #[cfg(test)]
+    fn shortened(&self) -> Self {
+        Self {
+            settling: 0.0,
+            end: 1e-2,
+            ..*self
+        }
     }
 }
 
@@ -232,7 +241,7 @@ pub(super) fn range_before_inversion(
     case: &Case<Tightening>,
 ) -> Result<Option<[f64; 2]>, ResultsError> {
     let rows = pulled_rows(case)?;
-    let knot = case.record.outcome.knot.unwrap_or_default();
+    let knot = KnotOutcome::of(&case.record.outcome).unwrap_or_default();
     let inverted = [knot.inversion_by_force, knot.inversion_by_height];
     let inverted = inverted.into_iter().flatten().fold(0.0, f64::max);
     Ok(rows.first().zip(rows.last()).map(|(first, last)| {
@@ -313,7 +322,14 @@ mod tests {
         );
         let prepared = runs[2].prepare();
         assert_eq!(prepared.scene.contact.unwrap().friction, 0.1);
-        assert_eq!(prepared.knot.unwrap().determinant, 3);
+        assert_eq!(
+            prepared
+                .observer::<KnotMonitor>()
+                .unwrap()
+                .observer
+                .determinant,
+            3
+        );
     }
 
     #[test]

@@ -18,7 +18,6 @@ mod directory;
 mod error;
 mod forces;
 mod frame;
-mod knot;
 mod lease;
 mod manifest;
 mod nodes;
@@ -30,6 +29,7 @@ mod summary;
 mod sweep_directory;
 mod table;
 mod usage;
+mod value;
 mod vtk;
 
 pub(crate) use atomic::sync;
@@ -47,18 +47,18 @@ pub use directory::{
 pub use error::ResultsError;
 pub use forces::{NodeForces, read_node_forces};
 pub use frame::Frame;
-pub use knot::{KnotEnding, KnotOutcome};
 pub use lease::{HEARTBEAT, Lease, LeaseAttempt, Leases, Owner, host_name};
 pub use manifest::{
     CaseRecord, CaseStatus, MAIN_CASE, MANIFEST, Manifest, RodRecord, scenario_hash,
 };
 pub use nodes::{NodePositions, read_nodes};
-pub use outcome::CaseOutcome;
+pub use outcome::{CaseOutcome, Ending};
 pub use recorder::{Recorder, RecorderPlan, StreamLengths};
-pub use series::{KnotRow, SeriesRow, read_knot_series, read_series};
+pub use series::{SeriesRow, read_series, read_series_as, series_columns};
 pub use stream::{CsvStream, WholeRows, read_whole_rows};
 pub use summary::{SummaryRow, write_summary, write_sweep_summary, write_timings};
 pub use sweep_directory::{CASES, SweepDirectory};
 pub use table::Table;
 pub use usage::{Usage, UsageMeter};
+pub use value::{NamedValues, Value};
 pub use vtk::{Surface, write_surface};

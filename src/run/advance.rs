@@ -1,11 +1,10 @@
 //! What the run loop asks of a simulation.
 
-use crate::experiment::{KnotObserver, KnotSample};
 use crate::mechanics::dynamics::{
     Energies, Simulation, SimulationError, SimulationState, StepReport,
 };
 use crate::mechanics::statics::{PathPlan, PathPoint, Tracer};
-use crate::results::{Frame, KnotRow};
+use crate::results::Frame;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -33,10 +32,10 @@ pub(crate) trait Advance {
     fn minimum_distance(&self) -> f64;
     /// The nodes now; with velocities and forces where asked for.
     fn frame(&self, with_forces: bool) -> Frame;
-    /// What is measured of a knot.
-    fn measure(&self, observer: &KnotObserver) -> KnotRow;
-    /// What is seen of a knot between output times.
-    fn sample(&self, observer: &KnotObserver) -> KnotSample;
+    /// The simulation at which observers look; `None` in a double without one, which nobody observes.
+    fn simulation(&self) -> Option<&Simulation>;
+    /// The simulation on which controllers act.
+    fn simulation_mut(&mut self) -> Option<&mut Simulation>;
     /// What a checkpoint must hold.
     fn state(&self) -> Self::State;
     /// Continues from a checkpoint.
@@ -93,12 +92,12 @@ impl Advance for Simulation {
         frame
     }
 
-    fn measure(&self, observer: &KnotObserver) -> KnotRow {
-        observer.measure(self)
+    fn simulation(&self) -> Option<&Simulation> {
+        Some(self)
     }
 
-    fn sample(&self, observer: &KnotObserver) -> KnotSample {
-        observer.sample(self)
+    fn simulation_mut(&mut self) -> Option<&mut Simulation> {
+        Some(self)
     }
 
     fn state(&self) -> SimulationState {

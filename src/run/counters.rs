@@ -5,7 +5,7 @@ use crate::results::{CaseOutcome, SeriesRow};
 use serde::{Deserialize, Serialize};
 
 /// Counters of a run: those of the whole, and those since the last row of the series.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Counters {
     /// Counters of the whole run.
     pub outcome: CaseOutcome,

@@ -1,14 +1,21 @@
 //! The run loop: a prepared run goes in, a results directory comes out.
 
 mod advance;
+mod controller;
 mod counters;
 mod error;
 mod interruption;
+mod observer;
 mod output_times;
+#[cfg(test)]
+mod participant_tests;
+mod participants;
 mod path;
 mod prepared;
+pub mod probes;
 mod progress;
 mod records;
+mod saved;
 mod session;
 mod stop;
 mod table;
@@ -16,14 +23,15 @@ mod table;
 mod tests;
 pub(crate) mod thread_pools;
 
+pub use controller::{Controller, ControllerObject};
 pub use error::RunError;
 pub(crate) use interruption::Interruption;
+pub use observer::{Finding, Observer, ObserverObject, Sample};
 pub use prepared::{Mode, OutputPlan, PreparedRun};
 pub use progress::AmongBars;
 pub use stop::StopRequest;
-pub(crate) use table::{TableJob, run_table};
+pub use table::{TableJob, TableRun};
 
-use crate::experiment::helix::stability::Boundary;
 use crate::mechanics::dynamics::Simulation;
 use crate::results::{CaseOutcome, MAIN_CASE, Manifest, Opened, ResultsDirectory, scenario_hash};
 use advance::Advance;
@@ -80,6 +88,8 @@ pub struct RunOutcome {
     pub case: CaseOutcome,
     /// Wall time of this call and of the interrupted ones before it.
     pub wall_time: Duration,
+    /// What people want to see first of what was observed: names and texts, a line each.
+    pub highlights: Vec<(String, String)>,
     /// What else is to be told, a line each.
     pub remarks: Vec<String>,
 }
@@ -143,8 +153,8 @@ pub(crate) fn run_until(
     options: &RunOptions,
     stop_requested: &dyn Fn() -> Option<StopRequest>,
 ) -> Result<RunOutcome, RunError> {
-    if let Some(plan) = &prepared.helix {
-        return run_table(&Boundary::new(plan), prepared, options, stop_requested);
+    if let Some(table) = &prepared.table {
+        return table.run(prepared, options, stop_requested);
     }
     let mut simulation =
         Simulation::new(&prepared.scene, &prepared.integration).map_err(RunError::Scene)?;
@@ -160,7 +170,9 @@ fn run_simulation(
 ) -> Result<RunOutcome, RunError> {
     let hash = scenario_hash(&prepared.scenario_toml);
     match ResultsDirectory::open(&options.directory, &hash, options.force)? {
-        Opened::Finished(manifest) => Ok(RunOutcome::already_finished(&manifest, options)),
+        Opened::Finished(manifest) => {
+            Ok(RunOutcome::already_finished(&manifest, prepared, options))
+        }
         Opened::Ready(directory) => {
             let mut session = Session::begin(directory, simulation, prepared, options)?;
             let result = session.proceed(simulation, prepared.mode, stop_requested);
@@ -170,13 +182,18 @@ fn run_simulation(
 }
 
 impl RunOutcome {
-    fn already_finished(manifest: &Manifest, options: &RunOptions) -> Self {
-        let case = manifest.cases.get(MAIN_CASE);
+    fn already_finished(manifest: &Manifest, prepared: &PreparedRun, options: &RunOptions) -> Self {
+        let record = manifest.cases.get(MAIN_CASE);
+        let case = record.map(|record| record.outcome.clone());
+        let case = case.unwrap_or_default();
         Self {
             directory: options.directory.clone(),
             status: RunStatus::AlreadyFinished,
-            case: case.map(|case| case.outcome).unwrap_or_default(),
-            wall_time: case.map(|case| case.usage().wall_time).unwrap_or_default(),
+            highlights: participants::highlights(&prepared.observers, &case),
+            case,
+            wall_time: record
+                .map(|record| record.usage().wall_time)
+                .unwrap_or_default(),
             remarks: Vec::new(),
         }
     }

@@ -84,6 +84,9 @@ impl Session {
             self.ask_to_stop(stop_requested)?;
             self.write_checkpoint_if_due(simulation)?;
             path = self.path.take().expect("kept above");
+            if self.has_ended() {
+                break;
+            }
         }
         path.branches.sync()?;
         self.remarks.extend(remarks(path.tracer.ended_early()));
@@ -141,7 +144,6 @@ mod tests {
     use crate::results::{BRANCH, NODES, SERIES, SUMMARY};
     use crate::run::PreparedRun;
     use crate::run::{Reached, RunError, RunOptions, StopRequest, run_until};
-    use crate::scenario;
     use std::cell::Cell;
     use std::fs;
     use std::path::Path;
@@ -151,7 +153,7 @@ mod tests {
             .replace("edges = 100", "edges = 20")
             .replace("step = 0.05", "step = 0.3")
             + &format!("largest_step = 0.3\nmost_points = {most_points}\n");
-        let loaded = scenario::from_text("column.toml", &text, Path::new(".")).unwrap();
+        let loaded = experiment::from_text("column.toml", &text, Path::new("."), &[]).unwrap();
         experiment::prepare(&loaded.scenario).unwrap()
     }
 
@@ -205,7 +207,7 @@ mod tests {
     fn an_interrupted_search_for_an_equilibrium_starts_again() {
         let directory = tempfile::tempdir().unwrap();
         let text = include_str!("../../scenarios/heavy_cantilever.toml");
-        let loaded = scenario::from_text("beam.toml", text, Path::new(".")).unwrap();
+        let loaded = experiment::from_text("beam.toml", text, Path::new("."), &[]).unwrap();
         let prepared = experiment::prepare(&loaded.scenario).unwrap();
         let asked = Cell::new(0);
         let stop = || (asked.replace(asked.get() + 1) >= 3).then_some(StopRequest::Interrupt);

@@ -1,10 +1,10 @@
 //! A run that is ready to start: what every experiment builds from its scenario.
 
-use crate::experiment::KnotObserver;
+use super::{Controller, Observer, TableRun};
 use crate::mechanics::dynamics::IntegrationParameters;
 use crate::mechanics::scene::Scene;
 use crate::mechanics::statics::PathPlan;
-use crate::scenario::HelixStability;
+use std::sync::Arc;
 
 /// A scenario turned into mechanics, with all that the run loop needs to know.
 #[derive(Clone, Debug)]
@@ -25,10 +25,20 @@ pub struct PreparedRun {
     pub integration: IntegrationParameters,
     /// What is written, and how often.
     pub output: OutputPlan,
-    /// What measures the knot, where there is one.
-    pub knot: Option<KnotObserver>,
-    /// The directions along which helices lose stability; the scene is then the first of many.
-    pub helix: Option<HelixStability>,
+    /// What is observed, each as it is at the start.
+    pub observers: Vec<Box<dyn Observer>>,
+    /// What acts on the scene while it runs, each as it is at the start.
+    pub controllers: Vec<Box<dyn Controller>>,
+    /// What fills a table instead of moving the scene, which then shows the first of many.
+    pub table: Option<Arc<dyn TableRun>>,
+}
+
+impl PreparedRun {
+    /// The first observer of a type.
+    pub fn observer<T: Observer + 'static>(&self) -> Option<&T> {
+        let mut observers = self.observers.iter();
+        observers.find_map(|observer| (**observer).as_any().downcast_ref())
+    }
 }
 
 /// Whether the scene moves in time or rests.

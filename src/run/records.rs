@@ -1,6 +1,7 @@
 //! What the results say of a prepared run.
 
 use super::RunOptions;
+use super::participants::columns;
 use crate::mechanics::scene::RodDescription;
 use crate::results::{
     CaseRecord, CaseStatus, MAIN_CASE, Manifest, RecorderPlan, RodRecord, host_name, scenario_hash,
@@ -23,6 +24,7 @@ pub(crate) fn rod_records(prepared: &PreparedRun) -> Vec<RodRecord> {
 pub(crate) fn recorder_plan(prepared: &PreparedRun) -> RecorderPlan {
     let output = prepared.output;
     RecorderPlan {
+        observed: columns(&prepared.observers),
         nodes: output.nodes,
         forces: output.forces,
         vtk: output.vtk,

@@ -2,21 +2,19 @@
 
 use super::advance::Advance;
 use super::counters::Counters;
+use super::observer::{Finding, Sample};
 use super::output_times::OutputTimes;
+use super::participants::{self, Participants, SavedStates};
 use super::path::{PathAtWork, PathCheckpoint};
 use super::progress::Progress;
 use super::records::{manifest_of_call, recorder_plan, rod_records};
 use super::stop::{Stop, StopRequest};
 use super::{Reached, RunError, RunOptions, RunOutcome, RunStatus};
-use crate::experiment::KnotObserver;
-use crate::experiment::knot::monitor::KnotMonitor;
-use crate::experiment::knot::observer::changed_knot;
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::{SimulationError, StepReport};
 use crate::results::{
-    CaseRecord, CaseStatus, CheckpointFiles, Frame, KnotRow, MANIFEST, Manifest, Recorder,
-    ResultsDirectory, ResultsError, StreamLengths, Usage, UsageMeter, read_knot_series,
-    scenario_hash, sync,
+    CaseRecord, CaseStatus, CheckpointFiles, Frame, MANIFEST, Manifest, Recorder, ResultsDirectory,
+    ResultsError, StreamLengths, Usage, UsageMeter, Value, scenario_hash, sync,
 };
 use crate::run::{Mode, PreparedRun};
 use serde::{Deserialize, Serialize};
@@ -45,7 +43,8 @@ pub(crate) struct Session {
     pub(super) progress: Progress,
     /// What else is to be told at the end, a line each.
     pub(super) remarks: Vec<String>,
-    knot: Option<KnotObserver>,
+    /// Who observes and who acts.
+    participants: Participants,
 }
 
 /// How far a run has come.
@@ -56,8 +55,8 @@ struct RunState {
     counters: Counters,
     /// Cost of the calls before this one.
     earlier_usage: Usage,
-    /// Where a knot stands.
-    knot: KnotMonitor,
+    /// States of observers and controllers at a checkpoint.
+    participants: SavedStates,
 }
 
 /// What a checkpoint holds.
@@ -81,13 +80,20 @@ impl Session {
         let hash = scenario_hash(&prepared.scenario_toml);
         let rods = rod_records(prepared);
         let plan = recorder_plan(prepared);
+        let participants = Participants {
+            observers: prepared.observers.clone(),
+            controllers: prepared.controllers.clone(),
+        };
         let mut checkpoints = CheckpointFiles::new(directory.path(), &hash);
         let continued = checkpoints.read(|mut checkpoint: Checkpoint<S::State>| {
             let lengths = checkpoint.lengths;
-            let recorder = Recorder::continue_at(directory.path(), rods.clone(), plan, lengths)?;
+            let (rods, plan) = (rods.clone(), plan.clone());
+            let recorder = Recorder::continue_at(directory.path(), rods, plan, lengths)?;
+            let mut restored = participants.clone();
+            restored.restore(&checkpoint.run_state.participants, directory.path())?;
             let path = checkpoint.path.take();
             let path = path.map(|path| PathAtWork::resume(path, &directory));
-            Ok((checkpoint, recorder, path.transpose()?))
+            Ok((checkpoint, restored, recorder, path.transpose()?))
         });
         if continued.is_none() && checkpoints.exist() {
             tracing::warn!(
@@ -106,15 +112,15 @@ impl Session {
 
         let placed = simulation.frame(false).positions;
         let is_continued = continued.is_some();
-        let (run_state, recorder, path) = match continued {
-            Some((checkpoint, recorder, path)) => {
+        let (run_state, participants, recorder, path) = match continued {
+            Some((checkpoint, participants, recorder, path)) => {
                 let restored = simulation.restore(checkpoint.state);
                 restored.map_err(RunError::Scene)?;
-                (checkpoint.run_state, recorder, path)
+                (checkpoint.run_state, participants, recorder, path)
             }
             None => {
                 let recorder = Recorder::create(directory.path(), rods, plan)?;
-                (RunState::default(), recorder, None)
+                (RunState::default(), participants, recorder, None)
             }
         };
         let times = match prepared.mode {
@@ -145,7 +151,7 @@ impl Session {
             timeout: options.timeout,
             resumed_from: None,
             remarks: Vec::new(),
-            knot: prepared.knot,
+            participants,
         };
         session.resumed_from = is_continued.then(|| session.reached(simulation));
         Ok(session)
@@ -187,34 +193,85 @@ impl Session {
         simulation: &mut impl Advance,
         stop_requested: &dyn Fn() -> Option<StopRequest>,
     ) -> Result<(), Stop> {
-        while self.run_state.outputs <= self.times.last() && self.run_state.knot.ending.is_none() {
+        while self.run_state.outputs <= self.times.last() {
             let target = self.times.time(self.run_state.outputs);
             while simulation.time() < target {
                 self.ask_to_stop(stop_requested)?;
                 self.write_checkpoint_if_due(simulation)?;
                 let start = Instant::now();
-                let report = simulation.advance(target)?;
+                let until = self.control(simulation)?.min(target);
+                let report = simulation.advance(until)?;
                 if report.contacts > 0 {
                     self.meter.add_step_with_contact(start.elapsed());
                 }
                 self.run_state.counters.add_step(&report);
-                self.sample_if_due(simulation);
+                self.sample_if_due(simulation)?;
                 self.progress.update(&report);
             }
             self.record(simulation)?;
+            if self.has_ended() {
+                break;
+            }
         }
         Ok(())
     }
 
-    /// Looks at a knot while its ends move, at times that do not depend on those of outputs.
-    fn sample_if_due(&mut self, simulation: &impl Advance) {
-        let Some(observer) = self.knot else { return };
-        let (time, run_state) = (simulation.time(), &mut self.run_state);
-        if run_state.knot.is_due(time, &observer) {
-            let work = run_state.counters.exchange.clamp_work;
-            let seen = simulation.sample(&observer);
-            run_state.knot.add(time, &seen, work, &observer);
+    /// Whether an observer has seen all that the run was for.
+    pub(crate) fn has_ended(&self) -> bool {
+        self.run_state.counters.outcome.ending.is_some()
+    }
+
+    /// Lets controllers act before a step; returns when the next of them must act again, s.
+    fn control(&mut self, simulation: &mut impl Advance) -> Result<f64, Stop> {
+        let now = simulation.time();
+        let mut until = f64::INFINITY;
+        let Some(simulation) = simulation.simulation_mut() else {
+            return Ok(until);
+        };
+        for controller in &mut self.participants.controllers {
+            controller.act(simulation)?;
+            let next = controller.next_time();
+            if next > now {
+                until = until.min(next);
+            }
         }
+        Ok(until)
+    }
+
+    /// What observers see now.
+    fn sample_of<'a>(&self, simulation: &'a impl Advance) -> Option<Sample<'a>> {
+        let counters = &self.run_state.counters;
+        Some(Sample {
+            simulation: simulation.simulation()?,
+            steps: counters.outcome.steps,
+            exchange: counters.exchange,
+        })
+    }
+
+    /// Lets observers look that are due, at times that do not depend on those of outputs.
+    fn sample_if_due(&mut self, simulation: &impl Advance) -> Result<(), Stop> {
+        let Some(sample) = self.sample_of(simulation) else {
+            return Ok(());
+        };
+        let time = simulation.time();
+        let observers = self.participants.observers.iter_mut();
+        let due = observers.filter(|observer| observer.is_due(time));
+        let findings: Vec<Finding> = due.map(|observer| observer.sample(&sample)).collect();
+        self.conclude_from(findings)
+    }
+
+    /// Ends or fails the run where an observer found reason to.
+    fn conclude_from(&mut self, findings: Vec<Finding>) -> Result<(), Stop> {
+        for finding in findings {
+            match finding {
+                Finding::GoOn => {}
+                Finding::End(ending) => self.run_state.counters.outcome.ending = Some(ending),
+                Finding::Fail(reason) => {
+                    return Err(Stop::Simulation(SimulationError::Unphysical(reason)));
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Stops where a stop is requested or the time limit is reached.
@@ -279,26 +336,19 @@ impl Session {
         } else {
             Frame::default()
         };
-        let Some(observer) = self.knot else {
-            self.recorder.record(self.run_state.outputs, &row, &frame)?;
-            self.run_state.outputs += 1;
-            return Ok(());
-        };
-        let exchange = self.run_state.counters.exchange;
-        let knot = KnotRow {
-            work_of_ends_j: exchange.clamp_work,
-            friction_loss_j: exchange.friction_loss,
-            drag_loss_j: exchange.drag_loss,
-            ..simulation.measure(&observer)
-        };
-        self.recorder
-            .record(self.run_state.outputs, &(row, knot), &frame)?;
-        self.run_state.outputs += 1;
-        if !observer.recognises(&knot) {
-            let changed = changed_knot(time, observer.determinant, knot.knot_determinant);
-            return Err(Stop::Simulation(SimulationError::Unphysical(changed)));
+        let mut values: Vec<Value> = Vec::new();
+        let mut findings = Vec::new();
+        if let Some(sample) = self.sample_of(simulation) {
+            for observer in &mut self.participants.observers {
+                let (cells, finding) = observer.measure(&sample, &row);
+                values.extend(cells);
+                findings.push(finding);
+            }
         }
-        Ok(())
+        let output = self.run_state.outputs;
+        self.recorder.record(output, &row, &values, &frame)?;
+        self.run_state.outputs += 1;
+        self.conclude_from(findings)
     }
 
     /// Writes a checkpoint where the last is old.
@@ -318,6 +368,7 @@ impl Session {
         sync(&self.directory.file(MANIFEST))?;
         let run_state = RunState {
             earlier_usage: self.usage(),
+            participants: self.participants.save(),
             ..self.run_state.clone()
         };
         self.checkpoints.write(&Checkpoint {
@@ -370,15 +421,18 @@ impl Session {
             }
         }
         self.checkpoints.remove()?;
-        let knot = self.run_state.counters.outcome.knot;
-        self.remarks.extend(knot.and_then(|knot| knot.remark()));
+        let observers = &self.participants.observers;
+        let remarks = observers.iter().flat_map(|one| one.remarks());
+        self.remarks.extend(remarks);
+        let case = self.run_state.counters.outcome.clone();
         Ok(RunOutcome {
             directory,
             status: self
                 .resumed_from
                 .map_or(RunStatus::Finished, |from| RunStatus::Resumed { from }),
-            case: self.run_state.counters.outcome,
+            highlights: participants::highlights(observers, &case),
             wall_time: self.usage().wall_time,
+            case,
             remarks: self.remarks,
         })
     }
@@ -389,14 +443,9 @@ impl Session {
         error: Option<String>,
     ) -> Result<(), ResultsError> {
         let path = self.directory.path();
-        if let Some(observer) = self.knot {
-            let outcome = self
-                .run_state
-                .knot
-                .outcome(&read_knot_series(path)?, &observer);
-            self.run_state.counters.outcome.knot = Some(outcome);
-        }
-        let outcome = self.run_state.counters.outcome;
+        let outcome = &mut self.run_state.counters.outcome;
+        outcome.observed = participants::outcomes(&self.participants.observers);
+        let outcome = outcome.clone();
         let record = CaseRecord::with_usage(status, outcome, self.usage(), error);
         self.manifest.conclude(path, record)
     }

@@ -15,6 +15,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use std::fmt::Debug;
 use std::ops::Range;
 use std::path::Path;
 
@@ -22,7 +23,7 @@ use std::path::Path;
 const BLOCK: usize = 256;
 
 /// What fills the table.
-pub(crate) trait TableJob: Sync {
+pub trait TableJob: Debug + Send + Sync {
     /// A row; floats read back to the same bits.
     type Row: Serialize + DeserializeOwned + Send;
 
@@ -42,8 +43,32 @@ pub(crate) trait TableJob: Sync {
     fn conclude(&self, rows: &[Self::Row], directory: &Path) -> Result<Vec<String>, ResultsError>;
 }
 
-/// Computes the rows that are missing and concludes.
-pub(crate) fn run_table<Job: TableJob>(
+/// A [`TableJob`] whatever its rows are.
+pub trait TableRun: Debug + Send + Sync {
+    /// Computes the rows that are missing and concludes.
+    ///
+    /// # Errors
+    /// See [`RunError`].
+    fn run(
+        &self,
+        prepared: &PreparedRun,
+        options: &RunOptions,
+        stop_requested: &dyn Fn() -> Option<StopRequest>,
+    ) -> Result<RunOutcome, RunError>;
+}
+
+impl<Job: TableJob> TableRun for Job {
+    fn run(
+        &self,
+        prepared: &PreparedRun,
+        options: &RunOptions,
+        stop_requested: &dyn Fn() -> Option<StopRequest>,
+    ) -> Result<RunOutcome, RunError> {
+        run_table(self, prepared, options, stop_requested)
+    }
+}
+
+fn run_table<Job: TableJob>(
     job: &Job,
     prepared: &PreparedRun,
     options: &RunOptions,
@@ -52,7 +77,7 @@ pub(crate) fn run_table<Job: TableJob>(
     let hash = scenario_hash(&prepared.scenario_toml);
     let directory = match ResultsDirectory::open(&options.directory, &hash, options.force)? {
         Opened::Finished(manifest) => {
-            return Ok(RunOutcome::already_finished(&manifest, options));
+            return Ok(RunOutcome::already_finished(&manifest, prepared, options));
         }
         Opened::Ready(directory) => directory,
     };
@@ -93,6 +118,7 @@ pub(crate) fn run_table<Job: TableJob>(
                 },
                 case,
                 wall_time: session.usage().wall_time,
+                highlights: Vec::new(),
                 remarks,
             })
         }
@@ -183,7 +209,12 @@ impl<Job: TableJob> TableSession<'_, Job> {
         // There are no steps to speak of.
         let outcome = CaseOutcome::default();
         let status = stop.map_or(CaseStatus::Finished, Stop::status);
-        let record = CaseRecord::with_usage(status, outcome, self.usage(), stop.map(Stop::reason));
+        let record = CaseRecord::with_usage(
+            status,
+            outcome.clone(),
+            self.usage(),
+            stop.map(Stop::reason),
+        );
         manifest.conclude(self.directory.path(), record)?;
         Ok(outcome)
     }

@@ -2,14 +2,15 @@
 
 use super::advance::Advance;
 use super::*;
-use crate::experiment::{KnotObserver, KnotSample};
 use crate::mechanics::Vector3;
-use crate::mechanics::dynamics::{Energies, IntegrationParameters, SimulationError, StepReport};
+use crate::mechanics::dynamics::{
+    Energies, IntegrationParameters, Simulation, SimulationError, StepReport,
+};
 use crate::mechanics::scene::{NaturalShape, RodDescription, Scene, Stiffness};
 use crate::mechanics::statics::{PathPlan, PathPoint, Tracer};
 use crate::results::{
-    CaseStatus, Frame, KnotRow, MANIFEST, Manifest, NODE_FORCES, NODES, SCENARIO, SERIES, SUMMARY,
-    TIMINGS, VTK_COLLECTION,
+    CaseStatus, Frame, MANIFEST, Manifest, NODE_FORCES, NODES, SCENARIO, SERIES, SUMMARY, TIMINGS,
+    VTK_COLLECTION,
 };
 use crate::run::{Mode, OutputPlan};
 use proptest::prelude::*;
@@ -132,12 +133,12 @@ impl Advance for Pendulum {
         }
     }
 
-    fn measure(&self, _: &KnotObserver) -> KnotRow {
-        KnotRow::default()
+    fn simulation(&self) -> Option<&Simulation> {
+        None
     }
 
-    fn sample(&self, _: &KnotObserver) -> KnotSample {
-        KnotSample::default()
+    fn simulation_mut(&mut self) -> Option<&mut Simulation> {
+        None
     }
 
     fn state(&self) -> Self {
@@ -191,8 +192,9 @@ fn prepared(mode: Mode) -> PreparedRun {
             forces: true,
             vtk: true,
         },
-        knot: None,
-        helix: None,
+        observers: Vec::new(),
+        controllers: Vec::new(),
+        table: None,
     }
 }
 

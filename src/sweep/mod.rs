@@ -24,7 +24,7 @@ pub use error::SweepError;
 pub use outcome::{CaseCounts, SweepOutcome};
 pub use search::{Found, SEARCH_TABLE};
 
-use crate::experiment::{DerivedNumbers, derived_numbers, prepare};
+use crate::experiment::{DerivedNumbers, case_set_from_text, derived_numbers, prepare};
 use crate::results::{
     CASES, CaseRecord, CaseStatus, Manifest, SweepDirectory, host_name, scenario_hash,
 };
@@ -283,7 +283,7 @@ fn case_set_in(directory: &Path) -> Result<(CaseSet, Manifest), SweepError> {
     let manifest = Manifest::read(directory)?.ok_or_else(|| SweepError::NoSweep {
         directory: directory.to_owned(),
     })?;
-    let case_set = CaseSet::from_text(&manifest.name, &manifest.scenario, directory)?;
+    let case_set = case_set_from_text(&manifest.name, &manifest.scenario, directory)?;
     if !case_set.is_sweep() {
         return Err(SweepError::NoSweep {
             directory: directory.to_owned(),

@@ -1,10 +1,9 @@
 //! The same bytes for any number of threads and across interruptions.
 
 use super::{Check, Expectation, GroupError};
-use crate::experiment::prepare;
+use crate::experiment::{from_text, prepare};
 use crate::run::PreparedRun;
 use crate::run::{RunError, RunOptions, run};
-use crate::scenario::from_text;
 use std::path::Path;
 use std::time::Duration;
 
@@ -60,7 +59,7 @@ nodes = true
 
 /// Bytes of `series.csv` and `nodes.csv` that differ.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
-    let loaded = from_text("determinism.toml", SCENARIO, Path::new("."))?;
+    let loaded = from_text("determinism.toml", SCENARIO, Path::new("."), &[])?;
     let prepared = prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?;
     let scratch = tempfile::tempdir()?;
     let directory = |name: &str| scratch.path().join(name);

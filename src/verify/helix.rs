@@ -1,11 +1,10 @@
 //! Helical rods with clamped ends: where the discrete rod loses stability, against conjugate points.
 
 use super::{Check, Expectation, GroupError};
-use crate::experiment::helix::stability::{DiscreteRod, discrete_critical_distance};
+use crate::experiment::helix::stability::{DiscreteRod, HelixSearch, discrete_critical_distance};
 use crate::mechanics::dynamics::SimulationError;
 use crate::mechanics::kirchhoff::numerics::uniform_numbers;
 use crate::mechanics::kirchhoff::{HeavyLoop, Helix, critical_distance};
-use crate::scenario::HelixSearch;
 use std::f64::consts::TAU;
 
 const CONJUGATE_POINT: Expectation = Expectation {

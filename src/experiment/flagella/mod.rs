@@ -12,16 +12,62 @@
 //! the flow then winds the flagella around each other into a bundle. The released reference code has the
 //! same sign.
 
+mod keys;
+
+use super::Kind;
+use super::prepare::round_rod;
 use crate::mechanics::Vector3;
-use crate::mechanics::scene::{Clamp, Motion, NaturalShape, RodDescription, Scene, Stiffness};
-use crate::scenario::{self, BuilderRod, CrossSection, Flagella, Head, Material};
+use crate::mechanics::scene::{Clamp, Motion, NaturalShape, RodDescription, Scene};
+use crate::scenario::keys::{ExperimentKeys, OwnTable, Request};
+use crate::scenario::{BuilderRod, Experiment, Issue, Material, Scenario};
+use keys::{Flagella, FlagellaTables, Head, TABLES, resolve};
 use std::f64::consts::TAU;
 
 /// Edges of the hook: one inlet, two of the ramp.
 const HOOK_EDGES: usize = 3;
 
+/// Helical flagella turned at their heads.
+pub struct FlagellaKind;
+
+impl ExperimentKeys for FlagellaKind {
+    fn name(&self) -> &'static str {
+        "flagella"
+    }
+
+    fn summary(&self) -> &'static str {
+        "Helical flagella turned at their heads in a viscous fluid."
+    }
+
+    fn tables(&self) -> &'static [OwnTable] {
+        &TABLES
+    }
+
+    fn resolve(&self, request: &Request<'_>) -> Option<Experiment> {
+        let tables = resolve(request)?;
+        let radius = tables.rod.radius;
+        Some(Experiment::new(self.name(), tables).with_radius(radius))
+    }
+}
+
+impl Kind for FlagellaKind {
+    fn template(&self) -> &'static str {
+        include_str!("template.toml")
+    }
+
+    fn build(&self, scenario: &Scenario, scene: &mut Scene) -> Result<(), Issue> {
+        let tables = scenario.experiment.tables();
+        add(scene, tables.expect("the tables of this experiment"));
+        Ok(())
+    }
+}
+
 /// Adds the flagella and their driven heads to a scene.
-pub fn add(scene: &mut Scene, material: &Material, rod: &BuilderRod, flagella: &Flagella) {
+fn add(scene: &mut Scene, tables: &FlagellaTables) {
+    let FlagellaTables {
+        material,
+        rod,
+        flagella,
+    } = tables;
     for (number, foot) in feet(flagella.count, flagella.side).into_iter().enumerate() {
         let index = scene.rods.len();
         scene
@@ -53,7 +99,7 @@ pub fn add(scene: &mut Scene, material: &Material, rod: &BuilderRod, flagella: &
 }
 
 /// Name of a flagellum, counted from one.
-pub fn name(number: usize) -> String {
+fn name(number: usize) -> String {
     format!("flagellum_{}", number + 1)
 }
 
@@ -79,38 +125,17 @@ fn flagellum(
     rod: &BuilderRod,
     flagella: &Flagella,
 ) -> RodDescription {
-    let section = CrossSection::Circle;
-    let scenario::Stiffness {
-        stretching,
-        bending_1,
-        bending_2,
-        twisting,
-    } = section.stiffness(rod.radius, material);
-    let [second_moment_1, second_moment_2] = section.second_moments(rod.radius);
     let (centreline, end_tangents) = centreline(rod.nodes, flagella);
+    let centreline = centreline.into_iter().map(|node| foot + node).collect();
     RodDescription {
-        name: name(number),
-        centreline: centreline.into_iter().map(|node| foot + node).collect(),
-        closed: false,
         end_tangents: end_tangents.map(Some),
         first_director: Some(if flagella.hook {
             Vector3::x()
         } else {
             Vector3::z()
         }),
-        twist: 0.0,
         natural_shape: NaturalShape::AsPlaced,
-        stiffness: Stiffness {
-            stretching,
-            bending: [bending_1, bending_2],
-            twisting,
-        },
-        radius: rod.radius,
-        mass_per_length: material.density * section.area(rod.radius),
-        rotational_inertia_per_length: material.density * (second_moment_1 + second_moment_2),
-        velocity: Vector3::zeros(),
-        angular_velocity: Vector3::zeros(),
-        held: false,
+        ..round_rod(&name(number), centreline, material, rod)
     }
 }
 
@@ -174,7 +199,12 @@ mod tests {
 
     fn built(flagella: &Flagella) -> Scene {
         let mut scene = Scene::default();
-        add(&mut scene, &MATERIAL, &ROD, flagella);
+        let tables = FlagellaTables {
+            material: MATERIAL,
+            rod: ROD,
+            flagella: *flagella,
+        };
+        add(&mut scene, &tables);
         scene
     }
 

@@ -1,8 +1,10 @@
 //! Monitors a knot that is pulled tight: when all has been seen, and what it came to.
 
-use super::observer::{KnotObserver, KnotSample};
+use super::observer::{KnotObserver, KnotSample, changed_knot};
+use super::{KnotEnding, KnotOutcome, KnotRow};
 use crate::knot::{InversionWatch, TightenedKnot};
-use crate::results::{KnotEnding, KnotOutcome, KnotRow, SeriesRow};
+use crate::results::{CaseOutcome, NamedValues, SeriesRow, Value};
+use crate::run::{Finding, Observer, Sample};
 use serde::{Deserialize, Serialize};
 
 /// Decrease of l̄_k from one sample to the next. The traction between them is a mean, so that its vibrations do not
@@ -18,9 +20,11 @@ const LOOK: f64 = 4.0;
 const SLIPPING: f64 = 0.5;
 const LOCKED: f64 = 0.9;
 
-/// What a run remembers of its knot to know when all has been seen.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// Monitors a knot that is pulled tight, to know when all has been seen and what it came to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct KnotMonitor {
+    /// What measures the knot.
+    pub observer: KnotObserver,
     watch: InversionWatch,
     /// End-to-end distance (m) and work of the ends (J) at the last sample.
     sample: Option<(f64, f64)>,
@@ -32,17 +36,99 @@ pub struct KnotMonitor {
     /// Largest F̄ of all looks.
     strongest: f64,
     /// Why the run is over.
-    pub ending: Option<KnotEnding>,
+    ending: Option<KnotEnding>,
+    /// The outputs while the ends moved.
+    pulled: Vec<PulledOutput>,
+    /// l̄_k and F̄ at the last output.
+    last: Option<(f64, f64)>,
+}
+
+/// What is kept of an output while the ends move.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct PulledOutput {
+    /// l̄_k.
+    length: f64,
+    kinetic_over_elastic: f64,
+    /// Energy and losses, J.
+    spent: f64,
+    /// Work of the ends since the start, J.
+    work: f64,
+}
+
+impl Observer for KnotMonitor {
+    fn name(&self) -> &str {
+        "knot"
+    }
+
+    fn columns(&self) -> Vec<String> {
+        let cells = KnotRow::default().cells();
+        cells.map(|(name, _)| name.to_owned()).into()
+    }
+
+    /// There is a sample at the start of the pull.
+    fn is_due(&self, time: f64) -> bool {
+        time >= self.observer.pulled_from.max(self.next)
+    }
+
+    fn sample(&mut self, sample: &Sample<'_>) -> Finding {
+        let seen = self.observer.sample(sample.simulation);
+        self.add(sample.time(), &seen, sample.exchange.clamp_work);
+        match self.ending {
+            Some(ending) => Finding::End(ending.into()),
+            None => Finding::GoOn,
+        }
+    }
+
+    fn measure(&mut self, sample: &Sample<'_>, row: &SeriesRow) -> (Vec<Value>, Finding) {
+        let knot = KnotRow {
+            work_of_ends_j: sample.exchange.clamp_work,
+            friction_loss_j: sample.exchange.friction_loss,
+            drag_loss_j: sample.exchange.drag_loss,
+            ..self.observer.measure(sample.simulation)
+        };
+        self.note(row, &knot);
+        let finding = if self.observer.recognises(&knot) {
+            Finding::GoOn
+        } else {
+            let expected = self.observer.determinant;
+            Finding::Fail(changed_knot(row.time_s, expected, knot.knot_determinant))
+        };
+        (knot.cells().map(|(_, value)| value).into(), finding)
+    }
+
+    fn outcomes(&self) -> NamedValues {
+        self.outcome().values()
+    }
+
+    fn remarks(&self) -> Vec<String> {
+        self.outcome().remark().into_iter().collect()
+    }
+
+    fn highlights(&self, outcome: &CaseOutcome) -> Vec<(String, String)> {
+        KnotOutcome::of(outcome).map_or_else(Vec::new, |knot| knot.highlights())
+    }
 }
 
 impl KnotMonitor {
-    /// Whether a sample at the knot is due; there is one at the start of the pull.
-    pub fn is_due(&self, time: f64, observer: &KnotObserver) -> bool {
-        time >= observer.pulled_from.max(self.next)
+    /// A monitor of a knot that is about to be pulled.
+    pub fn new(observer: KnotObserver) -> Self {
+        Self {
+            observer,
+            watch: InversionWatch::default(),
+            sample: None,
+            next: 0.0,
+            look: None,
+            slipped: false,
+            strongest: 0.0,
+            ending: None,
+            pulled: Vec::new(),
+            last: None,
+        }
     }
 
     /// Takes note of what was seen of the knot at a sample, when its ends had done so much `work` (J).
-    pub fn add(&mut self, time: f64, seen: &KnotSample, work: f64, observer: &KnotObserver) {
+    fn add(&mut self, time: f64, seen: &KnotSample, work: f64) {
+        let observer = self.observer;
         self.next = time + 0.5 * BETWEEN_SAMPLES * observer.radius / observer.pull_speed;
         let now = (seen.end_to_end, work);
         let Some((distance, earlier)) = self.sample.replace(now) else {
@@ -58,20 +144,22 @@ impl KnotMonitor {
             height: seen.loop_height.map(|height| height / observer.radius),
         };
         if observer.may_invert {
-            self.watch_inversion(&knot, observer);
+            self.watch_inversion(&knot);
         }
-        self.watch_slip(&knot, observer);
+        self.watch_slip(&knot);
     }
 
-    fn watch_inversion(&mut self, knot: &TightenedKnot, observer: &KnotObserver) {
+    fn watch_inversion(&mut self, knot: &TightenedKnot) {
         self.watch.look(knot);
         let followed = |start: f64| start - knot.length >= FOLLOWED;
-        if observer.ends_after_inversion && self.watch.point().by_height.is_some_and(followed) {
+        if self.observer.ends_after_inversion && self.watch.point().by_height.is_some_and(followed)
+        {
             self.ending = Some(KnotEnding::Inverted);
         }
     }
 
-    fn watch_slip(&mut self, knot: &TightenedKnot, observer: &KnotObserver) {
+    fn watch_slip(&mut self, knot: &TightenedKnot) {
+        let observer = self.observer;
         let now = (knot.length, knot.force);
         let &mut (length, force) = self.look.get_or_insert(now);
         let pulled = (length - now.0) * observer.radius;
@@ -87,42 +175,46 @@ impl KnotMonitor {
         }
     }
 
-    /// What the knot came to, with the energies of the whole series.
-    pub fn outcome(&self, rows: &[(SeriesRow, KnotRow)], observer: &KnotObserver) -> KnotOutcome {
+    /// Keeps what the outcome needs of an output.
+    fn note(&mut self, row: &SeriesRow, knot: &KnotRow) {
+        self.last = Some((knot.length_normalized, knot.force_normalized));
+        if row.time_s > self.observer.pulled_from {
+            self.pulled.push(PulledOutput {
+                length: knot.length_normalized,
+                kinetic_over_elastic: row.kinetic_energy_j / row.elastic_energy(),
+                spent: row.energy() + knot.friction_loss_j + knot.drag_loss_j,
+                work: knot.work_of_ends_j,
+            });
+        }
+    }
+
+    /// What the knot came to so far.
+    pub fn outcome(&self) -> KnotOutcome {
+        let observer = &self.observer;
         let point = self.watch.point();
-        let before = |knot: &KnotRow| point.is_ahead_of(knot.length_normalized);
-        let slow: Vec<&(SeriesRow, KnotRow)> = rows
-            .iter()
-            .filter(|(series, knot)| series.time_s > observer.pulled_from && before(knot))
-            .collect();
-        let kinetic_over_elastic = slow
-            .iter()
-            .map(|(series, _)| series.kinetic_energy_j / series.elastic_energy())
-            .max_by(f64::total_cmp);
-        let last = rows.last().map(|(_, knot)| knot);
+        let before = |output: &&PulledOutput| point.is_ahead_of(output.length);
+        let slow: Vec<&PulledOutput> = self.pulled.iter().filter(before).collect();
+        let ratios = slow.iter().map(|output| output.kinetic_over_elastic);
         KnotOutcome {
             may_invert: observer.may_invert,
             inversion_by_force: point.by_force,
             inversion_by_height: point.by_height,
             inversion_difference: point.difference(),
-            kinetic_over_elastic,
+            kinetic_over_elastic: ratios.max_by(f64::total_cmp),
             kinetic_bound: Some(observer.kinetic_bound),
             energy_balance: energy_balance(&slow),
             knot_ending: self.ending,
-            length_normalized: last.map(|knot| knot.length_normalized),
-            traction_n: last.map(|knot| knot.force_normalized / observer.force_unit()),
+            length_normalized: self.last.map(|(length, _)| length),
+            traction_n: self.last.map(|(_, force)| force / observer.force_unit()),
         }
     }
 }
 
-/// Gain of energy and losses over the work of the ends between the first and the last row; `None` without work.
-fn energy_balance(rows: &[&(SeriesRow, KnotRow)]) -> Option<f64> {
-    let (first, last) = (rows.first()?, rows.last()?);
-    let spent = |(series, knot): &(SeriesRow, KnotRow)| {
-        series.energy() + knot.friction_loss_j + knot.drag_loss_j
-    };
-    let work = last.1.work_of_ends_j - first.1.work_of_ends_j;
-    (work > 0.0).then(|| (spent(last) - spent(first)) / work)
+/// Gain of energy and losses over the work of the ends between the first and the last output; `None` without work.
+fn energy_balance(outputs: &[&PulledOutput]) -> Option<f64> {
+    let (first, last) = (outputs.first()?, outputs.last()?);
+    let work = last.work - first.work;
+    (work > 0.0).then(|| (last.spent - first.spent) / work)
 }
 
 #[cfg(test)]
@@ -153,7 +245,7 @@ mod tests {
         traction: impl Fn(f64) -> f64,
         height: impl Fn(f64) -> f64,
     ) -> (KnotMonitor, Option<f64>) {
-        let (mut monitor, mut work, mut over) = (KnotMonitor::default(), 0.0, None);
+        let (mut monitor, mut work, mut over) = (KnotMonitor::new(*observer), 0.0, None);
         for k in 0..1000 {
             let pulled = 1e-4 * f64::from(k);
             work += 1e-4 * traction(pulled);
@@ -161,7 +253,7 @@ mod tests {
                 end_to_end: 0.8 + pulled,
                 loop_height: Some(height(pulled)),
             };
-            monitor.add(0.1 * f64::from(k), &seen, work, observer);
+            monitor.add(0.1 * f64::from(k), &seen, work);
             if monitor.ending.is_some() {
                 over.get_or_insert(pulled);
             }
@@ -191,9 +283,7 @@ mod tests {
             may_invert: false,
             ..OBSERVER
         };
-        let outcome = pull(&trefoil, |_| 0.01, collapsing)
-            .0
-            .outcome(&[], &trefoil);
+        let outcome = pull(&trefoil, |_| 0.01, collapsing).0.outcome();
         assert_eq!(outcome.inversion_by_height, None);
     }
 
@@ -223,24 +313,22 @@ mod tests {
     #[test]
     fn the_outcome_leaves_out_what_was_before_the_pull_and_after_the_inversion() {
         let traction = |pulled: f64| if pulled < 0.05 { 0.02 } else { 0.01 };
-        let (monitor, _) = pull(&OBSERVER, traction, collapsing);
-        let rows: Vec<(SeriesRow, KnotRow)> = (0..100)
-            .map(|k| {
-                let series = SeriesRow {
-                    time_s: f64::from(k),
-                    kinetic_energy_j: if (3..50).contains(&k) { 1e-4 } else { 1.0 },
-                    bending_energy_j: 1.0,
-                    ..SeriesRow::default()
-                };
-                let knot = KnotRow {
-                    length_normalized: 200.0 - f64::from(k),
-                    force_normalized: 0.01,
-                    ..KnotRow::default()
-                };
-                (series, knot)
-            })
-            .collect();
-        let outcome = monitor.outcome(&rows, &OBSERVER);
+        let (mut monitor, _) = pull(&OBSERVER, traction, collapsing);
+        for k in 0..100 {
+            let series = SeriesRow {
+                time_s: f64::from(k),
+                kinetic_energy_j: if (3..50).contains(&k) { 1e-4 } else { 1.0 },
+                bending_energy_j: 1.0,
+                ..SeriesRow::default()
+            };
+            let knot = KnotRow {
+                length_normalized: 200.0 - f64::from(k),
+                force_normalized: 0.01,
+                ..KnotRow::default()
+            };
+            monitor.note(&series, &knot);
+        }
+        let outcome = monitor.outcome();
         assert!((outcome.inversion_by_force.unwrap() - 150.0).abs() < 0.15);
         assert!((outcome.inversion_by_height.unwrap() - 150.0).abs() < 0.15);
         assert_eq!(outcome.kinetic_over_elastic, Some(1e-4));

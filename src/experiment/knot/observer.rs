@@ -1,15 +1,16 @@
 //! What is measured of a knot, at each output time and in between.
 
+use super::KnotRow;
 use super::tied_knot::{determinant_of_rods, outward};
 use crate::knot::{Silhouette, fit_circle, silhouette};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::ActiveContact;
 use crate::mechanics::dynamics::Simulation;
-use crate::results::KnotRow;
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 /// Measures the knotted rods, the first rods of their scene.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct KnotObserver {
     /// Number of rods that are tied.
     pub rods: usize,

@@ -1,12 +1,13 @@
 //! The rods of a knot as a scenario asks for them: tied from numbers, or laid along a curve.
 
-use crate::experiment::scene::curve::sample;
+use super::{Knot, KnotKind, KnotStart};
+use crate::experiment::prepare::curve::sample;
 use crate::knot::{
     FIGURE_EIGHT_DETERMINANT, FISHERMAN_DETERMINANT, KnotSize, Overhand, TwoThrows, determinant,
     determinant_of_pair, figure_eight_nodes, fisherman_nodes, overhand_nodes,
 };
 use crate::mechanics::Vector3;
-use crate::scenario::{BuilderRod, Issue, KeyPath, Knot, KnotKind, KnotStart, Shape};
+use crate::scenario::{BuilderRod, Issue, KeyPath, Shape};
 
 /// The rods of a knot before they settle.
 #[derive(Clone, Debug)]
@@ -135,11 +136,10 @@ pub fn determinant_of_rods(rods: &[&[Vector3]]) -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::prepare;
+    use crate::experiment::knot::{KnotMonitor, KnotRow};
+    use crate::experiment::{from_text, prepare};
     use crate::mechanics::dynamics::Simulation;
-    use crate::results::KnotRow;
     use crate::run::PreparedRun;
-    use crate::scenario::from_text_with;
     use std::fmt::Write;
     use std::path::Path;
 
@@ -168,7 +168,7 @@ mod tests {
     fn prepared(directory: &Path, overrides: &[&str]) -> Result<PreparedRun, String> {
         let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
         let text = include_str!("../../../scenarios/figure_eight.toml");
-        let loaded = from_text_with("figure_eight", text, directory, &overrides);
+        let loaded = from_text("figure_eight", text, directory, &overrides);
         let loaded = loaded.map_err(|error| error.to_string())?;
         prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues).to_string())
     }
@@ -179,7 +179,7 @@ mod tests {
         while simulation.time() < 0.3 {
             simulation.advance(0.3).unwrap();
         }
-        let observer = run.knot.unwrap();
+        let observer = run.observer::<KnotMonitor>().unwrap().observer;
         let row = observer.measure(&simulation);
         assert!(observer.recognises(&row), "{row:?}");
         row
@@ -254,7 +254,7 @@ mod tests {
             .iter()
             .map(|text| (*text).to_owned())
             .collect();
-        let loaded = from_text_with("curve", &file, directory.path(), &overrides);
+        let loaded = from_text("curve", &file, directory.path(), &overrides);
         let loaded = loaded.map_err(|error| error.to_string())?;
         prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues).to_string())
     }

@@ -8,11 +8,11 @@
 //! frames, so that they do not turn against each other.
 
 use super::tied_knot::{TiedKnot, outward, tie};
+use super::{Knot, KnotEnds, KnotTables};
+use crate::experiment::prepare::round_rod;
 use crate::mechanics::Vector3;
-use crate::mechanics::scene::{
-    Clamp, Load, LoadKind, Motion, NaturalShape, RodDescription, Scene, Stiffness,
-};
-use crate::scenario::{BuilderRod, CrossSection, Issue, Knot, KnotEnds, Material};
+use crate::mechanics::scene::{Clamp, Load, LoadKind, Motion, Scene};
+use crate::scenario::Issue;
 use std::f64::consts::TAU;
 
 /// Part of the settling time after which its drag begins to fade.
@@ -28,13 +28,12 @@ const SETTLING_DRAG: f64 = 4.0;
 ///
 /// # Errors
 /// As [`tie`].
-pub fn add(
-    scene: &mut Scene,
-    material: &Material,
-    rod: &BuilderRod,
-    knot: &Knot,
-    end: f64,
-) -> Result<(), Issue> {
+pub fn add(scene: &mut Scene, tables: &KnotTables, end: f64) -> Result<(), Issue> {
+    let KnotTables {
+        material,
+        rod,
+        knot,
+    } = tables;
     let TiedKnot { rods, is_built } = tie(rod, knot)?;
     let slices: Vec<&[Vector3]> = rods.iter().map(Vec::as_slice).collect();
     let outward = outward(&slices);
@@ -55,7 +54,7 @@ pub fn add(
                 motion: pulled(knot, direction, end),
             });
         }
-        let mut description = described(name, nodes, material, rod);
+        let mut description = round_rod(&name, nodes, material, rod);
         if is_built {
             description.end_tangents = [Some(-outward[0]), Some(outward[1])];
             description.first_director = Some(Vector3::y());
@@ -119,51 +118,21 @@ fn add_drag(
     }
 }
 
-fn described(
-    name: String,
-    centreline: Vec<Vector3>,
-    material: &Material,
-    rod: &BuilderRod,
-) -> RodDescription {
-    let section = CrossSection::Circle;
-    let stiffness = section.stiffness(rod.radius, material);
-    let [second_moment_1, second_moment_2] = section.second_moments(rod.radius);
-    RodDescription {
-        name,
-        centreline,
-        closed: false,
-        end_tangents: [None; 2],
-        first_director: None,
-        twist: 0.0,
-        natural_shape: NaturalShape::Straight,
-        stiffness: Stiffness {
-            stretching: stiffness.stretching,
-            bending: [stiffness.bending_1, stiffness.bending_2],
-            twisting: stiffness.twisting,
-        },
-        radius: rod.radius,
-        mass_per_length: material.density * section.area(rod.radius),
-        rotational_inertia_per_length: material.density * (second_moment_1 + second_moment_2),
-        velocity: Vector3::zeros(),
-        angular_velocity: Vector3::zeros(),
-        held: false,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::prepare;
+    use crate::experiment::knot::{
+        KnotEnding, KnotMonitor, KnotOutcome, KnotRow, read_knot_series,
+    };
+    use crate::experiment::{from_text, prepare};
     use crate::mechanics::dynamics::Simulation;
-    use crate::results::{KnotEnding, KnotOutcome, KnotRow, read_knot_series};
     use crate::run::{RunOptions, run};
-    use crate::scenario::from_text_with;
     use std::path::Path;
 
     fn prepared(overrides: &[&str]) -> Result<crate::run::PreparedRun, String> {
         let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
         let text = include_str!("../../../scenarios/trefoil.toml");
-        let loaded = from_text_with("trefoil", text, Path::new(""), &overrides);
+        let loaded = from_text("trefoil", text, Path::new(""), &overrides);
         let scenario = loaded.map_err(|error| error.to_string())?.scenario;
         prepare(&scenario).map_err(|error| error.to_string())
     }
@@ -197,7 +166,7 @@ mod tests {
         while simulation.time() < 0.25 {
             simulation.advance(0.25).unwrap();
         }
-        let observer = run.knot.unwrap();
+        let observer = run.observer::<KnotMonitor>().unwrap().observer;
         let row = observer.measure(&simulation);
         assert!(observer.recognises(&row));
         assert!(row.traction_start_n > 0.0);
@@ -228,17 +197,17 @@ mod tests {
         let scenario = |end: f64| {
             let text = include_str!("../../../scenarios/trefoil.toml");
             let overrides: Vec<String> = settings(end).collect();
-            let loaded = from_text_with("trefoil", text, Path::new(""), &overrides);
+            let loaded = from_text("trefoil", text, Path::new(""), &overrides);
             loaded.unwrap().scenario
         };
         let started = scenario(3.0);
-        let (_, knot) = started.experiment.knot().unwrap();
+        let KnotTables { knot, .. } = started.experiment.tables().unwrap();
         let prepared = prepare(&scenario(knot.settling_time + 8e-3 / knot.pull_speed)).unwrap();
         let directory = tempfile::tempdir().unwrap();
         let finished = run(&prepared, &RunOptions::new(directory.path())).unwrap();
         let rows = read_knot_series(directory.path()).unwrap().into_iter();
         (
-            finished.case.knot.unwrap(),
+            KnotOutcome::of(&finished.case).unwrap(),
             rows.map(|(_, row)| row).collect(),
         )
     }
@@ -275,11 +244,11 @@ mod tests {
     fn outcome(overrides: &[&str]) -> KnotOutcome {
         let text = include_str!("../../../scenarios/inversion_n3.toml");
         let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
-        let loaded = from_text_with("inversion_n3", text, Path::new(""), &overrides).unwrap();
+        let loaded = from_text("inversion_n3", text, Path::new(""), &overrides).unwrap();
         let prepared = prepare(&loaded.scenario).unwrap();
         let directory = tempfile::tempdir().unwrap();
         let options = RunOptions::new(directory.path());
-        run(&prepared, &options).unwrap().case.knot.unwrap()
+        KnotOutcome::of(&run(&prepared, &options).unwrap().case).unwrap()
     }
 
     #[test]

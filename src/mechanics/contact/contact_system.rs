@@ -287,6 +287,11 @@ impl ContactSystem {
         &self.contacts
     }
 
+    /// Normal forces of the candidates in the last accepted step, N; may be shorter than their list.
+    pub fn normal_forces(&self) -> &[f64] {
+        self.multipliers.committed()
+    }
+
     /// Largest normal force of a contact in the last accepted step, N; zero without contacts.
     pub fn largest_normal_force(&self) -> f64 {
         self.multipliers

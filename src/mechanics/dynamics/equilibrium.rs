@@ -49,8 +49,7 @@ impl Simulation {
         let mut trial = self.state.unknowns.clone();
         for stiffening in 0..=STIFFENINGS {
             let tolerance = self.integrator.setting.parameters.force_tolerance;
-            let force = self.system.force_tolerance(tolerance, &trial, None);
-            let run = descent.run(&mut self.system, &mut trial, force, goes_on);
+            let run = descent.run(&mut self.system, &mut trial, tolerance, goes_on);
             match run {
                 Err(divergence) => {
                     return Err(no_equilibrium(&mut self.system, &trial, &divergence));
@@ -95,8 +94,7 @@ impl Simulation {
         }
         let tolerance = self.integrator.setting.parameters.force_tolerance;
         let mut trial = self.state.unknowns.clone();
-        let force = self.system.force_tolerance(tolerance, &trial, None);
-        let inertia = nearby_equilibrium(&mut self.system, &mut trial, force)
+        let inertia = nearby_equilibrium(&mut self.system, &mut trial, tolerance)
             .map_err(|divergence| no_equilibrium(&mut self.system, &trial, &divergence))?
             .ok_or(NO_ENERGY)?;
         self.rest_at(&trial);

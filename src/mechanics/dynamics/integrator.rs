@@ -75,6 +75,14 @@ impl Integrator {
         })
     }
 
+    /// The motion begins anew: schemes that need steps before begin with small ones.
+    pub fn begin_anew(&mut self) {
+        let parameters = &self.setting.parameters;
+        if parameters.scheme.rules().begins_small() {
+            self.control = StepControl::beginning_small(&parameters.step);
+        }
+    }
+
     /// Rods too thick for resistive force theory show in the first forces, which leave no trace.
     ///
     /// # Errors

@@ -21,6 +21,8 @@ mod exchange;
 mod failure;
 mod history;
 mod integrator;
+mod intervene;
+mod measure;
 mod newton;
 mod observe;
 mod parameters;
@@ -32,10 +34,13 @@ mod stage;
 mod state;
 mod step_control;
 
+pub use crate::mechanics::system::{Grasp, Resultants};
 pub use parameters::{IntegrationParameters, Scheme, StepSize};
 pub use report::{Energies, Exchange, SimulationError, SimulationState, StepReport};
 pub use simulation::Simulation;
 
+#[cfg(test)]
+mod balance_tests;
 #[cfg(test)]
 mod barrier_tests;
 #[cfg(test)]
@@ -44,6 +49,8 @@ mod complementarity_tests;
 mod equilibrium_tests;
 #[cfg(test)]
 mod friction_tests;
+#[cfg(test)]
+mod intervene_tests;
 #[cfg(test)]
 mod path_tests;
 #[cfg(test)]

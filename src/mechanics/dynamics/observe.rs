@@ -4,7 +4,6 @@ use super::Simulation;
 use super::report::{Energies, SimulationError, SimulationState};
 use super::state::State;
 use crate::mechanics::contact::ActiveContact;
-use crate::mechanics::rod::STRIDE;
 use crate::mechanics::{SceneError, Vector3};
 
 impl Simulation {
@@ -69,11 +68,6 @@ impl Simulation {
             forces[touch.node] += Vector3::from(touch.force);
         }
         forces
-    }
-
-    /// Force that a clamp exerts on its held node, N: the residual there.
-    pub fn reaction(&self, node: usize) -> Vector3 {
-        Vector3::from_column_slice(&self.system.residual[STRIDE * node..STRIDE * node + 3])
     }
 
     /// Energies now, J.
@@ -149,6 +143,7 @@ impl Simulation {
             history: self.state.history.clone(),
             reference: self.system.reference.clone(),
             control: self.integrator.control,
+            interventions: self.system.interventions(),
             contact: self.system.contact.as_ref().map(|contact| contact.memory()),
             fluid: self.integrator.fluid.memory(),
         }
@@ -160,6 +155,8 @@ impl Simulation {
     /// [`SimulationError::BadScene`] where the checkpoint does not fit the scene.
     pub fn restore(&mut self, state: SimulationState) -> Result<(), SimulationError> {
         let foreign = |what: String| SimulationError::BadScene(SceneError::Checkpoint(what));
+        let restored = self.system.restore_interventions(state.interventions);
+        restored.map_err(|what| foreign(what.to_owned()))?;
         if state.unknowns.len() != self.state.unknowns.len()
             || state.reference.twist.len() != self.system.reference.twist.len()
         {
@@ -183,7 +180,8 @@ impl Simulation {
             history: state.history,
         };
         self.integrator.control = state.control;
-        self.system.reference = state.reference;
+        self.system
+            .resume(state.time, &self.state.unknowns, &state.reference);
         self.system.forget_pattern();
         self.system.drive(self.state.time, &mut self.state.unknowns);
         self.system.update_geometry(&self.state.unknowns);

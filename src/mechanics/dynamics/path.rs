@@ -44,7 +44,8 @@ impl Simulation {
         if let Some(point) = &point {
             self.state.time = point.parameter;
             self.state.rest_at(&point.unknowns);
-            self.system.reference.clone_from(&point.reference);
+            self.system
+                .resume(point.parameter, &point.unknowns, &point.reference);
             self.system.drive(self.state.time, &mut self.state.unknowns);
             self.system.evaluate(&self.state.unknowns, None);
             self.publish();

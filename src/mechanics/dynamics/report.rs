@@ -6,6 +6,7 @@ use crate::mechanics::SceneError;
 use crate::mechanics::contact::ContactMemory;
 use crate::mechanics::fluid::FluidMemory;
 use crate::mechanics::rod::ReferenceFrames;
+use crate::mechanics::system::Interventions;
 use serde::{Deserialize, Serialize};
 use std::ops::AddAssign;
 
@@ -24,6 +25,8 @@ pub struct SimulationState {
     pub reference: ReferenceFrames,
     /// Step control.
     pub control: StepControl,
+    /// What was done to clamps and loads since the start.
+    pub interventions: Interventions,
     /// Contact candidates and stiffness.
     pub contact: Option<ContactMemory>,
     /// Force history and preconditioner of the fluid.

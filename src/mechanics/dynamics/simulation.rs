@@ -5,7 +5,7 @@ use super::parameters::{IntegrationParameters, Scheme};
 use super::report::{SimulationError, StepReport};
 use super::state::State;
 use crate::mechanics::rod::STRIDE;
-use crate::mechanics::scene::{Motion, Scene};
+use crate::mechanics::scene::Scene;
 use crate::mechanics::system::{System, copy_positions};
 use crate::mechanics::{SceneError, Vector3};
 
@@ -57,22 +57,6 @@ impl Simulation {
         };
         simulation.publish();
         Ok(simulation)
-    }
-
-    /// Sets forces of another solver, which act beside the loads of the scene from the next step on: for
-    /// coupling step by step. `forces` act on the nodes, N; `moments` about the tangent of the edge that
-    /// starts at each node, N m. They are no part of the state that checkpoints hold.
-    pub fn set_external_forces(&mut self, forces: &[Vector3], moments: &[f64]) {
-        let entries = self.system.external_forces.chunks_exact_mut(STRIDE);
-        for (entry, (force, moment)) in entries.zip(forces.iter().zip(moments)) {
-            entry.copy_from_slice(&[force.x, force.y, force.z, *moment]);
-        }
-    }
-
-    /// Gives a clamp of the scene, counted from 0, another motion, which holds from the next step or equilibrium
-    /// on: for ends that a robot or a continuation moves. It is no part of the state that checkpoints hold.
-    pub fn move_clamp(&mut self, clamp: usize, motion: Motion) {
-        self.system.assembly.drives[clamp].follow(motion);
     }
 
     /// Takes one step that ends no later than `until` (hit exactly when it is within the step).

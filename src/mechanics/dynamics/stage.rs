@@ -109,7 +109,9 @@ impl Workspace {
         let step = goal - state.time;
         self.shorten_prediction(system, state)?;
         self.adapt_contact_stiffness(setting, system, state);
-        let stopping = self.stopping(setting, system, state, step);
+        let tolerance = setting.parameters.force_tolerance;
+        system.set_tolerances(tolerance, &state.unknowns, Some(&self.stage));
+        let stopping = stopping(setting, system, step);
         let iterations = self.solve(system, &stopping)?;
         // A stiffer contact mends this, but for forces by complementarity, whose overlap `certify` finds.
         if !system.has_constraints()
@@ -137,23 +139,6 @@ impl Workspace {
         };
         let error = scheme.finish(&solved, &mut self.next_velocity);
         Ok(Attempt { iterations, error })
-    }
-
-    /// When Newton's method stops in a step of a size, s.
-    fn stopping(&self, setting: &Setting, system: &System, state: &State, step: f64) -> Stopping {
-        let Setting { parameters, radius } = setting;
-        let whole = parameters.step.largest();
-        Stopping {
-            force: system.force_tolerance(
-                parameters.force_tolerance,
-                &state.unknowns,
-                Some(&self.stage),
-            ),
-            displacement: parameters.displacement_tolerance * radius,
-            trust_radius: parameters.scheme.rules().trust_radius() * radius,
-            iterations: parameters.maximum_iterations,
-            gives_up: system.has_friction() && step > FULL_EFFORT_PART * whole,
-        }
     }
 
     /// Newton's method, in turn with the contact forces of complementarity, until no contact is missing; returns the
@@ -285,5 +270,17 @@ impl Workspace {
             iterations: 0,
             crossing: Crossing::Clamp,
         })
+    }
+}
+
+/// When Newton's method stops in a step of a size, s.
+fn stopping(setting: &Setting, system: &System, step: f64) -> Stopping {
+    let Setting { parameters, radius } = setting;
+    let whole = parameters.step.largest();
+    Stopping {
+        displacement: parameters.displacement_tolerance * radius,
+        trust_radius: parameters.scheme.rules().trust_radius() * radius,
+        iterations: parameters.maximum_iterations,
+        gives_up: system.has_friction() && step > FULL_EFFORT_PART * whole,
     }
 }

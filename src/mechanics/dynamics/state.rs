@@ -35,6 +35,11 @@ impl State {
         self.velocity.copy_from_slice(velocity);
     }
 
+    /// A motion that begins here: the steps before say nothing about what follows.
+    pub fn begin_anew(&mut self) {
+        self.history = History::begin(&self.unknowns, &self.velocity);
+    }
+
     /// At rest at `unknowns`, where no motion led.
     pub fn rest_at(&mut self, unknowns: &[f64]) {
         self.unknowns.copy_from_slice(unknowns);

@@ -3,6 +3,8 @@
 use super::*;
 use crate::mechanics::Vector3;
 use crate::mechanics::scene::{Clamp, Load, LoadKind, Motion, RodDescription, Scene, Stiffness};
+use crate::mechanics::system::System;
+use std::f64::consts::TAU;
 
 /// A rod of `edges` edges along x from the origin, E = 100 MPa, radius 5 mm, density 1000.
 pub(crate) fn straight_rod(edges: usize, length: f64) -> RodDescription {
@@ -164,6 +166,84 @@ fn a_clamp_that_holds_a_whole_edge_turns_its_frame() {
         for got in &rates[1..edges - 1] {
             assert!((got.abs() / rate - 1.0).abs() < 1e-9, "{got} {rate}");
         }
+    }
+}
+
+/// A rod held at both ends, or from its first whole edge on, whose head turns by a number of turns within a second.
+fn turned(turns: f64, holds_whole_edge: bool) -> Scene {
+    let motion = Motion {
+        angle: vec![(0.0, 0.0), (1.0, turns * TAU)],
+        ..Motion::default()
+    };
+    let mut clamps = vec![Clamp { motion, ..clamp(0) }, clamp(10)];
+    if holds_whole_edge {
+        clamps.push(Clamp {
+            holds_frame: false,
+            ..clamp(1)
+        });
+    }
+    Scene {
+        rods: vec![straight_rod(10, 1.0)],
+        clamps,
+        ..Scene::default()
+    }
+}
+
+#[test]
+fn turns_of_a_clamp_count_however_long_the_steps_are() {
+    for holds_whole_edge in [false, true] {
+        for step in [0.25, 0.1, 1e-2] {
+            let scene = turned(100.0, holds_whole_edge);
+            let parameters = IntegrationParameters {
+                step: StepSize::Fixed(step),
+                ..IntegrationParameters::default()
+            };
+            let mut simulation = Simulation::new(&scene, &parameters).unwrap();
+            while simulation.time() < 2.0 {
+                simulation.advance(2.0).unwrap();
+            }
+            let length = if holds_whole_edge { 0.95 } else { 1.0 };
+            let angle = 100.0 * TAU;
+            let expected = 0.5 * scene.rods[0].stiffness.twisting * angle * angle / length;
+            let got = simulation.energies().twisting;
+            assert!(
+                (got / expected - 1.0).abs() < 1e-6,
+                "{step} s: {got} {expected}"
+            );
+        }
+    }
+}
+
+#[test]
+fn turns_about_an_axis_across_the_rod_count_as_in_small_steps() {
+    // The head tumbles about an axis askew to its tangent, three turns in a second.
+    let twist = |step: f64| {
+        let mut scene = turned(3.0, false);
+        scene.clamps[0].motion.axis = Some(Vector3::new(2.0, 0.5, 0.3).normalize());
+        let parameters = IntegrationParameters {
+            step: StepSize::Fixed(step),
+            ..IntegrationParameters::default()
+        };
+        let mut system = System::new(&scene).unwrap();
+        let mut unknowns = system.assembly.unknowns.clone();
+        let mut time = 0.0;
+        // The rod itself stays straight: only the clamp turns.
+        while time < 1.0 {
+            time = (time + parameters.step.largest()).min(1.0);
+            system.drive(time, &mut unknowns);
+            system.update_geometry(&unknowns);
+            system.commit_frames();
+        }
+        system.geometry.twist(0)
+    };
+    let fine = twist(1e-3);
+    assert!(fine.abs() > 2.5 * TAU, "{fine}");
+    for step in [1.0 / 3.0, 0.5, 1.0] {
+        assert!(
+            (twist(step) - fine).abs() < 1e-9,
+            "{step} s: {} {fine}",
+            twist(step)
+        );
     }
 }
 

@@ -129,6 +129,7 @@ impl Placement {
         GhostEdge {
             tangent,
             director: rotated(&carried, &tangent, turn),
+            spin: 0.0,
         }
     }
 

@@ -44,6 +44,7 @@
 //! part of κb⊗M cancels against (∂E/∂φ) ∇c, the correction of Panetta et al. 2019.
 
 use crate::mechanics::Vector3;
+use serde::{Deserialize, Serialize};
 
 /// Geometry of one edge, real or ghost, as a vertex sees it.
 #[derive(Clone, Copy, Debug)]
@@ -61,7 +62,7 @@ pub struct EdgeFrame {
 }
 
 /// Strains of a vertex.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct VertexStrains {
     /// κ¹⁰, κ²⁰, κ¹¹, κ²¹: the curvature binormal in the frames of the edges before and after.
     pub curvature: [f64; 4],
@@ -82,7 +83,7 @@ impl VertexStrains {
 }
 
 /// Stiffness of a vertex: EI/2l̄ for each curvature and GJ/l̄ for the twist, N m.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct VertexStiffness {
     /// That of κ¹, EI₂/2l̄, and that of κ², EI₁/2l̄.
     pub bending: [f64; 2],

@@ -34,6 +34,8 @@ pub struct Assembly {
     pub obstacle: Vec<bool>,
     /// Clamps that hold or drive nodes and ghost edges.
     pub drives: Vec<Drive>,
+    /// Scales of each rod.
+    pub scales: Vec<RodScale>,
     /// Force scale EI/L² of the stiffest free rod, N; 1 N where every rod is held.
     pub force_scale: f64,
     /// Smallest EI/L² of the free rods, N.
@@ -42,6 +44,33 @@ pub struct Assembly {
     pub shortest_edge: f64,
     /// Rounding error of an elastic force per coordinate, N/m: EA ε/l̃ of the stiffest free rod.
     pub rounding_stiffness: f64,
+}
+
+/// Scales of one rod.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RodScale {
+    /// EI/L² of the larger bending stiffness, N.
+    pub force: f64,
+    /// Smallest natural edge length, m.
+    pub shortest_edge: f64,
+    /// Rounding error of an elastic force per coordinate, N/m: EA ε/l̃, or 4 EI ε/l̃³ where edges are shorter than the
+    /// diameter and bending is the stiffer.
+    pub rounding_stiffness: f64,
+}
+
+impl RodScale {
+    fn of(rod: &RodDescription, natural_lengths: &[f64]) -> Self {
+        let length: f64 = natural_lengths.iter().sum();
+        let bending = rod.stiffness.bending[0].max(rod.stiffness.bending[1]);
+        let shortest = (natural_lengths.iter().copied()).fold(f64::INFINITY, f64::min);
+        let stretching = rod.stiffness.stretching * f64::EPSILON / shortest;
+        let turning = 4.0 * bending * f64::EPSILON / shortest.powi(3);
+        Self {
+            force: bending / (length * length),
+            shortest_edge: shortest,
+            rounding_stiffness: stretching.max(turning),
+        }
+    }
 }
 
 impl Assembly {
@@ -73,6 +102,7 @@ impl Assembly {
             held: vec![false; STRIDE * nodes],
             obstacle: vec![false; nodes],
             drives: Vec::new(),
+            scales: Vec::new(),
             force_scale: 0.0,
             softest_scale: f64::INFINITY,
             shortest_edge: f64::INFINITY,
@@ -143,19 +173,15 @@ impl Assembly {
             natural_placement.as_ref(),
             &natural_lengths,
         )?;
+        let scale = RodScale::of(rod, &natural_lengths);
+        self.scales.push(scale);
         if !rod.held {
             let length: f64 = natural_lengths.iter().sum();
-            let bending = rod.stiffness.bending[0].max(rod.stiffness.bending[1]);
-            self.force_scale = self.force_scale.max(bending / (length * length));
+            self.force_scale = self.force_scale.max(scale.force);
             let soft = rod.stiffness.bending[0].min(rod.stiffness.bending[1]);
             self.softest_scale = self.softest_scale.min(soft / (length * length));
-            let shortest = natural_lengths
-                .iter()
-                .copied()
-                .fold(f64::INFINITY, f64::min);
-            self.shortest_edge = self.shortest_edge.min(shortest);
-            let rounding = rod.stiffness.stretching * f64::EPSILON / shortest;
-            self.rounding_stiffness = self.rounding_stiffness.max(rounding);
+            self.shortest_edge = self.shortest_edge.min(scale.shortest_edge);
+            self.rounding_stiffness = self.rounding_stiffness.max(scale.rounding_stiffness);
         }
         self.rods.rods.push(range);
         self.names.push(rod.name.clone());
@@ -276,11 +302,10 @@ impl Assembly {
                         // The edge itself is the wall, and turns with the clamp.
                         let director = placed.material_director(edge);
                         self.held[STRIDE * start + 3] = true;
-                        self.drives[drive].edges.push(HeldEdge {
-                            start,
-                            end,
-                            director,
-                        });
+                        let angle = placed.angles[edge];
+                        self.drives[drive]
+                            .edges
+                            .push(HeldEdge::new([start, end], director, angle));
                         continue;
                     }
                     let voronoi = 0.5 * natural_lengths[edge];

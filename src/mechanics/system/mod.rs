@@ -10,20 +10,27 @@
 //! (thesis Eq. 1.8) and its Jacobian, with the drag F₀ of a motion with the velocities v₀ and its local
 //! resistance D; without a [`Stage`] the terms with h fall away and equilibrium remains.
 
+mod balance;
 mod build;
 mod clamps;
 mod complementarity;
+mod grasp;
 mod loads;
 mod newton_matrix;
 mod residual;
+mod resultants;
 mod touching;
 
+pub use balance::Imbalance;
+use balance::RodTolerance;
 pub use build::Assembly;
 pub use clamps::Drive;
 pub use complementarity::NoContactForces;
+pub use grasp::{Grasp, Interventions};
 use loads::Loads;
 use newton_matrix::NewtonMatrix;
 pub use residual::TERMS;
+pub use resultants::Resultants;
 use touching::contact_of;
 pub use touching::name_overlap;
 
@@ -83,7 +90,9 @@ pub struct System {
     pub geometry: RodGeometry,
     /// Time of the present evaluation, s.
     pub time: f64,
-    /// Residual of the last evaluation, N and N m; at held unknowns minus the reaction.
+    /// Time of the frames of reference, s.
+    committed_time: f64,
+    /// Residual of the last evaluation, N and N m; at held unknowns what holds them.
     pub residual: Vec<f64>,
     corrected_residual: Vec<f64>,
     dead_forces: Vec<f64>,
@@ -96,7 +105,12 @@ pub struct System {
     correction: Vec<f64>,
     responses: Vec<f64>,
     has_planes: bool,
+    /// Whether a node was ever grasped or released.
+    switched: bool,
     matrix: NewtonMatrix,
+    /// What residual counts as none, rod by rod, and the multiple of the acting forces that it is.
+    tolerances: Vec<RodTolerance>,
+    relative_tolerance: f64,
 }
 
 impl System {
@@ -120,17 +134,21 @@ impl System {
             reference: assembly.reference.clone(),
             ghosts: assembly.ghosts.clone(),
             time: 0.0,
+            committed_time: 0.0,
             residual: vec![0.0; assembly.unknowns.len()],
             corrected_residual: vec![0.0; assembly.unknowns.len()],
             dead_forces: vec![0.0; assembly.unknowns.len()],
             external_forces: vec![0.0; assembly.unknowns.len()],
             positions: vec![Vector3::zeros(); assembly.rods.nodes],
             has_planes: !scene.planes.is_empty(),
+            switched: false,
             nodal_forces: vec![Vector3::zeros(); assembly.rods.nodes],
             displacements: vec![Vector3::zeros(); assembly.rods.nodes],
             correction: Vec::new(),
             responses: Vec::new(),
             matrix: NewtonMatrix::new(&assembly, &loads, friction_between_rods, friction_on_planes),
+            tolerances: vec![RodTolerance::default(); assembly.rods.rods.len()],
+            relative_tolerance: 0.0,
             contact,
             assembly,
             loads,
@@ -144,11 +162,12 @@ impl System {
     /// Moves the clamps to `time`: writes prescribed unknowns and ghost edges, and the dead loads.
     pub fn drive(&mut self, time: f64, unknowns: &mut [f64]) {
         self.time = time;
+        let committed = self.committed_time;
         for drive in &self.assembly.drives {
-            drive.apply(time, unknowns, &mut self.ghosts);
+            drive.apply(time, committed, unknowns, &mut self.ghosts);
         }
-        for drive in &self.assembly.drives {
-            drive.turn_edges(time, &self.reference, unknowns);
+        for drive in &mut self.assembly.drives {
+            drive.turn_edges(time, committed, &self.reference, unknowns);
         }
         self.loads.dead_forces(time, &mut self.dead_forces);
         self.loads.update_damping(time);
@@ -166,6 +185,18 @@ impl System {
     /// Makes the frames of the last evaluation the source of the next step.
     pub fn commit_frames(&mut self) {
         self.geometry.commit(&mut self.reference);
+        self.committed_time = self.time;
+        self.assembly.drives.iter_mut().for_each(Drive::commit);
+        self.ghosts.iter_mut().for_each(|ghost| ghost.spin = 0.0);
+    }
+
+    /// Goes on from frames that were committed at `time` with `unknowns`.
+    pub fn resume(&mut self, time: f64, unknowns: &[f64], reference: &ReferenceFrames) {
+        self.reference.clone_from(reference);
+        self.committed_time = time;
+        for drive in &mut self.assembly.drives {
+            drive.resume(unknowns);
+        }
     }
 
     /// Keeps frames and contact forces of the last evaluation as those of an accepted step.
@@ -256,7 +287,19 @@ impl System {
 
     /// Adds `shift` times the unit matrix (in N/m and N m) to the Jacobian of the last linearisation.
     pub fn shift(&mut self, shift: f64, spin_shift: f64) {
-        self.matrix.shift(shift, spin_shift, &self.assembly.held);
+        let all = 0..self.residual.len();
+        self.matrix
+            .shift(all, shift, spin_shift, &self.assembly.held);
+    }
+
+    /// The same with a shift for each rod (N/m), and `spin` (m²) times it for angles.
+    pub fn shift_rods(&mut self, shift_of: impl Fn(usize) -> f64, spin: f64) {
+        for (rod, range) in self.assembly.rods.rods.iter().enumerate() {
+            let unknowns = STRIDE * range.first_node..STRIDE * (range.first_node + range.nodes);
+            let shift = shift_of(rod);
+            self.matrix
+                .shift(unknowns, shift, shift * spin, &self.assembly.held);
+        }
     }
 
     /// Factors the Jacobian; tells its inertia where it is symmetric.

@@ -9,6 +9,7 @@ use crate::linalg::{
 };
 use crate::mechanics::contact::ContactSystem;
 use crate::mechanics::rod::{ElasticRods, ReferenceFrames, RodGeometry, STRIDE};
+use std::ops::Range;
 
 const ZERO: ElementMatrix = [[0.0; 12]; 12];
 
@@ -206,12 +207,22 @@ impl NewtonMatrix {
         }
     }
 
-    pub fn shift(&mut self, shift: f64, spin_shift: f64, held: &[bool]) {
-        for (k, column) in self.band.columns_mut().iter_mut().enumerate() {
+    /// Adds to the diagonal of some free unknowns, one value for positions and one for angles.
+    pub fn shift(&mut self, unknowns: Range<usize>, shift: f64, spin_shift: f64, held: &[bool]) {
+        let columns = self.band.columns_mut();
+        for k in unknowns {
             if !held[k] {
-                column[0] += if k % STRIDE == 3 { spin_shift } else { shift };
+                columns[k][0] += if k % STRIDE == 3 { spin_shift } else { shift };
             }
         }
+    }
+
+    /// Takes over which unknowns are held and how many ghost edges there are.
+    pub fn adapt(&mut self, assembly: &Assembly) {
+        self.held.clone_from(&assembly.held);
+        let edges = assembly.rods.nodes + assembly.rods.ghosts;
+        self.spin_moment.resize(edges, 0.0);
+        self.forget_pattern();
     }
 
     /// Drops the pattern; it is found again when something couples.

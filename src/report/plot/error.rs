@@ -1,5 +1,6 @@
 //! Why a figure is not drawn.
 
+use crate::experiment::FigureError;
 use crate::results::ResultsError;
 use crate::scenario::{ScenarioError, did_you_mean};
 use std::path::PathBuf;
@@ -49,6 +50,15 @@ impl PlotError {
         match self {
             Self::Results(error) => error.exit_code(),
             _ => 2,
+        }
+    }
+}
+
+impl From<FigureError> for PlotError {
+    fn from(error: FigureError) -> Self {
+        match error {
+            FigureError::Scenario(error) => Self::Scenario(error),
+            FigureError::Results(error) => Self::Results(error),
         }
     }
 }

@@ -7,23 +7,20 @@ mod error;
 mod labels;
 mod series;
 mod sweep;
-mod traction;
 
 pub use custom::{CustomFigure, custom_figure};
 pub use error::PlotError;
 
-use crate::experiment::helix::stability::section_figures;
+use crate::experiment::kind_named;
 use crate::figure::{RodCurve, Snapshot, View, is_picture, line_plots, png, snapshots};
 use crate::results::{
-    BOUNDARY, BRANCH_FIGURE, Manifest, NODES, NodePositions, RODS_FIGURE, ResultsError, RodRecord,
-    SERIES, SERIES_FIGURE, SUMMARY, SWEEP_FIGURE, TRACTION_FIGURE, Table, read_nodes, read_series,
-    replace_own,
+    BRANCH_FIGURE, Manifest, NODES, NodePositions, RODS_FIGURE, ResultsError, RodRecord, SERIES,
+    SERIES_FIGURE, SUMMARY, SWEEP_FIGURE, Table, read_nodes, read_series, replace_own,
 };
 use branch::branch_figure;
 use series::series_plots;
 use std::path::{Path, PathBuf};
 use sweep::sweep_figure;
-use traction::traction_figure;
 
 /// Snapshots in a figure.
 const SNAPSHOTS: usize = 4;
@@ -33,9 +30,8 @@ const SNAPSHOTS: usize = 4;
 /// `rods.svg`: the rods at up to four times, evenly spread over the run; needs `nodes.csv`.
 /// `series.svg`: energies, contacts, distance and iterations over time; needs more than one output.
 /// `sweep.svg`: outcomes over the swept parameters; needs a `summary.csv` in which a number is swept.
-/// `traction.svg`: traction over tightness of a knot, with theory.
 /// `branch.svg`: displacement and energy over the parameter of a path of equilibria; needs `branch.csv`.
-/// `section_*.svg`: sections of the boundary of stable helices, with theory.
+/// Then those of its kind of experiment, see [`Kind::figures`](crate::experiment::Kind::figures).
 /// Works while a run is at work, and on what an interrupted one left.
 ///
 /// # Errors
@@ -66,16 +62,13 @@ pub fn plot_results(directory: &Path) -> Result<Vec<PathBuf>, PlotError> {
     {
         write(SWEEP_FIGURE, figure)?;
     }
-    if directory.join(BOUNDARY).exists() {
-        for (name, figure) in section_figures(directory)? {
-            write(name, figure)?;
-        }
-    }
     if let Some(figure) = branch_figure(directory)? {
         write(BRANCH_FIGURE, figure)?;
     }
-    if let Some(figure) = traction_figure(directory)? {
-        write(TRACTION_FIGURE, figure)?;
+    if let Some(kind) = kind_named(&manifest.experiment) {
+        for (name, figure) in kind.figures(directory)? {
+            write(name, figure)?;
+        }
     }
     Ok(written)
 }

@@ -3,17 +3,16 @@
 mod fields;
 mod parameters;
 
-use crate::experiment::helix::stability::boundary_page;
+use crate::experiment::{Page, from_text, kind_named};
 use crate::figure::{
     Movie, MovieCase, MovieFrame, MoviePlane, MovieRod, View, is_page, movie_page,
 };
 use crate::mechanics::contact::{ContactPlane, ContactSurface, touching_points};
 use crate::report::case_folders::{CaseFolder, case_folders};
 use crate::results::{
-    BOUNDARY, Manifest, NODES, NodePositions, ResultsError, read_node_forces, read_nodes,
-    replace_own,
+    Manifest, NODES, NodePositions, ResultsError, read_node_forces, read_nodes, replace_own,
 };
-use crate::scenario::{self, Contact, Scenario};
+use crate::scenario::{Contact, Scenario};
 use fields::fields;
 use parameters::flattened;
 use rayon::prelude::*;
@@ -32,9 +31,14 @@ pub enum ViewError {
         .0.display()
     )]
     NoNodes(PathBuf),
-    /// Too few directions lead to a boundary.
-    #[error("`{}` has a boundary, but too few directions for a surface", .0.display())]
-    NoSurface(PathBuf),
+    /// The experiment has a page of its own, but not of these results.
+    #[error("`{}` has {reason}", directory.display())]
+    NoPage {
+        /// The directory.
+        directory: PathBuf,
+        /// What there is, and why it makes no page.
+        reason: &'static str,
+    },
     /// A file could not be read or written.
     #[error(transparent)]
     Results(#[from] ResultsError),
@@ -44,7 +48,7 @@ impl ViewError {
     /// Exit code of the program.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::NotResults(_) | Self::NoNodes(_) | Self::NoSurface(_) => 2,
+            Self::NotResults(_) | Self::NoNodes(_) | Self::NoPage { .. } => 2,
             Self::Results(error) => error.exit_code(),
         }
     }
@@ -77,15 +81,24 @@ pub fn write_page(
     let Some(manifest) = Manifest::read(directory)? else {
         return Err(ViewError::NotResults(directory.to_owned()));
     };
-    if directory.join(BOUNDARY).exists() {
-        let page =
-            boundary_page(directory)?.ok_or_else(|| ViewError::NoSurface(directory.to_owned()))?;
-        replace_own(to, page.as_bytes(), is_page)?;
-        return Ok(WrittenPage {
-            cases: 1,
-            bytes: page.len(),
-            thinned: false,
-        });
+    let kind = kind_named(&manifest.experiment);
+    let page = kind.map_or(Ok(Page::RodsInMotion), |kind| kind.page(directory))?;
+    match page {
+        Page::RodsInMotion => {}
+        Page::Nothing(reason) => {
+            return Err(ViewError::NoPage {
+                directory: directory.to_owned(),
+                reason,
+            });
+        }
+        Page::Own(page) => {
+            replace_own(to, page.as_bytes(), is_page)?;
+            return Ok(WrittenPage {
+                cases: 1,
+                bytes: page.len(),
+                thinned: false,
+            });
+        }
     }
     let folders = case_folders(directory)?;
     let count = AtomicUsize::new(0);
@@ -150,7 +163,7 @@ fn movie_case(
         return Ok(None);
     }
     // Results of an older version may not be understood as a scenario any more; the rods still are.
-    let scenario = scenario::from_text(&manifest.name, &manifest.scenario, &folder.path);
+    let scenario = from_text(&manifest.name, &manifest.scenario, &folder.path, &[]);
     let scenario = scenario.ok().map(|loaded| loaded.scenario);
     let rods: Vec<MovieRod> = manifest
         .rods

@@ -1,4 +1,4 @@
-//! A scenario file with its sweep: the case_set of all its cases.
+//! A scenario file with its sweep: the set of all its cases.
 
 use super::axis::{self, Axis, sweep_path};
 use super::case::{Case, Parameter};
@@ -8,6 +8,7 @@ use crate::scenario::decode::decode;
 use crate::scenario::document::{Entry, Node, Value};
 use crate::scenario::document_text;
 use crate::scenario::error::{Located, ScenarioError};
+use crate::scenario::experiments::Experiments;
 use crate::scenario::issue::{Issue, Issues, KeyPath};
 use crate::scenario::load::{self, Loaded};
 use crate::scenario::overrides;
@@ -20,6 +21,7 @@ use std::path::Path;
 /// A scenario and all its cases; a single one where nothing is varied.
 #[derive(Clone, Debug)]
 pub struct CaseSet {
+    experiments: Experiments,
     name: String,
     sources: Sources,
     /// The scenario without its sweep.
@@ -37,24 +39,31 @@ impl CaseSet {
     /// Everything that is wrong with the file and its sweep, but not with the values of each case; those show
     /// in [`CaseSet::scenario_of`].
     pub fn load(
+        experiments: Experiments,
         path: &Path,
         overrides: &[String],
         varied: &[String],
     ) -> Result<Self, ScenarioError> {
         let (sources, document) = load::merged(path, overrides)?;
-        Self::new(&load::name_of(path), sources, document, varied)
+        Self::new(experiments, &load::name_of(path), sources, document, varied)
     }
 
     /// The case_set in the text of a scenario, called `name`, that names other files relative to `directory`.
     ///
     /// # Errors
     /// As [`CaseSet::load`].
-    pub fn from_text(name: &str, text: &str, directory: &Path) -> Result<Self, ScenarioError> {
+    pub fn from_text(
+        experiments: Experiments,
+        name: &str,
+        text: &str,
+        directory: &Path,
+    ) -> Result<Self, ScenarioError> {
         let (sources, document) = load::merged_text(name, text, directory, &[])?;
-        Self::new(name, sources, document, &[])
+        Self::new(experiments, name, sources, document, &[])
     }
 
     fn new(
+        experiments: Experiments,
         name: &str,
         mut sources: Sources,
         mut document: Node,
@@ -64,6 +73,7 @@ impl CaseSet {
         let sweep = document.remove("sweep");
         let mut issues = Issues::default();
         let mut case_set = Self {
+            experiments,
             name: name.to_owned(),
             sources: Sources::default(),
             document,
@@ -138,7 +148,7 @@ impl CaseSet {
     ) {
         let path = sweep_path().key("sample");
         let read = decode::<typed::Sample>(&samples.node)
-            .map_err(|faults| axis::below(&path, faults))
+            .map_err(|faults: Issues| faults.below(&path))
             .and_then(|request| {
                 let seed = u64::try_from(request.seed).ok();
                 let axis = sample::sample(ranges, &request)
@@ -310,7 +320,7 @@ impl CaseSet {
             };
             self.assign(&mut document, &search.key, value)?;
         }
-        load::finish(&self.name, self.sources.clone(), document)
+        load::finish(self.experiments, &self.name, self.sources.clone(), document)
     }
 
     fn assign(
@@ -336,6 +346,13 @@ impl CaseSet {
             push(&mut root, "title", Value::String(self.name.clone()));
         }
         self.inline_polylines(&mut root)?;
+        if let Value::Table(entries) = &mut root.value {
+            for entry in entries {
+                if let Some(key) = self.experiments.curve_of(&entry.key) {
+                    self.inline_corners(&mut entry.node, key)?;
+                }
+            }
+        }
         let mut sweep = empty_table(&root.span);
         let zips: Vec<Node> = self.axes.iter().map(axis_table).collect();
         if !zips.is_empty() {
@@ -350,11 +367,26 @@ impl CaseSet {
         Ok(document_text::document(&root))
     }
 
-    /// Puts the corners of polylines and knotted curves in the place of the files that hold them.
+    /// Puts the corners of all polylines in the place of the files that hold them.
     fn inline_polylines(&self, node: &mut Node) -> Result<(), ScenarioError> {
         let is_polyline = matches!(node.entry("kind").map(|entry| &entry.node.value),
             Some(Value::String(kind)) if kind == "points");
-        let key = if is_polyline { "file" } else { "curve" };
+        if is_polyline {
+            self.inline_corners(node, "file")?;
+        }
+        match &mut node.value {
+            Value::Table(entries) => entries
+                .iter_mut()
+                .try_for_each(|entry| self.inline_polylines(&mut entry.node)),
+            Value::Array(elements) => elements
+                .iter_mut()
+                .try_for_each(|element| self.inline_polylines(element)),
+            _ => Ok(()),
+        }
+    }
+
+    /// Puts corners in the place of the file that `key` of a table names.
+    fn inline_corners(&self, node: &mut Node, key: &str) -> Result<(), ScenarioError> {
         if let Some(entry) = node.entry(key)
             && let Value::String(file) = &entry.node.value
         {
@@ -378,15 +410,7 @@ impl CaseSet {
             node.remove(key);
             push(node, "points", corners);
         }
-        match &mut node.value {
-            Value::Table(entries) => entries
-                .iter_mut()
-                .try_for_each(|entry| self.inline_polylines(&mut entry.node)),
-            Value::Array(elements) => elements
-                .iter_mut()
-                .try_for_each(|element| self.inline_polylines(element)),
-            _ => Ok(()),
-        }
+        Ok(())
     }
 }
 

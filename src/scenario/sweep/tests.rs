@@ -2,6 +2,7 @@
 
 use super::CaseSet;
 use crate::scenario::Scenario;
+use crate::scenario::tests::EXPERIMENTS;
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 use std::fs;
@@ -22,14 +23,24 @@ shape = { kind = "straight", start = [0, 0, 0], end = [0.2, 0, 0] }
 "#;
 
 fn case_set(sweep: &str) -> CaseSet {
-    CaseSet::from_text("rope", &format!("{ROPE}{sweep}"), Path::new(""))
-        .unwrap_or_else(|error| panic!("{error}"))
+    CaseSet::from_text(
+        *EXPERIMENTS,
+        "rope",
+        &format!("{ROPE}{sweep}"),
+        Path::new(""),
+    )
+    .unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn fault(sweep: &str) -> String {
-    CaseSet::from_text("rope", &format!("{ROPE}{sweep}"), Path::new(""))
-        .expect_err("a fault")
-        .to_string()
+    CaseSet::from_text(
+        *EXPERIMENTS,
+        "rope",
+        &format!("{ROPE}{sweep}"),
+        Path::new(""),
+    )
+    .expect_err("a fault")
+    .to_string()
 }
 
 fn scenarios(case_set: &CaseSet) -> Vec<Scenario> {
@@ -98,13 +109,13 @@ fn points_come_from_a_file_beside_the_scenario() {
     let points = "# made by hand\nrods.rope.radius, rods.rope.edges\n1 mm, 4\n2 mm, 8\n";
     fs::write(directory.path().join("points.csv"), points).unwrap();
     let text = format!("{ROPE}[sweep]\npoints = \"points.csv\"");
-    let case_set = CaseSet::from_text("rope", &text, directory.path()).unwrap();
+    let case_set = CaseSet::from_text(*EXPERIMENTS, "rope", &text, directory.path()).unwrap();
     assert_eq!(radii_and_edges(&case_set), [(1e-3, 4), (2e-3, 8)]);
     fs::write(directory.path().join("points.csv"), "rods.rope.radius\n").unwrap();
-    let error = CaseSet::from_text("rope", &text, directory.path()).unwrap_err();
+    let error = CaseSet::from_text(*EXPERIMENTS, "rope", &text, directory.path()).unwrap_err();
     assert!(error.to_string().contains("no rows"), "{error}");
     fs::write(directory.path().join("points.csv"), "a,b\n1\n").unwrap();
-    let error = CaseSet::from_text("rope", &text, directory.path()).unwrap_err();
+    let error = CaseSet::from_text(*EXPERIMENTS, "rope", &text, directory.path()).unwrap_err();
     assert!(error.to_string().contains("points.csv"), "{error}");
 }
 
@@ -139,9 +150,14 @@ fn the_family_as_toml_has_the_same_cases_with_the_same_ids() {
     let text = ROPE.replace(shape, "shape = { kind = \"points\", file = \"curve.csv\" }")
         + "[sweep]\nrods.rope.radius = [\"1 mm\", 0.002]\nmaterial.density = { from = 1e3, to = 2e3, count = 2 }\n\
            contact.friction = { from = 0.0, to = 1.0 }\nsample = { method = \"random\", count = 3 }";
-    let case_set = CaseSet::from_text("rope", &text, directory.path()).unwrap();
-    let again =
-        CaseSet::from_text("scenario", &case_set.to_toml().unwrap(), Path::new("")).unwrap();
+    let case_set = CaseSet::from_text(*EXPERIMENTS, "rope", &text, directory.path()).unwrap();
+    let again = CaseSet::from_text(
+        *EXPERIMENTS,
+        "scenario",
+        &case_set.to_toml().unwrap(),
+        Path::new(""),
+    )
+    .unwrap();
     assert_eq!(again.count(), 12);
     for index in 0..12 {
         assert_eq!(again.case(index).id, case_set.case(index).id);
@@ -180,7 +196,13 @@ fn a_search_adds_its_key_to_the_cases() {
     );
     let scenario = case_set.searched_scenario(1, 2.0).unwrap().scenario;
     assert_eq!((scenario.rods[0].edges, scenario.rods[0].radius), (6, 2e-3));
-    let again = CaseSet::from_text("rope", &case_set.to_toml().unwrap(), Path::new("")).unwrap();
+    let again = CaseSet::from_text(
+        *EXPERIMENTS,
+        "rope",
+        &case_set.to_toml().unwrap(),
+        Path::new(""),
+    )
+    .unwrap();
     assert_eq!(again.search().unwrap().tolerance, 0.1);
 }
 
@@ -278,6 +300,6 @@ fn a_billion_cases_are_counted_without_being_made() {
 proptest! {
     #[test]
     fn no_sweep_makes_it_panic(text in "(\\[sweep\\]|\\[\\[sweep.zip\\]\\]|)\n([a-z.]{1,9} = [-\\[\\]{}a-z0-9.,= \"]{0,20}\n){0,3}") {
-        let _ = CaseSet::from_text("rope", &format!("{ROPE}{text}"), Path::new(""));
+        let _ = CaseSet::from_text(*EXPERIMENTS, "rope", &format!("{ROPE}{text}"), Path::new(""));
     }
 }

@@ -2,19 +2,20 @@
 
 use super::comparison::{compare, remarks};
 use super::discrete_rod::DiscreteRod;
+use super::keys::HelixStability;
 use super::sections::draw_sections;
 use super::surface::write_surfaces;
 use crate::mechanics::kirchhoff::{Helix, critical_distance};
 use crate::results::{BOUNDARY, ResultsError, read_whole_rows};
 use crate::run::TableJob;
-use crate::scenario::HelixStability;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
 /// All directions of an experiment.
-pub struct Boundary<'a> {
-    plan: &'a HelixStability,
+#[derive(Debug)]
+pub struct Boundary {
+    plan: HelixStability,
     rod: DiscreteRod,
     directions: Vec<(Part, [f64; 3])>,
 }
@@ -83,9 +84,9 @@ pub fn read_boundary(directory: &Path) -> Result<Vec<BoundaryRow>, ResultsError>
     Ok(read_whole_rows(&directory.join(BOUNDARY))?.rows)
 }
 
-impl<'a> Boundary<'a> {
+impl Boundary {
     /// The surface in the directions of the plan, then the sections.
-    pub fn new(plan: &'a HelixStability) -> Self {
+    pub fn new(plan: HelixStability) -> Self {
         let surface = plan.directions.unit_vectors().into_iter();
         let mut directions: Vec<(Part, [f64; 3])> = surface
             .map(|direction| (Part::Surface, direction))
@@ -118,7 +119,7 @@ impl<'a> Boundary<'a> {
     }
 }
 
-impl TableJob for Boundary<'_> {
+impl TableJob for Boundary {
     type Row = BoundaryRow;
 
     const TABLE: &'static str = BOUNDARY;
@@ -136,7 +137,7 @@ impl TableJob for Boundary<'_> {
             largest_distance,
             extrapolate,
             ..
-        } = *self.plan;
+        } = self.plan;
         let coarse = extrapolate.then(|| {
             let coarse = self.rod.coarsened();
             let found = coarse.critical_distance(&helix, search, largest_distance, None);

@@ -1,10 +1,10 @@
 //! The loss of stability along one direction.
 
 use super::discrete_rod::{DiscreteRod, END, deviation};
+use super::keys::{HelixSearch, HelixStability};
 use crate::mechanics::SceneError;
 use crate::mechanics::dynamics::{IntegrationParameters, Simulation, SimulationError};
 use crate::mechanics::kirchhoff::{CriticalDistance, Helix};
-use crate::scenario::{HelixSearch, HelixStability};
 
 /// Twisting over bending stiffness at Poisson's ratio 1/2. Stability does not depend on it.
 const STIFFNESS_RATIO: f64 = 1.0 / 1.5;

@@ -1,11 +1,11 @@
 //! The clamped rod: at once on a helix, or straight with ends to be moved to those of helices.
 
+use super::keys::HelixStability;
 use crate::mechanics::dynamics::Simulation;
 use crate::mechanics::kirchhoff::Helix;
 use crate::mechanics::rod::transport::{parallel_transport, rotated};
 use crate::mechanics::scene::{Clamp, Motion, NaturalShape, RodDescription, Scene, Stiffness};
 use crate::mechanics::{Matrix3, UnitQuaternion, Vector3};
-use crate::scenario::HelixStability;
 
 /// Radius, m. EA = 4 EI/h² then makes the rod as good as inextensible: forces of 100 EI/L² stretch it by
 /// 2.5e-5.
@@ -142,20 +142,10 @@ impl DiscreteRod {
         };
         Scene {
             rods: vec![RodDescription {
-                name: "helix".into(),
-                centreline,
-                closed: false,
                 end_tangents: tangents.map(Some),
-                first_director: None,
                 twist,
                 natural_shape: NaturalShape::Centreline(natural),
-                stiffness: self.stiffness(),
-                radius: RADIUS,
-                mass_per_length: 1.0,
-                rotational_inertia_per_length: 0.5 * RADIUS * RADIUS,
-                velocity: Vector3::zeros(),
-                angular_velocity: Vector3::zeros(),
-                held: false,
+                ..RodDescription::uniform("helix", centreline, self.stiffness(), RADIUS, 1.0)
             }],
             clamps: vec![clamp(0), clamp(self.edges)],
             ..Scene::default()

@@ -8,6 +8,7 @@
 //!
 //! | file | what |
 //! |---|---|
+//! | `kind`, `keys` | the experiment and its table |
 //! | `discrete_rod` | the clamped rod: at once on a helix, or straight with ends to be moved |
 //! | `critical_distance` | the loss of stability along one direction |
 //! | `boundary` | a row of `boundary.csv`: rod, theory, contact |
@@ -17,12 +18,15 @@ mod boundary;
 mod comparison;
 mod critical_distance;
 mod discrete_rod;
+mod keys;
+mod kind;
 mod sections;
 mod surface;
 
-pub use boundary::{Boundary, BoundaryRow, Part, read_boundary};
+pub use boundary::{BoundaryRow, Part, read_boundary};
 pub use comparison::compare;
 pub use critical_distance::{discrete_critical_distance, estimated_critical_distance};
-pub use discrete_rod::{DiscreteRod, first_scene};
+pub use discrete_rod::DiscreteRod;
+pub use keys::{HelixSearch, HelixStability};
+pub use kind::HelixStabilityKind;
 pub use sections::section_figures;
-pub use surface::boundary_page;

@@ -96,8 +96,8 @@ fn triangles_between(directions: &[Vector3<f64>]) -> Vec<[usize; 3]> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::keys::Directions;
     use super::*;
-    use crate::scenario::Directions;
 
     /// A surface of V corners and T triangles with one rim of B edges: T = 2V − B − 2 (Euler).
     #[test]

@@ -70,7 +70,7 @@ pub struct Tracer {
 
 impl Tracer {
     /// A tracer at `unknowns`, near which the path of `plan` begins; `tolerance` is the residual left at a
-    /// point as a multiple of the force scale.
+    /// point as a multiple of the forces of each rod.
     pub fn new(system: &System, unknowns: &[f64], plan: PathPlan, tolerance: f64) -> Self {
         let extent = extent(unknowns);
         let bordered = Bordered::new(system, extent, plan.range(), tolerance);
@@ -146,11 +146,10 @@ impl Tracer {
             Ok(location) => location,
             Err(_) => {
                 let mut relaxed = start.clone();
-                system.reference.clone_from(&start.reference);
+                system.resume(start.parameter, &start.unknowns, &start.reference);
                 system.drive(start.parameter, &mut relaxed.unknowns);
                 let tolerance = self.bordered.tolerance;
-                let force = system.force_tolerance(tolerance, &relaxed.unknowns, None);
-                self.iterations += find_equilibrium(system, &mut relaxed.unknowns, force)?;
+                self.iterations += find_equilibrium(system, &mut relaxed.unknowns, tolerance)?;
                 relaxed.reference.clone_from(&system.reference);
                 self.correct(system, &relaxed, &condition, relaxed.unknowns.clone())?
             }
@@ -367,7 +366,7 @@ impl Tracer {
 
     /// Takes `system` to a place; returns the unknowns there.
     pub(super) fn place(&mut self, system: &mut System, location: &Location) -> Vec<f64> {
-        system.reference.clone_from(&location.reference);
+        system.resume(location.parameter, &location.unknowns, &location.reference);
         let mut unknowns = location.unknowns.clone();
         system.drive(location.parameter, &mut unknowns);
         unknowns
@@ -381,7 +380,7 @@ impl Tracer {
         condition: &Condition,
         mut unknowns: Vec<f64>,
     ) -> Result<Location, Divergence> {
-        system.reference.clone_from(&from.reference);
+        system.resume(from.parameter, &from.unknowns, &from.reference);
         self.bordered.neutral.clone_from(&from.neutral);
         let mut parameter = condition.start_parameter;
         let converged = self

@@ -1,10 +1,18 @@
-//! Resolving the stability of helical rods.
+//! The keys of the stability of helical rods: `typed`, `resolved`, and here the way from the one to the other.
 
-use super::Context;
-use super::columns::read_columns;
-use super::section::{POSITIVE, Section};
-use crate::scenario::resolved::{Directions, Experiment, HelixSearch, HelixStability};
-use crate::scenario::typed;
+mod resolved;
+mod typed;
+
+pub use resolved::{Directions, HelixSearch, HelixStability};
+
+use crate::scenario::keys::{OwnTable, POSITIVE, Request, Section, read_columns};
+use serde::Serialize;
+
+/// The table of this experiment.
+pub static TABLES: [OwnTable; 1] = [OwnTable::new::<typed::HelixStability>(
+    "helix_stability",
+    "Rod and directions of the experiment \"helix-stability\".",
+)];
 
 /// Most edges, and most directions of a list.
 const MOST_EDGES: usize = 10_000;
@@ -12,13 +20,17 @@ const MOST_DIRECTIONS: usize = 10_000_000;
 /// Radius over length of the rod of the thesis (section 6.3.4).
 const RADIUS: f64 = 0.781e-3;
 
-/// Resolves the experiment; `None` if a whole number or a list is at fault, which is reported.
-pub fn helix_stability(
-    context: &Context<'_>,
-    top: &Section<'_>,
-    typed: &typed::HelixStability,
-) -> Option<Experiment> {
-    let section = top.below("helix_stability");
+/// Everything that this experiment reads.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct HelixTables {
+    /// Rod and directions.
+    pub helix_stability: HelixStability,
+}
+
+/// Resolves the table of this experiment; `None` if a whole number or a list is at fault, which is reported.
+pub fn resolve(request: &Request<'_>) -> Option<HelixTables> {
+    let typed: &typed::HelixStability = request.table("helix_stability")?;
+    let section = request.top.below("helix_stability");
     let edges = section.count(
         "edges",
         typed.edges.or(Some(100)),
@@ -42,7 +54,7 @@ pub fn helix_stability(
         typed.section_directions.or(Some(0)),
         0..=MOST_DIRECTIONS,
     );
-    let directions = directions(context, &section, typed.directions.as_ref());
+    let directions = directions(request, &section, typed.directions.as_ref());
     let edges = edges?;
     let extrapolate = typed.extrapolate.unwrap_or(false);
     if extrapolate && (edges % 2 == 1 || edges < 2 * HelixStability::FEWEST_EDGES) {
@@ -71,7 +83,7 @@ pub fn helix_stability(
             ),
         );
     }
-    Some(Experiment::HelixStability {
+    Some(HelixTables {
         helix_stability: HelixStability {
             edges,
             extrapolate,
@@ -86,7 +98,7 @@ pub fn helix_stability(
 }
 
 fn directions(
-    context: &Context<'_>,
+    request: &Request<'_>,
     section: &Section<'_>,
     typed: Option<&typed::Directions>,
 ) -> Option<Directions> {
@@ -109,20 +121,19 @@ fn directions(
             })
         }
         typed::Directions::List(list) => Some(Directions::List {
-            points: points(context, &section, list)?,
+            points: points(request, &section, list)?,
         }),
     }
 }
 
 fn points(
-    context: &Context<'_>,
+    request: &Request<'_>,
     section: &Section<'_>,
     typed: &typed::List,
 ) -> Option<Vec<[f64; 3]>> {
     match (&typed.file, &typed.points) {
         (Some(file), None) => {
-            let directory = (context.directory_of)(&section.path.key("file"));
-            let path = directory.join(file);
+            let path = request.path_of(&section.path.key("file"), file);
             let read = read_columns(&path, ["kappa", "tau", "omega"]).and_then(|rows| {
                 for (line, point) in &rows {
                     if let Some(fault) = fault_of(point) {

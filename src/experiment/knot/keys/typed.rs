@@ -1,8 +1,7 @@
 //! Knots as typed.
 
-use super::quantity::{Quantity, Vector};
-use crate::scenario::resolved::KnotEnds;
-use crate::scenario::units::{Dimensionless, Length, LinearDrag, Time, Velocity};
+use super::resolved::KnotEnds;
+use crate::scenario::keys::{Dimensionless, Length, LinearDrag, Quantity, Time, Vector, Velocity};
 use schemars::JsonSchema;
 use serde::Deserialize;
 

@@ -1,10 +1,11 @@
 //! Traction of a knot over its tightness, with the laws that it should follow.
 
-use super::PlotError;
+use super::{KnotKind, KnotRow, KnotTables, read_knot_series};
+use crate::experiment::kind::FigureError;
+use crate::experiment::load;
 use crate::figure::{AxisScale, Curve, LinePlot, PlotStyle, styled_line_plots};
 use crate::knot::{TREFOIL_FRICTION, audoly_traction, jawed_traction};
-use crate::results::{KnotRow, SCENARIO, SERIES, Table, read_knot_series};
-use crate::scenario::{KnotKind, load};
+use crate::results::{SCENARIO, SERIES, Table};
 use std::path::Path;
 
 /// F̄ = F h²/EI over ε = √(h/R) while the ends move apart, on logarithmic axes, as SVG; `None` where no knot was
@@ -14,14 +15,14 @@ use std::path::Path;
 /// at which the law of Jawed et al. has the same shortening (thesis Eq. 2.30); other knots have no theory.
 ///
 /// # Errors
-/// [`PlotError::Scenario`] or [`PlotError::Results`] where files of the run cannot be read.
-pub(super) fn traction_figure(directory: &Path) -> Result<Option<String>, PlotError> {
+/// [`FigureError::Scenario`] or [`FigureError::Results`] where files of the run cannot be read.
+pub fn traction_figure(directory: &Path) -> Result<Option<String>, FigureError> {
     let series = directory.join(SERIES);
     if !series.exists() || Table::read(&series)?.column("force_normalized").is_none() {
         return Ok(None);
     }
     let scenario = load(&directory.join(SCENARIO), &[])?.scenario;
-    let Some((rod, knot)) = scenario.experiment.knot() else {
+    let Some(KnotTables { rod, knot, .. }) = scenario.experiment.tables() else {
         return Ok(None);
     };
     let rows = read_knot_series(directory)?.into_iter();

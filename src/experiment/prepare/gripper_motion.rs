@@ -30,8 +30,8 @@ fn orientation([w, x, y, z]: [f64; 4]) -> UnitQuaternion {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::experiment::from_text;
     use crate::mechanics::dynamics::Simulation;
-    use crate::scenario::from_text_with;
     use std::path::Path;
 
     /// A beam whose end a gripper holds by way of an offset, and moves and turns.
@@ -45,7 +45,7 @@ mod tests {
             poses = [[0, [0, 0.1, 0], [1, 0, 0, 0]], \
                      [1, [0.2, 0.1, 0], [0.7071067811865476, 0, 0, 0.7071067811865476]]]\n\
             [time]\nstep = 0.01\nend = 1.0\n";
-        let loaded = from_text_with("beam", text, Path::new(""), &[]).unwrap();
+        let loaded = from_text("beam", text, Path::new(""), &[]).unwrap();
         let prepared = crate::experiment::prepare(&loaded.scenario).unwrap();
         let mut simulation = Simulation::new(&prepared.scene, &prepared.integration).unwrap();
         for (until, angle) in [

@@ -1,11 +1,15 @@
-//! Resolving the knot builder.
+//! The keys of knots: `typed`, `resolved`, and here the way from the one to the other.
 
-use super::Context;
-use super::knot_start::{PlacedKnot, knot_start};
-use super::rod::{material, refuse_degenerate};
-use super::section::{FRACTION, NON_NEGATIVE, POSITIVE, Section};
-use crate::scenario::resolved::{BuilderRod, CrossSection, Knot, KnotEnds, Material, Time};
-use crate::scenario::typed;
+mod resolved;
+mod start;
+mod typed;
+
+pub use resolved::{Knot, KnotEnds, KnotKind, KnotStart};
+
+use crate::scenario::keys::{FRACTION, NON_NEGATIVE, OwnTable, POSITIVE, Request};
+use crate::scenario::{BuilderRod, CrossSection, Material, Time};
+use serde::Serialize;
+use start::{PlacedKnot, knot_start};
 use std::f64::consts::{PI, TAU};
 
 /// Fewest nodes that resolve a loop.
@@ -21,27 +25,38 @@ const DRAG_SHARE: f64 = 0.002;
 /// after 6 periods the kinetic energy of a trefoil is still 2e-4 of the elastic energy, after 12 it is 2e-6.
 const SETTLING: (f64, f64) = (12.0, 2.0);
 
+/// The table of both experiments with knots.
+pub static TABLES: [OwnTable; 1] = [OwnTable::new::<typed::Knot>(
+    "knot",
+    "The knot of the experiments \"knot-tightening\" and \"knot-inversion\" and how it is pulled tight.",
+)
+.with_curve("curve")];
+
+/// Everything that these experiments read.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct KnotTables {
+    /// Material of the rods.
+    pub material: Material,
+    /// Radius and nodes of each rod.
+    pub rod: BuilderRod,
+    /// The knot and how it is pulled.
+    pub knot: Knot,
+}
+
 /// Resolves the knotted rod and how it is pulled; `None` if a whole number is at fault, which is reported.
-pub fn knot(
-    context: &Context<'_>,
-    top: &Section<'_>,
-    material_table: &typed::Material,
-    rod: &typed::BuilderRod,
-    typed: &typed::Knot,
-    time: &Time,
-) -> Option<(Material, BuilderRod, Knot)> {
+pub fn resolve(request: &Request<'_>) -> Option<KnotTables> {
+    let (top, time) = (request.top, request.time);
+    let built = request.needs_rod();
+    let typed: Option<&typed::Knot> = request.table("knot");
+    let typed = typed.filter(|_| built)?;
     let section = top.below("knot");
-    let rod_section = top.below("rod");
     let PlacedKnot {
         start,
         length,
         end_to_end,
-    } = knot_start(context, &section, typed);
-    let nodes = rod_section.count("nodes", rod.nodes, FEWEST_NODES..=MOST_NODES);
-    let material = material(&top.below("material"), material_table);
-    let radius = rod_section.required("radius", &rod.radius, POSITIVE);
-    let stiffness = CrossSection::Circle.stiffness(radius, &material);
-    refuse_degenerate(&rod_section, &stiffness);
+    } = knot_start(request, &section, typed);
+    let built = request.rod(FEWEST_NODES..=MOST_NODES)?;
+    let (material, stiffness) = (built.material, built.stiffness);
     if end_to_end >= length {
         section.fault(
             "end_to_end",
@@ -52,7 +67,7 @@ pub fn knot(
     }
     // Bending waves of the loop, taken as a circle.
     let loop_radius = (length - end_to_end) / TAU;
-    let mass_per_length = material.density * CrossSection::Circle.area(radius);
+    let mass_per_length = material.density * CrossSection::Circle.area(built.radius);
     let diffusivity = (stiffness.bending_1 / mass_per_length).sqrt();
     let kinetic_bound = section.with_default(
         "kinetic_bound",
@@ -98,9 +113,8 @@ pub fn knot(
         top.below("time")
             .fault("mode", "knots are pulled tight in time: use \"dynamic\"");
     }
-    let (start, nodes) = (start?, nodes?);
     let knot = Knot {
-        start,
+        start: start?,
         length,
         end_to_end,
         ends: typed.ends.unwrap_or(KnotEnds::Clamped),
@@ -109,5 +123,9 @@ pub fn knot(
         settling_time,
         damping,
     };
-    Some((material, BuilderRod { radius, nodes }, knot))
+    Some(KnotTables {
+        material,
+        rod: built.rod()?,
+        knot,
+    })
 }

@@ -1,4 +1,4 @@
-//! The knot-tightening experiment as resolved.
+//! Knots as resolved.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,9 +1,8 @@
 //! Resolving how the rods of a knot lie at the start: tied from numbers, or along a curve.
 
-use super::section::{POSITIVE, Section};
-use super::{Context, polyline};
-use crate::scenario::resolved::{KnotKind, KnotStart};
-use crate::scenario::typed;
+use super::resolved::{KnotKind, KnotStart};
+use super::typed;
+use crate::scenario::keys::{POSITIVE, Request, Section};
 
 /// Largest unknotting number whose shape is known.
 const LARGEST_UNKNOTTING_NUMBER: usize = 6;
@@ -25,9 +24,9 @@ pub struct PlacedKnot {
 }
 
 /// Resolves the start of a knot.
-pub fn knot_start(context: &Context<'_>, section: &Section<'_>, typed: &typed::Knot) -> PlacedKnot {
+pub fn knot_start(request: &Request<'_>, section: &Section<'_>, typed: &typed::Knot) -> PlacedKnot {
     if typed.curve.is_some() || typed.points.is_some() {
-        return along_curve(context, section, typed);
+        return along_curve(request, section, typed);
     }
     let kind = kind(
         section,
@@ -66,7 +65,7 @@ fn kind(section: &Section<'_>, typed: &typed::Knot, name: typed::KnotKind) -> Op
     })
 }
 
-fn along_curve(context: &Context<'_>, section: &Section<'_>, typed: &typed::Knot) -> PlacedKnot {
+fn along_curve(request: &Request<'_>, section: &Section<'_>, typed: &typed::Knot) -> PlacedKnot {
     use typed::KnotKind::{FigureEight, Overhand};
     let kind = match typed.kind {
         None if typed.unknotting_number.is_some() => kind(section, typed, Overhand).map(Some),
@@ -78,7 +77,7 @@ fn along_curve(context: &Context<'_>, section: &Section<'_>, typed: &typed::Knot
             None
         }
     };
-    let mut points = polyline::corners(context, section, "curve", &typed.curve, &typed.points);
+    let mut points = request.corners(section, "curve", &typed.curve, &typed.points);
     let placed = length(&points);
     let length = section.with_default("length", &typed.length, POSITIVE, placed);
     let scale = length / placed;
@@ -134,7 +133,9 @@ fn length(points: &[[f64; 3]]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use crate::scenario::{Experiment, Knot, KnotKind, KnotStart, Scenario, from_text};
+    use crate::experiment::from_text;
+    use crate::experiment::knot::{Knot, KnotKind, KnotStart, KnotTables};
+    use crate::scenario::Scenario;
     use std::path::Path;
 
     fn read(experiment: &str, knot: &str) -> Result<Scenario, String> {
@@ -145,17 +146,15 @@ mod tests {
              [rod]\nradius = 1e-3\nnodes = 101\n\
              [contact]\n[time]\nend = 3.0\n"
         );
-        from_text("knot", &text, Path::new(""))
+        from_text("knot", &text, Path::new(""), &[])
             .map(|loaded| loaded.scenario)
             .map_err(|error| error.to_string())
     }
 
     fn knot(text: &str) -> Knot {
         let scenario = read("knot-tightening", text).unwrap();
-        let Experiment::KnotTightening { knot, .. } = scenario.experiment else {
-            unreachable!("the experiment is knot-tightening");
-        };
-        knot
+        let tables: &KnotTables = scenario.experiment.tables().unwrap();
+        tables.knot.clone()
     }
 
     fn fault(text: &str) -> String {
@@ -187,7 +186,7 @@ mod tests {
             "kind = \"granny\"\nlength = 0.6\nend_to_end = 0.3".to_owned(),
         ] {
             let scenario = read("knot-tightening", &text).unwrap();
-            let again = from_text("knot", &scenario.to_toml(), Path::new("")).unwrap();
+            let again = from_text("knot", &scenario.to_toml(), Path::new(""), &[]).unwrap();
             assert_eq!(again.scenario, scenario, "{text}");
         }
     }

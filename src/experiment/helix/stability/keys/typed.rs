@@ -1,8 +1,7 @@
 //! Stability of helical rods as typed.
 
-use super::quantity::{Quantity, Vector};
-use crate::scenario::resolved::HelixSearch;
-use crate::scenario::units::Dimensionless;
+use super::resolved::HelixSearch;
+use crate::scenario::keys::{Dimensionless, Quantity, Vector};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
