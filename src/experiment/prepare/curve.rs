@@ -172,7 +172,8 @@ fn resample(points: &[[f64; 3]], edges: usize, closed: bool) -> Vec<Vector3> {
             let wanted = total * node as f64 / edges as f64;
             let after = lengths
                 .partition_point(|&length| length <= wanted)
-                .min(corners.len() - 1);
+                // Lengths too large for a number leave nodes that are none, for the scene to refuse.
+                .clamp(1, corners.len() - 1);
             let (from, to) = (lengths[after - 1], lengths[after]);
             let fraction = ((wanted - from) / (to - from)).clamp(0.0, 1.0);
             corners[after - 1] * (1.0 - fraction) + corners[after] * fraction

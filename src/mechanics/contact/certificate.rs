@@ -63,3 +63,97 @@ impl ContactSystem {
         (fraction < 1.0).then_some(ContactPair::Edges(pair.edges))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::closest_points::edge_distance;
+    use super::super::test_support::Random;
+    use super::super::{ContactModel, ContactParameters, ContactSurface};
+    use super::*;
+
+    const RADIUS: f64 = 1e-3;
+
+    /// Two layers of straight rods of six edges across each other, a radius apart.
+    fn layers() -> (ContactSystem, Vec<Vector3>) {
+        let mut surface = ContactSurface::new();
+        let mut positions = Vec::new();
+        for rod in 0..6 {
+            let (layer, row) = (rod / 3, f64::from(rod % 3));
+            let centreline: Vec<Vector3> = (0..7)
+                .map(|k| {
+                    let along = [3.0 * f64::from(k) - 9.0, 6.0 * row - 6.0].map(|x| x * RADIUS);
+                    let turned = layer as usize;
+                    let height = 3.0 * RADIUS * f64::from(layer);
+                    Vector3::new(along[turned], along[1 - turned], height)
+                })
+                .collect();
+            surface.add_rod(positions.len(), &centreline, false, RADIUS, rod == 0);
+            positions.extend(centreline);
+        }
+        let parameters = ContactParameters {
+            model: ContactModel::Complementarity,
+            ..ContactParameters::default()
+        };
+        let contact = ContactSystem::new(parameters, surface, Vec::new(), 1.0);
+        (contact, positions)
+    }
+
+    /// Least distance of centrelines that may touch over that at which they do.
+    fn least_ratio(contact: &ContactSystem, positions: &[Vector3]) -> f64 {
+        let edges = contact.surface().edges();
+        let pairs = (0..edges.len()).flat_map(|i| (i + 1..edges.len()).map(move |j| [i, j]));
+        pairs
+            .filter(|&[i, j]| contact.surface().may_touch(i, j))
+            .map(|pair| {
+                let [[a, b], [c, d]] = pair.map(|k| edges[k].nodes);
+                edge_distance(&[a, b, c, d].map(|node| positions[node])) / (2.0 * RADIUS)
+            })
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    #[test]
+    fn no_passage_is_missed_and_none_invented() {
+        let (mut passed, mut near, mut free) = (0, 0, 0);
+        for seed in 0..600 {
+            let (mut contact, start) = layers();
+            let mut random = Random::new(seed);
+            let size = RADIUS * 10f64.powf(0.9 * random.symmetric());
+            let sink = RADIUS * 4.0 * (1.0 + random.symmetric());
+            let end: Vec<Vector3> = start
+                .iter()
+                .enumerate()
+                .map(|(node, x)| {
+                    let held = node < 7;
+                    let fall = Vector3::z() * if x.z > 0.0 { -sink } else { 0.0 };
+                    let moved = fall + random.vector() * size;
+                    if held { *x } else { x + moved }
+                })
+                .collect();
+            if least_ratio(&contact, &end) < 0.95 {
+                continue;
+            }
+            let least = (0..=100)
+                .map(|sample| {
+                    let t = f64::from(sample) / 100.0;
+                    let between: Vec<Vector3> = start
+                        .iter()
+                        .zip(&end)
+                        .map(|(a, b)| a + (b - a) * t)
+                        .collect();
+                    least_ratio(&contact, &between)
+                })
+                .fold(f64::INFINITY, f64::min);
+            let found = contact.passage(&start, &end);
+            if least < 0.47 {
+                assert!(found.is_some(), "{seed}: {least}");
+                passed += 1;
+            } else if least > 0.55 {
+                assert!(found.is_none(), "{seed}: {least}");
+                free += 1;
+            } else {
+                near += 1;
+            }
+        }
+        assert!(passed > 20 && free > 20, "{passed} {near} {free}");
+    }
+}

@@ -76,8 +76,10 @@ impl FrictionLaw {
     ) -> Traction {
         let approach = velocity.dot(normal);
         let by_slip = self.slope(at);
-        let tangent = Matrix3::identity() - normal * normal.transpose();
-        let slip_by_normal = -(Matrix3::identity() * approach + normal * velocity.transpose());
+        let per_square = 1.0 / normal.norm_squared();
+        let tangent = Matrix3::identity() - normal * normal.transpose() * per_square;
+        let slip_by_normal =
+            (Matrix3::identity() * approach + normal * velocity.transpose()) * -per_square;
         Traction {
             value: self.traction_of_slip(at),
             by_velocity: by_slip * tangent,
@@ -106,9 +108,17 @@ impl FrictionLaw {
     }
 }
 
-/// The velocity without its part along the unit normal.
+/// The velocity without its part along the normal.
 pub(super) fn slip(normal: &Vector3, velocity: &Vector3) -> Vector3 {
-    velocity - normal * velocity.dot(normal)
+    tangential(normal, velocity)
+}
+
+/// The part of a vector across a normal of any length.
+///
+/// The normal of smoothed closest points is shorter than 1 by some 1e-5. An approach of 0.05 m/s would leave 5e-7 m/s of it
+/// in a slip that took the normal for a unit vector, and at slips of that size friction is steep.
+pub(super) fn tangential(normal: &Vector3, vector: &Vector3) -> Vector3 {
+    vector - normal * (vector.dot(normal) / normal.norm_squared())
 }
 
 #[cfg(test)]

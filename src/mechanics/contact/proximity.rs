@@ -107,8 +107,8 @@ impl ContactSystem {
             .min_by(|a, b| a.ratio().total_cmp(&b.ratio()))
     }
 
-    /// All pairs whose surfaces overlap at `positions`, or with incremental potential contact touch, sorted; a
-    /// scene must not start so.
+    /// All pairs whose surfaces overlap at `positions`, or with incremental potential contact are not beyond where the
+    /// barrier is infinite, sorted; a scene must not start so.
     pub fn initial_overlaps(&self, positions: &[Vector3]) -> Vec<Proximity> {
         let is_barrier = self.parameters().is_barrier();
         let clearance = if is_barrier {
@@ -118,10 +118,11 @@ impl ContactSystem {
         };
         let mut found = Vec::new();
         BroadPhase::default().find(self.surface(), positions, clearance, &mut found);
+        let standoff = self.parameters().standoff();
         let edges = found.iter().map(|(pair, distance)| Proximity {
             pair: ContactPair::Edges(pair.edges),
             distance: *distance,
-            threshold: self.surface().threshold(pair.edges),
+            threshold: self.surface().threshold(pair.edges) + standoff,
         });
         let planes = self.planes().iter().enumerate().flat_map(|(plane, body)| {
             self.surface().nodes().iter().map(move |surface| Proximity {
@@ -137,11 +138,7 @@ impl ContactSystem {
             .chain(planes)
             .filter(|proximity| {
                 if is_barrier {
-                    let standoff = match proximity.pair {
-                        ContactPair::Edges(_) => self.parameters().standoff(),
-                        ContactPair::NodeAndPlane { .. } => 0.0,
-                    };
-                    proximity.distance <= proximity.threshold + standoff
+                    proximity.distance <= proximity.threshold
                 } else {
                     proximity.penetration() > TOUCHING
                 }

@@ -19,7 +19,7 @@
 
 use super::candidates::carried_over;
 use super::contacts::CandidatePair;
-use super::friction::FrictionLaw;
+use super::friction::{FrictionLaw, tangential};
 use super::multipliers::Slots;
 use crate::mechanics::{Matrix3, Vector3};
 
@@ -115,11 +115,7 @@ impl Tractions {
     ) -> LinearTraction {
         let tangent = &mut self.tangents[slot];
         let carried = match tangent {
-            Some(tangent) => {
-                let linear = tangent.at(slip);
-                let tangential = linear - normal * linear.dot(normal);
-                cut(tangential, law.coefficient)
-            }
+            Some(tangent) => cut(tangential(normal, &tangent.at(slip)), law.coefficient),
             None => law.traction_of_slip(slip),
         };
         let sticking = STICKING_PART * law.coefficient;
@@ -257,6 +253,21 @@ mod tests {
             assert_eq!(linear.slip, slip);
             assert_eq!(linear.present, LAW.traction_of_slip(&slip));
         }
+    }
+
+    #[test]
+    fn a_normal_of_another_length_leaves_the_law_consistent() {
+        // Fast approach along a normal that is not quite of unit length: the iteration used to end off the law.
+        let normal = Vector3::z() * (1.0 - 1e-5);
+        let velocity = Vector3::new(2e-6, 0.0, 0.05);
+        let slip = crate::mechanics::contact::friction::slip(&normal, &velocity);
+        let mut tractions = starting_from(Vector3::x() * -0.01);
+        for _ in 0..20 {
+            tractions.linear_law(0, &LAW, &normal, &slip);
+        }
+        let found = tractions.linear_law(0, &LAW, &normal, &slip);
+        assert!((found.present - LAW.traction_of_slip(&slip)).norm() < 1e-12);
+        assert!((found.slip - slip).norm() < 1e-12 * LAW.slip_tolerance);
     }
 
     #[test]

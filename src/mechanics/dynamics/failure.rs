@@ -65,6 +65,20 @@ impl Failure {
         }
     }
 
+    /// What to try where steps fail so again and again.
+    pub fn advice(&self) -> &'static str {
+        match self {
+            Self::Newton(_) => {
+                "with friction, try a larger contact.slip_tolerance or contact.distance_tolerance; else smaller steps"
+            }
+            Self::Penetration { .. } => "try smaller steps, or contact.model = \"ipc\"",
+            Self::NoContactForces { .. } => "try contact.model = \"imc\" or \"ipc\"",
+            Self::Crossing { .. } => {
+                "impacts need steps in which nodes move by about a radius; step = \"auto\" finds them"
+            }
+        }
+    }
+
     /// The error of a run whose step of a size (s) from `time` (s) fails so; `trial` is where Newton's method ended.
     pub fn into_error(
         self,

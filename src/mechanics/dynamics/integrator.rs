@@ -13,7 +13,7 @@ use crate::mechanics::SceneError;
 use crate::mechanics::fluid::{FluidError, FluidModel};
 use crate::mechanics::scene::Scene;
 use crate::mechanics::system::System;
-use tracing::{debug, trace_span};
+use tracing::{debug, trace_span, warn};
 
 /// Factor by which the contact stiffness grows when a step ends with too much penetration.
 const STIFFENING: f64 = 10.0;
@@ -22,12 +22,21 @@ const SAME_TIME: f64 = 1e-6;
 /// Such growths before the step is halved instead.
 const STIFFENINGS: usize = 3;
 
+/// Part of a step of the grid below which a step counts as far smaller than the one asked for.
+const SMALL_PART: f64 = 0.125;
+/// Such steps in a row after which a run says so.
+const SMALL_STEPS: usize = 100;
+
 /// Advances a state in time.
 pub(super) struct Integrator {
     pub setting: Setting,
     pub control: StepControl,
     pub fluid: FluidDrag,
     workspace: Workspace,
+    /// Steps far smaller than the one asked for since the last whole one.
+    small_steps: usize,
+    /// Why a step failed last, and what to try.
+    last_failure: String,
 }
 
 impl Integrator {
@@ -63,6 +72,8 @@ impl Integrator {
                     .fold(f64::INFINITY, f64::min),
             },
             fluid,
+            small_steps: 0,
+            last_failure: String::new(),
         })
     }
 
@@ -156,6 +167,7 @@ impl Integrator {
                         reason = %failure,
                         "step rejected"
                     );
+                    self.last_failure = format!("{failure}; {}", failure.advice());
                     if 0.5 * step < self.setting.parameters.minimum_step {
                         return Err(self.give_up(system, state, step, failure));
                     }
@@ -176,6 +188,7 @@ impl Integrator {
         self.accept(system, state, goal);
         report.time = state.time;
         report_contacts(system, &mut report);
+        self.watch_small_steps(&report);
         debug!(
             time = report.time,
             step = report.step,
@@ -209,6 +222,24 @@ impl Integrator {
         let harmless = 2.0 * tolerance * radius / jump;
         let spacing = system.next_event(goal + snap) - goal;
         self.control.begin_again(maximum, harmless, spacing);
+    }
+
+    /// Says once in a while that steps of a fixed grid stay far smaller than asked for, and what to try.
+    fn watch_small_steps(&mut self, report: &StepReport) {
+        let StepSize::Fixed(whole) = self.setting.parameters.step else {
+            return;
+        };
+        if report.step >= whole {
+            self.small_steps = 0;
+        } else if report.step < SMALL_PART * whole && !self.last_failure.is_empty() {
+            self.small_steps += 1;
+            if self.small_steps == SMALL_STEPS {
+                warn!(
+                    "at t = {:.6e} s: {SMALL_STEPS} steps have been far smaller than the {whole} s asked for, now {:.3e} s: {}",
+                    report.time, report.step, self.last_failure
+                );
+            }
+        }
     }
 
     /// Whether a solved step is accurate enough.

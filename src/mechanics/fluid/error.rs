@@ -9,8 +9,10 @@ pub enum FluidError {
     /// A position or velocity, and so a force, is not a finite number.
     #[error("the fluid met a position or velocity that is not a finite number")]
     NotFinite,
-    /// Neighbouring nodes coincide, so that velocities do not determine the forces.
-    #[error("the flow of the filaments is singular: neighbouring nodes of a filament coincide")]
+    /// Neighbouring nodes coincide, or are far closer than the regularisation length, so that velocities do not determine the forces.
+    #[error(
+        "the flow of the filaments is singular to working precision: neighbouring nodes of a filament coincide, or are far closer than the regularisation length"
+    )]
     Singular,
     /// The iterative solution did not reach its tolerance.
     #[error(

@@ -1,0 +1,456 @@
+//! Random valid scenes, judged by what must hold in any of them.
+//!
+//! Every scene runs a few dozen steps with a contact model, a time scheme, speeds over four decades and stiffnesses over four.
+//! It may end with a clear refusal (exit code 3 or 4), but never with a panic or in silence: all numbers are finite, surfaces
+//! overlap by no more than the bound, linked rings stay linked, momentum is conserved where nothing holds it, and implicit
+//! Euler gains no energy.
+//!
+//! 200 scenes by default; `RODLAB_RANDOM_SCENES=10000 cargo test --release --test random_scenes` runs as many as you like, and
+//! `RODLAB_RANDOM_SCENE=17` the one of that number, printed.
+
+use rayon::prelude::*;
+use rodlab::mechanics::Vector3;
+use rodlab::mechanics::contact::ContactSurface;
+use rodlab::mechanics::dynamics::{Simulation, SimulationError};
+use rodlab::mechanics::scene::Scene;
+use rodlab::{experiment, scenario};
+use std::f64::consts::{PI, TAU};
+use std::fmt::Write;
+use std::path::Path;
+
+/// Steps of each scene.
+const STEPS: usize = 40;
+/// Part of scenes that may end with a refusal.
+const REFUSALS: f64 = 0.05;
+/// Penetration allowed, of the sum of the radii, and what rounding adds.
+const BOUND: f64 = 0.05 + 1e-9;
+
+/// SplitMix64 (Steele, Lea and Flood 2014).
+struct Random(u64);
+
+impl Random {
+    fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// Between two numbers.
+    fn between(&mut self, from: f64, to: f64) -> f64 {
+        from + (to - from) * (self.bits() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// Between two numbers, evenly in their logarithms.
+    fn decades(&mut self, from: f64, to: f64) -> f64 {
+        self.between(from.ln(), to.ln()).exp()
+    }
+
+    fn one_of<T: Copy>(&mut self, choices: &[T]) -> T {
+        choices[(self.bits() % choices.len() as u64) as usize]
+    }
+
+    fn chance(&mut self, part: f64) -> bool {
+        self.between(0.0, 1.0) < part
+    }
+
+    fn vector(&mut self, size: f64) -> [f64; 3] {
+        [(); 3].map(|()| self.between(-size, size))
+    }
+}
+
+/// A scene as a scenario file, and what is known of it.
+struct Case {
+    text: String,
+    /// Rods 0 and 1 are rings, once through each other.
+    linked: bool,
+    /// No clamp, plane, obstacle or load: momentum stays.
+    free: bool,
+    /// Nothing does work from outside.
+    undriven: bool,
+    euler: bool,
+    barrier: bool,
+}
+
+impl Case {
+    fn new(seed: u64) -> Self {
+        let mut random = Random(seed);
+        let radius = random.decades(2e-4, 5e-3);
+        let size = radius * random.decades(12.0, 60.0);
+        let speed = random.decades(1e-2, 1e2);
+        let model = random.one_of(&["imc", "ipc", "complementarity"]);
+        let scheme = if model == "complementarity" {
+            "implicit-euler"
+        } else {
+            random.one_of(&[
+                "implicit-euler",
+                "implicit-midpoint",
+                "backward-differences",
+            ])
+        };
+        let friction = random.one_of(&[0.0, 0.0, 0.2, 0.7]);
+        let step = random.decades(1e-5, 5e-3);
+        let step = if random.chance(0.25) {
+            "\"auto\"".into()
+        } else {
+            format!("{step:e}")
+        };
+        let mut text = format!(
+            "experiment = \"scene\"\ntitle = \"random scene {seed}\"\n[material]\nyoungs_modulus = {:e}\npoissons_ratio = 0.5\ndensity = 1000\n[contact]\nmodel = \"{model}\"\nfriction = {friction:?}\n[time]\nscheme = \"{scheme}\"\nstep = {step}\nend = 10\n",
+            random.decades(1e5, 1e9),
+        );
+        let mut case = Self {
+            text: String::new(),
+            linked: false,
+            free: true,
+            undriven: true,
+            euler: scheme == "implicit-euler",
+            barrier: model == "ipc",
+        };
+        let edges = random.one_of(&[8, 16, 24]);
+        let mut rod = |name: &str, shape: String, more: String| {
+            let _ = write!(
+                text,
+                "[[rods]]\nname = \"{name}\"\nradius = {radius:e}\nedges = {edges}\nshape = {shape}\n{more}"
+            );
+        };
+        let moving = |random: &mut Random| {
+            let spin = speed / size;
+            format!(
+                "velocity = {:?}\nangular_velocity = {:?}\n",
+                random.vector(speed),
+                random.vector(spin)
+            )
+        };
+        let line = |height: f64, axis: usize, shift: f64| {
+            let mut start = [shift, shift, height];
+            let mut end = start;
+            start[axis] = -size;
+            end[axis] = size;
+            format!("{{ kind = \"straight\", start = {start:?}, end = {end:?} }}")
+        };
+        let ring = |centre: f64, normal: [u8; 3]| {
+            format!(
+                "{{ kind = \"ring\", centre = [{centre:?}, 0, 0], normal = {normal:?}, radius = {size:?} }}"
+            )
+        };
+        match random.one_of(&[0, 1, 2, 3, 4]) {
+            0 | 1 => {
+                case.linked = true;
+                rod("a", ring(0.0, [0, 0, 1]), moving(&mut random));
+                rod("b", ring(size, [0, 1, 0]), moving(&mut random));
+            }
+            2 => {
+                // Rods across each other, the lowest perhaps held.
+                let held = random.chance(0.5);
+                case.free &= !held;
+                let first = if held {
+                    "held = true\n".into()
+                } else {
+                    moving(&mut random)
+                };
+                rod("a", line(0.0, 0, 0.1 * size), first);
+                for (k, name) in ["b", "c"].into_iter().enumerate() {
+                    let height = radius * (3.0 + 3.0 * k as f64);
+                    rod(
+                        name,
+                        line(height, (k + 1) % 2, 0.2 * size),
+                        moving(&mut random),
+                    );
+                }
+            }
+            3 => {
+                // A clamped rod that may be driven at another one.
+                rod("a", line(0.0, 0, 0.1 * size), moving(&mut random));
+                rod("b", line(4.0 * radius, 1, 0.2 * size), String::new());
+                case.free = false;
+                text.push_str("[[clamps]]\nrod = \"b\"\nat = \"start\"\n");
+                if random.chance(0.5) {
+                    case.undriven = false;
+                    let far = size * random.between(0.2, 1.0);
+                    let time = far / speed;
+                    let _ = writeln!(
+                        text,
+                        "move = [[0, [0, 0, 0]], [{time:?}, [0, 0, -{far:?}]]]\nturn = [[0, 0], [{time:?}, {:?}]]",
+                        random.between(-TAU, TAU)
+                    );
+                }
+            }
+            _ => {
+                rod("a", ring(0.0, [0, 0, 1]), moving(&mut random));
+                rod("b", line(3.0 * radius, 0, 0.1 * size), moving(&mut random));
+            }
+        }
+        if random.chance(0.4) {
+            case.free = false;
+            let tilt = random.between(-0.2, 0.2);
+            let _ = write!(
+                text,
+                "[[planes]]\npoint = [0, 0, -{:?}]\nnormal = [0, {tilt:?}, 1]\n",
+                1.5 * size
+            );
+        }
+        if random.chance(0.4) {
+            case.free = false;
+            text.push_str("[[loads]]\nkind = \"gravity\"\nacceleration = [0, 0, -9.81]\n");
+        }
+        case.text = text;
+        case
+    }
+}
+
+/// What ended a case.
+enum End {
+    Finished,
+    /// A clear refusal.
+    Refused(String),
+    /// Something that must hold does not.
+    Broken(String),
+}
+
+fn run(case: &Case) -> End {
+    let loaded = scenario::from_text("random", &case.text, Path::new("")).unwrap();
+    let prepared = experiment::prepare(&loaded.scenario).unwrap();
+    let mut simulation = match Simulation::new(&prepared.scene, &prepared.integration) {
+        Ok(simulation) => simulation,
+        Err(error) => return End::Broken(format!("not a valid scene: {error}")),
+    };
+    let before = Invariants::of(&prepared.scene, &simulation);
+    for _ in 0..STEPS {
+        if let Err(error) = simulation.advance(f64::INFINITY) {
+            let message = error.to_string();
+            return match error {
+                SimulationError::BadScene(_) => End::Broken(message),
+                _ if message.contains("NaN") || message.contains("inf ") => End::Broken(message),
+                _ => End::Refused(message),
+            };
+        }
+        let now = Invariants::of(&prepared.scene, &simulation);
+        if let Some(what) = now.broken(&before, case) {
+            return End::Broken(format!("at t = {:e} s {what}", simulation.time()));
+        }
+    }
+    End::Finished
+}
+
+/// What must hold.
+struct Invariants {
+    finite: bool,
+    /// Least distance of centrelines over that at which surfaces touch, by brute force over all pairs.
+    least_ratio: f64,
+    /// The same over planes.
+    least_plane_ratio: f64,
+    linking_number: f64,
+    energy: f64,
+    momentum: Vector3,
+    /// Largest momentum that there is, N s.
+    momentum_scale: f64,
+}
+
+impl Invariants {
+    fn of(scene: &Scene, simulation: &Simulation) -> Self {
+        let positions = simulation.positions();
+        let mut surface = ContactSurface::new();
+        let mut first = 0;
+        let mut least_plane_ratio = f64::INFINITY;
+        for rod in &scene.rods {
+            let nodes = rod.centreline.len();
+            surface.add_rod(first, &rod.centreline, rod.closed, rod.radius, rod.held);
+            for plane in scene.planes.iter().filter(|_| !rod.held) {
+                for x in &positions[first..first + nodes] {
+                    let ratio = (x - plane.point).dot(&plane.normal) / rod.radius;
+                    least_plane_ratio = least_plane_ratio.min(ratio);
+                }
+            }
+            first += nodes;
+        }
+        let edges = surface.edges();
+        let mut least_ratio = f64::INFINITY;
+        for i in 0..edges.len() {
+            for j in i + 1..edges.len() {
+                if surface.may_touch(i, j) {
+                    let [a, b] = edges[i].nodes.map(|node| positions[node]);
+                    let [c, d] = edges[j].nodes.map(|node| positions[node]);
+                    let ratio = distance(a, b, c, d) / (edges[i].radius + edges[j].radius);
+                    least_ratio = least_ratio.min(ratio);
+                }
+            }
+        }
+        let rings = scene.rods.iter().take(2).filter(|rod| rod.closed).count() == 2;
+        let split = scene.rods[0].centreline.len();
+        let masses = node_masses(scene);
+        let velocities = simulation.velocities();
+        let momenta = masses.iter().zip(velocities).map(|(mass, v)| v * *mass);
+        Self {
+            finite: positions
+                .iter()
+                .chain(velocities)
+                .all(|x| x.iter().all(|c| c.is_finite())),
+            least_ratio,
+            least_plane_ratio,
+            linking_number: if rings {
+                linking_number(&positions[..split], &positions[split..])
+            } else {
+                0.0
+            },
+            energy: simulation.energies().total(),
+            momentum: momenta.clone().sum(),
+            momentum_scale: momenta.map(|momentum| momentum.norm()).sum(),
+        }
+    }
+
+    fn broken(&self, before: &Self, case: &Case) -> Option<String> {
+        if !self.finite || !self.energy.is_finite() {
+            return Some("numbers are not finite".into());
+        }
+        let least = if case.barrier { 1.0 } else { 1.0 - BOUND };
+        let ratio = self.least_ratio.min(self.least_plane_ratio);
+        if ratio < least {
+            return Some(format!("surfaces overlap: ratio {ratio}"));
+        }
+        if case.linked && (self.linking_number - before.linking_number).abs() > 1e-6 {
+            return Some(format!("linking number {}", self.linking_number));
+        }
+        let lost = (self.momentum - before.momentum).norm();
+        if case.free && lost > 1e-3 * before.momentum_scale {
+            return Some(format!(
+                "momentum off by {lost:e} of {:e}",
+                before.momentum_scale
+            ));
+        }
+        let gained = self.energy - before.energy;
+        if case.euler && case.undriven && gained > 1e-3 * before.energy.abs().max(self.energy.abs())
+        {
+            return Some(format!(
+                "energy {:e} became {:e}",
+                before.energy, self.energy
+            ));
+        }
+        None
+    }
+}
+
+/// Mass of every node, kg.
+fn node_masses(scene: &Scene) -> Vec<f64> {
+    let mut masses = Vec::new();
+    for rod in &scene.rods {
+        let nodes = &rod.centreline;
+        let last = nodes.len() - 1;
+        let length = |k: usize| (nodes[(k + 1) % nodes.len()] - nodes[k]).norm();
+        masses.extend((0..nodes.len()).map(|k| {
+            let before = match k {
+                0 if rod.closed => length(last),
+                0 => 0.0,
+                _ => length(k - 1),
+            };
+            let after = if k < last || rod.closed {
+                length(k)
+            } else {
+                0.0
+            };
+            0.5 * rod.mass_per_length * (before + after)
+        }));
+    }
+    masses
+}
+
+/// Distance of two segments (Ericson 2005, 5.1.9).
+fn distance(a: Vector3, b: Vector3, c: Vector3, d: Vector3) -> f64 {
+    let point = |p: Vector3, a: Vector3, b: Vector3| {
+        let edge = b - a;
+        let ratio = ((p - a).dot(&edge) / edge.norm_squared()).clamp(0.0, 1.0);
+        (p - a - edge * ratio).norm()
+    };
+    let ends = [
+        point(a, c, d),
+        point(b, c, d),
+        point(c, a, b),
+        point(d, a, b),
+    ];
+    let ends = ends.into_iter().fold(f64::INFINITY, f64::min);
+    let (u, v, w) = (b - a, d - c, c - a);
+    let normal = u.cross(&v);
+    let square = normal.norm_squared();
+    let (s, t) = (
+        w.cross(&v).dot(&normal) / square,
+        w.cross(&u).dot(&normal) / square,
+    );
+    if (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t) {
+        ends.min((w + v * t - u * s).norm())
+    } else {
+        ends
+    }
+}
+
+/// Gauss's linking number of two closed polylines, by the solid angle of every pair of edges (Klenin and Langowski 2000).
+fn linking_number(first: &[Vector3], second: &[Vector3]) -> f64 {
+    let mut sum = 0.0;
+    for i in 0..first.len() {
+        let [a, b] = [first[i], first[(i + 1) % first.len()]];
+        for j in 0..second.len() {
+            let [c, d] = [second[j], second[(j + 1) % second.len()]];
+            let sides = [c - a, d - a, d - b, c - b];
+            let normals: [Vector3; 4] =
+                std::array::from_fn(|k| sides[k].cross(&sides[(k + 1) % 4]).normalize());
+            let angle: f64 = (0..4)
+                .map(|k| {
+                    normals[k]
+                        .dot(&normals[(k + 1) % 4])
+                        .clamp(-1.0, 1.0)
+                        .asin()
+                })
+                .sum();
+            sum += angle * (b - a).cross(&(d - c)).dot(&sides[0]).signum();
+        }
+    }
+    sum / (4.0 * PI)
+}
+
+fn number(variable: &str) -> Option<u64> {
+    std::env::var(variable)
+        .ok()
+        .map(|text| text.parse().expect("a number"))
+}
+
+#[test]
+fn random_scenes_end_well_or_with_a_refusal() {
+    if let Some(seed) = number("RODLAB_RANDOM_SCENE") {
+        let case = Case::new(seed);
+        println!("{}", case.text);
+        match run(&case) {
+            End::Finished => println!("finished"),
+            End::Refused(what) => println!("refused: {what}"),
+            End::Broken(what) => panic!("{what}"),
+        }
+        return;
+    }
+    let count = number("RODLAB_RANDOM_SCENES").unwrap_or(200);
+    let ends: Vec<(u64, End)> = (0..count)
+        .into_par_iter()
+        .map(|seed| {
+            let end = std::panic::catch_unwind(|| run(&Case::new(seed)));
+            (seed, end.unwrap_or_else(|_| End::Broken("panicked".into())))
+        })
+        .collect();
+    let (mut refused, mut broken) = (0, 0);
+    for (seed, end) in &ends {
+        match end {
+            End::Finished => {}
+            End::Refused(what) => {
+                refused += 1;
+                println!("{seed} refused: {what}");
+            }
+            End::Broken(what) => {
+                broken += 1;
+                println!("{seed} BROKEN: {what}");
+            }
+        }
+    }
+    println!("{count} scenes: {refused} refused, {broken} broken");
+    assert_eq!(broken, 0);
+    assert!(
+        refused as f64 <= REFUSALS * count as f64,
+        "{refused} of {count} refused"
+    );
+}
