@@ -5,7 +5,8 @@
 //!
 //! ```text
 //! cli ──> experiment ──> knot ──> mechanics ──> linalg
-//!  └──────────┴──> scenario, results, figure, cluster
+//!  │          └──> scenario, results, figure, cluster <── cli
+//!  └──> cell ──> robot, scenario
 //! ```
 //!
 //! | room | what lives there |
@@ -16,6 +17,8 @@
 //! | [`knot`] | knots from parameters, the knot determinant, theory of tightening |
 //! | [`mechanics`] | rods, contact, fluid, time stepping, equilibria |
 //! | [`linalg`] | banded and sparse factorisations |
+//! | [`robot`] | kinematic chains, inverse kinematics, joint paths, time, drivers |
+//! | [`cell`] | a robot cell from its file: arms, axes, table, camera, drivers |
 //! | [`results`] | results directories, checkpoints, VTK |
 //! | [`cluster`] | Slurm job arrays |
 //! | [`figure`] | pictures of plain curves and rows |
@@ -28,6 +31,7 @@
 //!
 //! All quantities are in SI units unless a name says otherwise.
 
+pub mod cell;
 pub mod cli;
 pub mod cluster;
 pub mod experiment;
@@ -36,4 +40,5 @@ pub mod knot;
 pub mod linalg;
 pub mod mechanics;
 pub mod results;
+pub mod robot;
 pub mod scenario;

@@ -5,11 +5,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Rooms of the crate and what each may import beside itself.
-const ROOMS: [(&str, &[&str]); 9] = [
+const ROOMS: [(&str, &[&str]); 11] = [
     (
         "cli",
         &[
             "experiment",
+            "cell",
+            "robot",
             "knot",
             "mechanics",
             "scenario",
@@ -22,6 +24,8 @@ const ROOMS: [(&str, &[&str]); 9] = [
         "experiment",
         &["knot", "mechanics", "scenario", "results", "figure"],
     ),
+    ("cell", &["robot", "scenario"]),
+    ("robot", &[]),
     ("knot", &["mechanics"]),
     ("mechanics", &["linalg"]),
     ("linalg", &[]),

@@ -29,6 +29,7 @@ mod reproduce;
 mod run;
 mod schema;
 mod solve;
+mod solve_arm;
 mod solve_knot;
 mod status;
 mod submit;

@@ -1,0 +1,38 @@
+//! Robot arms: kinematic chains and their limits, inverse kinematics, joint paths, time, drivers.
+//!
+//! The room takes plain poses and trajectories and never sees a rod.
+//!
+//! | file | what |
+//! |---|---|
+//! | `pose`, `chain`, `body` | rigid motions; joints and links; shapes of links |
+//! | `urdf` | chains from URDF files |
+//! | `kinematics`, `posture` | the hand and its Jacobian; manipulability, distance to singularities and limits |
+//! | `collision` | distances between arms and what stands around them |
+//! | `path` | smooth joint paths along a path of the hand; the best place for one |
+//! | `inverse`, `self_motion` | joint positions for a pose: one, every branch, curves of redundant chains |
+
+mod body;
+mod chain;
+mod collision;
+mod inverse;
+mod kinematics;
+mod path;
+mod pose;
+mod posture;
+mod self_motion;
+#[cfg(test)]
+mod tests;
+mod urdf;
+
+pub use body::{Body, Shape};
+pub use chain::{Chain, Joint, JointKind, Limits, MOST_JOINTS, Motion, Segment};
+pub use collision::{Approach, FAR, Member, StandingBox, Surroundings};
+pub use inverse::{Nearest, REACHED};
+pub use kinematics::Jacobian;
+pub use path::{
+    JointPath, LARGEST_JUMP, Obstruction, PathFailure, PathPoint, PathProblem, Placement, place,
+    subdivide,
+};
+pub use pose::{Pose, between, difference, distance_and_angle, parts, pose, pose_of_angles};
+pub use posture::Posture;
+pub use urdf::{UrdfArm, UrdfError, read_urdf};
