@@ -8,8 +8,10 @@
 //! | `typed` | every key of a cell file, as typed |
 //! | `resolve`, `resolve_chain` | units, ranges, names: from the file as typed to the [`Cell`] |
 //! | `resolved` | the [`Cell`] |
+//! | `surroundings`, `plan` | collision checks; joint trajectories along a path of a hand |
 //! | `report` | what `rodlab check` says of it |
 
+mod plan;
 mod report;
 mod resolve;
 mod resolve_chain;
@@ -19,5 +21,6 @@ mod surroundings;
 mod tests;
 mod typed;
 
+pub use plan::{Place, Plan, PlanError, PlanReport, PlanRequest, read_poses};
 pub use report::CellReport;
 pub use resolved::{Arm, Axis, Camera, Cell, Driver, Obstacle, Streaming, Table};

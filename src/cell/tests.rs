@@ -288,3 +288,50 @@ fn helices_and_letters_become_smooth_joint_paths_where_they_fit_best() {
         }
     }
 }
+
+#[test]
+fn a_planned_letter_holds_every_limit_at_a_kilohertz() {
+    for name in ["two_sawyers.toml", "seven_joints.toml", "six_joints.toml"] {
+        let cell = shipped(name);
+        let begin = std::time::Instant::now();
+        let request = PlanRequest {
+            arm: 0,
+            path: letter(),
+            place: Place::Auto,
+            margin: 0.01,
+            speed: 0.25,
+            rate: 1000,
+        };
+        let plan = cell
+            .plan(&request)
+            .unwrap_or_else(|error| panic!("{name}: {error}"));
+        eprintln!("{name}: {:?}; {:?}", begin.elapsed(), plan.report);
+        let limits: Vec<_> = cell.arms[0]
+            .chain
+            .joints
+            .iter()
+            .map(|joint| joint.limits)
+            .collect();
+        let used = crate::robot::utilisation(&plan.trajectory.points, &limits);
+        assert!(
+            used.velocity <= 1.0 && used.acceleration <= 1.0 && used.jerk <= 1.0,
+            "{used:?}"
+        );
+        // The hand comes by every corner, within what the cutting of the time into milliseconds leaves.
+        let frame =
+            crate::robot::pose(plan.report.place_position, plan.report.place_quaternion).unwrap();
+        let to_base = cell.arms[0].base.inverse() * frame;
+        for corner in letter() {
+            let corner = (to_base * corner).translation.vector;
+            let hands = plan
+                .trajectory
+                .points
+                .iter()
+                .map(|q| cell.arms[0].chain.hand(q).translation.vector);
+            let nearest = hands
+                .map(|hand| (hand - corner).norm())
+                .fold(f64::INFINITY, f64::min);
+            assert!(nearest < 5e-4, "{nearest}");
+        }
+    }
+}

@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use super::{
-    check, completions, explain, gather, init, measure, plot, reproduce, run, solve, status,
+    check, completions, explain, gather, init, measure, plan, plot, reproduce, run, solve, status,
     submit, verify, view,
 };
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
@@ -52,6 +52,8 @@ pub enum Command {
     Verify(verify::VerifyArguments),
     /// Make a table or figure of the thesis again
     Reproduce(reproduce::ReproduceArguments),
+    /// Plan a trajectory: joint positions along poses of a hand
+    Plan(plan::PlanArguments),
     /// Draw the figures of a results directory
     Plot(plot::PlotArguments),
     /// Make an interactive 3-D page of a results directory

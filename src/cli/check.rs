@@ -32,7 +32,7 @@ pub struct CheckArguments {
 
 /// Checks scenarios. All are checked, whatever is wrong with the first.
 pub fn check(arguments: &CheckArguments, common: &Common) -> Result<(), Failure> {
-    let mut last = None;
+    let mut last: Option<Failure> = None;
     for path in &arguments.scenarios {
         if is_cell(path) {
             match Cell::read(path) {

@@ -24,6 +24,7 @@ mod logging;
 mod measure;
 mod measure_knot;
 mod output;
+mod plan;
 mod plot;
 mod reproduce;
 mod run;
@@ -72,6 +73,7 @@ fn run_command(arguments: &Arguments) -> Result<(), Failure> {
         Command::Measure(command) => measure::measure(command),
         Command::Verify(command) => verify::verify(command),
         Command::Reproduce(command) => reproduce::reproduce(command, &arguments.common),
+        Command::Plan(command) => plan::plan(command),
         Command::Plot(command) => plot::plot(command),
         Command::View(command) => view::view(command, &arguments.common),
         Command::Submit(command) => submit::submit(command),

@@ -9,6 +9,8 @@
 //! | `kinematics`, `posture` | the hand and its Jacobian; manipulability, distance to singularities and limits |
 //! | `collision` | distances between arms and what stands around them |
 //! | `path` | smooth joint paths along a path of the hand; the best place for one |
+//! | `timing` | from a joint path to a motion within limits of velocity, acceleration and jerk |
+//! | `trajectory` | joint trajectories as tables |
 //! | `inverse`, `self_motion` | joint positions for a pose: one, every branch, curves of redundant chains |
 
 mod body;
@@ -22,6 +24,8 @@ mod posture;
 mod self_motion;
 #[cfg(test)]
 mod tests;
+mod timing;
+mod trajectory;
 mod urdf;
 
 pub use body::{Body, Shape};
@@ -35,4 +39,8 @@ pub use path::{
 };
 pub use pose::{Pose, between, difference, distance_and_angle, parts, pose, pose_of_angles};
 pub use posture::Posture;
+pub use timing::{
+    Motion as TimedMotion, SAMPLE, TimingError, Utilisation, parametrise, utilisation,
+};
+pub use trajectory::{Column, JointTrajectory, Table, TableError, read_table};
 pub use urdf::{UrdfArm, UrdfError, read_urdf};
