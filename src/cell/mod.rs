@@ -9,6 +9,7 @@
 //! | `resolve`, `resolve_chain` | units, ranges, names: from the file as typed to the [`Cell`] |
 //! | `resolved` | the [`Cell`] |
 //! | `surroundings`, `plan` | collision checks; joint trajectories along a path of a hand |
+//! | `streaming` | a joint trajectory with the drivers that it moves |
 //! | `report` | what `rodlab check` says of it |
 
 mod plan;
@@ -16,6 +17,7 @@ mod report;
 mod resolve;
 mod resolve_chain;
 mod resolved;
+mod streaming;
 mod surroundings;
 #[cfg(test)]
 mod tests;
@@ -24,3 +26,4 @@ mod typed;
 pub use plan::{Place, Plan, PlanError, PlanReport, PlanRequest, read_poses};
 pub use report::CellReport;
 pub use resolved::{Arm, Axis, Camera, Cell, Driver, Obstacle, Streaming, Table};
+pub use streaming::StreamReport;

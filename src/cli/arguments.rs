@@ -3,7 +3,7 @@
 use super::failure::Failure;
 use super::{
     check, completions, explain, gather, init, measure, plan, plot, reproduce, run, solve, status,
-    submit, verify, view,
+    stream, submit, verify, view,
 };
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use std::io::IsTerminal;
@@ -58,6 +58,8 @@ pub enum Command {
     Plot(plot::PlotArguments),
     /// Make an interactive 3-D page of a results directory
     View(view::ViewArguments),
+    /// Stream a joint trajectory to the arms and axes of a cell
+    Stream(stream::StreamArguments),
     /// Run a sweep as a Slurm job array
     Submit(submit::SubmitArguments),
     /// Show how the cases of a sweep stand, and the Slurm tasks that run them

@@ -33,6 +33,7 @@ mod solve;
 mod solve_arm;
 mod solve_knot;
 mod status;
+mod stream;
 mod submit;
 mod sweep;
 mod verify;
@@ -76,6 +77,7 @@ fn run_command(arguments: &Arguments) -> Result<(), Failure> {
         Command::Plan(command) => plan::plan(command),
         Command::Plot(command) => plot::plot(command),
         Command::View(command) => view::view(command, &arguments.common),
+        Command::Stream(command) => stream::stream(command),
         Command::Submit(command) => submit::submit(command),
         Command::Status(command) => status::status(command),
         Command::Gather(command) => gather::gather(command),

@@ -84,14 +84,20 @@ impl Driver for FileDriver {
             return Ok(Progress::Done);
         };
         let due = trajectory.times.partition_point(|time| *time <= elapsed);
-        let lines: String = (self.written..due).map(|k| self.line(&trajectory, k)).collect();
+        let lines: String = (self.written..due)
+            .map(|k| self.line(&trajectory, k))
+            .collect();
         self.written = due;
         let done = due == trajectory.times.len();
         self.trajectory = Some(trajectory);
         if !lines.is_empty() {
             self.write(&lines)?;
         }
-        Ok(if done { Progress::Done } else { Progress::Running })
+        Ok(if done {
+            Progress::Done
+        } else {
+            Progress::Running
+        })
     }
 
     fn hold(&mut self) -> Result<(), DriverError> {

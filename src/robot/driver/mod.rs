@@ -9,7 +9,7 @@ mod stepper;
 
 pub use file::FileDriver;
 pub use rosbridge::{RosVersion, RosbridgeDriver};
-pub use stepper::{SerialLine, StepperDriver};
+pub use stepper::{SerialLine, StepperAnswer, StepperDriver, StepperLink, StepperRequest};
 
 use std::time::Instant;
 
@@ -99,6 +99,12 @@ pub trait Driver: Send {
 
     /// Whether it hears where the joints are. If not, [`Driver::state`] is always `None`.
     fn reports_state(&self) -> bool;
+
+    /// Whether its reports are where the joints are, rather than what they were told: a motor without a sensor begins
+    /// a motion where it stands.
+    fn knows_position(&self) -> bool {
+        self.reports_state()
+    }
 
     /// Where the joints were when last heard of; `None` before that.
     ///

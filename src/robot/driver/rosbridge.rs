@@ -175,7 +175,10 @@ impl RosbridgeDriver {
                 goal.acknowledged = true;
                 let status = message["status"]["status"].as_i64().unwrap_or(0);
                 let code = message["result"]["error_code"].as_i64().unwrap_or(0);
-                let said = [&message["status"]["text"], &message["result"]["error_string"]];
+                let said = [
+                    &message["status"]["text"],
+                    &message["result"]["error_string"],
+                ];
                 let said: Vec<&str> = said.iter().filter_map(|text| text.as_str()).collect();
                 goal.outcome = Some(outcome_1(status, code, &said.join(" ")));
             }
@@ -187,7 +190,11 @@ impl RosbridgeDriver {
         let one = self.version == RosVersion::One;
         let duration = |seconds: f64| {
             let (whole, rest) = (seconds.floor(), (seconds.fract() * 1e9).round());
-            let (whole, rest) = if rest >= 1e9 { (whole + 1.0, 0.0) } else { (whole, rest) };
+            let (whole, rest) = if rest >= 1e9 {
+                (whole + 1.0, 0.0)
+            } else {
+                (whole, rest)
+            };
             if one {
                 json!({ "secs": whole as i64, "nsecs": rest as i64 })
             } else {
@@ -232,7 +239,10 @@ impl RosbridgeDriver {
 impl Driver for RosbridgeDriver {
     fn connect(&mut self, joints: &[String]) -> Result<(), DriverError> {
         self.joints = joints.to_vec();
-        let resolved = self.address.to_socket_addrs().map_err(|error| self.lost(error))?;
+        let resolved = self
+            .address
+            .to_socket_addrs()
+            .map_err(|error| self.lost(error))?;
         let mut stream = Err(std::io::Error::from(ErrorKind::AddrNotAvailable));
         for address in resolved {
             stream = TcpStream::connect_timeout(&address, PATIENCE);
@@ -241,7 +251,9 @@ impl Driver for RosbridgeDriver {
             }
         }
         let stream = stream.map_err(|error| {
-            self.lost(format_args!("no connection: {error}; is the server started?"))
+            self.lost(format_args!(
+                "no connection: {error}; is the server started?"
+            ))
         })?;
         let prepared = stream
             .set_nodelay(true)
@@ -253,12 +265,19 @@ impl Driver for RosbridgeDriver {
         self.socket = Some(socket);
         prepared.map_err(|error| self.lost(error))?;
         let one = self.version == RosVersion::One;
-        let state_type = if one { "sensor_msgs/JointState" } else { "sensor_msgs/msg/JointState" };
+        let state_type = if one {
+            "sensor_msgs/JointState"
+        } else {
+            "sensor_msgs/msg/JointState"
+        };
         self.send(&json!({ "op": "subscribe", "topic": self.joint_states, "type": state_type }))?;
         if one {
             for (topic, kind) in [
                 ("status", "actionlib_msgs/GoalStatusArray"),
-                ("feedback", "control_msgs/FollowJointTrajectoryActionFeedback"),
+                (
+                    "feedback",
+                    "control_msgs/FollowJointTrajectoryActionFeedback",
+                ),
                 ("result", "control_msgs/FollowJointTrajectoryActionResult"),
             ] {
                 let topic = format!("{}/{topic}", self.action);
@@ -318,7 +337,12 @@ impl Driver for RosbridgeDriver {
     }
 
     fn hold(&mut self) -> Result<(), DriverError> {
-        let Some(id) = self.goal.as_ref().filter(|goal| goal.outcome.is_none()).map(|goal| goal.id.clone()) else {
+        let Some(id) = self
+            .goal
+            .as_ref()
+            .filter(|goal| goal.outcome.is_none())
+            .map(|goal| goal.id.clone())
+        else {
             return Ok(());
         };
         let cancel = match self.version {
@@ -327,7 +351,9 @@ impl Driver for RosbridgeDriver {
                 "topic": format!("{}/cancel", self.action),
                 "msg": { "stamp": { "secs": 0, "nsecs": 0 }, "id": id },
             }),
-            RosVersion::Two => json!({ "op": "cancel_action_goal", "id": id, "action": self.action }),
+            RosVersion::Two => {
+                json!({ "op": "cancel_action_goal", "id": id, "action": self.action })
+            }
         };
         self.send(&cancel)?;
         let begin = Instant::now();
@@ -338,7 +364,8 @@ impl Driver for RosbridgeDriver {
             }
             std::thread::sleep(Duration::from_millis(2));
         }
-        Err(self.lost("the cancellation of the motion was not confirmed within 0.5 s: watch the arm"))
+        Err(self
+            .lost("the cancellation of the motion was not confirmed within 0.5 s: watch the arm"))
     }
 }
 
@@ -346,9 +373,21 @@ impl Driver for RosbridgeDriver {
 fn outcome_1(status: i64, code: i64, said: &str) -> Result<(), DriverError> {
     match status {
         3 if code == 0 => Ok(()),
-        5 => Err(DriverError::Refused(refusal("the controller rejected the goal", code, said))),
-        2 | 8 => Err(DriverError::Aborted(refusal("the motion was cancelled", code, said))),
-        _ => Err(DriverError::Aborted(refusal("the controller broke the motion off", code, said))),
+        5 => Err(DriverError::Refused(refusal(
+            "the controller rejected the goal",
+            code,
+            said,
+        ))),
+        2 | 8 => Err(DriverError::Aborted(refusal(
+            "the motion was cancelled",
+            code,
+            said,
+        ))),
+        _ => Err(DriverError::Aborted(refusal(
+            "the controller broke the motion off",
+            code,
+            said,
+        ))),
     }
 }
 
@@ -356,14 +395,29 @@ fn outcome_1(status: i64, code: i64, said: &str) -> Result<(), DriverError> {
 fn outcome_2(message: &Value) -> Result<(), DriverError> {
     let values = &message["values"];
     let code = values["error_code"].as_i64().unwrap_or(0);
-    let said = values["error_string"].as_str().or(values.as_str()).unwrap_or_default();
+    let said = values["error_string"]
+        .as_str()
+        .or(values.as_str())
+        .unwrap_or_default();
     if message["result"] == false {
-        return Err(DriverError::Refused(refusal("the controller rejected the goal", code, said)));
+        return Err(DriverError::Refused(refusal(
+            "the controller rejected the goal",
+            code,
+            said,
+        )));
     }
     match message["status"].as_i64() {
         Some(4) | None if code == 0 => Ok(()),
-        Some(5) => Err(DriverError::Aborted(refusal("the motion was cancelled", code, said))),
-        _ => Err(DriverError::Aborted(refusal("the controller broke the motion off", code, said))),
+        Some(5) => Err(DriverError::Aborted(refusal(
+            "the motion was cancelled",
+            code,
+            said,
+        ))),
+        _ => Err(DriverError::Aborted(refusal(
+            "the controller broke the motion off",
+            code,
+            said,
+        ))),
     }
 }
 
@@ -371,13 +425,19 @@ fn outcome_2(message: &Value) -> Result<(), DriverError> {
 fn refusal(what: &str, code: i64, said: &str) -> String {
     let meaning = match code {
         -1 => ": invalid goal",
-        -2 => ": it does not know these joints; compare their names in the cell file with the robot's",
+        -2 => {
+            ": it does not know these joints; compare their names in the cell file with the robot's"
+        }
         -3 => ": the time stamp is too old; compare the clocks",
         -4 => ": the arm left the path",
         -5 => ": the arm did not come to the goal",
         _ => "",
     };
     let said = said.trim();
-    let quoted = if said.is_empty() { String::new() } else { format!(" ({said})") };
+    let quoted = if said.is_empty() {
+        String::new()
+    } else {
+        format!(" ({said})")
+    };
     format!("{what}{meaning}{quoted}")
 }

@@ -11,7 +11,11 @@ pub fn checksum(bytes: &[u8]) -> u16 {
     bytes.iter().fold(0xFFFF, |mut crc, byte| {
         crc ^= u16::from(*byte) << 8;
         for _ in 0..8 {
-            crc = if crc & 0x8000 == 0 { crc << 1 } else { crc << 1 ^ 0x1021 };
+            crc = if crc & 0x8000 == 0 {
+                crc << 1
+            } else {
+                crc << 1 ^ 0x1021
+            };
         }
         crc
     })

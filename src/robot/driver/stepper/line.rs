@@ -111,7 +111,9 @@ impl Link {
                     OUT_OF_SEQUENCE => Err(io::Error::other(
                         "it expects another frame: another program talks to it, or it was switched off meanwhile",
                     )),
-                    other => Err(io::Error::other(format!("an answer of unknown kind {other}"))),
+                    other => Err(io::Error::other(format!(
+                        "an answer of unknown kind {other}"
+                    ))),
                 };
             }
         }

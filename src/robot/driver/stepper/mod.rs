@@ -8,7 +8,9 @@
 mod frame;
 mod line;
 
-pub use line::SerialLine;
+pub use line::{
+    Acknowledgement as StepperAnswer, Link as StepperLink, Request as StepperRequest, SerialLine,
+};
 
 use super::{Driver, DriverError, JointState, PartTrajectory, Progress};
 use line::{Acknowledgement, Link, Request};
@@ -128,7 +130,9 @@ impl StepperDriver {
 impl Driver for StepperDriver {
     fn connect(&mut self, _: &[String]) -> Result<(), DriverError> {
         let line = (self.open)().map_err(|error| {
-            self.lost(format_args!("{error}; is it plugged in, and may this user open it?"))
+            self.lost(format_args!(
+                "{error}; is it plugged in, and may this user open it?"
+            ))
         })?;
         self.link = Some(Link::new(line));
         self.ask(Request::Hello)?;
@@ -137,6 +141,10 @@ impl Driver for StepperDriver {
 
     fn reports_state(&self) -> bool {
         true
+    }
+
+    fn knows_position(&self) -> bool {
+        false
     }
 
     fn state(&mut self) -> Result<Option<JointState>, DriverError> {
@@ -172,7 +180,11 @@ impl Driver for StepperDriver {
         }
         let answer = self.ask(Request::Status)?;
         let there = i64::from(answer.position) == target;
-        Ok(if there { Progress::Done } else { Progress::Running })
+        Ok(if there {
+            Progress::Done
+        } else {
+            Progress::Running
+        })
     }
 
     fn hold(&mut self) -> Result<(), DriverError> {
