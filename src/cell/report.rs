@@ -89,6 +89,7 @@ fn in_words(driver: Option<&Driver>) -> String {
             action,
             ..
         }) => format!("ROS {ros}, {action} through rosbridge at {address}"),
+        Some(Driver::Ros1 { master, action, .. }) => format!("ROS 1, {action} at {master}"),
         Some(Driver::Stepper { port, baud, .. }) => format!("stepper at {port}, {baud} baud"),
     }
 }

@@ -295,13 +295,13 @@ impl Resolver<'_> {
         let allowed = match driver {
             typed::Driver::File(_) => true,
             typed::Driver::Stepper(_) => is_axis,
-            typed::Driver::Rosbridge(_) => !is_axis,
+            typed::Driver::Rosbridge(_) | typed::Driver::Ros1(_) => !is_axis,
         };
         if !allowed {
             let allowed = if is_axis {
                 "file, stepper"
             } else {
-                "file, rosbridge"
+                "file, rosbridge, ros1"
             };
             self.fault(
                 &path.key("kind"),
@@ -346,6 +346,24 @@ impl Resolver<'_> {
                     ros,
                     action: bridge.action.clone(),
                     joint_states: bridge.joint_states.clone(),
+                }
+            }
+            typed::Driver::Ros1(ros) => {
+                let authority = ros.master.strip_prefix("http://").unwrap_or_default();
+                let port = authority
+                    .trim_end_matches('/')
+                    .rsplit_once(':')
+                    .map(|(_, port)| port.parse());
+                if !matches!(port, Some(Ok(1..=u16::MAX))) {
+                    self.fault(
+                        &path.key("master"),
+                        "an address is needed, as in \"http://192.168.1.5:11311\"",
+                    );
+                }
+                Driver::Ros1 {
+                    master: ros.master.clone(),
+                    action: ros.action.clone(),
+                    joint_states: ros.joint_states.clone(),
                 }
             }
             typed::Driver::Stepper(stepper) => {

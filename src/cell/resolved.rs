@@ -132,6 +132,15 @@ pub enum Driver {
         /// Topic of the joint states.
         joint_states: String,
     },
+    /// A `control_msgs/FollowJointTrajectory` action of ROS 1.
+    Ros1 {
+        /// Address of the master, `http://host:port`.
+        master: String,
+        /// Name of the action.
+        action: String,
+        /// Topic of the joint states.
+        joint_states: String,
+    },
     /// A stepper motor on a serial line.
     Stepper {
         /// The port, such as `/dev/ttyACM0`.

@@ -2,8 +2,8 @@
 
 use super::resolved::{Cell, Driver};
 use crate::robot::{
-    self, FileDriver, JointTrajectory, Limits, Part, PartTrajectory, RosVersion, RosbridgeDriver,
-    StepperDriver, StreamBounds, check,
+    self, FileDriver, JointTrajectory, Limits, Part, PartTrajectory, Ros1Driver, RosVersion,
+    RosbridgeDriver, StepperDriver, StreamBounds, check,
 };
 
 /// What a stream would do.
@@ -183,6 +183,11 @@ impl Cell {
                 };
                 Box::new(RosbridgeDriver::new(address, version, action, joint_states))
             }
+            Driver::Ros1 {
+                master,
+                action,
+                joint_states,
+            } => Box::new(Ros1Driver::new(master, action, joint_states)),
             Driver::Stepper {
                 port,
                 baud,

@@ -124,7 +124,7 @@ fn faults_name_file_line_and_key() {
             "\"stepper\"",
             "\"steper\"",
             "cell.toml:11:",
-            "allowed: file, rosbridge, stepper",
+            "allowed: file, rosbridge, ros1, stepper",
         ),
         (
             "name = \"twister\"",

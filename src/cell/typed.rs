@@ -200,6 +200,7 @@ pub struct Streaming {
 pub enum Driver {
     File(FileDriver),
     Rosbridge(RosbridgeDriver),
+    Ros1(Ros1Driver),
     Stepper(StepperDriver),
 }
 
@@ -215,6 +216,14 @@ pub struct FileDriver {
 pub struct RosbridgeDriver {
     pub address: String,
     pub ros: Option<u8>,
+    pub action: String,
+    pub joint_states: String,
+}
+
+/// A ROS 1 action server.
+#[derive(Debug, Deserialize)]
+pub struct Ros1Driver {
+    pub master: String,
     pub action: String,
     pub joint_states: String,
 }

@@ -36,7 +36,7 @@ pub use body::{Body, Shape};
 pub use chain::{Chain, Joint, JointKind, Limits, MOST_JOINTS, Motion, Segment};
 pub use collision::{Approach, FAR, Member, StandingBox, Surroundings};
 pub use driver::{
-    Driver, DriverError, FileDriver, JointState, PartTrajectory, Progress, RosVersion,
+    Driver, DriverError, FileDriver, JointState, PartTrajectory, Progress, Ros1Driver, RosVersion,
     RosbridgeDriver, SerialLine, StepperAnswer, StepperDriver, StepperLink, StepperRequest,
 };
 pub use inverse::{Nearest, REACHED};

@@ -4,10 +4,13 @@
 //! [`Driver::connect`] and [`Driver::hold`].
 
 mod file;
+mod follow_joint_trajectory;
+mod ros1;
 mod rosbridge;
 mod stepper;
 
 pub use file::FileDriver;
+pub use ros1::Ros1Driver;
 pub use rosbridge::{RosVersion, RosbridgeDriver};
 pub use stepper::{SerialLine, StepperAnswer, StepperDriver, StepperLink, StepperRequest};
 

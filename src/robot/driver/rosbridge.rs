@@ -3,6 +3,7 @@
 //! A ROS 1 action is a set of topics: the goal and its cancellation are published, status, feedback and result are
 //! subscribed. For ROS 2 the server itself is the action client: `send_action_goal`, `cancel_action_goal`.
 
+use super::follow_joint_trajectory::{ros_1_outcome, ros_2_outcome};
 use super::{Driver, DriverError, JointState, PartTrajectory, Progress};
 use serde_json::{Value, json};
 use std::io::ErrorKind;
@@ -126,7 +127,7 @@ impl RosbridgeDriver {
             (Some("action_result"), _) => {
                 if let Some(goal) = self.goal.as_mut().filter(|goal| message["id"] == *goal.id) {
                     goal.acknowledged = true;
-                    goal.outcome = Some(outcome_2(message));
+                    goal.outcome = Some(bridged_outcome(message));
                 }
             }
             (Some("status"), _) if message["level"] == "error" => {
@@ -180,7 +181,7 @@ impl RosbridgeDriver {
                     &message["result"]["error_string"],
                 ];
                 let said: Vec<&str> = said.iter().filter_map(|text| text.as_str()).collect();
-                goal.outcome = Some(outcome_1(status, code, &said.join(" ")));
+                goal.outcome = Some(ros_1_outcome(status, code, &said.join(" ")));
             }
             _ => {}
         }
@@ -369,75 +370,15 @@ impl Driver for RosbridgeDriver {
     }
 }
 
-/// The end of a ROS 1 goal: `actionlib_msgs/GoalStatus` and the result's code.
-fn outcome_1(status: i64, code: i64, said: &str) -> Result<(), DriverError> {
-    match status {
-        3 if code == 0 => Ok(()),
-        5 => Err(DriverError::Refused(refusal(
-            "the controller rejected the goal",
-            code,
-            said,
-        ))),
-        2 | 8 => Err(DriverError::Aborted(refusal(
-            "the motion was cancelled",
-            code,
-            said,
-        ))),
-        _ => Err(DriverError::Aborted(refusal(
-            "the controller broke the motion off",
-            code,
-            said,
-        ))),
-    }
-}
-
-/// The end of a ROS 2 goal as rosbridge tells it: `action_msgs/GoalStatus`, 4 is success, 5 cancelled, 6 aborted.
-fn outcome_2(message: &Value) -> Result<(), DriverError> {
+/// The end of a ROS 2 goal as the server tells it.
+fn bridged_outcome(message: &Value) -> Result<(), DriverError> {
     let values = &message["values"];
+    let said = values["error_string"].as_str().or(values.as_str());
+    let status = match (&message["result"], message["status"].as_i64()) {
+        (Value::Bool(false), _) => None,
+        // Servers of the first versions tell no status of a success.
+        (_, status) => Some(status.unwrap_or(4)),
+    };
     let code = values["error_code"].as_i64().unwrap_or(0);
-    let said = values["error_string"]
-        .as_str()
-        .or(values.as_str())
-        .unwrap_or_default();
-    if message["result"] == false {
-        return Err(DriverError::Refused(refusal(
-            "the controller rejected the goal",
-            code,
-            said,
-        )));
-    }
-    match message["status"].as_i64() {
-        Some(4) | None if code == 0 => Ok(()),
-        Some(5) => Err(DriverError::Aborted(refusal(
-            "the motion was cancelled",
-            code,
-            said,
-        ))),
-        _ => Err(DriverError::Aborted(refusal(
-            "the controller broke the motion off",
-            code,
-            said,
-        ))),
-    }
-}
-
-/// In words, with the error codes of `control_msgs/FollowJointTrajectory`.
-fn refusal(what: &str, code: i64, said: &str) -> String {
-    let meaning = match code {
-        -1 => ": invalid goal",
-        -2 => {
-            ": it does not know these joints; compare their names in the cell file with the robot's"
-        }
-        -3 => ": the time stamp is too old; compare the clocks",
-        -4 => ": the arm left the path",
-        -5 => ": the arm did not come to the goal",
-        _ => "",
-    };
-    let said = said.trim();
-    let quoted = if said.is_empty() {
-        String::new()
-    } else {
-        format!(" ({said})")
-    };
-    format!("{what}{meaning}{quoted}")
+    ros_2_outcome(status, code, said.unwrap_or_default())
 }
