@@ -6,6 +6,8 @@ use std::fs;
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
@@ -105,29 +107,33 @@ impl Drop for Board {
     }
 }
 
-/// A line that garbles, loses and repeats one byte in a hundred, in both directions.
-struct Noisy {
-    line: Box<dyn SerialLine>,
-    seed: u64,
-    hits: std::sync::Arc<std::sync::atomic::AtomicU64>,
-}
+/// SplitMix64.
+struct Random(u64);
 
-impl Noisy {
-    fn random(&mut self) -> u64 {
-        // SplitMix64.
-        self.seed = self.seed.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.seed;
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
         z ^ (z >> 31)
     }
+}
 
+/// A line that garbles, loses and repeats one byte in a hundred, in both directions.
+struct Noisy {
+    line: Box<dyn SerialLine>,
+    random: Random,
+    hits: Arc<AtomicU64>,
+}
+
+impl Noisy {
     fn spoil(&mut self, bytes: &[u8]) -> Vec<u8> {
         let mut spoilt = Vec::new();
         for byte in bytes {
-            let (what, bits) = (self.random() % 300, self.random() as u8);
+            let (what, bits) = (self.random.next() % 300, self.random.next() as u8);
             if what < 3 {
-                self.hits.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+                self.hits.fetch_add(1, Ordering::Relaxed);
             }
             match what {
                 0 => spoilt.push(byte ^ bits.max(1)),
@@ -168,23 +174,19 @@ impl Write for Noisy {
 #[test]
 fn a_thousand_moves_over_a_noisy_line_are_counted_to_the_step() {
     let Some(board) = Board::start() else { return };
-    let hits = std::sync::Arc::default();
+    let hits = Arc::default();
     let noisy = Noisy {
         line: board.open(),
-        seed: 1,
-        hits: std::sync::Arc::clone(&hits),
+        random: Random(1),
+        hits: Arc::clone(&hits),
     };
-    let mut random = Noisy {
-        line: board.open(),
-        seed: 2,
-        hits: std::sync::Arc::default(),
-    };
+    let mut random = Random(2);
     let mut link = StepperLink::new(Box::new(noisy));
     link.ask(StepperRequest::Hello).unwrap();
     let (mut edges, mut position) = (0_i64, 0_i64);
     for _ in 0..1000 {
-        let steps = (random.random() % 101) as i32 - 50;
-        let microseconds = 10_000 + (random.random() % 5_000) as u32;
+        let steps = (random.next() % 101) as i32 - 50;
+        let microseconds = 10_000 + (random.next() % 5_000) as u32;
         while link
             .ask(StepperRequest::Move {
                 steps,
@@ -211,7 +213,7 @@ fn a_thousand_moves_over_a_noisy_line_are_counted_to_the_step() {
         );
     }
     assert_eq!(board.counts(), (edges, position));
-    let hits = hits.load(std::sync::atomic::Ordering::Relaxed);
+    let hits = hits.load(Ordering::Relaxed);
     assert!(hits > 200, "the line spoilt only {hits} bytes");
 }
 
@@ -225,12 +227,18 @@ fn silence_stops_the_motor() {
         microseconds: 4_000_000,
     };
     link.ask(long).unwrap();
-    std::thread::sleep(Duration::from_millis(1000));
-    let (edges, _) = board.counts();
+    // The simulation may be slower than the clock on the wall.
+    let mut edges = 0;
+    loop {
+        std::thread::sleep(Duration::from_millis(800));
+        let now = board.counts().0;
+        if now > 0 && now == edges {
+            break;
+        }
+        edges = now;
+    }
     // 2,500 steps a second for 0.3 s.
     assert!((600..1000).contains(&edges), "{edges}");
-    std::thread::sleep(Duration::from_millis(300));
-    assert_eq!(board.counts().0, edges);
     // It stays still until it is greeted again.
     assert!(link.ask(long).unwrap().watchdog);
     assert_eq!(board.counts().0, edges);
@@ -240,8 +248,14 @@ fn silence_stops_the_motor() {
         microseconds: 100_000,
     };
     link.ask(back).unwrap();
-    std::thread::sleep(Duration::from_millis(250));
-    assert_eq!(board.counts().0, edges + 100);
+    let begin = Instant::now();
+    while board.counts().0 != edges + 100 {
+        assert!(
+            begin.elapsed() < Duration::from_secs(5),
+            "{:?}",
+            board.counts()
+        );
+    }
 }
 
 #[test]

@@ -124,7 +124,7 @@ pub fn call(uri: &str, method: &str, parameters: &[Value]) -> io::Result<Value> 
         .ok_or_else(|| broken("the answer has no value"))?;
     match value.as_array() {
         Some([Value::Integer(1), _, result]) => Ok(result.clone()),
-        Some([_, Value::Text(message), ..]) => Err(broken(message)),
+        Some([_, Value::Text(message), ..]) => Err(broken(message.as_str())),
         _ => Err(broken("the answer is no answer of ROS")),
     }
 }
