@@ -6,7 +6,7 @@
 //! ```text
 //! cli ──> experiment ──> knot ──> mechanics ──> linalg
 //!  │          └──> scenario, results, figure, cluster <── cli
-//!  └──> cell ──> robot, scenario
+//!  └──> cell ──> robot, scenario, figure
 //! ```
 //!
 //! | room | what lives there |

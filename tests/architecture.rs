@@ -24,7 +24,7 @@ const ROOMS: [(&str, &[&str]); 11] = [
         "experiment",
         &["knot", "mechanics", "scenario", "results", "figure"],
     ),
-    ("cell", &["robot", "scenario"]),
+    ("cell", &["robot", "scenario", "figure"]),
     ("robot", &[]),
     ("knot", &["mechanics"]),
     ("mechanics", &["linalg"]),

@@ -10,6 +10,7 @@
 //! | `resolved` | the [`Cell`] |
 //! | `surroundings`, `plan` | collision checks; joint trajectories along a path of a hand |
 //! | `streaming` | a joint trajectory with the drivers that it moves |
+//! | `view` | the 3-D page of a cell |
 //! | `report` | what `rodlab check` says of it |
 
 mod plan;
@@ -22,6 +23,7 @@ mod surroundings;
 #[cfg(test)]
 mod tests;
 mod typed;
+mod view;
 
 pub use plan::{Place, Plan, PlanError, PlanReport, PlanRequest, read_poses};
 pub use report::CellReport;

@@ -32,7 +32,13 @@ impl Cell {
     ) -> Result<(Vec<Part>, StreamReport), String> {
         let mut parts = Vec::new();
         let mut faults = self.unknown_columns(trajectory);
-        for (name, joints, limits, driver) in self.movable() {
+        for Movable {
+            name,
+            joints,
+            limits,
+            driver,
+        } in self.movable()
+        {
             let columns = trajectory.columns_of(name);
             if columns.is_empty() {
                 continue;
@@ -94,25 +100,22 @@ impl Cell {
         }
     }
 
-    /// Name, joints, limits and driver of arms and axes.
-    fn movable(&self) -> Vec<(&str, Vec<String>, Vec<Limits>, Option<&Driver>)> {
+    /// Arms and axes.
+    fn movable(&self) -> Vec<Movable<'_>> {
         let arms = self.arms.iter().map(|arm| {
             let joints = &arm.chain.joints;
-            (
-                arm.name.as_str(),
-                joints.iter().map(|joint| joint.name.clone()).collect(),
-                joints.iter().map(|joint| joint.limits).collect(),
-                arm.driver.as_ref(),
-            )
+            Movable {
+                name: &arm.name,
+                joints: joints.iter().map(|joint| joint.name.clone()).collect(),
+                limits: joints.iter().map(|joint| joint.limits).collect(),
+                driver: arm.driver.as_ref(),
+            }
         });
-        let axes = self.axes.iter().map(|axis| {
-            let name = axis.name.as_str();
-            (
-                name,
-                vec![axis.name.clone()],
-                vec![axis.limits],
-                axis.driver.as_ref(),
-            )
+        let axes = self.axes.iter().map(|axis| Movable {
+            name: &axis.name,
+            joints: vec![axis.name.clone()],
+            limits: vec![axis.limits],
+            driver: axis.driver.as_ref(),
         });
         arms.chain(axes).collect()
     }
@@ -120,15 +123,16 @@ impl Cell {
     fn unknown_columns(&self, trajectory: &JointTrajectory) -> Vec<String> {
         let movable = self.movable();
         let unknown = trajectory.columns.iter().filter(|column| {
-            !movable.iter().any(|(name, joints, ..)| {
-                *name == column.part
+            !movable.iter().any(|part| {
+                let joints = &part.joints;
+                part.name == column.part
                     && column
                         .joint
                         .as_ref()
                         .is_none_or(|joint| joints.contains(joint))
             })
         });
-        let names: Vec<&str> = movable.iter().map(|(name, ..)| *name).collect();
+        let names: Vec<&str> = movable.iter().map(|part| part.name).collect();
         unknown
             .map(|column| {
                 format!(
@@ -195,6 +199,14 @@ impl Cell {
             } => Box::new(StepperDriver::new(port, *baud, *steps_per_turn)),
         }
     }
+}
+
+/// An arm or an axis.
+struct Movable<'a> {
+    name: &'a str,
+    joints: Vec<String>,
+    limits: Vec<Limits>,
+    driver: Option<&'a Driver>,
 }
 
 /// The columns in the order of the joints; `None` where one is missing.
