@@ -1,19 +1,53 @@
 //! `rodlab`: a laboratory for slender elastic rods.
 //!
-//! A scenario file (TOML) goes in; the implicit rod engine runs it; a results directory comes out.
-//! The rooms, and who may import whom (an arrow means "may import"):
+//! A scenario file (TOML) goes in; the implicit rod engine runs it; a results directory comes out. A heavy cantilever:
+//!
+//! ```
+//! use rodlab::{experiment::{from_text, prepare}, mechanics::dynamics::Simulation};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let loaded = from_text("cantilever", r#"
+//!     experiment = "scene"
+//!     material = { youngs_modulus = "100 MPa", poissons_ratio = 0.5, density = 1000.0 }
+//!     time = { mode = "static" }
+//!     rods = [{ name = "beam", radius = "5 mm", edges = 50, shape = { kind = "straight", start = [0, 0, 0], end = [1, 0, 0] } }]
+//!     clamps = [{ rod = "beam", at = "start" }]
+//!     loads = [{ kind = "gravity", acceleration = [0, 0, -9.81] }]
+//! "#, ".".as_ref(), &[])?;
+//! let prepared = prepare(&loaded.scenario)?;
+//! let mut simulation = Simulation::new(&prepared.scene, &prepared.integration)?;
+//! simulation.find_equilibrium()?;
+//! let tip = simulation.positions()[50];
+//! assert!(tip.z < -0.7 && tip.x > 0.0);   // it hangs down steeply
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! The [`guide`] has a page per topic, from [a first run](guide::getting_started) to
+//! [using the library](guide::library). The rooms, and who may import whom (an arrow means "may import", and what those
+//! may import, too):
 //!
 //! ```text
-//! cli ──> experiment ──> knot ──> mechanics ──> linalg
-//!  │          └──> scenario, results, figure, cluster <── cli
-//!  └──> cell ──> robot, scenario, figure
+//! cli            ──> sweep, verify, reproduce, cell, guide, cluster
+//! sweep, verify  ──> experiment
+//! reproduce      ──> report
+//! report         ──> experiment
+//! experiment     ──> run, knot, scenario, figure
+//! run            ──> mechanics, results
+//! knot           ──> mechanics
+//! mechanics      ──> linalg
+//! cell           ──> robot, scenario, figure
 //! ```
 //!
 //! | room | what lives there |
 //! |---|---|
 //! | [`cli`] | one file per subcommand: parse, call one library function, print |
+//! | [`guide`] | the guide's pages, here and in `rodlab guide` |
 //! | [`scenario`] | the TOML schema as Rust types, units, validation with source positions |
-//! | [`experiment`] | scenario → scene, the run loop, `verify`, `reproduce` |
+//! | [`experiment`] | one folder per kind of experiment: its keys, scene, observers, figures; the list of kinds |
+//! | [`run`] | the run loop on a results directory |
+//! | [`sweep`], [`verify`], [`reproduce`] | many cases; physics checks; tables and figures of the thesis |
+//! | [`report`] | figures and pages of a results directory |
 //! | [`knot`] | knots from parameters, the knot determinant, theory of tightening |
 //! | [`mechanics`] | rods, contact, fluid, time stepping, equilibria |
 //! | [`linalg`] | banded and sparse factorisations |
@@ -36,9 +70,15 @@ pub mod cli;
 pub mod cluster;
 pub mod experiment;
 pub mod figure;
+pub mod guide;
 pub mod knot;
 pub mod linalg;
 pub mod mechanics;
+pub mod report;
+pub mod reproduce;
 pub mod results;
 pub mod robot;
+pub mod run;
 pub mod scenario;
+pub mod sweep;
+pub mod verify;

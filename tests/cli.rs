@@ -91,7 +91,7 @@ fn a_run_says_where_its_results_lie_and_is_not_run_twice() {
     let series = fs::read(results.join("series.csv")).unwrap();
     let (code, stdout, _) = outcome(&directory, &["run", "swing.toml"]);
     assert_eq!(code, 0);
-    assert!(stdout.starts_with("finished before"), "{stdout}");
+    assert!(stdout.starts_with("already finished"), "{stdout}");
     let (code, stdout, _) = outcome(
         &directory,
         &["run", "swing.toml", "--force", "--threads", "2"],
@@ -280,7 +280,7 @@ fn check_goes_through_all_files_and_speaks_json() {
         &["check", "bad.toml", "swing.toml", "none.toml"],
     );
     assert_eq!(code, 2);
-    assert!(stdout.contains("swing.toml: good"), "{stdout}");
+    assert!(stdout.contains("swing.toml: valid"), "{stdout}");
     assert!(
         stderr.contains("bad.toml:1:14") && stderr.contains("none.toml"),
         "{stderr}"

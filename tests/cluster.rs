@@ -153,10 +153,10 @@ fn task(status: &serde_json::Value, number: usize) -> serde_json::Value {
 /// Waits until a task has begun to run a case.
 fn wait_for_work(slurm: &Slurm, number: usize) {
     wait_until("a task at work", || {
-        let claims = fs::read_dir(slurm.path("results/swings/claims"))
+        let leases = fs::read_dir(slurm.path("results/swings/leases"))
             .unwrap()
             .count();
-        task(&slurm.status(), number)["state"] == "running" && claims > 0
+        task(&slurm.status(), number)["state"] == "running" && leases > 0
     });
 }
 

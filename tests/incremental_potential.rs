@@ -1,7 +1,7 @@
 //! Two bundling flagella of the thesis with both contact models, side by side.
 
+use rodlab::experiment;
 use rodlab::mechanics::dynamics::Simulation;
-use rodlab::{experiment, scenario};
 use std::path::Path;
 
 const RADIUS: f64 = 1e-3;
@@ -17,7 +17,7 @@ struct Flagella {
 impl Flagella {
     fn new(model: &str) -> Self {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/flagella_m2.toml");
-        let loaded = scenario::load(&path, &[format!("contact.model={model}")]).unwrap();
+        let loaded = experiment::load(&path, &[format!("contact.model={model}")]).unwrap();
         let prepared = experiment::prepare(&loaded.scenario).unwrap();
         Self {
             simulation: Simulation::new(&prepared.scene, &prepared.integration).unwrap(),

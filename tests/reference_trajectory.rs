@@ -21,12 +21,13 @@
 use flate2::read::GzDecoder;
 use nalgebra::{Cholesky, DMatrix, DVector, Vector3};
 use rayon::prelude::*;
-use rodlab::experiment::{PreparedRun, prepare};
+use rodlab::experiment::prepare;
 use rodlab::mechanics::dynamics::Simulation;
 use rodlab::mechanics::fluid::segment_integral;
 use rodlab::mechanics::rod::vertex::{
     EdgeFrame, VertexStiffness, VertexStrains, curvatures, gradient,
 };
+use rodlab::run::PreparedRun;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::fs::File;
@@ -73,7 +74,7 @@ fn flagella(head: &str) -> PreparedRun {
         format!("time.step = {STEP}"),
     ];
     let scenario = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/flagella_m2.toml");
-    let loaded = rodlab::scenario::load(&scenario, &overrides).unwrap();
+    let loaded = rodlab::experiment::load(&scenario, &overrides).unwrap();
     let mut prepared = prepare(&loaded.scenario).unwrap();
     prepared.scene.rods.swap(0, 1);
     for clamp in &mut prepared.scene.clamps {

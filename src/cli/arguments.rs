@@ -2,8 +2,8 @@
 
 use super::failure::Failure;
 use super::{
-    check, completions, explain, gather, init, measure, plan, plot, reproduce, run, solve, status,
-    stream, submit, verify, view,
+    check, completions, explain, gather, guide, init, measure, plan, plot, reproduce, run, solve,
+    status, stream, submit, verify, view,
 };
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use std::io::IsTerminal;
@@ -27,6 +27,7 @@ Examples:
   rodlab check beam.toml                         find mistakes; print stiffnesses and other derived numbers
   rodlab init scene > my_scene.toml              begin a scenario of your own
   rodlab explain rods.natural_curvature          one key of scenario files in words
+  rodlab guide getting-started                   the guide, a page per topic
 
 Exit codes: 0 done, 1 failed, 2 bad input, 3 no convergence, 4 a physics check failed,
 5 time limit reached (run again to continue), 130 interrupted (run again to continue).";
@@ -42,29 +43,31 @@ pub enum Command {
     Init(init::InitArguments),
     /// Print the JSON Schema of scenario files, for completion in editors
     Schema,
-    /// Explain a key of scenario files in words
+    /// Explain a key of scenario files, or a file or column of results
     Explain(explain::ExplainArguments),
+    /// Read the guide: a page per topic
+    Guide(guide::GuideArguments),
     /// Solve a problem exactly; the answer is JSON on standard output
     Solve(solve::SolveArguments),
-    /// Find the gravito-bending length of a real rod or strip from its shape, or which knot a curve is
+    /// Measure a gravito-bending length from the shape of a rod or strip, or identify the knot of a curve
     Measure(measure::MeasureArguments),
     /// Compare the engine with theory, check by check
     Verify(verify::VerifyArguments),
-    /// Make a table or figure of the thesis again
+    /// Reproduce a table or figure of the thesis
     Reproduce(reproduce::ReproduceArguments),
     /// Plan a trajectory: joint positions along poses of a hand
     Plan(plan::PlanArguments),
     /// Draw the figures of a results directory
     Plot(plot::PlotArguments),
-    /// Make an interactive 3-D page of a results directory
+    /// Write an interactive 3-D page of a results directory
     View(view::ViewArguments),
     /// Stream a joint trajectory to the arms and axes of a cell
     Stream(stream::StreamArguments),
     /// Run a sweep as a Slurm job array
     Submit(submit::SubmitArguments),
-    /// Show how the cases of a sweep stand, and the Slurm tasks that run them
+    /// Show the status of a sweep's cases and of the Slurm tasks that run them
     Status(status::StatusArguments),
-    /// Make the tables and figures of a sweep from its cases
+    /// Collect the cases of a sweep into its tables and figures
     Gather(gather::GatherArguments),
     /// Print a completion script for a shell
     Completions(completions::CompletionsArguments),
@@ -73,10 +76,10 @@ pub enum Command {
 /// Options that every subcommand has.
 #[derive(Debug, Args)]
 pub struct Common {
-    /// Threads to use; results do not depend on it [default: one per core]
+    /// Threads to use; results do not depend on their number [default: one per core]
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
-    /// Log more; twice for debugging
+    /// Log more: once for what is done, twice for time steps, three times for Newton iterations
     #[arg(short, long, global = true, action = ArgAction::Count)]
     pub verbose: u8,
     /// Log errors only, and show no progress
@@ -85,7 +88,7 @@ pub struct Common {
     /// Format of the log on standard error
     #[arg(long, global = true, value_name = "FORMAT", default_value = "text")]
     pub log: LogFormat,
-    /// Whether to use colours
+    /// When to use colours
     #[arg(long, global = true, value_name = "WHEN", default_value = "auto")]
     pub color: Color,
 }
@@ -113,12 +116,20 @@ pub enum Color {
 impl Common {
     /// Whether text on standard error is coloured.
     pub fn colours_stderr(&self) -> bool {
+        self.colours(std::io::stderr().is_terminal())
+    }
+
+    /// Whether text on standard output is styled.
+    pub fn styles_stdout(&self) -> bool {
+        self.colours(std::io::stdout().is_terminal())
+    }
+
+    fn colours(&self, is_terminal: bool) -> bool {
         match self.color {
             Color::Always => true,
             Color::Never => false,
             Color::Auto => {
-                std::io::stderr().is_terminal()
-                    && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+                is_terminal && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
             }
         }
     }

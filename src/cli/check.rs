@@ -5,9 +5,8 @@ use super::failure::Failure;
 use super::output::print;
 use super::run::prepare;
 use crate::cell::{Cell, CellReport};
-use crate::experiment::sweep::check_every_value;
-use crate::experiment::{DerivedNumbers, derived_numbers, try_scene};
-use crate::scenario::Family;
+use crate::experiment::{DerivedNumbers, case_set, derived_numbers, try_scene};
+use crate::sweep::check_every_value;
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -88,22 +87,22 @@ struct Checked {
 impl Checked {
     fn in_words(&self) -> String {
         match self.cases {
-            1 => "good".to_owned(),
-            cases => format!("good, {cases} cases; the first:"),
+            1 => "valid".to_owned(),
+            cases => format!("valid, {cases} cases; the first:"),
         }
     }
 }
 
 fn check_one(path: &Path, overrides: &[String]) -> Result<Checked, Failure> {
-    let family = Family::load(path, overrides, &[])?;
-    let prepared = if family.is_sweep() {
-        check_every_value(&family)?
+    let case_set = case_set(path, overrides, &[])?;
+    let prepared = if case_set.is_sweep() {
+        check_every_value(&case_set)?
     } else {
-        prepare(&family)?
+        prepare(&case_set)?
     };
     try_scene(&prepared)?;
     Ok(Checked {
-        cases: family.count(),
+        cases: case_set.count(),
         numbers: derived_numbers(&prepared),
     })
 }

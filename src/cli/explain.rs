@@ -1,24 +1,132 @@
-//! `rodlab explain`.
+//! `rodlab explain`: keys of scenario files; files of results directories and their columns.
 
 use super::failure::Failure;
 use super::output::print;
-use crate::scenario;
+use crate::experiment;
+use crate::results::{Described, FILES, FileDescription, describe, files_with_column};
+use crate::scenario::did_you_mean;
 use clap::Args;
+use std::fmt::Write;
 
 /// Arguments of `rodlab explain`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  rodlab explain time.step
-  rodlab explain rods.shape
-  rodlab explain contact")]
+  rodlab explain time.step                  a key of scenario files
+  rodlab explain rods.shape                 a table of keys
+  rodlab explain series                     a file of results directories with its columns
+  rodlab explain series.traction_start_n    one of its columns
+  rodlab explain manifest.json")]
 pub struct ExplainArguments {
-    /// A dotted key; without one, the keys at the top
+    /// A dotted key, a file of results directories or FILE.COLUMN; without one, what there is
     pub key: Option<String>,
 }
 
-/// Explains a key.
+/// Explains a key, a file or a column.
 pub fn explain(arguments: &ExplainArguments) -> Result<(), Failure> {
-    let key = arguments.key.as_deref().unwrap_or("");
-    print(&scenario::explain(key).map_err(Failure::Input)?)
+    print(&explanation(arguments.key.as_deref().unwrap_or("")).map_err(Failure::Input)?)
+}
+
+fn explanation(key: &str) -> Result<String, String> {
+    match describe(key) {
+        Some(Described::File(file)) => Ok(file_in_words(file)),
+        Some(Described::Column(file, column)) => {
+            Ok(column_in_words(file, column.name, column.meaning))
+        }
+        Some(Described::NoColumn(file, name)) => column_of_a_key(file, name),
+        None if key.is_empty() => Ok(experiment::explain(key)? + &files()),
+        None => experiment::explain(key).or_else(|error| column_anywhere(key).ok_or(error)),
+    }
+}
+
+/// Tables of a sweep have the varied keys as columns, too.
+fn column_of_a_key(file: &FileDescription, name: &str) -> Result<String, String> {
+    let of_sweeps = ["summary.csv", "search.csv"].contains(&file.names[0]);
+    if of_sweeps
+        && name.contains('.')
+        && let Ok(words) = experiment::explain(name)
+    {
+        return Ok(words);
+    }
+    let columns: Vec<&str> = file.columns().map(|column| column.name).collect();
+    let advice =
+        did_you_mean(name, columns.iter().copied()).unwrap_or_else(|| match columns.is_empty() {
+            true => "it is no table".to_owned(),
+            false => format!("it has: {}", columns.join(", ")),
+        });
+    Err(format!("`{}` has no `{name}`; {advice}", file.names[0]))
+}
+
+/// A column whose file was not named.
+fn column_anywhere(name: &str) -> Option<String> {
+    let words: String = files_with_column(name)
+        .map(|(file, column)| column_in_words(file, column.name, column.meaning))
+        .collect();
+    (!words.is_empty()).then_some(words)
+}
+
+fn column_in_words(file: &FileDescription, name: &str, meaning: &str) -> String {
+    format!("{}: {name}\n  {meaning}\n", file.names[0])
+}
+
+fn file_in_words(file: &FileDescription) -> String {
+    let mut text = format!("{}\n  {}\n", file.names.join(", "), file.meaning);
+    let width = file.columns().map(|column| column.name.len()).max();
+    let width = width.unwrap_or_default();
+    for group in file.groups {
+        // Writing to a string cannot fail.
+        let _ = match group.when {
+            "" => writeln!(text),
+            when => writeln!(text, "\n  {when}:"),
+        };
+        for column in group.columns {
+            let _ = writeln!(text, "  {:<width$}  {}", column.name, column.meaning);
+        }
+    }
+    text
+}
+
+fn files() -> String {
+    let names: Vec<&str> = FILES.iter().map(|file| file.names[0]).collect();
+    format!("results: {}\n", names.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::json_schema;
+
+    #[test]
+    fn columns_and_files_are_explained() {
+        insta::assert_snapshot!(explanation("series.traction_start_n").unwrap(), @r"
+        series.csv: traction_start_n
+          Force with which the first end is pulled outwards, N.
+        ");
+        insta::assert_snapshot!(explanation("rods.pvd").unwrap(), @r"
+        rods.pvd
+          The collection that ParaView opens ([output] vtk = true): the frames of vtk/ with their times.
+        ");
+        let timings = explanation("timings").unwrap();
+        assert!(timings.starts_with("timings.csv\n") && timings.contains("\n  cpu_time_s "));
+        let anywhere = explanation("time_s").unwrap();
+        assert!(anywhere.contains("series.csv") && anywhere.contains("nodes.csv"));
+    }
+
+    #[test]
+    fn varied_keys_are_columns_too_and_misspelt_ones_get_advice() {
+        let key = explanation("contact.friction").unwrap();
+        assert_eq!(explanation("summary.contact.friction"), Ok(key));
+        let error = |key| explanation(key).unwrap_err();
+        insta::assert_snapshot!(error("series.contact"), @"`series.csv` has no `contact`; did you mean `contacts`?");
+        insta::assert_snapshot!(error("scenario.toml.x"), @"`scenario.toml` has no `x`; it is no table");
+        insta::assert_snapshot!(error("kontakt"), @"there is no key `kontakt` at the top of a scenario; did you mean `contact`?");
+    }
+
+    #[test]
+    fn no_key_of_scenarios_is_hidden_by_a_file() {
+        let schema = json_schema();
+        for key in schema["properties"].as_object().unwrap().keys() {
+            assert_eq!(describe(key), None, "{key}");
+        }
+    }
 }

@@ -1,12 +1,13 @@
 //! Why the program fails, what it says and its exit code.
 
 use crate::cluster::ClusterError;
-use crate::experiment::reproduce::ReproduceError;
-use crate::experiment::sweep::SweepError;
-use crate::experiment::{PlotError, RunError, ViewError};
 use crate::mechanics::dynamics::SimulationError;
+use crate::report::{PlotError, ViewError};
+use crate::reproduce::ReproduceError;
 use crate::results::ResultsError;
+use crate::run::RunError;
 use crate::scenario::ScenarioError;
+use crate::sweep::SweepError;
 
 /// Why the program fails.
 #[derive(Debug)]

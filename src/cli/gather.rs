@@ -3,15 +3,19 @@
 use super::failure::Failure;
 use super::output::print;
 use super::sweep::verdict;
-use crate::experiment::{plot_results, sweep};
+use crate::report::plot_results;
+use crate::sweep;
 use clap::Args;
 use std::path::PathBuf;
 
 /// Arguments of `rodlab gather`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Brings summary.csv, timings.csv and manifest.json up to date with the cases, whoever ran them, and draws the
-figures of `rodlab plot`. Works while tasks run, too.")]
+Example:
+  rodlab gather results/sweep
+
+Updates summary.csv, timings.csv and manifest.json from the cases, whichever process ran them, and draws the figures
+of `rodlab plot`. It may be called while tasks are running.")]
 pub struct GatherArguments {
     /// The results directory of a sweep
     pub directory: PathBuf,

@@ -2,7 +2,9 @@
 
 use super::failure::Failure;
 use super::output::print;
-use clap::{Args, ValueEnum};
+use crate::experiment::{KINDS, Kind, kind_named};
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 /// Arguments of `rodlab init`.
 #[derive(Debug, Args)]
@@ -11,69 +13,20 @@ Example:
   rodlab init scene > my_scene.toml && rodlab run my_scene.toml")]
 pub struct InitArguments {
     /// The experiment for which to write a template
-    pub experiment: Template,
+    #[arg(value_parser = kinds())]
+    pub experiment: &'static dyn Kind,
 }
 
-/// The templates, one per experiment.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum Template {
-    /// Rods as listed, with clamps, loads and planes.
-    Scene,
-    /// Helical flagella turned at their heads in a viscous fluid.
-    Flagella,
-    /// A knot whose ends are pulled apart.
-    KnotTightening,
-    /// An overhand knot that is pulled until its loop snaps onto the braid.
-    KnotInversion,
-    /// Where clamped helical rods lose stability.
-    HelixStability,
-}
-
-impl Template {
-    fn text(self) -> &'static str {
-        match self {
-            Self::Scene => include_str!("templates/scene.toml"),
-            Self::Flagella => include_str!("templates/flagella.toml"),
-            Self::KnotTightening => include_str!("templates/knot_tightening.toml"),
-            Self::KnotInversion => include_str!("templates/knot_inversion.toml"),
-            Self::HelixStability => include_str!("templates/helix_stability.toml"),
-        }
-    }
+/// Reads the name of a kind of experiment.
+fn kinds() -> impl TypedValueParser<Value = &'static dyn Kind> {
+    let values = KINDS
+        .iter()
+        .map(|kind| PossibleValue::new(kind.name()).help(kind.summary().trim_end_matches('.')));
+    PossibleValuesParser::new(values)
+        .map(|name| kind_named(&name).expect("only names of kinds are taken"))
 }
 
 /// Writes a template.
 pub fn init(arguments: &InitArguments) -> Result<(), Failure> {
-    print(arguments.experiment.text())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::experiment::prepare;
-    use crate::scenario::from_text;
-    use std::path::Path;
-
-    #[test]
-    fn templates_are_scenarios() {
-        for template in Template::value_variants() {
-            let loaded = from_text("template", template.text(), Path::new(""))
-                .unwrap_or_else(|error| panic!("{error}"));
-            prepare(&loaded.scenario).unwrap_or_else(|error| panic!("{error}"));
-        }
-    }
-
-    #[test]
-    fn the_keys_that_templates_leave_commented_out_are_valid_too() {
-        for template in Template::value_variants() {
-            let text: String = template
-                .text()
-                .lines()
-                .map(|line| format!("{}\n", line.strip_prefix("#: ").unwrap_or(line)))
-                .collect();
-            assert_ne!(text, template.text());
-            let loaded = from_text("template", &text, Path::new(""))
-                .unwrap_or_else(|error| panic!("{error}"));
-            prepare(&loaded.scenario).unwrap_or_else(|error| panic!("{error}"));
-        }
-    }
+    print(arguments.experiment.template())
 }

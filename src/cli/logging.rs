@@ -1,23 +1,32 @@
 //! The log on standard error.
 
 use super::arguments::{Common, LogFormat};
-use tracing_subscriber::filter::LevelFilter;
+use tracing_subscriber::filter::{LevelFilter, Targets};
+use tracing_subscriber::layer::SubscriberExt;
+use tracing_subscriber::util::SubscriberInitExt;
 
 /// Starts logging as the common options ask.
+///
+/// What this crate says is shown down to the level asked for; other crates are heard from warnings on, so that their
+/// debugging does not drown the steps of a simulation.
 pub fn start(common: &Common) {
     let level = match (common.quiet, common.verbose) {
         (true, _) => LevelFilter::ERROR,
         (false, 0) => LevelFilter::WARN,
         (false, 1) => LevelFilter::INFO,
-        (false, _) => LevelFilter::DEBUG,
+        (false, 2) => LevelFilter::DEBUG,
+        (false, _) => LevelFilter::TRACE,
     };
-    let builder = tracing_subscriber::fmt()
-        .with_max_level(level)
+    let filter = Targets::new()
+        .with_default(level.min(LevelFilter::WARN))
+        .with_target(env!("CARGO_PKG_NAME"), level);
+    let lines = tracing_subscriber::fmt::layer()
         .with_writer(std::io::stderr)
         .with_ansi(common.colours_stderr());
+    let subscriber = tracing_subscriber::registry().with(filter);
     // A second start, as in tests, keeps the first subscriber.
     let _ = match common.log {
-        LogFormat::Json => builder.json().try_init(),
-        LogFormat::Text => builder.with_target(false).try_init(),
+        LogFormat::Json => subscriber.with(lines.json()).try_init(),
+        LogFormat::Text => subscriber.with(lines.with_target(false)).try_init(),
     };
 }

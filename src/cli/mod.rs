@@ -19,8 +19,10 @@ mod completions;
 mod explain;
 mod failure;
 mod gather;
+mod guide;
 mod init;
 mod logging;
+mod markdown;
 mod measure;
 mod measure_knot;
 mod output;
@@ -70,6 +72,7 @@ fn run_command(arguments: &Arguments) -> Result<(), Failure> {
         Command::Init(command) => init::init(command),
         Command::Schema => schema::schema(),
         Command::Explain(command) => explain::explain(command),
+        Command::Guide(command) => guide::guide(command, &arguments.common),
         Command::Solve(command) => solve::solve(command),
         Command::Measure(command) => measure::measure(command),
         Command::Verify(command) => verify::verify(command),

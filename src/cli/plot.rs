@@ -2,8 +2,8 @@
 
 use super::failure::Failure;
 use super::output::print;
-use crate::experiment::{CustomFigure, custom_figure, plot_results, write_figure};
 use crate::figure::AxisScale;
+use crate::report::{CustomFigure, custom_figure, plot_results, write_figure};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -11,15 +11,15 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct PlotArguments {
-    /// The results directory: of a run or a sweep, finished or still at work
+    /// The results directory of a run or a sweep, finished or still running
     pub directory: PathBuf,
-    /// Column along the horizontal axis of a figure of your own [default: time, or the first swept number]
+    /// Column for the horizontal axis of a figure of your own [default: time, or the first varied number]
     #[arg(long, value_name = "COLUMN", requires = "y")]
     pub x: Option<String>,
-    /// Column to draw, of summary.csv (a point for each case) or series.csv (a curve for each case)
+    /// Columns to draw, from summary.csv (a point for each case) or series.csv (a curve for each case)
     #[arg(long, value_name = "COLUMN", num_args = 1..)]
     pub y: Vec<String>,
-    /// Swept parameter, or column of summary.csv, whose every value gets a curve
+    /// Varied key or column of summary.csv; each of its values gets a curve
     #[arg(long, value_name = "COLUMN", requires = "y")]
     pub group: Option<String>,
     /// Logarithmic axes [default: where numbers are positive and range over a decade]
@@ -33,7 +33,7 @@ pub struct PlotArguments {
 const EXAMPLES: &str = "\
 Examples:
   rodlab plot results/flagella_quick             rods and series over time
-  rodlab plot results/sweep                      outcomes over the swept parameters
+  rodlab plot results/sweep                      outcomes over the varied keys
   rodlab plot results/flagella_quick --y bending_energy_j min_distance_m
   rodlab plot results/sweep --x contact.friction --y newton_iterations_mean --group flagella.count --log-axes y
 

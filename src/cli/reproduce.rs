@@ -3,7 +3,7 @@
 use super::arguments::Common;
 use super::failure::Failure;
 use super::output::print;
-use crate::experiment::reproduce::{self, Artifact, ReproduceOptions};
+use crate::reproduce::{self, ARTIFACTS, Artifact, ReproduceOptions};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -15,29 +15,29 @@ Examples:
   rodlab reproduce tab2.1 --quick
   rodlab reproduce tab2.2 --jobs 4
 
-Runs that are finished are not made again, interrupted ones continue. With --jobs 1 a run has the machine to
-itself and its wall times can be compared.")]
+Finished runs are not repeated, interrupted ones continue. With --jobs 1 a run has the machine to itself and its
+wall times can be compared.")]
 pub struct ReproduceArguments {
     /// The table or figure, as --list shows it
     #[arg(required_unless_present = "list", value_parser = artifact)]
-    pub artifact: Option<Artifact>,
-    /// List what can be reproduced, with a rough cost
+    pub artifact: Option<&'static Artifact>,
+    /// List what can be reproduced and its rough cost
     #[arg(long, conflicts_with = "artifact")]
     pub list: bool,
-    /// Simulate a short time only; every output says so
+    /// Simulate a short time only; the page says so
     #[arg(long)]
     pub quick: bool,
-    /// Where artefacts go, each into a folder of its name, and their runs, into the folder `cases`
+    /// Where artefacts go, each into a folder of its name; their runs go into the folder `cases`
     #[arg(long, value_name = "DIR", default_value = "results/reproduced")]
     pub out: PathBuf,
-    /// Runs at a time; they share the threads
+    /// Runs to make at a time; they share the threads
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
     pub jobs: u16,
 }
 
-fn artifact(name: &str) -> Result<Artifact, String> {
-    let names = || Artifact::ALL.map(Artifact::name).join(", ");
-    Artifact::named(name).ok_or_else(|| format!("there are {}", names()))
+fn artifact(name: &str) -> Result<&'static Artifact, String> {
+    let names = || ARTIFACTS.each_ref().map(Artifact::name).join(", ");
+    Artifact::named(name).ok_or_else(|| format!("expected one of: {}", names()))
 }
 
 /// Makes an artefact and prints where its files are, or lists all.
@@ -70,17 +70,17 @@ pub fn reproduce(arguments: &ReproduceArguments, common: &Common) -> Result<(), 
 
 /// A line per artefact: name, title, cost on one core.
 fn list() -> String {
-    let line = |artifact: Artifact| {
+    let line = |artifact: &Artifact| {
         format!(
-            "{:<12}{:<66}{:>10}{:>10}\n",
+            "{:<18}{:<68}{:>10}{:>10}\n",
             artifact.name(),
             artifact.title(),
             duration(artifact.cost(false)),
             duration(artifact.cost(true))
         )
     };
-    let header = format!("{:<78}{:>10}{:>10}\n", "", "one core", "--quick");
-    header + &Artifact::ALL.map(line).concat()
+    let header = format!("{:<86}{:>10}{:>10}\n", "", "one core", "--quick");
+    header + &ARTIFACTS.each_ref().map(line).concat()
 }
 
 /// A rough duration in words.
@@ -101,7 +101,7 @@ mod tests {
     #[test]
     fn the_list_names_everything_that_is_accepted() {
         let list = list();
-        for known in Artifact::ALL {
+        for known in &ARTIFACTS {
             assert!(list.contains(known.name()) && list.contains(known.title()));
             assert_eq!(artifact(known.name()), Ok(known));
         }

@@ -4,9 +4,10 @@ use super::arguments::Common;
 use super::failure::Failure;
 use super::output::print;
 use super::sweep;
-use crate::experiment::sweep::Shard;
-use crate::experiment::{self, PreparedRun, RunOptions, RunOutcome, RunStatus, try_scene};
-use crate::scenario::{Family, seconds};
+use crate::experiment::{self, try_scene};
+use crate::run::{PreparedRun, RunOptions, RunOutcome, RunStatus};
+use crate::scenario::{CaseSet, seconds};
+use crate::sweep::Shard;
 use clap::Args;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -23,7 +24,7 @@ Examples:
   rodlab run sweep.toml --shard 2/8                       the second eighth of the cases, for any scheduler
 
 A run that is interrupted continues when the same command is given again; a finished one is left alone.
-So it is with each case of a sweep, and several processes may share the work on one results directory.")]
+The same holds for each case of a sweep. Several processes may work on one results directory and share its cases.")]
 pub struct RunArguments {
     /// The scenario file
     pub scenario: PathBuf,
@@ -33,25 +34,25 @@ pub struct RunArguments {
     /// Where the results go [default: results/<name of the scenario>]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Start over, whatever results are there
+    /// Start over and discard earlier results
     #[arg(long)]
     pub force: bool,
-    /// Print the resolved scenario, or the cases of a sweep with a guess of their cost, and run nothing
+    /// Print the resolved scenario, or the cases of a sweep with an estimate of their cost, and run nothing
     #[arg(long)]
     pub dry_run: bool,
-    /// Run a case for each value of a key, given as FROM:TO:STEP or A,B,C; of several keys, every combination
+    /// Run a case for each value of a key, given as FROM:TO:STEP or A,B,C; with several keys, every combination
     #[arg(long, value_name = "KEY=VALUES")]
     pub vary: Vec<String>,
-    /// Cases at a time; they share the threads [default: as many as threads]
+    /// Cases to run at a time; they share the threads [default: as many as threads]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub jobs: Option<u16>,
-    /// Run the K-th of N shares of the cases only
+    /// Run only the K-th of N shares of the cases
     #[arg(long, value_name = "K/N", default_value = "1/1", value_parser = sweep::shard)]
     pub shard: Shard,
-    /// Run cases again that failed before
+    /// Run cases that failed before once more
     #[arg(long)]
     pub retry_failed: bool,
-    /// Begin no further case after one that failed
+    /// Start no further case after one has failed
     #[arg(long)]
     pub fail_fast: bool,
     /// Run more than 100000 cases
@@ -69,32 +70,33 @@ fn duration(text: &str) -> Result<Duration, String> {
 
 /// Runs a scenario.
 pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), Failure> {
-    let family = Family::load(&arguments.scenario, &arguments.overrides, &arguments.vary)?;
+    let case_set =
+        experiment::case_set(&arguments.scenario, &arguments.overrides, &arguments.vary)?;
     let directory = arguments
         .out
         .clone()
-        .unwrap_or_else(|| Path::new("results").join(family.name()));
+        .unwrap_or_else(|| Path::new("results").join(case_set.name()));
     let options = RunOptions {
         force: arguments.force,
         progress: !common.quiet,
         timeout: arguments.timeout,
         ..RunOptions::new(directory)
     };
-    if family.is_sweep() {
-        return sweep::run(arguments, &family, options);
+    if case_set.is_sweep() {
+        return sweep::run(arguments, &case_set, options);
     }
-    let prepared = prepare(&family)?;
+    let prepared = prepare(&case_set)?;
     if arguments.dry_run {
         // The scene must be possible, too.
         try_scene(&prepared)?;
         return print(&prepared.scenario_toml);
     }
-    print(&summary(&experiment::run(&prepared, &options)?))
+    print(&summary(&crate::run::run(&prepared, &options)?))
 }
 
-/// Builds the scene of a family of one.
-pub fn prepare(family: &Family) -> Result<PreparedRun, Failure> {
-    let loaded = family.scenario_of(0)?;
+/// Builds the scene of a case_set of one.
+pub fn prepare(case_set: &CaseSet) -> Result<PreparedRun, Failure> {
+    let loaded = case_set.scenario_of(0)?;
     experiment::prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues).into())
 }
 
@@ -105,7 +107,7 @@ fn summary(outcome: &RunOutcome) -> String {
         RunStatus::Finished => "finished\n".to_owned(),
         RunStatus::Resumed { from } => format!("finished, continued from {from}\n"),
         RunStatus::AlreadyFinished => {
-            "finished before; nothing was run (--force starts over)\n".to_owned()
+            "already finished; nothing was run (--force starts over)\n".to_owned()
         }
     };
     let mut line = |name: &str, value: String| {
@@ -132,19 +134,11 @@ fn summary(outcome: &RunOutcome) -> String {
     if let Some(distance) = case.minimum_distance {
         line("smallest distance", format!("{:.4} mm", 1e3 * distance));
     }
-    if let Some(knot) = &case.knot {
-        if let (Some(length), Some(traction)) = (knot.length_normalized, knot.traction_n) {
-            let pulled = format!("l̄_k = {length:.2} radii shorter, traction {traction:.4} N");
-            line("pulled to", pulled);
-        }
-        if knot.may_invert {
-            let point = |at: Option<f64>| at.map_or("none".to_owned(), |l| format!("l̄_k = {l:.2}"));
-            line("inversion, by force", point(knot.inversion_by_force));
-            line("inversion, by height", point(knot.inversion_by_height));
-        }
-        if let Some(ending) = knot.knot_ending {
-            line("ended early", ending.in_words().to_owned());
-        }
+    for (name, value) in &outcome.highlights {
+        line(name, value.clone());
+    }
+    if let Some(ending) = &case.ending {
+        line("ended early", ending.sentence.clone());
     }
     line(
         "wall time",

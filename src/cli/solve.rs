@@ -4,9 +4,9 @@ use super::failure::Failure;
 use super::output::print_json;
 use super::solve_arm::{ForwardArguments, InverseArguments};
 use super::solve_knot::KnotInversionArguments;
-use crate::experiment::estimated_critical_distance;
+use crate::experiment::{HelixStability, estimated_critical_distance};
 use crate::mechanics::kirchhoff::{HangingStrip, HeavyLoop, Helix, critical_distance};
-use crate::scenario::{HelixStability, metres};
+use crate::scenario::metres;
 use clap::{Args, Subcommand, ValueEnum};
 use serde::Serialize;
 

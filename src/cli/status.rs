@@ -3,9 +3,9 @@
 use super::failure::Failure;
 use super::output::print;
 use crate::cluster::{self, ClusterError, Jobs, Task};
-use crate::experiment::sweep::{self, CaseCounts, Shard};
 use crate::results::{CaseRecord, CaseStatus};
 use crate::scenario::Case;
+use crate::sweep::{self, CaseCounts, Shard};
 use clap::Args;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -54,7 +54,7 @@ struct TaskLine {
 
 /// Prints how the cases of a sweep stand, and the tasks that run them.
 pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
-    let standing = sweep::standing(&arguments.directory)?;
+    let records = sweep::case_records(&arguments.directory)?;
     let jobs = Jobs::read(&arguments.directory)?;
     let queue = match &jobs {
         None => BTreeMap::new(),
@@ -67,7 +67,7 @@ pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
             tasks => tasks?,
         },
     };
-    let status = status_of(&standing, jobs.map_or(0, |jobs| jobs.tasks), queue);
+    let status = status_of(&records, jobs.map_or(0, |jobs| jobs.tasks), queue);
     if arguments.json {
         let text = serde_json::to_string_pretty(&status).expect("a status has string keys only");
         return print(&format!("{text}\n"));
@@ -76,18 +76,18 @@ pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
 }
 
 fn status_of(
-    standing: &[(Case, CaseRecord)],
+    records: &[(Case, CaseRecord)],
     tasks: usize,
     mut queue: BTreeMap<usize, Task>,
 ) -> Status {
     let mut counts = CaseCounts::default();
-    standing
+    records
         .iter()
         .for_each(|(_, record)| counts.add(record.status));
     let task = |number: usize| {
         let shard = Shard { number, of: tasks };
-        let indices: Vec<usize> = shard.indices(standing.len()).collect();
-        let finished = |index: &&usize| standing[**index].1.status == CaseStatus::Finished;
+        let indices: Vec<usize> = shard.indices(records.len()).collect();
+        let finished = |index: &&usize| records[**index].1.status == CaseStatus::Finished;
         TaskLine {
             number,
             finished: indices.iter().filter(finished).count(),
@@ -102,7 +102,7 @@ fn status_of(
     };
     Status {
         counts,
-        cases: standing.iter().map(case).collect(),
+        cases: records.iter().map(case).collect(),
         tasks: (1..=tasks).map(task).collect(),
     }
 }

@@ -4,10 +4,11 @@ use super::failure::Failure;
 use super::output::print;
 use super::sweep::refuse_too_many;
 use crate::cluster::{self, Jobs, Program, Request, TaskState};
-use crate::experiment::RunOptions;
-use crate::experiment::sweep::{self, Shard};
+use crate::experiment::case_set;
 use crate::results::{CaseRecord, SCENARIO};
-use crate::scenario::{Case, Family};
+use crate::run::RunOptions;
+use crate::scenario::{Case, CaseSet};
+use crate::sweep::{self, Shard};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -23,8 +24,8 @@ Examples:
   rodlab submit sweep.toml --wrapper \"apptainer exec rodlab.sif\" --print    the script only
 
 Each task of the job array runs one share of the cases. A minute before its time limit it writes checkpoints and
-puts itself into the queue again. The same command again submits what is neither finished nor in the queue, for
-example after `scancel`. `rodlab status DIR` shows how it stands, `rodlab gather DIR` makes the tables of the whole.")]
+puts itself into the queue again. The same command submits what is neither finished nor in the queue, for example
+after `scancel`. `rodlab status DIR` shows the progress, `rodlab gather DIR` makes the tables of the whole sweep.")]
 pub struct SubmitArguments {
     /// The scenario file, with what is varied
     pub scenario: PathBuf,
@@ -37,22 +38,22 @@ pub struct SubmitArguments {
     /// Where the results go, seen by all machines [default: results/<name of the scenario>]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Tasks of the job array, among which the cases are shared [default: one per case, at most 64]
+    /// Tasks of the job array; the cases are divided among them [default: one per case, at most 64]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub tasks: Option<u32>,
-    /// Tasks that run at a time
+    /// Most tasks that may run at a time
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub array_limit: Option<u32>,
     /// The partition
     #[arg(long, value_name = "NAME")]
     pub partition: Option<String>,
-    /// Time limit of a task in the words of Slurm, such as 8:00:00
+    /// Time limit of a task in Slurm's format, such as 8:00:00
     #[arg(long, value_name = "TIME")]
     pub time: Option<String>,
     /// Memory of a task, such as 2G
     #[arg(long, value_name = "SIZE")]
     pub memory: Option<String>,
-    /// Cores of a task; so many of its cases run at a time
+    /// Cores of a task; it runs as many cases at a time
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
     pub cores: u16,
     /// The account that is charged
@@ -77,14 +78,14 @@ pub struct SubmitArguments {
 
 /// Submits what is neither finished nor in the queue.
 pub fn submit(arguments: &SubmitArguments) -> Result<(), Failure> {
-    let family = Family::load(&arguments.scenario, &arguments.overrides, &arguments.vary)?;
-    refuse_too_many(&family, arguments.yes)?;
-    if !family.is_sweep() {
+    let case_set = case_set(&arguments.scenario, &arguments.overrides, &arguments.vary)?;
+    refuse_too_many(&case_set, arguments.yes)?;
+    if !case_set.is_sweep() {
         return Err(Failure::Input(
             "nothing is varied: a job array needs a [sweep] or --vary".to_owned(),
         ));
     }
-    if family.search().is_some() {
+    if case_set.search().is_some() {
         return Err(Failure::Input(
             "a search runs its cases one after the other: use `rodlab run`".to_owned(),
         ));
@@ -92,30 +93,31 @@ pub fn submit(arguments: &SubmitArguments) -> Result<(), Failure> {
     let directory = arguments
         .out
         .clone()
-        .unwrap_or_else(|| Path::new("results").join(family.name()));
+        .unwrap_or_else(|| Path::new("results").join(case_set.name()));
     let directory = std::path::absolute(&directory)
         .map_err(|error| Failure::System(format!("{}: {error}", directory.display())))?;
     let known = Jobs::read(&directory)?;
     let mut jobs = known.unwrap_or_else(|| Jobs {
-        tasks: tasks_of(&family, arguments.tasks),
+        tasks: tasks_of(&case_set, arguments.tasks),
         jobs: Vec::new(),
     });
-    let executable = std::env::current_exe()
-        .map_err(|error| Failure::System(format!("where this program lies: {error}")))?;
+    let executable = std::env::current_exe().map_err(|error| {
+        Failure::System(format!("cannot find the path of this program: {error}"))
+    })?;
     let program = Program {
         executable,
         scenario: directory.join(SCENARIO),
         directory: directory.clone(),
         tasks: jobs.tasks,
     };
-    let request = request(arguments, family.name());
+    let request = request(arguments, case_set.name());
     if arguments.print {
         let all: Vec<usize> = (1..=jobs.tasks).collect();
-        return print(&cluster::script(&program, &request, &all));
+        return print(&cluster::script(&program, &request, &all)?);
     }
-    sweep::establish(&family, &RunOptions::new(&directory))?;
+    sweep::establish(&case_set, &RunOptions::new(&directory))?;
     let queue = cluster::tasks(&jobs.jobs)?;
-    let left: Vec<usize> = unfinished_tasks(&sweep::standing(&directory)?, jobs.tasks)
+    let left: Vec<usize> = unfinished_tasks(&sweep::case_records(&directory)?, jobs.tasks)
         .into_iter()
         .filter(|task| {
             queue
@@ -138,13 +140,13 @@ pub fn submit(arguments: &SubmitArguments) -> Result<(), Failure> {
     ))
 }
 
-fn tasks_of(family: &Family, asked: Option<u32>) -> usize {
-    let cases = usize::try_from(family.count()).unwrap_or(usize::MAX);
+fn tasks_of(case_set: &CaseSet, asked: Option<u32>) -> usize {
+    let cases = usize::try_from(case_set.count()).unwrap_or(usize::MAX);
     asked.map_or(TASKS, |tasks| tasks as usize).min(cases)
 }
 
 /// Tasks with cases that are not over.
-fn unfinished_tasks(standing: &[(Case, CaseRecord)], tasks: usize) -> Vec<usize> {
+fn unfinished_tasks(records: &[(Case, CaseRecord)], tasks: usize) -> Vec<usize> {
     (1..=tasks)
         .filter(|number| {
             let shard = Shard {
@@ -152,8 +154,8 @@ fn unfinished_tasks(standing: &[(Case, CaseRecord)], tasks: usize) -> Vec<usize>
                 of: tasks,
             };
             shard
-                .indices(standing.len())
-                .any(|index| !standing[index].1.status.is_final())
+                .indices(records.len())
+                .any(|index| !records[index].1.status.is_final())
         })
         .collect()
 }

@@ -3,11 +3,11 @@
 use super::failure::Failure;
 use super::output::print;
 use super::run::RunArguments;
-use crate::experiment::RunOptions;
-use crate::experiment::sweep::{
+use crate::run::RunOptions;
+use crate::scenario::{CaseSet, Parameter};
+use crate::sweep::{
     self, Found, SEARCH_TABLE, Shard, SweepOptions, SweepOutcome, derived_numbers_of,
 };
-use crate::scenario::{Family, Parameter};
 use std::fmt::Write;
 use std::num::NonZeroUsize;
 
@@ -27,12 +27,16 @@ pub fn shard(text: &str) -> Result<Shard, String> {
 }
 
 /// Runs a sweep, or lists its cases.
-pub fn run(arguments: &RunArguments, family: &Family, options: RunOptions) -> Result<(), Failure> {
-    refuse_too_many(family, arguments.yes)?;
+pub fn run(
+    arguments: &RunArguments,
+    case_set: &CaseSet,
+    options: RunOptions,
+) -> Result<(), Failure> {
+    refuse_too_many(case_set, arguments.yes)?;
     let jobs = arguments.jobs.map(usize::from);
     let jobs = jobs.unwrap_or_else(rayon::current_num_threads);
     if arguments.dry_run {
-        return list(family, arguments.shard, jobs);
+        return list(case_set, arguments.shard, jobs);
     }
     let options = SweepOptions {
         run: options,
@@ -41,12 +45,12 @@ pub fn run(arguments: &RunArguments, family: &Family, options: RunOptions) -> Re
         retry_failed: arguments.retry_failed,
         fail_fast: arguments.fail_fast,
     };
-    report(family, &sweep::run_sweep(family, &options)?)
+    report(case_set, &sweep::run_sweep(case_set, &options)?)
 }
 
 /// Refuses numbers of cases that are more likely a slip of the fingers.
-pub fn refuse_too_many(family: &Family, yes: bool) -> Result<(), Failure> {
-    let count = family.count();
+pub fn refuse_too_many(case_set: &CaseSet, yes: bool) -> Result<(), Failure> {
+    let count = case_set.count();
     let countable = usize::try_from(count).is_ok();
     if count > MOST_CASES && !(yes && countable) {
         return Err(Failure::Input(format!(
@@ -57,12 +61,12 @@ pub fn refuse_too_many(family: &Family, yes: bool) -> Result<(), Failure> {
 }
 
 /// Prints the cases of a share, their values and what they would cost.
-fn list(family: &Family, shard: Shard, jobs: usize) -> Result<(), Failure> {
-    sweep::check_every_value(family)?;
-    let count = family.count() as usize;
+fn list(case_set: &CaseSet, shard: Shard, jobs: usize) -> Result<(), Failure> {
+    sweep::check_every_value(case_set)?;
+    let count = case_set.count() as usize;
     let mut text = String::new();
     for index in shard.indices(count) {
-        let case = family.case(index);
+        let case = case_set.case(index);
         // Writing to a string cannot fail.
         let _ = write!(text, "{}", case.id);
         for Parameter { key, typed, .. } in &case.parameters {
@@ -74,39 +78,39 @@ fn list(family: &Family, shard: Shard, jobs: usize) -> Result<(), Failure> {
     let _ = writeln!(
         text,
         "{cases} cases, {jobs} at a time; {}",
-        cost(family, shard, jobs)?
+        cost(case_set, shard, jobs)?
     );
-    if let Some(search) = family.search() {
+    if let Some(search) = case_set.search() {
         let _ = writeln!(
             text,
-            "each a search by `{}`, of several cases",
+            "each of them is a search by `{}` and takes several cases",
             search.objective
         );
     }
     print(&text)
 }
 
-/// A guess of the time that the cases take.
-fn cost(family: &Family, shard: Shard, jobs: usize) -> Result<String, Failure> {
-    let indices: Vec<usize> = shard.indices(family.count() as usize).collect();
+/// An estimate of the time that the cases take.
+fn cost(case_set: &CaseSet, shard: Shard, jobs: usize) -> Result<String, Failure> {
+    let indices: Vec<usize> = shard.indices(case_set.count() as usize).collect();
     let costed = indices.len().min(COSTED_CASES);
     let mut seconds = 0.0;
     for place in 0..costed {
         // Spread over the sweep: its ends may cost differently.
         let index = indices[place * indices.len() / costed];
-        match derived_numbers_of(family, index)?.rough_wall_time {
+        match derived_numbers_of(case_set, index)?.rough_wall_time {
             Some(time) => seconds += time,
-            None => return Ok("no guess of the time they take".to_owned()),
+            None => return Ok("no estimate of the time they take".to_owned()),
         }
     }
     let seconds = seconds * indices.len() as f64 / (costed.max(1) * jobs) as f64;
     Ok(format!(
-        "roughly {seconds:.1} s, without contact, right to a factor of three"
+        "roughly {seconds:.1} s without contact, within a factor of three"
     ))
 }
 
 /// Prints what a sweep came to; cases that failed decide the exit code.
-pub fn report(family: &Family, outcome: &SweepOutcome) -> Result<(), Failure> {
+pub fn report(case_set: &CaseSet, outcome: &SweepOutcome) -> Result<(), Failure> {
     let mut text = format!("{}\n", outcome.counts);
     let mut line = |name: &str, value: String| {
         // Writing to a string cannot fail.
@@ -114,7 +118,7 @@ pub fn report(family: &Family, outcome: &SweepOutcome) -> Result<(), Failure> {
     };
     line("results", outcome.directory.display().to_string());
     for found in &outcome.found {
-        line("found", found_in_words(family, found));
+        line("found", found_in_words(case_set, found));
     }
     if !outcome.found.is_empty() {
         line(
@@ -137,16 +141,16 @@ pub fn verdict(outcome: &SweepOutcome) -> Result<(), Failure> {
     }
 }
 
-fn found_in_words(family: &Family, found: &Found) -> String {
-    let case = family.searched_case(found.index, found.value.unwrap_or(found.interval[0]));
+fn found_in_words(case_set: &CaseSet, found: &Found) -> String {
+    let case = case_set.searched_case(found.index, found.value.unwrap_or(found.interval[0]));
     let mut words: Vec<String> = case
         .parameters
         .iter()
         .map(|parameter| format!("{} = {}", parameter.key, parameter.typed))
         .collect();
-    if let Some(trouble) = &found.trouble {
+    if let Some(failure) = &found.failure {
         words.pop();
-        words.push(trouble.clone());
+        words.push(failure.clone());
     }
     format!("{} ({} cases)", words.join(", "), found.evaluations)
 }
@@ -158,14 +162,14 @@ fn why(outcome: &SweepOutcome) -> String {
     }
     if outcome.counts.not_good() > 0 {
         return format!(
-            "{} cases failed; `{directory}/manifest.json` says why, and --retry-failed tries them again",
+            "{} cases failed; `{directory}/manifest.json` holds the reasons, --retry-failed runs them again",
             outcome.counts.not_good()
         );
     }
     if outcome.counts.unfinished > 0 {
         return format!("not all cases were run; the same command continues in `{directory}`");
     }
-    "the search came to no end".to_owned()
+    "the search did not reach its end; `search.csv` holds the reason".to_owned()
 }
 
 #[cfg(test)]

@@ -2,21 +2,28 @@
 
 use super::failure::Failure;
 use super::output::print;
-use crate::experiment::verify::{self, Check, Verdict};
+use crate::verify::{self, Check, GroupResult, Verdict};
 use clap::Args;
 use serde::Serialize;
 
 /// Arguments of `rodlab verify`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Every row compares the engine with theory: expected, got, error, verdict. Exit code 4 when one fails.")]
+Examples:
+  rodlab verify
+  rodlab verify --markdown > results/reproduced/verify.md
+
+Every row compares the engine with theory: expected value, value found, error, verdict. Exit code 4 if one fails.")]
 pub struct VerifyArguments {
-    /// Run the slow checks, too
+    /// Run the slow checks as well
     #[arg(long)]
     pub full: bool,
     /// Print the rows as JSON
-    #[arg(long)]
+    #[arg(long, conflicts_with = "markdown")]
     pub json: bool,
+    /// Print a page in Markdown, a table per group
+    #[arg(long)]
+    pub markdown: bool,
 }
 
 /// A row of the table with its verdict.
@@ -29,7 +36,8 @@ struct Row<'a> {
 
 /// Runs the checks and prints their table.
 pub fn verify(arguments: &VerifyArguments) -> Result<(), Failure> {
-    let checks = verify::verify(arguments.full);
+    let groups = verify::verify(arguments.full);
+    let checks = all_checks(&groups);
     let rows: Vec<Row> = checks
         .iter()
         .map(|check| Row {
@@ -37,7 +45,9 @@ pub fn verify(arguments: &VerifyArguments) -> Result<(), Failure> {
             verdict: check.verdict(),
         })
         .collect();
-    if arguments.json {
+    if arguments.markdown {
+        print(&verify::markdown(&groups))?;
+    } else if arguments.json {
         let text = serde_json::to_string_pretty(&rows)
             .map_err(|error| Failure::System(format!("the table cannot be written: {error}")))?;
         print(&format!("{text}\n"))?;
@@ -53,4 +63,11 @@ pub fn verify(arguments: &VerifyArguments) -> Result<(), Failure> {
     } else {
         Err(Failure::Checks { failed })
     }
+}
+
+fn all_checks(groups: &[GroupResult]) -> Vec<Check> {
+    groups
+        .iter()
+        .flat_map(|group| group.checks.iter().cloned())
+        .collect()
 }

@@ -4,7 +4,7 @@ use super::arguments::Common;
 use super::failure::Failure;
 use super::output::print;
 use crate::cell::Cell;
-use crate::experiment::write_page;
+use crate::report::write_page;
 use crate::results::{PAGE, write_whole};
 use crate::robot::JointTrajectory;
 use clap::Args;
@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct ViewArguments {
-    /// The results directory: of a run or a sweep, finished or still at work; or a cell file (.toml)
+    /// The results directory of a run or a sweep, finished or still running; or a cell file (.toml)
     pub directory: PathBuf,
     /// With a cell file: the joint trajectory along which its arms move
     #[arg(long, value_name = "FILE")]

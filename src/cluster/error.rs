@@ -32,6 +32,16 @@ pub enum ClusterError {
         /// What the operating system said.
         source: io::Error,
     },
+    /// Something that must stand on one line of the batch script does not (exit code 2).
+    #[error(
+        "the {what} {text:?} cannot stand in a batch script: no line breaks, other control characters or, in the name of the results directory, quotes and backslashes"
+    )]
+    NotOneLine {
+        /// What it is.
+        what: &'static str,
+        /// What it reads.
+        text: String,
+    },
     /// The record of the jobs is damaged (exit code 1).
     #[error("`{}` cannot be understood: {reason}", path.display())]
     Damaged {

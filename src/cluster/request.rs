@@ -43,4 +43,25 @@ impl Request {
         options.extend(self.extra.iter().cloned());
         options
     }
+
+    /// What the user gives of the script, each with what it is: every one must be a single line.
+    pub(super) fn lines(&self) -> Vec<(&'static str, &str)> {
+        let options = [
+            ("name of the job", Some(&self.name)),
+            ("partition", self.partition.as_ref()),
+            ("time", self.time.as_ref()),
+            ("memory", self.memory.as_ref()),
+            ("account", self.account.as_ref()),
+            ("wrapper", self.wrapper.as_ref()),
+        ];
+        let given = options
+            .into_iter()
+            .filter_map(|(what, value)| Some((what, &value?[..])));
+        let extra = self
+            .extra
+            .iter()
+            .map(|option| ("extra option", &option[..]));
+        let prologue = self.prologue.iter().map(|line| ("prologue", &line[..]));
+        given.chain(extra).chain(prologue).collect()
+    }
 }

@@ -1,7 +1,7 @@
 //! The batch script of a job array.
 
-use super::Request;
 use super::submission::LOGS;
+use super::{ClusterError, Request};
 use std::path::{Path, PathBuf};
 
 /// Seconds before its time limit at which Slurm tells a task, so that it writes its checkpoints.
@@ -28,15 +28,23 @@ pub struct Program {
 /// Task K runs the K-th share of the cases. A task that is told that its time is nearly up writes checkpoints
 /// and puts itself into the queue again; so does one whose program was killed. One that is cancelled writes
 /// checkpoints, if Slurm leaves it the time, and stays out of the queue.
-pub fn script(program: &Program, request: &Request, tasks: &[usize]) -> String {
-    let logs = program.directory.join(LOGS).join("%A_%a.log");
+///
+/// # Errors
+/// [`ClusterError::NotOneLine`] where a name or an option would break a line of the script.
+pub fn script(
+    program: &Program,
+    request: &Request,
+    tasks: &[usize],
+) -> Result<String, ClusterError> {
+    refuse_breaks(program, request)?;
+    let logs = program.directory.join(LOGS);
     let limit = request
         .array_limit
         .map_or(String::new(), |limit| format!("%{limit}"));
     let mut options = request.options();
     options.extend([
         format!("--array={}{limit}", ranges(tasks)),
-        format!("--output={}", logs.display()),
+        format!("--output={}", log_pattern(&logs)),
         "--open-mode=append".to_owned(),
         "--requeue".to_owned(),
         format!("--signal=B:USR1@{WARNING_SECONDS}"),
@@ -54,7 +62,7 @@ pub fn script(program: &Program, request: &Request, tasks: &[usize]) -> String {
         .wrapper
         .as_ref()
         .map_or(String::new(), |words| format!("{words} "));
-    format!(
+    Ok(format!(
         r#"#!/bin/bash
 # Written by `rodlab submit`: each task runs its share of the cases, and goes on where it was.
 {options}
@@ -86,7 +94,41 @@ exit $code
         directory = quoted(&program.directory),
         tasks = program.tasks,
         cores = request.cores,
-    )
+    ))
+}
+
+/// Refuses what would add lines of its own to the script: line breaks, and in paths of `#SBATCH` lines quotes.
+fn refuse_breaks(program: &Program, request: &Request) -> Result<(), ClusterError> {
+    let directory = program.directory.display().to_string();
+    let paths = [
+        (
+            "name of the program",
+            program.executable.display().to_string(),
+        ),
+        ("results directory", directory.clone()),
+        ("scenario", program.scenario.display().to_string()),
+    ];
+    let lines = request.lines();
+    let lines = lines.iter().map(|(what, line)| (*what, (*line).to_owned()));
+    let broken = |text: &str| text.contains(|character: char| character.is_control());
+    let found = paths
+        .into_iter()
+        .chain(lines)
+        .find(|(_, text)| broken(text));
+    let found = found.or_else(|| {
+        let quoted = directory.contains(['"', '\\']);
+        quoted.then_some(("results directory", directory))
+    });
+    match found {
+        Some((what, text)) => Err(ClusterError::NotOneLine { what, text }),
+        None => Ok(()),
+    }
+}
+
+/// A path with the numbers of job and task, as Slurm reads it: quoted, since it may hold blanks, a percent sign twice.
+fn log_pattern(folder: &Path) -> String {
+    let folder = folder.display().to_string();
+    format!("\"{}/%A_%a.log\"", folder.replace('%', "%%"))
 }
 
 /// A path as one word of the shell.
@@ -143,7 +185,7 @@ mod tests {
             prologue: vec!["module load gcc".into()],
             wrapper: Some("apptainer exec rods.sif".into()),
         };
-        let script = script(&program, &request, &[1, 2, 5]);
+        let script = script(&program, &request, &[1, 2, 5]).unwrap();
         let head = script.split("# Signals").next().unwrap();
         insta::assert_snapshot!(head, @r#"
         #!/bin/bash
@@ -155,7 +197,7 @@ mod tests {
         #SBATCH --mem=2G
         #SBATCH --constraint=avx2
         #SBATCH --array=1-2,5%3
-        #SBATCH --output=/data/swings/slurm/%A_%a.log
+        #SBATCH --output="/data/swings/slurm/%A_%a.log"
         #SBATCH --open-mode=append
         #SBATCH --requeue
         #SBATCH --signal=B:USR1@60
@@ -169,6 +211,31 @@ mod tests {
     }
 
     #[test]
+    fn a_line_break_in_a_name_is_refused_and_does_not_become_a_line_of_the_script() {
+        let program = |directory: &str| Program {
+            executable: "rodlab".into(),
+            directory: directory.into(),
+            scenario: "/data/scenario.toml".into(),
+            tasks: 1,
+        };
+        let refused = |directory: &str, request: &Request| {
+            script(&program(directory), request, &[1])
+                .unwrap_err()
+                .to_string()
+        };
+        let plain = Request::default();
+        insta::assert_snapshot!(refused("/data/a\nrm -rf b", &plain), @r#"the results directory "/data/a\nrm -rf b" cannot stand in a batch script: no line breaks, other control characters or, in the name of the results directory, quotes and backslashes"#);
+        insta::assert_snapshot!(refused("/data/a\"b", &plain), @r#"the results directory "/data/a\"b" cannot stand in a batch script: no line breaks, other control characters or, in the name of the results directory, quotes and backslashes"#);
+        let named = Request {
+            name: "a\n#SBATCH --exclusive".into(),
+            ..Request::default()
+        };
+        insta::assert_snapshot!(refused("/data", &named), @r#"the name of the job "a\n#SBATCH --exclusive" cannot stand in a batch script: no line breaks, other control characters or, in the name of the results directory, quotes and backslashes"#);
+        let text = script(&program("/data/a b/50%"), &plain, &[1]).unwrap();
+        assert!(text.contains("#SBATCH --output=\"/data/a b/50%%/slurm/%A_%a.log\"\n"));
+    }
+
+    #[test]
     #[cfg(unix)]
     fn the_shell_understands_the_script() {
         let program = Program {
@@ -179,7 +246,8 @@ mod tests {
         };
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join("script");
-        std::fs::write(&path, script(&program, &Request::default(), &[1])).unwrap();
+        let script = script(&program, &Request::default(), &[1]).unwrap();
+        std::fs::write(&path, script).unwrap();
         let checked = std::process::Command::new("bash")
             .arg("-n")
             .arg(path)

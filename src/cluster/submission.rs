@@ -80,7 +80,7 @@ pub fn submit(
         path: logs,
         source,
     })?;
-    let job = sbatch(&script(program, request, tasks))?;
+    let job = sbatch(&script(program, request, tasks)?)?;
     jobs.jobs.push(job);
     jobs.write(&program.directory)?;
     Ok(job)

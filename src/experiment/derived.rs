@@ -1,10 +1,11 @@
 //! Numbers that follow from a scenario, for people to judge it before it runs.
 
-use super::prepared::{Mode, PreparedRun};
+use super::{OwnNumbers, kind_named};
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::StepSize;
 use crate::mechanics::fluid::FluidModel;
 use crate::mechanics::scene::{Clamp, LoadKind, RodDescription, Scene};
+use crate::run::{Mode, PreparedRun};
 use serde::Serialize;
 use std::f64::consts::TAU;
 use std::fmt;
@@ -31,8 +32,9 @@ pub struct DerivedNumbers {
     pub experiment: String,
     /// The rods.
     pub rods: Vec<DerivedRod>,
-    /// The knot, where one is tied.
-    pub knot: Option<DerivedKnot>,
+    /// Those of its kind of experiment.
+    #[serde(flatten)]
+    pub own: Option<OwnNumbers>,
     /// Unknowns of Newton's method, those held by clamps and obstacles not counted.
     pub degrees_of_freedom: usize,
     /// Reynolds number ρ v h/η of the fastest driven motion, with the rods' density and radius; `None`
@@ -69,17 +71,6 @@ pub struct DerivedRod {
     pub bending_period: f64,
 }
 
-/// Numbers of a knot.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct DerivedKnot {
-    /// Its determinant.
-    pub determinant: u64,
-    /// Speed at which each end is pulled, m/s.
-    pub pull_speed: f64,
-    /// l̄_k = (L − l_c)/h at the start and at the end of the pull.
-    pub length_normalized: [f64; 2],
-}
-
 /// Derives the numbers.
 pub fn derived_numbers(prepared: &PreparedRun) -> DerivedNumbers {
     let scene = &prepared.scene;
@@ -104,7 +95,7 @@ pub fn derived_numbers(prepared: &PreparedRun) -> DerivedNumbers {
             Mode::Dynamic { .. } => advised_step(scene, &rods, speed),
         },
         steps,
-        knot: derived_knot(prepared),
+        own: kind_named(&prepared.experiment).and_then(|kind| kind.derived(prepared)),
         rough_wall_time: steps.map(|steps| steps * seconds_per_step(scene)),
         rods,
     }
@@ -132,21 +123,6 @@ fn derived_rod(rod: &RodDescription, gravity: f64) -> DerivedRod {
         gravito_bending_length: (gravity > 0.0).then(|| (bending / (2.0 * weight)).cbrt()),
         bending_period: TAU / frequency,
     }
-}
-
-fn derived_knot(prepared: &PreparedRun) -> Option<DerivedKnot> {
-    let (knot, Mode::Dynamic { end }) = (prepared.knot?, prepared.mode) else {
-        return None;
-    };
-    let rods = prepared.scene.rods.iter().take(knot.rods);
-    let rods: Vec<&[Vector3]> = rods.map(|rod| &rod.centreline[..]).collect();
-    let start = knot.length_normalized(&rods);
-    let pulled = 2.0 * knot.pull_speed * (end - knot.pulled_from).max(0.0);
-    Some(DerivedKnot {
-        determinant: knot.determinant,
-        pull_speed: knot.pull_speed,
-        length_normalized: [start, start - pulled / knot.radius],
-    })
 }
 
 /// Size of the total acceleration of free fall, m/s².
@@ -323,14 +299,8 @@ impl fmt::Display for DerivedNumbers {
             }
             line("  bending period", format!("{:.4e} s", rod.bending_period))?;
         }
-        if let Some(knot) = &self.knot {
-            let [start, end] = knot.length_normalized;
-            line("knot", format!("determinant {}", knot.determinant))?;
-            line(
-                "  pull speed of each end",
-                format!("{:.3} mm/s", 1e3 * knot.pull_speed),
-            )?;
-            line("  pulled from, to", format!("l̄_k = {start:.1}, {end:.1}"))?;
+        for (name, value) in self.own.iter().flat_map(OwnNumbers::lines) {
+            line(name, value.clone())?;
         }
         line("degrees of freedom", self.degrees_of_freedom.to_string())?;
         if let Some(number) = self.reynolds_number {
@@ -363,8 +333,7 @@ impl DerivedRod {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::prepare;
-    use crate::scenario::load;
+    use crate::experiment::{load, prepare};
     use std::path::Path;
 
     fn derived(scenario: &str, set: &[&str]) -> DerivedNumbers {
@@ -398,16 +367,6 @@ mod tests {
         assert!((step - TAU / 15.0 / 400.0).abs() < 1e-12, "{step}");
         let slow = derived("flagella_m2.toml", &["flagella.angular_velocity=1.5"]);
         assert!((slow.advised_step.unwrap() / step - 10.0).abs() < 1e-9);
-    }
-
-    #[test]
-    fn a_knot_is_pulled_from_and_to_a_shortening() {
-        let knot = derived("reef.toml", &[]).knot.unwrap();
-        assert_eq!((knot.determinant, knot.pull_speed), (9, 5e-3));
-        // (0.6 − 0.36)/0.0016, and less by 2 · 5 mm/s · 18 s.
-        assert!((knot.length_normalized[0] - 150.0).abs() < 1e-9);
-        assert!((knot.length_normalized[1] - 37.5).abs() < 1e-9);
-        assert_eq!(derived("heavy_cantilever.toml", &[]).knot, None);
     }
 
     #[test]

@@ -1,31 +1,119 @@
-//! Experiments: a scenario becomes a scene, is run, and gives an outcome.
+//! Experiments: a scenario becomes a scene, with what is observed of it.
+//!
+//! Each kind of experiment is a folder of this room that implements [`Kind`] and stands in [`KINDS`]; nothing else in
+//! the house knows it by name.
+//!
+//! | file | what |
+//! |---|---|
+//! | `kind` | what makes a kind of experiment |
+//! | `prepare` | from a scenario to a run: the common tables, then what its kind adds |
+//! | `probes` | what a scenario asks to be measured, in terms of its scene |
+//! | `derived` | numbers for `rodlab check` |
+//! | `scene`, `flagella`, `knot`, `helix` | the kinds |
 
-mod case_folders;
-mod curve;
 mod derived;
 mod flagella;
-mod gripper_motion;
-mod helix_manipulation;
-mod helix_stability;
-mod knot_course;
-mod knot_observer;
-mod knot_tightening;
-mod plot;
-mod prepared;
-pub mod reproduce;
-mod run;
+pub(crate) mod helix;
+mod kind;
+pub(crate) mod knot;
+mod prepare;
+mod probes;
+#[cfg(test)]
+mod probes_tests;
 mod scene;
-pub mod sweep;
-mod tied_knot;
-pub mod verify;
-mod view;
-mod workers;
+#[cfg(test)]
+mod tests;
 
 pub use derived::{DerivedNumbers, DerivedRod, derived_numbers};
-pub use helix_stability::{discrete_critical_distance, estimated_critical_distance};
-pub use knot_observer::{KnotGlance, KnotObserver};
-pub use plot::{CustomFigure, PlotError, custom_figure, plot_results, write_figure};
-pub use prepared::{Mode, OutputPlan, PreparedRun};
-pub use run::{AmongBars, Reached, RunError, RunOptions, RunOutcome, RunStatus, StopRequest, run};
-pub use scene::{prepare, try_scene};
-pub use view::{ViewError, WrittenPage, write_page};
+pub use helix::stability::{
+    HelixSearch, HelixStability, discrete_critical_distance, estimated_critical_distance,
+};
+pub use kind::{FigureError, FileNote, Kind, OwnNumbers, Page};
+pub use knot::{
+    KnotEnding, KnotMonitor, KnotObserver, KnotOutcome, KnotRow, KnotSample, read_knot_series,
+};
+pub use prepare::{prepare, try_scene};
+
+use crate::scenario::keys::ExperimentKeys;
+use crate::scenario::{self, CaseSet, Experiments, Loaded, ScenarioError};
+use std::path::Path;
+use std::sync::LazyLock;
+
+/// All kinds of experiments, in the order in which they are listed to people.
+pub static KINDS: &[&dyn Kind] = &[
+    &scene::SceneKind,
+    &flagella::FlagellaKind,
+    &knot::TighteningKind,
+    &knot::InversionKind,
+    &helix::stability::HelixStabilityKind,
+];
+
+/// The same, as scenario files see them.
+static EXPERIMENTS: LazyLock<Experiments> = LazyLock::new(|| {
+    let keys: Vec<&dyn ExperimentKeys> = KINDS.iter().map(|kind| *kind as _).collect();
+    Experiments::new(keys.leak())
+});
+
+/// The kind of a name.
+pub fn kind_named(name: &str) -> Option<&'static dyn Kind> {
+    KINDS.iter().copied().find(|kind| kind.name() == name)
+}
+
+/// Reads, merges, overrides and resolves a scenario file; see [`scenario::load`].
+///
+/// # Errors
+/// Everything that is wrong with it.
+pub fn load(path: &Path, overrides: &[String]) -> Result<Loaded, ScenarioError> {
+    scenario::load(*EXPERIMENTS, path, overrides)
+}
+
+/// Resolves the text of a scenario, called `name`, that names other files relative to `directory`; see
+/// [`scenario::from_text`].
+///
+/// # Errors
+/// Everything that is wrong with it.
+pub fn from_text(
+    name: &str,
+    text: &str,
+    directory: &Path,
+    overrides: &[String],
+) -> Result<Loaded, ScenarioError> {
+    scenario::from_text(*EXPERIMENTS, name, text, directory, overrides)
+}
+
+/// Reads a scenario file with its sweep; see [`CaseSet::load`].
+///
+/// # Errors
+/// Everything that is wrong with the file and its sweep.
+pub fn case_set(
+    path: &Path,
+    overrides: &[String],
+    varied: &[String],
+) -> Result<CaseSet, ScenarioError> {
+    CaseSet::load(*EXPERIMENTS, path, overrides, varied)
+}
+
+/// The cases in the text of a scenario; see [`CaseSet::from_text`].
+///
+/// # Errors
+/// As [`case_set`].
+pub fn case_set_from_text(
+    name: &str,
+    text: &str,
+    directory: &Path,
+) -> Result<CaseSet, ScenarioError> {
+    CaseSet::from_text(*EXPERIMENTS, name, text, directory)
+}
+
+/// JSON Schema of scenario files; see [`scenario::json_schema`].
+pub fn json_schema() -> serde_json::Value {
+    scenario::json_schema(*EXPERIMENTS)
+}
+
+/// Explains a dotted key; see [`scenario::explain`].
+///
+/// # Errors
+/// A message with the nearest key, if there is no such key.
+pub fn explain(key: &str) -> Result<String, String> {
+    scenario::explain(*EXPERIMENTS, key)
+}

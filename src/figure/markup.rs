@@ -7,6 +7,37 @@ pub fn escape(text: &str) -> String {
         .replace('>', "&gt;")
 }
 
+/// A template with `{{name}}` replaced by the text of that name. What is put in is not searched again: a title
+/// may read `{{script}}`.
+///
+/// # Panics
+/// Where the template asks for a name that is not among `parts`.
+pub fn fill(template: &str, parts: &[(&str, &str)]) -> String {
+    let length: usize = parts.iter().map(|(_, text)| text.len()).sum();
+    let mut filled = String::with_capacity(template.len() + length);
+    let mut rest = template;
+    while let Some((before, after)) = rest.split_once("{{") {
+        let (name, after) = after.split_once("}}").expect("a name in braces");
+        let part = parts.iter().find(|(part, _)| *part == name);
+        filled += before;
+        filled += part.unwrap_or_else(|| panic!("no part `{name}`")).1;
+        rest = after;
+    }
+    filled + rest
+}
+
+/// Whether the beginning of a file is that of a page of ours.
+pub fn is_page(head: &[u8]) -> bool {
+    let head = String::from_utf8_lossy(head);
+    head.starts_with("<!DOCTYPE html>")
+        && head.contains(r#"<meta name="generator" content="rodlab">"#)
+}
+
+/// Whether the beginning of a file is that of a picture as we draw them: SVG or PNG.
+pub fn is_picture(head: &[u8]) -> bool {
+    head.starts_with(b"<svg") || head.starts_with(b"<?xml") || head.starts_with(b"\x89PNG")
+}
+
 /// JSON as it stands in a script element, which a name such as `</script>` must not end.
 pub fn json_in_script(value: &serde_json::Value) -> String {
     value.to_string().replace('<', "\\u003c")
@@ -15,6 +46,15 @@ pub fn json_in_script(value: &serde_json::Value) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn text_that_reads_like_a_place_is_left_alone() {
+        let filled = fill(
+            "<title>{{title}}</title>{{script}}",
+            &[("script", "f();"), ("title", "{{script}} {{title}} {{x}}")],
+        );
+        assert_eq!(filled, "<title>{{script}} {{title}} {{x}}</title>f();");
+    }
 
     #[test]
     fn tags_in_text_are_no_tags() {

@@ -16,6 +16,7 @@ mod viewer;
 
 pub use axis::AxisScale;
 pub use line_plot::{Curve, LinePlot, PlotStyle, line_plots, styled_line_plots};
+pub use markup::{is_page, is_picture};
 pub use raster::png;
 pub use snapshots::{Snapshot, snapshots};
 pub use surface::{ColouredSurface, surface_page};

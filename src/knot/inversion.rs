@@ -26,7 +26,7 @@ pub struct InversionPoint {
 /// Height of the loop, in radii of the rod, below which it lies on the braid (the bent loop may touch beside its middle)
 /// and above which it stands: four radii and more just before it snaps, depending on the unknotting number.
 const LYING: f64 = 1.0;
-const STANDING: f64 = 3.0;
+const UPRIGHT: f64 = 3.0;
 /// Decrease of l̄_k within which an inverting loop falls. That of a trefoil, which closes and does not invert, takes 10.
 const FALLING: f64 = 3.0;
 /// Decrease of l̄_k within which the traction falls in an inversion. In the same distance the corners of the polyline,
@@ -45,7 +45,7 @@ const NEARLY: f64 = 0.95;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct InversionWatch {
     /// l̄_k when the loop was last seen to stand.
-    standing: Option<f64>,
+    upright: Option<f64>,
     /// l̄_k and F̄ while l̄_k last decreased by [`DURING`].
     recent: VecDeque<(f64, f64)>,
     /// Largest part of itself that F̄ has lost; 0 as long as that is less than [`FALL`].
@@ -67,11 +67,11 @@ impl InversionWatch {
 
     fn watch_height(&mut self, knot: &TightenedKnot) {
         let Some(height) = knot.height else { return };
-        if height > STANDING {
-            self.standing = Some(knot.length);
+        if height > UPRIGHT {
+            self.upright = Some(knot.length);
         }
-        let stood_before = |length: f64| length - knot.length <= FALLING;
-        if height < LYING && self.standing.is_some_and(stood_before) {
+        let upright_before = |length: f64| length - knot.length <= FALLING;
+        if height < LYING && self.upright.is_some_and(upright_before) {
             self.point.by_height.get_or_insert(knot.length);
         }
     }
@@ -117,7 +117,7 @@ mod tests {
     use super::*;
 
     /// A traction as 1/l̄_k² that falls by `fall` of itself within 0.5 at l̄_k = 150, and a loop that then falls.
-    fn course(fall: f64) -> Vec<TightenedKnot> {
+    fn pull_record(fall: f64) -> Vec<TightenedKnot> {
         (0..400)
             .map(|k| 200.0 - 0.25 * f64::from(k))
             .map(|length| {
@@ -131,9 +131,9 @@ mod tests {
             .collect()
     }
 
-    fn inversion_point(course: &[TightenedKnot]) -> InversionPoint {
+    fn inversion_point(record: &[TightenedKnot]) -> InversionPoint {
         let mut watch = InversionWatch::default();
-        for knot in course {
+        for knot in record {
             watch.look(knot);
         }
         watch.point()
@@ -141,7 +141,7 @@ mod tests {
 
     #[test]
     fn a_fall_of_traction_and_the_loop_on_the_braid_are_found() {
-        let point = inversion_point(&course(0.5));
+        let point = inversion_point(&pull_record(0.5));
         assert_eq!(point.by_force, Some(150.0));
         assert_eq!(point.by_height, Some(149.5));
         assert!((point.difference().unwrap() - 0.5 / 149.75).abs() < 1e-15);
@@ -162,9 +162,9 @@ mod tests {
 
     #[test]
     fn fluctuations_and_slow_changes_are_no_inversion() {
-        let point = inversion_point(&course(0.2));
+        let point = inversion_point(&pull_record(0.2));
         assert_eq!((point.by_force, point.difference()), (None, None));
-        let slackening: Vec<TightenedKnot> = course(0.0)
+        let slackening: Vec<TightenedKnot> = pull_record(0.0)
             .into_iter()
             .map(|knot| TightenedKnot {
                 force: knot.length.powi(4),

@@ -5,12 +5,15 @@
 
 pub mod contact;
 pub mod dynamics;
+mod error;
 pub mod fluid;
 pub mod kirchhoff;
 pub mod rod;
 pub mod scene;
 pub mod statics;
 pub mod system;
+
+pub use error::{LoadError, Overlap, RodError, SceneError};
 
 /// A vector in space.
 pub type Vector3 = nalgebra::Vector3<f64>;

@@ -6,6 +6,7 @@
 use super::contact::ContactParameters;
 use super::fluid::FluidModel;
 use super::{UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
 
 /// A complete mechanical scene.
 #[derive(Clone, Debug, Default)]
@@ -58,6 +59,38 @@ pub struct RodDescription {
     pub held: bool,
 }
 
+impl RodDescription {
+    /// A rod with the same circular section everywhere, open and at rest, naturally straight and untwisted: what most
+    /// rods are, to be varied by the syntax of struct updates.
+    ///
+    /// `stiffness` in N and N m², `radius` in m, `mass_per_length` in kg/m. The moment of inertia about the centreline
+    /// is that of a solid circular section, ρ(I₁ + I₂) = ½ ρA h² per length.
+    pub fn uniform(
+        name: &str,
+        centreline: Vec<Vector3>,
+        stiffness: Stiffness,
+        radius: f64,
+        mass_per_length: f64,
+    ) -> Self {
+        Self {
+            name: name.into(),
+            centreline,
+            closed: false,
+            end_tangents: [None; 2],
+            first_director: None,
+            twist: 0.0,
+            natural_shape: NaturalShape::Straight,
+            stiffness,
+            radius,
+            mass_per_length,
+            rotational_inertia_per_length: 0.5 * mass_per_length * radius * radius,
+            velocity: Vector3::zeros(),
+            angular_velocity: Vector3::zeros(),
+            held: false,
+        }
+    }
+}
+
 /// The shape of a rod without stress.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NaturalShape {
@@ -67,7 +100,8 @@ pub enum NaturalShape {
     Straight,
     /// Constant material curvatures (1/m) and twist (rad/m), edge lengths as placed.
     Curved {
-        /// Natural curvatures κ̃¹, κ̃² about the two material directors, 1/m.
+        /// Natural curvatures about the two material directors, 1/m: the components κb·m₁ and κb·m₂ of the curvature
+        /// binormal.
         curvature: [f64; 2],
         /// Natural twist, rad/m.
         twist: f64,
@@ -81,7 +115,7 @@ pub enum NaturalShape {
 pub struct Stiffness {
     /// Stretching stiffness EA, N.
     pub stretching: f64,
-    /// Bending stiffnesses EI₁ (of κ¹) and EI₂ (of κ²), N m².
+    /// Bending stiffnesses EI₁ and EI₂ about the first and the second material director, N m².
     pub bending: [f64; 2],
     /// Twisting stiffness GJ, N m².
     pub twisting: f64,
@@ -110,7 +144,7 @@ pub struct Clamp {
 
 /// Prescribed motion: x(t) = pivot + R(t)(x(0) − pivot) + translation(t), frame(t) = R(t) frame(0),
 /// where R(t) turns by `angle(t) + angular_velocity · t` about `axis` first and to `orientation(t)` then.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Motion {
     /// Displacement in m at given times in s.
     pub translation: Vec<(f64, Vector3)>,

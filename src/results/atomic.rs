@@ -5,13 +5,16 @@
 //! [`place_whole`] not at all.
 
 use super::ResultsError;
-use std::fs::File;
-use std::io::Write;
+use std::fs::{self, File};
+use std::io::{Read, Write};
 use std::path::Path;
 use tempfile::NamedTempFile;
 
 /// Prefix of files being written; what is left of them after a crash is swept at the next start.
-pub(super) const TEMPORARY_PREFIX: &str = ".rodlab-";
+pub(super) const TEMPORARY_PREFIX: &str = ".rodlab-unfinished-";
+
+/// Bytes by which the kind of a file is known.
+const HEAD: u64 = 4096;
 
 /// Writes a whole file, or leaves the old one untouched.
 ///
@@ -25,6 +28,38 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), ResultsError> {
     #[cfg(unix)]
     sync(directory_of(path))?;
     Ok(())
+}
+
+/// [`write_whole`] to a place that the user chose: replaces only a file that `is_own`, as its bytes say.
+///
+/// # Errors
+/// [`ResultsError::NotOwn`] where something else stands there: a device, a link, a folder, another file; as
+/// [`write_whole`].
+pub fn replace_own(
+    path: &Path,
+    bytes: &[u8],
+    is_own: fn(&[u8]) -> bool,
+) -> Result<(), ResultsError> {
+    let refusal = |what| {
+        Err(ResultsError::NotOwn {
+            path: path.to_owned(),
+            what,
+        })
+    };
+    match fs::symlink_metadata(path) {
+        Ok(found) if found.is_dir() => return refusal("a folder"),
+        Ok(found) if !found.is_file() => return refusal("no regular file"),
+        Ok(found) if found.len() > 0 => {
+            let mut head = Vec::new();
+            let opened = File::open(path).and_then(|file| file.take(HEAD).read_to_end(&mut head));
+            opened.map_err(ResultsError::io("read", path))?;
+            if !is_own(&head) {
+                return refusal("a file of another kind");
+            }
+        }
+        _ => {}
+    }
+    write_whole(path, bytes)
 }
 
 /// The same where [`write_whole`] follows in the same directory, which makes the name of this file safe, too.
@@ -95,6 +130,28 @@ pub(super) fn create_whole(directory: &Path, name: &str, bytes: &[u8]) -> std::i
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn only_an_own_file_is_replaced_never_a_device_a_link_or_a_folder() {
+        let directory = tempfile::tempdir().unwrap();
+        let place = |name: &str| directory.path().join(name);
+        let is_own: fn(&[u8]) -> bool = |head| head.starts_with(b"own");
+        replace_own(&place("new"), b"own 1", is_own).unwrap();
+        replace_own(&place("new"), b"own 2", is_own).unwrap();
+        assert_eq!(fs::read(place("new")).unwrap(), b"own 2");
+        fs::write(place("letter"), "to a friend").unwrap();
+        fs::create_dir(place("folder")).unwrap();
+        #[cfg(unix)]
+        std::os::unix::fs::symlink(place("new"), place("link")).unwrap();
+        for name in ["letter", "folder", "link"] {
+            let error = replace_own(&place(name), b"own 3", is_own).unwrap_err();
+            assert!(matches!(error, ResultsError::NotOwn { .. }), "{error}");
+            assert_eq!(error.exit_code(), 2);
+        }
+        assert!(replace_own(Path::new("/dev/null"), b"own", is_own).is_err());
+        assert_eq!(fs::read(place("letter")).unwrap(), b"to a friend");
+        assert_eq!(fs::read(place("new")).unwrap(), b"own 2");
+    }
     use std::fs;
 
     #[test]

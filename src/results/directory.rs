@@ -3,6 +3,7 @@
 use super::atomic::TEMPORARY_PREFIX;
 use super::checkpoint::SLOTS;
 use super::manifest::MANIFEST;
+use super::vtk::is_frame_name;
 use super::{Manifest, ResultsError};
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind};
@@ -159,25 +160,26 @@ pub(super) fn recognise(
     scenario_hash: &str,
     force: bool,
 ) -> Result<Option<Manifest>, ResultsError> {
+    let foreign = |found: String| ResultsError::NotResults {
+        directory: path.to_owned(),
+        found,
+    };
     if !path.join(MANIFEST).exists() {
         return match first_foreign_entry(path)? {
-            Some(found) => Err(ResultsError::NotResults {
-                directory: path.to_owned(),
-                found,
-            }),
+            Some(found) => Err(foreign(found)),
             None => Ok(None),
         };
     }
-    if force {
-        return Ok(None);
-    }
-    match Manifest::read(path)? {
-        Some(manifest) if manifest.scenario_hash != scenario_hash => {
+    match Manifest::read(path) {
+        // A file of this name that is no manifest of ours: whatever lies beside it is not ours to remove.
+        Err(ResultsError::Damaged { .. }) if force => Err(foreign(MANIFEST.to_owned())),
+        Ok(_) if force => Ok(None),
+        Ok(Some(manifest)) if manifest.scenario_hash != scenario_hash => {
             Err(ResultsError::AnotherScenario {
                 directory: path.to_owned(),
             })
         }
-        found => Ok(found),
+        found => found,
     }
 }
 
@@ -227,30 +229,23 @@ fn lock(path: &Path) -> Result<File, ResultsError> {
     }
 }
 
+/// Removes files that were being written when a process died.
 pub(super) fn sweep_temporary_files(path: &Path) -> io::Result<()> {
     for entry in fs::read_dir(path)? {
         let entry = entry?;
-        if entry
-            .file_name()
-            .to_string_lossy()
-            .starts_with(TEMPORARY_PREFIX)
-        {
+        let name = entry.file_name();
+        if name.to_string_lossy().starts_with(TEMPORARY_PREFIX) && entry.file_type()?.is_file() {
             fs::remove_file(entry.path())?;
         }
     }
     Ok(())
 }
 
-/// Removes what runs write, the manifest last: cut short, the directory is still recognised.
+/// Removes what runs write, the manifest last: cut short, the directory is still recognised. Links are not followed;
+/// what is no regular file stays.
 pub(super) fn remove_results(path: &Path) -> Result<(), ResultsError> {
     for name in SLOTS.iter().chain(&FILES) {
-        let file = path.join(name);
-        match fs::remove_file(&file) {
-            Err(error) if error.kind() != ErrorKind::NotFound => {
-                return Err(ResultsError::io("remove", file)(error));
-            }
-            _ => {}
-        }
+        remove_own(&path.join(name))?;
         if *name == VTK_COLLECTION {
             remove_frames(&path.join(VTK_FOLDER))?;
         }
@@ -258,16 +253,30 @@ pub(super) fn remove_results(path: &Path) -> Result<(), ResultsError> {
     Ok(())
 }
 
+/// Removes a regular file, if there is one.
+pub(super) fn remove_own(file: &Path) -> Result<(), ResultsError> {
+    match fs::symlink_metadata(file) {
+        Ok(found) if found.is_file() => {
+            fs::remove_file(file).map_err(ResultsError::io("remove", file))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Whether a folder is one, and no link to one.
+pub(super) fn is_own_folder(path: &Path) -> bool {
+    fs::symlink_metadata(path).is_ok_and(|found| found.is_dir())
+}
+
 fn remove_frames(folder: &Path) -> Result<(), ResultsError> {
-    let entries = match fs::read_dir(folder) {
-        Ok(entries) => entries,
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
-        Err(error) => return Err(ResultsError::io("read", folder)(error)),
-    };
+    if !is_own_folder(folder) {
+        return Ok(());
+    }
+    let entries = fs::read_dir(folder).map_err(ResultsError::io("read", folder))?;
     for entry in entries {
-        let file = entry.map_err(ResultsError::io("read", folder))?.path();
-        if file.extension().is_some_and(|extension| extension == "vtp") {
-            fs::remove_file(&file).map_err(ResultsError::io("remove", file))?;
+        let entry = entry.map_err(ResultsError::io("read", folder))?;
+        if is_frame_name(&entry.file_name().to_string_lossy()) {
+            remove_own(&entry.path())?;
         }
     }
     // Stays where somebody else's files are in it.
@@ -363,6 +372,49 @@ mod tests {
     }
 
     #[test]
+    fn force_refuses_a_directory_whose_manifest_is_of_another_program() {
+        let foreign = tempfile::tempdir().unwrap();
+        fs::create_dir(foreign.path().join(VTK_FOLDER)).unwrap();
+        let precious = [
+            MANIFEST,
+            SERIES,
+            PAGE,
+            "vtk/brain_scan.vtp",
+            "vtk/rods_000000.vtp",
+            ".rodlab-notes",
+            "checkpoint.0",
+        ];
+        for name in precious {
+            fs::write(foreign.path().join(name), "{\"name\":\"my web app\"}").unwrap();
+        }
+        let error = open(foreign.path(), "ab", true).err().unwrap();
+        assert_eq!(error.exit_code(), 2, "{error}");
+        assert!(error.to_string().contains(MANIFEST), "{error}");
+        for name in precious {
+            assert!(foreign.path().join(name).exists(), "{name}");
+        }
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn force_does_not_remove_through_links() {
+        let folder = tempfile::tempdir().unwrap();
+        let [directory, elsewhere] = ["results", "mine"].map(|name| folder.path().join(name));
+        for path in [&directory, &elsewhere] {
+            fs::create_dir(path).unwrap();
+        }
+        let manifest = example("ab", CaseStatus::Finished);
+        manifest.write(&directory).unwrap();
+        let frame = elsewhere.join("rods_000000.vtp");
+        fs::write(&frame, "precious").unwrap();
+        std::os::unix::fs::symlink(&elsewhere, directory.join(VTK_FOLDER)).unwrap();
+        std::os::unix::fs::symlink(&frame, directory.join(SERIES)).unwrap();
+        open(&directory, "cd", true).unwrap();
+        assert_eq!(fs::read_to_string(frame).unwrap(), "precious");
+        assert!(!directory.join(MANIFEST).exists());
+    }
+
+    #[test]
     fn force_removes_results_and_nothing_else() {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path();
@@ -375,12 +427,18 @@ mod tests {
             SLOTS[0],
             SLOTS[1],
             "vtk/rods_000000.vtp",
-            ".rodlab-x",
+            ".rodlab-unfinished-x",
+            "vtk/brain_scan.vtp",
+            ".rodlab-notes",
         ] {
             fs::write(path.join(name), "x").unwrap();
         }
         open(path, "ab", true).unwrap();
-        assert_eq!(names(path), [LOCK, "notes.txt"]);
+        assert_eq!(
+            names(path),
+            [LOCK, ".rodlab-notes", "notes.txt", VTK_FOLDER]
+        );
+        assert_eq!(names(&path.join(VTK_FOLDER)), ["brain_scan.vtp"]);
     }
 
     #[test]

@@ -17,7 +17,7 @@ pub enum ResultsError {
     },
     /// The directory holds files that are no results.
     #[error(
-        "`{}` is not empty and not a results directory (it holds `{found}`, but no manifest.json); choose another with --out",
+        "`{}` is not empty and not a results directory (it holds `{found}`, but no manifest.json of rodlab); choose another with --out",
         directory.display()
     )]
     NotResults {
@@ -25,6 +25,20 @@ pub enum ResultsError {
         directory: PathBuf,
         /// A file or folder that no run writes.
         found: String,
+    },
+    /// A folder of results is a link, through which files elsewhere would be written or removed.
+    #[error("`{}` is a link; results are neither written nor removed through links: put a folder in its place", path.display())]
+    Link {
+        /// The link.
+        path: PathBuf,
+    },
+    /// What stands at a place that the user chose is not to be replaced.
+    #[error("`{}` is {what}, which is not replaced; choose another place or remove it", path.display())]
+    NotOwn {
+        /// The place.
+        path: PathBuf,
+        /// What stands there.
+        what: &'static str,
     },
     /// Another process is writing to the directory.
     #[error("another process is writing to `{}`; wait for it or choose another directory with --out", directory.display())]
@@ -66,6 +80,8 @@ impl ResultsError {
         match self {
             Self::AnotherScenario { .. }
             | Self::NotResults { .. }
+            | Self::Link { .. }
+            | Self::NotOwn { .. }
             | Self::Locked { .. }
             | Self::NotWritable { .. } => 2,
             Self::Damaged { .. } | Self::Io { .. } => 1,

@@ -1,6 +1,7 @@
 //! `manifest.json`: what was run, by what, where, when, and how it ended.
 
 use super::atomic::place_whole;
+use super::usage::duration;
 use super::{
     CaseOutcome, ResultsError, SCENARIO, SummaryRow, Usage, write_summary, write_timings,
     write_whole,
@@ -10,7 +11,6 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::Path;
-use std::time::Duration;
 
 /// Name of the manifest in a results directory.
 pub const MANIFEST: &str = "manifest.json";
@@ -126,9 +126,9 @@ impl CaseRecord {
     /// What it cost.
     pub fn usage(&self) -> Usage {
         Usage {
-            wall_time: Duration::from_secs_f64(self.wall_time),
-            wall_time_with_contact: Duration::from_secs_f64(self.wall_time_with_contact),
-            cpu_time: self.cpu_time.map(Duration::from_secs_f64),
+            wall_time: duration(self.wall_time),
+            wall_time_with_contact: duration(self.wall_time_with_contact),
+            cpu_time: self.cpu_time.map(duration),
             peak_memory: self.peak_memory,
         }
     }
@@ -328,6 +328,18 @@ pub(super) mod tests {
             .place(directory.path())
             .unwrap();
         assert!(Manifest::read(directory.path()).unwrap().is_some());
+    }
+
+    #[test]
+    fn times_that_are_no_times_are_none() {
+        let directory = tempfile::tempdir().unwrap();
+        let mut manifest = example("ab", CaseStatus::Finished);
+        let case = manifest.cases.get_mut(MAIN_CASE).unwrap();
+        (case.wall_time, case.cpu_time) = (-1.0, Some(1e300));
+        manifest.write(directory.path()).unwrap();
+        let read = Manifest::read(directory.path()).unwrap().unwrap();
+        let usage = read.cases[MAIN_CASE].usage();
+        assert!(usage.wall_time.is_zero() && usage.cpu_time.unwrap().is_zero());
     }
 
     #[test]

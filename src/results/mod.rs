@@ -4,7 +4,7 @@
 //! keeps [`CheckpointFiles`], and ends with [`write_summary`] and [`write_timings`]. Nothing here knows
 //! mechanics: rods are names, node counts and arrays.
 //!
-//! The directory of a sweep ([`SweepDirectory`]) has such a directory for each case; [`Claims`] tell the processes
+//! The directory of a sweep ([`SweepDirectory`]) has such a directory for each case; [`Leases`] tell the processes
 //! that share it who works on which.
 //!
 //! Files that are written once appear whole ([`write_whole`]); files that grow are flushed at each output
@@ -13,12 +13,12 @@
 mod atomic;
 mod branch;
 mod checkpoint;
-mod claim;
+mod columns;
 mod directory;
 mod error;
 mod forces;
 mod frame;
-mod knot;
+mod lease;
 mod manifest;
 mod nodes;
 mod outcome;
@@ -29,13 +29,16 @@ mod summary;
 mod sweep_directory;
 mod table;
 mod usage;
+mod value;
 mod vtk;
 
 pub(crate) use atomic::sync;
-pub use atomic::write_whole;
+pub use atomic::{replace_own, write_whole};
 pub use branch::{BranchKind, BranchRow, read_branches};
 pub use checkpoint::CheckpointFiles;
-pub use claim::{Claim, Claiming, Claims, HEARTBEAT, Owner, host_name};
+pub use columns::{
+    Column, ColumnGroup, Described, FILES, FileDescription, describe, files_with_column,
+};
 pub use directory::{
     BOUNDARY, BRANCH, BRANCH_FIGURE, COMPARISON, NODE_FORCES, NODES, Opened, PAGE, RODS_FIGURE,
     ResultsDirectory, SCENARIO, SECTION_FIGURES, SERIES, SERIES_FIGURE, SUMMARY, SURFACE,
@@ -44,17 +47,18 @@ pub use directory::{
 pub use error::ResultsError;
 pub use forces::{NodeForces, read_node_forces};
 pub use frame::Frame;
-pub use knot::{KnotEnding, KnotOutcome};
+pub use lease::{HEARTBEAT, Lease, LeaseAttempt, Leases, Owner, host_name};
 pub use manifest::{
     CaseRecord, CaseStatus, MAIN_CASE, MANIFEST, Manifest, RodRecord, scenario_hash,
 };
 pub use nodes::{NodePositions, read_nodes};
-pub use outcome::CaseOutcome;
+pub use outcome::{CaseOutcome, Ending};
 pub use recorder::{Recorder, RecorderPlan, StreamLengths};
-pub use series::{KnotRow, SeriesRow, read_knot_series, read_series};
+pub use series::{SeriesRow, read_series, read_series_as, series_columns};
 pub use stream::{CsvStream, WholeRows, read_whole_rows};
 pub use summary::{SummaryRow, write_summary, write_sweep_summary, write_timings};
 pub use sweep_directory::{CASES, SweepDirectory};
 pub use table::Table;
 pub use usage::{Usage, UsageMeter};
+pub use value::{NamedValues, Value};
 pub use vtk::{Surface, write_surface};

@@ -1,10 +1,10 @@
 //! What a case came to: the numbers of `summary.csv` and of the manifest.
 
-use super::KnotOutcome;
+use super::NamedValues;
 use serde::{Deserialize, Serialize};
 
 /// Scalar outcomes of a case; the same bytes on every machine.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CaseOutcome {
     /// Simulated time reached, s.
     pub simulated_time: f64,
@@ -32,9 +32,22 @@ pub struct CaseOutcome {
     pub gravitational_energy: Option<f64>,
     /// Path parameter of the first fold or bifurcation of a path of equilibria.
     pub critical_parameter: Option<f64>,
-    /// What became of the knot, where one was tied.
+    /// What observers of the run say of it: further columns of the summary. Earlier versions called it `knot`, the only
+    /// thing that was observed.
+    #[serde(default, alias = "knot")]
+    pub observed: NamedValues,
+    /// Why the run ended before its time, as it should; `None` where it did not.
     #[serde(default)]
-    pub knot: Option<KnotOutcome>,
+    pub ending: Option<Ending>,
+}
+
+/// The end of a run that has seen all that it was for.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Ending {
+    /// A word for tables, such as `inverted`.
+    pub word: String,
+    /// A sentence for people.
+    pub sentence: String,
 }
 
 impl CaseOutcome {

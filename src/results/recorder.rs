@@ -5,13 +5,15 @@ use super::forces::write_forces;
 use super::frame::Frame;
 use super::nodes::write_nodes;
 use super::stream::CsvStream;
-use super::{ResultsError, RodRecord, vtk};
+use super::{ResultsError, RodRecord, SeriesRow, Value, vtk};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 /// Which files a run writes beside `series.csv`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct RecorderPlan {
+    /// Names of the columns that observers add to `series.csv`.
+    pub observed: Vec<String>,
     /// `nodes.csv`.
     pub nodes: bool,
     /// `node_forces.csv`.
@@ -33,6 +35,7 @@ pub struct Recorder {
     directory: PathBuf,
     rods: Vec<RodRecord>,
     series: CsvStream,
+    observed: Vec<String>,
     nodes: Option<CsvStream>,
     forces: Option<CsvStream>,
     vtk: bool,
@@ -48,6 +51,7 @@ impl Recorder {
         let stream = |name: &str| CsvStream::create(&directory.join(name));
         Ok(Self {
             series: stream(SERIES)?,
+            observed: plan.observed,
             nodes: plan.nodes.then(|| stream(NODES)).transpose()?,
             forces: plan.forces.then(|| stream(NODE_FORCES)).transpose()?,
             vtk: plan.vtk,
@@ -69,6 +73,7 @@ impl Recorder {
         let stream = |name: &str, length| CsvStream::continue_at(&directory.join(name), length);
         Ok(Self {
             series: stream(SERIES, lengths.series)?,
+            observed: plan.observed,
             nodes: lengths
                 .nodes
                 .map(|length| stream(NODES, length))
@@ -93,12 +98,13 @@ impl Recorder {
         self.nodes.is_some() || self.needs_forces()
     }
 
-    /// Writes output number `index`; afterwards readers see it. The columns of the series are the fields of `row`: a
-    /// [`SeriesRow`](super::SeriesRow) alone, or with what else an experiment observes.
+    /// Writes output number `index`; afterwards readers see it. `observed` are the values of the columns that
+    /// observers add to the series.
     pub fn record(
         &mut self,
         index: usize,
-        row: &impl Serialize,
+        row: &SeriesRow,
+        observed: &[Value],
         frame: &Frame,
     ) -> Result<(), ResultsError> {
         if let Some(nodes) = &mut self.nodes {
@@ -111,7 +117,7 @@ impl Recorder {
             vtk::write_frame(&self.directory, index, &self.rods, frame)?;
         }
         // Last, so that a time in the series is there in all files.
-        self.series.write(row)?;
+        self.series.write_with(row, &self.observed, observed)?;
         self.series.flush()
     }
 
@@ -134,7 +140,7 @@ impl Recorder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::{KnotRow, SeriesRow};
+    use crate::results::read_series_as;
     use nalgebra::Vector3;
     use std::fs;
 
@@ -170,18 +176,21 @@ mod tests {
         }
     }
 
-    const ALL: RecorderPlan = RecorderPlan {
-        nodes: true,
-        forces: true,
-        vtk: true,
-    };
+    fn all() -> RecorderPlan {
+        RecorderPlan {
+            observed: Vec::new(),
+            nodes: true,
+            forces: true,
+            vtk: true,
+        }
+    }
 
     #[test]
     fn columns_and_rows_are_those_of_the_contract() {
         let directory = tempfile::tempdir().unwrap();
-        let mut recorder = Recorder::create(directory.path(), rods(), ALL).unwrap();
-        recorder.record(0, &row(0.0), &frame(0.0)).unwrap();
-        recorder.record(1, &row(0.1), &frame(0.1)).unwrap();
+        let mut recorder = Recorder::create(directory.path(), rods(), all()).unwrap();
+        recorder.record(0, &row(0.0), &[], &frame(0.0)).unwrap();
+        recorder.record(1, &row(0.1), &[], &frame(0.1)).unwrap();
         let read = |name: &str| fs::read_to_string(directory.path().join(name)).unwrap();
         assert_eq!(
             read(SERIES),
@@ -206,48 +215,60 @@ mod tests {
     }
 
     #[test]
-    fn a_knot_adds_its_columns() {
+    fn observers_add_columns_that_are_read_by_their_names() {
+        #[derive(Debug, PartialEq, Deserialize)]
+        struct Tip {
+            tip_z_m: Option<f64>,
+            time_s: f64,
+            turns: u64,
+        }
         let directory = tempfile::tempdir().unwrap();
-        let plan = RecorderPlan::default();
-        let mut recorder = Recorder::create(directory.path(), rods(), plan).unwrap();
-        let knot = KnotRow {
-            end_to_end_m: 0.25,
-            knot_determinant: Some(3),
-            ..KnotRow::default()
+        let plan = RecorderPlan {
+            observed: vec!["turns".into(), "tip_z_m".into()],
+            ..RecorderPlan::default()
         };
-        let rows = (row(0.1), knot);
-        recorder.record(0, &rows, &Frame::default()).unwrap();
+        let mut recorder = Recorder::create(directory.path(), rods(), plan).unwrap();
+        for (k, tip) in [None, Some(0.25)].into_iter().enumerate() {
+            let observed = [Value::from(3_u64), Value::from(tip)];
+            let row = row(k as f64);
+            recorder
+                .record(k, &row, &observed, &Frame::default())
+                .unwrap();
+        }
         let text = fs::read_to_string(directory.path().join(SERIES)).unwrap();
-        let header = text.lines().next().unwrap();
-        assert!(header.contains(
-            "gravitational_energy_j,end_to_end_m,shortening_m,traction_start_n,traction_end_n,loop_radius_m,\
-             force_normalized,epsilon,length_normalized,loop_height_m,braid_width_m,height_normalized,contact_force_n,\
-             work_of_ends_j,friction_loss_j,drag_loss_j,knot_determinant,second_traction_start_n,second_traction_end_n"
-        ));
-        let read = crate::results::read_knot_series(directory.path()).unwrap();
-        assert_eq!(read, [rows]);
+        let lines: Vec<&str> = text.lines().collect();
+        assert!(lines[0].ends_with(",gravitational_energy_j,turns,tip_z_m"));
+        assert!(lines[1].ends_with(",0.0,3,"), "{}", lines[1]);
+        assert!(lines[2].ends_with(",0.0,3,0.25"), "{}", lines[2]);
+        let read: Vec<Tip> = read_series_as(directory.path()).unwrap();
+        let tip = |time_s, tip_z_m| Tip {
+            tip_z_m,
+            time_s,
+            turns: 3,
+        };
+        assert_eq!(read, [tip(0.0, None), tip(1.0, Some(0.25))]);
     }
 
     #[test]
     fn continued_files_equal_files_written_in_a_go() {
         let (whole, cut) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-        let mut recorder = Recorder::create(whole.path(), rods(), ALL).unwrap();
+        let mut recorder = Recorder::create(whole.path(), rods(), all()).unwrap();
         for k in 0..4 {
             recorder
-                .record(k, &row(k as f64), &frame(k as f64))
+                .record(k, &row(k as f64), &[], &frame(k as f64))
                 .unwrap();
         }
         recorder.sync((0..4).map(|k| k as f64)).unwrap();
 
-        let mut recorder = Recorder::create(cut.path(), rods(), ALL).unwrap();
-        recorder.record(0, &row(0.0), &frame(0.0)).unwrap();
+        let mut recorder = Recorder::create(cut.path(), rods(), all()).unwrap();
+        recorder.record(0, &row(0.0), &[], &frame(0.0)).unwrap();
         let lengths = recorder.sync([0.0].into_iter()).unwrap();
-        recorder.record(1, &row(77.0), &frame(77.0)).unwrap();
+        recorder.record(1, &row(77.0), &[], &frame(77.0)).unwrap();
         drop(recorder);
-        let mut recorder = Recorder::continue_at(cut.path(), rods(), ALL, lengths).unwrap();
+        let mut recorder = Recorder::continue_at(cut.path(), rods(), all(), lengths).unwrap();
         for k in 1..4 {
             recorder
-                .record(k, &row(k as f64), &frame(k as f64))
+                .record(k, &row(k as f64), &[], &frame(k as f64))
                 .unwrap();
         }
         recorder.sync((0..4).map(|k| k as f64)).unwrap();

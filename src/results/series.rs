@@ -2,7 +2,8 @@
 
 use super::ResultsError;
 use super::directory::SERIES;
-use super::stream::read_rows;
+use super::stream::{header_of, read_rows};
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -54,50 +55,9 @@ impl SeriesRow {
     }
 }
 
-/// What `series.csv` has beside the columns of [`SeriesRow`] when a knot is pulled tight. Work and losses read as zero
-/// from a series that an older version wrote without them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct KnotRow {
-    /// Distance of the ends; with two rods of those on the left from those on the right.
-    pub end_to_end_m: f64,
-    /// Length of a rod less the distance of the ends.
-    pub shortening_m: f64,
-    /// Force with which the first end is pulled outwards.
-    pub traction_start_n: f64,
-    /// Force with which the last end is pulled outwards.
-    pub traction_end_n: f64,
-    /// Radius R of the circle fitted to the loop, the part that is out of contact; empty without contact.
-    pub loop_radius_m: Option<f64>,
-    /// F̄ = F h²/EI with the mean F of the tractions of all ends.
-    pub force_normalized: f64,
-    /// ε = √(h/R).
-    pub epsilon: Option<f64>,
-    /// l̄_k = (L − l_c)/h: the shortening over the radius of the rod (thesis Eq. 3.4).
-    pub length_normalized: f64,
-    /// Clear height H of the loop of an overhand knot: from its middle to the braid, surface to surface; empty without
-    /// contact.
-    pub loop_height_m: Option<f64>,
-    /// Width W of the knot: from end to end of the braid.
-    pub braid_width_m: Option<f64>,
-    /// H̄ = H/W.
-    pub height_normalized: Option<f64>,
-    /// Sum of all normal forces between the strands.
-    pub contact_force_n: f64,
-    /// Work of the clamps at the ends since the start.
-    #[serde(default)]
-    pub work_of_ends_j: f64,
-    /// Energy lost to friction since the start.
-    #[serde(default)]
-    pub friction_loss_j: f64,
-    /// Energy lost to drag since the start.
-    #[serde(default)]
-    pub drag_loss_j: f64,
-    /// Determinant of the knot; empty where it cannot be told.
-    pub knot_determinant: Option<u64>,
-    /// Force with which the first end of the second rod is pulled outwards; empty where one rod is tied.
-    pub second_traction_start_n: Option<f64>,
-    /// Force with which its last end is pulled outwards.
-    pub second_traction_end_n: Option<f64>,
+/// Names of the columns of [`SeriesRow`].
+pub fn series_columns() -> Vec<String> {
+    header_of(&SeriesRow::default())
 }
 
 /// Reads `series.csv` of a results directory; a last row that a crash left in part is left out.
@@ -105,17 +65,14 @@ pub struct KnotRow {
 /// # Errors
 /// [`ResultsError::Io`] where there is no such file, [`ResultsError::Damaged`] where it is no such table.
 pub fn read_series(directory: &Path) -> Result<Vec<SeriesRow>, ResultsError> {
-    read_rows(&directory.join(SERIES))
+    read_series_as(directory)
 }
 
-/// Reads the columns of a knot from `series.csv`, each with its row.
+/// Reads `series.csv` as rows of another type, whose fields are found by the names of the columns: what an observer
+/// added, or a choice of columns.
 ///
 /// # Errors
-/// As [`read_series`]; [`ResultsError::Damaged`] also where no knot was observed.
-pub fn read_knot_series(directory: &Path) -> Result<Vec<(SeriesRow, KnotRow)>, ResultsError> {
-    let rows = read_series(directory)?;
-    Ok(rows
-        .into_iter()
-        .zip(read_rows(&directory.join(SERIES))?)
-        .collect())
+/// As [`read_series`]; [`ResultsError::Damaged`] also where a column is missing.
+pub fn read_series_as<Row: DeserializeOwned>(directory: &Path) -> Result<Vec<Row>, ResultsError> {
+    read_rows(&directory.join(SERIES))
 }

@@ -1,6 +1,6 @@
 //! A CSV file that grows row by row and can be cut back to an earlier length.
 
-use super::ResultsError;
+use super::{ResultsError, Value};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::fs::{self, File, OpenOptions};
@@ -12,6 +12,8 @@ use std::path::{Path, PathBuf};
 pub struct CsvStream {
     path: PathBuf,
     writer: csv::Writer<File>,
+    /// Whether the names of the columns are still to be written.
+    is_empty: bool,
 }
 
 impl CsvStream {
@@ -46,19 +48,38 @@ impl CsvStream {
         Ok(Self::over(path, file, length == 0))
     }
 
-    fn over(path: &Path, file: File, has_headers: bool) -> Self {
+    fn over(path: &Path, file: File, is_empty: bool) -> Self {
         Self {
             path: path.to_owned(),
             writer: csv::WriterBuilder::new()
-                .has_headers(has_headers)
+                .has_headers(false)
                 .from_writer(file),
+            is_empty,
         }
     }
 
     /// Appends a row; the first row of a new file is preceded by the column names.
     pub fn write(&mut self, row: &impl Serialize) -> Result<(), ResultsError> {
-        self.writer
-            .serialize(row)
+        self.write_with(row, &[], &[])
+    }
+
+    /// Appends a row and further cells, the names of whose columns are `names`.
+    pub fn write_with(
+        &mut self,
+        row: &impl Serialize,
+        names: &[String],
+        cells: &[Value],
+    ) -> Result<(), ResultsError> {
+        let header = if self.is_empty {
+            let mut header = header_of(row);
+            header.extend_from_slice(names);
+            self.writer.write_record(header)
+        } else {
+            Ok(())
+        };
+        self.is_empty = false;
+        header
+            .and_then(|()| self.writer.serialize((row, cells)))
             .map_err(|error| ResultsError::Io {
                 action: "write",
                 path: self.path.clone(),
@@ -81,6 +102,16 @@ impl CsvStream {
             .and_then(|()| file.stream_position())
             .map_err(ResultsError::io("write", &self.path))
     }
+}
+
+/// Names of the columns of rows such as this one: its fields.
+pub(super) fn header_of(row: &impl Serialize) -> Vec<String> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.serialize(row).expect("plain rows go into memory");
+    let bytes = writer.into_inner().expect("memory takes all bytes");
+    let mut reader = csv::Reader::from_reader(bytes.as_slice());
+    let header = reader.headers().expect("the table was written here");
+    header.iter().map(str::to_owned).collect()
 }
 
 /// Reads the whole lines of a file; a last line that a crash or a run at work left in part is left out.

@@ -4,7 +4,8 @@
 
 use super::atomic::write_whole_before;
 use super::directory::{SUMMARY, TIMINGS};
-use super::{CaseOutcome, CaseStatus, KnotOutcome, ResultsError, Usage};
+use super::stream::header_of;
+use super::{CaseOutcome, CaseStatus, NamedValues, ResultsError, Usage, Value};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -41,12 +42,17 @@ pub struct SummaryRow {
     pub gravitational_energy_j: Option<f64>,
     /// Path parameter of the first fold or bifurcation; empty where there is no path, or none on it.
     pub critical_parameter: Option<f64>,
-    /// What became of the knot: further columns of tables with a case that had one.
+    /// What observers say of the case: further columns of tables with a case that has them.
     #[serde(skip)]
-    pub knot: Option<KnotOutcome>,
+    pub observed: NamedValues,
 }
 
 impl SummaryRow {
+    /// Names of the columns that every summary has.
+    pub fn columns() -> Vec<String> {
+        header_of(&Self::new("", CaseStatus::Pending, &CaseOutcome::default()))
+    }
+
     /// The row of a case.
     pub fn new(case: &str, status: CaseStatus, outcome: &CaseOutcome) -> Self {
         Self {
@@ -65,7 +71,7 @@ impl SummaryRow {
             elastic_energy_j: outcome.elastic_energy,
             gravitational_energy_j: outcome.gravitational_energy,
             critical_parameter: outcome.critical_parameter,
-            knot: outcome.knot,
+            observed: outcome.observed.clone(),
         }
     }
 }
@@ -125,13 +131,33 @@ pub fn write_sweep_summary(
     write_whole_before(&directory.join(SUMMARY), &bytes)
 }
 
-/// Column names and rows of a summary, with the columns of knots if any case has one.
+/// Column names and rows of a summary, with all columns that observers of any case add, in the order in which they
+/// first come.
 fn summary_table<'a>(rows: impl Iterator<Item = &'a SummaryRow> + Clone) -> Vec<u8> {
-    if rows.clone().any(|row| row.knot.is_some()) {
-        table(rows.map(|row| (row, row.knot.unwrap_or_default())))
-    } else {
-        table(rows)
+    let mut observed: Vec<&str> = Vec::new();
+    for name in rows.clone().flat_map(|row| row.observed.names()) {
+        if !observed.contains(&name) {
+            observed.push(name);
+        }
     }
+    let mut writer = csv::WriterBuilder::new()
+        .has_headers(false)
+        .from_writer(Vec::new());
+    for (index, row) in rows.enumerate() {
+        if index == 0 {
+            let fixed = header_of(row);
+            let header = fixed.iter().map(String::as_str).chain(observed.clone());
+            writer
+                .write_record(header)
+                .expect("plain rows go into memory");
+        }
+        let value = |name: &&str| row.observed.get(name).unwrap_or(&Value::Empty);
+        let values: Vec<&Value> = observed.iter().map(value).collect();
+        writer
+            .serialize((row, values))
+            .expect("plain rows go into memory");
+    }
+    writer.into_inner().expect("memory takes all bytes")
 }
 
 /// Column names and rows.
@@ -178,6 +204,32 @@ mod tests {
         let mut reader = csv::Reader::from_path(directory.path().join(SUMMARY)).unwrap();
         let read: Vec<SummaryRow> = reader.deserialize().map(Result::unwrap).collect();
         assert_eq!(read, rows);
+    }
+
+    #[test]
+    fn what_is_observed_of_some_cases_has_columns_that_are_empty_for_the_others() {
+        let directory = tempfile::tempdir().unwrap();
+        let row = |case, observed: NamedValues| {
+            let outcome = CaseOutcome {
+                observed,
+                ..CaseOutcome::default()
+            };
+            SummaryRow::new(case, CaseStatus::Finished, &outcome)
+        };
+        let one = NamedValues::from([("tip_z_m", Value::from(0.5)), ("knot", "reef".into())]);
+        let other = NamedValues::from([("knot", Value::Empty), ("turns", 3_u64.into())]);
+        let rows = [
+            row("a", NamedValues::default()),
+            row("b", one),
+            row("c", other),
+        ];
+        write_summary(directory.path(), &rows).unwrap();
+        let text = fs::read_to_string(directory.path().join(SUMMARY)).unwrap();
+        let lines: Vec<&str> = text.lines().collect();
+        assert!(lines[0].ends_with(",critical_parameter,tip_z_m,knot,turns"));
+        assert!(lines[1].ends_with(",,,,"), "{}", lines[1]);
+        assert!(lines[2].ends_with(",0.5,reef,"), "{}", lines[2]);
+        assert!(lines[3].ends_with(",,,3"), "{}", lines[3]);
     }
 
     #[test]

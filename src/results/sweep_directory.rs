@@ -1,22 +1,24 @@
 //! The directory of a sweep: a results directory for each case, and tables of all.
 
-use super::directory::{LOCK, not_writable, recognise, remove_results, sweep_temporary_files};
-use super::{Claims, Manifest, ResultsError, SCENARIO, write_whole};
+use super::directory::{
+    LOCK, is_own_folder, not_writable, recognise, remove_own, remove_results, sweep_temporary_files,
+};
+use super::{Leases, Manifest, ResultsError, SCENARIO, write_whole};
 use std::fs::{self, File, OpenOptions};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// Folder of the results of the cases.
 pub const CASES: &str = "cases";
-/// Folder of the claims.
-const CLAIMS: &str = "claims";
+/// Folder of the leases.
+const LEASES: &str = "leases";
 
 /// The directory of a sweep. Several processes may have it open; the files of a case are written by the one
-/// that claimed it, those of the whole under a lock.
+/// that leased it, those of the whole under a lock.
 pub struct SweepDirectory {
     path: PathBuf,
     /// Who works on which case.
-    pub claims: Claims,
+    pub leases: Leases,
 }
 
 impl SweepDirectory {
@@ -32,26 +34,35 @@ impl SweepDirectory {
         let _lock = lock(path)?;
         let known = recognise(path, &manifest.scenario_hash, force)?;
         sweep_temporary_files(path).map_err(not_writable(path))?;
-        let claims = path.join(CLAIMS);
+        let leases = path.join(LEASES);
         if known.is_none() {
-            if claims.exists() && Claims::new(&claims).any_alive()? {
+            let old = Leases::new(&leases);
+            let are_there = is_own_folder(&leases);
+            if are_there && old.any_alive()? {
                 return Err(ResultsError::Locked {
                     directory: path.to_owned(),
                 });
             }
             remove_cases(&path.join(CASES))?;
-            remove_claims(&claims)?;
+            if are_there {
+                old.remove_all()?;
+            }
             remove_results(path)?;
             // First of all files: by it the directory is known for what it is.
             manifest.write(path)?;
         }
         write_whole(&path.join(SCENARIO), manifest.scenario.as_bytes())?;
-        for folder in [&path.join(CASES), &claims] {
+        for folder in [&path.join(CASES), &leases] {
+            if folder.is_symlink() {
+                return Err(ResultsError::Link {
+                    path: folder.clone(),
+                });
+            }
             fs::create_dir_all(folder).map_err(not_writable(folder))?;
         }
         Ok(Self {
             path: path.to_owned(),
-            claims: Claims::new(&claims),
+            leases: Leases::new(&leases),
         })
     }
 
@@ -96,12 +107,12 @@ fn lock(path: &Path) -> Result<File, ResultsError> {
 /// Removes the results of all cases, and nothing else.
 fn remove_cases(folder: &Path) -> Result<(), ResultsError> {
     for case in entries(folder)? {
-        if !case.is_dir() {
+        if !is_own_folder(&case) {
             continue;
         }
         sweep_temporary_files(&case).map_err(not_writable(&case))?;
         remove_results(&case)?;
-        remove_file(&case.join(LOCK))?;
+        remove_own(&case.join(LOCK))?;
         // Stays where somebody else's files are in it.
         let _ = fs::remove_dir(&case);
     }
@@ -109,29 +120,13 @@ fn remove_cases(folder: &Path) -> Result<(), ResultsError> {
     Ok(())
 }
 
-fn remove_claims(folder: &Path) -> Result<(), ResultsError> {
-    entries(folder)?
-        .iter()
-        .try_for_each(|claim| remove_file(claim))
-}
-
-fn remove_file(path: &Path) -> Result<(), ResultsError> {
-    match fs::remove_file(path) {
-        Err(error) if error.kind() != ErrorKind::NotFound => {
-            Err(ResultsError::io("remove", path)(error))
-        }
-        _ => Ok(()),
-    }
-}
-
-/// What a folder holds; nothing where there is none.
+/// What a folder holds; nothing where there is none, or only a link to one.
 fn entries(folder: &Path) -> Result<Vec<PathBuf>, ResultsError> {
-    let listed = match fs::read_dir(folder) {
-        Ok(listed) => listed,
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
-        Err(error) => return Err(ResultsError::io("read", folder)(error)),
-    };
-    listed
+    if !is_own_folder(folder) {
+        return Ok(Vec::new());
+    }
+    fs::read_dir(folder)
+        .map_err(ResultsError::io("read", folder))?
         .map(|entry| Ok(entry.map_err(ResultsError::io("read", folder))?.path()))
         .collect()
 }
@@ -139,7 +134,7 @@ fn entries(folder: &Path) -> Result<Vec<PathBuf>, ResultsError> {
 #[cfg(test)]
 mod tests {
     use super::super::manifest::tests::example;
-    use super::super::{CaseStatus, Claiming, SERIES};
+    use super::super::{CaseStatus, LeaseAttempt, SERIES};
     use super::*;
 
     #[test]
@@ -155,11 +150,11 @@ mod tests {
         SweepDirectory::open(&path, &manifest, false).unwrap();
         assert!(case.join(SERIES).exists());
 
-        // A claim that cannot be read may be somebody's.
-        fs::write(path.join(CLAIMS).join("a.0"), "").unwrap();
+        // A lease that cannot be read may be somebody's.
+        fs::write(path.join(LEASES).join("a.0"), "").unwrap();
         let error = SweepDirectory::open(&path, &manifest, true).err().unwrap();
         assert!(matches!(error, ResultsError::Locked { .. }), "{error}");
-        fs::remove_file(path.join(CLAIMS).join("a.0")).unwrap();
+        fs::remove_file(path.join(LEASES).join("a.0")).unwrap();
         SweepDirectory::open(&path, &manifest, true).unwrap();
         assert!(!case.join(SERIES).exists());
         assert!(case.join("notes.txt").exists());
@@ -188,15 +183,15 @@ mod tests {
         let manifest = example("ab", CaseStatus::Running);
         let [one, other] =
             [(); 2].map(|()| SweepDirectory::open(directory.path(), &manifest, false).unwrap());
-        let claimed = one.claims.claim("a").unwrap();
-        assert!(matches!(claimed, Claiming::Claimed(_)));
+        let leased = one.leases.acquire("a").unwrap();
+        assert!(matches!(leased, LeaseAttempt::Granted(_)));
         assert!(matches!(
-            other.claims.claim("a").unwrap(),
-            Claiming::Held(_)
+            other.leases.acquire("a").unwrap(),
+            LeaseAttempt::Held(_)
         ));
         assert!(matches!(
-            other.claims.claim("b").unwrap(),
-            Claiming::Claimed(_)
+            other.leases.acquire("b").unwrap(),
+            LeaseAttempt::Granted(_)
         ));
     }
 }

@@ -43,6 +43,11 @@ impl Add for Usage {
     }
 }
 
+/// A time of so many seconds; none for a number that is no time, as a damaged file may hold.
+pub fn duration(seconds: f64) -> Duration {
+    Duration::try_from_secs_f64(seconds).unwrap_or_default()
+}
+
 /// Measures [`Usage`] from its creation on.
 pub struct UsageMeter {
     start: Instant,

@@ -1,8 +1,8 @@
 //! VTK PolyData: a frame per output time (`vtk/rods_000000.vtp`, ...) and `rods.pvd`, which ParaView opens.
 //!
 //! Each rod is a polyline. Point data: `radius`, `velocity`, and the forces that there are; cell data: `rod`,
-//! the number of the rod. Numbers are text in the shortest form that reads back to the same bits. In ParaView,
-//! the filter "Tube" with "Vary Radius: By Absolute Scalar" draws the rods as they are.
+//! the number of the rod. Numbers are stored as they are in memory, 64 bits each, behind the XML ("appended raw"). In
+//! ParaView, the filter "Tube" with "Vary Radius: By Absolute Scalar" draws the rods as they are.
 //!
 //! Format: VTK User's Guide, "VTK File Formats", XML PolyData, version 1.0.
 
@@ -10,7 +10,6 @@ use super::directory::{VTK_COLLECTION, VTK_FOLDER};
 use super::frame::{Frame, node_places};
 use super::{ResultsError, RodRecord, write_whole};
 use nalgebra::Vector3;
-use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
@@ -22,11 +21,11 @@ pub(super) fn write_frame(
     frame: &Frame,
 ) -> Result<(), ResultsError> {
     let folder = directory.join(VTK_FOLDER);
+    if folder.is_symlink() {
+        return Err(ResultsError::Link { path: folder });
+    }
     fs::create_dir_all(&folder).map_err(ResultsError::io("create", &folder))?;
-    write_whole(
-        &directory.join(frame_name(index)),
-        poly_data(rods, frame).as_bytes(),
-    )
+    write_whole(&directory.join(frame_name(index)), &poly_data(rods, frame))
 }
 
 /// Writes the collection that gives each frame its time.
@@ -49,52 +48,37 @@ fn frame_name(index: usize) -> String {
     format!("{VTK_FOLDER}/rods_{index:06}.vtp")
 }
 
-fn poly_data(rods: &[RodRecord], frame: &Frame) -> String {
-    let points = frame.positions.len();
-    let mut text = String::with_capacity(200 * points);
-    text += "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\">\n<PolyData>\n";
-    text += &format!(
-        "<Piece NumberOfPoints=\"{points}\" NumberOfVerts=\"0\" NumberOfLines=\"{}\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n",
-        rods.len()
-    );
-    text += "<PointData>\n";
-    push_array(
-        &mut text,
-        "Float64",
-        "radius",
-        1,
-        node_places(rods).map(|place| place.rod.radius),
-    );
-    let vectors = [
-        ("velocity", &frame.velocities),
-        ("fluid_force", &frame.fluid_forces),
-        ("contact_force", &frame.contact_forces),
-    ];
-    for (name, values) in vectors.into_iter().filter(|(_, values)| !values.is_empty()) {
-        push_array(&mut text, "Float64", name, 3, components(values));
-    }
-    text += "</PointData>\n<CellData>\n";
-    push_array(&mut text, "Int64", "rod", 1, 0..rods.len());
-    text += "</CellData>\n<Points>\n";
-    push_array(
-        &mut text,
-        "Float64",
-        "points",
-        3,
-        components(&frame.positions),
-    );
-    text += "</Points>\n<Lines>\n";
+/// Whether a file in the folder of frames is called like one of them.
+pub(super) fn is_frame_name(name: &str) -> bool {
+    let number = name
+        .strip_prefix("rods_")
+        .and_then(|rest| rest.strip_suffix(".vtp"));
+    number.is_some_and(|number| number.len() >= 6 && number.bytes().all(|b| b.is_ascii_digit()))
+}
+
+fn poly_data(rods: &[RodRecord], frame: &Frame) -> Vec<u8> {
+    let mut file = PolyData::new(frame.positions.len(), rods.len(), 0);
+    file.section("PointData", |file| {
+        file.floats("radius", 1, node_places(rods).map(|place| place.rod.radius));
+        let vectors = [
+            ("velocity", &frame.velocities),
+            ("fluid_force", &frame.fluid_forces),
+            ("contact_force", &frame.contact_forces),
+        ];
+        for (name, values) in vectors.into_iter().filter(|(_, values)| !values.is_empty()) {
+            file.floats(name, 3, components(values));
+        }
+    });
+    file.section("CellData", |file| file.integers("rod", 0..rods.len()));
+    file.section("Points", |file| {
+        file.floats("points", 3, components(&frame.positions));
+    });
     let (connectivity, offsets) = polylines(rods);
-    push_array(
-        &mut text,
-        "Int64",
-        "connectivity",
-        1,
-        connectivity.into_iter(),
-    );
-    push_array(&mut text, "Int64", "offsets", 1, offsets.into_iter());
-    text += "</Lines>\n</Piece>\n</PolyData>\n</VTKFile>\n";
-    text
+    file.section("Lines", |file| {
+        file.integers("connectivity", connectivity.into_iter());
+        file.integers("offsets", offsets.into_iter());
+    });
+    file.finish()
 }
 
 /// A surface of triangles.
@@ -116,30 +100,21 @@ pub fn write_surface(
     name: &str,
     values: &[f64],
 ) -> Result<(), ResultsError> {
-    let mut text = String::with_capacity(100 * surface.points.len());
-    text += "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\">\n<PolyData>\n";
-    text += &format!(
-        "<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"{}\">\n",
-        surface.points.len(),
-        surface.triangles.len()
-    );
-    text += "<PointData>\n";
-    push_array(&mut text, "Float64", name, 1, values.iter().copied());
-    text += "</PointData>\n<Points>\n";
-    push_array(
-        &mut text,
-        "Float64",
-        "points",
-        3,
-        components(&surface.points),
-    );
-    text += "</Points>\n<Polys>\n";
-    let corners = surface.triangles.iter().flatten().copied();
-    push_array(&mut text, "Int64", "connectivity", 3, corners);
-    let offsets = (1..=surface.triangles.len()).map(|triangle| 3 * triangle);
-    push_array(&mut text, "Int64", "offsets", 1, offsets);
-    text += "</Polys>\n</Piece>\n</PolyData>\n</VTKFile>\n";
-    write_whole(path, text.as_bytes())
+    let mut file = PolyData::new(surface.points.len(), 0, surface.triangles.len());
+    file.section("PointData", |file| {
+        file.floats(name, 1, values.iter().copied())
+    });
+    file.section("Points", |file| {
+        file.floats("points", 3, components(&surface.points));
+    });
+    file.section("Polys", |file| {
+        file.integers("connectivity", surface.triangles.iter().flatten().copied());
+        file.integers(
+            "offsets",
+            (1..=surface.triangles.len()).map(|triangle| 3 * triangle),
+        );
+    });
+    write_whole(path, &file.finish())
 }
 
 /// Point numbers of every polyline, and where each polyline ends among them; closed rods return to their start.
@@ -161,60 +136,109 @@ fn components(vectors: &[Vector3<f64>]) -> impl Iterator<Item = f64> {
         .flat_map(|vector| [vector.x, vector.y, vector.z])
 }
 
-fn push_array<T: std::fmt::Debug>(
-    text: &mut String,
-    kind: &str,
-    name: &str,
-    components: usize,
-    values: impl Iterator<Item = T>,
-) {
-    *text += &format!(
-        "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"ascii\">\n"
-    );
-    for (index, value) in values.enumerate() {
-        let separator = if (index + 1).is_multiple_of(components) {
-            '\n'
-        } else {
-            ' '
-        };
-        write!(text, "{value:?}{separator}").expect("a string takes all text");
+/// A PolyData file under construction: the XML, and the numbers that follow it.
+struct PolyData {
+    xml: String,
+    /// Each array: its length in bytes as a 64-bit integer, then its numbers, all little-endian.
+    appended: Vec<u8>,
+}
+
+impl PolyData {
+    fn new(points: usize, lines: usize, polygons: usize) -> Self {
+        let xml = format!(
+            "<?xml version=\"1.0\"?>\n\
+             <VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n\
+             <PolyData>\n\
+             <Piece NumberOfPoints=\"{points}\" NumberOfVerts=\"0\" NumberOfLines=\"{lines}\" \
+             NumberOfStrips=\"0\" NumberOfPolys=\"{polygons}\">\n"
+        );
+        Self {
+            xml,
+            appended: Vec::with_capacity(100 * points),
+        }
     }
-    *text += "</DataArray>\n";
+
+    fn section(&mut self, name: &str, fill: impl FnOnce(&mut Self)) {
+        self.xml += &format!("<{name}>\n");
+        fill(self);
+        self.xml += &format!("</{name}>\n");
+    }
+
+    fn floats(&mut self, name: &str, components: usize, values: impl Iterator<Item = f64>) {
+        self.array("Float64", name, components, values.map(f64::to_le_bytes));
+    }
+
+    /// Point numbers, offsets and numbers of rods: lists without components, as VTK demands of them.
+    fn integers(&mut self, name: &str, values: impl Iterator<Item = usize>) {
+        let bytes = values.map(|value| (value as u64).to_le_bytes());
+        self.array("Int64", name, 1, bytes);
+    }
+
+    fn array(
+        &mut self,
+        kind: &str,
+        name: &str,
+        components: usize,
+        values: impl Iterator<Item = [u8; 8]>,
+    ) {
+        let offset = self.appended.len();
+        self.xml += &format!(
+            "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" \
+             format=\"appended\" offset=\"{offset}\"/>\n"
+        );
+        self.appended.extend([0; 8]);
+        self.appended.extend(values.flatten());
+        let length = (self.appended.len() - offset - 8) as u64;
+        self.appended[offset..offset + 8].copy_from_slice(&length.to_le_bytes());
+    }
+
+    fn finish(self) -> Vec<u8> {
+        let mut bytes = self.xml.into_bytes();
+        bytes.extend(b"</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_");
+        bytes.extend(self.appended);
+        bytes.extend(b"\n</AppendedData>\n</VTKFile>\n");
+        bytes
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Elements of an XML text that holds no comments: tag with attributes, and the text that follows it.
-    /// Panics where tags do not nest.
-    fn elements(xml: &str) -> Vec<(String, String)> {
-        let (mut open, mut found) = (Vec::new(), Vec::new());
-        let body = xml.strip_prefix("<?xml version=\"1.0\"?>\n").unwrap();
-        for piece in body.split('<').skip(1) {
-            let (tag, text) = piece.split_once('>').expect("a tag is closed");
-            if let Some(name) = tag.strip_prefix('/') {
-                assert_eq!(open.pop().as_deref(), Some(name));
-            } else {
-                assert_eq!(tag.matches('"').count() % 2, 0, "{tag}");
-                if !tag.ends_with('/') {
-                    open.push(tag.split(' ').next().unwrap().to_owned());
-                }
-                found.push((tag.to_owned(), text.to_owned()));
-            }
-        }
-        assert!(open.is_empty(), "{open:?} not closed");
-        found
+    /// Tags of the XML in front of the numbers, and the numbers, 8 bytes each.
+    fn read(file: &[u8]) -> (Vec<String>, &[u8]) {
+        let mark: &[u8] = b"<AppendedData encoding=\"raw\">\n_";
+        let at = file.windows(mark.len()).position(|bytes| bytes == mark);
+        let at = at.expect("appended data");
+        let xml = std::str::from_utf8(&file[..at]).unwrap();
+        (tags(xml), &file[at + mark.len()..])
     }
 
-    fn numbers(elements: &[(String, String)], name: &str) -> Vec<f64> {
-        let name = format!("Name=\"{name}\"");
-        let (_, text) = elements
-            .iter()
-            .find(|(tag, _)| tag.contains(&name))
-            .unwrap();
-        text.split_whitespace()
-            .map(|word| word.parse().unwrap())
+    fn tags(xml: &str) -> Vec<String> {
+        let tags = xml.split('<').skip(1);
+        tags.map(|tag| tag.split_once('>').expect("a closed tag").0.to_owned())
+            .collect()
+    }
+
+    fn attribute<'a>(tag: &'a str, name: &str) -> &'a str {
+        let (_, rest) = tag.split_once(&format!("{name}=\"")).expect(name);
+        rest.split_once('"').unwrap().0
+    }
+
+    /// The numbers of an array, read as the format says.
+    fn numbers(file: &[u8], name: &str) -> Vec<f64> {
+        let (tags, data) = read(file);
+        let is_array = |tag: &&String| tag.contains(&format!("Name=\"{name}\""));
+        let tag = tags.iter().find(is_array).unwrap();
+        let offset: usize = attribute(tag, "offset").parse().unwrap();
+        let word = |at: usize| <[u8; 8]>::try_from(&data[at..at + 8]).unwrap();
+        let length = u64::from_le_bytes(word(offset)) as usize;
+        let number = |at: usize| match attribute(tag, "type") {
+            "Float64" => f64::from_le_bytes(word(at)),
+            _ => u64::from_le_bytes(word(at)) as f64,
+        };
+        (0..length / 8)
+            .map(|k| number(offset + 8 + 8 * k))
             .collect()
     }
 
@@ -247,33 +271,46 @@ mod tests {
 
     #[test]
     fn a_frame_is_well_formed_and_holds_the_rods() {
-        let elements = elements(&poly_data(&rods(), &frame()));
-        let piece = &elements
-            .iter()
-            .find(|(tag, _)| tag.starts_with("Piece"))
-            .unwrap()
-            .0;
-        assert!(
-            piece.contains("NumberOfPoints=\"7\"") && piece.contains("NumberOfLines=\"2\""),
-            "{piece}"
-        );
+        let file = poly_data(&rods(), &frame());
+        let (tags, _) = read(&file);
+        let piece = tags.iter().find(|tag| tag.starts_with("Piece")).unwrap();
+        assert_eq!(attribute(piece, "NumberOfPoints"), "7");
+        assert_eq!(attribute(piece, "NumberOfLines"), "2");
         assert_eq!(
-            numbers(&elements, "connectivity"),
+            numbers(&file, "connectivity"),
             [0., 1., 2., 3., 4., 5., 6., 3.]
         );
-        assert_eq!(numbers(&elements, "offsets"), [3., 8.]);
+        assert_eq!(numbers(&file, "offsets"), [3., 8.]);
         assert_eq!(
-            numbers(&elements, "radius"),
+            numbers(&file, "radius"),
             [1e-3, 1e-3, 1e-3, 2e-3, 2e-3, 2e-3, 2e-3]
         );
-        assert_eq!(numbers(&elements, "rod"), [0., 1.]);
-        assert_eq!(
-            numbers(&elements, "points"),
-            components(&frame().positions).collect::<Vec<_>>()
-        );
+        assert_eq!(numbers(&file, "rod"), [0., 1.]);
+        let positions = components(&frame().positions).collect::<Vec<_>>();
+        assert_eq!(numbers(&file, "points"), positions);
         let velocities = components(&frame().velocities).collect::<Vec<_>>();
-        assert_eq!(numbers(&elements, "velocity"), velocities);
-        assert!(!elements.iter().any(|(tag, _)| tag.contains("fluid_force")));
+        assert_eq!(numbers(&file, "velocity"), velocities);
+        assert!(!tags.iter().any(|tag| tag.contains("fluid_force")));
+    }
+
+    #[test]
+    fn lists_of_a_surface_have_one_component_as_readers_demand() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("boundary.vtp");
+        let surface = Surface {
+            points: vec![Vector3::zeros(), Vector3::x(), Vector3::y(), Vector3::z()],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+        };
+        write_surface(&path, &surface, "distance", &[0.0, 1.0, 2.0, 3.0]).unwrap();
+        let file = fs::read(path).unwrap();
+        assert_eq!(numbers(&file, "connectivity"), [0., 1., 2., 0., 2., 3.]);
+        assert_eq!(numbers(&file, "offsets"), [3., 6.]);
+        assert_eq!(numbers(&file, "distance"), [0., 1., 2., 3.]);
+        let (tags, _) = read(&file);
+        let lists = tags.iter().filter(|tag| tag.contains("type=\"Int64\""));
+        for list in lists {
+            assert_eq!(attribute(list, "NumberOfComponents"), "1", "{list}");
+        }
     }
 
     #[test]
@@ -284,21 +321,15 @@ mod tests {
         }
         write_collection(directory.path(), [0.0, 0.25].into_iter()).unwrap();
         let text = fs::read_to_string(directory.path().join(VTK_COLLECTION)).unwrap();
-        let elements = elements(&text);
-        let frames: Vec<_> = elements
+        let tags = tags(&text);
+        let frames: Vec<_> = tags
             .iter()
-            .filter(|(tag, _)| tag.starts_with("DataSet"))
+            .filter(|tag| tag.starts_with("DataSet"))
             .collect();
         assert_eq!(frames.len(), 2);
-        assert!(frames[1].0.contains("timestep=\"0.25\""));
-        for (tag, _) in frames {
-            let file = tag
-                .split("file=\"")
-                .nth(1)
-                .unwrap()
-                .split('"')
-                .next()
-                .unwrap();
+        assert_eq!(attribute(frames[1], "timestep"), "0.25");
+        for tag in frames {
+            let file = attribute(tag, "file");
             assert!(directory.path().join(file).exists(), "{file}");
         }
     }

@@ -1,7 +1,7 @@
 //! Areas, second moments and stiffnesses of cross-sections.
 //!
-//! **Convention.** κ¹ is the curvature about the first material director m₁, so EI₁ goes with the second
-//! moment I₁ = ∫ y² dA, where y is measured along the second director m₂; and the other way round. A
+//! **Convention.** EI₁ resists bending about the first material director m₁ (the axis of rotation), so it goes with the
+//! second moment I₁ = ∫ y² dA, where y is measured along the second director m₂; and the other way round. A
 //! rectangle lies with its `width` along m₁ and its `thickness` along m₂: I₁ = width · thickness³/12.
 
 use super::resolved::{CrossSection, Material, Stiffness};

@@ -19,10 +19,23 @@ use std::fmt;
 /// All structural faults: unknown keys, wrong types, unknown names of kinds and models. After each fault
 /// the faulty key is taken out and the rest is decoded again, so that they are found together.
 pub fn decode<T: DeserializeOwned>(document: &Node) -> Result<T, Issues> {
+    decode_beside(document, &[])
+}
+
+/// Decodes a document, passing over the keys `beside` at its top, which others decode; an unknown key may mean one
+/// of them.
+///
+/// # Errors
+/// As [`decode`].
+pub fn decode_beside<T: DeserializeOwned>(document: &Node, beside: &[&str]) -> Result<T, Issues> {
     let mut rest = document.clone();
     let mut issues = Issues::default();
     loop {
-        match T::deserialize(&rest) {
+        let top = Top {
+            node: &rest,
+            beside,
+        };
+        match T::deserialize(top) {
             Ok(value) => return issues.or_ok(value),
             Err(fault) => {
                 let mut steps: Vec<String> = fault.reversed_path.iter().rev().cloned().collect();
@@ -117,6 +130,39 @@ fn expected(what: impl fmt::Display, found: &Node) -> Fault {
     ))
 }
 
+/// The top of a document, some keys of which others decode.
+struct Top<'a> {
+    node: &'a Node,
+    beside: &'a [&'a str],
+}
+
+impl<'de> de::Deserializer<'de> for Top<'de> {
+    type Error = Fault;
+
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        self.node.deserialize_any(visitor)
+    }
+
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        name: &'static str,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Fault> {
+        match &self.node.value {
+            Value::Table(entries) => {
+                visitor.visit_map(Entries::strict(entries, fields, self.beside)?)
+            }
+            _ => self.node.deserialize_struct(name, fields, visitor),
+        }
+    }
+
+    serde::forward_to_deserialize_any! {
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf option unit
+        unit_struct newtype_struct seq tuple tuple_struct map enum identifier ignored_any
+    }
+}
+
 impl<'de> de::Deserializer<'de> for &'de Node {
     type Error = Fault;
 
@@ -184,7 +230,7 @@ impl<'de> de::Deserializer<'de> for &'de Node {
         visitor: V,
     ) -> Result<V::Value, Fault> {
         match &self.value {
-            Value::Table(entries) => visitor.visit_map(Entries::strict(entries, fields, None)?),
+            Value::Table(entries) => visitor.visit_map(Entries::strict(entries, fields, &[])?),
             _ => Err(expected("a table", self).with_help(keys_in_words(fields))),
         }
     }
@@ -287,7 +333,7 @@ impl<'a> SeqAccess<'a> for Elements<'a> {
 struct Entries<'a> {
     entries: std::slice::Iter<'a, Entry>,
     current: Option<&'a Entry>,
-    skipped: Option<&'static str>,
+    skipped: &'a [&'a str],
 }
 
 impl<'a> Entries<'a> {
@@ -295,18 +341,19 @@ impl<'a> Entries<'a> {
         Self {
             entries: entries.iter(),
             current: None,
-            skipped: None,
+            skipped: &[],
         }
     }
 
-    /// The entries of a table that may have only the given keys, and `skipped`, which is passed over.
+    /// The entries of a table that may have only the given keys, and those `skipped`, which are passed over.
     fn strict(
         entries: &'a [Entry],
         fields: &'static [&'static str],
-        skipped: Option<&'static str>,
+        skipped: &'a [&'a str],
     ) -> Result<Self, Fault> {
         let unknown = entries.iter().find(|entry| {
-            !fields.contains(&entry.key.as_str()) && skipped != Some(entry.key.as_str())
+            let key = entry.key.as_str();
+            !fields.contains(&key) && !skipped.contains(&key)
         });
         match unknown {
             None => Ok(Self {
@@ -315,8 +362,13 @@ impl<'a> Entries<'a> {
             }),
             Some(entry) => Err(Fault {
                 message: "unknown key".to_owned(),
-                help: did_you_mean(&entry.key, fields.iter().copied())
-                    .or_else(|| keys_in_words(fields)),
+                help: {
+                    // The kind of a table is its name, not one of its keys.
+                    let others = skipped.iter().filter(|key| **key != KIND);
+                    let known: Vec<&str> = fields.iter().chain(others).copied().collect();
+                    did_you_mean(&entry.key, known.iter().copied())
+                        .or_else(|| keys_in_words(&known))
+                },
                 reversed_path: vec![entry.key.clone()],
                 at_key: true,
             }),
@@ -333,7 +385,7 @@ impl<'a> MapAccess<'a> for Entries<'a> {
     ) -> Result<Option<K::Value>, Fault> {
         self.current = self
             .entries
-            .find(|entry| self.skipped != Some(entry.key.as_str()));
+            .find(|entry| !self.skipped.contains(&entry.key.as_str()));
         self.current
             .map(|entry| seed.deserialize(entry.key.as_str().into_deserializer()))
             .transpose()
@@ -367,7 +419,7 @@ impl<'a> VariantAccess<'a> for Variant<'a> {
     type Error = Fault;
 
     fn unit_variant(self) -> Result<(), Fault> {
-        Entries::strict(self.entries, &[], Some(KIND)).map(|_| ())
+        Entries::strict(self.entries, &[], &[KIND]).map(|_| ())
     }
 
     fn newtype_variant_seed<T: DeserializeSeed<'a>>(self, seed: T) -> Result<T::Value, Fault> {
@@ -383,7 +435,7 @@ impl<'a> VariantAccess<'a> for Variant<'a> {
         fields: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Fault> {
-        visitor.visit_map(Entries::strict(self.entries, fields, Some(KIND))?)
+        visitor.visit_map(Entries::strict(self.entries, fields, &[KIND])?)
     }
 }
 
@@ -403,7 +455,7 @@ impl<'de> de::Deserializer<'de> for Fields<'de> {
         fields: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Fault> {
-        visitor.visit_map(Entries::strict(self.0, fields, Some(KIND))?)
+        visitor.visit_map(Entries::strict(self.0, fields, &[KIND])?)
     }
 
     serde::forward_to_deserialize_any! {

@@ -1,13 +1,13 @@
 //! The JSON Schema of scenario files, and its keys in words.
 
+use super::experiments::Experiments;
 use super::issue::did_you_mean;
-use super::typed::ScenarioFile;
 use serde_json::Value;
 use std::fmt::Write;
 
 /// JSON Schema (draft 2020-12) of scenario files, for completion and checks in editors.
-pub fn json_schema() -> Value {
-    schemars::schema_for!(ScenarioFile).to_value()
+pub fn json_schema(experiments: Experiments) -> Value {
+    experiments.schema()
 }
 
 /// Explains a dotted key such as `rods.shape.radius`; indices and names of rods may be left out or in.
@@ -15,8 +15,8 @@ pub fn json_schema() -> Value {
 ///
 /// # Errors
 /// A message with the nearest key, if there is no such key.
-pub fn explain(key: &str) -> Result<String, String> {
-    let schema = json_schema();
+pub fn explain(experiments: Experiments, key: &str) -> Result<String, String> {
+    let schema = json_schema(experiments);
     let explainer = Explainer { root: &schema };
     let mut meanings = vec![Meaning {
         kind: None,
@@ -137,7 +137,9 @@ impl<'a> Explainer<'a> {
             let Some(description) = description.filter(|words| !said.contains(words)) else {
                 continue;
             };
-            let words = description.replace('\n', "\n  ");
+            // Fences are for pages; a terminal shows drawings as they are.
+            let lines = description.lines().filter(|line| !line.starts_with("```"));
+            let words = lines.collect::<Vec<_>>().join("\n  ");
             match schema.get("const") {
                 Some(word) => {
                     let _ = writeln!(text, "  {word}: {words}");
@@ -176,22 +178,23 @@ fn kind(schema: &Value) -> Option<&str> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::EXPERIMENTS;
     use super::*;
 
     #[test]
     fn keys_are_explained_in_words() {
-        insta::assert_snapshot!(explain("contact.friction").unwrap(), @r###"
+        insta::assert_snapshot!(explain(*EXPERIMENTS, "contact.friction").unwrap(), @r###"
 contact.friction
   Coulomb friction coefficient. Default: 0.
   A pure number.
 "###);
-        insta::assert_snapshot!(explain("rods.0.radius").unwrap(), @r###"
+        insta::assert_snapshot!(explain(*EXPERIMENTS, "rods.0.radius").unwrap(), @r###"
 rods.radius
   Radius of the surface that touches other rods and the fluid, and of a circular cross-section.
   Default for a rectangle: half its smaller side.
   A number in m, or text with a unit; allowed units: m, cm, mm, µm, um, nm, km, in.
 "###);
-        insta::assert_snapshot!(explain("rods.shape.radius").unwrap(), @r###"
+        insta::assert_snapshot!(explain(*EXPERIMENTS, "rods.shape.radius").unwrap(), @r###"
 rods.shape.radius (of kind "helix")
   Radius of the helix.
   A number in m, or text with a unit; allowed units: m, cm, mm, µm, um, nm, km, in.
@@ -202,24 +205,24 @@ rods.shape.radius (of kind "ring")
   Radius of the circle.
   A number in m, or text with a unit; allowed units: m, cm, mm, µm, um, nm, km, in.
 "###);
-        insta::assert_snapshot!(explain("rods.shape").unwrap(), @r###"
+        insta::assert_snapshot!(explain(*EXPERIMENTS, "rods.shape").unwrap(), @r###"
 rods.shape
   Where the rod is placed.
   A curve in space.
   kinds: straight, helix, arc, ring, points
   keys: end, start, axis, centre, handedness, length, phase, pitch, radius, turns, angle, normal, tangent, file, points
 "###);
-        insta::assert_snapshot!(explain("loads.acceleration").unwrap(), @r###"
+        insta::assert_snapshot!(explain(*EXPERIMENTS, "loads.acceleration").unwrap(), @r###"
 loads.acceleration (of kind "gravity")
   Acceleration of free fall, for example [0, 0, -9.81].
   A number in m/s^2, or text with a unit; allowed units: m/s^2, cm/s^2, mm/s^2.
 "###);
-        insta::assert_snapshot!(explain("time").unwrap(), @r###"
+        insta::assert_snapshot!(explain(*EXPERIMENTS, "time").unwrap(), @r###"
 time
   Dynamic, static or along a path of equilibria, and the time steps.
   keys: end, maximum_step, mode, scheme, step, tolerance
 "###);
-        insta::assert_snapshot!(explain("time.mode").unwrap(), @r###"
+        insta::assert_snapshot!(explain(*EXPERIMENTS, "time.mode").unwrap(), @r###"
 time.mode
   "dynamic" (the default), "static" (equilibrium by Newton's method without inertia), or
   "continuation" (equilibria along a path, with folds, bifurcations and stability; see [continuation]).
@@ -228,27 +231,27 @@ time.mode
   "static": Equilibrium, without inertia.
   "continuation": Equilibria along a path.
 "###);
-        insta::assert_snapshot!(explain("clamps.at").unwrap(), @r###"
+        insta::assert_snapshot!(explain(*EXPERIMENTS, "clamps.at").unwrap(), @r###"
 clamps.at
   "start", "end", or the number of a node, counted from zero.
   "start", "end", or a number counted from zero.
 "###);
-        insta::assert_snapshot!(explain("").unwrap(), @r###"
+        insta::assert_snapshot!(explain(*EXPERIMENTS, "").unwrap(), @r###"
 A rodlab scenario. Numbers are in SI units; text may carry a unit, such as "1.6 mm".
-keys: clamps, contact, continuation, experiment, extends, flagella, fluid, helix_stability, knot, loads, material, output, planes, rod, rods, solver, sweep, time, title
+keys: clamps, contact, continuation, experiment, extends, flagella, fluid, helix_stability, knot, loads, material, output, planes, probes, rod, rods, solver, stop_when, sweep, time, title
 "###);
     }
 
     #[test]
     fn unknown_keys_get_advice() {
-        insta::assert_snapshot!(explain("contact.frictoin").unwrap_err(), @"there is no key `frictoin` in `contact`; did you mean `friction`?");
-        insta::assert_snapshot!(explain("kontakt").unwrap_err(), @"there is no key `kontakt` at the top of a scenario; did you mean `contact`?");
-        insta::assert_snapshot!(explain("solver.qqq").unwrap_err(), @"there is no key `qqq` in `solver`; the keys are: displacement_tolerance, force_tolerance, maximum_iterations, minimum_step");
+        insta::assert_snapshot!(explain(*EXPERIMENTS, "contact.frictoin").unwrap_err(), @"there is no key `frictoin` in `contact`; did you mean `friction`?");
+        insta::assert_snapshot!(explain(*EXPERIMENTS, "kontakt").unwrap_err(), @"there is no key `kontakt` at the top of a scenario; did you mean `contact`?");
+        insta::assert_snapshot!(explain(*EXPERIMENTS, "solver.qqq").unwrap_err(), @"there is no key `qqq` in `solver`; the keys are: displacement_tolerance, force_tolerance, maximum_iterations, minimum_step");
     }
 
     #[test]
     fn every_key_has_a_description() {
-        let schema = json_schema();
+        let schema = json_schema(*EXPERIMENTS);
         let tables = std::iter::once(&schema).chain(schema["$defs"].as_object().unwrap().values());
         let mut keys = 0;
         for table in tables {

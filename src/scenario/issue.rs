@@ -99,6 +99,30 @@ impl Issues {
         }
     }
 
+    /// The value of a result, or its faults added to these.
+    pub fn keep<T>(&mut self, result: Result<T, Self>) -> Option<T> {
+        match result {
+            Ok(value) => Some(value),
+            Err(faults) => {
+                faults.0.into_iter().for_each(|issue| self.push(issue));
+                None
+            }
+        }
+    }
+
+    /// The same faults, found in the value at `path`.
+    #[must_use]
+    pub fn below(self, path: &KeyPath) -> Self {
+        let below = |issue: Issue| {
+            let steps = issue.path.steps();
+            Issue {
+                path: steps.iter().fold(path.clone(), |path, step| path.key(step)),
+                ..issue
+            }
+        };
+        Self(self.0.into_iter().map(below).collect())
+    }
+
     /// `value` if nothing is wrong, else the faults.
     pub fn or_ok<T>(self, value: T) -> Result<T, Self> {
         if self.0.is_empty() {

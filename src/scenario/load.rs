@@ -1,8 +1,8 @@
 //! Reading scenarios: the file, those it extends, overrides from the command line.
 
-use super::decode::decode;
 use super::document::{self, Node, Value};
 use super::error::{Located, ScenarioError};
+use super::experiments::{Experiments, TypedFile};
 use super::issue::{Issue, Issues, KeyPath};
 use super::overrides;
 use super::resolve::{Context, resolve};
@@ -20,13 +20,17 @@ pub struct Loaded {
 }
 
 /// Reads, merges, overrides and resolves a scenario file. Each override is `key=value` with a dotted key,
-/// such as `rods.0.radius=5 mm`; rods may be called by name: `rods.beam.radius`.
+/// such as `rods.0.radius=5 mm`; rods may be called by name: `rods.beam.radius`. The experiment is one of `experiments`.
 ///
 /// # Errors
 /// Everything that is wrong with it, as far as it can be told in one go, with file, line and column.
-pub fn load(path: &Path, overrides: &[String]) -> Result<Loaded, ScenarioError> {
+pub fn load(
+    experiments: Experiments,
+    path: &Path,
+    overrides: &[String],
+) -> Result<Loaded, ScenarioError> {
     let (sources, document) = merged(path, overrides)?;
-    finish(&name_of(path), sources, document)
+    finish(experiments, &name_of(path), sources, document)
 }
 
 /// By which name results of a scenario file are called: its stem.
@@ -56,26 +60,20 @@ fn overridden(
     Ok((sources, document))
 }
 
-/// Resolves the text of a scenario, called `name`, that names other files relative to `directory`.
+/// Resolves the text of a scenario, called `name`, that names other files relative to `directory`; overrides as [`load`]
+/// takes them.
 ///
 /// # Errors
 /// As [`load`].
-pub fn from_text(name: &str, text: &str, directory: &Path) -> Result<Loaded, ScenarioError> {
-    from_text_with(name, text, directory, &[])
-}
-
-/// [`from_text`], with overrides as [`load`] takes them.
-///
-/// # Errors
-/// As [`load`].
-pub fn from_text_with(
+pub fn from_text(
+    experiments: Experiments,
     name: &str,
     text: &str,
     directory: &Path,
     overrides: &[String],
 ) -> Result<Loaded, ScenarioError> {
     let (sources, document) = merged_text(name, text, directory, overrides)?;
-    finish(name, sources, document)
+    finish(experiments, name, sources, document)
 }
 
 /// [`merged`] for the text of a scenario.
@@ -94,6 +92,7 @@ pub(super) fn merged_text(
 
 /// Resolves a document.
 pub(super) fn finish(
+    experiments: Experiments,
     name: &str,
     sources: Sources,
     document: Node,
@@ -108,16 +107,18 @@ pub(super) fn finish(
         };
         return Err(located(&sources, &document, issue.into()));
     }
-    let resolved = decode(&document).and_then(|file| {
+    let resolved = TypedFile::decode(&document, experiments).and_then(|file| {
         let directory_of = |path: &KeyPath| {
             let (_, value) = document.locate(path);
             sources.get(value.source).directory.clone()
         };
         let context = Context {
             name,
+            experiments: experiments.in_words(),
+            document: &document,
             directory_of: &directory_of,
         };
-        resolve(&context, &file)
+        resolve(&context, &file.common, file.kind, &file.own)
     });
     match resolved {
         Ok(scenario) => Ok(Loaded {

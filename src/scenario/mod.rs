@@ -7,13 +7,14 @@
 //! | `source`, `document`, `document_text` | the texts; TOML as a tree whose every key knows its place, and back |
 //! | `load`, `overrides` | reading a file and what it `extends`, `--set key=value` |
 //! | `decode`, `typed` | serde from the tree to the file as typed: unknown keys, wrong types |
+//! | `experiments`, `own_tables`, [`keys`] | the experiments that there are, and what defines the keys of one |
 //! | `units`, `resolve` | SI units, defaults, ranges: from the file as typed to the scenario as resolved |
 //! | `sweep` | many cases of one scenario: lists, ranges, samples, searches |
 //! | `resolved`, `cross_section`, `canonical` | the [`Scenario`], its stiffnesses, its own TOML |
 //! | `issue`, `error` | faults by key path; the same with file, line and column |
 //! | `explain` | JSON Schema, and keys in words |
 //!
-//! The room knows no mechanics: vectors are arrays, models are names and numbers.
+//! The room knows no mechanics and no experiment by name: vectors are arrays, models are names and numbers.
 
 mod canonical;
 mod cross_section;
@@ -21,10 +22,13 @@ mod decode;
 mod document;
 mod document_text;
 mod error;
+mod experiments;
 mod explain;
 mod issue;
+pub mod keys;
 mod load;
 mod overrides;
+mod own_tables;
 mod resolve;
 mod resolved;
 mod source;
@@ -36,17 +40,20 @@ mod typed_file;
 mod units;
 
 pub use error::{Located, ScenarioError};
+pub use experiments::Experiments;
 pub use explain::{explain, json_schema};
 pub use issue::{Issue, Issues, KeyPath, did_you_mean};
-pub use load::{Loaded, from_text, from_text_with, load};
+pub use load::{Loaded, from_text, load};
 pub use resolve::read_polyline;
 pub use resolved::{
-    BuilderRod, Clamp, Contact, Continuation, CrossSection, Directions, Experiment, Flagella,
-    Fluid, Handedness, Head, HelixSearch, HelixStability, Hold, Knot, KnotEnds, KnotKind,
-    KnotStart, Load, LoadKind, Material, NaturalShape, Output, PathMethod, Place, Plane, Pose, Rod,
-    Scenario, Scheme, Shape, Solver, Step, Stiffness, Time,
+    AtPlace, Between, OneRod, PressedRod, Probe, ProbeKind, StopWhen, Summary, TwoNodes, TwoRods,
 };
-pub use sweep::{Case, Family, Parameter, Search};
+pub use resolved::{
+    BuilderRod, Clamp, Contact, Continuation, CrossSection, Experiment, Fluid, Handedness, Hold,
+    Load, LoadKind, Material, NaturalShape, Output, PathMethod, Place, Plane, Pose, Rod, Scenario,
+    Scheme, Shape, Solver, Step, Stiffness, Time,
+};
+pub use sweep::{Case, CaseSet, Parameter, Search};
 pub use typed::{Quantity, SearchMethod, Vector};
 pub use typed_file::TypedFile;
 pub use units::{metres, seconds};

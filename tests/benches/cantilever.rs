@@ -1,13 +1,13 @@
 //! A swinging heavy cantilever of 50 edges at steps of 10 ms: time per simulated second.
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use rodlab::experiment;
 use rodlab::mechanics::dynamics::{IntegrationParameters, Simulation, StepSize};
-use rodlab::{experiment, scenario};
 use std::path::Path;
 
 fn cantilever(criterion: &mut Criterion) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/heavy_cantilever.toml");
-    let loaded = scenario::load(&path, &[]).expect("a valid scenario");
+    let loaded = experiment::load(&path, &[]).expect("a valid scenario");
     let prepared = experiment::prepare(&loaded.scenario).expect("a valid scene");
     let parameters = IntegrationParameters {
         step: StepSize::Fixed(1e-2),

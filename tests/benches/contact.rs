@@ -4,7 +4,7 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use rodlab::mechanics::Vector3;
-use rodlab::mechanics::contact::{ContactParameters, ContactSurface, ImplicitContact};
+use rodlab::mechanics::contact::{ContactParameters, ContactSurface, ContactSystem};
 use std::hint::black_box;
 
 const RADIUS: f64 = 1e-3;
@@ -12,7 +12,7 @@ const RODS: usize = 10;
 const NODES: usize = 68;
 
 /// Parallel helices (radius 1 cm, pitch 5 cm, 20 cm long) on a circle of the given radius.
-fn flagella(circle: f64, friction: f64) -> (ImplicitContact, Vec<Vector3>) {
+fn flagella(circle: f64, friction: f64) -> (ContactSystem, Vec<Vector3>) {
     let mut surface = ContactSurface::new();
     let mut positions = Vec::new();
     for rod in 0..RODS {
@@ -37,7 +37,7 @@ fn flagella(circle: f64, friction: f64) -> (ImplicitContact, Vec<Vector3>) {
         ..ContactParameters::default()
     };
     (
-        ImplicitContact::new(parameters, surface, Vec::new(), 1e-3),
+        ContactSystem::new(parameters, surface, Vec::new(), 1e-3),
         positions,
     )
 }

@@ -2,14 +2,14 @@
 //! weight, by the search that goes downhill and by the one that goes to the nearest.
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use rodlab::experiment;
 use rodlab::mechanics::dynamics::Simulation;
-use rodlab::{experiment, scenario};
 use std::path::Path;
 
 fn simulation() -> Simulation {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/heavy_cantilever.toml");
     let finer = ["rods.beam.edges=100".to_owned()];
-    let loaded = scenario::load(&path, &finer).expect("a valid scenario");
+    let loaded = experiment::load(&path, &finer).expect("a valid scenario");
     let prepared = experiment::prepare(&loaded.scenario).expect("a valid scene");
     Simulation::new(&prepared.scene, &prepared.integration).expect("sound")
 }

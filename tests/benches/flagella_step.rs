@@ -1,8 +1,8 @@
 //! Whole time steps of 1 ms of M bundling flagella in contact: fluid, contact, Newton's method.
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use rodlab::experiment;
 use rodlab::mechanics::dynamics::{Simulation, StepSize};
-use rodlab::{experiment, scenario};
 use std::path::Path;
 
 /// The scenario of `count` flagella with the contact model `contact`, advanced by large steps to `time` (s),
@@ -13,7 +13,7 @@ fn touching(count: usize, contact: &str, time: f64) -> Simulation {
         format!("flagella.count={count}"),
         format!("contact.model={contact}"),
     ];
-    let loaded = scenario::load(&path, &set).expect("a valid scenario");
+    let loaded = experiment::load(&path, &set).expect("a valid scenario");
     let mut prepared = experiment::prepare(&loaded.scenario).expect("a valid scene");
     prepared.integration.step = StepSize::Auto {
         tolerance: 0.02,

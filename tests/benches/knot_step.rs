@@ -1,8 +1,8 @@
 //! Whole time steps of 2.5 ms of overhand knots that are pulled tight, 301 nodes, in contact.
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use rodlab::experiment;
 use rodlab::mechanics::dynamics::Simulation;
-use rodlab::{experiment, scenario};
 use std::path::Path;
 
 /// Simulated time at which the steps are measured, s: the knots have settled and are being pulled.
@@ -14,7 +14,7 @@ fn pulled(name: &str) -> Simulation {
         .join("scenarios")
         .join(name)
         .with_extension("toml");
-    let loaded = scenario::load(&path, &[]).expect("a valid scenario");
+    let loaded = experiment::load(&path, &[]).expect("a valid scenario");
     let prepared = experiment::prepare(&loaded.scenario).expect("a valid scene");
     let mut simulation = Simulation::new(&prepared.scene, &prepared.integration).expect("sound");
     while simulation.time() < START {

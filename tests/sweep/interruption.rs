@@ -53,9 +53,9 @@ fn killed_again_and_again_the_same_command_ends_with_the_same_bytes() {
     }
     succeed(&directory, &run);
     assert_same(&tables(&directory.path().join("killed")), &expected);
-    let claims = fs::read_dir(directory.path().join("killed/claims")).unwrap();
+    let leases = fs::read_dir(directory.path().join("killed/leases")).unwrap();
     // A file without its owner in it yet, killed within microseconds, is buried by the next run much later.
-    let left = claims.filter(|claim| claim.as_ref().unwrap().metadata().unwrap().len() > 0);
+    let left = leases.filter(|lease| lease.as_ref().unwrap().metadata().unwrap().len() > 0);
     assert_eq!(left.count(), 0);
 }
 

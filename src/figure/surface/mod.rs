@@ -1,6 +1,6 @@
 //! An interactive page of a surface in three dimensions: one HTML file that works without a network.
 
-use super::markup::{escape, json_in_script};
+use super::markup::{escape, fill, json_in_script};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::json;
@@ -60,12 +60,18 @@ pub fn surface_page(surface: &ColouredSurface<'_>) -> String {
         "low": low,
         "high": high,
     });
-    PAGE.replace("{{title}}", &escape(surface.title))
-        .replacen("{{subtitle}}", &escape(surface.subtitle), 1)
-        .replacen("{{script}}", &SCRIPTS.concat(), 1)
-        .replacen("{{header}}", &json_in_script(&header), 1)
-        .replacen("{{points}}", &STANDARD.encode(points), 1)
-        .replacen("{{triangles}}", &STANDARD.encode(triangles), 1)
+    let parts = [
+        ("title", escape(surface.title)),
+        ("subtitle", escape(surface.subtitle)),
+        ("script", SCRIPTS.concat()),
+        ("header", json_in_script(&header)),
+        ("points", STANDARD.encode(points)),
+        ("triangles", STANDARD.encode(triangles)),
+    ];
+    fill(
+        PAGE,
+        &parts.each_ref().map(|(name, text)| (*name, &text[..])),
+    )
 }
 
 #[cfg(test)]

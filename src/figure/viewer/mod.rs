@@ -7,7 +7,7 @@ mod packing;
 
 pub use movie::{Field, Movie, MovieCase, MovieFrame, MoviePlane, MovieRod};
 
-use super::markup::{escape, json_in_script};
+use super::markup::{escape, fill, json_in_script};
 use super::palette::Color;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -16,15 +16,15 @@ use serde_json::{Value, json};
 
 const PAGE: &str = include_str!("page/page.html");
 
-/// What is put in the place of its name in braces, in the page.
+/// What is put in the place of its name in double braces, in the page.
 const PARTS: [(&str, &str); 7] = [
-    ("{{style}}", include_str!("page/style.css")),
-    ("{{tube.vert}}", include_str!("page/tube.vert")),
-    ("{{tube.frag}}", include_str!("page/tube.frag")),
-    ("{{plane.vert}}", include_str!("page/plane.vert")),
-    ("{{plane.frag}}", include_str!("page/plane.frag")),
-    ("{{contact.vert}}", include_str!("page/contact.vert")),
-    ("{{contact.frag}}", include_str!("page/contact.frag")),
+    ("style", include_str!("page/style.css")),
+    ("tube.vert", include_str!("page/tube.vert")),
+    ("tube.frag", include_str!("page/tube.frag")),
+    ("plane.vert", include_str!("page/plane.vert")),
+    ("plane.frag", include_str!("page/plane.frag")),
+    ("contact.vert", include_str!("page/contact.vert")),
+    ("contact.frag", include_str!("page/contact.frag")),
 ];
 
 /// The program of the page, in the order of its parts.
@@ -43,19 +43,11 @@ const SCRIPTS: [&str; 7] = [
 /// # Panics
 /// Where a case has no frames, or arrays of unlike lengths.
 pub fn movie_page(movie: &Movie) -> String {
-    let mut page = PAGE.to_owned();
-    for (name, part) in PARTS {
-        page = page.replacen(name, part, 1);
-    }
-    page = page.replacen("{{title}}", &escape(&movie.title), 1);
-    page = page.replacen("{{script}}", &SCRIPTS.concat(), 1);
     let (header, blobs) = data(movie);
-    // The data last: it is large, and what it holds must not be taken for names of parts.
-    page.replacen(
-        "{{data}}",
-        &format!("<script type=\"application/json\" id=\"movie\">{header}</script>\n{blobs}"),
-        1,
-    )
+    let data = format!("<script type=\"application/json\" id=\"movie\">{header}</script>\n{blobs}");
+    let (title, script) = (escape(&movie.title), SCRIPTS.concat());
+    let own = [("title", &title[..]), ("script", &script), ("data", &data)];
+    fill(PAGE, &[&PARTS[..], &own].concat())
 }
 
 /// The description of the movie, and a script element with the packed bytes of each case.

@@ -65,6 +65,42 @@ impl BroadPhase {
         }
     }
 
+    /// Collects in `found` all pairs that may touch and whose boxes around the whole straight paths of their edges from
+    /// `start` to `end` overlap, sorted by edges.
+    pub fn find_swept(
+        &mut self,
+        surface: &ContactSurface,
+        start: &[Vector3],
+        end: &[Vector3],
+        found: &mut Vec<CandidatePair>,
+    ) {
+        self.build_boxes(surface, start, 0.0);
+        let axes = axes_by_spread(surface, start);
+        for swept in &mut self.boxes {
+            let edge = &surface.edges()[swept.edge as usize];
+            let (a, b) = (&end[edge.nodes[0]], &end[edge.nodes[1]]);
+            for (k, axis) in axes.into_iter().enumerate() {
+                swept.lower[k] = swept.lower[k].min(a[axis].min(b[axis]) - edge.radius);
+                swept.upper[k] = swept.upper[k].max(a[axis].max(b[axis]) + edge.radius);
+            }
+        }
+        self.sort_boxes();
+        self.sweep();
+        self.overlapping.sort_unstable();
+        found.clear();
+        let edges = surface.edges();
+        for &key in &self.overlapping {
+            let [i, j] = edges_of(key);
+            if surface.may_touch(i, j) {
+                let ([a, b], [c, d]) = (edges[i].nodes, edges[j].nodes);
+                found.push(CandidatePair {
+                    edges: [i, j],
+                    nodes: [a, b, c, d],
+                });
+            }
+        }
+    }
+
     /// Collects all pairs of boxes that overlap.
     fn sweep(&mut self) {
         self.overlapping.clear();
@@ -93,6 +129,10 @@ impl BroadPhase {
                     edge: index as u32,
                 }
             }));
+        self.sort_boxes();
+    }
+
+    fn sort_boxes(&mut self) {
         self.boxes
             .sort_unstable_by(|a, b| a.lower[0].total_cmp(&b.lower[0]).then(a.edge.cmp(&b.edge)));
     }

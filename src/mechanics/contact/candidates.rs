@@ -45,7 +45,8 @@ pub(super) struct Candidates {
     found: Vec<(CandidatePair, f64)>,
 }
 
-/// What belongs to the pairs of a list, for a newer list; for new pairs nothing. Both lists are sorted.
+/// What belongs to the pairs of a list, for a newer list; for new pairs nothing. Both lists are sorted. Values beyond the
+/// pairs stay behind them.
 pub fn carried_over<T: Copy + Default>(
     old: &[CandidatePair],
     values: &[T],
@@ -58,7 +59,8 @@ pub fn carried_over<T: Copy + Default>(
             .next_if(|(before, _)| *before == pair)
             .map_or_else(T::default, |(_, value)| *value)
     });
-    carried.collect()
+    let rest = values.get(old.len()..).unwrap_or_default();
+    carried.chain(rest.iter().copied()).collect()
 }
 
 impl Candidates {
@@ -147,9 +149,9 @@ impl Candidates {
         self.is_within(positions, COMPLETE_FRACTION)
     }
 
-    /// A part of the way `displacements` from `positions` along which the set is complete; 0 where it is not
+    /// A fraction of the path `displacements` from `positions` along which the set is complete; 0 where it is not
     /// complete at `positions`, and may be greater than 1.
-    pub fn covered_part(&self, positions: &[Vector3], displacements: &[Vector3]) -> f64 {
+    pub fn covered_fraction(&self, positions: &[Vector3], displacements: &[Vector3]) -> f64 {
         if self.positions.len() != positions.len() {
             return 0.0;
         }

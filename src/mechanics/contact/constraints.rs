@@ -10,8 +10,8 @@
 
 use super::candidates::approach;
 use super::closest_points::ClosestPoints;
+use super::contact_system::ContactSystem;
 use super::contacts::{ActiveContact, PlaneContact};
-use super::implicit_contact::ImplicitContact;
 use crate::mechanics::Vector3;
 
 /// What a constraint is between.
@@ -73,7 +73,7 @@ impl ContactConstraint {
     }
 }
 
-impl ImplicitContact {
+impl ContactSystem {
     /// Lists the contacts that the unhindered motion from `positions`, of at most `reaches` (m) per node, may close,
     /// without forces. Friction slows the motion since `previous`.
     pub fn list_constraints(&mut self, positions: &[Vector3], reaches: &[f64]) {

@@ -20,7 +20,7 @@ pub struct CandidatePair {
 /// A pair of edges within reach of the contact potential.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ActiveContact {
-    /// Index into [`ImplicitContact::candidates`](super::ImplicitContact::candidates).
+    /// Index into [`ContactSystem::candidates`](super::ContactSystem::candidates).
     pub candidate: usize,
     /// The nodes x_i, x_{i+1}, x_j, x_{j+1}.
     pub nodes: [usize; 4],
@@ -51,4 +51,13 @@ pub struct PlaneContact {
     pub normal_force: f64,
     /// Force on the node, friction included, N.
     pub force: [f64; 3],
+}
+
+/// What to add to the forces of all contacts of an evaluation, N.
+#[derive(Clone, Copy, Debug)]
+pub struct ForceCorrections<'a> {
+    /// One per contact of two edges, node after node.
+    pub edges: &'a [[f64; 12]],
+    /// One per plane contact.
+    pub planes: &'a [[f64; 3]],
 }

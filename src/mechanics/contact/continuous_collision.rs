@@ -19,91 +19,125 @@ use crate::mechanics::Vector3;
 /// Part of a gap that a step must leave.
 ///
 /// A barrier grows like the inverse of the gap, so that this allows its force to grow tenfold in a step. More
-/// would let a step that is far too long end in a place from which Newton's method needs many to
+/// would let a step that is far too long end in a state from which Newton's method needs many to
 /// return; less would make more steps when a force rises by orders of magnitude.
 pub(super) const KEPT_GAP: f64 = 0.1;
-/// An advance that uses up the room to this part of the kept gap is the last.
+/// An advance that uses up the slack to this fraction of the kept gap is the last.
 const USED_UP: f64 = 0.1;
-/// Most advances; after them the way so far is the answer, which is safe.
+/// Most advances; after them the path so far is the answer, which is safe.
 ///
 /// A few do, but a pair of edges of length L that turn together by an angle θ needs θL over the gap, since the slabs do not
 /// turn: hundreds in the largest steps of a turning bundle.
 const ADVANCES: usize = 1000;
 
-/// The largest part t of the way `displacements`, up to `longest`, along which the centrelines of the edges
+/// The largest fraction t of the path `displacements`, up to `longest`, along which the centrelines of the edges
 /// (`nodes[0]`, `nodes[1]`) and (`nodes[2]`, `nodes[3]`) keep a distance of `threshold` (m) and of the gap between
 /// it and their distance now a tenth. Zero for edges that are nearer than `threshold` already.
-pub(super) fn safe_part(
+pub(super) fn safe_fraction(
     nodes: &[Vector3; 4],
     displacements: &[Vector3; 4],
     threshold: f64,
     longest: f64,
 ) -> f64 {
-    let mut closest = ClosestPoints::of(nodes);
+    let closest = ClosestPoints::of(nodes);
     let gap = closest.distance() - threshold;
     if !(gap > 0.0) {
         return 0.0;
     }
     let kept = threshold + KEPT_GAP * gap;
-    let (mut part, mut place) = (0.0, *nodes);
+    let tolerance = USED_UP * KEPT_GAP * gap;
+    advance(closest, nodes, displacements, [kept, tolerance], longest)
+}
+
+/// The largest fraction of the path `displacements`, up to `longest`, along which the centrelines of the edges are certain
+/// to be farther apart than the first of `bounds` (m): all of it where they never come within the second of that.
+pub(super) fn fraction_beyond(
+    nodes: &[Vector3; 4],
+    displacements: &[Vector3; 4],
+    bounds: [f64; 2],
+    longest: f64,
+) -> f64 {
+    advance(
+        ClosestPoints::of(nodes),
+        nodes,
+        displacements,
+        bounds,
+        longest,
+    )
+}
+
+/// The same from closest points that are known.
+fn advance(
+    mut closest: ClosestPoints,
+    nodes: &[Vector3; 4],
+    displacements: &[Vector3; 4],
+    [kept, tolerance]: [f64; 2],
+    longest: f64,
+) -> f64 {
+    let (mut fraction, mut moved) = (0.0, *nodes);
     for _ in 0..ADVANCES {
         let normal = closest.separation / closest.distance();
         // Heights are measured from a node, so that the distance from the origin does not matter to rounding.
-        let height = |m: usize| (place[m] - place[0]).dot(&normal);
+        let height = |m: usize| (moved[m] - moved[0]).dot(&normal);
         let speed = |m: usize| displacements[m].dot(&normal);
-        let mut advance = longest - part;
+        let mut advance = longest - fraction;
         for (i, j) in [(0, 2), (0, 3), (1, 2), (1, 3)] {
-            let room = (height(i) - height(j) - kept).max(0.0);
+            let slack = (height(i) - height(j) - kept).max(0.0);
             let approach = speed(j) - speed(i);
-            if room < approach * advance {
-                advance = room / approach;
+            if slack < approach * advance {
+                advance = slack / approach;
             }
         }
-        if advance >= longest - part {
+        if advance >= longest - fraction {
             return longest;
         }
-        part += advance;
-        place = std::array::from_fn(|m| nodes[m] + displacements[m] * part);
-        closest = ClosestPoints::of(&place);
-        if closest.distance() - kept <= USED_UP * KEPT_GAP * gap {
+        fraction += advance;
+        moved = std::array::from_fn(|m| nodes[m] + displacements[m] * fraction);
+        closest = ClosestPoints::of(&moved);
+        if closest.distance() - kept <= tolerance {
             break;
         }
     }
-    part
+    fraction
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::closest_points::edge_distance;
     use super::super::test_support::Random;
     use super::*;
 
+    use super::super::closest_points::edge_distance;
+
     const THRESHOLD: f64 = 1.0;
 
-    /// Least distance on the way up to `part`, sampled densely.
-    fn least_distance(nodes: &[Vector3; 4], displacements: &[Vector3; 4], part: f64) -> f64 {
+    /// Least distance on the path up to `fraction`, sampled densely.
+    fn least_distance(nodes: &[Vector3; 4], displacements: &[Vector3; 4], fraction: f64) -> f64 {
         const SAMPLES: u32 = 400;
         (0..=SAMPLES)
             .map(|sample| {
-                let t = part * f64::from(sample) / f64::from(SAMPLES);
+                let t = fraction * f64::from(sample) / f64::from(SAMPLES);
                 edge_distance(&std::array::from_fn(|m| nodes[m] + displacements[m] * t))
             })
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// How far the way is free for a distance of `kept`, by advancing with the speed of the nodes.
-    fn free_part_by_speed(nodes: &[Vector3; 4], displacements: &[Vector3; 4], kept: f64) -> f64 {
+    /// How far the path is free for a distance of `kept`, by advancing with the speed of the nodes.
+    fn safe_fraction_by_speed(
+        nodes: &[Vector3; 4],
+        displacements: &[Vector3; 4],
+        kept: f64,
+    ) -> f64 {
         let [a, b, c, d] = displacements.map(|displacement| displacement.norm());
         let speed = a.max(b) + c.max(d);
-        let mut part = 0.0;
+        let mut fraction = 0.0;
         for _ in 0..20_000 {
-            let moved = std::array::from_fn(|m| nodes[m] + displacements[m] * part);
-            part += (edge_distance(&moved) - kept) / speed;
-            if part >= 1.0 {
+            let moved = std::array::from_fn(|m| nodes[m] + displacements[m] * fraction);
+            fraction += (edge_distance(&moved) - kept) / speed;
+            if fraction >= 1.0 {
                 return 1.0;
             }
         }
-        part
+        fraction
     }
 
     struct Flight {
@@ -161,14 +195,14 @@ mod tests {
         } in flights(3000)
         {
             let gap = edge_distance(&nodes) - THRESHOLD;
-            let part = safe_part(&nodes, &displacements, THRESHOLD, 1.0);
-            assert!((0.0..=1.0).contains(&part));
-            let least = least_distance(&nodes, &displacements, part);
+            let fraction = safe_fraction(&nodes, &displacements, THRESHOLD, 1.0);
+            assert!((0.0..=1.0).contains(&fraction));
+            let least = least_distance(&nodes, &displacements, fraction);
             assert!(
                 least > THRESHOLD + 0.099 * gap,
                 "gap {gap:e}, least {least:e}"
             );
-            if part < 1.0 {
+            if fraction < 1.0 {
                 stopped += 1;
             } else {
                 free += 1;
@@ -178,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn the_way_is_nearly_as_long_as_it_may_be() {
+    fn the_path_is_nearly_as_long_as_it_may_be() {
         let mut shortened = 0;
         for Flight {
             nodes,
@@ -186,12 +220,15 @@ mod tests {
         } in flights(1000)
         {
             let gap = edge_distance(&nodes) - THRESHOLD;
-            let part = safe_part(&nodes, &displacements, THRESHOLD, 1.0);
+            let fraction = safe_fraction(&nodes, &displacements, THRESHOLD, 1.0);
             // A tenth of the kept gap may remain unused.
             let used_up = THRESHOLD + (1.0 + USED_UP) * KEPT_GAP * gap;
-            let longest = free_part_by_speed(&nodes, &displacements, used_up);
-            assert!(part > 0.1 * longest, "{part:e} of {longest:e}, gap {gap:e}");
-            shortened += usize::from(part < 0.999 * longest);
+            let longest = safe_fraction_by_speed(&nodes, &displacements, used_up);
+            assert!(
+                fraction > 0.1 * longest,
+                "{fraction:e} of {longest:e}, gap {gap:e}"
+            );
+            shortened += usize::from(fraction < 0.999 * longest);
         }
         // The advances run out where edges turn by radians within a millionth of a radius of each other.
         assert!(shortened < 10, "{shortened} of 1000");
@@ -209,7 +246,7 @@ mod tests {
         ];
         let slide = [Vector3::new(30.0, 10.0, 0.0), Vector3::new(20.0, -5.0, 0.0)];
         let displacements = [slide[0], slide[0], slide[1], slide[1]];
-        assert_eq!(safe_part(&nodes, &displacements, THRESHOLD, 1.0), 1.0);
+        assert_eq!(safe_fraction(&nodes, &displacements, THRESHOLD, 1.0), 1.0);
     }
 
     #[test]
@@ -221,6 +258,6 @@ mod tests {
             Vector3::new(0.0, 1.0, THRESHOLD),
         ];
         let displacements = [Vector3::z(); 4];
-        assert_eq!(safe_part(&nodes, &displacements, THRESHOLD, 1.0), 0.0);
+        assert_eq!(safe_fraction(&nodes, &displacements, THRESHOLD, 1.0), 0.0);
     }
 }

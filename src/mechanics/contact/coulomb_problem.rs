@@ -100,8 +100,12 @@ impl CoulombProblem {
     /// Finds the forces, N.
     ///
     /// # Errors
-    /// [`Unsolved`] when the iterations run out.
+    /// [`Unsolved`] when the iterations run out, or where there are numbers that are not finite.
     pub fn solve(&self) -> Result<DVector<f64>, Unsolved> {
+        let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
+        if !finite(self.delassus.as_slice()) || !finite(self.free.as_slice()) {
+            return Err(Unsolved);
+        }
         let mut forces = DVector::zeros(self.free.len());
         self.sweep(&mut forces);
         let mut here = self.evaluate(&forces);
@@ -243,6 +247,9 @@ impl CoulombProblem {
                 }
             }
         }
+        if rows.is_empty() {
+            return Some(step);
+        }
         let solution = matrix.lu().solve(&right_side)?;
         for (row, value) in rows.iter().zip(&solution) {
             step[*row] = *value;
@@ -330,6 +337,25 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn forces_that_no_contact_presses_for_vanish() {
+        // Newton's method used to panic where all contacts were open and forces left over.
+        let apart = DVector::from_element(6, 1.0);
+        let problem = CoulombProblem::new(DMatrix::identity(6, 6), apart, vec![0.3; 2]);
+        let here = problem.evaluate(&DVector::from_element(6, 0.1));
+        assert!(here.branches.iter().all(|branch| *branch == Branch::Open));
+        assert_eq!(problem.newton_step(&here), Some(here.function));
+        assert_eq!(problem.solve(), Ok(DVector::zeros(6)));
+    }
+
+    #[test]
+    fn problems_with_numbers_that_are_not_finite_are_refused() {
+        let mut delassus = DMatrix::identity(3, 3);
+        delassus[(1, 2)] = f64::NAN;
+        let problem = CoulombProblem::new(delassus, DVector::zeros(3), vec![0.3]);
+        assert_eq!(problem.solve(), Err(Unsolved));
     }
 
     #[test]

@@ -52,7 +52,7 @@ pub(super) fn edge_force(
 }
 
 /// Derivative of [`edge_force`] with respect to the coordinates of the four nodes, N/m, for the friction law linearised
-/// at the slip `place` (m/s).
+/// at the slip given with `sliding` (m/s).
 pub(super) fn edge_jacobian(
     nodes: &[Vector3; 4],
     closest: &ClosestPoints,
@@ -62,7 +62,7 @@ pub(super) fn edge_jacobian(
     let distance = DistanceDerivatives::of(nodes, closest);
     let gradient = distance.gradient();
     let (direction, direction_jacobian) = match sliding {
-        Some((sliding, place)) => direction_with_friction(&distance, sliding, &place),
+        Some((sliding, at)) => direction_with_friction(&distance, sliding, &at),
         None => (distance.normal, distance.normal_jacobian),
     };
     let mut jacobian = [[0.0; 12]; 12];
@@ -93,12 +93,12 @@ pub(super) fn edge_jacobian(
 fn direction_with_friction(
     distance: &DistanceDerivatives,
     sliding: &Sliding,
-    place: &Vector3,
+    at: &Vector3,
 ) -> (Vector3, [[f64; 12]; 3]) {
     let velocity = sliding.relative_velocity(&distance.weights);
     let traction = sliding
         .law
-        .traction_derivatives(&distance.normal, &velocity, place);
+        .traction_derivatives(&distance.normal, &velocity, at);
     let [a, b, c, d] = &sliding.velocities;
     let by_ratio = [
         traction.by_velocity * (b - a),

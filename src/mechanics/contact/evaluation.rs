@@ -2,13 +2,14 @@
 
 use super::candidates::approach;
 use super::closest_points::{ClosestPoints, edge_distance};
+use super::contact_system::ContactSystem;
 use super::contacts::{ActiveContact, PlaneContact};
 use super::edge_contact::{Sliding, edge_force, edge_jacobian};
 use super::friction::{FrictionLaw, slip};
-use super::implicit_contact::ImplicitContact;
 use super::multipliers::LinearLaw;
 use super::normal_law::{NormalLaw, NormalResponse};
 use super::plane_contact::{NodeSliding, plane_force, plane_jacobian};
+use super::surface::ContactNode;
 use super::tractions::LinearTraction;
 use crate::mechanics::Vector3;
 
@@ -51,7 +52,7 @@ struct TouchingEdges {
     force: [f64; 12],
 }
 
-impl ImplicitContact {
+impl ContactSystem {
     /// Finds the active contacts at `positions` and evaluates energy, forces and Jacobians.
     ///
     /// Friction acts on the velocity (`positions` − `previous`)/`time_step`, and not at all where
@@ -99,7 +100,10 @@ impl ImplicitContact {
         self.linear_corrections.clear();
         self.multiplier_corrections.clear();
         self.plane_contacts.clear();
+        self.plane_tractions.clear();
         self.plane_jacobians.clear();
+        self.plane_linear_corrections.clear();
+        self.plane_multiplier_corrections.clear();
         self.energy = 0.0;
         self.contact_count = 0;
     }
@@ -121,7 +125,7 @@ impl ImplicitContact {
             let nodes = pair.nodes.map(|node| motion.positions[node]);
             let threshold = self.surface.threshold(pair.edges);
             let closest = ClosestPoints::smoothed(&nodes, parameters.smoothing(threshold));
-            let gap = closest.distance() - threshold;
+            let gap = closest.distance() - threshold - parameters.standoff();
             if !loaded && gap >= reach {
                 continue;
             }
@@ -171,96 +175,150 @@ impl ImplicitContact {
     /// Adds the Jacobian of two edges, and the differences between the force of their laws, that of the linearised
     /// laws, and that of the carried normal force and traction.
     fn linearize_edges(&mut self, edges: &TouchingEdges) {
-        let pressing = self.linear_normal_law(edges);
-        let rubbing = self.linear_friction_law(edges);
+        let normal = edges.closest.normal();
+        let pressure =
+            self.linear_normal_law(edges.candidate, edges.gap, &edges.law, edges.response);
+        let law = edges.sliding.as_ref().map(|sliding| &sliding.law);
+        let friction =
+            self.linear_friction_law(edges.candidate, law, &normal, &edges.slip, edges.traction);
         let sliding = edges.sliding.as_ref();
         self.jacobians.push(edge_jacobian(
             &edges.nodes,
             &edges.closest,
-            &pressing.tangent,
-            sliding.map(|sliding| (sliding, rubbing.slip)),
+            &pressure.tangent,
+            sliding.map(|sliding| (sliding, friction.slip)),
         ));
-        let with = |normal_force: f64, traction: &Vector3| {
-            edge_force(&edges.closest, normal_force, traction)
-        };
-        // The product of force and direction, linearised where the Jacobian is: N d₀ + N₀ (d − d₀).
-        let normal_force = pressing.tangent.force;
-        let pressed = with(pressing.force, &rubbing.value);
-        let [slid, base] = [&rubbing.present, &rubbing.value].map(|t| with(normal_force, t));
-        let force = &edges.force;
-        self.linear_corrections.push(std::array::from_fn(|k| {
-            pressed[k] + (slid[k] - base[k]) - force[k]
-        }));
-        let carried = with(normal_force, &rubbing.carried);
-        self.multiplier_corrections
-            .push(std::array::from_fn(|k| carried[k] - force[k]));
+        let [linear, carried] =
+            corrections(&pressure, &friction, edges.force, |force, traction| {
+                edge_force(&edges.closest, force, traction)
+            });
+        self.linear_corrections.push(linear);
+        self.multiplier_corrections.push(carried);
     }
 
-    fn linear_normal_law(&mut self, edges: &TouchingEdges) -> LinearLaw {
-        let (law, response) = (&edges.law, &edges.response);
+    /// The normal force law of a slot, linearised where its multiplier is.
+    fn linear_normal_law(
+        &mut self,
+        slot: usize,
+        gap: f64,
+        law: &NormalLaw,
+        response: NormalResponse,
+    ) -> LinearLaw {
         let linear = self.multipliers.linear_law(
-            edges.candidate,
-            edges.gap,
-            response,
+            slot,
+            gap,
+            &response,
             |gap| law.response(gap),
             |force| law.gap_of_force(force),
         );
         linear.unwrap_or(LinearLaw {
-            tangent: *response,
+            tangent: response,
             force: response.force,
         })
     }
 
-    fn linear_friction_law(&mut self, edges: &TouchingEdges) -> LinearTraction {
-        match &edges.sliding {
-            Some(sliding) if self.multipliers.in_use() => self.carried_tractions.linear_law(
-                edges.candidate,
-                &sliding.law,
-                &edges.closest.normal(),
-                &edges.slip,
-            ),
+    /// The friction law of a slot, where there is one, linearised where its traction is.
+    fn linear_friction_law(
+        &mut self,
+        slot: usize,
+        law: Option<&FrictionLaw>,
+        normal: &Vector3,
+        slip: &Vector3,
+        traction: Vector3,
+    ) -> LinearTraction {
+        match law {
+            Some(law) if self.multipliers.in_use() => {
+                self.carried_tractions.linear_law(slot, law, normal, slip)
+            }
             _ => LinearTraction {
-                slip: edges.slip,
-                value: edges.traction,
-                present: edges.traction,
-                carried: edges.traction,
+                slip: *slip,
+                value: traction,
+                present: traction,
+                carried: traction,
             },
         }
     }
 
     fn evaluate_planes(&mut self, motion: Motion, with_jacobians: bool) {
         let (tolerance, reach) = (self.parameters.distance_tolerance, self.parameters.reach());
-        for (index, plane) in self.planes.iter().enumerate() {
-            let law = motion.friction(plane.friction, self.parameters.slip_tolerance);
-            for surface in self.surface.nodes() {
-                let (node, radius) = (surface.node, surface.radius);
+        let slots = self.slots();
+        for index in 0..self.planes.len() {
+            let plane = self.planes[index];
+            let friction = motion.friction(plane.friction, self.parameters.slip_tolerance);
+            for k in 0..self.surface.nodes().len() {
+                let ContactNode { node, radius } = self.surface.nodes()[k];
+                let slot = slots.over_plane(index, node);
                 let distance = plane.distance(&motion.positions[node]);
                 let gap = distance - radius;
-                if gap >= reach {
+                let loaded = with_jacobians && self.multipliers.is_loaded(slot);
+                if !loaded && gap >= reach {
                     continue;
                 }
-                let response =
-                    NormalLaw::new(&self.parameters, radius, self.stiffness).response(gap);
-                let sliding = law.map(|law| NodeSliding {
+                let law = NormalLaw::new(&self.parameters, radius, self.stiffness);
+                let response = law.response(gap);
+                let sliding = friction.map(|law| NodeSliding {
                     law,
                     velocity: motion.velocity(node),
                     time_step: motion.time_step,
                 });
+                let slip = sliding.map_or_else(Vector3::zeros, |sliding| {
+                    slip(&plane.normal, &sliding.velocity)
+                });
+                let traction =
+                    friction.map_or_else(Vector3::zeros, |law| law.traction_of_slip(&slip));
+                let force = plane_force(&plane.normal, response.force, &traction);
                 self.plane_contacts.push(PlaneContact {
                     node,
                     plane: index,
                     distance,
                     threshold: radius,
                     normal_force: response.force,
-                    force: plane_force(&plane.normal, &response, sliding.as_ref()),
+                    force,
                 });
+                self.plane_tractions.push(traction);
                 if with_jacobians {
-                    let jacobian = plane_jacobian(&plane.normal, &response, sliding.as_ref());
-                    self.plane_jacobians.push(jacobian);
+                    let pressure = self.linear_normal_law(slot, gap, &law, response);
+                    let friction = self.linear_friction_law(
+                        slot,
+                        friction.as_ref(),
+                        &plane.normal,
+                        &slip,
+                        traction,
+                    );
+                    self.plane_jacobians.push(plane_jacobian(
+                        &plane.normal,
+                        &pressure.tangent,
+                        sliding.as_ref().map(|sliding| (sliding, friction.slip)),
+                    ));
+                    let [linear, carried] =
+                        corrections(&pressure, &friction, force, |force, traction| {
+                            plane_force(&plane.normal, force, traction)
+                        });
+                    self.plane_linear_corrections.push(linear);
+                    self.plane_multiplier_corrections.push(carried);
                 }
                 self.energy += response.energy;
                 self.contact_count += usize::from(gap < tolerance);
             }
         }
     }
+}
+
+/// What to add to `force` to have that of the linearised laws, and to have that of the carried normal force and traction;
+/// `with` gives the force of a normal force and a traction.
+fn corrections<const N: usize>(
+    pressure: &LinearLaw,
+    friction: &LinearTraction,
+    force: [f64; N],
+    with: impl Fn(f64, &Vector3) -> [f64; N],
+) -> [[f64; N]; 2] {
+    // The product of force and direction, linearised where the Jacobian is: N d₀ + N₀ (d − d₀).
+    let normal_force = pressure.tangent.force;
+    let pressed = with(pressure.force, &friction.value);
+    let [slid, base] = [&friction.present, &friction.value].map(|t| with(normal_force, t));
+    let carried = with(normal_force, &friction.carried);
+    [
+        std::array::from_fn(|k| pressed[k] + (slid[k] - base[k]) - force[k]),
+        std::array::from_fn(|k| carried[k] - force[k]),
+    ]
 }

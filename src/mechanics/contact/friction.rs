@@ -39,6 +39,7 @@ pub(super) struct Traction {
 
 impl FrictionLaw {
     /// Friction per normal force at the relative velocity `velocity` (m/s).
+    #[cfg(test)]
     pub fn traction(&self, normal: &Vector3, velocity: &Vector3) -> Vector3 {
         self.traction_of_slip(&slip(normal, velocity))
     }
@@ -65,20 +66,20 @@ impl FrictionLaw {
         (Matrix3::identity() * factor + slip * slip.transpose() * factor_rate) * -self.coefficient
     }
 
-    /// Friction at `place`, a slip (m/s), with the derivatives there; how the slip changes with velocity and normal is
+    /// Friction at `at`, a slip (m/s), with the derivatives there; how the slip changes with velocity and normal is
     /// that of the present `velocity`.
     pub fn traction_derivatives(
         &self,
         normal: &Vector3,
         velocity: &Vector3,
-        place: &Vector3,
+        at: &Vector3,
     ) -> Traction {
         let approach = velocity.dot(normal);
-        let by_slip = self.slope(place);
+        let by_slip = self.slope(at);
         let tangent = Matrix3::identity() - normal * normal.transpose();
         let slip_by_normal = -(Matrix3::identity() * approach + normal * velocity.transpose());
         Traction {
-            value: self.traction_of_slip(place),
+            value: self.traction_of_slip(at),
             by_velocity: by_slip * tangent,
             by_normal: by_slip * slip_by_normal,
         }

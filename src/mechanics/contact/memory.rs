@@ -1,6 +1,6 @@
 //! What a restart needs to know of contact.
 
-use super::implicit_contact::ImplicitContact;
+use super::contact_system::ContactSystem;
 use crate::mechanics::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -27,15 +27,15 @@ pub struct MismatchedMemory {
     pub found: usize,
 }
 
-impl ImplicitContact {
+impl ContactSystem {
     /// What a checkpoint must hold.
     pub fn memory(&self) -> ContactMemory {
         let positions = self.candidate_positions().iter();
-        let tractions = self.carried_tractions().settled().iter();
+        let tractions = self.carried_tractions().committed().iter();
         ContactMemory {
             candidate_positions: positions.map(|&position| position.into()).collect(),
             stiffness: self.stiffness(),
-            normal_forces: self.multipliers().settled().to_vec(),
+            normal_forces: self.multipliers().committed().to_vec(),
             tractions: tractions.map(|known| known.map(Into::into)).collect(),
         }
     }

@@ -1,7 +1,6 @@
-//! Contact between rods and with planes: broad phase, distances, the implicit contact model, incremental
-//! potential contact, friction.
+//! Contact between rods and with planes: broad phase, distances, three contact models, friction.
 //!
-//! [`ImplicitContact`] is the door to this room; the other files follow the chain from geometry to force:
+//! [`ContactSystem`] holds all contacts of a scene; the other files follow the chain from geometry to force:
 //!
 //! | file | what |
 //! |---|---|
@@ -11,12 +10,13 @@
 //! | `parameters` | the contact model and its numbers |
 //! | `normal_law`, `potential`, `barrier` | contact energy of a gap: Eqs. 2.15, 2.16 or the barrier of Eq. 2.1 |
 //! | `continuous_collision`, `step_bound` | how far a step may go without crossing the barrier |
+//! | `certificate` | that nothing has passed through anything in a step |
 //! | `constraints`, `coulomb_problem` | contacts as constraints, and their forces by complementarity (thesis 3.3) |
 //! | `friction` | Coulomb friction, smoothed near zero slip (Eqs. 2.7–2.14) |
 //! | `edge_contact`, `plane_contact` | force and Jacobian of one contact |
 //! | `multipliers`, `tractions` | normal forces and friction that Newton's method carries along |
 //! | `stiffness` | the adaptive contact stiffness (Eqs. 2.18, 2.19) |
-//! | `implicit_contact`, `evaluation`, `contacts` | all contacts of a scene |
+//! | `contact_system`, `evaluation`, `contacts` | all contacts of a scene |
 //! | `proximity` | least distance, penetration, overlaps of a new scene |
 //! | `touching` | where surfaces touch, for pictures |
 //! | `memory` | what a restart needs |
@@ -24,8 +24,10 @@
 mod barrier;
 mod broad_phase;
 mod candidates;
+mod certificate;
 mod closest_points;
 mod constraints;
+mod contact_system;
 mod contacts;
 mod continuous_collision;
 mod coulomb_problem;
@@ -33,7 +35,6 @@ mod distance;
 mod edge_contact;
 mod evaluation;
 mod friction;
-mod implicit_contact;
 mod memory;
 mod multipliers;
 mod normal_law;
@@ -52,9 +53,11 @@ mod touching;
 mod tractions;
 
 pub use constraints::ContactConstraint;
-pub use contacts::{ActiveContact, CandidatePair, EdgeJacobian, PlaneContact, PlaneJacobian};
+pub use contact_system::ContactSystem;
+pub use contacts::{
+    ActiveContact, CandidatePair, EdgeJacobian, ForceCorrections, PlaneContact, PlaneJacobian,
+};
 pub(crate) use coulomb_problem::CoulombProblem;
-pub use implicit_contact::ImplicitContact;
 pub use memory::{ContactMemory, MismatchedMemory};
 pub use parameters::{ContactModel, ContactParameters};
 pub use proximity::{ContactPair, Proximity};

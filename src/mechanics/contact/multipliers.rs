@@ -1,5 +1,8 @@
 //! Normal forces that Newton's method carries along as unknowns of their own.
 //!
+//! Every candidate pair of edges has a slot, and after them every node over every plane (see [`Slots`]).
+//!
+//!
 //! The contact force falls to a third within δ/30 of gap, a distance that rods cross many times within one
 //! time step. Newton's method on the gap alone sees no force a little too far out, and one that is out
 //! by orders of magnitude a little too far in; it then needs an iteration for every factor of e. So each
@@ -17,7 +20,7 @@
 //!
 //! Where a contact slides over a node it passes from one pair to the next. The new pair has hardly a force
 //! to start from, but a gap that is known well, since it is that of the old pair; so a force that the
-//! present gap gives is believed up to [`BELIEVED_PART`] of the largest force. So is that of a contact that begins: where
+//! present gap gives is trusted up to [`TRUSTED_FRACTION`] of the largest force. So is that of a contact that begins: where
 //! the predictor overlaps by some δ, the law gives a force that is too large by eight orders of magnitude, each of which
 //! would take half an iteration to lose.
 //!
@@ -25,7 +28,7 @@
 //! present gap.
 
 use super::candidates::carried_over;
-use super::contacts::{ActiveContact, CandidatePair};
+use super::contacts::CandidatePair;
 use super::normal_law::NormalResponse;
 
 /// Part of a multiplier that one iteration may take away.
@@ -34,12 +37,36 @@ use super::normal_law::NormalResponse;
 /// within two or three iterations.
 const LARGEST_LOSS: f64 = 0.98;
 
-/// Part of the largest force of the last step up to which forces of present gaps are believed.
+/// Part of the largest force of the last step up to which forces of present gaps are trusted.
 ///
 /// The prediction errs by some δ/30, so larger forces may be out by factors, which cost an iteration each;
 /// smaller ones are not worth it. In a bundle of two flagella 0.1 takes 2.7 iterations a step, 0.5 takes 2.9, 3
 /// takes 3.2, and none at all 3.8.
-const BELIEVED_PART: f64 = 0.1;
+const TRUSTED_FRACTION: f64 = 0.1;
+
+/// Where the contacts of a scene keep what they carry from step to step: candidate pairs first, then every node over
+/// every plane.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Slots {
+    /// Candidate pairs.
+    pub candidates: usize,
+    /// Nodes of all rods.
+    pub nodes: usize,
+    /// Planes.
+    pub planes: usize,
+}
+
+impl Slots {
+    /// Number of slots.
+    pub fn count(&self) -> usize {
+        self.candidates + self.planes * self.nodes
+    }
+
+    /// Slot of a node over a plane.
+    pub fn over_plane(&self, plane: usize, node: usize) -> usize {
+        self.candidates + plane * self.nodes + node
+    }
+}
 
 /// How evaluations treat the multipliers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -53,14 +80,14 @@ enum Phase {
     Advancing,
 }
 
-/// The normal forces of all candidates.
+/// The normal forces of all slots.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Multipliers {
     phase: Phase,
-    /// Forces at the end of the last accepted step, N, one per candidate.
-    settled: Vec<f64>,
-    /// Force of present gaps that is believed, N.
-    believed: f64,
+    /// Forces at the end of the last accepted step, N, one per slot.
+    committed: Vec<f64>,
+    /// Force of present gaps that is trusted, N.
+    trusted: f64,
     /// Forces in the present iteration, N.
     present: Vec<f64>,
 }
@@ -75,43 +102,40 @@ pub(super) struct LinearLaw {
 }
 
 impl Multipliers {
-    /// Starts the iterations of a step from the settled forces; where there are none, forces up to about `expected`, N,
+    /// Starts the iterations of a step from the committed forces; where there are none, forces up to about `expected`, N,
     /// are to come.
-    pub fn begin(&mut self, candidates: usize, expected: f64) {
-        self.settled.resize(candidates, 0.0);
-        self.present.clone_from(&self.settled);
-        let largest = self.settled.iter().copied().fold(0.0, f64::max);
-        self.believed = BELIEVED_PART * if largest > 0.0 { largest } else { expected };
+    pub fn begin(&mut self, slots: Slots, expected: f64) {
+        self.committed.resize(slots.count(), 0.0);
+        self.present.clone_from(&self.committed);
+        let largest = self.committed.iter().copied().fold(0.0, f64::max);
+        self.trusted = TRUSTED_FRACTION * if largest > 0.0 { largest } else { expected };
         self.phase = Phase::Fresh;
     }
 
-    /// Takes over the forces of an accepted step, of contacts nearer than `reach` (m).
-    pub fn settle(&mut self, candidates: usize, contacts: &[ActiveContact], reach: f64) {
-        self.settled.clear();
-        self.settled.resize(candidates, 0.0);
-        for contact in contacts
-            .iter()
-            .filter(|contact| contact.distance - contact.threshold < reach)
-        {
-            self.settled[contact.candidate] = contact.normal_force;
+    /// Takes over the forces of an accepted step, slot by slot; those not given are zero.
+    pub fn commit(&mut self, slots: Slots, forces: impl Iterator<Item = (usize, f64)>) {
+        self.committed.clear();
+        self.committed.resize(slots.count(), 0.0);
+        for (slot, force) in forces {
+            self.committed[slot] = force;
         }
         self.phase = Phase::Unused;
     }
 
-    /// Carries the settled forces over to a new list of candidates; both lists are sorted.
+    /// Carries the committed forces over to a new list of candidates; both lists are sorted.
     pub fn carry_over(&mut self, old: &[CandidatePair], new: &[CandidatePair]) {
-        self.settled = carried_over(old, &self.settled, new);
+        self.committed = carried_over(old, &self.committed, new);
         self.phase = Phase::Unused;
     }
 
-    /// Forces at the end of the last accepted step, N, one per candidate.
-    pub fn settled(&self) -> &[f64] {
-        &self.settled
+    /// Forces at the end of the last accepted step, N, one per slot.
+    pub fn committed(&self) -> &[f64] {
+        &self.committed
     }
 
     /// Continues from stored forces.
-    pub fn restore(&mut self, settled: &[f64]) {
-        self.settled = settled.to_vec();
+    pub fn restore(&mut self, committed: &[f64]) {
+        self.committed = committed.to_vec();
         self.phase = Phase::Unused;
     }
 
@@ -125,9 +149,9 @@ impl Multipliers {
         self.phase != Phase::Unused
     }
 
-    /// Whether a candidate bears force by its multiplier, wherever it is.
-    pub fn is_loaded(&self, candidate: usize) -> bool {
-        self.in_use() && self.present[candidate] > 0.0
+    /// Whether the contact of a slot bears force by its multiplier, wherever it is.
+    pub fn is_loaded(&self, slot: usize) -> bool {
+        self.in_use() && self.present[slot] > 0.0
     }
 
     /// The next evaluation with Jacobians brings the forces up to date.
@@ -137,11 +161,11 @@ impl Multipliers {
         }
     }
 
-    /// The law for `candidate` at `gap`, whose own response there is `response`; `None` where it is
+    /// The law of a slot at `gap`, whose own response there is `response`; `None` where it is
     /// linearised at that gap. `law` gives the response of a gap, `inverse` the gap of a force.
     pub fn linear_law(
         &mut self,
-        candidate: usize,
+        slot: usize,
         gap: f64,
         response: &NormalResponse,
         law: impl Fn(f64) -> NormalResponse,
@@ -150,10 +174,10 @@ impl Multipliers {
         if !self.in_use() {
             return None;
         }
-        let known = self.present[candidate];
-        let believed = response.force.min(self.believed);
-        if known == 0.0 && believed == response.force {
-            self.present[candidate] = believed;
+        let known = self.present[slot];
+        let trusted = response.force.min(self.trusted);
+        if known == 0.0 && trusted == response.force {
+            self.present[slot] = trusted;
             return None;
         }
         let at = |force: f64| {
@@ -169,8 +193,8 @@ impl Multipliers {
         } else {
             known
         };
-        let force = next.max(believed);
-        self.present[candidate] = force;
+        let force = next.max(trusted);
+        self.present[slot] = force;
         let (tangent, linear) = at(force);
         Some(LinearLaw {
             tangent,
@@ -199,7 +223,22 @@ mod tests {
             &old,
             &[pair(0, 3), pair(1, 4), pair(2, 6), pair(2, 7), pair(3, 9)],
         );
-        assert_eq!(multipliers.settled(), [0.0, 2.0, 0.0, 3.0, 0.0]);
+        assert_eq!(multipliers.committed(), [0.0, 2.0, 0.0, 3.0, 0.0]);
+    }
+
+    fn slots(candidates: usize) -> Slots {
+        Slots {
+            candidates,
+            ..Slots::default()
+        }
+    }
+
+    #[test]
+    fn forces_of_planes_stay_behind_those_of_any_list_of_pairs() {
+        let mut multipliers = Multipliers::default();
+        multipliers.restore(&[1.0, 2.0, 7.0, 8.0]);
+        multipliers.carry_over(&[pair(0, 4), pair(1, 4)], &[pair(1, 4)]);
+        assert_eq!(multipliers.committed(), [2.0, 7.0, 8.0]);
     }
 
     /// The law N(g) = e⁻ᵍ.
@@ -219,7 +258,7 @@ mod tests {
     fn a_linear_law_touches_the_force_law_at_its_force() {
         let mut multipliers = Multipliers::default();
         multipliers.restore(&[2.0]);
-        multipliers.begin(1, 1.0);
+        multipliers.begin(slots(1), 1.0);
         // At the gap of the force itself the two agree; half a unit farther the tangent is lower.
         let linear = multipliers
             .linear_law(0, inverse(2.0), &law(inverse(2.0)), law, inverse)
@@ -236,7 +275,7 @@ mod tests {
         assert!((multipliers.present[0] - 1.0).abs() < 1e-15);
         multipliers.linear_law(0, gap + 9.0, &law(gap + 9.0), law, inverse);
         assert!((multipliers.present[0] - 0.02).abs() < 1e-15);
-        // A gap that comes near is believed up to a tenth of the largest force, which was 2.
+        // A gap that comes near is trusted up to a tenth of the largest force, which was 2.
         multipliers.linear_law(0, inverse(5.0), &law(inverse(5.0)), law, inverse);
         assert!((multipliers.present[0] - 0.2).abs() < 1e-15);
     }
@@ -244,7 +283,7 @@ mod tests {
     #[test]
     fn a_contact_that_begins_with_overlap_bears_what_is_believed() {
         let mut multipliers = Multipliers::default();
-        multipliers.begin(2, 3.0);
+        multipliers.begin(slots(2), 3.0);
         let deep = multipliers.linear_law(0, -9.0, &law(-9.0), law, inverse);
         assert!((multipliers.present[0] - 0.3).abs() < 1e-15);
         let line = 0.3 * (1.0 - (-9.0 - inverse(0.3)));

@@ -8,6 +8,12 @@ use super::{barrier, potential};
 /// takes 2.1 iterations a step with a tenth of this and with 30 times as much, and without any it goes no farther.
 const SMOOTHING: f64 = 5e-4;
 
+/// The same for a barrier, which begins that much outside the surfaces so that they never touch for it.
+///
+/// Without any, steps get as small as the smallest where rods that press on each other come to lie along each other: the
+/// closest points of edges leap as they turn through parallel, and the forces on the nodes with them.
+const BARRIER_SMOOTHING: f64 = 5e-3;
+
 /// Contact models, all with Coulomb friction (thesis Eqs. 2.7–2.14).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContactModel {
@@ -65,12 +71,24 @@ impl ContactParameters {
 
     /// Smoothing c of the closest points of edges that touch at the distance `threshold` (m), m².
     ///
-    /// None for incremental potential contact, whose barrier must be infinite where the surfaces themselves touch, and
-    /// none for complementarity, whose contacts have no gap to spare.
+    /// None for complementarity, whose contacts have no gap to spare.
     pub(super) fn smoothing(&self, threshold: f64) -> f64 {
+        let part = match self.model {
+            ContactModel::ImplicitContact => SMOOTHING,
+            ContactModel::IncrementalPotential => BARRIER_SMOOTHING,
+            ContactModel::Complementarity => 0.0,
+        };
+        4.0 * part * self.distance_tolerance * threshold
+    }
+
+    /// Distance between the surfaces of two edges at which the gap that the force law sees is zero, m.
+    ///
+    /// The smoothed distance Δ of [`ClosestPoints`](super::closest_points::ClosestPoints) is larger than the true one d by
+    /// at most c/(4 d), so that with a barrier at Δ = h_i + h_j + c/(4 (h_i + h_j)) surfaces never touch. Penalties have none.
+    pub(super) fn standoff(&self) -> f64 {
         match self.model {
-            ContactModel::ImplicitContact => 4.0 * SMOOTHING * self.distance_tolerance * threshold,
-            ContactModel::IncrementalPotential | ContactModel::Complementarity => 0.0,
+            ContactModel::IncrementalPotential => BARRIER_SMOOTHING * self.distance_tolerance,
+            ContactModel::ImplicitContact | ContactModel::Complementarity => 0.0,
         }
     }
 

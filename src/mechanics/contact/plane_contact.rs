@@ -6,7 +6,7 @@
 //! F = N (n + t(n, v)), ∂F = (dN/dΔ) (n + t) nᵀ + N (∂t/∂v)/Δt, v = (x − xⁿ)/Δt.
 
 use super::contacts::PlaneJacobian;
-use super::friction::{FrictionLaw, slip};
+use super::friction::FrictionLaw;
 use super::normal_law::NormalResponse;
 use crate::mechanics::Vector3;
 
@@ -21,28 +21,23 @@ pub(super) struct NodeSliding {
     pub time_step: f64,
 }
 
-/// Force on the node, N.
-pub(super) fn plane_force(
-    normal: &Vector3,
-    response: &NormalResponse,
-    sliding: Option<&NodeSliding>,
-) -> [f64; 3] {
-    let traction = sliding.map_or_else(Vector3::zeros, |sliding| {
-        sliding.law.traction(normal, &sliding.velocity)
-    });
-    ((normal + traction) * response.force).into()
+/// Force on the node of a normal force and a friction `traction` per normal force, N.
+pub(super) fn plane_force(normal: &Vector3, normal_force: f64, traction: &Vector3) -> [f64; 3] {
+    ((normal + traction) * normal_force).into()
 }
 
-/// Derivative of [`plane_force`] with respect to the position of the node, N/m.
+/// Derivative of [`plane_force`] with respect to the position of the node, N/m, for the friction law linearised at the
+/// slip given with `sliding` (m/s).
 pub(super) fn plane_jacobian(
     normal: &Vector3,
     response: &NormalResponse,
-    sliding: Option<&NodeSliding>,
+    sliding: Option<(&NodeSliding, Vector3)>,
 ) -> PlaneJacobian {
     let jacobian = match sliding {
-        Some(sliding) => {
-            let (law, velocity) = (&sliding.law, &sliding.velocity);
-            let traction = law.traction_derivatives(normal, velocity, &slip(normal, velocity));
+        Some((sliding, at)) => {
+            let traction = sliding
+                .law
+                .traction_derivatives(normal, &sliding.velocity, &at);
             (normal + traction.value) * normal.transpose() * response.force_slope
                 + traction.by_velocity * (response.force / sliding.time_step)
         }
@@ -53,6 +48,7 @@ pub(super) fn plane_jacobian(
 
 #[cfg(test)]
 mod tests {
+    use super::super::friction::slip;
     use super::super::potential::normal_response;
     use super::super::test_support::{Random, relative_error};
     use super::*;
@@ -82,10 +78,12 @@ mod tests {
                 };
                 let force = |x: &Vector3| {
                     let (response, sliding) = evaluate(x);
-                    Vector3::from(plane_force(&normal, &response, Some(&sliding)))
+                    let traction = law.traction(&normal, &sliding.velocity);
+                    Vector3::from(plane_force(&normal, response.force, &traction))
                 };
                 let (response, sliding) = evaluate(&position);
-                let found = plane_jacobian(&normal, &response, Some(&sliding));
+                let at = slip(&normal, &sliding.velocity);
+                let found = plane_jacobian(&normal, &response, Some((&sliding, at)));
                 let step = 1e-5 * radius;
                 let expected: [[f64; 3]; 3] = std::array::from_fn(|row| {
                     std::array::from_fn(|column| {

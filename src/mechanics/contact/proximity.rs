@@ -1,8 +1,9 @@
 //! How near bodies are to each other: the least distance, penetration, overlaps of a new scene.
 
 use super::broad_phase::BroadPhase;
+use super::candidates::approach;
 use super::closest_points::edge_distance;
-use super::implicit_contact::ImplicitContact;
+use super::contact_system::ContactSystem;
 use crate::mechanics::Vector3;
 
 /// Surfaces that touch to rounding error do not count as overlapping.
@@ -45,7 +46,7 @@ impl Proximity {
     }
 }
 
-impl ImplicitContact {
+impl ContactSystem {
     /// Smallest centreline distance over the candidates, m; infinite without candidates.
     pub fn minimum_distance(&self, positions: &[Vector3]) -> f64 {
         self.candidates()
@@ -72,6 +73,37 @@ impl ImplicitContact {
         edges
             .chain(planes)
             .filter(|proximity| proximity.penetration() > self.parameters().maximum_penetration)
+            .min_by(|a, b| a.ratio().total_cmp(&b.ratio()))
+    }
+
+    /// The deepest penetration at `positions` (m), where it exceeds `maximum_penetration`. The candidates must be
+    /// complete there.
+    pub fn excessive_penetration_at(&mut self, positions: &[Vector3]) -> Option<Proximity> {
+        let allowed = 1.0 - self.parameters.maximum_penetration;
+        self.candidates.motion(positions, &mut self.motion);
+        let pairs = self.candidates.pairs().iter().zip(self.candidates.gaps());
+        let edges = pairs.filter_map(|(pair, earlier)| {
+            let threshold = self.surface.threshold(pair.edges);
+            let least = threshold + earlier - approach(pair, &self.motion);
+            (least < allowed * threshold).then(|| Proximity {
+                pair: ContactPair::Edges(pair.edges),
+                distance: edge_distance(&pair.nodes.map(|node| positions[node])),
+                threshold,
+            })
+        });
+        let planes = self.planes.iter().enumerate().flat_map(|(plane, body)| {
+            self.surface.nodes().iter().map(move |surface| Proximity {
+                pair: ContactPair::NodeAndPlane {
+                    node: surface.node,
+                    plane,
+                },
+                distance: body.distance(&positions[surface.node]),
+                threshold: surface.radius,
+            })
+        });
+        edges
+            .chain(planes)
+            .filter(|proximity| proximity.distance < allowed * proximity.threshold)
             .min_by(|a, b| a.ratio().total_cmp(&b.ratio()))
     }
 
@@ -105,7 +137,11 @@ impl ImplicitContact {
             .chain(planes)
             .filter(|proximity| {
                 if is_barrier {
-                    proximity.distance <= proximity.threshold
+                    let standoff = match proximity.pair {
+                        ContactPair::Edges(_) => self.parameters().standoff(),
+                        ContactPair::NodeAndPlane { .. } => 0.0,
+                    };
+                    proximity.distance <= proximity.threshold + standoff
                 } else {
                     proximity.penetration() > TOUCHING
                 }

@@ -1,102 +1,105 @@
 //! How far a step may go without crossing the barrier of incremental potential contact.
 
 use super::candidates::approach;
-use super::continuous_collision::{KEPT_GAP, safe_part};
-use super::implicit_contact::ImplicitContact;
+use super::contact_system::ContactSystem;
+use super::continuous_collision::{KEPT_GAP, safe_fraction};
 use crate::mechanics::Vector3;
 
-/// Most times that the candidates are built on one way. Every time the nodes may move by a radius of the
-/// thickest rod; a way that is longer is cut.
-const LEGS: usize = 16;
+/// Most times that the candidates are built on one path. Every time the nodes may move by a radius of the
+/// thickest rod; a path that is longer is cut.
+const SEGMENTS: usize = 16;
 
 /// How far nodes may move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LargestStep {
-    /// Part of the way that is free, from 0 to 1.
-    pub part: f64,
-    /// Whether the candidates had to be built anew on the way and are now others.
+    /// Fraction of the path that is free, from 0 to 1.
+    pub fraction: f64,
+    /// Whether the candidates had to be built anew on the path and are now others.
     pub candidates_changed: bool,
 }
 
-impl ImplicitContact {
-    /// Largest part of the straight way of all nodes from `start` by `displacements` (m) along which no pair of
+impl ContactSystem {
+    /// Largest fraction of the straight path of all nodes from `start` by `displacements` (m) along which no pair of
     /// surfaces that may touch comes nearer than a tenth of its present gap; all of it with the implicit
     /// contact model, which may penetrate.
     ///
-    /// All pairs count that come near anywhere on the way: where the nodes leave the margin of the
-    /// candidates, these are built anew on the way. They are complete at the end of the free part.
+    /// All pairs count that come near anywhere on the path: where the nodes leave the margin of the
+    /// candidates, these are built anew on the path. They are complete at the end of the free fraction.
     ///
     /// Surfaces that touch or overlap at `start` may not move at all.
     pub fn largest_step(&mut self, start: &[Vector3], displacements: &[Vector3]) -> LargestStep {
         let mut step = LargestStep {
-            part: 1.0,
+            fraction: 1.0,
             candidates_changed: false,
         };
         if !self.parameters().is_barrier() {
             return step;
         }
-        let free = self.free_part_over_planes(start, displacements);
-        let mut place = std::mem::take(&mut self.place);
-        place.clear();
-        place.extend_from_slice(start);
-        step.part = 0.0;
-        for _ in 0..LEGS {
-            let leg = self.candidates.covered_part(&place, displacements);
-            let leg = leg.min(free - step.part);
-            let safe = self.free_part_between_edges(&place, displacements, leg);
-            step.part += safe;
-            if safe < leg || step.part >= free {
+        let free = self.safe_fraction_over_planes(start, displacements);
+        let mut positions = std::mem::take(&mut self.scratch_positions);
+        positions.clear();
+        positions.extend_from_slice(start);
+        step.fraction = 0.0;
+        for _ in 0..SEGMENTS {
+            let segment = self.candidates.covered_fraction(&positions, displacements);
+            let segment = segment.min(free - step.fraction);
+            let safe = self.safe_fraction_between_edges(&positions, displacements, segment);
+            step.fraction += safe;
+            if safe < segment || step.fraction >= free {
                 break;
             }
-            for ((place, start), displacement) in place.iter_mut().zip(start).zip(displacements) {
-                *place = start + displacement * step.part;
+            for ((position, start), displacement) in
+                positions.iter_mut().zip(start).zip(displacements)
+            {
+                *position = start + displacement * step.fraction;
             }
-            step.candidates_changed |= self.renew_candidates(&place);
+            step.candidates_changed |= self.renew_candidates(&positions);
         }
-        self.place = place;
+        self.scratch_positions = positions;
         step
     }
 
-    /// The part up to `longest` that the candidates allow.
-    fn free_part_between_edges(
+    /// The fraction up to `longest` that the candidates allow.
+    fn safe_fraction_between_edges(
         &mut self,
         start: &[Vector3],
         displacements: &[Vector3],
         longest: f64,
     ) -> f64 {
-        let reach = self.parameters().reach();
+        let (reach, standoff) = (self.parameters().reach(), self.parameters().standoff());
         self.candidates.motion(start, &mut self.motion);
         for (motion, displacement) in self.motion.iter_mut().zip(displacements) {
             *motion += longest * displacement.norm();
         }
-        let mut part = longest;
+        let mut fraction = longest;
         for (pair, earlier) in self.candidates.pairs().iter().zip(self.candidates.gaps()) {
             if earlier - approach(pair, &self.motion) < reach {
                 let nodes = pair.nodes.map(|node| start[node]);
                 let moves = pair.nodes.map(|node| displacements[node]);
-                part = safe_part(&nodes, &moves, self.surface.threshold(pair.edges), part);
+                let least = self.surface.threshold(pair.edges) + standoff;
+                fraction = safe_fraction(&nodes, &moves, least, fraction);
             }
         }
-        part
+        fraction
     }
 
-    /// The part that the planes allow: the nodes approach them at constant speed.
-    fn free_part_over_planes(&self, start: &[Vector3], displacements: &[Vector3]) -> f64 {
-        let mut part = 1.0;
+    /// The fraction that the planes allow: the nodes approach them at constant speed.
+    fn safe_fraction_over_planes(&self, start: &[Vector3], displacements: &[Vector3]) -> f64 {
+        let mut fraction = 1.0;
         for plane in self.planes() {
             for surface in self.surface.nodes() {
                 let gap = plane.distance(&start[surface.node]) - surface.radius;
                 let fall = -displacements[surface.node].dot(&plane.normal);
-                let room = ((1.0 - KEPT_GAP) * gap).max(0.0);
+                let slack = ((1.0 - KEPT_GAP) * gap).max(0.0);
                 if gap <= 0.0 {
                     return 0.0;
                 }
-                if fall * part > room {
-                    part = room / fall;
+                if fall * fraction > slack {
+                    fraction = slack / fall;
                 }
             }
         }
-        part
+        fraction
     }
 }
 
@@ -111,7 +114,7 @@ mod tests {
     const GAP: f64 = 1e-5;
 
     /// Layers of straight rods across each other, a hundredth of a radius apart, the lowest over a plane.
-    fn stack(model: ContactModel) -> (ImplicitContact, Vec<Vector3>) {
+    fn stack(model: ContactModel) -> (ContactSystem, Vec<Vector3>) {
         let mut surface = ContactSurface::new();
         let mut positions = Vec::new();
         for rod in 0..16 {
@@ -119,9 +122,9 @@ mod tests {
             let height = RADIUS + GAP + f64::from(layer) * (2.0 * RADIUS + GAP);
             let centreline: Vec<Vector3> = (0..8)
                 .map(|k| {
-                    let place = [4.3 * f64::from(k) - 6.0, 5.0 * row].map(|x| x * RADIUS);
+                    let offset = [4.3 * f64::from(k) - 6.0, 5.0 * row].map(|x| x * RADIUS);
                     let turned = layer as usize % 2;
-                    Vector3::new(place[turned], place[1 - turned], height)
+                    Vector3::new(offset[turned], offset[1 - turned], height)
                 })
                 .collect();
             surface.add_rod(positions.len(), &centreline, false, RADIUS, false);
@@ -136,12 +139,12 @@ mod tests {
             model,
             ..ContactParameters::default()
         };
-        let contact = ImplicitContact::new(parameters, surface, vec![plane], 1.0);
+        let contact = ContactSystem::new(parameters, surface, vec![plane], 1.0);
         (contact, positions)
     }
 
     /// Least gap between all surfaces, m, by brute force.
-    fn least_gap(contact: &ImplicitContact, positions: &[Vector3]) -> f64 {
+    fn least_gap(contact: &ContactSystem, positions: &[Vector3]) -> f64 {
         let edges = contact.surface().edges();
         let mut least = f64::INFINITY;
         for i in 0..edges.len() {
@@ -158,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_crosses_on_the_way_however_long_it_is() {
+    fn nothing_crosses_on_the_path_however_long_it_is() {
         let (mut longest, mut rebuilt) = (0.0_f64, 0);
         for seed in 0..60 {
             let (mut contact, start) = stack(ContactModel::IncrementalPotential);
@@ -172,9 +175,9 @@ mod tests {
                 .collect();
             contact.update_candidates(&start);
             let step = contact.largest_step(&start, &moves);
-            assert!(step.part > 0.0 && step.part <= 1.0);
+            assert!(step.fraction > 0.0 && step.fraction <= 1.0);
             for sample in 0..=40 {
-                let t = step.part * f64::from(sample) / 40.0;
+                let t = step.fraction * f64::from(sample) / 40.0;
                 let there: Vec<Vector3> =
                     start.iter().zip(&moves).map(|(x, m)| x + m * t).collect();
                 assert!(least_gap(&contact, &there) > 0.099 * GAP, "{seed} at {t}");
@@ -182,10 +185,10 @@ mod tests {
             let end: Vec<Vector3> = start
                 .iter()
                 .zip(&moves)
-                .map(|(x, m)| x + m * step.part)
+                .map(|(x, m)| x + m * step.fraction)
                 .collect();
             assert!(contact.candidates_are_complete(&end));
-            longest = longest.max(step.part);
+            longest = longest.max(step.fraction);
             rebuilt += usize::from(step.candidates_changed);
         }
         assert!(longest == 1.0 && rebuilt > 10, "{longest} {rebuilt}");
@@ -195,7 +198,7 @@ mod tests {
     fn a_penalty_sets_no_bound() {
         let (mut contact, start) = stack(ContactModel::ImplicitContact);
         let moves = vec![Vector3::z() * -1.0; start.len()];
-        assert_eq!(contact.largest_step(&start, &moves).part, 1.0);
+        assert_eq!(contact.largest_step(&start, &moves).fraction, 1.0);
     }
 
     #[test]
@@ -205,6 +208,6 @@ mod tests {
             x.z -= GAP;
         }
         let moves = vec![Vector3::z(); positions.len()];
-        assert_eq!(contact.largest_step(&positions, &moves).part, 0.0);
+        assert_eq!(contact.largest_step(&positions, &moves).fraction, 0.0);
     }
 }

@@ -34,6 +34,8 @@ pub struct ContactSurface {
     nodes: Vec<ContactNode>,
     /// Length of every closed rod, m; `None` for open rods.
     closed_lengths: Vec<Option<f64>>,
+    /// Least radius of the rods that move, and of all, m; `None` without any.
+    least_radii: [Option<f64>; 2],
 }
 
 /// A rigid half space: the side that `normal` points to is free.
@@ -77,6 +79,12 @@ impl ContactSurface {
         } else {
             nodes.saturating_sub(1)
         };
+        let [moving, any] = &mut self.least_radii;
+        for (least, counts) in [(moving, !held), (any, true)] {
+            if counts {
+                *least = Some(least.map_or(radius, |least| least.min(radius)));
+            }
+        }
         if !held {
             let range = first_node..first_node + nodes;
             self.nodes
@@ -125,6 +133,14 @@ impl ContactSurface {
     /// Distance at which the centrelines of two edges touch by their surfaces, h_i + h_j, m.
     pub(super) fn threshold(&self, [i, j]: [usize; 2]) -> f64 {
         self.edges[i].radius + self.edges[j].radius
+    }
+
+    /// Least distance at which the centrelines of two edges may touch by their surfaces, m; infinite where nothing moves.
+    pub(super) fn least_threshold(&self) -> f64 {
+        match self.least_radii {
+            [Some(moving), Some(any)] => moving + any,
+            _ => f64::INFINITY,
+        }
     }
 
     /// Whether two edges can touch at all.

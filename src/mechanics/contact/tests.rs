@@ -16,7 +16,7 @@ fn parameters() -> ContactParameters {
 }
 
 /// Zigzag rods in layers across each other, the layers `spacing` apart, the lowest on a plane.
-fn woven(layers: usize, spacing: f64) -> (ImplicitContact, Vec<Vector3>) {
+fn woven(layers: usize, spacing: f64) -> (ContactSystem, Vec<Vector3>) {
     let mut random = Random::new(17);
     let mut surface = ContactSurface::new();
     let mut positions: Vec<Vector3> = Vec::new();
@@ -47,13 +47,13 @@ fn woven(layers: usize, spacing: f64) -> (ImplicitContact, Vec<Vector3>) {
         friction: 0.2,
     };
     (
-        ImplicitContact::new(parameters(), surface, vec![floor], 1e-3),
+        ContactSystem::new(parameters(), surface, vec![floor], 1e-3),
         positions,
     )
 }
 
 /// Contact forces on all nodes.
-fn nodal_forces(contact: &ImplicitContact, nodes: usize) -> Vec<Vector3> {
+fn nodal_forces(contact: &ContactSystem, nodes: usize) -> Vec<Vector3> {
     let mut forces = vec![Vector3::zeros(); nodes];
     for pair in contact.contacts() {
         for (m, &node) in pair.nodes.iter().enumerate() {
@@ -273,7 +273,7 @@ fn node_order_does_not_matter() {
         surface.add_rod(8 * rod.0, rod.1, false, RADIUS, false);
     }
     let planes = contact.planes().to_vec();
-    let mut backward = ImplicitContact::new(parameters(), surface, planes, contact.stiffness());
+    let mut backward = ContactSystem::new(parameters(), surface, planes, contact.stiffness());
     let mut previous = moved(&positions, 8, 1e-8);
     previous.reverse();
     backward.update_candidates(&reversed);
@@ -370,7 +370,7 @@ fn slide_down(friction: f64) -> (f64, f64) {
         normal,
         friction,
     };
-    let mut contact = ImplicitContact::new(parameters(), surface, vec![plane], 1.0);
+    let mut contact = ContactSystem::new(parameters(), surface, vec![plane], 1.0);
     let mut velocities = [Vector3::zeros(); 2];
     let mut speeds = Vec::new();
     for _ in 0..400 {

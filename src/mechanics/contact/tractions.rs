@@ -18,8 +18,9 @@
 //! Two flagella in a tangle at μ = 1 take 8 iterations per millisecond so, against 80 with the law at the present slip.
 
 use super::candidates::carried_over;
-use super::contacts::{ActiveContact, CandidatePair};
+use super::contacts::CandidatePair;
 use super::friction::FrictionLaw;
+use super::multipliers::Slots;
 use crate::mechanics::{Matrix3, Vector3};
 
 /// Part of the friction coefficient up to which a traction counts as that of sticking surfaces.
@@ -54,19 +55,19 @@ impl Tangent {
     }
 }
 
-/// The tractions of all candidates; those of pairs without contact are not known.
+/// The tractions of all slots, as in [`multipliers`](super::multipliers); those without contact are not known.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tractions {
-    /// At the end of the last accepted step, one per candidate.
-    settled: Vec<Option<Vector3>>,
+    /// At the end of the last accepted step, one per slot.
+    committed: Vec<Option<Vector3>>,
     /// Linear laws of the last linearisation.
     tangents: Vec<Option<Tangent>>,
 }
 
 impl Tractions {
-    /// Starts the iterations of a step from the settled tractions.
-    pub fn begin(&mut self, candidates: usize) {
-        self.settled.resize(candidates, None);
+    /// Starts the iterations of a step from the committed tractions.
+    pub fn begin(&mut self, slots: Slots) {
+        self.committed.resize(slots.count(), None);
         self.tangents.clear();
         let constant = |value: &Vector3| Tangent {
             value: *value,
@@ -74,53 +75,45 @@ impl Tractions {
             slip: Vector3::zeros(),
         };
         self.tangents.extend(
-            self.settled
+            self.committed
                 .iter()
                 .map(|known| known.as_ref().map(constant)),
         );
     }
 
-    /// At the end of the last accepted step, one per candidate.
-    pub fn settled(&self) -> &[Option<Vector3>] {
-        &self.settled
+    /// At the end of the last accepted step, one per slot.
+    pub fn committed(&self) -> &[Option<Vector3>] {
+        &self.committed
     }
 
     /// Continues from stored tractions.
-    pub fn restore(&mut self, settled: Vec<Option<Vector3>>) {
-        self.settled = settled;
+    pub fn restore(&mut self, committed: Vec<Option<Vector3>>) {
+        self.committed = committed;
     }
 
-    /// Takes over the tractions of an accepted step, one per contact, of contacts nearer than `reach` (m).
-    pub fn settle(
-        &mut self,
-        candidates: usize,
-        contacts: &[ActiveContact],
-        tractions: &[Vector3],
-        reach: f64,
-    ) {
-        self.settled.clear();
-        self.settled.resize(candidates, None);
-        for (contact, traction) in contacts.iter().zip(tractions) {
-            if contact.distance - contact.threshold < reach {
-                self.settled[contact.candidate] = Some(*traction);
-            }
+    /// Takes over the tractions of an accepted step, slot by slot; those not given are not known.
+    pub fn commit(&mut self, slots: Slots, tractions: impl Iterator<Item = (usize, Vector3)>) {
+        self.committed.clear();
+        self.committed.resize(slots.count(), None);
+        for (slot, traction) in tractions {
+            self.committed[slot] = Some(traction);
         }
     }
 
-    /// Carries the settled tractions over to a new list of candidates; both lists are sorted.
+    /// Carries the committed tractions over to a new list of candidates; both lists are sorted.
     pub fn carry_over(&mut self, old: &[CandidatePair], new: &[CandidatePair]) {
-        self.settled = carried_over(old, &self.settled, new);
+        self.committed = carried_over(old, &self.committed, new);
     }
 
-    /// The law for `candidate` at the slip `slip` (m/s) on surfaces with the unit normal `normal`.
+    /// The law of a slot at the slip `slip` (m/s) on surfaces with the unit normal `normal`.
     pub fn linear_law(
         &mut self,
-        candidate: usize,
+        slot: usize,
         law: &FrictionLaw,
         normal: &Vector3,
         slip: &Vector3,
     ) -> LinearTraction {
-        let tangent = &mut self.tangents[candidate];
+        let tangent = &mut self.tangents[slot];
         let carried = match tangent {
             Some(tangent) => {
                 let linear = tangent.at(slip);
@@ -130,19 +123,19 @@ impl Tractions {
             None => law.traction_of_slip(slip),
         };
         let sticking = STICKING_PART * law.coefficient;
-        let place = if tangent.is_some() && (carried.norm() < sticking || carried.dot(slip) > 0.0) {
+        let at = if tangent.is_some() && (carried.norm() < sticking || carried.dot(slip) > 0.0) {
             law.slip_of_traction(&cut(carried, sticking))
         } else {
             *slip
         };
         let next = Tangent {
-            value: law.traction_of_slip(&place),
-            slope: law.slope(&place),
-            slip: place,
+            value: law.traction_of_slip(&at),
+            slope: law.slope(&at),
+            slip: at,
         };
         *tangent = Some(next);
         LinearTraction {
-            slip: place,
+            slip: at,
             value: next.value,
             present: next.at(slip),
             carried,
@@ -176,10 +169,17 @@ mod tests {
         }
     }
 
+    fn one_slot() -> Slots {
+        Slots {
+            candidates: 1,
+            ..Slots::default()
+        }
+    }
+
     fn starting_from(traction: Vector3) -> Tractions {
         let mut tractions = Tractions::default();
         tractions.restore(vec![Some(traction)]);
-        tractions.begin(1);
+        tractions.begin(one_slot());
         tractions
     }
 
@@ -251,7 +251,7 @@ mod tests {
         let slip = Vector3::new(3e-4, 0.0, 0.0);
         let mut sliding = starting_from(Vector3::x() * -LAW.coefficient);
         let mut unknown = Tractions::default();
-        unknown.begin(1);
+        unknown.begin(one_slot());
         for tractions in [&mut sliding, &mut unknown] {
             let linear = tractions.linear_law(0, &LAW, &Vector3::z(), &slip);
             assert_eq!(linear.slip, slip);
@@ -266,6 +266,6 @@ mod tests {
         tractions.restore(vec![first, None, second]);
         let old = [pair(0, 4), pair(1, 4), pair(2, 7)];
         tractions.carry_over(&old, &[pair(0, 3), pair(0, 4), pair(1, 4), pair(2, 7)]);
-        assert_eq!(tractions.settled(), [None, first, None, second]);
+        assert_eq!(tractions.committed(), [None, first, None, second]);
     }
 }

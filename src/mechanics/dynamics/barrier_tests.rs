@@ -152,6 +152,7 @@ fn rods_that_touch_at_the_start_are_named() {
     let SimulationError::BadScene(message) = error(-1e-12).unwrap() else {
         panic!("not a bad scene");
     };
+    let message = message.to_string();
     assert!(
         message.starts_with("edge 5 of rod `lower` and edge 4 of rod `upper` touch"),
         "{message}"

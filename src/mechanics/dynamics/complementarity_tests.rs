@@ -93,7 +93,7 @@ fn rigid_contacts_conserve_momentum_and_take_energy() {
     };
     let energy = |simulation: &Simulation| {
         let e = simulation.energies();
-        e.kinetic + e.stretching + e.bending + e.twisting
+        e.kinetic + e.elastic()
     };
     let (before, mut last) = (momentum(&simulation), energy(&simulation));
     let mut touched = 0;

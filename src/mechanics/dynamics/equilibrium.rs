@@ -1,15 +1,20 @@
 //! Equilibria of a simulation.
 
 use super::Simulation;
+use super::failure::no_equilibrium;
+use super::integrator::{report_contacts, stiffen_contact};
 use super::report::{SimulationError, StepReport};
 use super::simulation::ONLY_EULER;
 use crate::mechanics::statics::{Descent, nearby_equilibrium};
-use crate::mechanics::system::describe_overlap;
+use crate::mechanics::system::name_overlap;
+use crate::mechanics::{Overlap, SceneError};
+use tracing::debug;
 
 /// Times that contact is made stiffer, where rods penetrate, before that is an error.
 const STIFFENINGS: usize = 8;
 
-const NO_ENERGY: &str = "with friction an equilibrium has no energy whose least it could be";
+const NO_ENERGY: SceneError =
+    SceneError::Unsuitable("with friction an equilibrium has no energy whose least it could be");
 
 impl Simulation {
     /// Finds the equilibrium at the present time where the scene would come to rest: Newton's method without
@@ -20,11 +25,11 @@ impl Simulation {
     /// contact, and [`SimulationError::BadScene`] with rigid contact, which gives forces to time steps only.
     pub fn find_equilibrium(&mut self) -> Result<StepReport, SimulationError> {
         let found = self.find_equilibrium_while(&|| true)?;
-        Ok(found.expect("nobody stops it"))
+        Ok(found.expect("it is never stopped"))
     }
 
-    /// The same, as long as `goes_on`, which is asked at every iteration; `None` where it said no. The state is
-    /// then as before.
+    /// The same, as long as `goes_on`, which is called at every iteration, returns true; `None` where it did not. The
+    /// state is then as before.
     ///
     /// # Errors
     /// Those of [`Self::find_equilibrium`].
@@ -33,40 +38,47 @@ impl Simulation {
         goes_on: &dyn Fn() -> bool,
     ) -> Result<Option<StepReport>, SimulationError> {
         if self.system.has_constraints() {
-            return Err(SimulationError::BadScene(ONLY_EULER.into()));
+            return Err(ONLY_EULER.into());
         }
         let mut report = StepReport {
-            time: self.time,
+            time: self.state.time,
             ..StepReport::default()
         };
         let before = self.system.reference.clone();
-        let mut descent = Descent::new(self.unknowns.len());
-        self.trial.copy_from_slice(&self.unknowns);
+        let mut descent = Descent::new(self.state.unknowns.len());
+        let mut trial = self.state.unknowns.clone();
         for stiffening in 0..=STIFFENINGS {
-            let tolerance = self.parameters.force_tolerance;
-            let force = self.system.force_tolerance(tolerance, &self.trial, None);
-            let run = descent.run(&mut self.system, &mut self.trial, force, goes_on);
+            let tolerance = self.integrator.setting.parameters.force_tolerance;
+            let run = descent.run(&mut self.system, &mut trial, tolerance, goes_on);
             match run {
-                Err(divergence) => return Err(self.no_equilibrium(&divergence)),
+                Err(divergence) => {
+                    return Err(no_equilibrium(&mut self.system, &trial, &divergence));
+                }
                 Ok(None) => {
                     self.system.reference = before;
-                    self.system.update_geometry(&self.unknowns);
+                    self.system.update_geometry(&self.state.unknowns);
                     return Ok(None);
                 }
                 Ok(Some(iterations)) => report.newton_iterations += iterations,
             }
-            let Some(what) = self.penetration() else {
+            let Some(overlap) = self.penetration() else {
                 break;
             };
             if stiffening == STIFFENINGS {
-                return Err(SimulationError::Unphysical(what));
+                return Err(SimulationError::Unphysical(overlap.to_string()));
             }
             report.retries += 1;
-            self.system.adapt_contact_stiffness(&self.trial, None);
-            self.stiffen_contact();
+            self.system.adapt_contact_stiffness(&trial, None);
+            stiffen_contact(&mut self.system);
         }
-        self.rest();
-        self.report_contacts(&mut report);
+        self.rest_at(&trial);
+        report_contacts(&self.system, &mut report);
+        debug!(
+            time = report.time,
+            iterations = report.newton_iterations,
+            contacts = report.contacts,
+            "equilibrium found"
+        );
         Ok(Some(report))
     }
 
@@ -78,31 +90,27 @@ impl Simulation {
     /// where forces have no energy.
     pub fn find_nearby_equilibrium(&mut self) -> Result<usize, SimulationError> {
         if self.system.has_constraints() {
-            return Err(SimulationError::BadScene(ONLY_EULER.into()));
+            return Err(ONLY_EULER.into());
         }
-        let force =
-            self.system
-                .force_tolerance(self.parameters.force_tolerance, &self.unknowns, None);
-        self.trial.copy_from_slice(&self.unknowns);
-        let inertia = nearby_equilibrium(&mut self.system, &mut self.trial, force)
-            .map_err(|divergence| self.no_equilibrium(&divergence))?
-            .ok_or_else(|| SimulationError::BadScene(NO_ENERGY.into()))?;
-        self.rest();
+        let tolerance = self.integrator.setting.parameters.force_tolerance;
+        let mut trial = self.state.unknowns.clone();
+        let inertia = nearby_equilibrium(&mut self.system, &mut trial, tolerance)
+            .map_err(|divergence| no_equilibrium(&mut self.system, &trial, &divergence))?
+            .ok_or(NO_ENERGY)?;
+        self.rest_at(&trial);
         Ok(inertia.negative)
     }
 
-    /// Takes over the trial, at rest.
-    fn rest(&mut self) {
-        self.unknowns.copy_from_slice(&self.trial);
-        self.velocity.fill(0.0);
-        self.history.forget();
+    /// Takes over an equilibrium.
+    fn rest_at(&mut self, unknowns: &[f64]) {
+        self.state.rest_at(unknowns);
         self.publish();
     }
 
-    /// Names the rods that penetrate beyond what is allowed in the last evaluation.
-    fn penetration(&self) -> Option<String> {
+    /// Rods that penetrate beyond what is allowed in the last evaluation.
+    fn penetration(&self) -> Option<Overlap> {
         let contact = self.system.contact.as_ref()?;
         let overlap = contact.excessive_penetration()?;
-        Some(describe_overlap(&overlap, contact, &self.system.assembly))
+        Some(name_overlap(&overlap, contact, &self.system.assembly))
     }
 }

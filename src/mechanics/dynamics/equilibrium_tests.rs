@@ -4,9 +4,7 @@ use super::tests::clamp;
 use super::{IntegrationParameters, Simulation};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactModel, ContactParameters};
-use crate::mechanics::scene::{
-    Load, LoadKind, NaturalShape, Plane, RodDescription, Scene, Stiffness,
-};
+use crate::mechanics::scene::{Load, LoadKind, Plane, RodDescription, Scene, Stiffness};
 use std::cell::Cell;
 use std::f64::consts::PI;
 
@@ -15,27 +13,17 @@ const RADIUS: f64 = 5e-3;
 
 /// A metre of rod along x, of unit bending stiffness.
 fn rod() -> RodDescription {
+    let centreline = (0..=EDGES)
+        .map(|k| k as f64 / EDGES as f64 * Vector3::x())
+        .collect();
+    let stiffness = Stiffness {
+        stretching: 4.0 / (RADIUS * RADIUS),
+        bending: [1.0; 2],
+        twisting: 2.0 / 3.0,
+    };
     RodDescription {
-        name: "rod".into(),
-        centreline: (0..=EDGES)
-            .map(|k| k as f64 / EDGES as f64 * Vector3::x())
-            .collect(),
-        closed: false,
-        end_tangents: [None; 2],
         first_director: Some(Vector3::z()),
-        twist: 0.0,
-        natural_shape: NaturalShape::Straight,
-        stiffness: Stiffness {
-            stretching: 4.0 / (RADIUS * RADIUS),
-            bending: [1.0; 2],
-            twisting: 2.0 / 3.0,
-        },
-        radius: RADIUS,
-        mass_per_length: 1.0,
-        rotational_inertia_per_length: 1e-5,
-        velocity: Vector3::zeros(),
-        angular_velocity: Vector3::zeros(),
-        held: false,
+        ..RodDescription::uniform("rod", centreline, stiffness, RADIUS, 1.0)
     }
 }
 
@@ -110,7 +98,7 @@ fn a_straight_column_leaves_its_unstable_equilibrium_and_bends_over() {
             force: -load * 0.25 * PI * PI * Vector3::x(),
         }));
         // Soft in one plane, so that it is known where to.
-        scene.rods[0].stiffness.bending = [20.0, 1.0];
+        scene.rods[0].stiffness.bending = [1.0, 20.0];
         let mut simulation = simulation(&scene);
         let report = simulation.find_equilibrium().unwrap();
         println!("{load}: {}", report.newton_iterations);

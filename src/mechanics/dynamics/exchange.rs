@@ -8,31 +8,46 @@
 //! W = ΔE + D_friction + D_drag but for what the scheme itself damps: implicit Euler takes ½ M (Δv)² and the like, which
 //! vanishes with the step.
 
-use super::Simulation;
 use super::parameters::Scheme;
 use super::report::Exchange;
 use crate::mechanics::Vector3;
 use crate::mechanics::rod::{STRIDE, topology::position};
+use crate::mechanics::system::System;
 
-impl Simulation {
-    /// What the step of size `step` (s), of which `trial` is the end, exchanges when it is accepted.
-    pub(super) fn exchange(&self, step: f64) -> Exchange {
+/// A step that is about to be accepted.
+pub(super) struct AcceptedStep<'a> {
+    /// With the forces of the implicit stage.
+    pub system: &'a System,
+    /// Unknowns at the start.
+    pub before: &'a [f64],
+    /// Unknowns at the end.
+    pub after: &'a [f64],
+    /// Velocity at the end.
+    pub velocity: &'a [f64],
+    /// Size, s.
+    pub step: f64,
+    pub scheme: Scheme,
+}
+
+impl AcceptedStep<'_> {
+    /// What the step exchanges.
+    pub fn exchange(&self) -> Exchange {
         Exchange {
             clamp_work: self.clamp_work(),
             friction_loss: self.friction_loss(),
-            drag_loss: self.drag_loss(step),
+            drag_loss: self.drag_loss(),
         }
     }
 
     fn displacement(&self, node: usize) -> Vector3 {
-        position(&self.trial, node) - position(&self.unknowns, node)
+        position(self.after, node) - position(self.before, node)
     }
 
     fn clamp_work(&self) -> f64 {
         let assembly = &self.system.assembly;
-        (0..self.unknowns.len())
+        (0..self.before.len())
             .filter(|&k| assembly.held[k] && !assembly.obstacle[k / STRIDE])
-            .map(|k| self.system.residual[k] * (self.trial[k] - self.unknowns[k]))
+            .map(|k| self.system.residual[k] * (self.after[k] - self.before[k]))
             .sum()
     }
 
@@ -58,15 +73,15 @@ impl Simulation {
         sum
     }
 
-    fn drag_loss(&self, step: f64) -> f64 {
-        let damping = self.system.assembly.loads.damping.iter().enumerate();
+    fn drag_loss(&self) -> f64 {
+        let damping = self.system.loads.damping.iter().enumerate();
         damping
             .map(|(k, coefficient)| {
-                let moved = self.trial[k] - self.unknowns[k];
-                let velocity = match self.parameters.scheme {
+                let moved = self.after[k] - self.before[k];
+                let velocity = match self.scheme {
                     // The next velocity is that of the end.
-                    Scheme::ImplicitMidpoint => moved / step,
-                    Scheme::ImplicitEuler | Scheme::BackwardDifferences => self.next_velocity[k],
+                    Scheme::ImplicitMidpoint => moved / self.step,
+                    Scheme::ImplicitEuler | Scheme::BackwardDifferences => self.velocity[k],
                 };
                 coefficient * velocity * moved
             })

@@ -1,77 +1,148 @@
-//! Why a step fails, and what is said of it.
+//! Why a step or an equilibrium fails, and what is reported of it.
 
-use super::Simulation;
 use super::report::SimulationError;
+use crate::mechanics::Overlap;
 use crate::mechanics::rod::STRIDE;
-use crate::mechanics::system::{Divergence, Stage};
+use crate::mechanics::system::{Divergence, Stage, System};
+use std::fmt;
 
+/// Why one attempt at a step fails.
+#[derive(Debug)]
 pub(super) enum Failure {
+    /// Newton's method does not converge.
     Newton(Divergence),
-    Penetration {
-        iterations: usize,
-        what: String,
-    },
+    /// Surfaces overlap by more than is allowed.
+    Penetration { iterations: usize, overlap: Overlap },
+    /// No contact forces obey the laws of Signorini and Coulomb, or none were found.
+    NoContactForces { iterations: usize },
     /// Where the motion leads, or must lead, surfaces would cross.
     Crossing {
         iterations: usize,
-        what: &'static str,
+        crossing: Crossing,
     },
 }
 
-impl Failure {
-    pub fn iterations(&self) -> usize {
+/// How a motion would lead surfaces across each other.
+#[derive(Debug)]
+pub(super) enum Crossing {
+    /// A clamp prescribes it.
+    Clamp,
+    /// The midpoint rule goes on from the middle of the step through a contact.
+    Extrapolation,
+    /// Surfaces overlap by more than is allowed at the end of the step.
+    Overlap(Overlap),
+    /// Two edges pass through each other within the step.
+    Passage([String; 2]),
+}
+
+impl fmt::Display for Crossing {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Newton(divergence) => divergence.iterations,
-            Self::Penetration { iterations, .. } | Self::Crossing { iterations, .. } => *iterations,
+            Self::Clamp => {
+                formatter.write_str("the prescribed motion of a clamp leads through a contact")
+            }
+            Self::Extrapolation => formatter
+                .write_str("the extrapolation of the midpoint rule leads through a contact"),
+            Self::Overlap(overlap) => overlap.fmt(formatter),
+            Self::Passage([first, second]) => {
+                write!(
+                    formatter,
+                    "{first} and {second} would pass through each other"
+                )
+            }
         }
     }
 }
 
-impl Simulation {
-    /// Returns to the last accepted state and says why the step failed.
-    pub(super) fn give_up(&mut self, step: f64, failure: Failure) -> SimulationError {
-        let error = match failure {
-            Failure::Newton(divergence) => self.no_convergence(step, &divergence),
-            Failure::Penetration { what, .. } => {
-                SimulationError::Unphysical(format!("at t = {:.6e} s {what}", self.time))
-            }
-            Failure::Crossing { what, .. } => {
-                SimulationError::Unphysical(format!("at t = {:.6e} s {what}", self.time))
-            }
-        };
-        self.system.drive(self.time, &mut self.unknowns);
-        self.system.update_geometry(&self.unknowns);
-        error
-    }
-
-    /// Term, rod and node of the largest residual at a failed configuration.
-    fn culprit(&mut self, stage: Option<&Stage>, unknown: usize) -> (&'static str, String, usize) {
-        let term = self.system.largest_term(&self.trial, stage, unknown);
-        let (rod, node) = self.system.assembly.locate(unknown / STRIDE);
-        (term, self.system.assembly.names[rod].clone(), node)
-    }
-
-    fn no_convergence(&mut self, step: f64, divergence: &Divergence) -> SimulationError {
-        let stage = self.stage.clone();
-        let (term, rod, node) = self.culprit(Some(&stage), divergence.unknown);
-        SimulationError::NoConvergence {
-            time: self.time,
-            step,
-            residual: divergence.residual,
-            term,
-            rod,
-            node,
+impl Failure {
+    /// Newton iterations that were spent.
+    pub fn iterations(&self) -> usize {
+        match self {
+            Self::Newton(divergence) => divergence.iterations,
+            Self::Penetration { iterations, .. }
+            | Self::NoContactForces { iterations }
+            | Self::Crossing { iterations, .. } => *iterations,
         }
     }
 
-    pub(super) fn no_equilibrium(&mut self, divergence: &Divergence) -> SimulationError {
-        let (term, rod, node) = self.culprit(None, divergence.unknown);
-        SimulationError::NoEquilibrium {
-            iterations: divergence.iterations,
-            residual: divergence.residual,
+    /// The error of a run whose step of a size (s) from `time` (s) fails so; `trial` is where Newton's method ended.
+    pub fn into_error(
+        self,
+        system: &mut System,
+        trial: &[f64],
+        stage: &Stage,
+        [time, step]: [f64; 2],
+    ) -> SimulationError {
+        match self {
+            Self::Newton(divergence) => {
+                let place = Place::of(system, trial, Some(stage), divergence.unknown);
+                SimulationError::NoConvergence {
+                    time,
+                    step,
+                    residual: divergence.residual,
+                    term: place.term,
+                    rod: place.rod,
+                    node: place.node,
+                }
+            }
+            Self::NoContactForces { .. } => SimulationError::NoContactForces { time, step },
+            Self::Penetration { .. } | Self::Crossing { .. } => {
+                SimulationError::Unphysical(format!("at t = {time:.6e} s {self}"))
+            }
+        }
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Newton(divergence) => write!(
+                formatter,
+                "no convergence in {} iterations, residual {:.3e} N",
+                divergence.iterations, divergence.residual
+            ),
+            Self::Penetration { overlap, .. } => overlap.fmt(formatter),
+            Self::NoContactForces { .. } => {
+                formatter.write_str("no contact forces obey the laws of Signorini and Coulomb")
+            }
+            Self::Crossing { crossing, .. } => crossing.fmt(formatter),
+        }
+    }
+}
+
+/// Where Newton's method fails.
+struct Place {
+    /// The term of the residual that is largest there.
+    term: &'static str,
+    rod: String,
+    /// Node along the rod.
+    node: usize,
+}
+
+impl Place {
+    fn of(system: &mut System, trial: &[f64], stage: Option<&Stage>, unknown: usize) -> Self {
+        let term = system.largest_term(trial, stage, unknown);
+        let (rod, node) = system.assembly.locate(unknown / STRIDE);
+        Self {
             term,
-            rod,
+            rod: system.assembly.names[rod].clone(),
             node,
         }
+    }
+}
+
+/// The error of a search for an equilibrium that ended at `trial`.
+pub(super) fn no_equilibrium(
+    system: &mut System,
+    trial: &[f64],
+    divergence: &Divergence,
+) -> SimulationError {
+    let place = Place::of(system, trial, None, divergence.unknown);
+    SimulationError::NoEquilibrium {
+        iterations: divergence.iterations,
+        residual: divergence.residual,
+        term: place.term,
+        rod: place.rod,
+        node: place.node,
     }
 }

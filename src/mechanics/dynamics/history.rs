@@ -5,17 +5,17 @@ use serde::{Deserialize, Serialize};
 /// Steps that are remembered.
 pub const LENGTH: usize = 3;
 
-/// The motion at the last steps, the latest first.
+/// The motion at the starts of the last steps, the latest first.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct History {
-    pub(super) moments: [Moment; LENGTH],
+    pub(super) steps: [PastStep; LENGTH],
 }
 
 /// The motion at the start of a step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Moment {
+pub struct PastStep {
     /// Size of the step, s; 0 where there was none.
-    pub(super) step: f64,
+    pub(super) size: f64,
     /// Unknowns, 4 per node.
     pub(super) unknowns: Vec<f64>,
     /// Their velocities.
@@ -25,30 +25,41 @@ pub struct Moment {
 impl History {
     /// Of a motion that begins.
     pub fn begin(unknowns: &[f64], velocity: &[f64]) -> Self {
-        let moment = Moment {
-            step: 0.0,
+        let step = PastStep {
+            size: 0.0,
             unknowns: unknowns.to_vec(),
             velocity: velocity.to_vec(),
         };
         Self {
-            moments: std::array::from_fn(|_| moment.clone()),
+            steps: std::array::from_fn(|_| step.clone()),
         }
     }
 
-    /// Adds the start of a step.
-    pub fn remember(&mut self, step: f64, unknowns: &[f64], velocity: &[f64]) {
-        self.moments.rotate_right(1);
-        let moment = &mut self.moments[0];
-        moment.step = step;
-        moment.unknowns.copy_from_slice(unknowns);
-        moment.velocity.copy_from_slice(velocity);
+    /// Adds the start of a step of a size, s.
+    pub fn remember(&mut self, size: f64, unknowns: &[f64], velocity: &[f64]) {
+        self.steps.rotate_right(1);
+        let step = &mut self.steps[0];
+        step.size = size;
+        step.unknowns.copy_from_slice(unknowns);
+        step.velocity.copy_from_slice(velocity);
     }
 
     /// What follows does not go on with what was: the state was put to rest elsewhere.
     pub fn forget(&mut self) {
-        for moment in &mut self.moments {
-            moment.step = 0.0;
-            moment.velocity.fill(0.0);
+        for step in &mut self.steps {
+            step.size = 0.0;
+            step.velocity.fill(0.0);
         }
+    }
+
+    /// The step before, and how many times as long as it a step of `size` (s) is; 0 where there was none.
+    pub(super) fn last(&self, size: f64) -> (&PastStep, f64) {
+        let last = &self.steps[0];
+        let growth = if last.size > 0.0 {
+            size / last.size
+        } else {
+            0.0
+        };
+        (last, growth)
     }
 }

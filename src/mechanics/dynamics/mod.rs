@@ -1,26 +1,46 @@
 //! Time stepping: the implicit step, Newton's method, step control.
 //!
-//! The loop is [`Simulation::advance`]: drag at the start of the step or of the predicted motion, contact candidates,
-//! an implicit stage solved by Newton's method, smaller steps where that fails, and acceptance.
+//! [`Simulation`] is the door. A step is `Integrator::step`: drag at the start of the step or of the predicted motion,
+//! contact candidates, an implicit stage solved by Newton's method, smaller steps where that fails, and acceptance.
+//!
+//! | file | what |
+//! |---|---|
+//! | `parameters` | scheme, step and tolerances, with the reason for each default |
+//! | `state`, `history` | where the rods are and how they move, now and at the last steps |
+//! | `scheme/` | one file per time scheme: its equations, its derivation, its order |
+//! | `stage`, `newton` | one attempt at a step: prediction, contact forces, Newton's method |
+//! | `step_control` | which step comes next |
+//! | `integrator` | the step |
+//! | `drag`, `exchange` | forces of the fluid; work and losses of a step |
+//! | `equilibrium`, `path` | statics of the same scene |
+//! | `report`, `failure`, `observe` | what is reported, why a step fails, what can be seen |
 
-mod backward_difference;
+mod drag;
 mod equilibrium;
 mod exchange;
 mod failure;
 mod history;
+mod integrator;
+mod intervene;
+mod measure;
 mod newton;
 mod observe;
 mod parameters;
 mod path;
 mod report;
+mod scheme;
 mod simulation;
 mod stage;
+mod state;
 mod step_control;
 
+pub use crate::mechanics::system::{Grasp, Resultants};
 pub use parameters::{IntegrationParameters, Scheme, StepSize};
 pub use report::{Energies, Exchange, SimulationError, SimulationState, StepReport};
 pub use simulation::Simulation;
 
+#[cfg(test)]
+mod balance_tests;
 #[cfg(test)]
 mod barrier_tests;
 #[cfg(test)]
@@ -28,8 +48,10 @@ mod complementarity_tests;
 #[cfg(test)]
 mod equilibrium_tests;
 #[cfg(test)]
-mod path_tests;
+mod friction_tests;
 #[cfg(test)]
-mod rubbing_tests;
+mod intervene_tests;
+#[cfg(test)]
+mod path_tests;
 #[cfg(test)]
 mod tests;

@@ -2,17 +2,17 @@
 //! it makes things worse a line search looks for a shorter one.
 
 use crate::mechanics::rod::STRIDE;
-use crate::mechanics::system::{Divergence, Stage, System};
+use crate::mechanics::system::{Divergence, Imbalance, Stage, System};
+use tracing::trace;
 
 /// When Newton's method stops.
 #[derive(Clone, Copy, Debug)]
 pub struct Stopping {
-    /// Largest residual of a free unknown, N.
-    pub force: f64,
     /// Largest correction of a position, m.
     pub displacement: f64,
-    /// Farthest that an iteration may move a position, m; one that would goes astray.
-    pub farthest: f64,
+    /// Farthest that an iteration may move a position, m; one that would move farther has left the solution near the
+    /// prediction.
+    pub trust_radius: f64,
     /// Most iterations.
     pub iterations: usize,
     /// Whether to give up earlier, where the residual does not fall or a line search would be needed: a smaller
@@ -63,34 +63,47 @@ impl Newton {
         stopping: &Stopping,
     ) -> Result<usize, Divergence> {
         let mut last_move = 0.0;
-        let mut largest_residual = 0.0_f64;
+        // Whether a whole correction has been made.
+        let mut is_corrected = false;
+        let mut largest_imbalance = 0.0_f64;
         system.begin_iterations();
         system.linearize(unknowns, Some(stage));
         for iteration in 0..=stopping.iterations {
-            let (residual, unknown) = system.worst_residual();
-            if residual <= stopping.force && last_move <= stopping.displacement {
+            let imbalance = system.imbalance();
+            let Imbalance {
+                ratio, residual, ..
+            } = imbalance;
+            trace!(iteration, residual, ratio, last_move, "Newton iteration");
+            if imbalance.is_balanced()
+                && last_move <= stopping.displacement
+                && (is_corrected || system.is_balanced_as_predicted(unknowns, Some(stage)))
+            {
                 return Ok(iteration);
             }
             let failed = Divergence {
                 iterations: iteration,
                 residual,
-                unknown,
+                unknown: imbalance.unknown,
             };
             if !residual.is_finite() || iteration == stopping.iterations {
                 return Err(failed);
             }
             if stopping.gives_up && iteration > 0 && iteration % TRIAL_ITERATIONS == 0 {
-                if residual > TRIAL_REDUCTION * largest_residual {
+                if ratio > TRIAL_REDUCTION * largest_imbalance {
                     return Err(failed);
                 }
-                largest_residual = 0.0;
+                largest_imbalance = 0.0;
             }
-            largest_residual = largest_residual.max(residual);
+            largest_imbalance = largest_imbalance.max(ratio);
             let solved = system
                 .factor()
                 .and_then(|_| system.direction(&mut self.direction));
-            let astray = !(largest_move(&self.direction) <= stopping.farthest);
-            if solved.is_err() || astray || self.direction.iter().any(|d| !d.is_finite()) {
+            let is_near = largest_move(&self.direction) <= stopping.trust_radius;
+            let is_finite = self.direction.iter().all(|d| d.is_finite());
+            if solved.is_ok() && is_finite && !is_near {
+                return Err(failed);
+            }
+            if solved.is_err() || !is_finite {
                 return Err(Divergence {
                     residual: f64::NAN,
                     ..failed
@@ -109,7 +122,11 @@ impl Newton {
             last_move = longest * largest_move(&self.direction);
             // The residual alone costs a quarter of the Jacobian, which the solution no longer needs.
             system.evaluate(unknowns, Some(stage));
-            if system.worst_residual().0 <= stopping.force && last_move <= stopping.displacement {
+            is_corrected |= longest == 1.0;
+            if is_corrected
+                && system.imbalance().is_balanced()
+                && last_move <= stopping.displacement
+            {
                 continue;
             }
             let after = Progress::of(system, &self.direction);
@@ -127,6 +144,7 @@ impl Newton {
                 system.abandon_multipliers();
                 let length = self.line_search(system, stage, unknowns, &before, &after, longest);
                 last_move = length * largest_move(&self.direction);
+                is_corrected = false;
                 system.linearize(unknowns, Some(stage));
             }
         }

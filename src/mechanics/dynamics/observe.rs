@@ -2,34 +2,34 @@
 
 use super::Simulation;
 use super::report::{Energies, SimulationError, SimulationState};
-use crate::mechanics::Vector3;
+use super::state::State;
 use crate::mechanics::contact::ActiveContact;
-use crate::mechanics::rod::STRIDE;
+use crate::mechanics::{SceneError, Vector3};
 
 impl Simulation {
     /// Time, s.
     pub fn time(&self) -> f64 {
-        self.time
+        self.state.time
     }
 
     /// Positions of all nodes, rod after rod, m.
     pub fn positions(&self) -> &[Vector3] {
-        &self.positions
+        &self.published.positions
     }
 
     /// Velocities of all nodes, m/s.
     pub fn velocities(&self) -> &[Vector3] {
-        &self.velocities
+        &self.published.velocities
     }
 
     /// Angle of the edge that starts at each node, rad; zero where no edge starts.
     pub fn edge_angles(&self) -> &[f64] {
-        &self.edge_angles
+        &self.published.edge_angles
     }
 
     /// First material director of the edge that starts at each node; zero where no edge starts.
     pub fn material_directors(&self) -> Vec<Vector3> {
-        self.system.geometry.edges[..self.positions.len()]
+        self.system.geometry.edges[..self.published.positions.len()]
             .iter()
             .map(|edge| edge.director_1)
             .collect()
@@ -42,7 +42,7 @@ impl Simulation {
 
     /// Force of the fluid on each node in the last step, N; empty without fluid.
     pub fn fluid_forces(&self) -> Vec<Vector3> {
-        self.fluid_forces.clone()
+        self.integrator.fluid.forces().to_vec()
     }
 
     /// Pairs of edges that bear on each other in the last step.
@@ -58,7 +58,7 @@ impl Simulation {
         let Some(contact) = &self.system.contact else {
             return Vec::new();
         };
-        let mut forces = vec![Vector3::zeros(); self.positions.len()];
+        let mut forces = vec![Vector3::zeros(); self.published.positions.len()];
         for pair in contact.contacts() {
             for (corner, &node) in pair.nodes.iter().enumerate() {
                 forces[node] += Vector3::from_column_slice(&pair.force[3 * corner..3 * corner + 3]);
@@ -70,16 +70,12 @@ impl Simulation {
         forces
     }
 
-    /// Force that a clamp exerts on its held node, N: the residual there.
-    pub fn reaction(&self, node: usize) -> Vector3 {
-        Vector3::from_column_slice(&self.system.residual[STRIDE * node..STRIDE * node + 3])
-    }
-
     /// Energies now, J.
     pub fn energies(&self) -> Energies {
         let elastic = self.system.elastic_energy();
         let assembly = &self.system.assembly;
         let kinetic = self
+            .state
             .velocity
             .iter()
             .zip(&assembly.masses)
@@ -95,11 +91,11 @@ impl Simulation {
                 .contact
                 .as_ref()
                 .map_or(0.0, |contact| contact.energy()),
-            gravitational: assembly.loads.gravitational_energy(
-                self.time,
+            gravitational: self.system.loads.gravitational_energy(
+                self.state.time,
                 &assembly.masses,
                 &assembly.obstacle,
-                &self.unknowns,
+                &self.state.unknowns,
             ),
         }
     }
@@ -110,13 +106,13 @@ impl Simulation {
             .contact
             .as_ref()
             .map_or(f64::INFINITY, |contact| {
-                contact.minimum_distance(&self.positions)
+                contact.minimum_distance(&self.published.positions)
             })
     }
 
     /// Numbers of the unknowns that are not held: node k has x, y, z at 4k..4k+2, its edge's angle at 4k+3.
     pub fn free_unknowns(&self) -> Vec<usize> {
-        (0..self.unknowns.len())
+        (0..self.state.unknowns.len())
             .filter(|&k| !self.system.assembly.held[k])
             .collect()
     }
@@ -132,7 +128,7 @@ impl Simulation {
     /// Hessian of the elastic energy, less the derivative of loads and contact forces, over the free
     /// unknowns at the present configuration, N/m.
     pub fn stiffness_matrix(&mut self) -> nalgebra::DMatrix<f64> {
-        self.system.linearize(&self.unknowns, None);
+        self.system.linearize(&self.state.unknowns, None);
         let dense = self.system.dense_matrix();
         let free = self.free_unknowns();
         nalgebra::DMatrix::from_fn(free.len(), free.len(), |i, j| dense[(free[i], free[j])])
@@ -141,14 +137,15 @@ impl Simulation {
     /// What a checkpoint must hold to continue bit for bit.
     pub fn state(&self) -> SimulationState {
         SimulationState {
-            time: self.time,
-            unknowns: self.unknowns.clone(),
-            velocity: self.velocity.clone(),
-            history: self.history.clone(),
+            time: self.state.time,
+            unknowns: self.state.unknowns.clone(),
+            velocity: self.state.velocity.clone(),
+            history: self.state.history.clone(),
             reference: self.system.reference.clone(),
-            control: self.control,
+            control: self.integrator.control,
+            interventions: self.system.interventions(),
             contact: self.system.contact.as_ref().map(|contact| contact.memory()),
-            fluid: self.fluid.as_ref().map(|fluid| fluid.memory()),
+            fluid: self.integrator.fluid.memory(),
         }
     }
 
@@ -157,10 +154,10 @@ impl Simulation {
     /// # Errors
     /// [`SimulationError::BadScene`] where the checkpoint does not fit the scene.
     pub fn restore(&mut self, state: SimulationState) -> Result<(), SimulationError> {
-        let foreign = |what: String| {
-            SimulationError::BadScene(format!("the checkpoint does not fit: {what}"))
-        };
-        if state.unknowns.len() != self.unknowns.len()
+        let foreign = |what: String| SimulationError::BadScene(SceneError::Checkpoint(what));
+        let restored = self.system.restore_interventions(state.interventions);
+        restored.map_err(|what| foreign(what.to_owned()))?;
+        if state.unknowns.len() != self.state.unknowns.len()
             || state.reference.twist.len() != self.system.reference.twist.len()
         {
             return Err(foreign("other numbers of nodes or vertices".into()));
@@ -172,22 +169,22 @@ impl Simulation {
             (None, None) => {}
             _ => return Err(foreign("contact".into())),
         }
-        match (&mut self.fluid, state.fluid) {
-            (Some(fluid), Some(memory)) => {
-                fluid.restore(memory).map_err(|e| foreign(e.to_string()))?
-            }
-            (None, None) => {}
-            _ => return Err(foreign("fluid".into())),
-        }
-        self.time = state.time;
-        self.unknowns = state.unknowns;
-        self.velocity = state.velocity;
-        self.history = state.history;
-        self.control = state.control;
-        self.system.reference = state.reference;
+        self.integrator
+            .fluid
+            .restore(state.fluid)
+            .map_err(foreign)?;
+        self.state = State {
+            time: state.time,
+            unknowns: state.unknowns,
+            velocity: state.velocity,
+            history: state.history,
+        };
+        self.integrator.control = state.control;
+        self.system
+            .resume(state.time, &self.state.unknowns, &state.reference);
         self.system.forget_pattern();
-        self.system.drive(self.time, &mut self.unknowns);
-        self.system.update_geometry(&self.unknowns);
+        self.system.drive(self.state.time, &mut self.state.unknowns);
+        self.system.update_geometry(&self.state.unknowns);
         self.publish();
         Ok(())
     }

@@ -1,10 +1,14 @@
 //! Equilibria along a path.
 
 use super::Simulation;
+use super::failure::no_equilibrium;
 use super::report::SimulationError;
+use crate::mechanics::SceneError;
 use crate::mechanics::statics::{PathPlan, PathPoint, Tracer};
 
-const NO_PATH: &str = "a path of equilibria needs forces that have an energy: no friction, no contact by complementarity, no moments of fixed direction (turn a clamp instead)";
+const NO_PATH: SceneError = SceneError::Unsuitable(
+    "a path of equilibria needs forces that have an energy: no friction, no contact by complementarity, no moments of fixed direction (turn a clamp instead)",
+);
 
 impl Simulation {
     /// A tracer of the path of equilibria that begins at the present configuration; what the scene
@@ -15,10 +19,15 @@ impl Simulation {
     /// whose Hessians are not symmetric.
     pub fn path(&self, plan: PathPlan) -> Result<Tracer, SimulationError> {
         if self.system.has_constraints() || !self.system.is_symmetric() {
-            return Err(SimulationError::BadScene(NO_PATH.into()));
+            return Err(NO_PATH.into());
         }
-        let tolerance = self.parameters.force_tolerance;
-        Ok(Tracer::new(&self.system, &self.unknowns, plan, tolerance))
+        let tolerance = self.integrator.setting.parameters.force_tolerance;
+        Ok(Tracer::new(
+            &self.system,
+            &self.state.unknowns,
+            plan,
+            tolerance,
+        ))
     }
 
     /// Goes to the next point of a path; `None` after the last. The time is the path parameter then.
@@ -29,18 +38,16 @@ impl Simulation {
         &mut self,
         tracer: &mut Tracer,
     ) -> Result<Option<PathPoint>, SimulationError> {
-        self.trial.copy_from_slice(&self.unknowns);
-        let point = tracer
-            .next(&mut self.system)
-            .map_err(|divergence| self.no_equilibrium(&divergence))?;
+        let point = tracer.next(&mut self.system).map_err(|divergence| {
+            no_equilibrium(&mut self.system, &self.state.unknowns, &divergence)
+        })?;
         if let Some(point) = &point {
-            self.time = point.parameter;
-            self.unknowns.copy_from_slice(&point.unknowns);
-            self.system.reference.clone_from(&point.reference);
-            self.system.drive(self.time, &mut self.unknowns);
-            self.system.evaluate(&self.unknowns, None);
-            self.velocity.fill(0.0);
-            self.history.forget();
+            self.state.time = point.parameter;
+            self.state.rest_at(&point.unknowns);
+            self.system
+                .resume(point.parameter, &point.unknowns, &point.reference);
+            self.system.drive(self.state.time, &mut self.state.unknowns);
+            self.system.evaluate(&self.state.unknowns, None);
             self.publish();
         }
         Ok(point)

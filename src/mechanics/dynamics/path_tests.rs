@@ -5,31 +5,22 @@ use super::{IntegrationParameters, Simulation};
 use crate::mechanics::Vector3;
 use crate::mechanics::scene::{Load, LoadKind, NaturalShape, RodDescription, Scene, Stiffness};
 use crate::mechanics::statics::{PathMethod, PathPlan, PathPoint, PointKind};
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 const EDGES: usize = 40;
 
 fn rod(centreline: Vec<Vector3>) -> RodDescription {
+    // Soft about the first director alone: it bends in the plane of x and y.
+    let stiffness = Stiffness {
+        stretching: 1e5,
+        bending: [1.0, 50.0],
+        twisting: 10.0,
+    };
     RodDescription {
-        name: "rod".into(),
-        centreline,
-        closed: false,
-        end_tangents: [None; 2],
         first_director: Some(Vector3::z()),
-        twist: 0.0,
         natural_shape: NaturalShape::AsPlaced,
-        // Soft about the first director alone: it bends in the plane of x and y.
-        stiffness: Stiffness {
-            stretching: 1e5,
-            bending: [50.0, 1.0],
-            twisting: 10.0,
-        },
-        radius: 1e-2,
-        mass_per_length: 1.0,
         rotational_inertia_per_length: 1e-4,
-        velocity: Vector3::zeros(),
-        angular_velocity: Vector3::zeros(),
-        held: false,
+        ..RodDescription::uniform("rod", centreline, stiffness, 1e-2, 1.0)
     }
 }
 
@@ -282,4 +273,32 @@ fn a_round_column_buckles_in_two_directions_at_once_and_turns_without_resistance
             point.lowest_eigenvalue
         );
     }
+}
+
+#[test]
+fn turns_of_a_clamp_count_along_a_path() {
+    let turns = 1000.0;
+    let mut scene = column();
+    scene.loads.clear();
+    let mut head = clamp(EDGES);
+    head.motion.angle = vec![(0.0, 0.0), (1.0, turns * TAU)];
+    scene.clamps.push(head);
+    let plan = PathPlan {
+        step: 0.25,
+        largest_step: 0.5,
+        switch_branches: false,
+        ..plan(1.0, PathMethod::Natural)
+    };
+    let mut simulation = Simulation::new(&scene, &IntegrationParameters::default()).unwrap();
+    let mut path = simulation.path(plan).unwrap();
+    while simulation.next_point(&mut path).unwrap().is_some() {
+        let angle = simulation.time() * turns * TAU;
+        let expected = 0.5 * scene.rods[0].stiffness.twisting * angle * angle;
+        let got = simulation.energies().twisting;
+        assert!(
+            (got - expected).abs() <= 1e-6 * expected,
+            "{got} {expected}"
+        );
+    }
+    assert_eq!(simulation.time(), 1.0);
 }

@@ -2,9 +2,11 @@
 
 use super::history::History;
 use super::step_control::StepControl;
+use crate::mechanics::SceneError;
 use crate::mechanics::contact::ContactMemory;
 use crate::mechanics::fluid::FluidMemory;
 use crate::mechanics::rod::ReferenceFrames;
+use crate::mechanics::system::Interventions;
 use serde::{Deserialize, Serialize};
 use std::ops::AddAssign;
 
@@ -23,6 +25,8 @@ pub struct SimulationState {
     pub reference: ReferenceFrames,
     /// Step control.
     pub control: StepControl,
+    /// What was done to clamps and loads since the start.
+    pub interventions: Interventions,
     /// Contact candidates and stiffness.
     pub contact: Option<ContactMemory>,
     /// Force history and preconditioner of the fluid.
@@ -88,15 +92,27 @@ pub struct Energies {
     pub gravitational: f64,
 }
 
+impl Energies {
+    /// Stretching, bending and twisting energy.
+    pub fn elastic(&self) -> f64 {
+        self.stretching + self.bending + self.twisting
+    }
+
+    /// Kinetic, elastic, contact and gravitational energy.
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.elastic() + self.contact + self.gravitational
+    }
+}
+
 /// Why a simulation stopped.
 #[derive(Debug, thiserror::Error)]
 pub enum SimulationError {
-    /// The scene itself is wrong (exit code 2).
-    #[error("{0}")]
-    BadScene(String),
+    /// The scene itself is wrong, or cannot answer what is asked (exit code 2).
+    #[error(transparent)]
+    BadScene(#[from] SceneError),
     /// Newton did not converge at the smallest step (exit code 3).
     #[error(
-        "no convergence at t = {time:.6e} s with the smallest step {step:.3e} s: residual {residual:.3e} N, largest in the {term} term at node {node} of rod `{rod}`"
+        "no convergence at t = {time:.6e} s with the smallest step {step:.3e} s: {}, largest in the {term} term at node {node} of rod `{rod}`", in_words(*residual)
     )]
     NoConvergence {
         /// Time at the start of the failed step, s.
@@ -112,9 +128,19 @@ pub enum SimulationError {
         /// Node along that rod.
         node: usize,
     },
+    /// The contact problem of complementarity had no solution, or none was found, at the smallest step (exit code 3).
+    #[error(
+        "no convergence at t = {time:.6e} s with the smallest step {step:.3e} s: no contact forces obey the laws of Signorini and Coulomb"
+    )]
+    NoContactForces {
+        /// Time at the start of the failed step, s.
+        time: f64,
+        /// The smallest step tried, s.
+        step: f64,
+    },
     /// Newton's method without inertia did not converge (exit code 3).
     #[error(
-        "no equilibrium found in {iterations} iterations: residual {residual:.3e} N, largest in the {term} term at node {node} of rod `{rod}`; ramp the loads with a schedule, or run dynamically with damping"
+        "no equilibrium found in {iterations} iterations: {}, largest in the {term} term at node {node} of rod `{rod}`; ramp the loads with a schedule, or run dynamically with damping", in_words(*residual)
     )]
     NoEquilibrium {
         /// Iterations spent.
@@ -131,4 +157,13 @@ pub enum SimulationError {
     /// A physics check failed: penetration or a number that is not finite (exit code 4).
     #[error("{0}")]
     Unphysical(String),
+}
+
+/// A residual in N, which may be no number.
+fn in_words(residual: f64) -> String {
+    if residual.is_finite() {
+        format!("residual {residual:.3e} N")
+    } else {
+        "the equations are singular or not finite".into()
+    }
 }

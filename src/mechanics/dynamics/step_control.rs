@@ -1,7 +1,7 @@
 //! Which time step comes next: a fixed grid of times, or steps chosen by the local error.
 //!
-//! Where rods rub and a step of the grid fails, the next ones stay small, grow slowly, and still hit every time of the grid.
-//! A tangle of rubbing rods that slips fails at the whole step many times in a row, and each
+//! Where contact is frictional and a step of the grid fails, the next ones stay small, grow slowly, and still hit every time
+//! of the grid. A tangle of rods in frictional contact that slips fails at the whole step many times in a row, and each
 //! failure costs more than all the small steps in its place.
 //!
 //! Automatic steps lead evenly to the times that are wanted, such as those of outputs.
@@ -25,8 +25,8 @@ const RECOVERY: f64 = 1.1;
 const FIRST_PART: f64 = 1.0 / 64.0;
 /// Steps before a wanted time that are made even.
 const EVEN_STEPS: f64 = 4.0;
-/// An error beyond this multiple of the tolerance refuses the step.
-const REFUSAL: f64 = 4.0;
+/// An error beyond this multiple of the tolerance rejects the step.
+const REJECTION: f64 = 4.0;
 
 /// The memory of the step control; part of a checkpoint.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,13 +44,13 @@ pub struct ErrorLaw {
     pub largest_growth: f64,
 }
 
-/// A judgement on a step with error control.
+/// What happens to a solved step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Verdict {
-    /// The step stands.
-    Accepted,
-    /// The step must be repeated with this size, s.
-    Refused(f64),
+pub enum Decision {
+    /// It is accepted.
+    Accept,
+    /// It is repeated with this size, s.
+    Repeat(f64),
 }
 
 impl StepControl {
@@ -131,16 +131,16 @@ impl StepControl {
         }
     }
 
-    /// Judges a step of automatic control by its local error as a multiple of the tolerance, and sets the next proposal.
-    pub fn judge(&mut self, step: f64, error: f64, law: ErrorLaw, iterations: usize) -> Verdict {
+    /// Decides on a step of automatic control by its local error as a multiple of the tolerance, and proposes the next.
+    pub fn decide(&mut self, step: f64, error: f64, law: ErrorLaw, iterations: usize) -> Decision {
         let ratio = error.max(1e-300).powf(-1.0 / f64::from(law.order));
         let mut factor = (SAFETY * ratio).clamp(DECAY, law.largest_growth);
         if iterations > MANY_ITERATIONS {
             factor = factor.min(0.7);
         }
-        if error > REFUSAL {
+        if error > REJECTION {
             self.proposal = step * factor.min(0.7);
-            return Verdict::Refused(self.proposal);
+            return Decision::Repeat(self.proposal);
         }
         // A step cut short by an output time says nothing against the proposal that stood before.
         self.proposal = if step < 0.99 * self.proposal && factor >= 1.0 {
@@ -148,7 +148,7 @@ impl StepControl {
         } else {
             step * factor
         };
-        Verdict::Accepted
+        Decision::Accept
     }
 
     /// A failed step proposes a smaller one.
@@ -242,9 +242,9 @@ mod tests {
         // Local error 0.05 h²: the step that meets 1e-6 is √(1e-6/0.05).
         let (tolerance, mut step) = (1e-6, 1e-3);
         for _ in 0..60 {
-            match control.judge(step, 0.05 * step * step / tolerance, law, 2) {
-                Verdict::Accepted => step = control.goal(&size, 0.0, 10.0),
-                Verdict::Refused(smaller) => step = smaller,
+            match control.decide(step, 0.05 * step * step / tolerance, law, 2) {
+                Decision::Accept => step = control.goal(&size, 0.0, 10.0),
+                Decision::Repeat(smaller) => step = smaller,
             }
         }
         let ideal = (tolerance / 0.05_f64).sqrt();

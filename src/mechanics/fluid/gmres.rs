@@ -4,7 +4,7 @@ use super::flow::Flow;
 use super::preconditioner::Preconditioner;
 use crate::linalg::instruction_set::{LANES, Lanes};
 
-/// Directions kept before a restart. A solve takes 1 to 20 iterations; a restart is a sign of trouble.
+/// Directions kept before a restart. A solve takes 1 to 20 iterations; a restart is rare.
 const RESTART: usize = 40;
 
 /// Scratch of the method.

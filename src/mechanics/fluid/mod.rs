@@ -13,7 +13,7 @@
 //! | `flow` | which of the two: exact for few nodes, by clusters for many |
 //! | `preconditioner` | approximate inverse of A, of two levels |
 //! | `neighbourhoods`, `elimination` | the fine one, from the neighbourhoods of nodes |
-//! | `stretches` | the coarse one, from stretches of filaments |
+//! | `coarse_space` | the coarse one, from aggregates of filaments |
 //! | `gmres`, `initial_guess` | solving A f = 8πη u, warm-started |
 //! | `stokeslet_drag` | a time series of such solves (thesis Eq. 2.27) |
 //! | `resistive_force_theory` | the cheap model: local coefficients along and across |
@@ -41,6 +41,7 @@
 //! node to node, or nodes much closer than ε, may make it larger than `far_field_error`.
 
 mod chain;
+mod coarse_space;
 mod drag;
 mod elimination;
 mod error;
@@ -60,7 +61,6 @@ mod quadrature;
 mod resistive_force_theory;
 mod segment;
 mod stokeslet_drag;
-mod stretches;
 #[cfg(test)]
 mod tests;
 

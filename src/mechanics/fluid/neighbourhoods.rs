@@ -42,7 +42,7 @@ struct Group {
 
 /// Scratch of building a group.
 #[derive(Default)]
-struct Workshop {
+struct Workspace {
     /// Of all nodes from the group.
     distances: Vec<(f64, usize)>,
     /// The neighbourhood in ascending order.
@@ -91,18 +91,18 @@ impl Neighbourhoods {
     /// [`FluidError::Singular`] where a neighbourhood has no inverse.
     pub fn build(&mut self, links: &[Link], positions: &[Vector3]) -> Result<(), FluidError> {
         let (set, size) = (self.set, self.size.min(positions.len()));
-        let build = |workshop: &mut Workshop, group: &mut Group| {
-            group.build(set, links, positions, size, workshop)
+        let build = |workspace: &mut Workspace, group: &mut Group| {
+            group.build(set, links, positions, size, workspace)
         };
         let worked = if self.parallel {
             self.groups
                 .par_iter_mut()
-                .map_init(Workshop::default, build)
+                .map_init(Workspace::default, build)
                 .reduce(|| true, |a, b| a & b)
         } else {
-            let mut workshop = Workshop::default();
+            let mut workspace = Workspace::default();
             (self.groups.iter_mut())
-                .map(|group| build(&mut workshop, group))
+                .map(|group| build(&mut workspace, group))
                 .fold(true, |a, b| a & b)
         };
         if worked {
@@ -134,14 +134,14 @@ impl Group {
         links: &[Link],
         positions: &[Vector3],
         size: usize,
-        workshop: &mut Workshop,
+        workspace: &mut Workspace,
     ) -> bool {
-        let Workshop {
+        let Workspace {
             distances,
             columns,
             patch,
             system,
-        } = workshop;
+        } = workspace;
         self.find_neighbours(positions, size, distances);
         let own = 3 * self.nodes;
         let order = 3 * self.neighbours.len();

@@ -3,9 +3,9 @@
 use super::Filament;
 use super::FluidError;
 use super::chain::Link;
+use super::coarse_space::CoarseSpace;
 use super::flow::Flow;
 use super::neighbourhoods::Neighbourhoods;
-use super::stretches::Stretches;
 use crate::mechanics::Vector3;
 
 /// Nodes of a neighbourhood to begin with. Iterations, from neighbourhoods alone, in a bundle of ten helices (pairs 3 mm
@@ -15,18 +15,18 @@ pub(super) const NEIGHBOURHOOD: usize = 32;
 /// Price of an operation of an elimination in operations of a product, as timed for 136 and 680 nodes.
 const PRICE_OF_ELIMINATION: f64 = 2.5;
 
-/// A Schwarz method of two levels (Smith, Bjørstad and Gropp 1996): first the force that each stretch of a filament feels
+/// A Schwarz method of two levels (Smith, Bjørstad and Gropp 1996): first the force that each aggregate of a filament feels
 /// as a whole, from all the others, then from what flow that leaves the forces of nodes, from their neighbourhoods.
 ///
 /// ```text
 /// A⁻¹ ≈ Q + S (1 − A Q)
 /// ```
 ///
-/// with the [`Stretches`] Q and the [`Neighbourhoods`] S. In the bundle of ten flagella Q takes iterations from 11.6 to
+/// with the [`CoarseSpace`] Q and the [`Neighbourhoods`] S. In the bundle of ten flagella Q takes iterations from 11.6 to
 /// 7.7 a solve. By clusters of nodes there is no Q: its building would take products by the hundred.
 pub(super) struct Preconditioner {
     neighbourhoods: Neighbourhoods,
-    stretches: Option<Stretches>,
+    coarse: Option<CoarseSpace>,
     /// x − A Q x.
     rest: Vec<f64>,
 }
@@ -37,8 +37,8 @@ impl Preconditioner {
         let nodes = operator.nodes();
         Self {
             neighbourhoods: Neighbourhoods::new(nodes, neighbourhood),
-            stretches: match operator {
-                Flow::Exact(_) => Some(Stretches::new(filaments)),
+            coarse: match operator {
+                Flow::Exact(_) => Some(CoarseSpace::new(filaments)),
                 Flow::Hierarchical(_) => None,
             },
             rest: vec![0.0; 3 * nodes],
@@ -66,19 +66,19 @@ impl Preconditioner {
         positions: &[Vector3],
         operator: &Flow,
     ) -> Result<(), FluidError> {
-        if let (Some(stretches), Flow::Exact(operator)) = (&mut self.stretches, operator) {
-            stretches.build(operator)?;
+        if let (Some(coarse), Flow::Exact(operator)) = (&mut self.coarse, operator) {
+            coarse.build(operator)?;
         }
         self.neighbourhoods.build(links, positions)
     }
 
     /// `y` ≈ A⁻¹ `x`.
     pub fn apply(&mut self, x: &[f64], y: &mut [f64]) {
-        match &mut self.stretches {
-            Some(stretches) => {
-                stretches.solve(x, &mut self.rest);
+        match &mut self.coarse {
+            Some(coarse) => {
+                coarse.solve(x, &mut self.rest);
                 self.neighbourhoods.apply(&self.rest, y);
-                stretches.add_forces(y);
+                coarse.add_forces(y);
             }
             None => self.neighbourhoods.apply(x, y),
         }

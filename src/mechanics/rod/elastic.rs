@@ -10,14 +10,18 @@ use super::vertex_lanes::{self, GradientLanes, HessianLanes, VERTEX_UNKNOWNS, Ve
 use crate::linalg::instruction_set::LANES;
 use crate::linalg::{BandedSymmetric, Element};
 use crate::mechanics::Vector3;
+use serde::{Deserialize, Serialize};
 
 /// An edge of prescribed direction and frame at a clamped node.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GhostEdge {
     /// Unit tangent.
     pub tangent: Vector3,
     /// First material director.
     pub director: Vector3,
+    /// Turn of the director about the tangent since the reference frames were committed, rad. The frames show it but for
+    /// whole turns.
+    pub spin: f64,
 }
 
 /// A real edge.
@@ -34,7 +38,7 @@ pub struct Edge {
 }
 
 /// A place where two edges, one of which may be a ghost, meet.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Vertex {
     /// Edge before it.
     pub before: usize,
@@ -51,7 +55,7 @@ pub struct Vertex {
 }
 
 /// Numbering of the eleven unknowns (x₋, θ⁰, x, θ¹, x₊) of a vertex.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum VertexUnknowns {
     /// Local unknowns `from..to` are consecutive and start at `first`; the others belong to a ghost.
     Consecutive {

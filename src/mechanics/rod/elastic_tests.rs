@@ -68,6 +68,7 @@ fn clamped_rod() -> (ElasticRods, Vec<f64>, ReferenceFrames, GhostEdge) {
     let ghost = GhostEdge {
         tangent,
         director: any_normal(&tangent),
+        spin: 0.0,
     };
     (rods, unknowns, reference, ghost)
 }

@@ -39,6 +39,8 @@ pub struct RodGeometry {
     /// Reference directors, one per node, then those of the ghost edges.
     reference_director: Vec<Vector3>,
     reference_twist: Vec<f64>,
+    /// Turn of each ghost edge since the reference frames were committed, rad.
+    ghost_spin: Vec<f64>,
 }
 
 impl RodGeometry {
@@ -59,6 +61,7 @@ impl RodGeometry {
             edge_lanes: rods.edges.chunks(LANES).map(EdgeLanes::new).collect(),
             reference_director: vec![Vector3::zeros(); edges],
             reference_twist: vec![0.0; rods.vertices.len()],
+            ghost_spin: vec![0.0; rods.ghosts],
         }
     }
 
@@ -73,6 +76,7 @@ impl RodGeometry {
         self.update_edges(rods, unknowns, reference);
         for (index, ghost) in ghosts.iter().enumerate() {
             let k = rods.nodes + index;
+            self.ghost_spin[index] = ghost.spin;
             self.reference_director[k] = ghost.director;
             self.edges[k] = EdgeFrame {
                 tangent: ghost.tangent,
@@ -117,6 +121,10 @@ impl RodGeometry {
                 0.0
             }
         };
+        let spin = |edge: usize| {
+            let ghost = edge.checked_sub(rods.nodes);
+            ghost.map_or(0.0, |ghost| self.ghost_spin[ghost])
+        };
         for (batch, lanes) in self.vertex_lanes.iter_mut().enumerate() {
             let first = LANES * batch;
             let vertices = &rods.vertices[first..rods.vertices.len().min(first + LANES)];
@@ -132,7 +140,9 @@ impl RodGeometry {
             let [sine, cosine] = lanes.bend(self.set);
             for (lane, vertex) in vertices.iter().enumerate() {
                 let between = libm::atan2(sine[lane], cosine[lane]);
-                let between = unwrapped(between, reference.twist[first + lane]);
+                let expected =
+                    reference.twist[first + lane] + spin(vertex.after) - spin(vertex.before);
+                let between = unwrapped(between, expected);
                 self.reference_twist[first + lane] = between;
                 let turn = angle(vertex.after) - angle(vertex.before);
                 lanes.set_twist(lane, turn + between - vertex.joint_twist);

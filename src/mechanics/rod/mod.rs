@@ -25,5 +25,5 @@ mod vertex_lanes;
 pub use elastic::{Edge, ElasticEnergy, ElasticRods, GhostEdge, Vertex, VertexUnknowns};
 pub use geometry::{ReferenceFrames, RodGeometry};
 pub use holonomy::holonomy_jacobian;
-pub use placement::Placement;
+pub use placement::{Placement, PlacementError};
 pub use topology::{RodRange, STRIDE};

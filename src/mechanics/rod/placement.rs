@@ -6,6 +6,17 @@ use super::transport::{any_normal, normal_part, parallel_transport, rotated, sig
 use super::vertex::{EdgeFrame, VertexStrains, curvatures};
 use crate::mechanics::Vector3;
 
+/// Why a polyline is no rod.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum PlacementError {
+    /// Two neighbouring nodes coincide.
+    #[error("edge {0} has no length")]
+    NoLength(usize),
+    /// Two neighbouring edges point in opposite directions.
+    #[error("the rod turns back on itself at node {0}")]
+    TurnsBack(usize),
+}
+
 /// A rod's polyline with its frames. Edge arrays have one entry per edge.
 #[derive(Clone, Debug)]
 pub struct Placement {
@@ -27,14 +38,14 @@ impl Placement {
     /// Frames along `nodes`; `twist` is the total from first to last edge (once around for a ring).
     ///
     /// # Errors
-    /// Names the first edge that has no length, or the vertex at which the polyline turns back.
+    /// [`PlacementError`]: the first edge that has no length, or vertex at which the polyline turns back.
     pub fn new(
         nodes: &[Vector3],
         closed: bool,
         first_director: Option<Vector3>,
         twist: f64,
         end_tangents: [Option<Vector3>; 2],
-    ) -> Result<Self, String> {
+    ) -> Result<Self, PlacementError> {
         let range = RodRange {
             first_node: 0,
             nodes: nodes.len(),
@@ -47,7 +58,7 @@ impl Placement {
             let edge = nodes[range.end_of(k)] - nodes[k];
             let length = edge.norm();
             if !(length > 0.0 && length.is_finite()) {
-                return Err(format!("edge {k} has no length"));
+                return Err(PlacementError::NoLength(k));
             }
             lengths.push(length);
             tangents.push(edge / length);
@@ -55,10 +66,7 @@ impl Placement {
         let vertices = if closed { edges } else { edges - 1 };
         for k in 0..vertices {
             if 1.0 + tangents[k].dot(&tangents[(k + 1) % edges]) < 1e-6 {
-                return Err(format!(
-                    "the rod turns back on itself at node {}",
-                    range.end_of(k)
-                ));
+                return Err(PlacementError::TurnsBack(range.end_of(k)));
             }
         }
         let hint = first_director.and_then(|hint| normal_part(&hint, &tangents[0]));
@@ -121,6 +129,7 @@ impl Placement {
         GhostEdge {
             tangent,
             director: rotated(&carried, &tangent, turn),
+            spin: 0.0,
         }
     }
 

@@ -7,10 +7,22 @@
 //! κb = 2 t⁰×t¹ / χ,  χ = 1 + t⁰·t¹                (Bergou et al. 2008, Eq. 1; thesis Eq. 1.3)
 //! κ¹ʲ = m₂ʲ·κb,  κ²ʲ = −m₁ʲ·κb,  j = 0, 1          (Bergou et al. 2008, Eq. 2)
 //! τ = θ¹ − θ⁰ + reference twist                     (thesis Eq. 1.5)
-//! E = Σⱼ [EI₁(κ¹ʲ−κ̃¹ʲ)² + EI₂(κ²ʲ−κ̃²ʲ)²] / 4l̄ + GJ(τ−τ̃)² / 2l̄
+//! E = Σⱼ [EI₂(κ¹ʲ−κ̃¹ʲ)² + EI₁(κ²ʲ−κ̃²ʲ)²] / 4l̄ + GJ(τ−τ̃)² / 2l̄
 //! ```
 //!
-//! with the Voronoi length l̄. Thesis Eq. 1.4 averages the two frames before squaring; averaging the
+//! with the Voronoi length l̄. The superscript says towards which director the rod bends: κ¹ is the curvature towards m₁,
+//! that is, about m₂, and κ² that about −m₁. Cross-sections are described by the axes *about* which they bend (second
+//! moments, natural curvatures); [`VertexStrains::about_directors`] and [`VertexStiffness::about_directors`] translate.
+//!
+//! ```text
+//!          m₂ ↑                  I₁ = ∫ y₂² dA = w h³/12 resists bending about m₁ (curvature κb·m₁),
+//!        ┌────┼────┐ ┐           I₂ = ∫ y₁² dA = h w³/12 resists bending about m₂ (curvature κb·m₂).
+//!        │    ⊙────┼─│─→ m₁
+//!        └─────────┘ ┘ h         ⊙: the tangent t = m₁ × m₂ points at the reader
+//!        └──── w ──┘
+//! ```
+//!
+//! Thesis Eq. 1.4 averages the two frames before squaring; averaging the
 //! squares agrees with it to second order in the edge length and does not soften under strong twist: for
 //! an isotropic, naturally straight rod the bending energy is EI|κb|²/2l̄ whatever the frames do.
 //!
@@ -32,6 +44,7 @@
 //! part of κb⊗M cancels against (∂E/∂φ) ∇c, the correction of Panetta et al. 2019.
 
 use crate::mechanics::Vector3;
+use serde::{Deserialize, Serialize};
 
 /// Geometry of one edge, real or ghost, as a vertex sees it.
 #[derive(Clone, Copy, Debug)]
@@ -49,7 +62,7 @@ pub struct EdgeFrame {
 }
 
 /// Strains of a vertex.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct VertexStrains {
     /// κ¹⁰, κ²⁰, κ¹¹, κ²¹: the curvature binormal in the frames of the edges before and after.
     pub curvature: [f64; 4],
@@ -57,13 +70,37 @@ pub struct VertexStrains {
     pub twist: f64,
 }
 
+impl VertexStrains {
+    /// Strains of a curvature whose binormal has the components `curvature` along m₁ and m₂, in the frames of both
+    /// edges, and a `twist` (rad).
+    pub fn about_directors(curvature: [f64; 2], twist: f64) -> Self {
+        let [about_1, about_2] = curvature;
+        Self {
+            curvature: [about_2, -about_1, about_2, -about_1],
+            twist,
+        }
+    }
+}
+
 /// Stiffness of a vertex: EI/2l̄ for each curvature and GJ/l̄ for the twist, N m.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct VertexStiffness {
-    /// EI₁/2l̄, EI₂/2l̄.
+    /// That of κ¹, EI₂/2l̄, and that of κ², EI₁/2l̄.
     pub bending: [f64; 2],
     /// GJ/l̄.
     pub twisting: f64,
+}
+
+impl VertexStiffness {
+    /// Stiffness of a vertex of the Voronoi length `voronoi` (m), in a rod with the bending stiffnesses `bending` about
+    /// m₁ and m₂, EI₁ and EI₂, and the twisting stiffness `twisting`, GJ, N m².
+    pub fn about_directors(bending: [f64; 2], twisting: f64, voronoi: f64) -> Self {
+        let [about_1, about_2] = bending;
+        Self {
+            bending: [about_2, about_1].map(|stiffness| 0.5 * stiffness / voronoi),
+            twisting: twisting / voronoi,
+        }
+    }
 }
 
 /// Gradient over (e⁰, φ⁰, e¹, φ¹): forces, N, and moments, N m. Also the gradient of a single strain.

@@ -15,6 +15,7 @@ use super::neutral::NeutralModes;
 use super::spectrum::inverse_iteration;
 use crate::mechanics::rod::{STRIDE, topology::position};
 use crate::mechanics::system::{Divergence, System};
+use tracing::trace;
 
 /// Most iterations. Strongly bent shapes from a straight start take some tens; rods that settle on each other
 /// more, since no step may be longer than their radius.
@@ -28,8 +29,11 @@ const LARGEST_TURN: f64 = 0.8;
 const LENGTHENING: f64 = 8.0;
 /// Stiffness that counts as none, over EI/L³: motions without stiffness are no reason to go anywhere.
 const NEUTRAL: f64 = 1e-6;
-/// But no less than this multiple of the rounding error of the stiffest entry.
+/// But no less than this multiple of the rounding error of the stiffest entry of each rod.
 const ROUNDINGS: f64 = 8.0;
+/// Whole corrections that suffice where the residual is small against EI/L², but not against the loads: the first
+/// misses by what is added to the Hessian, a millionth, the second by its square.
+const CORRECTIONS: usize = 2;
 /// Growth of the shift until the pivots are positive, and where no step lowers the potential; and the smallest,
 /// over EI/L³.
 const SHIFT_GROWTH: f64 = 4.0;
@@ -82,7 +86,7 @@ impl Scale {
             largest_move: (LARGEST_MOVE * extent).min(system.largest_safe_move()),
             stiffness,
             spin: system.assembly.shortest_edge * system.assembly.shortest_edge,
-            neutral: (NEUTRAL * stiffness).max(ROUNDINGS * system.assembly.rounding_stiffness),
+            neutral: NEUTRAL * stiffness,
         }
     }
 
@@ -125,7 +129,8 @@ impl Descent {
     }
 
     /// Finds an equilibrium from `unknowns`, stable where forces have a potential; returns the iterations, or
-    /// `None` where `goes_on` has said no before. `force` is the largest residual left, N.
+    /// `None` where `goes_on` has returned false before. `tolerance` is the residual
+    /// left, as a multiple of the forces of each rod ([`System::set_tolerances`]).
     ///
     /// # Errors
     /// [`Divergence`] with the largest residual after the last iteration.
@@ -133,43 +138,53 @@ impl Descent {
         &mut self,
         system: &mut System,
         unknowns: &mut [f64],
-        force: f64,
+        tolerance: f64,
         goes_on: &dyn Fn() -> bool,
     ) -> Result<Option<usize>, Divergence> {
         let time = system.time;
         system.drive(time, unknowns);
         let scale = Scale::of(system, unknowns);
+        system.set_tolerances(tolerance, unknowns, None);
         let mut shift = 0.0;
+        // Whole corrections by the Hessian itself.
+        let mut corrections = 0;
         for iterations in 0..=ITERATIONS {
             if !goes_on() {
                 return Ok(None);
             }
             system.update_candidates(unknowns);
             system.linearize(unknowns, None);
-            let (residual, unknown) = system.worst_residual();
+            let imbalance = system.imbalance();
+            let residual = imbalance.residual;
             let failed = Divergence {
                 iterations,
                 residual,
-                unknown,
+                unknown: imbalance.unknown,
             };
             if !residual.is_finite() || iterations == ITERATIONS {
                 return Err(failed);
             }
-            let settled = residual <= force;
-            let least = if settled { 0.0 } else { shift };
+            trace!(iterations, residual, shift, "Newton iteration");
+            let balanced = imbalance.is_balanced()
+                && (corrections >= CORRECTIONS || system.is_balanced_as_predicted(unknowns, None));
+            let least = if balanced { 0.0 } else { shift };
             shift = stabilise(system, unknowns, &scale, least).ok_or(failed)?;
-            if settled && (shift == 0.0 || !self.leave(system, unknowns, &scale)) {
+            if balanced && (shift == 0.0 || !self.leave(system, unknowns, &scale)) {
                 // The residual of this configuration, in case a departure was tried.
                 system.evaluate(unknowns, None);
                 system.commit_frames();
                 return Ok(Some(iterations));
             }
-            if !settled {
+            if !balanced {
                 system.direction(&mut self.direction).map_err(|_| failed)?;
                 let lengthening = self.lengthening(system, shift, &scale);
-                limit(&mut self.direction, system, scale.largest_move, lengthening);
+                let factor = limit(&mut self.direction, system, scale.largest_move, lengthening);
+                let is_whole = factor >= 1.0;
                 match self.step(system, unknowns, &scale, shift == 0.0) {
-                    Some(1.0) => shift /= SHIFT_GROWTH * SHIFT_GROWTH,
+                    Some(1.0) => {
+                        corrections += usize::from(shift == 0.0 && is_whole);
+                        shift /= SHIFT_GROWTH * SHIFT_GROWTH;
+                    }
                     Some(_) => {}
                     None if shift > scale.largest_shift(system) => return Err(failed),
                     None => {
@@ -318,10 +333,10 @@ impl Start {
 pub fn find_equilibrium(
     system: &mut System,
     unknowns: &mut [f64],
-    force: f64,
+    tolerance: f64,
 ) -> Result<usize, Divergence> {
-    let found = Descent::new(unknowns.len()).run(system, unknowns, force, &|| true)?;
-    Ok(found.expect("nobody stops it"))
+    let found = Descent::new(unknowns.len()).run(system, unknowns, tolerance, &|| true)?;
+    Ok(found.expect("it is never stopped"))
 }
 
 /// Factors the Jacobian of the last linearisation, shifted by at least `least` and until no pivot is negative;
@@ -332,8 +347,11 @@ fn stabilise(system: &mut System, unknowns: &[f64], scale: &Scale, least: f64) -
         if growth > 0 {
             system.linearize(unknowns, None);
         }
-        let added = (shift * scale.stiffness).max(scale.neutral);
-        system.shift(added, added * scale.spin);
+        let rounding: Vec<f64> = (system.assembly.scales.iter())
+            .map(|rod| ROUNDINGS * rod.rounding_stiffness)
+            .collect();
+        let least = (shift * scale.stiffness).max(scale.neutral);
+        system.shift_rods(|rod| least.max(rounding[rod]), scale.spin);
         match system.factor() {
             Ok(Some(inertia)) if inertia.negative > 0 => {}
             Ok(_) => return Some(shift),
@@ -349,8 +367,8 @@ fn stabilise(system: &mut System, unknowns: &[f64], scale: &Scale, least: f64) -
 }
 
 /// Scales `direction` up to `lengthening` times, but so that no node moves farther than `largest` (m) and no edge
-/// turns too far.
-fn limit(direction: &mut [f64], system: &System, largest: f64, lengthening: f64) {
+/// turns too far; returns the factor.
+fn limit(direction: &mut [f64], system: &System, largest: f64, lengthening: f64) -> f64 {
     let mut excess = 1.0 / lengthening;
     for (k, entry) in direction.iter().enumerate() {
         let allowed = if k % STRIDE == 3 {
@@ -368,6 +386,7 @@ fn limit(direction: &mut [f64], system: &System, largest: f64, lengthening: f64)
         excess = excess.max(turn / LARGEST_TURN);
     }
     direction.iter_mut().for_each(|d| *d /= excess);
+    1.0 / excess
 }
 
 /// Largest side of the box around all nodes, m.

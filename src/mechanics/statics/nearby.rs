@@ -8,32 +8,36 @@ const ITERATIONS: usize = 30;
 
 /// Goes to the equilibrium near `unknowns` by plain Newton steps, which converge to saddle points as well
 /// as to minima; returns the inertia of the Hessian there, `None` where the Jacobian is not symmetric. The
-/// equilibrium is stable where no pivot is negative. `force` is the largest residual left, N.
+/// equilibrium is stable where no pivot is negative. `tolerance` is the residual left as a multiple of the forces of each
+/// rod ([`System::set_tolerances`]).
 ///
 /// # Errors
 /// [`Divergence`] where the start was too far away, or the Hessian is singular.
 pub fn nearby_equilibrium(
     system: &mut System,
     unknowns: &mut [f64],
-    force: f64,
+    tolerance: f64,
 ) -> Result<Option<Inertia>, Divergence> {
     let time = system.time;
     system.drive(time, unknowns);
     let mut direction = vec![0.0; unknowns.len()];
+    system.set_tolerances(tolerance, unknowns, None);
     for iterations in 0..=ITERATIONS {
         system.update_candidates(unknowns);
         system.linearize(unknowns, None);
-        let (residual, unknown) = system.worst_residual();
+        let imbalance = system.imbalance();
         let failed = Divergence {
             iterations,
-            residual,
-            unknown,
+            residual: imbalance.residual,
+            unknown: imbalance.unknown,
         };
-        if !residual.is_finite() {
+        if !imbalance.residual.is_finite() {
             return Err(failed);
         }
         let inertia = system.factor().map_err(|_| failed)?;
-        if residual <= force {
+        if imbalance.is_balanced()
+            && (iterations > 0 || system.is_balanced_as_predicted(unknowns, None))
+        {
             system.commit_frames();
             return Ok(inertia);
         }

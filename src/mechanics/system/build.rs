@@ -1,16 +1,15 @@
-//! From the description of a scene to numbered rods, masses, held unknowns and driven clamps.
+//! From the description of a scene to numbered rods, masses, held unknowns and clamps that move.
 
 use super::clamps::{Drive, HeldEdge};
-use super::loads::Loads;
-use crate::mechanics::Vector3;
 use crate::mechanics::rod::vertex::{VertexStiffness, VertexStrains};
 use crate::mechanics::rod::{
     Edge, ElasticRods, GhostEdge, Placement, ReferenceFrames, RodRange, STRIDE, Vertex,
     VertexUnknowns,
 };
 use crate::mechanics::scene::{NaturalShape, RodDescription, Scene};
+use crate::mechanics::{RodError, SceneError, Vector3};
 
-/// The rods of a scene, numbered and placed, with what holds and loads them.
+/// The rods of a scene, numbered and placed, with what holds them.
 #[derive(Clone, Debug)]
 pub struct Assembly {
     /// The elastic rods.
@@ -35,8 +34,8 @@ pub struct Assembly {
     pub obstacle: Vec<bool>,
     /// Clamps that hold or drive nodes and ghost edges.
     pub drives: Vec<Drive>,
-    /// External loads.
-    pub loads: Loads,
+    /// Scales of each rod.
+    pub scales: Vec<RodScale>,
     /// Force scale EI/L² of the stiffest free rod, N; 1 N where every rod is held.
     pub force_scale: f64,
     /// Smallest EI/L² of the free rods, N.
@@ -47,14 +46,41 @@ pub struct Assembly {
     pub rounding_stiffness: f64,
 }
 
+/// Scales of one rod.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RodScale {
+    /// EI/L² of the larger bending stiffness, N.
+    pub force: f64,
+    /// Smallest natural edge length, m.
+    pub shortest_edge: f64,
+    /// Rounding error of an elastic force per coordinate, N/m: EA ε/l̃, or 4 EI ε/l̃³ where edges are shorter than the
+    /// diameter and bending is the stiffer.
+    pub rounding_stiffness: f64,
+}
+
+impl RodScale {
+    fn of(rod: &RodDescription, natural_lengths: &[f64]) -> Self {
+        let length: f64 = natural_lengths.iter().sum();
+        let bending = rod.stiffness.bending[0].max(rod.stiffness.bending[1]);
+        let shortest = (natural_lengths.iter().copied()).fold(f64::INFINITY, f64::min);
+        let stretching = rod.stiffness.stretching * f64::EPSILON / shortest;
+        let turning = 4.0 * bending * f64::EPSILON / shortest.powi(3);
+        Self {
+            force: bending / (length * length),
+            shortest_edge: shortest,
+            rounding_stiffness: stretching.max(turning),
+        }
+    }
+}
+
 impl Assembly {
     /// Numbers and places everything.
     ///
     /// # Errors
-    /// A sentence that names the rod, clamp or load that is impossible.
-    pub fn new(scene: &Scene) -> Result<Self, String> {
+    /// [`SceneError`] names the rod or clamp that is impossible.
+    pub fn new(scene: &Scene) -> Result<Self, SceneError> {
         if scene.rods.is_empty() {
-            return Err("the scene has no rods".into());
+            return Err(SceneError::NoRods);
         }
         let nodes = scene.rods.iter().map(|rod| rod.centreline.len()).sum();
         let mut assembly = Self {
@@ -76,7 +102,7 @@ impl Assembly {
             held: vec![false; STRIDE * nodes],
             obstacle: vec![false; nodes],
             drives: Vec::new(),
-            loads: Loads::default(),
+            scales: Vec::new(),
             force_scale: 0.0,
             softest_scale: f64::INFINITY,
             shortest_edge: f64::INFINITY,
@@ -86,14 +112,16 @@ impl Assembly {
         for (index, rod) in scene.rods.iter().enumerate() {
             assembly
                 .add_rod(index, rod, first_node, scene)
-                .map_err(|reason| format!("rod `{}`: {reason}", rod.name))?;
+                .map_err(|reason| SceneError::Rod {
+                    name: rod.name.clone(),
+                    reason,
+                })?;
             first_node += rod.centreline.len();
         }
         if assembly.force_scale == 0.0 {
             assembly.force_scale = 1.0;
             assembly.shortest_edge = 1.0;
         }
-        assembly.loads = Loads::new(scene, &assembly)?;
         Ok(assembly)
     }
 
@@ -103,13 +131,13 @@ impl Assembly {
         rod: &RodDescription,
         first_node: usize,
         scene: &Scene,
-    ) -> Result<(), String> {
+    ) -> Result<(), RodError> {
         let least = if rod.closed { 3 } else { 2 };
         if rod.centreline.len() < least {
-            return Err(format!(
-                "needs at least {least} nodes, has {}",
-                rod.centreline.len()
-            ));
+            return Err(RodError::TooFewNodes {
+                least,
+                nodes: rod.centreline.len(),
+            });
         }
         let range = RodRange {
             first_node,
@@ -122,11 +150,10 @@ impl Assembly {
         let placed = place(&rod.centreline, rod.twist, rod.end_tangents)?;
         let natural_placement = match &rod.natural_shape {
             NaturalShape::Centreline(points) if points.len() != rod.centreline.len() => {
-                return Err(format!(
-                    "its natural shape has {} nodes, itself {}",
-                    points.len(),
-                    rod.centreline.len()
-                ));
+                return Err(RodError::NaturalShape {
+                    natural: points.len(),
+                    nodes: rod.centreline.len(),
+                });
             }
             NaturalShape::Centreline(points) => Some(place(points, 0.0, [None, None])?),
             _ => None,
@@ -146,19 +173,15 @@ impl Assembly {
             natural_placement.as_ref(),
             &natural_lengths,
         )?;
+        let scale = RodScale::of(rod, &natural_lengths);
+        self.scales.push(scale);
         if !rod.held {
             let length: f64 = natural_lengths.iter().sum();
-            let bending = rod.stiffness.bending[0].max(rod.stiffness.bending[1]);
-            self.force_scale = self.force_scale.max(bending / (length * length));
+            self.force_scale = self.force_scale.max(scale.force);
             let soft = rod.stiffness.bending[0].min(rod.stiffness.bending[1]);
             self.softest_scale = self.softest_scale.min(soft / (length * length));
-            let shortest = natural_lengths
-                .iter()
-                .copied()
-                .fold(f64::INFINITY, f64::min);
-            self.shortest_edge = self.shortest_edge.min(shortest);
-            let rounding = rod.stiffness.stretching * f64::EPSILON / shortest;
-            self.rounding_stiffness = self.rounding_stiffness.max(rounding);
+            self.shortest_edge = self.shortest_edge.min(scale.shortest_edge);
+            self.rounding_stiffness = self.rounding_stiffness.max(scale.rounding_stiffness);
         }
         self.rods.rods.push(range);
         self.names.push(rod.name.clone());
@@ -220,17 +243,17 @@ impl Assembly {
         placed: &Placement,
         natural_placement: Option<&Placement>,
         natural_lengths: &[f64],
-    ) -> Result<(), String> {
+    ) -> Result<(), RodError> {
         let mut drive_of_node = vec![None; range.nodes];
         for clamp in scene.clamps.iter().filter(|clamp| clamp.rod == index) {
             if clamp.node >= range.nodes {
-                return Err(format!(
-                    "a clamp asks for node {} of {}",
-                    clamp.node, range.nodes
-                ));
+                return Err(RodError::ClampOutside {
+                    node: clamp.node,
+                    nodes: range.nodes,
+                });
             }
             if drive_of_node[clamp.node].is_some() {
-                return Err(format!("two clamps hold node {}", clamp.node));
+                return Err(RodError::TwoClamps { node: clamp.node });
             }
             let node = range.first_node + clamp.node;
             let frame = placed.frame_at_node(clamp.node);
@@ -247,13 +270,10 @@ impl Assembly {
             match &rod.natural_shape {
                 NaturalShape::AsPlaced => placed_strains,
                 NaturalShape::Straight => VertexStrains::default(),
-                NaturalShape::Curved {
-                    curvature: [a, b],
-                    twist,
-                } => VertexStrains {
-                    curvature: [a * voronoi, b * voronoi, a * voronoi, b * voronoi],
-                    twist: twist * voronoi,
-                },
+                NaturalShape::Curved { curvature, twist } => {
+                    let integrated = curvature.map(|curvature| curvature * voronoi);
+                    VertexStrains::about_directors(integrated, twist * voronoi)
+                }
                 NaturalShape::Centreline(_) => of_shape(natural_placement.expect("placed above")),
             }
         };
@@ -282,11 +302,10 @@ impl Assembly {
                         // The edge itself is the wall, and turns with the clamp.
                         let director = placed.material_director(edge);
                         self.held[STRIDE * start + 3] = true;
-                        self.drives[drive].edges.push(HeldEdge {
-                            start,
-                            end,
-                            director,
-                        });
+                        let angle = placed.angles[edge];
+                        self.drives[drive]
+                            .edges
+                            .push(HeldEdge::new([start, end], director, angle));
                         continue;
                     }
                     let voronoi = 0.5 * natural_lengths[edge];
@@ -388,8 +407,6 @@ impl Assembly {
 }
 
 fn stiffness(rod: &RodDescription, voronoi: f64) -> VertexStiffness {
-    VertexStiffness {
-        bending: rod.stiffness.bending.map(|ei| 0.5 * ei / voronoi),
-        twisting: rod.stiffness.twisting / voronoi,
-    }
+    let stiffness = &rod.stiffness;
+    VertexStiffness::about_directors(stiffness.bending, stiffness.twisting, voronoi)
 }

@@ -7,29 +7,39 @@ use crate::mechanics::rod::transport::{
 use crate::mechanics::rod::{GhostEdge, ReferenceFrames, STRIDE};
 use crate::mechanics::scene::{Clamp, Motion, piecewise_linear, piecewise_turning};
 use crate::mechanics::{UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// Turn of a clamp in one piece of the way along which its turns are counted, rad: less than half a turn, so that
+/// frames show it.
+const PIECE: f64 = 0.5;
+
+/// 1 − cos of the angle between an axis and a tangent that are the same but for rounding.
+const SAME_AXIS: f64 = 1e-14;
 
 /// A clamp with everything resolved.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Drive {
     /// Node of the whole scene.
     pub node: usize,
     /// Whether its position is prescribed.
     pub holds_position: bool,
-    /// Position at time zero, m.
+    /// Position at time zero, or when it took hold, m.
     pub position: Vector3,
-    /// Tangent and director at time zero.
+    /// Tangent and director at that time.
     pub frame: GhostEdge,
     /// Ghost edges that follow the frame.
     pub ghosts: Vec<usize>,
     /// Edges whose both ends are held; their material frames follow, too.
     pub edges: Vec<HeldEdge>,
+    /// Whether it has let go: it then holds nothing.
+    pub released: bool,
     motion: Motion,
     axis: Vector3,
     pivot: Vector3,
 }
 
 /// An edge whose nodes are both held, one of them with its frame.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct HeldEdge {
     /// Node of the whole scene where it starts.
     pub start: usize,
@@ -37,6 +47,23 @@ pub struct HeldEdge {
     pub end: usize,
     /// First material director at time zero.
     pub director: Vector3,
+    /// Angle of its frame at the last time to which the clamp was driven, rad; whole turns count.
+    angle: f64,
+    /// The same when the reference frames were committed.
+    committed_angle: f64,
+}
+
+impl HeldEdge {
+    /// The edge from node `start` to `end`, with its material director and the angle of its frame as placed.
+    pub fn new([start, end]: [usize; 2], director: Vector3, angle: f64) -> Self {
+        Self {
+            start,
+            end,
+            director,
+            angle,
+            committed_angle: angle,
+        }
+    }
 }
 
 impl Drive {
@@ -49,6 +76,7 @@ impl Drive {
             frame,
             ghosts: Vec::new(),
             edges: Vec::new(),
+            released: false,
             axis: clamp.motion.axis.unwrap_or(frame.tangent),
             pivot: clamp.motion.pivot.unwrap_or(position),
             motion: clamp.motion.clone(),
@@ -77,8 +105,11 @@ impl Drive {
         }
     }
 
-    /// Writes the prescribed position and frames at `time`.
-    pub fn apply(&self, time: f64, unknowns: &mut [f64], ghosts: &mut [GhostEdge]) {
+    /// Writes the prescribed position and frames at `time`; the reference frames are those of `committed`, s.
+    pub fn apply(&self, time: f64, committed: f64, unknowns: &mut [f64], ghosts: &mut [GhostEdge]) {
+        if self.released {
+            return;
+        }
         let turning = self.turning(time);
         if self.holds_position {
             let arm = self.position - self.pivot;
@@ -88,28 +119,110 @@ impl Drive {
             unknowns[STRIDE * self.node..STRIDE * self.node + 3]
                 .copy_from_slice(position.as_slice());
         }
+        let spin = self.spin(committed, time);
         for &ghost in &self.ghosts {
             let tangent = turning.of(&self.frame.tangent).normalize();
             let director = turning.of(&self.frame.director);
             let director = normal_part(&director, &tangent).unwrap_or_else(|| any_normal(&tangent));
-            ghosts[ghost] = GhostEdge { tangent, director };
+            ghosts[ghost] = GhostEdge {
+                tangent,
+                director,
+                spin,
+            };
         }
     }
 
-    /// Writes the angles of held edges at `time`, within half a turn of the angles found there; the
-    /// positions of all nodes are in place already.
-    pub fn turn_edges(&self, time: f64, reference: &ReferenceFrames, unknowns: &mut [f64]) {
-        let turning = self.turning(time);
-        for edge in &self.edges {
+    /// Writes the angles of held edges at `time`, with all turns since the frames of `reference` were committed at the
+    /// time `committed`; the positions of all nodes are in place already.
+    pub fn turn_edges(
+        &mut self,
+        time: f64,
+        committed: f64,
+        reference: &ReferenceFrames,
+        unknowns: &mut [f64],
+    ) {
+        if self.edges.is_empty() {
+            return;
+        }
+        let (turning, spin) = (self.turning(time), self.spin(committed, time));
+        for edge in &mut self.edges {
             let along = position(unknowns, edge.end) - position(unknowns, edge.start);
             let tangent = along.normalize();
             let source = &reference.tangent[edge.start];
             let carried = parallel_transport(&reference.director[edge.start], source, &tangent);
             let director = turning.of(&edge.director);
             let angle = signed_angle(&carried, &director, &tangent);
-            let unknown = STRIDE * edge.start + 3;
-            unknowns[unknown] = unwrapped(angle, unknowns[unknown]);
+            edge.angle = unwrapped(angle, edge.committed_angle + spin);
+            unknowns[STRIDE * edge.start + 3] = edge.angle;
         }
+    }
+
+    /// The reference frames were committed at the time to which the clamp was last driven.
+    pub fn commit(&mut self) {
+        for edge in &mut self.edges {
+            edge.committed_angle = edge.angle;
+        }
+    }
+
+    /// The reference frames are those of a configuration that was committed before.
+    pub fn resume(&mut self, unknowns: &[f64]) {
+        for edge in &mut self.edges {
+            edge.committed_angle = unknowns[STRIDE * edge.start + 3];
+        }
+    }
+
+    /// Turn of the clamped frame about its tangent, against parallel transport, between two times, rad: counted along
+    /// the schedule, so that whole turns count however long the step is.
+    fn spin(&self, from: f64, to: f64) -> f64 {
+        let motion = &self.motion;
+        if motion.orientation.is_empty() {
+            if motion.angle.is_empty() && motion.angular_velocity == 0.0 {
+                return 0.0;
+            }
+            let along = self.axis.dot(&self.frame.tangent);
+            if 1.0 - along.abs() < SAME_AXIS {
+                return along * (self.turning(to).angle - self.turning(from).angle);
+            }
+        }
+        let (first, last) = (from.min(to), from.max(to));
+        let corners = motion.angle.iter().map(|corner| corner.0);
+        let mut times: Vec<f64> = (corners.chain(motion.orientation.iter().map(|corner| corner.0)))
+            .filter(|&time| first < time && time < last)
+            .chain([first, last])
+            .collect();
+        times.sort_by(f64::total_cmp);
+        let spins = times
+            .windows(2)
+            .map(|ends| self.spin_of_piece(ends[0], ends[1]));
+        let spin: f64 = spins.sum();
+        if to < from { -spin } else { spin }
+    }
+
+    /// The same between two times without a corner of the schedule between them.
+    fn spin_of_piece(&self, from: f64, to: f64) -> f64 {
+        let (start, end) = (self.turning(from), self.turning(to));
+        let swing = match (start.orientation, end.orientation) {
+            (Some(start), Some(end)) => start.angle_to(&end),
+            _ => 0.0,
+        };
+        let turned = (end.angle - start.angle).abs() + swing;
+        let parts = (turned / PIECE).ceil().max(1.0);
+        let frame = |part: f64| {
+            let turning = self.turning(from + part / parts * (to - from));
+            (
+                turning.of(&self.frame.tangent),
+                turning.of(&self.frame.director),
+            )
+        };
+        let mut spin = 0.0;
+        let mut before = frame(0.0);
+        for part in 1..=parts as usize {
+            let after = frame(part as f64);
+            let carried = parallel_transport(&before.1, &before.0, &after.0);
+            spin += signed_angle(&carried, &after.1, &after.0);
+            before = after;
+        }
+        spin
     }
 }
 

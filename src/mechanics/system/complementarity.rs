@@ -28,7 +28,7 @@
 use super::{Stage, System, copy_positions};
 use crate::linalg::SingularMatrix;
 use crate::mechanics::Vector3;
-use crate::mechanics::contact::{ContactConstraint, CoulombProblem, ImplicitContact};
+use crate::mechanics::contact::{ContactConstraint, ContactSystem, CoulombProblem};
 use crate::mechanics::rod::{STRIDE, topology::position};
 use nalgebra::{DMatrix, DVector};
 
@@ -82,7 +82,7 @@ impl System {
     /// largest move of a node by all forces, m.
     fn load_constraints(
         &mut self,
-        contact: &mut ImplicitContact,
+        contact: &mut ContactSystem,
         unknowns: &[f64],
         stage: &Stage,
     ) -> Result<f64, NoContactForces> {
@@ -111,10 +111,10 @@ impl System {
         stage: &Stage,
         correction: &mut [f64],
     ) -> Result<DVector<f64>, NoContactForces> {
-        let rubs = constraints
+        let has_friction = constraints
             .iter()
             .any(|constraint| constraint.friction > 0.0);
-        let directions = if rubs { 3 } else { 1 };
+        let directions = if has_friction { 3 } else { 1 };
         let rows = directions * constraints.len();
         let row_of = |row: usize| (&constraints[row / directions], row % directions);
         let unknowns = correction.len();

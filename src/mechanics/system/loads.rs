@@ -3,8 +3,8 @@
 use super::build::Assembly;
 use crate::mechanics::rod::vertex::EdgeFrame;
 use crate::mechanics::rod::{RodRange, STRIDE, holonomy_jacobian};
-use crate::mechanics::scene::{LoadKind, Scene, piecewise_linear};
-use crate::mechanics::{Matrix3, Vector3};
+use crate::mechanics::scene::{Load, LoadKind, piecewise_linear};
+use crate::mechanics::{LoadError, Matrix3, Vector3};
 
 /// All external loads of a scene, resolved to unknowns.
 #[derive(Clone, Debug, Default)]
@@ -16,7 +16,24 @@ pub struct Loads {
     pub damping: Vec<f64>,
     drags: Vec<Drag>,
     /// Acceleration of gravity, with schedules, for the potential energy.
-    gravity: Vec<(Vector3, Vec<(f64, f64)>)>,
+    gravity: Vec<(Vector3, Scale)>,
+    /// Factor of each load of the scene beside its schedule.
+    factors: Vec<f64>,
+}
+
+/// The factor of a load as a function of time.
+#[derive(Clone, Debug)]
+struct Scale {
+    /// Number of the load in the scene.
+    load: usize,
+    schedule: Vec<(f64, f64)>,
+    factor: f64,
+}
+
+impl Scale {
+    fn at(&self, time: f64) -> f64 {
+        self.factor * piecewise_linear(&self.schedule, time).unwrap_or(1.0)
+    }
 }
 
 /// Forces that do not depend on the configuration.
@@ -24,14 +41,14 @@ pub struct Loads {
 struct DeadLoad {
     /// Entries (unknown, force).
     entries: Vec<(usize, f64)>,
-    schedule: Vec<(f64, f64)>,
+    scale: Scale,
 }
 
 /// Linear drag: a coefficient for each unknown, N s/m or N m s.
 #[derive(Clone, Debug)]
 struct Drag {
     coefficients: Vec<f64>,
-    schedule: Vec<(f64, f64)>,
+    scale: Scale,
 }
 
 /// A moment of fixed direction on an edge.
@@ -42,36 +59,34 @@ pub struct EdgeMoment {
     /// Node at its end.
     pub end: usize,
     moment: Vector3,
-    schedule: Vec<(f64, f64)>,
-}
-
-fn factor(schedule: &[(f64, f64)], time: f64) -> f64 {
-    piecewise_linear(schedule, time).unwrap_or(1.0)
+    scale: Scale,
 }
 
 impl Loads {
-    /// Resolves the loads of `scene`.
+    /// Resolves the loads of a scene to the unknowns of its rods.
     ///
     /// # Errors
-    /// A sentence that names a node or edge that does not exist.
-    pub fn new(scene: &Scene, assembly: &Assembly) -> Result<Self, String> {
+    /// [`LoadError`] names a rod, node or edge that does not exist.
+    pub fn new(descriptions: &[Load], assembly: &Assembly) -> Result<Self, LoadError> {
         let mut loads = Self::default();
-        let range = |rod: usize| -> Result<RodRange, String> {
-            assembly
-                .rods
-                .rods
-                .get(rod)
-                .copied()
-                .ok_or_else(|| format!("a load asks for rod {rod}"))
+        let range = |rod: usize| -> Result<RodRange, LoadError> {
+            let found = assembly.rods.rods.get(rod).copied();
+            found.ok_or(LoadError::NoSuchRod(rod))
         };
         let along = |rod: Option<usize>, range: &RodRange| {
             rod.is_none_or(|r| assembly.rods.rods[r] == *range)
         };
-        for load in &scene.loads {
+        loads.factors = vec![1.0; descriptions.len()];
+        for (number, load) in descriptions.iter().enumerate() {
             let mut entries = Vec::new();
+            let scale = Scale {
+                load: number,
+                schedule: load.schedule.clone(),
+                factor: 1.0,
+            };
             match &load.kind {
                 LoadKind::Gravity { acceleration } => {
-                    loads.gravity.push((*acceleration, load.schedule.clone()));
+                    loads.gravity.push((*acceleration, scale.clone()));
                     for node in (0..assembly.rods.nodes).filter(|&node| !assembly.obstacle[node]) {
                         for axis in 0..3 {
                             let unknown = STRIDE * node + axis;
@@ -82,7 +97,10 @@ impl Loads {
                 LoadKind::Force { rod, node, force } => {
                     let range = range(*rod)?;
                     if *node >= range.nodes {
-                        return Err(format!("a force asks for node {node} of {}", range.nodes));
+                        return Err(LoadError::NoSuchNode {
+                            node: *node,
+                            nodes: range.nodes,
+                        });
                     }
                     for axis in 0..3 {
                         entries.push((STRIDE * (range.first_node + node) + axis, force[axis]));
@@ -91,17 +109,17 @@ impl Loads {
                 LoadKind::Moment { rod, edge, moment } => {
                     let range = range(*rod)?;
                     if *edge >= range.edges() {
-                        return Err(format!(
-                            "a moment asks for edge {edge} of {}",
-                            range.edges()
-                        ));
+                        return Err(LoadError::NoSuchEdge {
+                            edge: *edge,
+                            edges: range.edges(),
+                        });
                     }
                     let start = range.first_node + edge;
                     loads.moments.push(EdgeMoment {
                         start,
                         end: range.end_of(start),
                         moment: *moment,
-                        schedule: load.schedule.clone(),
+                        scale: scale.clone(),
                     });
                 }
                 LoadKind::Distributed {
@@ -149,26 +167,41 @@ impl Loads {
                     loads.damping.resize(coefficients.len(), 0.0);
                     loads.drags.push(Drag {
                         coefficients,
-                        schedule: load.schedule.clone(),
+                        scale: scale.clone(),
                     });
                 }
             }
             if !entries.is_empty() {
-                loads.dead.push(DeadLoad {
-                    entries,
-                    schedule: load.schedule.clone(),
-                });
+                loads.dead.push(DeadLoad { entries, scale });
             }
         }
         loads.update_damping(0.0);
         Ok(loads)
     }
 
+    /// Factor of each load of the scene beside its schedule.
+    pub fn factors(&self) -> &[f64] {
+        &self.factors
+    }
+
+    /// Sets the factor of a load of the scene, counted from 0, beside its schedule; `None` where there is no such load.
+    pub fn set_factor(&mut self, load: usize, factor: f64) -> Option<()> {
+        *self.factors.get_mut(load)? = factor;
+        let scales = (self.dead.iter_mut().map(|load| &mut load.scale))
+            .chain(self.moments.iter_mut().map(|moment| &mut moment.scale))
+            .chain(self.drags.iter_mut().map(|drag| &mut drag.scale))
+            .chain(self.gravity.iter_mut().map(|(_, scale)| scale));
+        for scale in scales.filter(|scale| scale.load == load) {
+            scale.factor = factor;
+        }
+        Some(())
+    }
+
     /// Sets the coefficients of drag to those of `time`.
     pub fn update_damping(&mut self, time: f64) {
         self.damping.fill(0.0);
         for drag in &self.drags {
-            let factor = factor(&drag.schedule, time);
+            let factor = drag.scale.at(time);
             for (sum, coefficient) in self.damping.iter_mut().zip(&drag.coefficients) {
                 *sum += factor * coefficient;
             }
@@ -179,7 +212,7 @@ impl Loads {
     pub fn dead_forces(&self, time: f64, forces: &mut [f64]) {
         forces.fill(0.0);
         for load in &self.dead {
-            let factor = factor(&load.schedule, time);
+            let factor = load.scale.at(time);
             for &(unknown, force) in &load.entries {
                 forces[unknown] += factor * force;
             }
@@ -195,8 +228,8 @@ impl Loads {
         unknowns: &[f64],
     ) -> f64 {
         let mut energy = 0.0;
-        for (acceleration, schedule) in &self.gravity {
-            let factor = factor(schedule, time);
+        for (acceleration, scale) in &self.gravity {
+            let factor = scale.at(time);
             for node in (0..obstacle.len()).filter(|&node| !obstacle[node]) {
                 for axis in 0..3 {
                     let unknown = STRIDE * node + axis;
@@ -213,7 +246,7 @@ impl EdgeMoment {
     /// t×ṫ + (spin) t, so that its ends feel ∓(m×t)/l ∓ (m·t) c and its angle m·t, with the holonomy c of
     /// the transported frame ([`crate::mechanics::rod::vertex`]).
     pub fn force(&self, time: f64, frame: &EdgeFrame) -> (Vector3, f64) {
-        let moment = self.moment * factor(&self.schedule, time);
+        let moment = self.moment * self.scale.at(time);
         let spin = moment.dot(&frame.tangent);
         (
             moment.cross(&frame.tangent) / frame.length + frame.holonomy * spin,
@@ -224,7 +257,7 @@ impl EdgeMoment {
     /// Derivatives over the edge vector of the force on the end node and of the spin moment; `source` is
     /// the tangent from which the frame is transported.
     pub fn jacobian(&self, time: f64, source: &Vector3, frame: &EdgeFrame) -> (Matrix3, Vector3) {
-        let moment = self.moment * factor(&self.schedule, time);
+        let moment = self.moment * self.scale.at(time);
         let tangent = &frame.tangent;
         let projector = Matrix3::identity() - tangent * tangent.transpose();
         let inverse_length = 1.0 / frame.length;

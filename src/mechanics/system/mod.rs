@@ -10,28 +10,36 @@
 //! (thesis Eq. 1.8) and its Jacobian, with the drag F₀ of a motion with the velocities v₀ and its local
 //! resistance D; without a [`Stage`] the terms with h fall away and equilibrium remains.
 
+mod balance;
 mod build;
 mod clamps;
 mod complementarity;
+mod grasp;
 mod loads;
 mod newton_matrix;
 mod residual;
+mod resultants;
 mod touching;
 
+pub use balance::Imbalance;
+use balance::RodTolerance;
 pub use build::Assembly;
 pub use clamps::Drive;
 pub use complementarity::NoContactForces;
+pub use grasp::{Grasp, Interventions};
+use loads::Loads;
 use newton_matrix::NewtonMatrix;
 pub use residual::TERMS;
+pub use resultants::Resultants;
 use touching::contact_of;
-pub use touching::describe_overlap;
+pub use touching::name_overlap;
 
-use super::contact::{ContactModel, ImplicitContact};
+use super::contact::{ContactModel, ContactSystem, ForceCorrections};
 use super::rod::{
     ElasticEnergy, GhostEdge, ReferenceFrames, RodGeometry, STRIDE, topology::position,
 };
 use super::scene::Scene;
-use super::{Matrix3, Vector3};
+use super::{Matrix3, SceneError, Vector3};
 use crate::linalg::{Inertia, SingularMatrix};
 
 /// What an implicit stage of a time step knows.
@@ -68,10 +76,12 @@ pub struct Divergence {
 
 /// Models, state of the frames, and scratch of one scene.
 pub struct System {
-    /// Rods, masses, held unknowns, clamps and loads.
+    /// Rods, masses, held unknowns and clamps.
     pub assembly: Assembly,
+    /// External loads.
+    pub loads: Loads,
     /// Contact, where the scene has it.
-    pub contact: Option<ImplicitContact>,
+    pub contact: Option<ContactSystem>,
     /// Frames from which the present step transports.
     pub reference: ReferenceFrames,
     /// Ghost edges at the present time.
@@ -80,7 +90,9 @@ pub struct System {
     pub geometry: RodGeometry,
     /// Time of the present evaluation, s.
     pub time: f64,
-    /// Residual of the last evaluation, N and N m; at held unknowns minus the reaction.
+    /// Time of the frames of reference, s.
+    committed_time: f64,
+    /// Residual of the last evaluation, N and N m; at held unknowns what holds them.
     pub residual: Vec<f64>,
     corrected_residual: Vec<f64>,
     dead_forces: Vec<f64>,
@@ -93,20 +105,26 @@ pub struct System {
     correction: Vec<f64>,
     responses: Vec<f64>,
     has_planes: bool,
+    /// Whether a node was ever grasped or released.
+    switched: bool,
     matrix: NewtonMatrix,
+    /// What residual counts as none, rod by rod, and the multiple of the acting forces that it is.
+    tolerances: Vec<RodTolerance>,
+    relative_tolerance: f64,
 }
 
 impl System {
     /// Sets up a scene at time zero.
     ///
     /// # Errors
-    /// A sentence that names what is impossible, overlapping rods among it.
-    pub fn new(scene: &Scene) -> Result<Self, String> {
+    /// [`SceneError`] names what is impossible, overlapping rods among it.
+    pub fn new(scene: &Scene) -> Result<Self, SceneError> {
         let assembly = Assembly::new(scene)?;
+        let loads = Loads::new(&scene.loads, &assembly)?;
         let contact = contact_of(scene, &assembly)?;
         let friction = scene.contact.map_or(0.0, |parameters| parameters.friction);
-        let rods_rub = friction > 0.0;
-        let planes_rub = contact.is_some()
+        let friction_between_rods = friction > 0.0;
+        let friction_on_planes = contact.is_some()
             && scene
                 .planes
                 .iter()
@@ -116,19 +134,24 @@ impl System {
             reference: assembly.reference.clone(),
             ghosts: assembly.ghosts.clone(),
             time: 0.0,
+            committed_time: 0.0,
             residual: vec![0.0; assembly.unknowns.len()],
             corrected_residual: vec![0.0; assembly.unknowns.len()],
             dead_forces: vec![0.0; assembly.unknowns.len()],
             external_forces: vec![0.0; assembly.unknowns.len()],
             positions: vec![Vector3::zeros(); assembly.rods.nodes],
             has_planes: !scene.planes.is_empty(),
+            switched: false,
             nodal_forces: vec![Vector3::zeros(); assembly.rods.nodes],
             displacements: vec![Vector3::zeros(); assembly.rods.nodes],
             correction: Vec::new(),
             responses: Vec::new(),
-            matrix: NewtonMatrix::new(&assembly, rods_rub, planes_rub),
+            matrix: NewtonMatrix::new(&assembly, &loads, friction_between_rods, friction_on_planes),
+            tolerances: vec![RodTolerance::default(); assembly.rods.rods.len()],
+            relative_tolerance: 0.0,
             contact,
             assembly,
+            loads,
         };
         let mut unknowns = system.assembly.unknowns.clone();
         system.drive(0.0, &mut unknowns);
@@ -139,14 +162,15 @@ impl System {
     /// Moves the clamps to `time`: writes prescribed unknowns and ghost edges, and the dead loads.
     pub fn drive(&mut self, time: f64, unknowns: &mut [f64]) {
         self.time = time;
+        let committed = self.committed_time;
         for drive in &self.assembly.drives {
-            drive.apply(time, unknowns, &mut self.ghosts);
+            drive.apply(time, committed, unknowns, &mut self.ghosts);
         }
-        for drive in &self.assembly.drives {
-            drive.turn_edges(time, &self.reference, unknowns);
+        for drive in &mut self.assembly.drives {
+            drive.turn_edges(time, committed, &self.reference, unknowns);
         }
-        self.assembly.loads.dead_forces(time, &mut self.dead_forces);
-        self.assembly.loads.update_damping(time);
+        self.loads.dead_forces(time, &mut self.dead_forces);
+        self.loads.update_damping(time);
         for (dead, external) in self.dead_forces.iter_mut().zip(&self.external_forces) {
             *dead += external;
         }
@@ -161,13 +185,25 @@ impl System {
     /// Makes the frames of the last evaluation the source of the next step.
     pub fn commit_frames(&mut self) {
         self.geometry.commit(&mut self.reference);
+        self.committed_time = self.time;
+        self.assembly.drives.iter_mut().for_each(Drive::commit);
+        self.ghosts.iter_mut().for_each(|ghost| ghost.spin = 0.0);
+    }
+
+    /// Goes on from frames that were committed at `time` with `unknowns`.
+    pub fn resume(&mut self, time: f64, unknowns: &[f64], reference: &ReferenceFrames) {
+        self.reference.clone_from(reference);
+        self.committed_time = time;
+        for drive in &mut self.assembly.drives {
+            drive.resume(unknowns);
+        }
     }
 
     /// Keeps frames and contact forces of the last evaluation as those of an accepted step.
     pub fn accept(&mut self) {
         self.commit_frames();
         if let Some(contact) = &mut self.contact {
-            contact.settle_multipliers();
+            contact.commit_multipliers();
         }
     }
 
@@ -180,11 +216,11 @@ impl System {
     /// forces. Moments of fixed direction have none.
     pub fn potential(&self, unknowns: &[f64]) -> f64 {
         let elastic = self.elastic_energy();
-        let contact = self.contact.as_ref().map_or(0.0, ImplicitContact::energy);
+        let contact = self.contact.as_ref().map_or(0.0, ContactSystem::energy);
         let work: f64 = (self.dead_forces.iter().zip(unknowns))
             .map(|(force, unknown)| force * unknown)
             .sum();
-        elastic.stretching + elastic.bending + elastic.twisting + contact - work
+        elastic.total() + contact - work
     }
 
     /// Evaluates the residual at `unknowns`.
@@ -212,10 +248,10 @@ impl System {
             .add_elastic(&self.assembly.rods, &self.geometry, &mut self.residual);
         self.add_simple_terms(unknowns, stage);
         if let Some(stage) = stage {
-            self.matrix.add_inertia(&self.assembly, stage);
+            self.matrix.add_inertia(&self.assembly, &self.loads, stage);
         }
         self.matrix
-            .add_moments(&self.assembly, self.time, &self.reference, &self.geometry);
+            .add_moments(&self.loads, self.time, &self.reference, &self.geometry);
         if let Some(contact) = &mut self.contact {
             copy_positions(unknowns, &mut self.positions);
             let (previous, step) = start_of(stage, &self.positions);
@@ -231,7 +267,7 @@ impl System {
         for (entry, force) in self.residual.iter_mut().zip(&self.dead_forces) {
             *entry -= force;
         }
-        for moment in &self.assembly.loads.moments {
+        for moment in &self.loads.moments {
             let (force, spin) = moment.force(self.time, &self.geometry.edges[moment.start]);
             for axis in 0..3 {
                 self.residual[STRIDE * moment.end + axis] -= force[axis];
@@ -240,12 +276,30 @@ impl System {
             self.residual[STRIDE * moment.start + 3] -= spin;
         }
         let Some(stage) = stage else { return };
-        add_inertia(&self.assembly, stage, unknowns, &mut self.residual);
+        add_inertia(
+            &self.assembly,
+            &self.loads,
+            stage,
+            unknowns,
+            &mut self.residual,
+        );
     }
 
     /// Adds `shift` times the unit matrix (in N/m and N m) to the Jacobian of the last linearisation.
     pub fn shift(&mut self, shift: f64, spin_shift: f64) {
-        self.matrix.shift(shift, spin_shift, &self.assembly.held);
+        let all = 0..self.residual.len();
+        self.matrix
+            .shift(all, shift, spin_shift, &self.assembly.held);
+    }
+
+    /// The same with a shift for each rod (N/m), and `spin` (m²) times it for angles.
+    pub fn shift_rods(&mut self, shift_of: impl Fn(usize) -> f64, spin: f64) {
+        for (rod, range) in self.assembly.rods.rods.iter().enumerate() {
+            let unknowns = STRIDE * range.first_node..STRIDE * (range.first_node + range.nodes);
+            let shift = shift_of(rod);
+            self.matrix
+                .shift(unknowns, shift, shift * spin, &self.assembly.held);
+        }
     }
 
     /// Factors the Jacobian; tells its inertia where it is symmetric.
@@ -262,7 +316,7 @@ impl System {
     /// # Errors
     /// A system that is singular to working precision.
     pub fn direction(&mut self, direction: &mut [f64]) -> Result<(), SingularMatrix> {
-        self.correct_residual(ImplicitContact::linear_corrections);
+        self.correct_residual(ContactSystem::linear_corrections);
         for k in 0..direction.len() {
             let held = self.assembly.held[k];
             direction[k] = if held {
@@ -293,27 +347,33 @@ impl System {
     }
 
     /// Writes the residual with other contact forces.
-    fn correct_residual(&mut self, of: fn(&ImplicitContact) -> &[[f64; 12]]) {
+    fn correct_residual(&mut self, of: fn(&ContactSystem) -> ForceCorrections<'_>) {
         self.corrected_residual.copy_from_slice(&self.residual);
         let Some(contact) = &self.contact else { return };
-        for (pair, correction) in contact.contacts().iter().zip(of(contact)) {
+        let corrections = of(contact);
+        for (pair, correction) in contact.contacts().iter().zip(corrections.edges) {
             for (corner, &node) in pair.nodes.iter().enumerate() {
                 for axis in 0..3 {
                     self.corrected_residual[STRIDE * node + axis] -= correction[3 * corner + axis];
                 }
             }
         }
+        for (touch, correction) in contact.plane_contacts().iter().zip(corrections.planes) {
+            for axis in 0..3 {
+                self.corrected_residual[STRIDE * touch.node + axis] -= correction[axis];
+            }
+        }
     }
 
     /// Sum of squares of the residual with the contact forces of the linearised laws, N².
     pub fn squared_linear_residual(&mut self) -> f64 {
-        self.correct_residual(ImplicitContact::linear_corrections);
+        self.correct_residual(ContactSystem::linear_corrections);
         self.square(&self.corrected_residual)
     }
 
     /// Sum of squares of the residual with the contact forces of the multipliers, N².
     pub fn squared_multiplier_residual(&mut self) -> f64 {
-        self.correct_residual(ImplicitContact::multiplier_corrections);
+        self.correct_residual(ContactSystem::multiplier_corrections);
         self.square(&self.corrected_residual)
     }
 
@@ -335,7 +395,7 @@ impl System {
     pub fn uses_multipliers(&self) -> bool {
         self.contact
             .as_ref()
-            .is_some_and(ImplicitContact::uses_multipliers)
+            .is_some_and(ContactSystem::uses_multipliers)
     }
 
     /// Whether the candidates of contact changed; to be called at the start of a step.
@@ -348,8 +408,8 @@ impl System {
         }
     }
 
-    /// Whether rods rub on each other by a penalty, which any step may overcome.
-    pub fn rubs(&self) -> bool {
+    /// Whether contact is frictional and by a penalty, which any step may overcome.
+    pub fn has_friction(&self) -> bool {
         self.contact.as_ref().is_some_and(|contact| {
             let parameters = contact.parameters();
             parameters.friction > 0.0 && parameters.model == ContactModel::ImplicitContact
@@ -365,7 +425,7 @@ impl System {
         contact.candidates_are_complete(&self.positions)
     }
 
-    /// Largest part of the straight way between two sets of unknowns along which no contact is crossed; 1
+    /// Largest part of the straight path between two sets of unknowns along which no contact is crossed; 1
     /// where the contact model allows penetration.
     pub fn largest_step(&mut self, from: &[f64], to: &[f64]) -> f64 {
         let Some(contact) = &mut self.contact else {
@@ -379,7 +439,7 @@ impl System {
         if step.candidates_changed {
             self.matrix.forget_pattern();
         }
-        step.part
+        step.fraction
     }
 
     /// Farthest that a node may move at once so that surfaces do not pass through each other unnoticed, m; infinite
@@ -447,14 +507,20 @@ fn start_of<'a>(stage: Option<&'a Stage>, now: &'a [Vector3]) -> (&'a [Vector3],
 }
 
 /// Adds M/hₐ ((q − qₙ)/h − vₙ) + C (q − qₙ)/h − F₀ + D ((q − qₙ)/h − v₀).
-fn add_inertia(assembly: &Assembly, stage: &Stage, unknowns: &[f64], residual: &mut [f64]) {
+fn add_inertia(
+    assembly: &Assembly,
+    loads: &Loads,
+    stage: &Stage,
+    unknowns: &[f64],
+    residual: &mut [f64],
+) {
     let per_step = 1.0 / stage.step;
     let per_acceleration_step = 1.0 / stage.acceleration_step;
     for k in 0..residual.len() {
         let change = (unknowns[k] - stage.start[k]) * per_step - stage.velocity[k];
         residual[k] += assembly.masses[k] * per_acceleration_step * change;
     }
-    for (k, coefficient) in assembly.loads.damping.iter().enumerate() {
+    for (k, coefficient) in loads.damping.iter().enumerate() {
         residual[k] += coefficient * (unknowns[k] - stage.start[k]) * per_step;
     }
     for (node, (drag, resistance)) in stage.drag.iter().zip(&stage.resistance).enumerate() {
@@ -467,7 +533,7 @@ fn add_inertia(assembly: &Assembly, stage: &Stage, unknowns: &[f64], residual: &
     }
 }
 
-fn subtract_contact_forces(contact: &ImplicitContact, residual: &mut [f64]) {
+fn subtract_contact_forces(contact: &ContactSystem, residual: &mut [f64]) {
     for pair in contact.contacts() {
         for (corner, &node) in pair.nodes.iter().enumerate() {
             for axis in 0..3 {

@@ -1,13 +1,15 @@
 //! The Jacobian of the residual: a band for the rods, small dense elements for all that couples distant
 //! nodes, and their factorisation.
 
+use super::loads::Loads;
 use super::{Assembly, Stage};
 use crate::linalg::{
     BandedFactor, BandedSymmetric, CoupledSystem, Element, ElementMatrix, Inertia, SingularMatrix,
     UNUSED,
 };
-use crate::mechanics::contact::ImplicitContact;
+use crate::mechanics::contact::ContactSystem;
 use crate::mechanics::rod::{ElasticRods, ReferenceFrames, RodGeometry, STRIDE};
+use std::ops::Range;
 
 const ZERO: ElementMatrix = [[0.0; 12]; 12];
 
@@ -36,23 +38,22 @@ pub struct NewtonMatrix {
 }
 
 impl NewtonMatrix {
-    pub fn new(assembly: &Assembly, friction: bool, friction_on_planes: bool) -> Self {
+    pub fn new(
+        assembly: &Assembly,
+        loads: &Loads,
+        friction: bool,
+        friction_on_planes: bool,
+    ) -> Self {
         let dimension = assembly.unknowns.len();
         let mut permanent = assembly.rods.elements.clone();
-        permanent.extend(
-            assembly
-                .loads
-                .moments
-                .iter()
-                .map(|moment| moment.unknowns()),
-        );
+        permanent.extend(loads.moments.iter().map(|moment| moment.unknowns()));
         Self {
             band: BandedSymmetric::new(dimension),
             factor: BandedFactor::new(dimension),
             coupled: None,
             held: assembly.held.clone(),
             lost_symmetry: false,
-            symmetric: assembly.loads.moments.is_empty() && !friction && !friction_on_planes,
+            symmetric: loads.moments.is_empty() && !friction && !friction_on_planes,
             permanent_matrices: vec![ZERO; permanent.len()],
             permanent,
             closing: assembly.rods.elements.len(),
@@ -91,14 +92,14 @@ impl NewtonMatrix {
     }
 
     /// Adds (M/hₐ + C + D)/h.
-    pub fn add_inertia(&mut self, assembly: &Assembly, stage: &Stage) {
+    pub fn add_inertia(&mut self, assembly: &Assembly, loads: &Loads, stage: &Stage) {
         let per_step = 1.0 / stage.step;
         let per_acceleration_step = 1.0 / stage.acceleration_step;
         let columns = self.band.columns_mut();
         for (column, mass) in columns.iter_mut().zip(&assembly.masses) {
             column[0] += mass * per_acceleration_step * per_step;
         }
-        for (column, coefficient) in columns.iter_mut().zip(&assembly.loads.damping) {
+        for (column, coefficient) in columns.iter_mut().zip(&loads.damping) {
             column[0] += coefficient * per_step;
         }
         for (node, resistance) in stage.resistance.iter().enumerate() {
@@ -112,13 +113,12 @@ impl NewtonMatrix {
 
     pub fn add_moments(
         &mut self,
-        assembly: &Assembly,
+        loads: &Loads,
         time: f64,
         reference: &ReferenceFrames,
         geometry: &RodGeometry,
     ) {
-        for (moment, matrix) in assembly
-            .loads
+        for (moment, matrix) in loads
             .moments
             .iter()
             .zip(&mut self.permanent_matrices[self.closing..])
@@ -139,7 +139,7 @@ impl NewtonMatrix {
         }
     }
 
-    pub fn add_contact(&mut self, contact: &ImplicitContact) {
+    pub fn add_contact(&mut self, contact: &ContactSystem) {
         for (pair, jacobian) in contact.contacts().iter().zip(contact.jacobians()) {
             let mut matrix = *jacobian;
             matrix
@@ -178,7 +178,7 @@ impl NewtonMatrix {
         }
     }
 
-    fn list_contact_elements(&mut self, contact: &ImplicitContact) {
+    fn list_contact_elements(&mut self, contact: &ContactSystem) {
         self.contact_elements.clear();
         for candidate in contact.candidates() {
             let mut element = [UNUSED; 12];
@@ -207,12 +207,22 @@ impl NewtonMatrix {
         }
     }
 
-    pub fn shift(&mut self, shift: f64, spin_shift: f64, held: &[bool]) {
-        for (k, column) in self.band.columns_mut().iter_mut().enumerate() {
+    /// Adds to the diagonal of some free unknowns, one value for positions and one for angles.
+    pub fn shift(&mut self, unknowns: Range<usize>, shift: f64, spin_shift: f64, held: &[bool]) {
+        let columns = self.band.columns_mut();
+        for k in unknowns {
             if !held[k] {
-                column[0] += if k % STRIDE == 3 { spin_shift } else { shift };
+                columns[k][0] += if k % STRIDE == 3 { spin_shift } else { shift };
             }
         }
+    }
+
+    /// Takes over which unknowns are held and how many ghost edges there are.
+    pub fn adapt(&mut self, assembly: &Assembly) {
+        self.held.clone_from(&assembly.held);
+        let edges = assembly.rods.nodes + assembly.rods.ghosts;
+        self.spin_moment.resize(edges, 0.0);
+        self.forget_pattern();
     }
 
     /// Drops the pattern; it is found again when something couples.

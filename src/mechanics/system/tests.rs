@@ -9,28 +9,20 @@ use crate::mechanics::scene::{
 use std::f64::consts::TAU;
 
 fn rod(name: &str, centreline: Vec<Vector3>, closed: bool) -> RodDescription {
+    let stiffness = Stiffness {
+        stretching: 30.0,
+        bending: [0.02, 0.05],
+        twisting: 0.03,
+    };
     RodDescription {
-        name: name.into(),
-        centreline,
         closed,
-        end_tangents: [None, None],
-        first_director: None,
         twist: 0.7,
         natural_shape: NaturalShape::Curved {
             curvature: [1.0, -2.0],
             twist: 0.5,
         },
-        stiffness: Stiffness {
-            stretching: 30.0,
-            bending: [0.02, 0.05],
-            twisting: 0.03,
-        },
-        radius: 0.05,
-        mass_per_length: 0.8,
         rotational_inertia_per_length: 0.01,
-        velocity: Vector3::zeros(),
-        angular_velocity: Vector3::zeros(),
-        held: false,
+        ..RodDescription::uniform(name, centreline, stiffness, 0.05, 0.8)
     }
 }
 
@@ -196,12 +188,12 @@ fn drag_follows_its_schedule() {
         schedule: vec![(0.0, 1.0), (2.0, 0.5)],
     });
     let mut system = System::new(&scene).unwrap();
-    let at_start = system.assembly.loads.damping.clone();
+    let at_start = system.loads.damping.clone();
     assert!(at_start.iter().any(|coefficient| *coefficient > 0.0));
     let mut unknowns = system.assembly.unknowns.clone();
     for (time, factor) in [(1.0, 0.75), (3.0, 0.5), (0.0, 1.0)] {
         system.drive(time, &mut unknowns);
-        for (now, start) in system.assembly.loads.damping.iter().zip(&at_start) {
+        for (now, start) in system.loads.damping.iter().zip(&at_start) {
             assert!((now - factor * start).abs() < 1e-15);
         }
     }

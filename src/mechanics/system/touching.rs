@@ -1,20 +1,20 @@
 //! The contact model of a scene, and words for what touches.
 
-use super::{Assembly, copy_positions};
-use crate::mechanics::Vector3;
+use super::{Assembly, System, copy_positions};
 use crate::mechanics::contact::{
-    ContactPair, ContactPlane, ContactSurface, ImplicitContact, Proximity,
+    ContactPair, ContactPlane, ContactSurface, ContactSystem, Proximity,
 };
 use crate::mechanics::scene::Scene;
+use crate::mechanics::{Overlap, Vector3};
 
 /// The contact model of a scene with its first candidates; `None` where everything passes through.
 ///
 /// # Errors
-/// A sentence that names two bodies that overlap as placed.
+/// [`Overlap`] names two bodies that overlap as placed.
 pub(super) fn contact_of(
     scene: &Scene,
     assembly: &Assembly,
-) -> Result<Option<ImplicitContact>, String> {
+) -> Result<Option<ContactSystem>, Overlap> {
     let Some(parameters) = scene.contact else {
         return Ok(None);
     };
@@ -35,44 +35,71 @@ pub(super) fn contact_of(
     });
     let stiffness_per_force = parameters.stiffness_per_force(surface.largest_moving_radius());
     let least_stiffness = stiffness_per_force * assembly.force_scale;
-    let mut contact = ImplicitContact::new(parameters, surface, planes.collect(), least_stiffness);
+    let mut contact = ContactSystem::new(parameters, surface, planes.collect(), least_stiffness);
     let mut positions = vec![Vector3::zeros(); assembly.rods.nodes];
     copy_positions(&assembly.unknowns, &mut positions);
     if let Some(overlap) = contact.initial_overlaps(&positions).first() {
-        return Err(describe_overlap(overlap, &contact, assembly));
+        return Err(name_overlap(overlap, &contact, assembly));
     }
     contact.update_candidates(&positions);
     Ok(Some(contact))
 }
 
-/// A sentence that names two bodies that are too close.
-pub fn describe_overlap(
-    overlap: &Proximity,
-    contact: &ImplicitContact,
+impl System {
+    /// Names the bodies that overlap beyond what is allowed at `unknowns`, wherever contact was last evaluated; candidates
+    /// are brought up to date.
+    pub fn excessive_penetration_at(&mut self, unknowns: &[f64]) -> Option<Overlap> {
+        if !self.candidates_are_complete(unknowns) {
+            self.update_candidates(unknowns);
+        }
+        let contact = self.contact.as_mut()?;
+        copy_positions(unknowns, &mut self.positions);
+        let overlap = contact.excessive_penetration_at(&self.positions)?;
+        Some(name_overlap(&overlap, contact, &self.assembly))
+    }
+
+    /// Names two edges that pass through each other, or nearly so, on the straight paths of all nodes from one set of
+    /// unknowns to another.
+    pub fn passage(&mut self, from: &[f64], to: &[f64]) -> Option<[String; 2]> {
+        let contact = self.contact.as_mut()?;
+        copy_positions(from, &mut self.positions);
+        copy_positions(to, &mut self.displacements);
+        let pair = contact.passage(&self.positions, &self.displacements)?;
+        Some(names(pair, contact, &self.assembly))
+    }
+}
+
+/// Names the two bodies of `proximity` that are too close.
+pub fn name_overlap(
+    proximity: &Proximity,
+    contact: &ContactSystem,
     assembly: &Assembly,
-) -> String {
+) -> Overlap {
+    let [first, second] = names(proximity.pair, contact, assembly);
+    Overlap {
+        first,
+        second,
+        distance: proximity.distance,
+        least: proximity.threshold,
+        exclusive: contact.parameters().is_barrier(),
+    }
+}
+
+/// Names two bodies.
+fn names(pair: ContactPair, contact: &ContactSystem, assembly: &Assembly) -> [String; 2] {
     let edge_name = |edge: usize| {
         let edge = contact.surface().edges()[edge];
         let (rod, node) = assembly.locate(edge.nodes[0]);
         format!("edge {node} of rod `{}`", assembly.names[rod])
     };
-    let (first, second) = match overlap.pair {
-        ContactPair::Edges([a, b]) => (edge_name(a), edge_name(b)),
+    match pair {
+        ContactPair::Edges([a, b]) => [edge_name(a), edge_name(b)],
         ContactPair::NodeAndPlane { node, plane } => {
             let (rod, along) = assembly.locate(node);
-            (
+            [
                 format!("node {along} of rod `{}`", assembly.names[rod]),
                 format!("plane {plane}"),
-            )
+            ]
         }
-    };
-    let (meet, least) = if contact.parameters().is_barrier() {
-        ("touch or interpenetrate", "more than")
-    } else {
-        ("interpenetrate", "at least")
-    };
-    format!(
-        "{first} and {second} {meet}: distance {:.6e} m, allowed is {least} {:.6e} m",
-        overlap.distance, overlap.threshold
-    )
+    }
 }

@@ -163,7 +163,8 @@ fn rod(section: &Section<'_>, typed: &Option<String>) -> String {
         .unwrap_or_default()
 }
 
-fn place(section: &Section<'_>, typed: Option<typed::Place>) -> Place {
+/// Resolves a place along a rod, the key `at`.
+pub fn place(section: &Section<'_>, typed: Option<typed::Place>) -> Place {
     match section.needed(
         "at",
         typed,

@@ -1,17 +1,9 @@
-//! Resolving models, time, solver, output and the flagella builder.
+//! Resolving models, time, solver and output.
 
-use super::rod::{material, refuse_degenerate};
 use super::section::{FINITE, FRACTION, NON_NEGATIVE, POSITIVE, Section};
-use crate::scenario::resolved::{
-    BuilderRod, Contact, CrossSection, Experiment, Flagella, Fluid, Head, Output, Scheme, Solver,
-    Step, Time,
-};
+use crate::scenario::resolved::{Contact, Fluid, Output, Scheme, Solver, Step, Time};
 use crate::scenario::typed::{self, ScenarioFile};
 
-/// Most flagella that a scenario may ask for; a slip of the fingers above it.
-const MOST_FLAGELLA: usize = 10_000;
-/// Most nodes of one flagellum.
-const MOST_NODES: usize = 1_000_000;
 /// Most rows that a run may write.
 const MOST_OUTPUTS: f64 = 1e6;
 
@@ -302,49 +294,4 @@ pub fn output(top: &Section<'_>, typed: &typed::Output, time: &Time) -> Output {
         forces: typed.forces.unwrap_or(false),
         vtk: typed.vtk.unwrap_or(false),
     }
-}
-
-/// Resolves the flagella builder; `None` if a whole number is at fault, which is reported.
-pub fn flagella(
-    top: &Section<'_>,
-    material_table: &typed::Material,
-    rod: &typed::BuilderRod,
-    typed: &typed::Flagella,
-) -> Option<Experiment> {
-    let section = top.below("flagella");
-    let count = section.count("count", typed.count, 1..=MOST_FLAGELLA);
-    let hook = typed.hook.unwrap_or(true);
-    let fewest_nodes = if hook { 8 } else { 5 };
-    let rod_section = top.below("rod");
-    let nodes = rod_section.count("nodes", rod.nodes, fewest_nodes..=MOST_NODES);
-    let material = material(&top.below("material"), material_table);
-    let radius = rod_section.required("radius", &rod.radius, POSITIVE);
-    refuse_degenerate(
-        &rod_section,
-        &CrossSection::Circle.stiffness(radius, &material),
-    );
-    let side = if count == Some(1) {
-        section.with_default("side", &typed.side, NON_NEGATIVE, 0.0)
-    } else {
-        section.required("side", &typed.side, POSITIVE)
-    };
-    let helix_radius = section.required("helix_radius", &typed.helix_radius, POSITIVE);
-    let pitch = section.required("pitch", &typed.pitch, POSITIVE);
-    let axial_length = section.required("axial_length", &typed.axial_length, POSITIVE);
-    let angular_velocity = section.required("angular_velocity", &typed.angular_velocity, FINITE);
-    let (count, nodes) = (count?, nodes?);
-    Some(Experiment::Flagella {
-        material,
-        rod: BuilderRod { radius, nodes },
-        flagella: Flagella {
-            count,
-            helix_radius,
-            pitch,
-            axial_length,
-            side,
-            angular_velocity,
-            hook,
-            head: typed.head.unwrap_or(Head::Node),
-        },
-    })
 }

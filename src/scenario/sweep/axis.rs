@@ -137,7 +137,7 @@ enum RangeScale {
 }
 
 fn read_range(node: &Node, path: &KeyPath) -> Result<(Interval, Option<usize>), Issues> {
-    let range: Range = decode(node).map_err(|issues| below(path, issues))?;
+    let range: Range = decode(node).map_err(|issues: Issues| issues.below(path))?;
     let scale = match range.scale {
         Some(RangeScale::Log) => Scale::Log,
         Some(RangeScale::Linear) | None => Scale::Linear,
@@ -158,22 +158,6 @@ fn read_range(node: &Node, path: &KeyPath) -> Result<(Interval, Option<usize>), 
             })
     });
     Ok((interval, count.transpose()?))
-}
-
-/// Faults of a table that was decoded by itself, as those of the whole file.
-pub fn below(path: &KeyPath, issues: Issues) -> Issues {
-    let lengthened = |issue: Issue| {
-        let full = issue
-            .path
-            .steps()
-            .iter()
-            .fold(path.clone(), |path, step| path.key(step));
-        Issue {
-            path: full,
-            ..issue
-        }
-    };
-    Issues(issues.0.into_iter().map(lengthened).collect())
 }
 
 impl typed::End {

@@ -2,7 +2,7 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `family` | a scenario and all its cases |
+//! | `case_set` | a scenario and all its cases |
 //! | `case` | one case: its values and its id |
 //! | `axis`, `range` | lists, ranges and zipped lists of values |
 //! | `sample`, `sobol` | samples of ranges |
@@ -11,7 +11,7 @@
 
 mod axis;
 mod case;
-mod family;
+mod case_set;
 mod points;
 mod range;
 mod sample;
@@ -22,5 +22,5 @@ mod tests;
 mod vary;
 
 pub use case::{Case, Parameter};
-pub use family::Family;
+pub use case_set::CaseSet;
 pub use search::Search;

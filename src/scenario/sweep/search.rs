@@ -1,6 +1,6 @@
 //! The search of a sweep for one value of one key.
 
-use super::axis::{SweptKey, below, sweep_path};
+use super::axis::{SweptKey, sweep_path};
 use super::range::{Interval, Number, Scale};
 use crate::scenario::decode::decode;
 use crate::scenario::document::{Entry, Node, Value};
@@ -33,7 +33,8 @@ impl Search {
     /// Reads `[sweep.search]`.
     pub(super) fn read(entry: &Entry) -> Result<Self, Issues> {
         let path = sweep_path().key("search");
-        let typed: typed::Search = decode(&entry.node).map_err(|issues| below(&path, issues))?;
+        let typed: typed::Search =
+            decode(&entry.node).map_err(|issues: Issues| issues.below(&path))?;
         let fault = |key: &str, message: String| Issues::from(Issue::new(path.key(key), message));
         let number =
             |key: &str, end: &typed::End| end.number().map_err(|message| fault(key, message));

@@ -1,7 +1,8 @@
 //! Sweeps as they are typed, from the text to the scenarios of the cases.
 
-use super::Family;
+use super::CaseSet;
 use crate::scenario::Scenario;
+use crate::scenario::tests::EXPERIMENTS;
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 use std::fs;
@@ -21,34 +22,44 @@ shape = { kind = "straight", start = [0, 0, 0], end = [0.2, 0, 0] }
 [contact]
 "#;
 
-fn family(sweep: &str) -> Family {
-    Family::from_text("rope", &format!("{ROPE}{sweep}"), Path::new(""))
-        .unwrap_or_else(|error| panic!("{error}"))
+fn case_set(sweep: &str) -> CaseSet {
+    CaseSet::from_text(
+        *EXPERIMENTS,
+        "rope",
+        &format!("{ROPE}{sweep}"),
+        Path::new(""),
+    )
+    .unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn fault(sweep: &str) -> String {
-    Family::from_text("rope", &format!("{ROPE}{sweep}"), Path::new(""))
-        .expect_err("a fault")
-        .to_string()
+    CaseSet::from_text(
+        *EXPERIMENTS,
+        "rope",
+        &format!("{ROPE}{sweep}"),
+        Path::new(""),
+    )
+    .expect_err("a fault")
+    .to_string()
 }
 
-fn scenarios(family: &Family) -> Vec<Scenario> {
-    (0..family.count() as usize)
-        .map(|index| family.scenario_of(index).unwrap().scenario)
+fn scenarios(case_set: &CaseSet) -> Vec<Scenario> {
+    (0..case_set.count() as usize)
+        .map(|index| case_set.scenario_of(index).unwrap().scenario)
         .collect()
 }
 
-fn radii_and_edges(family: &Family) -> Vec<(f64, usize)> {
+fn radii_and_edges(case_set: &CaseSet) -> Vec<(f64, usize)> {
     let rod = |scenario: Scenario| (scenario.rods[0].radius, scenario.rods[0].edges);
-    scenarios(family).into_iter().map(rod).collect()
+    scenarios(case_set).into_iter().map(rod).collect()
 }
 
 #[test]
 fn a_file_without_sweep_has_one_case() {
-    let family = family("");
-    assert!(!family.is_sweep());
-    assert_eq!(family.count(), 1);
-    assert_eq!(radii_and_edges(&family), [(5e-3, 8)]);
+    let case_set = case_set("");
+    assert!(!case_set.is_sweep());
+    assert_eq!(case_set.count(), 1);
+    assert_eq!(radii_and_edges(&case_set), [(5e-3, 8)]);
 }
 
 #[test]
@@ -57,9 +68,9 @@ fn lists_and_ranges_make_a_full_product_whose_last_key_runs_fastest() {
         "[sweep]\nrods.rope.radius = [\"1 mm\", 0.002]\n\"rods.0.edges\" = { from = 4, to = 8, count = 3 }",
         "[sweep.rods.rope]\nradius = [\"1 mm\", 0.002]\nedges = [4, 6, 8]",
     ] {
-        let family = family(sweep);
+        let case_set = case_set(sweep);
         assert_eq!(
-            radii_and_edges(&family),
+            radii_and_edges(&case_set),
             [
                 (1e-3, 4),
                 (1e-3, 6),
@@ -69,7 +80,7 @@ fn lists_and_ranges_make_a_full_product_whose_last_key_runs_fastest() {
                 (2e-3, 8)
             ]
         );
-        let case = family.case(4);
+        let case = case_set.case(4);
         assert_eq!(case.parameters[0].column(), "0.002");
         assert_eq!(case.parameters[1].column(), "6");
         assert!(case.id.starts_with("edges-6_radius-0.002-"), "{}", case.id);
@@ -78,16 +89,16 @@ fn lists_and_ranges_make_a_full_product_whose_last_key_runs_fastest() {
 
 #[test]
 fn zipped_lists_vary_together() {
-    let family = family(
+    let case_set = case_set(
         "[[sweep.zip]]\nrods.rope.radius = [\"1 mm\", \"2 mm\"]\nrods.rope.edges = [4, 8]\n\
          [[sweep.zip]]\ncontact.friction = [0.0, 0.5]",
     );
     assert_eq!(
-        radii_and_edges(&family),
+        radii_and_edges(&case_set),
         [(1e-3, 4), (1e-3, 4), (2e-3, 8), (2e-3, 8)]
     );
     assert_eq!(
-        family.keys(),
+        case_set.keys(),
         ["rods.rope.radius", "rods.rope.edges", "contact.friction"]
     );
 }
@@ -98,24 +109,24 @@ fn points_come_from_a_file_beside_the_scenario() {
     let points = "# made by hand\nrods.rope.radius, rods.rope.edges\n1 mm, 4\n2 mm, 8\n";
     fs::write(directory.path().join("points.csv"), points).unwrap();
     let text = format!("{ROPE}[sweep]\npoints = \"points.csv\"");
-    let family = Family::from_text("rope", &text, directory.path()).unwrap();
-    assert_eq!(radii_and_edges(&family), [(1e-3, 4), (2e-3, 8)]);
+    let case_set = CaseSet::from_text(*EXPERIMENTS, "rope", &text, directory.path()).unwrap();
+    assert_eq!(radii_and_edges(&case_set), [(1e-3, 4), (2e-3, 8)]);
     fs::write(directory.path().join("points.csv"), "rods.rope.radius\n").unwrap();
-    let error = Family::from_text("rope", &text, directory.path()).unwrap_err();
+    let error = CaseSet::from_text(*EXPERIMENTS, "rope", &text, directory.path()).unwrap_err();
     assert!(error.to_string().contains("no rows"), "{error}");
     fs::write(directory.path().join("points.csv"), "a,b\n1\n").unwrap();
-    let error = Family::from_text("rope", &text, directory.path()).unwrap_err();
+    let error = CaseSet::from_text(*EXPERIMENTS, "rope", &text, directory.path()).unwrap_err();
     assert!(error.to_string().contains("points.csv"), "{error}");
 }
 
 #[test]
 fn samples_fill_the_ranges_without_a_count() {
-    let family = family(
+    let case_set = case_set(
         "[sweep]\nrods.rope.radius = { from = \"1 mm\", to = \"4 mm\", scale = \"log\" }\n\
          contact.friction = { from = 0, to = 1.0 }\nsample = { method = \"sobol\", count = 8, seed = 3 }",
     );
-    assert_eq!((family.count(), family.seed()), (8, Some(3)));
-    let radii: BTreeSet<u64> = scenarios(&family)
+    assert_eq!((case_set.count(), case_set.seed()), (8, Some(3)));
+    let radii: BTreeSet<u64> = scenarios(&case_set)
         .iter()
         .map(|scenario| scenario.rods[0].radius.to_bits())
         .collect();
@@ -139,24 +150,30 @@ fn the_family_as_toml_has_the_same_cases_with_the_same_ids() {
     let text = ROPE.replace(shape, "shape = { kind = \"points\", file = \"curve.csv\" }")
         + "[sweep]\nrods.rope.radius = [\"1 mm\", 0.002]\nmaterial.density = { from = 1e3, to = 2e3, count = 2 }\n\
            contact.friction = { from = 0.0, to = 1.0 }\nsample = { method = \"random\", count = 3 }";
-    let family = Family::from_text("rope", &text, directory.path()).unwrap();
-    let again = Family::from_text("scenario", &family.to_toml().unwrap(), Path::new("")).unwrap();
+    let case_set = CaseSet::from_text(*EXPERIMENTS, "rope", &text, directory.path()).unwrap();
+    let again = CaseSet::from_text(
+        *EXPERIMENTS,
+        "scenario",
+        &case_set.to_toml().unwrap(),
+        Path::new(""),
+    )
+    .unwrap();
     assert_eq!(again.count(), 12);
     for index in 0..12 {
-        assert_eq!(again.case(index).id, family.case(index).id);
-        let [one, other] =
-            [&family, &again].map(|family| family.scenario_of(index).unwrap().scenario.to_toml());
+        assert_eq!(again.case(index).id, case_set.case(index).id);
+        let [one, other] = [&case_set, &again]
+            .map(|case_set| case_set.scenario_of(index).unwrap().scenario.to_toml());
         assert_eq!(one, other);
     }
-    assert_eq!(again.to_toml().unwrap(), family.to_toml().unwrap());
+    assert_eq!(again.to_toml().unwrap(), case_set.to_toml().unwrap());
 }
 
 #[test]
 fn ids_do_not_depend_on_the_other_cases() {
     let ids = |sweep: &str| -> BTreeSet<String> {
-        let family = family(sweep);
-        (0..family.count() as usize)
-            .map(|index| family.case(index).id)
+        let case_set = case_set(sweep);
+        (0..case_set.count() as usize)
+            .map(|index| case_set.case(index).id)
             .collect()
     };
     let few = ids("[sweep]\nrods.rope.edges = [4, 6]\ncontact.friction = [0.1]");
@@ -167,16 +184,25 @@ fn ids_do_not_depend_on_the_other_cases() {
 
 #[test]
 fn a_search_adds_its_key_to_the_cases() {
-    let family = family(
+    let case_set = case_set(
         "[sweep]\nrods.rope.edges = [4, 6]\n[sweep.search]\nmethod = \"bisect\"\nparameter = \"rods.rope.radius\"\n\
          objective = \"bending_energy_j\"\nfrom = \"1 mm\"\nto = \"3 mm\"\ntolerance = \"0.1 mm\"",
     );
-    assert_eq!(family.count(), 2);
-    assert_eq!(family.keys(), ["rods.rope.edges", "rods.rope.radius"]);
-    assert_eq!(family.searched_case(1, 2.0).parameters[1].column(), "0.002");
-    let scenario = family.searched_scenario(1, 2.0).unwrap().scenario;
+    assert_eq!(case_set.count(), 2);
+    assert_eq!(case_set.keys(), ["rods.rope.edges", "rods.rope.radius"]);
+    assert_eq!(
+        case_set.searched_case(1, 2.0).parameters[1].column(),
+        "0.002"
+    );
+    let scenario = case_set.searched_scenario(1, 2.0).unwrap().scenario;
     assert_eq!((scenario.rods[0].edges, scenario.rods[0].radius), (6, 2e-3));
-    let again = Family::from_text("rope", &family.to_toml().unwrap(), Path::new("")).unwrap();
+    let again = CaseSet::from_text(
+        *EXPERIMENTS,
+        "rope",
+        &case_set.to_toml().unwrap(),
+        Path::new(""),
+    )
+    .unwrap();
     assert_eq!(again.search().unwrap().tolerance, 0.1);
 }
 
@@ -235,45 +261,45 @@ fn faults_name_their_place_and_say_what_is_allowed() {
 
 #[test]
 fn faults_of_values_point_at_the_values() {
-    let family = self::family("[sweep]\nrods.rope.radius = [\"1 mm\", -2.0]");
-    let error = family.scenario_of(1).unwrap_err().to_string();
+    let case_set = self::case_set("[sweep]\nrods.rope.radius = [\"1 mm\", -2.0]");
+    let error = case_set.scenario_of(1).unwrap_err().to_string();
     assert!(
         error.starts_with("rope.toml:14:29: `rods.0.radius`"),
         "{error}"
     );
     assert!(error.contains("greater than 0"), "{error}");
-    let unknown = self::family("[sweep]\nrods.rope.raduis = [3]");
+    let unknown = self::case_set("[sweep]\nrods.rope.raduis = [3]");
     let error = unknown.scenario_of(0).unwrap_err().to_string();
     assert!(
         error.starts_with("rope.toml:14:11: `rods.0.raduis`"),
         "{error}"
     );
     assert!(error.contains("did you mean `radius`?"), "{error}");
-    let unknown = self::family("[sweep]\nrods.roap.radius = [1.0]");
+    let unknown = self::case_set("[sweep]\nrods.roap.radius = [1.0]");
     let error = unknown.scenario_of(0).unwrap_err().to_string();
     assert!(error.contains("did you mean `rope`?"), "{error}");
 }
 
 #[test]
 fn probes_show_every_value_once() {
-    let family = family("[sweep]\nrods.rope.edges = [4, 5, 6]\ncontact.friction = [0.1, 0.2]");
-    let probes: Vec<usize> = family.probes().collect();
+    let case_set = case_set("[sweep]\nrods.rope.edges = [4, 5, 6]\ncontact.friction = [0.1, 0.2]");
+    let probes: Vec<usize> = case_set.probes().collect();
     assert_eq!(probes, [0, 2, 4, 1]);
 }
 
 #[test]
 fn a_billion_cases_are_counted_without_being_made() {
     let range = "{ from = 0, to = 1.0, count = 1000 }";
-    let family = family(&format!(
+    let case_set = case_set(&format!(
         "[sweep]\ncontact.friction = {range}\nmaterial.density = {range}\nrods.rope.radius = {range}"
     ));
-    assert_eq!(family.count(), 1_000_000_000);
-    assert_eq!(family.case(999_999_999).parameters[2].column(), "1.0");
+    assert_eq!(case_set.count(), 1_000_000_000);
+    assert_eq!(case_set.case(999_999_999).parameters[2].column(), "1.0");
 }
 
 proptest! {
     #[test]
     fn no_sweep_makes_it_panic(text in "(\\[sweep\\]|\\[\\[sweep.zip\\]\\]|)\n([a-z.]{1,9} = [-\\[\\]{}a-z0-9.,= \"]{0,20}\n){0,3}") {
-        let _ = Family::from_text("rope", &format!("{ROPE}{text}"), Path::new(""));
+        let _ = CaseSet::from_text(*EXPERIMENTS, "rope", &format!("{ROPE}{text}"), Path::new(""));
     }
 }

@@ -1,6 +1,6 @@
 //! Every fault names file, line, column, key and what is allowed; nothing panics.
 
-use super::{BEAM, read};
+use super::{BEAM, EXPERIMENTS, read};
 use crate::scenario::load;
 use proptest::prelude::*;
 
@@ -166,7 +166,7 @@ proptest! {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join("noise.toml");
         std::fs::write(&path, bytes).unwrap();
-        if let Err(error) = load(&path, &[]) {
+        if let Err(error) = load(*EXPERIMENTS, &path, &[]) {
             error.render(false);
         }
     }

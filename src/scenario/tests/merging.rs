@@ -1,6 +1,6 @@
 //! Scenarios that extend others, are overridden from the command line, or read shape files.
 
-use super::BEAM;
+use super::{BEAM, EXPERIMENTS};
 use crate::scenario::{Scenario, Shape, load};
 use proptest::prelude::*;
 
@@ -16,7 +16,7 @@ fn directory(files: &[(&str, &str)]) -> tempfile::TempDir {
 /// Loads a file of a directory; faults without the directory's name.
 fn load_from(directory: &tempfile::TempDir, name: &str, set: &[&str]) -> Result<Scenario, String> {
     let set: Vec<String> = set.iter().map(|&text| text.to_owned()).collect();
-    load(&directory.path().join(name), &set)
+    load(*EXPERIMENTS, &directory.path().join(name), &set)
         .map(|loaded| loaded.scenario)
         .map_err(|error| {
             let place = format!("{}/", directory.path().display());

@@ -4,8 +4,24 @@ mod faults;
 mod merging;
 mod round_trip;
 
-use super::{Scenario, ScenarioError, from_text};
+use super::keys::ExperimentKeys;
+use super::{Experiments, Scenario, ScenarioError};
+use crate::experiment::kind_named;
 use std::path::Path;
+use std::sync::LazyLock;
+
+/// The experiments of the thesis: messages and lists name all that there are.
+pub static EXPERIMENTS: LazyLock<Experiments> = LazyLock::new(|| {
+    let names = [
+        "scene",
+        "flagella",
+        "knot-tightening",
+        "knot-inversion",
+        "helix-stability",
+    ];
+    let keys = names.map(|name| kind_named(name).expect("a kind") as &dyn ExperimentKeys);
+    Experiments::new(keys.to_vec().leak())
+});
 
 const BEAM: &str = r#"experiment = "scene"
 title = "Heavy cantilever"
@@ -37,5 +53,5 @@ nodes = true
 "#;
 
 fn read(text: &str) -> Result<Scenario, ScenarioError> {
-    from_text("beam", text, Path::new("")).map(|loaded| loaded.scenario)
+    super::from_text(*EXPERIMENTS, "beam", text, Path::new(""), &[]).map(|loaded| loaded.scenario)
 }

@@ -1,8 +1,8 @@
 //! Models, time, solver, output and builders as typed.
 
 use super::quantity::Quantity;
-use crate::scenario::resolved::{Head, Scheme};
-use crate::scenario::units::{self, AngularVelocity, Dimensionless, Length, Velocity, Viscosity};
+use crate::scenario::resolved::Scheme;
+use crate::scenario::units::{self, Dimensionless, Length, Velocity, Viscosity};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -14,31 +14,6 @@ pub struct BuilderRod {
     pub radius: Option<Quantity<Length>>,
     /// Number of nodes of each rod, the hook's included.
     pub nodes: Option<i64>,
-}
-
-/// Helical flagella on the corners of a regular polygon around the origin, their axes along z.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields, rename = "flagella")]
-pub struct Flagella {
-    /// Number of flagella, at least 1.
-    pub count: Option<i64>,
-    /// Radius of the helices.
-    pub helix_radius: Option<Quantity<Length>>,
-    /// Pitch of the helices.
-    pub pitch: Option<Quantity<Length>>,
-    /// Length of the helices along their axes, without the hook.
-    pub axial_length: Option<Quantity<Length>>,
-    /// Side of the polygon on whose corners the axes stand. Not needed for a single flagellum.
-    pub side: Option<Quantity<Length>>,
-    /// Rate of turning of the heads. Positive makes right-handed helices push towards their heads, as
-    /// bacteria swim, and bundle: the heads then turn clockwise seen from the tips.
-    pub angular_velocity: Option<Quantity<AngularVelocity>>,
-    /// Whether a straight inlet of one edge along the axis and a ramp of two edges at 45° lead to the
-    /// helix. Default: true.
-    pub hook: Option<bool>,
-    /// What is held at the head: "node" (the default: the first node and the frame there) or "edge" (the
-    /// second node too, the usual clamp of other codes).
-    pub head: Option<Head>,
 }
 
 /// Contact between rods and with planes.

@@ -42,15 +42,31 @@ pub struct Rod {
     pub shape: Option<Shape>,
     /// The shape without stress: "as-placed" (the default), "straight", or a table with a `kind`.
     pub natural_shape: Option<NaturalShape>,
-    /// Natural curvatures about the first and the second material director; the shape without stress is
-    /// then an arc or helix, whatever shape the rod is placed in.
+    /// Natural curvatures [a, b] about the first and the second material director, m₁ and m₂; the shape without
+    /// stress is then an arc or helix, whatever shape the rod is placed in. Along it the tangent t turns by
+    /// dt/ds = (a m₁ + b m₂) × t = b m₁ − a m₂: a positive b bends the rod towards m₁, a positive a away from m₂.
+    /// `explain rods.director` has a drawing.
     pub natural_curvature: Option<[Quantity<Curvature>; 2]>,
     /// Natural twist of the material frame per length.
     pub natural_twist: Option<Quantity<Twist>>,
     /// Total twist put into the placed rod from its first to its last edge. Default: 0.
     pub twist: Option<Quantity<Angle>>,
-    /// Direction of the first material director on the first edge; its part normal to the edge counts.
-    /// Matters for rectangles and natural curvature. Default: any normal.
+    /// Direction of the first material director m₁ on the first edge; its part normal to the edge counts.
+    /// Matters for rectangles, natural curvature and unequal bending stiffnesses. Default: any normal.
+    ///
+    /// ```text
+    ///          m₂
+    ///          ↑
+    ///   ┌──────┼──────┐ ┬
+    ///   │      ⊙──────┼─┼─→ m₁    ⊙ the tangent t points at the reader; m₂ = t × m₁
+    ///   └─────────────┘ ┴ thickness
+    ///   ├─── width ───┤
+    ///
+    ///   bending about m₁: EI₁ = E · width · thickness³/12, curvature natural_curvature[0]
+    ///   bending about m₂: EI₂ = E · thickness · width³/12, curvature natural_curvature[1]
+    /// ```
+    ///
+    /// A strip that lies flat on the ground has its director parallel to the ground: it sags easily, about m₁.
     pub director: Option<Vector<Dimensionless>>,
     /// Material of this rod; its keys go before those of the common [material].
     #[serde(default)]
@@ -78,7 +94,8 @@ pub struct Rod {
 pub enum CrossSection {
     /// A full circle of the rod's radius: A = πr², I = πr⁴/4, J = πr⁴/2.
     Circle {},
-    /// A full rectangle: I₁ = width · thickness³/12 for bending about the first material director.
+    /// A full rectangle: I₁ = width · thickness³/12 for bending about the first material director m₁ (an axis along the
+    /// width), I₂ = thickness · width³/12 for bending about the second one, m₂.
     Rectangle {
         /// Side along the first material director.
         width: Option<Quantity<Length>>,
@@ -98,9 +115,9 @@ fn plain_cross_sections(schema: &mut Schema) {
 pub struct Stiffness {
     /// Stretching stiffness EA.
     pub stretching: Option<Quantity<Force>>,
-    /// Bending stiffness EI₁ of the curvature about the first material director.
+    /// Bending stiffness EI₁ about the first material director.
     pub bending_1: Option<Quantity<Rigidity>>,
-    /// Bending stiffness EI₂ of the curvature about the second material director.
+    /// Bending stiffness EI₂ about the second material director.
     pub bending_2: Option<Quantity<Rigidity>>,
     /// Twisting stiffness GJ.
     pub twisting: Option<Quantity<Rigidity>>,

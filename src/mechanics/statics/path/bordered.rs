@@ -62,7 +62,7 @@ pub(super) struct Bordered {
     extent: f64,
     /// Range of the parameter.
     range: f64,
-    /// Residual allowed, as a multiple of the force scale.
+    /// Residual allowed, as a multiple of the forces of each rod.
     pub tolerance: f64,
     /// Stiffness that counts as none and is added to the Hessian, N/m.
     pub shift: f64,
@@ -110,14 +110,16 @@ impl Bordered {
             system.update_candidates(unknowns);
             self.differentiate(system, unknowns, *parameter);
             let negative = self.linearize(system, unknowns);
-            let force = system.force_tolerance(self.tolerance, unknowns, None);
-            let (residual, unknown) = system.worst_residual();
+            system.set_tolerances(self.tolerance, unknowns, None);
+            let imbalance = system.imbalance();
             let failed = Divergence {
                 iterations,
-                residual,
-                unknown,
+                residual: imbalance.residual,
+                unknown: imbalance.unknown,
             };
-            let negative = negative.filter(|_| residual.is_finite()).ok_or(failed)?;
+            let negative = negative
+                .filter(|_| imbalance.residual.is_finite())
+                .ok_or(failed)?;
             self.neutral.refine(system).map_err(|_| failed)?;
             self.newton.copy_from_slice(&system.residual);
             self.newton.iter_mut().for_each(|r| *r = -*r);
@@ -138,9 +140,9 @@ impl Bordered {
                 .filter(|(k, _)| k % STRIDE != 3)
                 .map(|(_, (newton, rate))| (newton + change * rate).abs())
                 .fold(0.0, f64::max);
-            let settled =
+            let stationary =
                 next_move <= PRECISION * self.extent || next_move >= STAGNATION * last_move;
-            if residual <= force && settled {
+            if imbalance.is_balanced() && stationary {
                 return Ok(Converged {
                     iterations,
                     negative,

@@ -10,6 +10,7 @@ use crate::mechanics::statics::spectrum::lowest_eigenvalue;
 use crate::mechanics::system::{Divergence, System};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
+use tracing::debug;
 
 /// A step that needs no more iterations than this may be followed by a longer one.
 const FEW_ITERATIONS: usize = 4;
@@ -23,7 +24,7 @@ const SMALLEST_COSINE: f64 = 0.8;
 /// Largest distance of a point from its prediction, over the step.
 const LARGEST_CORRECTION: f64 = 0.5;
 /// The error of a point that is on no way between its neighbours.
-const ASTRAY: Divergence = Divergence {
+const NOT_BETWEEN: Divergence = Divergence {
     iterations: 0,
     residual: f64::NAN,
     unknown: 0,
@@ -69,7 +70,7 @@ pub struct Tracer {
 
 impl Tracer {
     /// A tracer at `unknowns`, near which the path of `plan` begins; `tolerance` is the residual left at a
-    /// point as a multiple of the force scale.
+    /// point as a multiple of the forces of each rod.
     pub fn new(system: &System, unknowns: &[f64], plan: PathPlan, tolerance: f64) -> Self {
         let extent = extent(unknowns);
         let bordered = Bordered::new(system, extent, plan.range(), tolerance);
@@ -145,11 +146,10 @@ impl Tracer {
             Ok(location) => location,
             Err(_) => {
                 let mut relaxed = start.clone();
-                system.reference.clone_from(&start.reference);
+                system.resume(start.parameter, &start.unknowns, &start.reference);
                 system.drive(start.parameter, &mut relaxed.unknowns);
                 let tolerance = self.bordered.tolerance;
-                let force = system.force_tolerance(tolerance, &relaxed.unknowns, None);
-                self.iterations += find_equilibrium(system, &mut relaxed.unknowns, force)?;
+                self.iterations += find_equilibrium(system, &mut relaxed.unknowns, tolerance)?;
                 relaxed.reference.clone_from(&system.reference);
                 self.correct(system, &relaxed, &condition, relaxed.unknowns.clone())?
             }
@@ -178,6 +178,14 @@ impl Tracer {
             });
             match attempt {
                 Ok(next) if !turned => {
+                    debug!(
+                        branch = self.branch,
+                        parameter = next.parameter,
+                        step,
+                        iterations = self.iterations,
+                        negative = next.negative,
+                        "point of the path"
+                    );
                     if self.iterations <= FEW_ITERATIONS {
                         self.step = (GROWTH * step).min(largest);
                     }
@@ -187,6 +195,15 @@ impl Tracer {
                 attempt => {
                     self.tangent = before;
                     self.step = 0.5 * step;
+                    let reason = if attempt.is_ok() {
+                        "the path turns too sharply"
+                    } else {
+                        "no equilibrium found ahead"
+                    };
+                    debug!(
+                        branch = self.branch,
+                        step, reason, "step along the path rejected"
+                    );
                     if self.step < SHORTEST_STEP * self.plan.step / self.plan.range().abs() {
                         return match attempt {
                             Err(divergence) => Err(divergence),
@@ -230,7 +247,7 @@ impl Tracer {
     /// The point of the path between two of its points, at a share of the way from the first to the second.
     ///
     /// # Errors
-    /// [`Divergence`] where Newton's method fails, or goes farther astray than the two are apart.
+    /// [`Divergence`] where Newton's method fails, or ends farther away than the two are apart.
     pub(super) fn between(
         &mut self,
         system: &mut System,
@@ -265,7 +282,7 @@ impl Tracer {
         };
         let found = self.correct(system, from, &condition, predicted)?;
         if self.distance(&found.unknowns, &condition.start) > largest {
-            return Err(ASTRAY);
+            return Err(NOT_BETWEEN);
         }
         Ok(found)
     }
@@ -349,7 +366,7 @@ impl Tracer {
 
     /// Takes `system` to a place; returns the unknowns there.
     pub(super) fn place(&mut self, system: &mut System, location: &Location) -> Vec<f64> {
-        system.reference.clone_from(&location.reference);
+        system.resume(location.parameter, &location.unknowns, &location.reference);
         let mut unknowns = location.unknowns.clone();
         system.drive(location.parameter, &mut unknowns);
         unknowns
@@ -363,7 +380,7 @@ impl Tracer {
         condition: &Condition,
         mut unknowns: Vec<f64>,
     ) -> Result<Location, Divergence> {
-        system.reference.clone_from(&from.reference);
+        system.resume(from.parameter, &from.unknowns, &from.reference);
         self.bordered.neutral.clone_from(&from.neutral);
         let mut parameter = condition.start_parameter;
         let converged = self

@@ -1,0 +1,122 @@
+//! The keys of flagella: as typed, as resolved, and the way from the one to the other.
+
+use crate::scenario::keys::{
+    AngularVelocity, FINITE, Length, NON_NEGATIVE, OwnTable, POSITIVE, Quantity, Request,
+};
+use crate::scenario::{BuilderRod, Material};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// The table of this experiment.
+pub static TABLES: [OwnTable; 1] = [OwnTable::new::<TypedFlagella>(
+    "flagella",
+    "Number, geometry and drive of the flagella of the experiment \"flagella\".",
+)];
+
+/// Most flagella that a scenario may ask for; a slip of the fingers above it.
+const MOST_FLAGELLA: usize = 10_000;
+/// Most nodes of one flagellum.
+const MOST_NODES: usize = 1_000_000;
+
+/// Helical flagella on the corners of a regular polygon around the origin, their axes along z.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "flagella")]
+pub struct TypedFlagella {
+    /// Number of flagella, at least 1.
+    pub count: Option<i64>,
+    /// Radius of the helices.
+    pub helix_radius: Option<Quantity<Length>>,
+    /// Pitch of the helices.
+    pub pitch: Option<Quantity<Length>>,
+    /// Length of the helices along their axes, without the hook.
+    pub axial_length: Option<Quantity<Length>>,
+    /// Side of the polygon on whose corners the axes stand. Not needed for a single flagellum.
+    pub side: Option<Quantity<Length>>,
+    /// Rate of turning of the heads. Positive makes right-handed helices push towards their heads, as
+    /// bacteria swim, and bundle: the heads then turn clockwise seen from the tips.
+    pub angular_velocity: Option<Quantity<AngularVelocity>>,
+    /// Whether a straight inlet of one edge along the axis and a ramp of two edges at 45° lead to the
+    /// helix. Default: true.
+    pub hook: Option<bool>,
+    /// What is held at the head: "node" (the default: the first node and the frame there) or "edge" (the
+    /// second node too, the usual clamp of other codes).
+    pub head: Option<Head>,
+}
+
+/// Helical flagella on the corners of a regular polygon.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Flagella {
+    /// Number of flagella M.
+    pub count: usize,
+    /// Radius of the helices, m.
+    pub helix_radius: f64,
+    /// Pitch of the helices, m.
+    pub pitch: f64,
+    /// Length of the helices along their axes, m.
+    pub axial_length: f64,
+    /// Side of the polygon on whose corners the axes stand, m.
+    pub side: f64,
+    /// Rate of turning of the heads, rad/s.
+    pub angular_velocity: f64,
+    /// Whether a straight inlet and a ramp lead from the axis to the helix.
+    pub hook: bool,
+    /// What is held at the head.
+    pub head: Head,
+}
+
+/// What is held at the head of a flagellum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+pub enum Head {
+    /// The first node and the material frame there.
+    Node,
+    /// Both nodes of the first edge and its frame: the usual clamp of other codes.
+    Edge,
+}
+
+/// Everything that this experiment reads.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FlagellaTables {
+    /// Material of the flagella.
+    pub material: Material,
+    /// Radius and nodes of each flagellum.
+    pub rod: BuilderRod,
+    /// Number, geometry and drive.
+    pub flagella: Flagella,
+}
+
+/// Resolves the tables of this experiment; `None` if a whole number is at fault, which is reported.
+pub fn resolve(request: &Request<'_>) -> Option<FlagellaTables> {
+    let built = request.needs_rod();
+    let typed: Option<&TypedFlagella> = request.table("flagella");
+    let typed = typed.filter(|_| built)?;
+    let section = request.top.below("flagella");
+    let count = section.count("count", typed.count, 1..=MOST_FLAGELLA);
+    let hook = typed.hook.unwrap_or(true);
+    let fewest_nodes = if hook { 8 } else { 5 };
+    let built = request.rod(fewest_nodes..=MOST_NODES)?;
+    let side = if count == Some(1) {
+        section.with_default("side", &typed.side, NON_NEGATIVE, 0.0)
+    } else {
+        section.required("side", &typed.side, POSITIVE)
+    };
+    let helix_radius = section.required("helix_radius", &typed.helix_radius, POSITIVE);
+    let pitch = section.required("pitch", &typed.pitch, POSITIVE);
+    let axial_length = section.required("axial_length", &typed.axial_length, POSITIVE);
+    let angular_velocity = section.required("angular_velocity", &typed.angular_velocity, FINITE);
+    Some(FlagellaTables {
+        material: built.material,
+        rod: built.rod()?,
+        flagella: Flagella {
+            count: count?,
+            helix_radius,
+            pitch,
+            axial_length,
+            side,
+            angular_velocity,
+            hook,
+            head: typed.head.unwrap_or(Head::Node),
+        },
+    })
+}

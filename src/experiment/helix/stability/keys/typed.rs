@@ -1,0 +1,73 @@
+//! Stability of helical rods as typed.
+
+use super::resolved::HelixSearch;
+use crate::scenario::keys::{Dimensionless, Quantity, Vector};
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// Where clamped helical rods lose stability: from the straight rod outwards along directions of the
+/// (κ, τ, ω) space of curvature, torsion and twisting moment. The rod has length 1 and bending stiffness 1.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "helix_stability")]
+pub struct HelixStability {
+    /// Edges of the rod, at least 8. Default: 100. The error falls with the square of their length.
+    pub edges: Option<i64>,
+    /// Whether each direction is searched on half as many edges, too, and the limit of a fine mesh extrapolated.
+    /// Default: false.
+    pub extrapolate: Option<bool>,
+    /// How the rod gets to each point: "fast" (the default: at once, to the equilibrium next to the helix) or
+    /// "path" (its ends are moved along the direction from the straight rod, as in an experiment).
+    pub search: Option<HelixSearch>,
+    /// Radius over length, by which rods touch themselves. Default: 0.781e-3.
+    pub radius: Option<Quantity<Dimensionless>>,
+    /// Twisting over bending stiffness, GJ/EI. Default: 2/3, that of a round rod that keeps its volume.
+    pub stiffness_ratio: Option<Quantity<Dimensionless>>,
+    /// Distance ‖(κ, τ, ω)‖ at which the search ends; a rod stable up to there counts as unbounded. Default: a
+    /// quarter of the number of edges.
+    pub largest_distance: Option<Quantity<Dimensionless>>,
+    /// The directions.
+    pub directions: Option<Directions>,
+    /// Directions in each of the sections κτ, κω and τω, beside the others. Default: 0.
+    pub section_directions: Option<i64>,
+}
+
+/// Directions of the (κ, τ, ω) space with κ ≥ 0; their length does not matter.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(tag = "kind", rename = "directions")]
+pub enum Directions {
+    /// Points of a spherical Fibonacci lattice, evenly spread.
+    Fibonacci(Fibonacci),
+    /// A grid of angles.
+    Grid(Grid),
+    /// A list.
+    List(List),
+}
+
+/// Points of a spherical Fibonacci lattice on the half sphere κ ≥ 0.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "fibonacci")]
+pub struct Fibonacci {
+    /// Number of directions.
+    pub count: Option<i64>,
+}
+
+/// Angles from the κ axis, 0 to π/2, times angles about it from the τ axis.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "grid")]
+pub struct Grid {
+    /// Number of angles from the κ axis, which itself is not one of them.
+    pub polar: Option<i64>,
+    /// Number of angles about the κ axis.
+    pub azimuthal: Option<i64>,
+}
+
+/// A list of directions; give `file` or `points`.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "list")]
+pub struct List {
+    /// CSV file with columns kappa, tau, omega, relative to this file.
+    pub file: Option<String>,
+    /// The directions themselves, [κ, τ, ω] each.
+    pub points: Option<Vec<Vector<Dimensionless>>>,
+}

@@ -1,0 +1,73 @@
+//! Traction of a knot over its tightness, with the laws that it should follow.
+
+use super::{KnotKind, KnotRow, KnotTables, read_knot_series};
+use crate::experiment::kind::FigureError;
+use crate::experiment::load;
+use crate::figure::{AxisScale, Curve, LinePlot, PlotStyle, styled_line_plots};
+use crate::knot::{TREFOIL_FRICTION, audoly_traction, jawed_traction};
+use crate::results::{SCENARIO, SERIES, Table};
+use std::path::Path;
+
+/// F̄ = F h²/EI over ε = √(h/R) while the ends move apart, on logarithmic axes, as SVG; `None` where no knot was
+/// pulled in this run.
+///
+/// Beside it stand Audoly's law of the trefoil at the same ε (thesis Eq. 2.29) and, with friction, the traction
+/// at which the law of Jawed et al. has the same shortening (thesis Eq. 2.30); other knots have no theory.
+///
+/// # Errors
+/// [`FigureError::Scenario`] or [`FigureError::Results`] where files of the run cannot be read.
+pub fn traction_figure(directory: &Path) -> Result<Option<String>, FigureError> {
+    let series = directory.join(SERIES);
+    if !series.exists() || Table::read(&series)?.column("force_normalized").is_none() {
+        return Ok(None);
+    }
+    let scenario = load(&directory.join(SCENARIO), &[])?.scenario;
+    let Some(KnotTables { rod, knot, .. }) = scenario.experiment.tables() else {
+        return Ok(None);
+    };
+    let rows = read_knot_series(directory)?.into_iter();
+    let pulled: Vec<(f64, KnotRow)> = rows
+        .filter(|(series, _)| series.time_s > knot.settling_time)
+        .filter_map(|(_, row)| Some((row.epsilon?, row)))
+        .collect();
+    if pulled.len() < 2 {
+        return Ok(None);
+    }
+    let curve = |name: &str, traction: &dyn Fn(f64, &KnotRow) -> f64| Curve {
+        name: name.into(),
+        points: pulled
+            .iter()
+            .map(|(epsilon, row)| (*epsilon, Some(traction(*epsilon, row))))
+            .collect(),
+    };
+    let friction = scenario.contact.friction();
+    let overhand = match knot.start.kind() {
+        Some(KnotKind::Overhand { unknotting_number }) => Some(unknotting_number),
+        _ => None,
+    };
+    let mut curves = vec![curve("rodlab", &|_, row| row.force_normalized)];
+    if overhand == Some(1) {
+        curves.push(curve("Audoly et al. 2007", &|epsilon, _| {
+            audoly_traction(epsilon, friction, TREFOIL_FRICTION)
+        }));
+    }
+    if let Some(turns) = overhand.map(|number| number as f64)
+        && friction > 0.0
+    {
+        curves.push(curve("Jawed et al. 2015", &|_, row| {
+            let scaled = turns * turns * rod.radius / row.shortening_m;
+            jawed_traction(scaled, friction) / (turns * turns)
+        }));
+    }
+    let plot = LinePlot {
+        label: "F h²/EI".into(),
+        curves,
+    };
+    let style = PlotStyle {
+        horizontal: AxisScale::Logarithmic,
+        vertical: vec![AxisScale::Logarithmic],
+        marks: false,
+        ..PlotStyle::default()
+    };
+    Ok(Some(styled_line_plots(&[plot], "ε = √(h/R)", &style)))
+}

@@ -1,0 +1,27 @@
+//! The round rods that kinds of experiments build.
+
+use crate::mechanics::Vector3;
+use crate::mechanics::scene::{RodDescription, Stiffness};
+use crate::scenario::{BuilderRod, CrossSection, Material};
+
+/// A round, naturally straight rod of a material along a polyline, at rest.
+pub fn round_rod(
+    name: &str,
+    centreline: Vec<Vector3>,
+    material: &Material,
+    rod: &BuilderRod,
+) -> RodDescription {
+    let section = CrossSection::Circle;
+    let stiffness = section.stiffness(rod.radius, material);
+    let [second_moment_1, second_moment_2] = section.second_moments(rod.radius);
+    let stiffness = Stiffness {
+        stretching: stiffness.stretching,
+        bending: [stiffness.bending_1, stiffness.bending_2],
+        twisting: stiffness.twisting,
+    };
+    let mass_per_length = material.density * section.area(rod.radius);
+    RodDescription {
+        rotational_inertia_per_length: material.density * (second_moment_1 + second_moment_2),
+        ..RodDescription::uniform(name, centreline, stiffness, rod.radius, mass_per_length)
+    }
+}

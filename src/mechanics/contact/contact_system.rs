@@ -1,0 +1,400 @@
+//! All contacts of a scene: candidates, forces, Jacobians, stiffness.
+
+use super::broad_phase::BroadPhase;
+use super::candidates::{Candidates, approach};
+use super::closest_points::edge_distance;
+use super::constraints::ContactConstraint;
+use super::contacts::{
+    ActiveContact, CandidatePair, EdgeJacobian, ForceCorrections, PlaneContact, PlaneJacobian,
+};
+use super::multipliers::{Multipliers, Slots};
+use super::parameters::ContactParameters;
+use super::stiffness::adapted_stiffness;
+use super::surface::{ContactPlane, ContactSurface};
+use super::tractions::Tractions;
+use crate::mechanics::Vector3;
+
+/// Implicit contact with Coulomb friction (thesis 2.2–2.3) of all rods and planes of a scene, by the
+/// potential of the implicit contact model or by the barrier of incremental potential contact.
+///
+/// In a time step: [`update_candidates`](Self::update_candidates), then per Newton iteration
+/// [`evaluate`](Self::evaluate) and per trial of the line search [`evaluate_forces`](Self::evaluate_forces),
+/// no farther along a straight path than [`largest_step`](Self::largest_step) allows;
+/// after it, [`candidates_are_complete`](Self::candidates_are_complete),
+/// [`excessive_penetration`](Self::excessive_penetration) and [`passage`](Self::passage).
+///
+/// The distance of two edges has kinks where several pairs of points are equally near: joints of a rod, and
+/// parallel edges, whose closest points the implicit contact model smooths. Newton's method may need its line search
+/// there. What holds for every model at the end of a step: no surfaces overlap beyond the bound, and nothing has passed
+/// through anything else.
+#[derive(Clone, Debug)]
+pub struct ContactSystem {
+    pub(super) parameters: ContactParameters,
+    pub(super) surface: ContactSurface,
+    /// Nodes of all rods.
+    node_count: usize,
+    pub(super) planes: Vec<ContactPlane>,
+    pub(super) candidates: Candidates,
+    pub(super) multipliers: Multipliers,
+    pub(super) carried_tractions: Tractions,
+    pub(super) stiffness: f64,
+    least_stiffness: f64,
+    /// How far every node has moved since the candidates were built, m; scratch.
+    pub(super) motion: Vec<f64>,
+    pub(super) broad_phase: BroadPhase,
+    /// Pairs of edges whose paths come near each other; scratch.
+    pub(super) swept_pairs: Vec<CandidatePair>,
+    /// Positions along a step that is searched for collisions, m; scratch.
+    pub(super) scratch_positions: Vec<Vector3>,
+    pub(super) contacts: Vec<ActiveContact>,
+    /// Friction per normal force of the contacts.
+    pub(super) tractions: Vec<Vector3>,
+    pub(super) jacobians: Vec<EdgeJacobian>,
+    /// What to add to the forces to have those of the linear laws, and those of the multipliers, N.
+    pub(super) linear_corrections: Vec<[f64; 12]>,
+    pub(super) multiplier_corrections: Vec<[f64; 12]>,
+    pub(super) plane_contacts: Vec<PlaneContact>,
+    /// Friction per normal force of the plane contacts.
+    pub(super) plane_tractions: Vec<Vector3>,
+    pub(super) plane_jacobians: Vec<PlaneJacobian>,
+    pub(super) plane_linear_corrections: Vec<[f64; 3]>,
+    pub(super) plane_multiplier_corrections: Vec<[f64; 3]>,
+    /// Contacts of the complementarity model.
+    pub(super) constraints: Vec<ContactConstraint>,
+    pub(super) energy: f64,
+    pub(super) contact_count: usize,
+}
+
+impl ContactSystem {
+    /// `least_stiffness` is the contact stiffness k at the start and the least that
+    /// [`Self::adapt_stiffness`] chooses; that of the force scale EI/L² suits.
+    pub fn new(
+        parameters: ContactParameters,
+        surface: ContactSurface,
+        planes: Vec<ContactPlane>,
+        least_stiffness: f64,
+    ) -> Self {
+        let candidates = Candidates::new(&surface, parameters.reach());
+        Self {
+            node_count: surface.node_count(),
+            parameters,
+            surface,
+            planes,
+            candidates,
+            multipliers: Multipliers::default(),
+            carried_tractions: Tractions::default(),
+            tractions: Vec::new(),
+            stiffness: least_stiffness,
+            least_stiffness,
+            motion: Vec::new(),
+            broad_phase: BroadPhase::default(),
+            swept_pairs: Vec::new(),
+            scratch_positions: Vec::new(),
+            contacts: Vec::new(),
+            jacobians: Vec::new(),
+            linear_corrections: Vec::new(),
+            multiplier_corrections: Vec::new(),
+            plane_contacts: Vec::new(),
+            plane_tractions: Vec::new(),
+            plane_jacobians: Vec::new(),
+            plane_linear_corrections: Vec::new(),
+            plane_multiplier_corrections: Vec::new(),
+            constraints: Vec::new(),
+            energy: 0.0,
+            contact_count: 0,
+        }
+    }
+
+    /// The surfaces.
+    pub fn surface(&self) -> &ContactSurface {
+        &self.surface
+    }
+
+    /// The rigid planes.
+    pub fn planes(&self) -> &[ContactPlane] {
+        &self.planes
+    }
+
+    /// The parameters.
+    pub fn parameters(&self) -> &ContactParameters {
+        &self.parameters
+    }
+
+    /// Sets the margin of the candidates, m (two radii of the thickest moving rod otherwise), and forgets them.
+    ///
+    /// A larger margin means fewer rebuilds, a smaller one fewer candidates and so fewer entries in the
+    /// Newton system. To be called before the first update, and again before a restart.
+    pub fn set_candidate_margin(&mut self, margin: f64) {
+        self.candidates.set_margin(margin);
+    }
+
+    /// Rebuilds the candidates where some node has moved more than a quarter of the margin since they
+    /// were last built; returns whether the set changed. To be called at the start of a step.
+    pub fn update_candidates(&mut self, positions: &[Vector3]) -> bool {
+        let changed = self.candidates.update(&self.surface, positions);
+        if changed {
+            self.carry_multipliers_over();
+        }
+        changed
+    }
+
+    /// Builds the candidates for `positions` within the iterations of a step; returns whether the set changed.
+    pub(super) fn renew_candidates(&mut self, positions: &[Vector3]) -> bool {
+        let changed = self.candidates.rebuild(&self.surface, positions);
+        if changed {
+            self.carry_multipliers_over();
+        }
+        changed
+    }
+
+    fn carry_multipliers_over(&mut self) {
+        let (old, new) = (self.candidates.earlier_pairs(), self.candidates.pairs());
+        self.multipliers.carry_over(old, new);
+        self.carried_tractions.carry_over(old, new);
+        self.renumber_contacts();
+    }
+
+    /// Lets the contacts of the last evaluation count along the new candidates; the Jacobians, of which the
+    /// Newton system knows the old pattern, go.
+    fn renumber_contacts(&mut self) {
+        let (old, new) = (self.candidates.earlier_pairs(), self.candidates.pairs());
+        let numbers: Vec<Option<usize>> = self
+            .contacts
+            .iter()
+            .map(|contact| new.binary_search(&old[contact.candidate]).ok())
+            .collect();
+        let mut known = numbers.iter();
+        self.tractions
+            .retain(|_| known.next().is_some_and(Option::is_some));
+        let mut known = numbers.iter();
+        self.contacts
+            .retain_mut(|contact| match known.next().copied().flatten() {
+                Some(number) => {
+                    contact.candidate = number;
+                    true
+                }
+                None => false,
+            });
+        self.jacobians.clear();
+        self.linear_corrections.clear();
+        self.multiplier_corrections.clear();
+    }
+
+    /// Rebuilds the candidates for these positions in any case; without positions there are none.
+    pub(super) fn rebuild_candidates(&mut self, positions: &[Vector3]) {
+        self.candidates.rebuild(&self.surface, positions);
+    }
+
+    /// Positions for which the candidates were built; empty before the first time.
+    pub(super) fn candidate_positions(&self) -> &[Vector3] {
+        self.candidates.positions()
+    }
+
+    /// Pairs of edges that may touch, sorted by edges.
+    pub fn candidates(&self) -> &[CandidatePair] {
+        self.candidates.pairs()
+    }
+
+    /// Whether no contact can be missing from the candidates at these positions: no node has moved more
+    /// than half the margin since they were built. To be asked when a step has converged; where it is
+    /// false, update the candidates and go on iterating if the set changed.
+    pub fn candidates_are_complete(&self, positions: &[Vector3]) -> bool {
+        self.candidates.are_complete(positions)
+    }
+
+    /// Starts the Newton iterations of a step: until [`Self::commit_multipliers`] or
+    /// [`Self::abandon_multipliers`] the Jacobians are those of the force law linearised at the normal forces
+    /// that the iteration carries along, the first ones those of the last step.
+    pub fn begin_iterations(&mut self) {
+        if self.parameters.is_complementarity() {
+            return;
+        }
+        let factor = self
+            .parameters
+            .stiffness_per_force(self.surface.largest_moving_radius());
+        let expected = self.stiffness / factor;
+        self.multipliers.begin(self.slots(), expected);
+        self.carried_tractions.begin(self.slots());
+    }
+
+    /// Whether the Jacobians are those of the carried normal forces.
+    pub fn uses_multipliers(&self) -> bool {
+        self.multipliers.in_use()
+    }
+
+    /// Goes on with Jacobians at the present gaps.
+    pub fn abandon_multipliers(&mut self) {
+        self.multipliers.abandon();
+    }
+
+    /// Takes over the normal forces of the last evaluation as those of an accepted step.
+    pub fn commit_multipliers(&mut self) {
+        let slots = self.slots();
+        let reach = self.parameters.reach();
+        // Contacts that opened stay listed where their multipliers bore force.
+        let pairs = self
+            .contacts
+            .iter()
+            .filter(|c| c.distance - c.threshold < reach);
+        let planes = self
+            .plane_contacts
+            .iter()
+            .filter(|c| c.distance - c.threshold < reach);
+        let of_pairs = pairs.clone().map(|c| (c.candidate, c.normal_force));
+        let of_planes = planes
+            .clone()
+            .map(|c| (slots.over_plane(c.plane, c.node), c.normal_force));
+        self.multipliers.commit(slots, of_pairs.chain(of_planes));
+        let pairs = self.contacts.iter().zip(&self.tractions);
+        let pairs = pairs.filter(|(c, _)| c.distance - c.threshold < reach);
+        let planes = self.plane_contacts.iter().zip(&self.plane_tractions);
+        let planes = planes.filter(|(c, _)| c.distance - c.threshold < reach);
+        let of_pairs = pairs.map(|(c, traction)| (c.candidate, *traction));
+        let of_planes = planes.map(|(c, traction)| (slots.over_plane(c.plane, c.node), *traction));
+        self.carried_tractions
+            .commit(slots, of_pairs.chain(of_planes));
+    }
+
+    /// Where contacts keep what they carry from step to step.
+    pub(super) fn slots(&self) -> Slots {
+        Slots {
+            candidates: self.candidates.pairs().len(),
+            nodes: self.node_count,
+            planes: self.planes.len(),
+        }
+    }
+
+    pub(super) fn multipliers(&self) -> &Multipliers {
+        &self.multipliers
+    }
+
+    pub(super) fn carried_tractions(&self) -> &Tractions {
+        &self.carried_tractions
+    }
+
+    pub(super) fn restore_multipliers(&mut self, forces: &[f64], tractions: Vec<Option<Vector3>>) {
+        self.multipliers.restore(forces);
+        self.carried_tractions.restore(tractions);
+    }
+
+    /// Contact energy of the last evaluation, J.
+    pub fn energy(&self) -> f64 {
+        self.energy
+    }
+
+    /// Active edge–edge contacts of the last evaluation, in the order of the candidates.
+    pub fn contacts(&self) -> &[ActiveContact] {
+        &self.contacts
+    }
+
+    /// Normal forces of the candidates in the last accepted step, N; may be shorter than their list.
+    pub fn normal_forces(&self) -> &[f64] {
+        self.multipliers.committed()
+    }
+
+    /// Largest normal force of a contact in the last accepted step, N; zero without contacts.
+    pub fn largest_normal_force(&self) -> f64 {
+        self.multipliers
+            .committed()
+            .iter()
+            .copied()
+            .fold(0.0, f64::max)
+    }
+
+    /// Force Jacobians, one per element of [`Self::contacts`]; symmetric without friction.
+    pub fn jacobians(&self) -> &[EdgeJacobian] {
+        &self.jacobians
+    }
+
+    /// What to add to the forces of [`Self::contacts`] and [`Self::plane_contacts`] to have those of the linearised laws at
+    /// the present gaps, N: the right-hand side that goes with the Jacobians. Zero without multipliers.
+    pub fn linear_corrections(&self) -> ForceCorrections<'_> {
+        ForceCorrections {
+            edges: &self.linear_corrections,
+            planes: &self.plane_linear_corrections,
+        }
+    }
+
+    /// What to add to the same forces to have those of the multipliers, N.
+    pub fn multiplier_corrections(&self) -> ForceCorrections<'_> {
+        ForceCorrections {
+            edges: &self.multiplier_corrections,
+            planes: &self.plane_multiplier_corrections,
+        }
+    }
+
+    /// Active plane contacts of the last evaluation, sorted by plane and node.
+    pub fn plane_contacts(&self) -> &[PlaneContact] {
+        &self.plane_contacts
+    }
+
+    /// Force Jacobians, one per element of [`Self::plane_contacts`].
+    pub fn plane_jacobians(&self) -> &[PlaneJacobian] {
+        &self.plane_jacobians
+    }
+
+    /// Contacts (with planes too) of the last evaluation within the distance tolerance δ (Eq. 2.17).
+    pub fn contact_count(&self) -> usize {
+        self.contact_count
+    }
+
+    /// Contact stiffness k.
+    pub fn stiffness(&self) -> f64 {
+        self.stiffness
+    }
+
+    /// Sets the contact stiffness k.
+    pub fn set_stiffness(&mut self, stiffness: f64) {
+        self.stiffness = stiffness;
+    }
+
+    /// Adapts the stiffness to `forces`, the total force on every node without contact and friction, N
+    /// (Eqs. 2.18, 2.19); returns whether it changed.
+    ///
+    /// The thesis takes the largest force over the nodes in contact. Here all nodes of pairs whose surfaces
+    /// are nearer than a quarter of the candidates' margin count, so that a contact which begins within the
+    /// step is met with the right stiffness. Without such nodes nothing changes. To be called once per
+    /// step: within Newton's method the stiffness must stay.
+    pub fn adapt_stiffness(&mut self, positions: &[Vector3], forces: &[Vector3]) -> bool {
+        let Some(force) = self.largest_force_near_contact(positions, forces) else {
+            return false;
+        };
+        let before = self.stiffness;
+        let factor = self
+            .parameters
+            .stiffness_per_force(self.surface.largest_moving_radius());
+        self.stiffness = adapted_stiffness(before, force, factor, self.least_stiffness);
+        self.stiffness != before
+    }
+
+    fn largest_force_near_contact(
+        &mut self,
+        positions: &[Vector3],
+        forces: &[Vector3],
+    ) -> Option<f64> {
+        let near = 0.25 * self.candidates.margin();
+        let mut largest: Option<f64> = None;
+        let mut include = |node: usize| {
+            let force = forces[node].norm();
+            largest = Some(largest.map_or(force, |largest| largest.max(force)));
+        };
+        self.candidates.motion(positions, &mut self.motion);
+        let pairs = self.candidates.pairs().iter();
+        for (pair, earlier) in pairs.zip(self.candidates.gaps()) {
+            if earlier - approach(pair, &self.motion) < near
+                && edge_distance(&pair.nodes.map(|node| positions[node]))
+                    < self.surface.threshold(pair.edges) + near
+            {
+                pair.nodes.into_iter().for_each(&mut include);
+            }
+        }
+        for plane in &self.planes {
+            for surface in self.surface.nodes() {
+                if plane.distance(&positions[surface.node]) < surface.radius + near {
+                    include(surface.node);
+                }
+            }
+        }
+        largest
+    }
+}

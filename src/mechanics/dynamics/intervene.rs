@@ -1,0 +1,72 @@
+//! What may be done to a simulation between its steps. All of it is part of the state that checkpoints hold.
+
+use super::Simulation;
+use super::report::SimulationError;
+use crate::mechanics::rod::STRIDE;
+use crate::mechanics::scene::Motion;
+use crate::mechanics::system::Grasp;
+use crate::mechanics::{SceneError, Vector3};
+
+impl Simulation {
+    /// Sets forces of another solver, which act beside the loads of the scene from the next step on: for
+    /// coupling step by step. `forces` act on the nodes, N; `moments` about the tangent of the edge that
+    /// starts at each node, N m.
+    pub fn set_external_forces(&mut self, forces: &[Vector3], moments: &[f64]) {
+        let entries = self.system.external_forces.chunks_exact_mut(STRIDE);
+        for (entry, (force, moment)) in entries.zip(forces.iter().zip(moments)) {
+            entry.copy_from_slice(&[force.x, force.y, force.z, *moment]);
+        }
+    }
+
+    /// Multiplies a load of the scene, counted from 0, by a factor beside its schedule, from the next step on.
+    ///
+    /// # Errors
+    /// [`SimulationError::BadScene`] where there is no such load.
+    pub fn set_load_factor(&mut self, load: usize, factor: f64) -> Result<(), SimulationError> {
+        let set = self.system.loads.set_factor(load, factor);
+        set.ok_or_else(|| refused(format!("there is no load {load}")))
+    }
+
+    /// Gives a clamp another motion, which holds from the next step or equilibrium on: for ends that a robot or a
+    /// continuation moves. Clamps of the scene are counted from 0; those that [`Self::grasp`] makes follow.
+    pub fn move_clamp(&mut self, clamp: usize, motion: Motion) {
+        self.system.assembly.drives[clamp].follow(motion);
+    }
+
+    /// Takes hold of a node, counted over the whole scene, where it is now; returns the number of the clamp, for
+    /// [`Self::move_clamp`] and [`Self::release`]. A node whose position is held stops at once.
+    ///
+    /// # Errors
+    /// [`SimulationError::BadScene`] where there is no such node, or it cannot be grasped.
+    pub fn grasp(&mut self, node: usize, grasp: Grasp) -> Result<usize, SimulationError> {
+        let grasped = self.system.grasp(node, grasp, &self.state.unknowns);
+        let clamp = grasped.map_err(refused)?;
+        if grasp.position {
+            self.state.velocity[STRIDE * node..STRIDE * node + 3].fill(0.0);
+        }
+        self.begin_anew();
+        Ok(clamp)
+    }
+
+    /// Lets a clamp go, one of the scene or one that was grasped. The node goes on with its velocity.
+    ///
+    /// # Errors
+    /// [`SimulationError::BadScene`] where there is no such clamp, or it cannot be released.
+    pub fn release(&mut self, clamp: usize) -> Result<(), SimulationError> {
+        let released = self.system.release(clamp, &self.state.unknowns);
+        released.map_err(refused)?;
+        self.begin_anew();
+        Ok(())
+    }
+
+    /// Forgets the steps before, whose accelerations say nothing about what follows.
+    fn begin_anew(&mut self) {
+        self.state.begin_anew();
+        self.integrator.begin_anew();
+        self.publish();
+    }
+}
+
+fn refused(what: String) -> SimulationError {
+    SimulationError::BadScene(SceneError::Intervention(what))
+}

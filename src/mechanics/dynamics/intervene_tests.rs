@@ -1,0 +1,177 @@
+//! Nodes that are grasped and released, against clamps of the scene and rods that nobody touched.
+
+use super::tests::{clamp, straight_rod};
+use super::*;
+use crate::mechanics::Vector3;
+use crate::mechanics::scene::{Load, LoadKind, NaturalShape, RodDescription, Scene};
+
+const WHOLE: Grasp = Grasp {
+    position: true,
+    frame: true,
+};
+
+fn heavy(rods: Vec<RodDescription>) -> Scene {
+    Scene {
+        rods,
+        loads: vec![Load {
+            kind: LoadKind::Gravity {
+                acceleration: Vector3::z() * -9.81,
+            },
+            schedule: Vec::new(),
+        }],
+        ..Scene::default()
+    }
+}
+
+fn simulation(scene: &Scene) -> Simulation {
+    Simulation::new(scene, &IntegrationParameters::default()).unwrap()
+}
+
+fn elastic(simulation: &Simulation) -> f64 {
+    let energies = simulation.energies();
+    energies.stretching + energies.bending + energies.twisting
+}
+
+fn farthest(one: &Simulation, other: &Simulation) -> f64 {
+    let pairs = one.positions().iter().zip(other.positions());
+    pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_straight_rod_grasped_anywhere_hangs_as_one_clamped_there() {
+    for node in [0, 1, 7, 19, 20] {
+        let mut clamped = heavy(vec![straight_rod(20, 0.5)]);
+        let mut grasped = simulation(&clamped);
+        grasped.grasp(node, WHOLE).unwrap();
+        clamped.clamps.push(clamp(node));
+        let mut clamped = simulation(&clamped);
+        clamped.find_equilibrium().unwrap();
+        grasped.find_equilibrium().unwrap();
+        assert!(farthest(&clamped, &grasped) < 1e-9, "{node}");
+        assert!((elastic(&clamped) / elastic(&grasped) - 1.0).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn a_position_that_is_grasped_is_a_hinge() {
+    let mut scene = heavy(vec![straight_rod(20, 0.5)]);
+    scene.clamps.push(clamp(0));
+    let mut grasped = simulation(&scene);
+    let hinge = Grasp {
+        position: true,
+        frame: false,
+    };
+    grasped.grasp(20, hinge).unwrap();
+    scene.clamps.push(crate::mechanics::scene::Clamp {
+        holds_frame: false,
+        ..clamp(20)
+    });
+    let mut clamped = simulation(&scene);
+    clamped.find_equilibrium().unwrap();
+    grasped.find_equilibrium().unwrap();
+    assert!(farthest(&clamped, &grasped) < 1e-9);
+}
+
+/// A rod that is naturally curved and twisted, hangs from a clamp, and is twisted further.
+fn curved() -> Scene {
+    let mut scene = heavy(vec![RodDescription {
+        natural_shape: NaturalShape::Curved {
+            curvature: [1.5, 0.4],
+            twist: 2.0,
+        },
+        ..straight_rod(40, 0.5)
+    }]);
+    scene.clamps.push(clamp(0));
+    scene
+}
+
+#[test]
+fn taking_hold_and_letting_go_leaves_the_rod_as_it_was() {
+    let scene = curved();
+    let mut touched = simulation(&scene);
+    touched.find_equilibrium().unwrap();
+    let before = elastic(&touched);
+    let mut clamps = Vec::new();
+    for node in [12, 25, 40] {
+        clamps.push(touched.grasp(node, WHOLE).unwrap());
+        let part = elastic(&touched) / before - 1.0;
+        assert!(part.abs() < 1e-3, "{node}: {part}");
+    }
+    // Nothing pulls at a node that is held where it was.
+    let mut untouched = simulation(&scene);
+    untouched.find_equilibrium().unwrap();
+    touched.find_equilibrium().unwrap();
+    assert!(
+        farthest(&touched, &untouched) < 2e-5,
+        "{}",
+        farthest(&touched, &untouched)
+    );
+    for clamp in [clamps[1], clamps[0], clamps[2]] {
+        touched.release(clamp).unwrap();
+    }
+    touched.find_equilibrium().unwrap();
+    assert!(farthest(&touched, &untouched) < 1e-9);
+    assert!((elastic(&touched) / before - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_clamp_of_the_scene_can_let_go() {
+    let mut falling = simulation(&heavy(vec![straight_rod(20, 0.5)]));
+    let mut scene = heavy(vec![straight_rod(20, 0.5)]);
+    scene.clamps.push(clamp(7));
+    let mut released = simulation(&scene);
+    released.release(0).unwrap();
+    for simulation in [&mut falling, &mut released] {
+        while simulation.time() < 0.05 {
+            simulation.advance(0.05).unwrap();
+        }
+    }
+    assert!(farthest(&falling, &released) < 1e-9);
+    assert!(falling.positions()[0].z < -0.01);
+}
+
+#[test]
+fn what_cannot_be_grasped_or_released_is_refused_with_the_reason() {
+    let mut scene = curved();
+    scene.rods.push(RodDescription {
+        held: true,
+        name: "post".into(),
+        ..straight_rod(3, 0.1)
+    });
+    let mut simulation = simulation(&scene);
+    let clamp = simulation.grasp(5, WHOLE).unwrap();
+    let mut refusals = Vec::new();
+    for node in [0, 5, 41, 1000] {
+        refusals.push(simulation.grasp(node, WHOLE).unwrap_err().to_string());
+    }
+    simulation.release(clamp).unwrap();
+    for clamp in [clamp, 99] {
+        refusals.push(simulation.release(clamp).unwrap_err().to_string());
+    }
+    let reasons = [
+        "node 0 of rod `rod` cannot be grasped: a clamp holds it",
+        "node 5 of rod `rod` cannot be grasped: a clamp holds it",
+        "node 0 of rod `post` cannot be grasped: its rod is a rigid obstacle",
+        "there is no node 1000; the scene has 45",
+        "clamp 1 holds nothing",
+        "there is no clamp 99",
+    ];
+    assert_eq!(refusals, reasons);
+}
+
+#[test]
+fn a_factor_scales_a_load_and_its_potential() {
+    let mut whole = simulation(&curved());
+    let mut scene = curved();
+    scene.loads[0].kind = LoadKind::Gravity {
+        acceleration: Vector3::z() * -9.81 * 4.0,
+    };
+    let mut scaled = simulation(&scene);
+    scaled.set_load_factor(0, 0.25).unwrap();
+    assert!(scaled.set_load_factor(1, 0.25).is_err());
+    whole.find_equilibrium().unwrap();
+    scaled.find_equilibrium().unwrap();
+    assert!(farthest(&whole, &scaled) < 1e-9);
+    let ratio = scaled.energies().gravitational / whole.energies().gravitational;
+    assert!((ratio - 1.0).abs() < 1e-9);
+}

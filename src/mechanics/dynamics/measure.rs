@@ -1,0 +1,77 @@
+//! What can be measured of a simulation: of single rods, nodes and edges, at its last step.
+
+use super::Simulation;
+use super::report::Energies;
+use crate::mechanics::Vector3;
+use crate::mechanics::contact::{ContactPlane, PlaneContact};
+use crate::mechanics::rod::{RodRange, STRIDE};
+use crate::mechanics::system::Resultants;
+
+impl Simulation {
+    /// Where each rod lies among all nodes.
+    pub fn rod_ranges(&self) -> &[RodRange] {
+        &self.system.assembly.rods.rods
+    }
+
+    /// Force that a clamp exerts on its held node, N: the residual M a + ∇E − F there, inertia of the node included. It
+    /// is known after the first step or equilibrium; of the midpoint rule it is that in the middle of the step.
+    pub fn reaction(&self, node: usize) -> Vector3 {
+        Vector3::from_column_slice(&self.system.residual[STRIDE * node..STRIDE * node + 3])
+    }
+
+    /// Moment that a clamp exerts on the rod at its node, N m; zero where no frame is held.
+    pub fn reaction_moment(&self, node: usize) -> Vector3 {
+        self.system.clamp_moment(node)
+    }
+
+    /// Tension of the edge that starts at a node, N: positive where it is longer than by nature; `None` where no edge
+    /// starts.
+    pub fn tension(&self, edge: usize) -> Option<f64> {
+        self.system.tension(edge)
+    }
+
+    /// Bending and twisting moments, curvature and twist at each node; `None` where the rod ends freely.
+    pub fn resultants(&self) -> Vec<Option<Resultants>> {
+        self.system.resultants()
+    }
+
+    /// Nodes on which planes press in the last step.
+    pub fn plane_contacts(&self) -> &[PlaneContact] {
+        let contact = self.system.contact.as_ref();
+        contact.map_or(&[], |contact| contact.plane_contacts())
+    }
+
+    /// The planes; empty without contact.
+    pub fn planes(&self) -> &[ContactPlane] {
+        let contact = self.system.contact.as_ref();
+        contact.map_or(&[], |contact| contact.planes())
+    }
+
+    /// Energies of one rod, J; that of contact is left at zero.
+    pub fn energies_of(&self, rod: usize) -> Energies {
+        let assembly = &self.system.assembly;
+        let nodes = assembly.rods.rods[rod].node_indices();
+        let unknowns = STRIDE * nodes.start..STRIDE * nodes.end;
+        let velocity = self.state.velocity[unknowns.clone()].iter();
+        let kinetic = velocity
+            .zip(&assembly.masses[unknowns])
+            .map(|(v, m)| 0.5 * m * v * v);
+        let left_out: Vec<bool> = (0..assembly.rods.nodes)
+            .map(|node| assembly.obstacle[node] || !nodes.contains(&node))
+            .collect();
+        let elastic = self.system.elastic_energy_of(rod);
+        Energies {
+            kinetic: kinetic.sum(),
+            stretching: elastic.stretching,
+            bending: elastic.bending,
+            twisting: elastic.twisting,
+            contact: 0.0,
+            gravitational: self.system.loads.gravitational_energy(
+                self.state.time,
+                &assembly.masses,
+                &left_out,
+                &self.state.unknowns,
+            ),
+        }
+    }
+}

@@ -1,0 +1,461 @@
+//! Backward differences that are exact for steady turning (Gautschi 1961), in the form of an implicit Euler stage.
+//!
+//! The velocity at the end of a step h is the derivative of the function a + b t + c cos ωt + d sin ωt through the
+//! last four points, the acceleration that of a + c cos ωt + d sin ωt through the last three velocities:
+//!
+//! ```text
+//! q̇ = (q − q̂)/H,     q̂ = qₙ + α₁ (qₙ₋₁ − qₙ) + α₂ (qₙ₋₂ − qₙ)
+//! v̇ = (v − v̂)/Hₐ,    v̂ = vₙ + S₁²/(S² − S₁²) (vₙ − vₙ₋₁),   Hₐ = S₁ S₀ S/(S² − S₁²)
+//! S₁ = S(h),   S₀ = S(h₀),   S = S(h₀ + h),   S(t) = (2/ω) sin(ωt/2)
+//! ```
+//!
+//! with the size h₀ of the step before. For ω = 0, where S(t) = t, these are BDF3 and BDF2 (Gear 1971). Differences of
+//! third order alone would feed oscillations that no drag damps (they are not A-stable); with an acceleration of second
+//! order they damp all of them, and what is of second order is but the inertia of a motion other than turning, which is
+//! small where drag rules. So positions and velocities advance by an Euler stage of size H from q̂ and v̂. Contact and
+//! elasticity are those where the step ends.
+//!
+//! The drag is that of the predicted motion q̂ + H v*, implicit in each node's own velocity, with the velocity v*
+//! extrapolated by a + c cos ωt + d sin ωt from the last four by least squares: of third order as well, for one solution
+//! of the fluid per step.
+//!
+//! Why four, where three would do: what the local resistance D lacks of the drag R, (R − D) v*, is fed back from step to
+//! step. Where drag rules, and without elasticity, this rings unless R is between 0.50 and 1.14 of D for three
+//! velocities, and between 0.46 and 1.40 for four; with an inertia of D times the step the upper bounds are 1.70 and
+//! 2.54. The drag of close rods that part, or of a free end beside another rod, is about 2 D. With three velocities ten
+//! flagella in a bundle ring from steps of 1.5 ms on, with four not yet at 2.5 ms.
+//!
+//! Rods on clamps that turn steadily move like a sum of turning with their ω and something slow: BDF3 would get the
+//! speed of the turning wrong by (ωh)³/4, fitted differences do not.
+
+use super::{Prediction, SolvedStep, TimeScheme};
+use crate::mechanics::dynamics::history::LENGTH;
+use crate::mechanics::dynamics::state::State;
+use crate::mechanics::dynamics::step_control::ErrorLaw;
+use crate::mechanics::system::{Stage, copy_positions};
+use crate::mechanics::{Matrix3, Vector3};
+
+/// Largest growth of automatic steps from one to the next, less than that of the other schemes: differences over several
+/// steps err more where steps grow. Two flagella turned from rest are a fifth as far from those of small steps after
+/// 2.5 s as with 1.5.
+const LARGEST_GROWTH: f64 = 1.1;
+
+/// Farthest way of an iteration from the predictor, in radii. Where predicted contacts press hard, Newton's method may
+/// converge to another solution of the step, centimetres away, from which the rods would only slowly return.
+const TRUST_RADIUS: f64 = 0.2;
+
+/// Growth of the step up to which differences of second and third order are stable: 1 + √2 and 1.53 (Calvo, Grande and
+/// Grigorieff 1990). Beyond the first a step is one of implicit Euler.
+const LARGEST_GROWTHS: [f64; 2] = [2.1, 1.51];
+
+/// Velocities that v* is extrapolated from.
+const VELOCITIES: usize = LENGTH + 1;
+
+/// Weight of each of them in the least squares, as a part of that of the next one. Velocities of the same weight would
+/// ring sooner and err more.
+const FADING: f64 = 0.6;
+
+/// Largest angle ω(h₋₁ + h₀ + h) that is fitted, rad. What turns faster than the steps resolve is not followed but
+/// damped.
+const LARGEST_ANGLE: f64 = 1.0;
+
+/// Least number of steps, chosen by the error, in which a clamp turns once. The error of each step stands for that of
+/// many: where bundled flagella bear on each other, what larger steps lose adds up. Over 250 s two of them come 0.5 radii
+/// off those of steps of 1 ms with 160 steps a turn.
+const STEPS_PER_TURN: f64 = 200.0;
+
+/// Largest step that the error may choose where clamps turn with ω, s.
+pub(in crate::mechanics::dynamics) fn largest_step(turning: f64) -> f64 {
+    std::f64::consts::TAU / (STEPS_PER_TURN * turning)
+}
+
+/// The stage of a step and its predictor, see above.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct BackwardDifference {
+    /// H, s.
+    pub step: f64,
+    /// α₁ and α₂.
+    pub weights: [f64; 2],
+    /// Hₐ, s.
+    pub acceleration_step: f64,
+    /// Weight of vₙ₋₁ − vₙ in v̂.
+    pub acceleration_weight: f64,
+    /// Weights of the last velocities in v*, the latest first.
+    pub velocity_weights: [f64; VELOCITIES],
+}
+
+impl BackwardDifference {
+    /// For a step after others, the last first (0: there is none), all in s, and turning with ω in rad/s.
+    pub fn new(step: f64, earlier: [f64; LENGTH], turning: f64) -> Self {
+        let [second, third] = LARGEST_GROWTHS;
+        if step > second * earlier[0] {
+            return Self {
+                step,
+                weights: [0.0; 2],
+                acceleration_step: step,
+                acceleration_weight: 0.0,
+                velocity_weights: padded(&[1.0]),
+            };
+        }
+        let mut times = [step; VELOCITIES];
+        for (k, earlier) in earlier.iter().enumerate() {
+            times[k + 1] = times[k] + earlier;
+        }
+        let turning = Turning {
+            rate: turning.min(LARGEST_ANGLE / times[2]),
+        };
+        let fitted = Self::of_second_order(times[0], times[1], turning);
+        if step > third * earlier[0] || earlier[0] > third * earlier[1] {
+            fitted
+        } else {
+            let known = 1 + earlier.iter().take_while(|&&step| step > 0.0).count();
+            fitted.with_third_order(&times[..known], turning)
+        }
+    }
+
+    /// Through points at the times `last` and `before` ahead of the end of the step.
+    fn of_second_order(last: f64, before: f64, turning: Turning) -> Self {
+        let [one, both, between] = [last, before, before - last].map(|time| turning.chord(time));
+        let difference = both * both - one * one;
+        let (step, weight) = (one * between * both / difference, -one * one / difference);
+        Self {
+            step,
+            weights: [weight, 0.0],
+            acceleration_step: step,
+            acceleration_weight: weight,
+            velocity_weights: padded(&[
+                turning.sine(before) / turning.sine(before - last),
+                -turning.sine(last) / turning.sine(before - last),
+            ]),
+        }
+    }
+
+    /// The same with velocities of third order, through a point more, and v* extrapolated from those at all `times` (at
+    /// least three) ahead of the end of the step.
+    fn with_third_order(self, times: &[f64], turning: Turning) -> Self {
+        // Each column holds the functions at one point, all zero at the end of the step.
+        let slopes = Matrix3::from_columns(
+            &[times[0], times[1], times[2]]
+                .map(|t| Vector3::new(-t, turning.versine(t), turning.lag(t))),
+        );
+        let derivative = slopes.lu().solve(&Vector3::x());
+        let (Some(derivative), Some(velocity_weights)) = (derivative, turning.extrapolation(times))
+        else {
+            return self;
+        };
+        let sum = derivative.sum();
+        Self {
+            step: -1.0 / sum,
+            weights: [derivative.y / sum, derivative.z / sum],
+            velocity_weights,
+            ..self
+        }
+    }
+
+    /// v* from the last velocities.
+    pub fn predicted(&self, velocities: [f64; VELOCITIES]) -> f64 {
+        let products = self.velocity_weights.iter().zip(velocities);
+        products.map(|(weight, velocity)| weight * velocity).sum()
+    }
+}
+
+/// The weights given, and none for earlier velocities.
+fn padded(weights: &[f64]) -> [f64; VELOCITIES] {
+    let mut all = [0.0; VELOCITIES];
+    all[..weights.len()].copy_from_slice(weights);
+    all
+}
+
+/// Functions of a turning motion that tend to polynomials where it is slow.
+#[derive(Clone, Copy)]
+struct Turning {
+    /// ω, rad/s.
+    rate: f64,
+}
+
+impl Turning {
+    /// sin(ωt)/ω, t for ω = 0.
+    fn sine(self, time: f64) -> f64 {
+        if self.rate > 0.0 {
+            (self.rate * time).sin() / self.rate
+        } else {
+            time
+        }
+    }
+
+    /// S(t) = (2/ω) sin(ωt/2), t for ω = 0.
+    fn chord(self, time: f64) -> f64 {
+        2.0 * self.sine(0.5 * time)
+    }
+
+    /// (1 − cos ωt)/ω², t²/2 for ω = 0.
+    fn versine(self, time: f64) -> f64 {
+        0.5 * self.chord(time).powi(2)
+    }
+
+    /// Weights of values at `times` before the one to extrapolate by a + c cos ωt + d sin ωt, fitted by least squares in
+    /// which earlier values count less by [`FADING`] each.
+    fn extrapolation(self, times: &[f64]) -> Option<[f64; VELOCITIES]> {
+        let scale = times[0];
+        let functions = |time: f64| {
+            let (sine, versine) = (self.sine(time), self.versine(time));
+            Vector3::new(1.0, sine / scale, versine / (scale * scale))
+        };
+        let mut weights = [0.0; VELOCITIES];
+        let mut counts = 1.0;
+        let mut products = Matrix3::zeros();
+        for (weight, &time) in weights.iter_mut().zip(times) {
+            *weight = counts;
+            products += counts * functions(time) * functions(time).transpose();
+            counts *= FADING;
+        }
+        let solved = products.lu().solve(&Vector3::x())?;
+        for (weight, &time) in weights.iter_mut().zip(times) {
+            *weight *= functions(time).dot(&solved);
+        }
+        Some(weights)
+    }
+
+    /// (ωt − sin ωt)/ω³, t³/6 for ω = 0.
+    fn lag(self, time: f64) -> f64 {
+        let square = (self.rate * time).powi(2);
+        // Four terms of the series: its remainder is below rounding error for the angles that are fitted.
+        let series = 1.0 - square / 20.0 * (1.0 - square / 42.0 * (1.0 - square / 72.0));
+        if square < 0.01 {
+            time.powi(3) / 6.0 * series
+        } else {
+            (time - self.sine(time)) / self.rate.powi(2)
+        }
+    }
+}
+
+/// Backward differences as a scheme of one stage.
+pub(super) struct BackwardDifferences;
+
+impl TimeScheme for BackwardDifferences {
+    fn error_law(&self) -> ErrorLaw {
+        ErrorLaw {
+            order: 4,
+            largest_growth: LARGEST_GROWTH,
+        }
+    }
+
+    fn predicts_drag(&self) -> bool {
+        true
+    }
+
+    fn begins_small(&self) -> bool {
+        true
+    }
+
+    fn trust_radius(&self) -> f64 {
+        TRUST_RADIUS
+    }
+
+    fn begin(
+        &self,
+        step: f64,
+        state: &State,
+        turning: f64,
+        stage: &mut Stage,
+        prediction: &mut Prediction,
+    ) {
+        let past = &state.history.steps;
+        let [last, before, ..] = past;
+        let sizes = std::array::from_fn(|k| past[k].size);
+        let difference = BackwardDifference::new(step, sizes, turning);
+        stage.step = difference.step;
+        stage.acceleration_step = difference.acceleration_step;
+        for k in 0..state.unknowns.len() {
+            let mut velocities = [state.velocity[k]; VELOCITIES];
+            for (velocity, earlier) in velocities[1..].iter_mut().zip(past) {
+                *velocity = earlier.velocity[k];
+            }
+            let [first, second] =
+                [last, before].map(|earlier| earlier.unknowns[k] - state.unknowns[k]);
+            stage.start[k] =
+                state.unknowns[k] + difference.weights[0] * first + difference.weights[1] * second;
+            stage.velocity[k] =
+                velocities[0] + difference.acceleration_weight * (velocities[1] - velocities[0]);
+            prediction.velocity[k] = difference.predicted(velocities);
+            prediction.unknowns[k] = stage.start[k] + stage.step * prediction.velocity[k];
+        }
+        copy_positions(&stage.start, &mut stage.positions);
+    }
+
+    /// The local error is H/4 times the predictor error of the velocity, at free unknowns.
+    fn finish(&self, solved: &SolvedStep, velocity: &mut [f64]) -> f64 {
+        let stage = solved.stage;
+        solved.fill(velocity, |k| {
+            let after = (solved.end[k] - stage.start[k]) / stage.step;
+            let predictor_error = after - solved.predicted_velocity[k];
+            let error = if solved.held[k] {
+                0.0
+            } else {
+                stage.step / 4.0 * predictor_error
+            };
+            (after, error)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Complex, DMatrix};
+
+    /// Largest errors of velocity, acceleration and predicted velocity for functions and their derivatives.
+    fn errors(
+        turning: f64,
+        [place, velocity, acceleration]: [fn(f64) -> f64; 3],
+        steps: [[f64; 2]; 4],
+    ) -> [f64; 3] {
+        let mut worst = [0.0_f64; 3];
+        for [earlier_step, step] in steps {
+            let (now, end) = (0.4, 0.4 + step);
+            let before = now - earlier_step;
+            let times = [now, before, before - 0.1, before - 0.22];
+            let earlier = [earlier_step, 0.1, 0.12];
+            let difference = BackwardDifference::new(step, earlier, turning);
+            let [q, v] = [place, velocity].map(|function| times.map(function));
+            let start = q[0]
+                + difference.weights[0] * (q[1] - q[0])
+                + difference.weights[1] * (q[2] - q[0]);
+            let from = v[0] + difference.acceleration_weight * (v[1] - v[0]);
+            let found = [
+                (place(end) - start) / difference.step - velocity(end),
+                (velocity(end) - from) / difference.acceleration_step - acceleration(end),
+                difference.predicted(v) - velocity(end),
+            ];
+            for (worst, error) in worst.iter_mut().zip(found) {
+                *worst = worst.max(error.abs());
+            }
+        }
+        worst
+    }
+
+    #[test]
+    fn without_turning_cubic_motion_is_exact() {
+        let worst = errors(
+            0.0,
+            [
+                |t| 3.0 - 2.0 * t + 0.7 * t * t + 0.4 * t * t * t,
+                |t| 1.2 * t * t + 1.4 * t - 2.0,
+                |t| 2.4 * t + 1.4,
+            ],
+            [[0.1, 0.1], [0.1, 0.14], [0.1, 0.02], [0.07, 0.1]],
+        );
+        assert!(worst.iter().all(|&error| error < 1e-12), "{worst:?}");
+    }
+
+    #[test]
+    fn steady_turning_and_drift_are_exact() {
+        let motion: [fn(f64) -> f64; 3] = [
+            |t| 1.0 + 0.6 * t + 2.0 * (3.0 * t).sin() - 0.5 * (3.0 * t).cos(),
+            |t| 0.6 + 6.0 * (3.0 * t).cos() + 1.5 * (3.0 * t).sin(),
+            |t| -18.0 * (3.0 * t).sin() + 4.5 * (3.0 * t).cos(),
+        ];
+        let worst = errors(
+            3.0,
+            motion,
+            [[0.1, 0.1], [0.1, 0.13], [0.1, 0.02], [0.07, 0.1]],
+        );
+        assert!(worst.iter().all(|&error| error < 1e-11), "{worst:?}");
+    }
+
+    #[test]
+    fn steps_that_grow_lower_the_order() {
+        let order = |earlier, step| {
+            let [last, before] = earlier;
+            let difference = BackwardDifference::new(step, [last, before, 0.0], 0.0);
+            1 + difference
+                .weights
+                .iter()
+                .filter(|&&weight| weight != 0.0)
+                .count()
+        };
+        assert_eq!(order([0.0, 0.0], 0.1), 1);
+        assert_eq!(order([0.04, 0.04], 0.1), 1);
+        assert_eq!(order([0.05, 0.05], 0.1), 2);
+        assert_eq!(order([0.1, 0.0], 0.1), 2);
+        assert_eq!(order([0.1, 0.05], 0.1), 2);
+        assert_eq!(order([0.08, 0.08], 0.1), 3);
+        assert_eq!(order([0.1, 0.1], 0.01), 3);
+    }
+
+    /// Size of the largest factor by which steps of M q̈ + R q̇ + K q = 0 multiply a motion, with the drag R of which only
+    /// D is implicit: the largest root in z of the polynomial that q = zⁿ leaves of
+    /// M (v − v̂)/Hₐ + D v + (R − D) v* + K q, v = (q − q̂)/H. All in units of the step.
+    fn amplification(mass: f64, [drag, local]: [f64; 2], stiffness: f64) -> f64 {
+        let difference = BackwardDifference::new(1.0, [1.0; LENGTH], 0.0);
+        // Coefficients of q, and of v in terms of v, by how many steps ago.
+        let [first, second] = difference.weights;
+        let velocity = [first + second - 1.0, -first, -second].map(|c| c / difference.step);
+        let velocity = [1.0 / difference.step, velocity[0], velocity[1], velocity[2]];
+        let weight = difference.acceleration_weight;
+        let acceleration = [1.0, weight - 1.0, -weight].map(|c| c / difference.acceleration_step);
+        let mut force = [0.0; VELOCITIES + 1];
+        for (k, coefficient) in acceleration.iter().enumerate() {
+            force[k] += mass * coefficient;
+        }
+        force[0] += local;
+        for (k, weight) in difference.velocity_weights.iter().enumerate() {
+            force[k + 1] += (drag - local) * weight;
+        }
+        let mut polynomial = [0.0; VELOCITIES + 4];
+        polynomial[0] = stiffness;
+        for (i, f) in force.iter().enumerate() {
+            for (j, v) in velocity.iter().enumerate() {
+                polynomial[i + j] += f * v;
+            }
+        }
+        // Its companion matrix.
+        let degree = polynomial.len() - 1;
+        let mut matrix = DMatrix::<f64>::zeros(degree, degree);
+        for k in 0..degree {
+            matrix[(0, k)] = -polynomial[k + 1] / polynomial[0];
+        }
+        for k in 1..degree {
+            matrix[(k, k - 1)] = 1.0;
+        }
+        let roots: Vec<Complex<f64>> = matrix.complex_eigenvalues().iter().copied().collect();
+        roots.iter().map(|root| root.norm()).fold(0.0, f64::max)
+    }
+
+    /// Roots of a matrix are found to about the fifth root of rounding error where they meet.
+    const ROUNDING: f64 = 1e-6;
+
+    #[test]
+    fn no_oscillation_is_fed() {
+        for decade in -20..=30 {
+            let frequency = 10f64.powf(0.1 * f64::from(decade));
+            for damping in [0.0, 0.01, 0.1, 1.0, 10.0, 1e3] {
+                let radius = amplification(1.0, [damping; 2], frequency * frequency);
+                assert!(
+                    radius < 1.0 + ROUNDING,
+                    "ω = {frequency}, c = {damping}: {radius}"
+                );
+            }
+        }
+        assert!(amplification(1.0, [0.0; 2], 1.0) < 0.99);
+    }
+
+    #[test]
+    fn drag_that_exceeds_its_local_resistance_does_not_ring() {
+        for mass in [0.0, 0.1, 1.0, 10.0] {
+            for stiffness in [0.0, 0.1, 1.0, 10.0, 100.0] {
+                for drag in [0.8, 1.0, 1.2, 1.39] {
+                    let radius = amplification(mass, [drag, 1.0], stiffness);
+                    assert!(
+                        radius < 1.0 + ROUNDING,
+                        "M = {mass}, K = {stiffness}, R = {drag} D: {radius}"
+                    );
+                }
+            }
+        }
+        assert!(
+            amplification(0.0, [2.0, 1.0], 0.0) > 1.0,
+            "the bound is real"
+        );
+    }
+}

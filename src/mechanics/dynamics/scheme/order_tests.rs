@@ -1,0 +1,103 @@
+//! The order in time of each scheme: how the error at a given time falls with the step.
+
+use super::super::tests::{clamp, straight_rod};
+use super::super::*;
+use crate::mechanics::Vector3;
+use crate::mechanics::fluid::FluidModel;
+use crate::mechanics::scene::{Load, LoadKind, Scene, Stiffness};
+
+fn gravity(acceleration: f64) -> Load {
+    Load {
+        kind: LoadKind::Gravity {
+            acceleration: -acceleration * Vector3::z(),
+        },
+        schedule: Vec::new(),
+    }
+}
+
+/// A clamped rod of three soft edges, whose fastest mode of 160 rad/s all steps resolve, falls from the horizontal.
+fn soft_cantilever() -> Scene {
+    let mut rod = straight_rod(3, 0.3);
+    rod.stiffness = Stiffness {
+        stretching: 5.0,
+        bending: [1e-3, 2e-3],
+        twisting: 1e-3,
+    };
+    rod.angular_velocity = Vector3::new(0.0, 1.0, 2.0);
+    Scene {
+        rods: vec![rod],
+        clamps: vec![clamp(0)],
+        loads: vec![gravity(9.81)],
+        ..Scene::default()
+    }
+}
+
+/// A light cantilever that sinks in a viscous fluid while its clamp turns steadily.
+fn cantilever_in_honey() -> Scene {
+    let mut rod = straight_rod(10, 1.0);
+    rod.mass_per_length *= 1e-3;
+    rod.rotational_inertia_per_length *= 1e-3;
+    let mut turning = clamp(0);
+    turning.motion.angular_velocity = 2.0;
+    Scene {
+        rods: vec![rod],
+        clamps: vec![turning],
+        loads: vec![gravity(9.81e3)],
+        fluid: Some(FluidModel::Resistive { viscosity: 10.0 }),
+        ..Scene::default()
+    }
+}
+
+/// Where all nodes are at `end` (s).
+fn positions(scene: &Scene, scheme: Scheme, step: f64, end: f64) -> Vec<Vector3> {
+    let parameters = IntegrationParameters {
+        scheme,
+        step: StepSize::Fixed(step),
+        force_tolerance: 1e-11,
+        displacement_tolerance: 1e-9,
+        ..IntegrationParameters::default()
+    };
+    let mut simulation = Simulation::new(scene, &parameters).unwrap();
+    while simulation.time() < end {
+        simulation.advance(end).unwrap();
+    }
+    simulation.positions().to_vec()
+}
+
+/// Orders by which the error falls from step to half the step, twice.
+fn orders(scene: &Scene, scheme: Scheme, step: f64, end: f64, exact: &[Vector3]) -> [f64; 2] {
+    let errors = [1.0, 0.5, 0.25].map(|part| {
+        let found = positions(scene, scheme, part * step, end);
+        let apart = found.iter().zip(exact).map(|(a, b)| (a - b).norm());
+        apart.fold(0.0, f64::max)
+    });
+    println!("{scheme:?}: errors {errors:?} m");
+    [
+        (errors[0] / errors[1]).log2(),
+        (errors[1] / errors[2]).log2(),
+    ]
+}
+
+#[test]
+fn euler_is_of_first_order_and_the_others_of_second_where_inertia_rules() {
+    let (scene, end) = (soft_cantilever(), 0.1);
+    let exact = positions(&scene, Scheme::ImplicitMidpoint, 1e-5, end);
+    for (scheme, step, expected) in [
+        (Scheme::ImplicitEuler, 4e-4, 1.0),
+        (Scheme::ImplicitMidpoint, 2e-3, 2.0),
+        (Scheme::BackwardDifferences, 2e-3, 2.0),
+    ] {
+        for order in orders(&scene, scheme, step, end, &exact) {
+            assert!((order - expected).abs() < 0.2, "{scheme:?}: {order}");
+        }
+    }
+}
+
+#[test]
+fn backward_differences_are_of_third_order_where_drag_rules() {
+    let (scene, end) = (cantilever_in_honey(), 1.0);
+    let exact = positions(&scene, Scheme::BackwardDifferences, 1.25e-3, end);
+    for order in orders(&scene, Scheme::BackwardDifferences, 40e-3, end, &exact) {
+        assert!((order - 3.0).abs() < 0.4, "{order}");
+    }
+}

@@ -1,0 +1,133 @@
+//! What makes a scene impossible.
+
+use super::fluid::FluidError;
+use super::rod::PlacementError;
+use std::fmt;
+
+/// Why a scene cannot be set up, or cannot answer what is asked of it.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SceneError {
+    /// There is nothing to simulate.
+    #[error("the scene has no rods")]
+    NoRods,
+    /// A rod, or a clamp on it, is impossible.
+    #[error("rod `{name}`: {reason}")]
+    Rod {
+        /// Name of the rod.
+        name: String,
+        /// What is wrong with it.
+        reason: RodError,
+    },
+    /// A load asks for something that does not exist.
+    #[error(transparent)]
+    Load(#[from] LoadError),
+    /// Two bodies overlap as placed.
+    #[error(transparent)]
+    Overlap(#[from] Overlap),
+    /// The fluid, or a rod in it, is beyond its theory.
+    #[error(transparent)]
+    Fluid(#[from] FluidError),
+    /// The scene lacks what a method needs.
+    #[error("{0}")]
+    Unsuitable(&'static str),
+    /// A node cannot be grasped or released, or a load not be scaled.
+    #[error("{0}")]
+    Intervention(String),
+    /// A checkpoint belongs to another scene.
+    #[error("the checkpoint does not fit: {0}")]
+    Checkpoint(String),
+}
+
+/// What is wrong with a rod.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum RodError {
+    /// Too few nodes for a rod, or for a ring.
+    #[error("needs at least {least} nodes, has {nodes}")]
+    TooFewNodes {
+        /// Nodes that it needs.
+        least: usize,
+        /// Nodes that it has.
+        nodes: usize,
+    },
+    /// The natural shape has another number of nodes than the rod.
+    #[error("its natural shape has {natural} nodes, itself {nodes}")]
+    NaturalShape {
+        /// Nodes of the natural shape.
+        natural: usize,
+        /// Nodes of the rod.
+        nodes: usize,
+    },
+    /// A clamp at a node that does not exist.
+    #[error("a clamp asks for node {node} of {nodes}")]
+    ClampOutside {
+        /// The node.
+        node: usize,
+        /// Nodes of the rod.
+        nodes: usize,
+    },
+    /// Two clamps at one node.
+    #[error("two clamps hold node {node}")]
+    TwoClamps {
+        /// The node.
+        node: usize,
+    },
+    /// The polyline is no rod.
+    #[error(transparent)]
+    Placement(#[from] PlacementError),
+}
+
+/// What is wrong with a load.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum LoadError {
+    /// A rod that does not exist.
+    #[error("a load asks for rod {0}")]
+    NoSuchRod(usize),
+    /// A node that does not exist.
+    #[error("a force asks for node {node} of {nodes}")]
+    NoSuchNode {
+        /// The node.
+        node: usize,
+        /// Nodes of the rod.
+        nodes: usize,
+    },
+    /// An edge that does not exist.
+    #[error("a moment asks for edge {edge} of {edges}")]
+    NoSuchEdge {
+        /// The edge.
+        edge: usize,
+        /// Edges of the rod.
+        edges: usize,
+    },
+}
+
+/// Two bodies that are closer than the contact model allows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Overlap {
+    /// An edge or node of a rod, in words.
+    pub first: String,
+    /// An edge of a rod or a plane, in words.
+    pub second: String,
+    /// Distance of their centrelines, or of the node from the plane, m.
+    pub distance: f64,
+    /// Least distance allowed, m.
+    pub least: f64,
+    /// Whether that distance itself is forbidden: a barrier is infinite there.
+    pub exclusive: bool,
+}
+
+impl fmt::Display for Overlap {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (meet, allowed) = if self.exclusive {
+            ("touch or interpenetrate", "more than")
+        } else {
+            ("interpenetrate", "at least")
+        };
+        write!(
+            formatter,
+            "{} and {} {meet}: distance {:.6e} m, allowed is {allowed} {:.6e} m",
+            self.first, self.second, self.distance, self.least
+        )
+    }
+}
+
+impl std::error::Error for Overlap {}

@@ -1,0 +1,263 @@
+//! When forces count as balanced: rod by rod, against the forces that act on it.
+//!
+//! A correction of Newton's method leaves at no unknown of a rod more than the force tolerance times the largest of its
+//! EI/L², of its loads and of its contact forces. Nothing of other rods is in it: beside a stiff post the residual of a
+//! soft beam must be as small as without.
+//!
+//! EI/L² may be far above the forces that act: a short steel rod is hardly bent by its weight. Then its deflection is
+//! linear in them, and one correction finds it to many digits, whatever residual is allowed. It must be made: a predicted
+//! configuration that no correction has touched counts as balanced only where the residual at every unknown is small
+//! against what acts there itself ([`System::is_balanced_as_predicted`]).
+//!
+//! No residual can be asked to be smaller than what the last digits of the unknowns leave in elastic forces, and in a
+//! time step in inertia.
+
+use super::{Stage, System, add_inertia};
+use crate::mechanics::contact::ContactSystem;
+use crate::mechanics::rod::{RodRange, STRIDE};
+
+/// Last digits of the unknowns to which a residual must vanish.
+const ROUNDINGS: f64 = 8.0;
+
+/// What residual contact by complementarity leaves of its forces: some millionths, for the compliance by which contacts
+/// that do the same work share them. A rod that sticks must not creep by it.
+const RIGID_CONTACT: f64 = 1e-5;
+
+/// What of its residual counts as none for one rod.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct RodTolerance {
+    /// Largest force, N; infinite for a rod that is held.
+    force: f64,
+    /// What rounding leaves of it, N.
+    rounding: f64,
+    /// Weight of its residual among those of all rods: 1 for the rod that asks for the least.
+    weight: f64,
+}
+
+/// How far forces are from balance.
+#[derive(Clone, Copy, Debug)]
+pub struct Imbalance {
+    /// Largest residual of a free unknown over what counts as none: balanced where it is at most 1.
+    pub ratio: f64,
+    /// That residual, N; moments are divided by the shortest edge of their rod.
+    pub residual: f64,
+    /// Its unknown.
+    pub unknown: usize,
+}
+
+impl Imbalance {
+    /// Whether every residual counts as none.
+    pub fn is_balanced(&self) -> bool {
+        self.ratio <= 1.0
+    }
+}
+
+impl System {
+    /// Sets what residual counts as none near `unknowns`: `relative` times the forces of each rod, but no less than
+    /// rounding leaves.
+    pub fn set_tolerances(&mut self, relative: f64, unknowns: &[f64], stage: Option<&Stage>) {
+        self.relative_tolerance = relative;
+        let mut tolerances = std::mem::take(&mut self.tolerances);
+        tolerances.clear();
+        for (rod, range) in self.assembly.rods.rods.iter().enumerate() {
+            let scale = &self.assembly.scales[rod];
+            let unknowns_of_rod =
+                STRIDE * range.first_node..STRIDE * (range.first_node + range.nodes);
+            let mut largest_load = 0.0_f64;
+            let mut farthest = 0.0_f64;
+            let mut inertia = 0.0_f64;
+            let weights = [1.0, 1.0, 1.0, 1.0 / scale.shortest_edge];
+            for k in unknowns_of_rod {
+                let size = unknowns[k].abs();
+                largest_load = largest_load.max(weights[k % STRIDE] * self.dead_forces[k].abs());
+                if k % STRIDE != 3 {
+                    farthest = farthest.max(size);
+                }
+                if !self.assembly.held[k] {
+                    inertia = inertia.max(weights[k % STRIDE] * self.assembly.masses[k] * size);
+                }
+            }
+            let inertia = stage.map_or(0.0, |stage| {
+                inertia * f64::EPSILON / (stage.step * stage.acceleration_step)
+            });
+            let rounding = ROUNDINGS * (scale.rounding_stiffness * farthest).max(inertia);
+            let force = (relative * scale.force.max(largest_load)).max(rounding);
+            tolerances.push(RodTolerance {
+                force: if self.assembly.obstacle[range.first_node] {
+                    f64::INFINITY
+                } else {
+                    force
+                },
+                rounding,
+                weight: 1.0,
+            });
+        }
+        if let Some(contact) = &self.contact {
+            let pressed = contact.candidates().iter().zip(contact.normal_forces());
+            for (pair, force) in pressed.filter(|(_, force)| **force > 0.0) {
+                for rod in [pair.nodes[0], pair.nodes[2]].map(|node| self.assembly.locate(node).0) {
+                    tolerances[rod].force = tolerances[rod].force.max(relative * force);
+                }
+            }
+        }
+        let least = tolerances
+            .iter()
+            .fold(f64::INFINITY, |least, rod| least.min(rod.force));
+        for tolerance in &mut tolerances {
+            if tolerance.force > least && tolerance.force.is_finite() {
+                tolerance.weight = least / tolerance.force;
+            }
+        }
+        self.tolerances = tolerances;
+    }
+
+    /// How far the residual of the last evaluation is from balance.
+    pub fn imbalance(&self) -> Imbalance {
+        let mut worst = Imbalance {
+            ratio: 0.0,
+            residual: 0.0,
+            unknown: 0,
+        };
+        for (rod, range) in self.assembly.rods.rods.iter().enumerate() {
+            let allowed = self.tolerances[rod].force;
+            if !allowed.is_finite() {
+                continue;
+            }
+            let (size, unknown) = self.worst_of(range, self.assembly.scales[rod].shortest_edge);
+            let ratio = size / allowed;
+            if ratio > worst.ratio || ratio.is_nan() {
+                worst = Imbalance {
+                    ratio,
+                    residual: size,
+                    unknown,
+                };
+            }
+        }
+        worst
+    }
+
+    /// Largest residual of a free unknown of a rod, N, moments divided by `edge` (m), and its unknown.
+    fn worst_of(&self, range: &RodRange, edge: f64) -> (f64, usize) {
+        let mut worst = (0.0, STRIDE * range.first_node);
+        let per_length = 1.0 / edge;
+        for k in STRIDE * range.first_node..STRIDE * (range.first_node + range.nodes) {
+            if self.assembly.held[k] {
+                continue;
+            }
+            let value = self.residual[k].abs();
+            let size = if k % STRIDE == 3 {
+                value * per_length
+            } else {
+                value
+            };
+            if size > worst.0 || size.is_nan() {
+                worst = (size, k);
+            }
+        }
+        worst
+    }
+
+    /// Whether the residual of the last evaluation, at `unknowns` that were only predicted, is so small that no
+    /// correction is needed: at every unknown against the load that alone acts there, at others against the largest force
+    /// on their rod (loads, inertia, drag, contact, reactions of clamps), and where nothing acts at all against rounding.
+    pub fn is_balanced_as_predicted(&mut self, unknowns: &[f64], stage: Option<&Stage>) -> bool {
+        let mut acting = std::mem::take(&mut self.corrected_residual);
+        acting.fill(0.0);
+        if let Some(stage) = stage {
+            add_inertia(&self.assembly, &self.loads, stage, unknowns, &mut acting);
+        }
+        let mut in_contact = vec![false; self.assembly.rods.nodes];
+        if let Some(contact) = &self.contact {
+            add_contact_forces(contact, &mut acting, &mut in_contact);
+        }
+        let rods = self.assembly.rods.rods.iter().enumerate();
+        let balanced = rods
+            .filter(|(rod, _)| self.tolerances[*rod].force.is_finite())
+            .all(|(rod, range)| self.is_rod_balanced(rod, range, &acting, &in_contact));
+        self.corrected_residual = acting;
+        balanced
+    }
+
+    /// The same for one rod; `acting` are the forces on its unknowns but for loads.
+    fn is_rod_balanced(
+        &self,
+        rod: usize,
+        range: &RodRange,
+        acting: &[f64],
+        in_contact: &[bool],
+    ) -> bool {
+        let per_length = 1.0 / self.assembly.scales[rod].shortest_edge;
+        let weights = [1.0, 1.0, 1.0, per_length];
+        let tolerance = if self.has_constraints() {
+            self.relative_tolerance.max(RIGID_CONTACT)
+        } else {
+            self.relative_tolerance
+        };
+        let unknowns = STRIDE * range.first_node..STRIDE * (range.first_node + range.nodes);
+        let largest = unknowns.clone().fold(0.0_f64, |largest, k| {
+            let reaction = if self.assembly.held[k] {
+                self.residual[k]
+            } else {
+                0.0
+            };
+            let force = (self.dead_forces[k].abs())
+                .max(acting[k].abs())
+                .max(reaction.abs());
+            largest.max(weights[k % STRIDE] * force)
+        });
+        unknowns.filter(|&k| !self.assembly.held[k]).all(|k| {
+            let weight = weights[k % STRIDE];
+            let load = weight * self.dead_forces[k].abs();
+            let allowed = if largest == 0.0 {
+                self.tolerances[rod].rounding
+            } else if load > 0.0 && !in_contact[k / STRIDE] {
+                self.relative_tolerance * load
+            } else {
+                tolerance * largest
+            };
+            weight * self.residual[k].abs() <= allowed
+        })
+    }
+
+    /// Sum of squares of the residual of the free unknowns, N²: moments divided by the shortest edge of their rod, each
+    /// rod weighted by how small its residual must become.
+    pub fn squared_residual(&self) -> f64 {
+        self.square(&self.residual)
+    }
+
+    pub(super) fn square(&self, residual: &[f64]) -> f64 {
+        let mut sums = [0.0; STRIDE];
+        for (rod, range) in self.assembly.rods.rods.iter().enumerate() {
+            let weight = self.tolerances[rod].weight;
+            let per_length = weight / self.assembly.scales[rod].shortest_edge;
+            let weights = [weight, weight, weight, per_length];
+            let unknowns = STRIDE * range.first_node..STRIDE * (range.first_node + range.nodes);
+            let held = self.assembly.held[unknowns.clone()].chunks_exact(STRIDE);
+            for (values, held) in residual[unknowns].chunks_exact(STRIDE).zip(held) {
+                for k in 0..STRIDE {
+                    let value = if held[k] { 0.0 } else { weights[k] * values[k] };
+                    sums[k] += value * value;
+                }
+            }
+        }
+        sums.iter().sum()
+    }
+}
+
+/// Adds the magnitudes of the contact forces of the last evaluation, and marks their nodes.
+fn add_contact_forces(contact: &ContactSystem, forces: &mut [f64], in_contact: &mut [bool]) {
+    for pair in contact.contacts() {
+        for (corner, &node) in pair.nodes.iter().enumerate() {
+            in_contact[node] = true;
+            for axis in 0..3 {
+                forces[STRIDE * node + axis] += pair.force[3 * corner + axis].abs();
+            }
+        }
+    }
+    for touch in contact.plane_contacts() {
+        in_contact[touch.node] = true;
+        for axis in 0..3 {
+            forces[STRIDE * touch.node + axis] += touch.force[axis].abs();
+        }
+    }
+}

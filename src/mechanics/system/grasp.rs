@@ -1,0 +1,438 @@
+//! Nodes that are taken hold of, and let go, while the scene runs.
+//!
+//! A grasp is a clamp that comes into being at the present configuration. Held positions leave the Newton system as
+//! those of the scene's clamps do. A held frame splits the vertex at the node in two halves, one to either side of a
+//! ghost edge (as [`crate::mechanics::scene::Clamp`] describes): with Voronoi lengths l̄ = l̄₀ + l̄₁, the halves have
+//! the natural strains κ̃ l̄ᵢ/l̄ and the stiffness EI/l̄ᵢ, and the ghost edge lies in the middle of turn and twist, so that
+//! the energy stays as it is but for terms of fourth order in the turning angle. Letting go joins the halves again:
+//! their natural strains add, and so do the inverses of their stiffness. At a free end, which bears no moment, the
+//! ghost edge goes on along the last edge, without stress.
+
+use super::{Drive, System};
+use crate::mechanics::Vector3;
+use crate::mechanics::rod::topology::position;
+use crate::mechanics::rod::transport::{any_normal, normal_part, parallel_transport, rotated};
+use crate::mechanics::rod::vertex::{VertexStiffness, VertexStrains};
+use crate::mechanics::rod::{GhostEdge, RodGeometry, RodRange, STRIDE, Vertex, VertexUnknowns};
+use crate::mechanics::scene::{Clamp, Motion};
+use serde::{Deserialize, Serialize};
+
+/// What is held of a node that is grasped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Grasp {
+    /// Its position.
+    pub position: bool,
+    /// Tangent and material frame of the rod there.
+    pub frame: bool,
+}
+
+/// What was done to a system since the start; part of the state that checkpoints hold.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Interventions {
+    /// Clamps of the scene, then grasps, with their motions.
+    drives: Vec<Drive>,
+    /// Forces of another solver.
+    external_forces: Vec<f64>,
+    /// Factors of the loads beside their schedules.
+    load_factors: Vec<f64>,
+    /// What is held, and the vertices, where a node was ever grasped or released.
+    switched: Option<Switched>,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Switched {
+    held: Vec<bool>,
+    vertices: Vec<Vertex>,
+    ghosts: usize,
+}
+
+/// The edges on both sides of a node.
+struct Neighbours {
+    range: RodRange,
+    before: Option<usize>,
+    after: Option<usize>,
+}
+
+impl System {
+    /// Takes hold of a node of the whole scene where it is at `unknowns`; returns the number of the clamp. The clamp
+    /// rests until it is given a motion, relative to where and when it took hold.
+    ///
+    /// # Errors
+    /// A sentence: the node does not exist, is held already, is part of a rigid obstacle, or is the joint of a ring,
+    /// whose frame cannot be grasped.
+    pub fn grasp(&mut self, node: usize, grasp: Grasp, unknowns: &[f64]) -> Result<usize, String> {
+        if node >= self.assembly.rods.nodes {
+            let nodes = self.assembly.rods.nodes;
+            return Err(format!("there is no node {node}; the scene has {nodes}"));
+        }
+        let (rod, along) = self.assembly.locate(node);
+        let refuse = |why: &str| {
+            let name = &self.assembly.names[rod];
+            Err(format!(
+                "node {along} of rod `{name}` cannot be grasped: {why}"
+            ))
+        };
+        if self.assembly.obstacle[node] {
+            return refuse("its rod is a rigid obstacle");
+        }
+        let drives = &self.assembly.drives;
+        if drives
+            .iter()
+            .any(|drive| drive.node == node && !drive.released)
+        {
+            return refuse("a clamp holds it");
+        }
+        let neighbours = self.neighbours(node);
+        if grasp.frame
+            && let Err(why) = self.may_hold_frame(&neighbours, node)
+        {
+            return refuse(why);
+        }
+        self.update_geometry(unknowns);
+        let clamp = Clamp {
+            rod,
+            node: along,
+            holds_position: grasp.position,
+            holds_frame: grasp.frame,
+            motion: Motion::default(),
+        };
+        let frame = self.frame_at(&neighbours, node);
+        let mut drive = Drive::new(&clamp, node, position(unknowns, node), frame);
+        if grasp.position {
+            self.assembly.held[STRIDE * node..STRIDE * node + 3].fill(true);
+        }
+        if grasp.frame {
+            drive.ghosts = self.add_walls(&neighbours, node, frame, unknowns);
+        }
+        self.assembly.drives.push(drive);
+        self.rebuild(unknowns);
+        Ok(self.assembly.drives.len() - 1)
+    }
+
+    /// Lets a clamp go, one of the scene or one that was grasped; its number stays that of a clamp that holds nothing.
+    ///
+    /// # Errors
+    /// A sentence: there is no such clamp, it holds nothing, or it holds an edge together with its neighbour.
+    pub fn release(&mut self, clamp: usize, unknowns: &[f64]) -> Result<(), String> {
+        let drives = &self.assembly.drives;
+        let Some(drive) = drives.get(clamp) else {
+            return Err(format!("there is no clamp {clamp}"));
+        };
+        if drive.released {
+            return Err(format!("clamp {clamp} holds nothing"));
+        }
+        let (node, ghosts) = (drive.node, drive.ghosts.clone());
+        let holds_position = drive.holds_position;
+        let active = drives.iter().filter(|drive| !drive.released);
+        let mut held_edges = active.flat_map(|drive| &drive.edges);
+        if held_edges.any(|edge| edge.start == node || edge.end == node) {
+            return Err(format!(
+                "clamp {clamp} cannot be released: it holds an edge together with its neighbour"
+            ));
+        }
+        self.update_geometry(unknowns);
+        if holds_position {
+            self.assembly.held[STRIDE * node..STRIDE * node + 3].fill(false);
+        }
+        self.remove_walls(ghosts);
+        let drive = &mut self.assembly.drives[clamp];
+        drive.released = true;
+        drive.ghosts.clear();
+        self.rebuild(unknowns);
+        Ok(())
+    }
+
+    /// What was done since the start.
+    pub fn interventions(&self) -> Interventions {
+        let rods = &self.assembly.rods;
+        Interventions {
+            drives: self.assembly.drives.clone(),
+            external_forces: self.external_forces.clone(),
+            load_factors: self.loads.factors().to_vec(),
+            switched: self.switched.then(|| Switched {
+                held: self.assembly.held.clone(),
+                vertices: rods.vertices.clone(),
+                ghosts: rods.ghosts,
+            }),
+        }
+    }
+
+    /// Does again what was done to a system of the same scene, which nobody has touched yet.
+    ///
+    /// # Errors
+    /// What of it does not fit.
+    pub fn restore_interventions(&mut self, done: Interventions) -> Result<(), &'static str> {
+        let assembly = &mut self.assembly;
+        if done.external_forces.len() != assembly.unknowns.len() {
+            return Err("other numbers of nodes");
+        }
+        if done.load_factors.len() != self.loads.factors().len() {
+            return Err("other loads");
+        }
+        let clamps = assembly.drives.len();
+        let fits = if done.switched.is_some() {
+            done.drives.len() >= clamps
+        } else {
+            done.drives.len() == clamps
+        };
+        if !fits {
+            return Err("other clamps");
+        }
+        assembly.drives = done.drives;
+        for (load, factor) in done.load_factors.into_iter().enumerate() {
+            self.loads.set_factor(load, factor);
+        }
+        self.external_forces = done.external_forces;
+        if let Some(switched) = done.switched {
+            assembly.held = switched.held;
+            assembly.rods.vertices = switched.vertices;
+            assembly.rods.ghosts = switched.ghosts;
+            let any = GhostEdge {
+                tangent: Vector3::x(),
+                director: Vector3::y(),
+                spin: 0.0,
+            };
+            self.ghosts = vec![any; switched.ghosts];
+            self.reference.twist = vec![0.0; assembly.rods.vertices.len()];
+            self.geometry = RodGeometry::new(&assembly.rods);
+            self.matrix.adapt(assembly);
+            self.switched = true;
+        }
+        Ok(())
+    }
+
+    /// Makes everything else fit what is held and the vertices there are.
+    fn rebuild(&mut self, unknowns: &[f64]) {
+        self.switched = true;
+        self.geometry = RodGeometry::new(&self.assembly.rods);
+        self.matrix.adapt(&self.assembly);
+        self.update_geometry(unknowns);
+    }
+
+    fn neighbours(&self, node: usize) -> Neighbours {
+        let (rod, along) = self.assembly.locate(node);
+        let range = self.assembly.rods.rods[rod];
+        let last = range.first_node + range.nodes - 1;
+        Neighbours {
+            before: match along {
+                0 => range.closed.then_some(last),
+                _ => Some(node - 1),
+            },
+            after: (range.closed || node != last).then_some(node),
+            range,
+        }
+    }
+
+    fn may_hold_frame(&self, neighbours: &Neighbours, node: usize) -> Result<(), &'static str> {
+        match (neighbours.before, neighbours.after) {
+            (Some(before), Some(after)) => {
+                let first_or_last = node == neighbours.range.first_node
+                    || node + 1 == neighbours.range.first_node + neighbours.range.nodes;
+                if neighbours.range.closed && first_or_last {
+                    return Err("its frame is that of the joint of a closed rod");
+                }
+                match self.vertex_between(before, after) {
+                    Some(_) => Ok(()),
+                    None => Err("an edge beside it is held"),
+                }
+            }
+            (Some(edge), None) | (None, Some(edge)) => match self.vertex_at_edge(edge) {
+                Some(_) => Ok(()),
+                None => Err("its rod has fewer than three nodes, or an edge beside it is held"),
+            },
+            (None, None) => Err("no edge begins or ends there"),
+        }
+    }
+
+    fn vertex_between(&self, before: usize, after: usize) -> Option<usize> {
+        let mut vertices = self.assembly.rods.vertices.iter();
+        vertices.position(|vertex| (vertex.before, vertex.after) == (before, after))
+    }
+
+    fn vertex_at_edge(&self, edge: usize) -> Option<usize> {
+        let mut vertices = self.assembly.rods.vertices.iter();
+        vertices.position(|vertex| vertex.before == edge || vertex.after == edge)
+    }
+
+    /// Half the natural length of an edge, m; zero for ghost edges.
+    fn half_length(&self, edge: usize) -> f64 {
+        let edges = &self.assembly.rods.edges;
+        let found = edges.binary_search_by_key(&edge, |edge| edge.start);
+        found.map_or(0.0, |index| 0.5 * edges[index].natural_length)
+    }
+
+    /// Tangent and director at a node at the last evaluation: in the middle between its edges, or those of its edge.
+    fn frame_at(&self, neighbours: &Neighbours, node: usize) -> GhostEdge {
+        let edges = &self.geometry.edges;
+        let (Some(before), Some(after)) = (neighbours.before, neighbours.after) else {
+            let edge = neighbours.before.or(neighbours.after).unwrap_or(node);
+            return GhostEdge {
+                tangent: edges[edge].tangent,
+                director: edges[edge].director_1,
+                spin: 0.0,
+            };
+        };
+        let source = &edges[before];
+        let sum = source.tangent + edges[after].tangent;
+        let tangent = sum.normalize();
+        let vertex = self.vertex_between(before, after);
+        let twist = vertex.map_or(0.0, |vertex| self.geometry.twist(vertex));
+        let carried = parallel_transport(&source.director_1, &source.tangent, &tangent);
+        let director = rotated(&carried, &tangent, 0.5 * twist);
+        GhostEdge {
+            tangent,
+            director: normal_part(&director, &tangent).unwrap_or_else(|| any_normal(&tangent)),
+            spin: 0.0,
+        }
+    }
+
+    /// Adds the half vertices of a clamp that holds `frame` at a node; returns its ghost edges.
+    fn add_walls(
+        &mut self,
+        neighbours: &Neighbours,
+        node: usize,
+        frame: GhostEdge,
+        unknowns: &[f64],
+    ) -> Vec<usize> {
+        let nodes = self.assembly.rods.nodes;
+        let angle = |edge: usize| unknowns[STRIDE * edge + 3];
+        let mut ghosts = Vec::new();
+        // The natural strains per length, the stiffness times length, and half of the twist now.
+        let (natural, stiffness, half_twist) = match (neighbours.before, neighbours.after) {
+            (Some(before), Some(after)) => {
+                let index = self.vertex_between(before, after).expect("asked before");
+                let half_twist = 0.5 * self.geometry.twist(index);
+                let vertex = self.assembly.rods.vertices.remove(index);
+                self.reference.twist.remove(index);
+                let length = self.half_length(before) + self.half_length(after);
+                (
+                    scaled(&vertex.natural, 1.0 / length),
+                    stiffer(&vertex.stiffness, length),
+                    half_twist,
+                )
+            }
+            (before, after) => {
+                let edge = before.or(after).expect("asked before");
+                let index = self.vertex_at_edge(edge).expect("asked before");
+                let vertex = self.assembly.rods.vertices[index];
+                let length = self.half_length(vertex.before) + self.half_length(vertex.after);
+                let stiffness = stiffer(&vertex.stiffness, length);
+                (VertexStrains::default(), stiffness, 0.0)
+            }
+        };
+        for (edge, ghost_first) in [(neighbours.before, false), (neighbours.after, true)] {
+            let Some(edge) = edge else { continue };
+            let ghost = nodes + self.assembly.rods.ghosts;
+            ghosts.push(self.assembly.rods.ghosts);
+            self.assembly.rods.ghosts += 1;
+            self.ghosts.push(frame);
+            let length = self.half_length(edge);
+            let first = STRIDE * node;
+            let (before, after, twist, at) = if ghost_first {
+                (ghost, edge, half_twist - angle(edge), (first, 4, 11))
+            } else {
+                (
+                    edge,
+                    ghost,
+                    half_twist + angle(edge),
+                    (first - STRIDE, 0, 7),
+                )
+            };
+            self.reference.twist.push(twist);
+            self.assembly.rods.vertices.push(Vertex {
+                before,
+                after,
+                natural: scaled(&natural, length),
+                stiffness: stiffer(&stiffness, 1.0 / length),
+                joint_twist: 0.0,
+                unknowns: VertexUnknowns::Consecutive {
+                    first: at.0,
+                    from: at.1,
+                    to: at.2,
+                },
+            });
+        }
+        ghosts
+    }
+
+    /// Removes ghost edges with their half vertices, and joins the halves to whole ones.
+    fn remove_walls(&mut self, mut ghosts: Vec<usize>) {
+        let nodes = self.assembly.rods.nodes;
+        let mut halves = Vec::new();
+        for ghost in &ghosts {
+            let rods = &mut self.assembly.rods;
+            let of_ghost =
+                |vertex: &Vertex| [vertex.before, vertex.after].contains(&(nodes + ghost));
+            let found = rods.vertices.iter().position(of_ghost);
+            let index = found.expect("every ghost edge has a vertex");
+            let vertex = rods.vertices.remove(index);
+            halves.push((vertex, self.reference.twist.remove(index)));
+        }
+        if let [(one, twist), (other, other_twist)] = halves[..] {
+            let (first, second) = if one.after >= nodes {
+                (one, other)
+            } else {
+                (other, one)
+            };
+            let VertexUnknowns::Consecutive { first: unknown, .. } = first.unknowns else {
+                unreachable!("the frame at a joint is never grasped");
+            };
+            self.assembly.rods.vertices.push(Vertex {
+                before: first.before,
+                after: second.after,
+                natural: VertexStrains {
+                    curvature: std::array::from_fn(|k| {
+                        first.natural.curvature[k] + second.natural.curvature[k]
+                    }),
+                    twist: first.natural.twist + second.natural.twist,
+                },
+                stiffness: in_series(&first.stiffness, &second.stiffness),
+                joint_twist: 0.0,
+                unknowns: VertexUnknowns::Consecutive {
+                    first: unknown,
+                    from: 0,
+                    to: 11,
+                },
+            });
+            self.reference.twist.push(twist + other_twist);
+        }
+        // The last first, so that the numbers of the others stay.
+        ghosts.sort_unstable_by(|a, b| b.cmp(a));
+        for ghost in ghosts {
+            self.ghosts.remove(ghost);
+            self.assembly.rods.ghosts -= 1;
+            for vertex in &mut self.assembly.rods.vertices {
+                for edge in [&mut vertex.before, &mut vertex.after] {
+                    *edge -= usize::from(*edge > nodes + ghost);
+                }
+            }
+            for drive in &mut self.assembly.drives {
+                for other in &mut drive.ghosts {
+                    *other -= usize::from(*other > ghost);
+                }
+            }
+        }
+    }
+}
+
+fn scaled(strains: &VertexStrains, factor: f64) -> VertexStrains {
+    VertexStrains {
+        curvature: strains.curvature.map(|curvature| factor * curvature),
+        twist: factor * strains.twist,
+    }
+}
+
+fn stiffer(stiffness: &VertexStiffness, factor: f64) -> VertexStiffness {
+    VertexStiffness {
+        bending: stiffness.bending.map(|bending| factor * bending),
+        twisting: factor * stiffness.twisting,
+    }
+}
+
+fn in_series(one: &VertexStiffness, other: &VertexStiffness) -> VertexStiffness {
+    let series = |a: f64, b: f64| a * b / (a + b);
+    VertexStiffness {
+        bending: std::array::from_fn(|k| series(one.bending[k], other.bending[k])),
+        twisting: series(one.twisting, other.twisting),
+    }
+}

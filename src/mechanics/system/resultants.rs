@@ -1,0 +1,158 @@
+//! Forces and moments inside the rods and at clamps, at the last evaluation.
+//!
+//! A vertex of bending stiffness EI/l̄ and twisting stiffness GJ/l̄ bears the moments EI (κ − κ̃)/l̄ about the two
+//! material directors, where κ is the mean of the integrated curvatures seen by its two edges, and GJ (τ − τ̃)/l̄ about
+//! the tangent; an edge bears the tension EA (l/l̃ − 1).
+//!
+//! **Moment of a clamp.** The energy E of the half vertex at a ghost edge does not change when all of it is turned, so
+//! that turning the ghost edge alone by δφ changes it by M·δφ, where −M·δφ is the change when the rod's edge is turned
+//! alone. M is the moment of the clamp on the rod: the generalised force that holds the ghost edge. Turning an edge of
+//! length l and tangent t by δφ moves its end by δφ×t l and spins its frame by δφ·t, of which parallel transport
+//! does c·(δφ×t l) by itself ([`crate::mechanics::rod::vertex`]). With the gradients g over the edge vector and s over
+//! the spin, M = −(l t×(g − c s) + s t).
+
+use super::System;
+use crate::mechanics::Vector3;
+use crate::mechanics::rod::vertex::{self, EdgeFrame, VertexStrains, curvature_binormal};
+use crate::mechanics::rod::{ElasticEnergy, STRIDE, Vertex};
+
+/// What a rod bears at a node, and its curvature there.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Resultants {
+    /// Size of the bending moment, N m.
+    pub bending_moment: f64,
+    /// Twisting moment, N m.
+    pub twisting_moment: f64,
+    /// Curvature |κb|/l̄ of the centreline with the Voronoi length at present, 1/m.
+    pub curvature: f64,
+    /// Twist per length, rad/m.
+    pub twist: f64,
+}
+
+impl System {
+    /// Tension of the edge that starts at a node, N; `None` where no edge starts.
+    pub fn tension(&self, edge: usize) -> Option<f64> {
+        let edges = &self.assembly.rods.edges;
+        let index = edges.binary_search_by_key(&edge, |edge| edge.start).ok()?;
+        let strain = self.geometry.edges[edge].length / edges[index].natural_length - 1.0;
+        Some(edges[index].stretching * strain)
+    }
+
+    /// What the rods bear at each node; `None` at free and hinged ends. Where a clamp holds the frame of an inner node,
+    /// it is that of the side that bears the larger bending moment.
+    pub fn resultants(&self) -> Vec<Option<Resultants>> {
+        let mut all: Vec<Option<Resultants>> = vec![None; self.assembly.rods.nodes];
+        for (index, vertex) in self.assembly.rods.vertices.iter().enumerate() {
+            let found = self.resultants_of(index, vertex);
+            let kept = &mut all[self.node_of(vertex)];
+            if kept.is_none_or(|kept| kept.bending_moment < found.bending_moment) {
+                *kept = Some(found);
+            }
+        }
+        all
+    }
+
+    /// Moment of the clamps on the rod at a node, N m; zero where none holds a frame.
+    pub fn clamp_moment(&self, node: usize) -> Vector3 {
+        let rods = &self.assembly.rods;
+        let mut moment = Vector3::zeros();
+        for (index, vertex) in rods.vertices.iter().enumerate() {
+            let is_wall = vertex.before.max(vertex.after) >= rods.nodes;
+            if !is_wall || self.node_of(vertex) != node {
+                continue;
+            }
+            let frames = [vertex.before, vertex.after].map(|edge| &self.geometry.edges[edge]);
+            let strains = self.strains(index, vertex);
+            let gradient = vertex::gradient(
+                frames[0],
+                frames[1],
+                &strains,
+                &vertex.natural,
+                &vertex.stiffness,
+            );
+            moment -= if vertex.before < rods.nodes {
+                turning(frames[0], &gradient.e0, gradient.phi0)
+            } else {
+                turning(frames[1], &gradient.e1, gradient.phi1)
+            };
+        }
+        // Edges that are walls themselves are held by their angles.
+        let drives = self.assembly.drives.iter();
+        let drives = drives.filter(|drive| drive.node == node && !drive.released);
+        for edge in drives.flat_map(|drive| &drive.edges) {
+            let spin = self.residual[STRIDE * edge.start + 3];
+            moment += self.geometry.edges[edge.start].tangent * spin;
+        }
+        moment
+    }
+
+    /// Elastic energy of one rod.
+    pub fn elastic_energy_of(&self, rod: usize) -> ElasticEnergy {
+        let rods = &self.assembly.rods;
+        let nodes = rods.rods[rod].node_indices();
+        let mut energy = ElasticEnergy::default();
+        for edge in rods.edges.iter().filter(|edge| nodes.contains(&edge.start)) {
+            let length = self.geometry.edges[edge.start].length;
+            let strain = length / edge.natural_length - 1.0;
+            energy.stretching += 0.5 * edge.stretching * strain * strain * edge.natural_length;
+        }
+        for (index, vertex) in rods.vertices.iter().enumerate() {
+            if nodes.contains(&self.node_of(vertex)) {
+                let strains = self.strains(index, vertex);
+                let (bending, twisting) =
+                    vertex::energies(&strains, &vertex.natural, &vertex.stiffness);
+                energy.bending += bending;
+                energy.twisting += twisting;
+            }
+        }
+        energy
+    }
+
+    /// Node at which a vertex lies.
+    fn node_of(&self, vertex: &Vertex) -> usize {
+        let rods = &self.assembly.rods;
+        if vertex.after < rods.nodes {
+            return vertex.after;
+        }
+        let (rod, _) = self.assembly.locate(vertex.before);
+        rods.rods[rod].end_of(vertex.before)
+    }
+
+    fn strains(&self, index: usize, vertex: &Vertex) -> VertexStrains {
+        let edges = &self.geometry.edges;
+        VertexStrains {
+            curvature: vertex::curvatures(&edges[vertex.before], &edges[vertex.after]),
+            twist: self.geometry.twist(index),
+        }
+    }
+
+    fn resultants_of(&self, index: usize, vertex: &Vertex) -> Resultants {
+        let strains = self.strains(index, vertex);
+        let [before, after] = [vertex.before, vertex.after].map(|edge| &self.geometry.edges[edge]);
+        let moment = |axis: usize| {
+            let of_edge = |k: usize| strains.curvature[k] - vertex.natural.curvature[k];
+            vertex.stiffness.bending[axis] * (of_edge(axis) + of_edge(axis + 2))
+        };
+        let half_length = |frame: &EdgeFrame| {
+            if frame.length.is_finite() {
+                0.5 * frame.length
+            } else {
+                0.0
+            }
+        };
+        let length = half_length(before) + half_length(after);
+        let binormal = curvature_binormal(&before.tangent, &after.tangent);
+        Resultants {
+            bending_moment: moment(0).hypot(moment(1)),
+            twisting_moment: vertex.stiffness.twisting * (strains.twist - vertex.natural.twist),
+            curvature: binormal.norm() / length,
+            twist: strains.twist / length,
+        }
+    }
+}
+
+/// Change of an energy per turn of an edge: from its gradients over the edge vector and over the spin of its frame.
+fn turning(frame: &EdgeFrame, gradient: &Vector3, spin: f64) -> Vector3 {
+    let across = gradient - frame.holonomy * spin;
+    frame.tangent.cross(&across) * frame.length + frame.tangent * spin
+}

@@ -1,0 +1,336 @@
+//! What can be reproduced: one value for each table and figure, with its runs and what is made of them.
+
+use super::bundling::Bundling;
+use super::cases::{Case, Run, run_all};
+use super::helices::Helices;
+use super::inversion::Inversion;
+use super::manipulated_helix::ManipulatedHelix;
+use super::page::Page;
+use super::simplified_inversion::{self, Factor};
+use super::tightening::Tightening;
+use super::{
+    ReproduceError, ReproduceOptions, auto_steps, cost, drag_steps, figure_2_5, figure_2_6,
+    figure_2_7, figure_2_8, figure_3_4, figure_3_9, figure_6_2, figure_6_5, inversion_factors,
+    knot_convergence, table_2_1, table_2_2,
+};
+use std::fmt;
+use std::path::PathBuf;
+
+/// A table or figure of the thesis, or one about this engine itself.
+pub struct Artifact {
+    name: &'static str,
+    title: &'static str,
+    pub(super) recipe: &'static dyn AnyRecipe,
+}
+
+/// All tables and figures.
+pub static ARTIFACTS: [Artifact; 20] = [
+    Artifact {
+        name: "tab2.1",
+        title: "Table 2.1: IMC and IPC, iterations and time of bundling flagella",
+        recipe: &Recipe {
+            runs: Bundling::of_table_2_1,
+            write: table_2_1::write,
+        },
+    },
+    Artifact {
+        name: "tab2.2",
+        title: "Table 2.2: two flagella with growing friction, convergence",
+        recipe: &Recipe {
+            runs: Bundling::of_table_2_2,
+            write: table_2_2::write,
+        },
+    },
+    Artifact {
+        name: "fig2.5",
+        title: "Figure 2.5: difference between IMC and IPC, five flagella",
+        recipe: &Recipe {
+            runs: Bundling::of_figure_2_5,
+            write: figure_2_5::write,
+        },
+    },
+    Artifact {
+        name: "fig2.6",
+        title: "Figure 2.6: two flagella with growing friction, snapshots",
+        recipe: &Recipe {
+            runs: Bundling::of_figure_2_6,
+            write: figure_2_6::write,
+        },
+    },
+    Artifact {
+        name: "fig2.7",
+        title: "Figure 2.7: a trefoil pulled tight, traction and theory",
+        recipe: &Recipe {
+            runs: Tightening::of_figure_2_7,
+            write: figure_2_7::write,
+        },
+    },
+    Artifact {
+        name: "fig2.8",
+        title: "Figure 2.8: overhand knots pulled tight, traction and theory",
+        recipe: &Recipe {
+            runs: Tightening::of_figure_2_8,
+            write: figure_2_8::write,
+        },
+    },
+    Artifact {
+        name: "fig3.4",
+        title: "Figure 3.4: an overhand knot pulled until it inverts",
+        recipe: &Recipe {
+            runs: Inversion::of_figure_3_4,
+            write: figure_3_4::write,
+        },
+    },
+    Artifact {
+        name: "fig3.5",
+        title: "Figure 3.5: inversion over the radius of the rod",
+        recipe: &Recipe {
+            runs: Inversion::of_figure_3_5,
+            write: |page, cases| inversion_factors::write(page, &inversion_factors::RADIUS, cases),
+        },
+    },
+    Artifact {
+        name: "fig3.6",
+        title: "Figure 3.6: inversion over the unknotting number",
+        recipe: &Recipe {
+            runs: Inversion::of_figure_3_6,
+            write: |page, cases| inversion_factors::write(page, &inversion_factors::NUMBER, cases),
+        },
+    },
+    Artifact {
+        name: "fig3.7",
+        title: "Figure 3.7: inversion over friction",
+        recipe: &Recipe {
+            runs: Inversion::of_figure_3_7,
+            write: |page, cases| {
+                inversion_factors::write(page, &inversion_factors::FRICTION, cases)
+            },
+        },
+    },
+    Artifact {
+        name: "fig3.9",
+        title: "Figure 3.9: energy and equilibria of the simplified knot",
+        recipe: &Recipe {
+            runs: |quick| vec![Inversion::of_figure_3_5(quick)[0]],
+            write: figure_3_9::write,
+        },
+    },
+    Artifact {
+        name: "fig3.10",
+        title: "Figure 3.10: the simplified knot over the radius",
+        recipe: &Recipe {
+            runs: Inversion::of_figure_3_5,
+            write: |page, cases| simplified_inversion::write(page, Factor::Radius, cases),
+        },
+    },
+    Artifact {
+        name: "fig3.11",
+        title: "Figure 3.11: the simplified knot over the unknotting number",
+        recipe: &Recipe {
+            runs: Inversion::of_figure_3_6,
+            write: |page, cases| simplified_inversion::write(page, Factor::UnknottingNumber, cases),
+        },
+    },
+    Artifact {
+        name: "fig6.2",
+        title: "Figure 6.2: the boundary of the stable helices",
+        recipe: &Recipe {
+            runs: |quick| vec![Helices::of_the_thesis(quick)],
+            write: figure_6_2::write,
+        },
+    },
+    Artifact {
+        name: "fig6.5",
+        title: "Figure 6.5: disturbances of a manipulated helical rod",
+        recipe: &Recipe {
+            runs: ManipulatedHelix::of_figure_6_5,
+            write: figure_6_5::write,
+        },
+    },
+    Artifact {
+        name: "fig6.6",
+        title: "Figure 6.6: the boundary of the stable helices at ω = 0",
+        recipe: &Recipe {
+            runs: |quick| vec![Helices::of_the_thesis(quick)],
+            write: figure_6_2::write_section,
+        },
+    },
+    Artifact {
+        name: "knot-convergence",
+        title: "Overhand knots pulled tight: mesh, pull speed and contact tolerance",
+        recipe: &Recipe {
+            runs: Tightening::of_convergence,
+            write: knot_convergence::write,
+        },
+    },
+    Artifact {
+        name: "cost",
+        title: "Cost of a step over the number of flagella",
+        recipe: &Recipe {
+            runs: Bundling::of_cost,
+            write: cost::write,
+        },
+    },
+    Artifact {
+        name: "drag-steps",
+        title: "Error of larger and automatic steps, two flagella",
+        recipe: &Recipe {
+            runs: Bundling::of_drag_steps,
+            write: drag_steps::write,
+        },
+    },
+    Artifact {
+        name: "auto-steps",
+        title: "Automatic steps over 250 s, two and ten flagella",
+        recipe: &Recipe {
+            runs: Bundling::of_auto_steps,
+            write: auto_steps::write,
+        },
+    },
+];
+
+impl Artifact {
+    /// The artefact of a name.
+    pub fn named(name: &str) -> Option<&'static Self> {
+        ARTIFACTS.iter().find(|artifact| artifact.name == name)
+    }
+
+    /// What the command line and directories call it.
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// What it shows, with its number.
+    pub fn title(&self) -> &'static str {
+        self.title
+    }
+
+    /// Rough cost of all its runs on one core, s.
+    pub fn cost(&self, quick: bool) -> f64 {
+        self.recipe.cost(quick)
+    }
+}
+
+impl PartialEq for Artifact {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
+impl fmt::Debug for Artifact {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.name)
+    }
+}
+
+/// How an artefact is made: its runs, quick ones or all of their time, and the page that is written of them.
+struct Recipe<R> {
+    runs: fn(quick: bool) -> Vec<R>,
+    write: fn(&mut Page, &[Case<R>]) -> Result<(), ReproduceError>,
+}
+
+/// A [`Recipe`] of whatever runs.
+pub(super) trait AnyRecipe: Sync {
+    /// Rough cost of all runs on one core, s.
+    fn cost(&self, quick: bool) -> f64;
+
+    /// Makes the runs and writes the page; returns the files written.
+    fn make(
+        &self,
+        artifact: &'static Artifact,
+        options: &ReproduceOptions,
+        report: &(dyn Fn(&str) + Sync),
+    ) -> Result<Vec<PathBuf>, ReproduceError>;
+
+    /// The same with a few steps of the first `count` runs.
+    #[cfg(test)]
+    fn make_shortened(
+        &self,
+        artifact: &'static Artifact,
+        count: usize,
+        options: &ReproduceOptions,
+        report: &(dyn Fn(&str) + Sync),
+    ) -> Result<Vec<PathBuf>, ReproduceError>;
+
+    /// The ids of the runs, each of which is prepared.
+    #[cfg(test)]
+    fn ids(&self, quick: bool) -> Vec<String>;
+}
+
+impl<R: Run> Recipe<R> {
+    fn make_of(
+        &self,
+        artifact: &'static Artifact,
+        runs: &[R],
+        options: &ReproduceOptions,
+        report: &(dyn Fn(&str) + Sync),
+    ) -> Result<Vec<PathBuf>, ReproduceError> {
+        let cases = run_all(runs, options, report)?;
+        let mut page = Page::begin(artifact, options, &cases)?;
+        (self.write)(&mut page, &cases)?;
+        Ok(page.finish()?)
+    }
+}
+
+impl<R: Run> AnyRecipe for Recipe<R> {
+    fn cost(&self, quick: bool) -> f64 {
+        (self.runs)(quick).iter().map(Run::cost).sum()
+    }
+
+    fn make(
+        &self,
+        artifact: &'static Artifact,
+        options: &ReproduceOptions,
+        report: &(dyn Fn(&str) + Sync),
+    ) -> Result<Vec<PathBuf>, ReproduceError> {
+        self.make_of(artifact, &(self.runs)(options.quick), options, report)
+    }
+
+    #[cfg(test)]
+    fn make_shortened(
+        &self,
+        artifact: &'static Artifact,
+        count: usize,
+        options: &ReproduceOptions,
+        report: &(dyn Fn(&str) + Sync),
+    ) -> Result<Vec<PathBuf>, ReproduceError> {
+        let runs = (self.runs)(options.quick);
+        let runs: Vec<R> = runs.iter().take(count).map(Run::shortened).collect();
+        self.make_of(artifact, &runs, options, report)
+    }
+
+    #[cfg(test)]
+    fn ids(&self, quick: bool) -> Vec<String> {
+        let id = |run: &R| {
+            assert!(!run.prepare().scene.rods.is_empty());
+            run.id()
+        };
+        (self.runs)(quick).iter().map(id).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn artefacts_are_found_by_their_names() {
+        for artifact in &ARTIFACTS {
+            let found = Artifact::named(artifact.name()).unwrap();
+            assert_eq!(found.title(), artifact.title());
+        }
+        assert_eq!(Artifact::named("tab9.9"), None);
+    }
+
+    #[test]
+    fn runs_of_an_artefact_have_different_ids_and_are_scenarios() {
+        for artifact in &ARTIFACTS {
+            for quick in [false, true] {
+                let ids = artifact.recipe.ids(quick);
+                let different: BTreeSet<&String> = ids.iter().collect();
+                assert_eq!(different.len(), ids.len(), "{artifact:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,367 @@
+//! A run of bundling flagella with the parameters of the thesis, section 2.4.2.
+
+use super::cases::Run;
+use super::{auto_steps, drag_steps, figure_2_5};
+use crate::experiment::{from_text, prepare};
+use crate::run::PreparedRun;
+use std::path::Path;
+
+/// What the flagella scenarios have in common.
+const BASE: &str = include_str!("../../scenarios/flagella_base.toml");
+
+/// A run of bundling flagella.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Bundling {
+    /// Number of flagella M.
+    pub flagella: usize,
+    /// Contact model.
+    pub model: ContactModel,
+    /// Friction coefficient μ.
+    pub friction: f64,
+    /// Distance tolerance δ, m.
+    pub distance_tolerance: f64,
+    /// Time scheme.
+    pub scheme: Scheme,
+    /// Time step.
+    pub step: Step,
+    /// By which part of itself the helices' radius is larger, to see what becomes of a small difference.
+    pub widening: f64,
+    /// Simulated time, s.
+    pub end: f64,
+}
+
+/// Radius of the helices of the thesis, m.
+const HELIX_RADIUS: f64 = 0.01;
+
+/// Time scheme of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Scheme {
+    /// That of the thesis.
+    ImplicitEuler,
+    /// Of third order.
+    BackwardDifferences,
+}
+
+impl Scheme {
+    /// As scenario files have it.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::ImplicitEuler => "implicit-euler",
+            Self::BackwardDifferences => "backward-differences",
+        }
+    }
+}
+
+/// Time step of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Step {
+    /// Always the same, s.
+    Fixed(f64),
+    /// Chosen by the local error.
+    Auto,
+}
+
+/// Time step of the thesis, 1 ms.
+pub(super) const STEP: Step = Step::Fixed(1e-3);
+
+impl Step {
+    /// As scenario files have it.
+    pub fn key(self) -> String {
+        match self {
+            Self::Fixed(step) => format!("{step:?}"),
+            Self::Auto => "\"auto\"".into(),
+        }
+    }
+
+    /// As tables have it: in s, or "auto".
+    pub fn in_words(self) -> String {
+        self.key().trim_matches('"').to_owned()
+    }
+}
+
+/// Distance tolerance of the thesis, m.
+pub(super) const DISTANCE_TOLERANCE: f64 = 1e-5;
+
+/// Numbers of flagella of the thesis (section 2.4.2).
+pub(super) const FLAGELLA: [usize; 4] = [2, 3, 5, 10];
+/// Numbers of flagella whose cost is measured.
+const FLAGELLA_OF_COST: [usize; 6] = [2, 5, 10, 20, 50, 100];
+/// Simulated time of the thesis and of a quick look, s.
+const END: [f64; 2] = [250.0, 20.0];
+/// The same of a difference, whose quick look has 20 s of contact.
+const END_OF_DIFFERENCE: [f64; 2] = [250.0, 25.0];
+/// The same of costs: 400 steps, of which the first dozens build the preconditioner.
+const END_OF_COST: [f64; 2] = [0.4, 0.05];
+/// The same of the comparison of steps.
+const END_OF_STEPS: [f64; 2] = [20.0, 5.0];
+
+/// Contact models that the thesis compares.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum ContactModel {
+    /// Implicit contact model.
+    Imc,
+    /// Incremental potential contact.
+    Ipc,
+}
+
+impl ContactModel {
+    /// Its abbreviation in the literature.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Imc => "IMC",
+            Self::Ipc => "IPC",
+        }
+    }
+
+    fn key(self) -> &'static str {
+        match self {
+            Self::Imc => "imc",
+            Self::Ipc => "ipc",
+        }
+    }
+}
+
+impl Bundling {
+    /// Flagella without friction, by the contact model of the thesis.
+    fn free(flagella: usize, ends: [f64; 2], quick: bool) -> Self {
+        Self {
+            flagella,
+            model: ContactModel::Imc,
+            friction: 0.0,
+            distance_tolerance: DISTANCE_TOLERANCE,
+            scheme: Scheme::ImplicitEuler,
+            step: STEP,
+            widening: 0.0,
+            end: ends[usize::from(quick)],
+        }
+    }
+
+    /// Each run by both contact models, those of IMC before those of IPC.
+    fn by_both_models(runs: &[Self]) -> Vec<Self> {
+        let models = [ContactModel::Imc, ContactModel::Ipc];
+        let run = |model| runs.iter().map(move |run| Self { model, ..*run });
+        models.into_iter().flat_map(run).collect()
+    }
+
+    /// All numbers of flagella by both contact models.
+    pub fn of_table_2_1(quick: bool) -> Vec<Self> {
+        Self::by_both_models(&FLAGELLA.map(|flagella| Self::free(flagella, END, quick)))
+    }
+
+    /// Two flagella with growing friction.
+    pub fn of_table_2_2(quick: bool) -> Vec<Self> {
+        let run = |tenths| Self {
+            friction: f64::from(tenths) / 10.0,
+            ..Self::free(2, END, quick)
+        };
+        (1..=10).map(run).collect()
+    }
+
+    /// Five flagella by both contact models, with a small distance tolerance.
+    pub fn of_figure_2_5(quick: bool) -> Vec<Self> {
+        Self::by_both_models(&[Self {
+            distance_tolerance: figure_2_5::DISTANCE_TOLERANCE,
+            ..Self::free(5, END_OF_DIFFERENCE, quick)
+        }])
+    }
+
+    /// Two flagella with three frictions.
+    pub fn of_figure_2_6(quick: bool) -> Vec<Self> {
+        let run = |friction| Self {
+            friction,
+            ..Self::free(2, END, quick)
+        };
+        [0.0, 0.3, 0.7].map(run).to_vec()
+    }
+
+    /// Growing numbers of flagella for a short time.
+    pub fn of_cost(quick: bool) -> Vec<Self> {
+        let run = |flagella| Self::free(flagella, END_OF_COST, quick);
+        FLAGELLA_OF_COST.map(run).to_vec()
+    }
+
+    /// Two flagella by time steps of growing size.
+    pub fn of_drag_steps(quick: bool) -> Vec<Self> {
+        let run = |(scheme, step)| Self {
+            scheme,
+            step,
+            ..Self::free(2, END_OF_STEPS, quick)
+        };
+        drag_steps::STEPS.map(run).to_vec()
+    }
+
+    /// Fixed and automatic steps over the whole time, and a small difference to compare with.
+    pub fn of_auto_steps(quick: bool) -> Vec<Self> {
+        let variants = |flagella| {
+            auto_steps::VARIANTS.map(|(step, widening)| Self {
+                scheme: Scheme::BackwardDifferences,
+                step,
+                widening,
+                ..Self::free(flagella, END, quick)
+            })
+        };
+        auto_steps::FLAGELLA
+            .into_iter()
+            .flat_map(variants)
+            .collect()
+    }
+}
+
+impl Run for Bundling {
+    /// Its name, such as `m2_imc_mu0.3_250s`.
+    fn id(&self) -> String {
+        let Self {
+            flagella,
+            model,
+            friction,
+            distance_tolerance,
+            scheme,
+            step,
+            widening,
+            end,
+        } = self;
+        let mut name = format!("m{flagella}_{}_mu{friction}_{end}s", model.key());
+        if *distance_tolerance != DISTANCE_TOLERANCE {
+            name += &format!("_delta{distance_tolerance:e}");
+        }
+        if *scheme != Scheme::ImplicitEuler {
+            name = format!("{name}_{}", scheme.key());
+        }
+        if *widening != 0.0 {
+            name += &format!("_wider{widening:e}");
+        }
+        match *step {
+            STEP => name,
+            Step::Fixed(step) => format!("{name}_step{step}"),
+            Step::Auto => name + "_auto",
+        }
+    }
+
+    fn prepare(&self) -> PreparedRun {
+        let mut overrides = vec![
+            format!("title=\"Bundling flagella, {}\"", self.id()),
+            format!("flagella.count={}", self.flagella),
+            format!("contact.model=\"{}\"", self.model.key()),
+            format!("contact.friction={:?}", self.friction),
+            format!("contact.distance_tolerance={:?}", self.distance_tolerance),
+            format!("time.step={}", self.step.key()),
+            format!("time.end={:?}", self.end),
+        ];
+        if self.scheme != Scheme::ImplicitEuler {
+            overrides.push(format!("time.scheme=\"{}\"", self.scheme.key()));
+        }
+        if self.widening != 0.0 {
+            let radius = HELIX_RADIUS * (1.0 + self.widening);
+            overrides.push(format!("flagella.helix_radius={radius:?}"));
+        }
+        let loaded = from_text(&self.id(), BASE, Path::new(""), &overrides);
+        let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
+        prepare(&loaded.scenario).expect("a scene of the thesis is possible")
+    }
+
+    fn end(&self) -> f64 {
+        self.end
+    }
+
+    /// Rough cost on one core, s: of steps whose fluid costs grow with the square of the flagella, up to the thousand
+    /// nodes above which the fluid is computed by clusters.
+    fn cost(&self) -> f64 {
+        let flagella = self.flagella as f64;
+        let rubbing = 1.0 + 3.0 * self.friction;
+        let cost_of_step = 0.1e-3 * flagella + 0.04e-3 * flagella * flagella.min(40.0);
+        let step = match self.step {
+            Step::Fixed(step) => step,
+            // As seen with two flagella in contact.
+            Step::Auto => 3e-3,
+        };
+        self.end / step * cost_of_step * rubbing
+    }
+
+    #[cfg(test)]
+    fn shortened(&self) -> Self {
+        Self { end: 2e-3, ..*self }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::dynamics::{self, StepSize};
+    use crate::run::Mode;
+
+    #[test]
+    fn the_runs_of_table_2_1_come_in_pairs_of_models() {
+        let runs = Bundling::of_table_2_1(false);
+        let (penalty, barrier) = runs.split_at(FLAGELLA.len());
+        for (imc, ipc) in penalty.iter().zip(barrier) {
+            assert_eq!(
+                (imc.model, ipc.model),
+                (ContactModel::Imc, ContactModel::Ipc)
+            );
+            assert_eq!(imc.flagella, ipc.flagella);
+        }
+    }
+
+    #[test]
+    fn as_many_flagella_are_built_as_are_asked_for() {
+        for run in Bundling::of_cost(true) {
+            assert_eq!(run.prepare().scene.rods.len(), run.flagella);
+        }
+    }
+
+    #[test]
+    fn ids_say_what_is_run() {
+        let bundling = Bundling {
+            flagella: 3,
+            model: ContactModel::Ipc,
+            friction: 0.7,
+            distance_tolerance: DISTANCE_TOLERANCE,
+            scheme: Scheme::ImplicitEuler,
+            step: STEP,
+            widening: 0.0,
+            end: 20.0,
+        };
+        assert_eq!(bundling.id(), "m3_ipc_mu0.7_20s");
+        let prepared = bundling.prepare();
+        assert_eq!(prepared.name, bundling.id());
+        assert_eq!(prepared.mode, Mode::Dynamic { end: 20.0 });
+        assert_eq!(prepared.scene.contact.unwrap().friction, 0.7);
+        let tighter = Bundling {
+            distance_tolerance: 2e-6,
+            ..bundling
+        };
+        assert_eq!(tighter.id(), "m3_ipc_mu0.7_20s_delta2e-6");
+        let contact = tighter.prepare().scene.contact.unwrap();
+        assert_eq!(contact.distance_tolerance, 2e-6);
+        let coarser = Bundling {
+            step: Step::Fixed(5e-3),
+            ..bundling
+        };
+        assert_eq!(coarser.id(), "m3_ipc_mu0.7_20s_step0.005");
+        assert_eq!(coarser.prepare().integration.step, StepSize::Fixed(5e-3));
+        let finer = Bundling {
+            scheme: Scheme::BackwardDifferences,
+            ..bundling
+        };
+        assert_eq!(finer.id(), "m3_ipc_mu0.7_20s_backward-differences");
+        let scheme = finer.prepare().integration.scheme;
+        assert_eq!(scheme, dynamics::Scheme::BackwardDifferences);
+        let wider = Bundling {
+            widening: 1e-8,
+            ..bundling
+        };
+        assert_eq!(wider.id(), "m3_ipc_mu0.7_20s_wider1e-8");
+        let difference = |node: usize| {
+            let [a, b] = [wider, bundling].map(|run| run.prepare().scene.rods[0].centreline[node]);
+            (a - b).norm()
+        };
+        assert!((difference(60) - 1e-10).abs() < 2e-13, "{}", difference(60));
+        let automatic = Bundling {
+            step: Step::Auto,
+            ..bundling
+        };
+        assert_eq!(automatic.id(), "m3_ipc_mu0.7_20s_auto");
+        let step = automatic.prepare().integration.step;
+        assert!(matches!(step, StepSize::Auto { .. }));
+    }
+}

@@ -1,0 +1,134 @@
+//! Runs, some at a time, each in its own results directory.
+
+use super::bundling::Bundling;
+use super::{ReproduceError, ReproduceOptions};
+use crate::results::{CaseRecord, MAIN_CASE, Manifest, scenario_hash};
+use crate::run::{PreparedRun, RunError, RunOptions, RunStatus, run, thread_pools};
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::sync::OnceLock;
+
+/// Folder of the runs of all artefacts.
+const CASES: &str = "cases";
+/// Digits of the scenario's hash in the name of a run's directory.
+const HASH_DIGITS: usize = 8;
+
+/// What an artefact asks to be run.
+pub(super) trait Run: Clone + Sync + Send {
+    /// Its name, for directories.
+    fn id(&self) -> String;
+    /// The run, ready to start.
+    fn prepare(&self) -> PreparedRun;
+    /// Simulated time, s.
+    fn end(&self) -> f64;
+    /// Rough cost on one core, s.
+    fn cost(&self) -> f64;
+    /// A few steps of it.
+    #[cfg(test)]
+    fn shortened(&self) -> Self;
+    /// How much is done, for a quick look to say it.
+    fn extent(&self) -> String {
+        format!("{} s were simulated", self.end())
+    }
+}
+
+/// A run that came to an end.
+#[derive(Clone, Debug)]
+pub(super) struct Case<R = Bundling> {
+    /// What was run.
+    pub run: R,
+    /// Its results directory.
+    pub directory: PathBuf,
+    /// What came out; the status tells whether the simulated time was reached.
+    pub record: CaseRecord,
+    /// Its manifest.
+    pub manifest: Manifest,
+    /// Whether an earlier call had finished it.
+    pub was_finished: bool,
+}
+
+/// How a run came to an end.
+type Ended<R> = Result<Case<R>, ReproduceError>;
+
+/// Runs whatever has not been run yet, `options.jobs` at a time, in order.
+pub(super) fn run_all<R: Run>(
+    runs: &[R],
+    options: &ReproduceOptions,
+    report: &(dyn Fn(&str) + Sync),
+) -> Result<Vec<Case<R>>, ReproduceError> {
+    let results: Vec<OnceLock<Ended<R>>> = runs.iter().map(|_| OnceLock::new()).collect();
+    thread_pools::for_each(runs.len(), options.jobs, |index| {
+        let result = run_one(&runs[index], options);
+        let flow = match &result {
+            Ok(case) => {
+                report(&case.in_a_line());
+                ControlFlow::Continue(())
+            }
+            Err(_) => ControlFlow::Break(()),
+        };
+        // Each index comes once.
+        let _ = results[index].set(result);
+        flow
+    })
+    .map_err(|error| ReproduceError::Threads(error.to_string()))?;
+    // Runs are begun in order: before one that was not, another has failed.
+    results
+        .into_iter()
+        .map_while(OnceLock::into_inner)
+        .collect()
+}
+
+fn run_one<R: Run>(asked: &R, options: &ReproduceOptions) -> Result<Case<R>, ReproduceError> {
+    let prepared = asked.prepare();
+    // Another version of the program may resolve the scenario to something else: that is another run.
+    let hash = scenario_hash(&prepared.scenario_toml);
+    let name = format!("{}-{}", asked.id(), &hash[..HASH_DIGITS]);
+    let directory = options.directory.join(CASES).join(name);
+    let run_options = RunOptions {
+        command_line: options.command_line.clone(),
+        progress: false,
+        ..RunOptions::new(&directory)
+    };
+    let was_finished = match run(&prepared, &run_options) {
+        Ok(outcome) => outcome.status == RunStatus::AlreadyFinished,
+        // Where the mechanics gives up, the thesis' simulations end, too: a result.
+        Err(RunError::Simulation { .. }) => false,
+        Err(error) => return Err(error.into()),
+    };
+    let manifest = Manifest::read(&directory)?.expect("a run leaves its manifest");
+    Ok(Case {
+        run: asked.clone(),
+        directory,
+        record: manifest.cases[MAIN_CASE].clone(),
+        manifest,
+        was_finished,
+    })
+}
+
+impl<R: Run> Case<R> {
+    /// How it ended, for progress reports.
+    fn in_a_line(&self) -> String {
+        let Self { run, record, .. } = self;
+        let how = if self.was_finished {
+            "had been run before".to_owned()
+        } else {
+            format!("{:.1} s of wall time", record.wall_time)
+        };
+        let at = match record.outcome.simulated_time {
+            0.0 => String::new(),
+            end => format!(" at {end} s"),
+        };
+        format!("{}: {}{at}, {how}", run.id(), self.status())
+    }
+
+    /// Its status in words.
+    pub fn status(&self) -> &'static str {
+        self.record.status.in_words()
+    }
+
+    /// Wall time per step with contact, s.
+    pub fn time_per_step_with_contact(&self) -> Option<f64> {
+        let steps = self.record.outcome.steps_with_contact;
+        (steps > 0).then(|| self.record.wall_time_with_contact / steps as f64)
+    }
+}

@@ -1,0 +1,43 @@
+//! Figure 2.6: friction in pictures.
+
+use super::ReproduceError;
+use super::cases::Case;
+use super::page::Page;
+use crate::report::rods_figure;
+use serde::Serialize;
+
+/// A row of the CSV file.
+#[derive(Serialize)]
+struct Row {
+    friction: f64,
+    status: &'static str,
+    simulated_end_s: f64,
+    first_contact_s: Option<f64>,
+    steps_with_contact: u64,
+    min_distance_ratio: Option<f64>,
+}
+
+/// Writes a row of snapshots for each friction coefficient.
+pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceError> {
+    let rows: Vec<Row> = cases.iter().map(row).collect();
+    page.csv(&rows)?;
+    for case in cases {
+        let friction = case.run.friction;
+        let name = format!("fig2.6_mu{friction}");
+        let snapshots = rods_figure(&case.directory, &case.manifest.rods)?;
+        page.figure(&name, &format!("μ = {friction}"), &snapshots)?;
+    }
+    Ok(())
+}
+
+fn row(case: &Case) -> Row {
+    let outcome = &case.record.outcome;
+    Row {
+        friction: case.run.friction,
+        status: case.status(),
+        simulated_end_s: outcome.simulated_time,
+        first_contact_s: outcome.first_contact,
+        steps_with_contact: outcome.steps_with_contact,
+        min_distance_ratio: outcome.minimum_distance_ratio,
+    }
+}

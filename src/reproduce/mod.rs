@@ -1,0 +1,182 @@
+//! Tables and figures of the thesis, made again with this engine.
+//!
+//! An [`Artifact`] is a set of runs and what is made of them; all stand in [`ARTIFACTS`]. Each run is an ordinary one, with its own
+//! results directory: an interrupted [`reproduce`] continues where it was, and artefacts share their runs.
+//!
+//! | file | what |
+//! |---|---|
+//! | `artifact` | the list of all: name, title, runs, page |
+//! | `bundling` | a run of bundling flagella (thesis 2.4.2) |
+//! | `tightening` | a knot pulled tight (thesis 2.5) |
+//! | `inversion` | a knot pulled until it inverts (thesis 3) |
+//! | `helices` | the search for the boundary of the stable helices (thesis 6.2) |
+//! | `manipulated_helix` | a helical rod manipulated in time (thesis 6.3) |
+//! | `cases` | running the runs |
+//! | `page` | CSV, Markdown and manifest of an artefact |
+//! | `table_2_1`, `table_2_2`, `figure_2_5` to `figure_2_8` | one artefact each |
+//! | `figure_3_4`, `inversion_factors` | figures 3.4 and 3.5 to 3.7; `inversion_page` and `inversion_pictures` are their parts |
+//! | `figure_3_9`, `simplified_inversion` | the simplified knot: figures 3.9, 3.10 and 3.11 |
+//! | `figure_6_2` | figures 6.2 and 6.6 |
+//! | `figure_6_5` | disturbances of a manipulated rod |
+//! | `overhand_law` | knots pulled tight against Eq. 2.30, part by part |
+//! | `knot_convergence` | what mesh, pull speed and contact tolerance change |
+//! | `cost`, `drag_steps`, `auto_steps` | what steps cost, and what larger and automatic ones lose |
+//! | `difference` | distance of the nodes between two runs (thesis Eq. 2.28) |
+
+mod artifact;
+mod auto_steps;
+mod bundling;
+mod cases;
+mod cost;
+mod difference;
+mod drag_steps;
+mod figure_2_5;
+mod figure_2_6;
+mod figure_2_7;
+mod figure_2_8;
+mod figure_3_4;
+mod figure_3_9;
+mod figure_6_2;
+mod figure_6_5;
+mod helices;
+mod inversion;
+mod inversion_factors;
+mod inversion_page;
+mod inversion_pictures;
+mod knot_convergence;
+mod manipulated_helix;
+mod overhand_law;
+mod page;
+mod simplified_inversion;
+mod table_2_1;
+mod table_2_2;
+mod tightening;
+
+pub use artifact::{ARTIFACTS, Artifact};
+
+use crate::results::ResultsError;
+use crate::run::RunError;
+use std::path::PathBuf;
+
+/// How to reproduce, as opposed to what.
+#[derive(Clone, Debug)]
+pub struct ReproduceOptions {
+    /// Where things go: each artefact into a directory of its name, the runs into `cases`.
+    pub directory: PathBuf,
+    /// Simulate a short time only.
+    pub quick: bool,
+    /// Runs at a time, at least 1; they share the threads of the program.
+    pub jobs: usize,
+    /// The command line, for the manifests.
+    pub command_line: Vec<String>,
+}
+
+/// Why an artefact was not made.
+#[derive(Debug, thiserror::Error)]
+pub enum ReproduceError {
+    /// A run did not begin, or was stopped. A run that the mechanics ended is a result, not an error.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// Results could not be written or read.
+    #[error(transparent)]
+    Results(#[from] ResultsError),
+    /// The system could not start the threads of a run.
+    #[error("cannot start the threads of a run: {0}")]
+    Threads(String),
+}
+
+impl ReproduceError {
+    /// Exit code of the program.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Run(error) => error.exit_code(),
+            Self::Results(error) => error.exit_code(),
+            Self::Threads(_) => 1,
+        }
+    }
+}
+
+/// Makes an artefact and returns the files written; `report` is told of each run that ended.
+///
+/// # Errors
+/// See [`ReproduceError`].
+pub fn reproduce(
+    artifact: &'static Artifact,
+    options: &ReproduceOptions,
+    report: &(dyn Fn(&str) + Sync),
+) -> Result<Vec<PathBuf>, ReproduceError> {
+    artifact.recipe.make(artifact, options, report)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+    use std::sync::Mutex;
+
+    fn options(directory: &std::path::Path, jobs: usize) -> ReproduceOptions {
+        ReproduceOptions {
+            directory: directory.to_owned(),
+            quick: true,
+            jobs,
+            command_line: vec!["rodlab".into(), "reproduce".into()],
+        }
+    }
+
+    #[test]
+    fn every_artefact_has_its_page_its_table_and_its_figures() {
+        let directory = tempfile::tempdir().unwrap();
+        for artifact in &ARTIFACTS {
+            let options = options(directory.path(), 2);
+            let written = artifact
+                .recipe
+                .make_shortened(artifact, usize::MAX, &options, &|_| {})
+                .unwrap();
+            let page = directory.path().join(artifact.name());
+            assert!(written.iter().all(|file| file.starts_with(&page)));
+            let text = fs::read_to_string(page.join("README.md")).unwrap();
+            assert!(
+                text.starts_with(&format!("# {}", artifact.title())),
+                "{text}"
+            );
+            assert!(
+                ["0.0", "60 d", "rods of"]
+                    .iter()
+                    .any(|what| text.contains(&format!("**Quick: {what}"))),
+                "{text}"
+            );
+            let figures: Vec<&str> = text.lines().filter(|line| line.starts_with("![")).collect();
+            assert!(!figures.is_empty());
+            for figure in figures {
+                let (_, name) = figure.split_once("](").unwrap();
+                let svg = fs::read_to_string(page.join(name.trim_end_matches(')'))).unwrap();
+                assert!(svg.starts_with("<svg"));
+            }
+            let table = fs::read_to_string(page.join(format!("{}.csv", artifact.name()))).unwrap();
+            assert!(table.lines().count() > 1);
+        }
+    }
+
+    #[test]
+    fn runs_are_made_once_whatever_asks_for_them() {
+        let directory = tempfile::tempdir().unwrap();
+        let reports = Mutex::new(Vec::new());
+        let report = |line: &str| reports.lock().unwrap().push(line.to_owned());
+        let artifact = Artifact::named("fig2.6").unwrap();
+        let options = options(directory.path(), 1);
+        let make = |count: usize| {
+            let recipe = artifact.recipe;
+            let made = recipe.make_shortened(artifact, count, &options, &report);
+            made.unwrap();
+            fs::read(directory.path().join("fig2.6/fig2.6.csv")).unwrap()
+        };
+        let first = make(3);
+        assert_ne!(make(2), first);
+        assert_eq!(make(3), first);
+        let reports = reports.into_inner().unwrap();
+        let again = reports
+            .iter()
+            .filter(|line| line.contains("had been run before"));
+        assert_eq!((reports.len(), again.count()), (8, 5));
+    }
+}

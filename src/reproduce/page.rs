@@ -1,0 +1,226 @@
+//! The files of an artefact: CSV, Markdown, figures, and a manifest that says how they were made.
+
+use super::cases::{Case, Run};
+use super::{Artifact, ReproduceOptions};
+use crate::results::{CaseStatus, MANIFEST, ResultsError, write_whole};
+use crate::run::thread_pools::threads_of_a_job;
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// The directory of an artefact while it is written.
+pub(super) struct Page {
+    artifact: &'static Artifact,
+    directory: PathBuf,
+    manifest: PageManifest,
+    markdown: String,
+    written: Vec<PathBuf>,
+}
+
+/// How an artefact was made.
+#[derive(Serialize)]
+struct PageManifest {
+    artifact: &'static str,
+    title: &'static str,
+    version: &'static str,
+    commit: Option<&'static str>,
+    command_line: Vec<String>,
+    written: jiff::Timestamp,
+    /// Whether only a short time was simulated.
+    quick: bool,
+    /// Runs at a time in this call.
+    jobs: usize,
+    cases: Vec<CaseNote>,
+}
+
+/// How a run was made.
+#[derive(Serialize)]
+struct CaseNote {
+    case: String,
+    status: CaseStatus,
+    simulated_time_s: f64,
+    wall_time_s: f64,
+    /// Processor time of the process meanwhile, other runs at the same time included.
+    cpu_time_s: Option<f64>,
+    threads: usize,
+    version: String,
+    /// Whether an earlier call had finished it.
+    was_finished: bool,
+}
+
+impl Page {
+    /// Makes the directory and the head of the page.
+    pub fn begin<R: Run>(
+        artifact: &'static Artifact,
+        options: &ReproduceOptions,
+        cases: &[Case<R>],
+    ) -> Result<Self, ResultsError> {
+        let directory = options.directory.join(artifact.name());
+        std::fs::create_dir_all(&directory).map_err(|source| ResultsError::Io {
+            action: "create",
+            path: directory.clone(),
+            source,
+        })?;
+        let note = |case: &Case<R>| CaseNote {
+            case: case.run.id(),
+            status: case.record.status,
+            simulated_time_s: case.record.outcome.simulated_time,
+            wall_time_s: case.record.wall_time,
+            cpu_time_s: case.record.cpu_time,
+            threads: case.manifest.threads,
+            version: case.manifest.version.clone(),
+            was_finished: case.was_finished,
+        };
+        Ok(Self {
+            markdown: head(artifact, options, cases),
+            manifest: PageManifest {
+                artifact: artifact.name(),
+                title: artifact.title(),
+                version: env!("CARGO_PKG_VERSION"),
+                commit: option_env!("RODLAB_COMMIT"),
+                command_line: options.command_line.clone(),
+                written: jiff::Timestamp::now(),
+                quick: options.quick,
+                jobs: options.jobs,
+                cases: cases.iter().map(note).collect(),
+            },
+            artifact,
+            directory,
+            written: Vec::new(),
+        })
+    }
+
+    /// What directories and files of the artefact are called.
+    pub fn name(&self) -> &'static str {
+        self.artifact.name()
+    }
+
+    /// Writes rows as a CSV file, called like the artefact.
+    pub fn csv(&mut self, rows: &[impl Serialize]) -> Result<(), ResultsError> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        for row in rows {
+            writer.serialize(row).expect("plain rows go into memory");
+        }
+        let bytes = writer.into_inner().expect("memory takes all bytes");
+        self.file(&format!("{}.csv", self.artifact.name()), &bytes)
+    }
+
+    /// Writes a figure and shows it on the page.
+    pub fn figure(&mut self, name: &str, caption: &str, svg: &str) -> Result<(), ResultsError> {
+        let name = format!("{name}.svg");
+        self.text(&format!("![{caption}]({name})\n\n*{caption}*"));
+        self.file(&name, svg.as_bytes())
+    }
+
+    /// Copies a file of a run beside the page, if there is one.
+    pub fn copy(&mut self, from: &Path, name: &str) -> Result<(), ResultsError> {
+        if !from.exists() {
+            return Ok(());
+        }
+        let bytes = std::fs::read(from).map_err(|source| ResultsError::Io {
+            action: "read",
+            path: from.to_owned(),
+            source,
+        })?;
+        self.file(name, &bytes)
+    }
+
+    /// Adds a paragraph to the page.
+    pub fn text(&mut self, paragraph: &str) {
+        self.markdown += paragraph;
+        self.markdown += "\n\n";
+    }
+
+    /// Adds a table to the page.
+    pub fn table(&mut self, header: &[&str], rows: &[Vec<String>]) {
+        let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
+        let header: Vec<String> = header.iter().map(|&cell| cell.to_owned()).collect();
+        let rule = vec!["---".to_owned(); header.len()];
+        let mut table = line(&header) + &line(&rule);
+        for row in rows {
+            table += &line(row);
+        }
+        self.text(table.trim_end());
+    }
+
+    /// Writes the Markdown page and the manifest; returns all files written.
+    pub fn finish(mut self) -> Result<Vec<PathBuf>, ResultsError> {
+        let text = std::mem::take(&mut self.markdown);
+        self.file("README.md", (text.trim_end().to_owned() + "\n").as_bytes())?;
+        let manifest =
+            serde_json::to_string_pretty(&self.manifest).expect("a manifest has string keys only");
+        self.file(MANIFEST, (manifest + "\n").as_bytes())?;
+        Ok(self.written)
+    }
+
+    fn file(&mut self, name: &str, bytes: &[u8]) -> Result<(), ResultsError> {
+        let path = self.directory.join(name);
+        write_whole(&path, bytes)?;
+        self.written.push(path);
+        Ok(())
+    }
+}
+
+/// Title, command, and what a reader must know of times and timings.
+fn head<R: Run>(artifact: &Artifact, options: &ReproduceOptions, cases: &[Case<R>]) -> String {
+    let mut text = format!("# {}\n\n", artifact.title());
+    let mut add = |paragraph: String| {
+        // Writing to a string cannot fail.
+        let _ = write!(text, "{paragraph}\n\n");
+    };
+    let quick = if options.quick { " --quick" } else { "" };
+    add(format!(
+        "Made by `rodlab reproduce {}{quick}`, version {}.",
+        artifact.name(),
+        env!("CARGO_PKG_VERSION")
+    ));
+    let longest = cases
+        .iter()
+        .max_by(|a, b| a.run.end().total_cmp(&b.run.end()));
+    if let Some(longest) = longest.filter(|_| options.quick) {
+        add(format!(
+            "**Quick: {}, which is not all. Totals and ends are those of this part.**",
+            longest.run.extent()
+        ));
+    }
+    let jobs = options.jobs.min(cases.len());
+    let at_a_time = if jobs == 1 {
+        "one at a time".to_owned()
+    } else {
+        format!("{jobs} at a time, which slows each of them")
+    };
+    let threads = threads_of_a_job(options.jobs);
+    let before = cases.iter().filter(|case| case.was_finished).count();
+    let mut timings =
+        format!("Wall times: runs of this call were made {at_a_time}; threads of each: {threads}.");
+    if before > 0 {
+        timings += &format!(
+            " {before} of {} runs had been made by earlier calls; their times are of then.",
+            cases.len()
+        );
+    }
+    if let Some(ratio) = wall_time_over_cpu_time(cases).filter(|_| jobs * threads == 1) {
+        timings += &format!(
+            " All wall time over all processor time is {ratio:.2}; beyond 1 the machine was busy with other work."
+        );
+    }
+    add(timings);
+    text
+}
+
+fn wall_time_over_cpu_time<R: Run>(cases: &[Case<R>]) -> Option<f64> {
+    let cpu_times = cases.iter().map(|case| case.record.cpu_time);
+    let cpu_time: f64 = cpu_times.sum::<Option<f64>>()?;
+    let wall_time: f64 = cases.iter().map(|case| case.record.wall_time).sum();
+    (cpu_time > 0.0).then(|| wall_time / cpu_time)
+}
+
+/// A number of the page, or a dash.
+pub(super) fn number(value: Option<f64>, decimals: usize) -> String {
+    value.map_or("–".to_owned(), |value| format!("{value:.decimals$}"))
+}
+
+/// A count in units of a power of ten, as the thesis prints it: 6.01×10⁵ is `6.01e5`.
+pub(super) fn count(value: f64) -> String {
+    format!("{value:.2e}")
+}

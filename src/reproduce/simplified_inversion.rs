@@ -1,0 +1,113 @@
+//! Figures 3.10 and 3.11: inversion points of the simplified knot and of the full simulation.
+
+use super::ReproduceError;
+use super::cases::Case;
+use super::figure_3_9::SPINS;
+use super::inversion::Inversion;
+use super::page::{Page, number};
+use crate::figure::{Curve, LinePlot, PlotStyle, styled_line_plots};
+use crate::knot::SimplifiedKnot;
+use serde::Serialize;
+
+/// A row of the CSV file: inversion points l̄_k.
+#[derive(Clone, Copy, Serialize)]
+struct Row {
+    unknotting_number: usize,
+    radius_m: f64,
+    simulated: Option<f64>,
+    clamped: Option<f64>,
+    free_to_spin: Option<f64>,
+}
+
+/// Over what the inversion points are drawn.
+#[derive(Clone, Copy)]
+pub(super) enum Factor {
+    /// The radius of the rod.
+    Radius,
+    /// The unknotting number.
+    UnknottingNumber,
+}
+
+/// Name of the curve of the simulation, whose points are not joined.
+const SIMULATION: &str = "full simulation, μ = 0.1";
+
+/// Writes inversion points over the radius (3.10) or the unknotting number (3.11).
+pub(super) fn write(
+    page: &mut Page,
+    factor: Factor,
+    cases: &[Case<Inversion>],
+) -> Result<(), ReproduceError> {
+    let rows: Vec<Row> = cases.iter().map(row).collect();
+    page.csv(&rows)?;
+    let place = |row: &Row| match factor {
+        Factor::Radius => 1e3 * row.radius_m,
+        Factor::UnknottingNumber => row.unknotting_number as f64,
+    };
+    let curve = |name: &str, value: fn(&Row) -> Option<f64>| Curve {
+        name: name.into(),
+        points: rows.iter().map(|row| (place(row), value(row))).collect(),
+    };
+    let plot = LinePlot {
+        label: "l̄_k at inversion".into(),
+        curves: vec![
+            curve(SIMULATION, |row| row.simulated),
+            curve("simplified, ends of the loop clamped", |row| row.clamped),
+            curve("simplified, free to spin", |row| row.free_to_spin),
+        ],
+    };
+    let style = PlotStyle {
+        marks: true,
+        unjoined: vec![SIMULATION.into()],
+        ..PlotStyle::default()
+    };
+    let [label, head] = match factor {
+        Factor::Radius => ["h, mm", "h, mm"],
+        Factor::UnknottingNumber => ["unknotting number n", "n"],
+    };
+    page.text(
+        "The simplified knot (φ = π/3, ε = 0.7, ends of the loop on the axis, no friction, see fig3.9) has no other \
+         length than l_k, so that its l̄_k is the same for every radius. φ and ε are those of knots of n = 3 near their \
+         inversion, taken for every n. A trefoil has no fold, and does not invert.",
+    );
+    let header = [
+        head,
+        "full simulation",
+        "clamped",
+        "its ratio",
+        "free to spin",
+        "its ratio",
+    ];
+    let ratio = |model: Option<f64>, row: &Row| model.zip(row.simulated).map(|(a, b)| a / b);
+    let table: Vec<Vec<String>> = rows
+        .iter()
+        .map(|row| {
+            vec![
+                format!("{}", (1e6 * place(row)).round() / 1e6),
+                number(row.simulated, 1),
+                number(row.clamped, 1),
+                number(ratio(row.clamped, row), 3),
+                number(row.free_to_spin, 1),
+                number(ratio(row.free_to_spin, row), 3),
+            ]
+        })
+        .collect();
+    page.table(&header, &table);
+    let svg = styled_line_plots(&[plot], label, &style);
+    page.figure(page.name(), "Inversion points", &svg)?;
+    Ok(())
+}
+
+fn row(case: &Case<Inversion>) -> Row {
+    let number = case.run.unknotting_number;
+    let [clamped, free_to_spin] = SPINS.map(|(_, spin)| {
+        let fold = SimplifiedKnot::of_thesis(number, spin).inversion();
+        fold.map(|fold| fold.length)
+    });
+    Row {
+        unknotting_number: number,
+        radius_m: case.run.radius,
+        simulated: Inversion::outcome(case).inversion_by_height,
+        clamped,
+        free_to_spin,
+    }
+}

@@ -1,0 +1,199 @@
+//! Table 2.1: IMC against IPC.
+
+use super::ReproduceError;
+use super::bundling::ContactModel;
+use super::bundling::FLAGELLA;
+use super::cases::Case;
+use super::page::{Page, count, number};
+use crate::figure::{Curve, LinePlot, line_plots};
+use serde::Serialize;
+
+/// What the thesis prints of a run: over the steps with contact.
+struct Printed {
+    iterations_per_step: f64,
+    time_per_step_ms: f64,
+    total_iterations: f64,
+    total_run_time_h: f64,
+}
+
+/// Rows of the thesis for the numbers of [`FLAGELLA`].
+const IMC: [Printed; 4] = [
+    printed(3.00, 10.2, 6.01e5, 0.57),
+    printed(3.01, 21.3, 6.04e5, 1.19),
+    printed(3.02, 67.5, 5.39e5, 3.34),
+    printed(3.12, 389.4, 6.56e5, 22.77),
+];
+const IPC: [Printed; 4] = [
+    printed(4.00, 18.75, 7.98e5, 1.04),
+    printed(4.00, 39.5, 7.93e5, 2.17),
+    printed(4.01, 95.3, 7.09e5, 4.68),
+    printed(4.02, 477.47, 8.45e5, 27.88),
+];
+
+const fn printed(
+    iterations_per_step: f64,
+    time_per_step_ms: f64,
+    total_iterations: f64,
+    total_run_time_h: f64,
+) -> Printed {
+    Printed {
+        iterations_per_step,
+        time_per_step_ms,
+        total_iterations,
+        total_run_time_h,
+    }
+}
+
+/// A row of the CSV file; iterations and times are those of the steps with contact.
+#[derive(Serialize)]
+struct Row {
+    model: &'static str,
+    flagella: usize,
+    status: &'static str,
+    simulated_time_s: f64,
+    steps: u64,
+    steps_with_contact: u64,
+    first_contact_s: Option<f64>,
+    iterations_per_step: Option<f64>,
+    time_per_step_s: Option<f64>,
+    total_iterations: u64,
+    total_run_time_s: f64,
+    /// Run time of IPC over that of IMC.
+    run_time_ratio: Option<f64>,
+    wall_time_s: f64,
+    cpu_time_s: Option<f64>,
+    min_distance_ratio: Option<f64>,
+    thesis_iterations_per_step: f64,
+    thesis_time_per_step_s: f64,
+    thesis_total_iterations: f64,
+    thesis_total_run_time_s: f64,
+    thesis_run_time_ratio: Option<f64>,
+}
+
+/// Writes table and figure; the cases are those of IMC, then those of IPC.
+pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceError> {
+    let barrier = &cases[FLAGELLA.len()..];
+    let thesis = IMC.iter().chain(&IPC);
+    let rows: Vec<Row> = cases
+        .iter()
+        .zip(thesis)
+        .enumerate()
+        .map(|(index, (case, printed))| {
+            let ratios = barrier.get(index % FLAGELLA.len()).zip(IPC.get(index));
+            row(case, printed, ratios)
+        })
+        .collect();
+    page.text(
+        "Iterations and times are means and totals over the steps with contact, as in the thesis. The ratio is \
+         the run time of IPC over that of IMC.",
+    );
+    let header = [
+        "Model",
+        "M",
+        "Iterations per step",
+        "thesis",
+        "Time per step in ms",
+        "thesis",
+        "Total iterations",
+        "thesis",
+        "Total run time",
+        "thesis",
+        "Ratio",
+        "thesis",
+        "Least distance / 2h",
+    ];
+    let lines: Vec<Vec<String>> = rows.iter().map(line).collect();
+    page.table(&header, &lines);
+    for (row, case) in rows.iter().zip(cases) {
+        if row.status != "finished" {
+            page.text(&format!(
+                "{} with M = {} ended at {} s: {}.",
+                row.model,
+                row.flagella,
+                row.simulated_time_s,
+                case.status()
+            ));
+        }
+    }
+    page.csv(&rows)?;
+    let figure = line_plots(&plots(&rows), "Number of flagella");
+    page.figure("tab2.1", "Newton iterations per step with contact", &figure)?;
+    Ok(())
+}
+
+fn row(case: &Case, printed: &Printed, barrier: Option<(&Case, &Printed)>) -> Row {
+    let outcome = &case.record.outcome;
+    let run_time = case.record.wall_time_with_contact;
+    let is_penalty = case.run.model == ContactModel::Imc;
+    let barrier = barrier.filter(|_| is_penalty);
+    Row {
+        model: case.run.model.name(),
+        flagella: case.run.flagella,
+        status: case.status(),
+        simulated_time_s: outcome.simulated_time,
+        steps: outcome.steps,
+        steps_with_contact: outcome.steps_with_contact,
+        first_contact_s: outcome.first_contact,
+        iterations_per_step: outcome.newton_iterations_mean_with_contact(),
+        time_per_step_s: case.time_per_step_with_contact(),
+        total_iterations: outcome.newton_iterations_with_contact,
+        total_run_time_s: run_time,
+        run_time_ratio: barrier
+            .map(|(case, _)| case.record.wall_time_with_contact / run_time)
+            .filter(|ratio| ratio.is_finite()),
+        wall_time_s: case.record.wall_time,
+        cpu_time_s: case.record.cpu_time,
+        min_distance_ratio: outcome.minimum_distance_ratio,
+        thesis_iterations_per_step: printed.iterations_per_step,
+        thesis_time_per_step_s: 1e-3 * printed.time_per_step_ms,
+        thesis_total_iterations: printed.total_iterations,
+        thesis_total_run_time_s: 3600.0 * printed.total_run_time_h,
+        thesis_run_time_ratio: barrier
+            .map(|(_, barrier)| barrier.total_run_time_h / printed.total_run_time_h),
+    }
+}
+
+fn line(row: &Row) -> Vec<String> {
+    vec![
+        row.model.to_owned(),
+        row.flagella.to_string(),
+        number(row.iterations_per_step, 2),
+        number(Some(row.thesis_iterations_per_step), 2),
+        number(row.time_per_step_s.map(|time| 1e3 * time), 3),
+        number(Some(1e3 * row.thesis_time_per_step_s), 1),
+        count(row.total_iterations as f64),
+        count(row.thesis_total_iterations),
+        format!("{:.1} s", row.total_run_time_s),
+        format!("{:.2} h", row.thesis_total_run_time_s / 3600.0),
+        number(row.run_time_ratio, 2),
+        number(row.thesis_run_time_ratio, 2),
+        number(row.min_distance_ratio, 4),
+    ]
+}
+
+fn plots(rows: &[Row]) -> [LinePlot; 1] {
+    let curve = |name: String, model: &str, value: fn(&Row) -> Option<f64>| Curve {
+        name,
+        points: rows
+            .iter()
+            .filter(|row| row.model == model)
+            .map(|row| (row.flagella as f64, value(row)))
+            .collect(),
+    };
+    let curves = [ContactModel::Imc, ContactModel::Ipc]
+        .map(ContactModel::name)
+        .into_iter()
+        .flat_map(|model| {
+            [
+                curve(model.to_owned(), model, |row| row.iterations_per_step),
+                curve(format!("{model}, thesis"), model, |row| {
+                    Some(row.thesis_iterations_per_step)
+                }),
+            ]
+        })
+        .collect();
+    [LinePlot {
+        label: "Iterations per step".into(),
+        curves,
+    }]
+}

@@ -1,0 +1,69 @@
+//! A run that is ready to start: what every experiment builds from its scenario.
+
+use super::{Controller, Observer, TableRun};
+use crate::mechanics::dynamics::IntegrationParameters;
+use crate::mechanics::scene::Scene;
+use crate::mechanics::statics::PathPlan;
+use std::sync::Arc;
+
+/// A scenario turned into mechanics, with all that the run loop needs to know.
+#[derive(Clone, Debug)]
+pub struct PreparedRun {
+    /// Short name for directories: the stem of the scenario file.
+    pub name: String,
+    /// Name of the experiment, such as `scene` or `flagella`.
+    pub experiment: String,
+    /// Title for people.
+    pub title: String,
+    /// The resolved scenario as TOML, runnable as it stands; its hash identifies the run.
+    pub scenario_toml: String,
+    /// The mechanics.
+    pub scene: Scene,
+    /// Dynamic or static.
+    pub mode: Mode,
+    /// Time integration and Newton parameters.
+    pub integration: IntegrationParameters,
+    /// What is written, and how often.
+    pub output: OutputPlan,
+    /// What is observed, each as it is at the start.
+    pub observers: Vec<Box<dyn Observer>>,
+    /// What acts on the scene while it runs, each as it is at the start.
+    pub controllers: Vec<Box<dyn Controller>>,
+    /// What fills a table instead of moving the scene, which then shows the first of many.
+    pub table: Option<Arc<dyn TableRun>>,
+}
+
+impl PreparedRun {
+    /// The first observer of a type.
+    pub fn observer<T: Observer + 'static>(&self) -> Option<&T> {
+        let mut observers = self.observers.iter();
+        observers.find_map(|observer| (**observer).as_any().downcast_ref())
+    }
+}
+
+/// Whether the scene moves in time or rests.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Mode {
+    /// Time steps from zero to `end`, s.
+    Dynamic {
+        /// End of the simulated time, s.
+        end: f64,
+    },
+    /// Newton's method without inertia.
+    Static,
+    /// Equilibria along a path.
+    Continuation(PathPlan),
+}
+
+/// What a run writes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OutputPlan {
+    /// Time between outputs, s.
+    pub interval: f64,
+    /// Whether `nodes.csv` is written.
+    pub nodes: bool,
+    /// Whether velocities, fluid and contact forces of the nodes are written (`node_forces.csv`).
+    pub forces: bool,
+    /// Whether a VTK PolyData series is written.
+    pub vtk: bool,
+}

@@ -1,0 +1,60 @@
+//! What the results say of a prepared run.
+
+use super::RunOptions;
+use super::participants::columns;
+use crate::mechanics::scene::RodDescription;
+use crate::results::{
+    CaseRecord, CaseStatus, MAIN_CASE, Manifest, RecorderPlan, RodRecord, host_name, scenario_hash,
+};
+use crate::run::PreparedRun;
+use std::collections::BTreeMap;
+
+/// What readers of the results need to know of the rods.
+pub(crate) fn rod_records(prepared: &PreparedRun) -> Vec<RodRecord> {
+    let record = |rod: &RodDescription| RodRecord {
+        name: rod.name.clone(),
+        nodes: rod.centreline.len(),
+        closed: rod.closed,
+        radius: rod.radius,
+    };
+    prepared.scene.rods.iter().map(record).collect()
+}
+
+/// Which files the run writes.
+pub(crate) fn recorder_plan(prepared: &PreparedRun) -> RecorderPlan {
+    let output = prepared.output;
+    RecorderPlan {
+        observed: columns(&prepared.observers),
+        nodes: output.nodes,
+        forces: output.forces,
+        vtk: output.vtk,
+    }
+}
+
+/// The manifest of a call that starts now; `earlier` is that of the call before, which it may continue.
+pub(crate) fn manifest_of_call(
+    prepared: &PreparedRun,
+    options: &RunOptions,
+    earlier: Option<&Manifest>,
+    continued: bool,
+) -> Manifest {
+    let running = CaseRecord::new(CaseStatus::Running);
+    Manifest {
+        version: env!("CARGO_PKG_VERSION").into(),
+        commit: option_env!("RODLAB_COMMIT").map(Into::into),
+        command_line: options.command_line.clone(),
+        name: prepared.name.clone(),
+        experiment: prepared.experiment.clone(),
+        title: prepared.title.clone(),
+        scenario: prepared.scenario_toml.clone(),
+        scenario_hash: scenario_hash(&prepared.scenario_toml),
+        rods: rod_records(prepared),
+        host: host_name(),
+        threads: rayon::current_num_threads(),
+        start: earlier.map_or_else(jiff::Timestamp::now, |manifest| manifest.start),
+        end: None,
+        continuations: earlier.map_or(0, |manifest| manifest.continuations) + u32::from(continued),
+        seeds: BTreeMap::new(),
+        cases: BTreeMap::from([(MAIN_CASE.into(), running)]),
+    }
+}

@@ -1,0 +1,50 @@
+//! Trait objects that are plain values: they can be copied, saved and restored.
+
+/// Makes the trait `$object` of what a boxed `$interface` can do, and does it for every plain value.
+macro_rules! saved_object {
+    ($(#[$documentation:meta])* $object:ident for $interface:ident) => {
+        $(#[$documentation])*
+        pub trait $object {
+            /// Another one in the same state.
+            fn boxed(&self) -> Box<dyn $interface>;
+            /// Its state for a checkpoint.
+            fn save(&self) -> Vec<u8>;
+            /// Takes over a state.
+            ///
+            /// # Errors
+            /// What is wrong with the bytes.
+            fn restore(&mut self, state: &[u8]) -> Result<(), String>;
+            /// Itself, for those who know its type.
+            fn as_any(&self) -> &dyn Any;
+        }
+
+        impl<T> $object for T
+        where
+            T: $interface + Clone + Serialize + DeserializeOwned + 'static,
+        {
+            fn boxed(&self) -> Box<dyn $interface> {
+                Box::new(self.clone())
+            }
+
+            fn save(&self) -> Vec<u8> {
+                postcard::to_stdvec(self).expect("plain data can be encoded")
+            }
+
+            fn restore(&mut self, state: &[u8]) -> Result<(), String> {
+                *self = postcard::from_bytes(state).map_err(|error| error.to_string())?;
+                Ok(())
+            }
+
+            fn as_any(&self) -> &dyn Any {
+                self
+            }
+        }
+
+        impl Clone for Box<dyn $interface> {
+            fn clone(&self) -> Self {
+                (**self).boxed()
+            }
+        }
+    };
+}
+pub(super) use saved_object;

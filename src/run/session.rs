@@ -1,0 +1,452 @@
+//! One call of `run` on a results directory: begin or continue, integrate, conclude.
+
+use super::advance::Advance;
+use super::counters::Counters;
+use super::observer::{Finding, Sample};
+use super::output_times::OutputTimes;
+use super::participants::{self, Participants, SavedStates};
+use super::path::{PathAtWork, PathCheckpoint};
+use super::progress::Progress;
+use super::records::{manifest_of_call, recorder_plan, rod_records};
+use super::stop::{Stop, StopRequest};
+use super::{Reached, RunError, RunOptions, RunOutcome, RunStatus};
+use crate::mechanics::Vector3;
+use crate::mechanics::dynamics::{SimulationError, StepReport};
+use crate::results::{
+    CaseRecord, CaseStatus, CheckpointFiles, Frame, MANIFEST, Manifest, Recorder, ResultsDirectory,
+    ResultsError, StreamLengths, Usage, UsageMeter, Value, scenario_hash, sync,
+};
+use crate::run::{Mode, PreparedRun};
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// A run at work.
+pub(crate) struct Session {
+    directory: ResultsDirectory,
+    manifest: Manifest,
+    recorder: Recorder,
+    checkpoints: CheckpointFiles,
+    checkpoint_every: Duration,
+    last_checkpoint: Instant,
+    times: OutputTimes,
+    /// The path of equilibria that is followed.
+    pub(super) path: Option<PathAtWork>,
+    /// Positions at the start, m.
+    pub(super) placed: Vec<Vector3>,
+    run_state: RunState,
+    /// Twice the largest radius, m.
+    diameter: f64,
+    meter: UsageMeter,
+    timeout: Option<Duration>,
+    resumed_from: Option<Reached>,
+    pub(super) progress: Progress,
+    /// What else is to be told at the end, a line each.
+    pub(super) remarks: Vec<String>,
+    /// Who observes and who acts.
+    participants: Participants,
+}
+
+/// How far a run has come.
+#[derive(Clone, Default, Serialize, Deserialize)]
+struct RunState {
+    /// Outputs written so far.
+    outputs: usize,
+    counters: Counters,
+    /// Cost of the calls before this one.
+    earlier_usage: Usage,
+    /// States of observers and controllers at a checkpoint.
+    participants: SavedStates,
+}
+
+/// What a checkpoint holds.
+#[derive(Serialize, Deserialize)]
+struct Checkpoint<S> {
+    state: S,
+    lengths: StreamLengths,
+    run_state: RunState,
+    path: Option<PathCheckpoint>,
+}
+
+impl Session {
+    /// Starts afresh, or continues from the newest usable checkpoint, whose state `simulation` then has.
+    pub fn begin<S: Advance>(
+        directory: ResultsDirectory,
+        simulation: &mut S,
+        prepared: &PreparedRun,
+        options: &RunOptions,
+    ) -> Result<Self, RunError> {
+        let meter = UsageMeter::start();
+        let hash = scenario_hash(&prepared.scenario_toml);
+        let rods = rod_records(prepared);
+        let plan = recorder_plan(prepared);
+        let participants = Participants {
+            observers: prepared.observers.clone(),
+            controllers: prepared.controllers.clone(),
+        };
+        let mut checkpoints = CheckpointFiles::new(directory.path(), &hash);
+        let continued = checkpoints.read(|mut checkpoint: Checkpoint<S::State>| {
+            let lengths = checkpoint.lengths;
+            let (rods, plan) = (rods.clone(), plan.clone());
+            let recorder = Recorder::continue_at(directory.path(), rods, plan, lengths)?;
+            let mut restored = participants.clone();
+            restored.restore(&checkpoint.run_state.participants, directory.path())?;
+            let path = checkpoint.path.take();
+            let path = path.map(|path| PathAtWork::resume(path, &directory));
+            Ok((checkpoint, restored, recorder, path.transpose()?))
+        });
+        if continued.is_none() && checkpoints.exist() {
+            tracing::warn!(
+                "no usable checkpoint in `{}`: starting again",
+                directory.path().display()
+            );
+        }
+
+        let manifest = manifest_of_call(
+            prepared,
+            options,
+            directory.unfinished(),
+            continued.is_some(),
+        );
+        manifest.place(directory.path())?;
+
+        let placed = simulation.frame(false).positions;
+        let is_continued = continued.is_some();
+        let (run_state, participants, recorder, path) = match continued {
+            Some((checkpoint, participants, recorder, path)) => {
+                let restored = simulation.restore(checkpoint.state);
+                restored.map_err(RunError::Scene)?;
+                (checkpoint.run_state, participants, recorder, path)
+            }
+            None => {
+                let recorder = Recorder::create(directory.path(), rods, plan)?;
+                (RunState::default(), participants, recorder, None)
+            }
+        };
+        let times = match prepared.mode {
+            Mode::Dynamic { end } => OutputTimes::new(prepared.output.interval, end),
+            Mode::Static | Mode::Continuation(_) => OutputTimes::only_start(),
+        };
+        let radii = prepared.scene.rods.iter().map(|rod| rod.radius);
+        let visible = options.progress && !matches!(prepared.mode, Mode::Static);
+        let bar = Progress::bar(visible, options.among.as_ref());
+        let range = match prepared.mode {
+            Mode::Continuation(plan) => [plan.from, plan.to],
+            Mode::Static | Mode::Dynamic { .. } => [0.0, times.time(times.last())],
+        };
+        let mut session = Self {
+            progress: Progress::new(bar, simulation.time(), range),
+            diameter: 2.0 * radii.fold(0.0, f64::max),
+            directory,
+            manifest,
+            recorder,
+            checkpoints,
+            checkpoint_every: options.checkpoint_every,
+            last_checkpoint: Instant::now(),
+            times,
+            path,
+            placed,
+            run_state,
+            meter,
+            timeout: options.timeout,
+            resumed_from: None,
+            remarks: Vec::new(),
+            participants,
+        };
+        session.resumed_from = is_continued.then(|| session.reached(simulation));
+        Ok(session)
+    }
+
+    /// How far the run has come.
+    fn reached(&self, simulation: &impl Advance) -> Reached {
+        if self.path.is_some() {
+            Reached::Parameter(simulation.time())
+        } else if self.times.last() > 0 {
+            Reached::Time(simulation.time())
+        } else {
+            Reached::Start
+        }
+    }
+
+    /// Runs to the end, or until there is a reason to stop.
+    pub fn proceed(
+        &mut self,
+        simulation: &mut impl Advance,
+        mode: Mode,
+        stop_requested: &dyn Fn() -> Option<StopRequest>,
+    ) -> Result<(), Stop> {
+        match mode {
+            Mode::Static => {
+                let goes_on = || self.ask_to_stop(stop_requested).is_ok();
+                let found = simulation.find_equilibrium(&goes_on)?;
+                let report = found.ok_or_else(|| self.reason_to_stop(stop_requested))?;
+                self.run_state.counters.add_equilibrium(&report);
+                self.record(simulation)
+            }
+            Mode::Continuation(plan) => self.follow(simulation, plan, stop_requested),
+            Mode::Dynamic { .. } => self.integrate(simulation, stop_requested),
+        }
+    }
+
+    fn integrate(
+        &mut self,
+        simulation: &mut impl Advance,
+        stop_requested: &dyn Fn() -> Option<StopRequest>,
+    ) -> Result<(), Stop> {
+        while self.run_state.outputs <= self.times.last() {
+            let target = self.times.time(self.run_state.outputs);
+            while simulation.time() < target {
+                self.ask_to_stop(stop_requested)?;
+                self.write_checkpoint_if_due(simulation)?;
+                let start = Instant::now();
+                let until = self.control(simulation)?.min(target);
+                let report = simulation.advance(until)?;
+                if report.contacts > 0 {
+                    self.meter.add_step_with_contact(start.elapsed());
+                }
+                self.run_state.counters.add_step(&report);
+                self.sample_if_due(simulation)?;
+                self.progress.update(&report);
+            }
+            self.record(simulation)?;
+            if self.has_ended() {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether an observer has seen all that the run was for.
+    pub(crate) fn has_ended(&self) -> bool {
+        self.run_state.counters.outcome.ending.is_some()
+    }
+
+    /// Lets controllers act before a step; returns when the next of them must act again, s.
+    fn control(&mut self, simulation: &mut impl Advance) -> Result<f64, Stop> {
+        let now = simulation.time();
+        let mut until = f64::INFINITY;
+        let Some(simulation) = simulation.simulation_mut() else {
+            return Ok(until);
+        };
+        for controller in &mut self.participants.controllers {
+            controller.act(simulation)?;
+            let next = controller.next_time();
+            if next > now {
+                until = until.min(next);
+            }
+        }
+        Ok(until)
+    }
+
+    /// What observers see now.
+    fn sample_of<'a>(&self, simulation: &'a impl Advance) -> Option<Sample<'a>> {
+        let counters = &self.run_state.counters;
+        Some(Sample {
+            simulation: simulation.simulation()?,
+            steps: counters.outcome.steps,
+            exchange: counters.exchange,
+        })
+    }
+
+    /// Lets observers look that are due, at times that do not depend on those of outputs.
+    fn sample_if_due(&mut self, simulation: &impl Advance) -> Result<(), Stop> {
+        let Some(sample) = self.sample_of(simulation) else {
+            return Ok(());
+        };
+        let time = simulation.time();
+        let observers = self.participants.observers.iter_mut();
+        let due = observers.filter(|observer| observer.is_due(time));
+        let findings: Vec<Finding> = due.map(|observer| observer.sample(&sample)).collect();
+        self.conclude_from(findings)
+    }
+
+    /// Ends or fails the run where an observer found reason to.
+    fn conclude_from(&mut self, findings: Vec<Finding>) -> Result<(), Stop> {
+        for finding in findings {
+            match finding {
+                Finding::GoOn => {}
+                Finding::End(ending) => self.run_state.counters.outcome.ending = Some(ending),
+                Finding::Fail(reason) => {
+                    return Err(Stop::Simulation(SimulationError::Unphysical(reason)));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Stops where a stop is requested or the time limit is reached.
+    pub(crate) fn ask_to_stop(
+        &self,
+        stop_requested: &dyn Fn() -> Option<StopRequest>,
+    ) -> Result<(), Stop> {
+        if let Some(request) = stop_requested() {
+            return Err(request.into());
+        }
+        let wall_time = self.meter.wall_time();
+        if self.timeout.is_some_and(|limit| wall_time >= limit) {
+            return Err(Stop::TimeLimit);
+        }
+        Ok(())
+    }
+
+    /// The stop that a search was told of a moment ago.
+    fn reason_to_stop(&self, stop_requested: &dyn Fn() -> Option<StopRequest>) -> Stop {
+        let asked = self.ask_to_stop(stop_requested);
+        asked.err().unwrap_or(Stop::Interrupted)
+    }
+
+    /// Path of a file of the results.
+    pub(crate) fn file(&self, name: &str) -> PathBuf {
+        self.directory.file(name)
+    }
+
+    /// Writes a point of a path, whose parameter stands for the time.
+    pub(crate) fn record_point(
+        &mut self,
+        simulation: &impl Advance,
+        report: &StepReport,
+        critical: bool,
+    ) -> Result<(), Stop> {
+        self.run_state.counters.add_point(report, critical);
+        self.record(simulation)
+    }
+
+    /// Time of an output, s; the parameter of a point on a path.
+    fn output_time(&self, index: usize) -> f64 {
+        let path = self.path.as_ref();
+        let parameter = path.and_then(|path| path.parameters.get(index).copied());
+        parameter.unwrap_or_else(|| self.times.time(index))
+    }
+
+    /// Writes the output that is due now.
+    fn record(&mut self, simulation: &impl Advance) -> Result<(), Stop> {
+        let distance = simulation.minimum_distance();
+        self.run_state
+            .counters
+            .add_distance(distance, distance / self.diameter);
+        let time = self.output_time(self.run_state.outputs);
+        let energies = simulation.energies();
+        self.run_state.counters.note_energies(&energies);
+        let row = self.run_state.counters.take_row(time, distance, &energies);
+        let frame = if self.recorder.needs_frames() {
+            Frame {
+                time,
+                ..simulation.frame(self.recorder.needs_forces())
+            }
+        } else {
+            Frame::default()
+        };
+        let mut values: Vec<Value> = Vec::new();
+        let mut findings = Vec::new();
+        if let Some(sample) = self.sample_of(simulation) {
+            for observer in &mut self.participants.observers {
+                let (cells, finding) = observer.measure(&sample, &row);
+                values.extend(cells);
+                findings.push(finding);
+            }
+        }
+        let output = self.run_state.outputs;
+        self.recorder.record(output, &row, &values, &frame)?;
+        self.run_state.outputs += 1;
+        self.conclude_from(findings)
+    }
+
+    /// Writes a checkpoint where the last is old.
+    pub(crate) fn write_checkpoint_if_due(
+        &mut self,
+        simulation: &impl Advance,
+    ) -> Result<(), ResultsError> {
+        if self.last_checkpoint.elapsed() < self.checkpoint_every {
+            return Ok(());
+        }
+        self.write_checkpoint(simulation)
+    }
+
+    fn write_checkpoint(&mut self, simulation: &impl Advance) -> Result<(), ResultsError> {
+        let lengths = self.sync_outputs()?;
+        // Without it the checkpoint would not be known for what it is.
+        sync(&self.directory.file(MANIFEST))?;
+        let run_state = RunState {
+            earlier_usage: self.usage(),
+            participants: self.participants.save(),
+            ..self.run_state.clone()
+        };
+        self.checkpoints.write(&Checkpoint {
+            state: simulation.state(),
+            lengths,
+            run_state,
+            path: self.path.as_mut().map(PathAtWork::checkpoint).transpose()?,
+        })?;
+        self.last_checkpoint = Instant::now();
+        Ok(())
+    }
+
+    fn sync_outputs(&mut self) -> Result<StreamLengths, ResultsError> {
+        let times: Vec<f64> = (0..self.run_state.outputs)
+            .map(|index| self.output_time(index))
+            .collect();
+        self.recorder.sync(times.into_iter())
+    }
+
+    fn usage(&self) -> Usage {
+        self.run_state.earlier_usage + self.meter.usage()
+    }
+
+    /// Brings all files into the state in which they are left.
+    pub fn conclude(
+        mut self,
+        simulation: &impl Advance,
+        result: Result<(), Stop>,
+    ) -> Result<RunOutcome, RunError> {
+        let directory = self.directory.path().to_owned();
+        let result = result
+            .and_then(|()| Ok(self.sync_outputs().map(drop)?))
+            .or_else(|stop| {
+                // A checkpoint that cannot be written is the graver news.
+                if stop.leaves_sound_state() && self.reached(simulation) != Reached::Start {
+                    self.write_checkpoint(simulation)?;
+                }
+                Err(stop)
+            });
+        let status = result
+            .as_ref()
+            .map_or_else(Stop::status, |()| CaseStatus::Finished);
+        let reason = result.as_ref().err().map(Stop::reason);
+        let written = self.write_tables(status, reason);
+        match result {
+            Ok(()) => written?,
+            // Whatever hinders the tables now has most likely ended the run itself.
+            Err(stop) => {
+                return Err(stop.into_error(self.reached(simulation), directory));
+            }
+        }
+        self.checkpoints.remove()?;
+        let observers = &self.participants.observers;
+        let remarks = observers.iter().flat_map(|one| one.remarks());
+        self.remarks.extend(remarks);
+        let case = self.run_state.counters.outcome.clone();
+        Ok(RunOutcome {
+            directory,
+            status: self
+                .resumed_from
+                .map_or(RunStatus::Finished, |from| RunStatus::Resumed { from }),
+            highlights: participants::highlights(observers, &case),
+            wall_time: self.usage().wall_time,
+            case,
+            remarks: self.remarks,
+        })
+    }
+
+    fn write_tables(
+        &mut self,
+        status: CaseStatus,
+        error: Option<String>,
+    ) -> Result<(), ResultsError> {
+        let path = self.directory.path();
+        let outcome = &mut self.run_state.counters.outcome;
+        outcome.observed = participants::outcomes(&self.participants.observers);
+        let outcome = outcome.clone();
+        let record = CaseRecord::with_usage(status, outcome, self.usage(), error);
+        self.manifest.conclude(path, record)
+    }
+}

@@ -1,0 +1,145 @@
+//! Experiments as scenario files see them: names, and tables of keys that belong to some of them only.
+//!
+//! The experiments themselves are built in rooms above; this room is given a list of them ([`Experiments`]) and knows
+//! none by name. How a kind defines its keys is shown in [`keys`](super::keys).
+
+use super::decode::decode_beside;
+use super::document::{Node, Value};
+use super::issue::{Issue, Issues, KeyPath, did_you_mean};
+use super::own_tables::{OwnTable, OwnTables};
+use super::resolve::ExperimentKeys;
+use super::typed::ScenarioFile;
+use schemars::SchemaGenerator;
+use serde_json::{Map, Value as Json, json};
+use std::fmt;
+
+/// The key that names the experiment.
+const EXPERIMENT: &str = "experiment";
+
+/// All kinds of experiments that scenario files may name.
+#[derive(Clone, Copy)]
+pub struct Experiments(&'static [&'static dyn ExperimentKeys]);
+
+impl Experiments {
+    /// These kinds.
+    pub const fn new(kinds: &'static [&'static dyn ExperimentKeys]) -> Self {
+        Self(kinds)
+    }
+
+    fn named(self, name: &str) -> Option<&'static dyn ExperimentKeys> {
+        self.0.iter().copied().find(|kind| kind.name() == name)
+    }
+
+    fn names(self) -> impl Iterator<Item = &'static str> {
+        self.0.iter().map(|kind| kind.name())
+    }
+
+    /// Their tables, each once.
+    fn tables(self) -> impl Iterator<Item = &'static OwnTable> {
+        let before = move |index: usize, key: &str| {
+            let tables = self.0[..index].iter().flat_map(|kind| kind.tables());
+            tables.into_iter().any(|table| table.key() == key)
+        };
+        self.0.iter().enumerate().flat_map(move |(index, kind)| {
+            let tables = kind.tables().iter();
+            tables.filter(move |table| !before(index, table.key()))
+        })
+    }
+
+    /// The key of the table `table` that names a CSV file of corners, if it has one.
+    pub(super) fn curve_of(self, table: &str) -> Option<&'static str> {
+        self.tables().find(|own| own.key() == table)?.curve()
+    }
+
+    /// Names in words: `"scene", "flagella" or "toy"`.
+    pub(super) fn in_words(self) -> String {
+        let names: Vec<String> = self.names().map(|name| format!("{name:?}")).collect();
+        match names.split_last() {
+            Some((last, others)) if !others.is_empty() => {
+                format!("{} or {last}", others.join(", "))
+            }
+            _ => names.join(""),
+        }
+    }
+
+    /// The kind that the value of the key `experiment` names.
+    fn chosen(self, value: &Node) -> Result<&'static dyn ExperimentKeys, Issue> {
+        let allowed = || self.names().collect::<Vec<_>>().join(", ");
+        let fault = |message: String| Issue::new(KeyPath::from(EXPERIMENT), message);
+        let Value::String(name) = &value.value else {
+            let found = value.description();
+            return Err(fault(format!(
+                "expected one of {}, found {found}",
+                allowed()
+            )));
+        };
+        self.named(name).ok_or_else(|| {
+            fault(format!(
+                "{name:?} is not known here; allowed: {}",
+                allowed()
+            ))
+            .with_help(did_you_mean(name, self.names()))
+        })
+    }
+
+    /// Adds the key `experiment` and the tables of all kinds to the schema of the common tables.
+    pub(super) fn schema(self) -> Json {
+        let mut generator = SchemaGenerator::default();
+        let mut own = Map::new();
+        for table in self.tables() {
+            let schema = table.schema(&mut generator);
+            own.insert(table.key().to_owned(), schema.to_value());
+        }
+        let names: Vec<Json> = self
+            .0
+            .iter()
+            .map(|kind| json!({ "type": "string", "const": kind.name(), "description": kind.summary() }))
+            .collect();
+        let experiment = json!({ "description": "What is simulated.", "oneOf": names });
+        own.insert(EXPERIMENT.to_owned(), experiment);
+        let mut root = generator.into_root_schema_for::<ScenarioFile>().to_value();
+        if let Some(Json::Object(properties)) = root.get_mut("properties") {
+            properties.extend(own);
+        }
+        root
+    }
+}
+
+impl fmt::Debug for Experiments {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.debug_list().entries(self.names()).finish()
+    }
+}
+
+/// A scenario file as typed.
+pub struct TypedFile {
+    /// The common tables.
+    pub common: ScenarioFile,
+    /// The kind, where one is named.
+    pub kind: Option<&'static dyn ExperimentKeys>,
+    /// The tables of kinds.
+    pub own: OwnTables,
+}
+
+impl TypedFile {
+    /// Decodes a document.
+    ///
+    /// # Errors
+    /// All structural faults.
+    pub fn decode(document: &Node, experiments: Experiments) -> Result<Self, Issues> {
+        let mut issues = Issues::default();
+        let mut beside: Vec<&str> = vec![EXPERIMENT];
+        beside.extend(experiments.tables().map(OwnTable::key));
+        let common = issues.keep(decode_beside::<ScenarioFile>(document, &beside));
+        let kind = document.entry(EXPERIMENT).and_then(|entry| {
+            let chosen = experiments.chosen(&entry.node);
+            issues.keep(chosen.map_err(Issues::from))
+        });
+        let own = issues.keep(OwnTables::decode(document, experiments.tables()));
+        issues.or_ok(Self {
+            common: common.unwrap_or_default(),
+            kind,
+            own: own.unwrap_or_default(),
+        })
+    }
+}

@@ -1,0 +1,100 @@
+//! Tables of scenario files that belong to some kinds of experiments only.
+
+use super::decode::decode;
+use super::document::Node;
+use super::issue::{Issues, KeyPath};
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde::de::DeserializeOwned;
+use std::any::Any;
+use std::collections::BTreeMap;
+
+/// A table of scenario files that belongs to some kinds of experiments.
+#[derive(Clone, Copy)]
+pub struct OwnTable {
+    key: &'static str,
+    description: &'static str,
+    curve: Option<&'static str>,
+    schema: fn(&mut SchemaGenerator) -> Schema,
+    decode: fn(&Node) -> Result<Box<dyn Any>, Issues>,
+}
+
+impl OwnTable {
+    /// The table `[key]`, typed as the struct `T`, whose doc comments explain its keys. The description says what the
+    /// table is for.
+    pub const fn new<T: DeserializeOwned + JsonSchema + Any>(
+        key: &'static str,
+        description: &'static str,
+    ) -> Self {
+        Self {
+            key,
+            description,
+            curve: None,
+            schema: |generator| generator.subschema_for::<Option<T>>(),
+            decode: |node| Ok(Box::new(decode::<T>(node)?)),
+        }
+    }
+
+    /// The same table, whose `key` names a CSV file of corners that may stand in the table itself as `points`.
+    #[must_use]
+    pub const fn with_curve(self, key: &'static str) -> Self {
+        Self {
+            curve: Some(key),
+            ..self
+        }
+    }
+
+    /// What the schema says of it.
+    pub fn schema(&self, generator: &mut SchemaGenerator) -> Schema {
+        let mut schema = (self.schema)(generator);
+        schema.insert("description".to_owned(), self.description.into());
+        schema
+    }
+
+    /// The key that names a CSV file of corners, if it has one.
+    pub(super) fn curve(&self) -> Option<&'static str> {
+        self.curve
+    }
+
+    /// Its key.
+    pub fn key(&self) -> &'static str {
+        self.key
+    }
+}
+
+/// The tables of kinds that a file has, as typed.
+#[derive(Default)]
+pub struct OwnTables(BTreeMap<&'static str, Box<dyn Any>>);
+
+impl OwnTables {
+    /// Decodes those of `tables` that a document has.
+    ///
+    /// # Errors
+    /// All structural faults.
+    pub fn decode(
+        document: &Node,
+        tables: impl Iterator<Item = &'static OwnTable>,
+    ) -> Result<Self, Issues> {
+        let mut issues = Issues::default();
+        let mut own = BTreeMap::new();
+        for table in tables {
+            if let Some(entry) = document.entry(table.key) {
+                let typed = (table.decode)(&entry.node);
+                let below = |faults: Issues| faults.below(&KeyPath::from(table.key));
+                if let Some(typed) = issues.keep(typed.map_err(below)) {
+                    own.insert(table.key, typed);
+                }
+            }
+        }
+        issues.or_ok(Self(own))
+    }
+
+    /// The table `[key]`, where the file has one.
+    pub fn get<T: Any>(&self, key: &str) -> Option<&T> {
+        self.0.get(key)?.downcast_ref()
+    }
+
+    /// The keys of the tables that the file has.
+    pub fn keys(&self) -> impl Iterator<Item = &'static str> {
+        self.0.keys().copied()
+    }
+}

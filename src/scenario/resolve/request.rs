@@ -1,0 +1,122 @@
+//! What a kind of experiment is given to resolve its own tables.
+
+use super::rod::{material, refuse_degenerate};
+use super::section::{POSITIVE, Section};
+use super::{Context, polyline};
+use crate::scenario::issue::KeyPath;
+use crate::scenario::own_tables::OwnTables;
+use crate::scenario::resolved::{
+    BuilderRod, Contact, CrossSection, Fluid, Material, Rod, Stiffness, Time,
+};
+use crate::scenario::typed::{ScenarioFile, Vector};
+use crate::scenario::units::Length;
+use std::any::Any;
+use std::ops::RangeInclusive;
+use std::path::PathBuf;
+
+/// The file in which a kind of experiment finds its tables.
+pub struct Request<'a> {
+    /// The top of the file.
+    pub top: &'a Section<'a>,
+    /// Mode and time steps.
+    pub time: &'a Time,
+    pub(super) file: &'a ScenarioFile,
+    pub(super) own: &'a OwnTables,
+    pub(super) context: &'a Context<'a>,
+}
+
+/// The common tables as resolved, for a kind to say what it needs of them.
+pub struct CommonTables<'a> {
+    /// The rods that the file lists.
+    pub rods: &'a [Rod],
+    /// Contact model.
+    pub contact: &'a Contact,
+    /// Surrounding fluid.
+    pub fluid: &'a Fluid,
+    /// Mode and time steps.
+    pub time: &'a Time,
+}
+
+/// Rod and material of the tables `[rod]` and `[material]`.
+pub struct BuiltRod {
+    /// Material.
+    pub material: Material,
+    /// Radius, m.
+    pub radius: f64,
+    /// Number of nodes; `None` if it is at fault, which was reported.
+    pub nodes: Option<usize>,
+    /// Stiffness of the circular cross-section.
+    pub stiffness: Stiffness,
+}
+
+impl BuiltRod {
+    /// Radius and nodes.
+    pub fn rod(&self) -> Option<BuilderRod> {
+        Some(BuilderRod {
+            radius: self.radius,
+            nodes: self.nodes?,
+        })
+    }
+}
+
+impl<'a> Request<'a> {
+    /// The table `[key]` of this kind, which must be there.
+    pub fn table<T: Any>(&self, key: &str) -> Option<&'a T> {
+        let table = self.own.get(key);
+        self.top.needed(key, table, &format!("a table [{key}]"))
+    }
+
+    /// Whether the tables `[rod]` and `[material]` are there, which is reported where they are not.
+    pub fn needs_rod(&self) -> bool {
+        let common = self.file;
+        let help = "a table [rod] with radius and nodes";
+        let rod = self.top.needed("rod", common.rod.as_ref(), help);
+        let help = "a table [material] with youngs_modulus, poissons_ratio and density";
+        let material = self.top.needed("material", common.material.as_ref(), help);
+        rod.is_some() && material.is_some()
+    }
+
+    /// The round rod that the tables `[rod]` and `[material]` describe, with so many nodes; `None` without the tables.
+    pub fn rod(&self, nodes: RangeInclusive<usize>) -> Option<BuiltRod> {
+        let common = self.file;
+        let (rod, table) = (common.rod.as_ref()?, common.material.as_ref()?);
+        let section = self.top.below("rod");
+        let nodes = section.count("nodes", rod.nodes, nodes);
+        let material = material(&self.top.below("material"), table);
+        let radius = section.required("radius", &rod.radius, POSITIVE);
+        let stiffness = CrossSection::Circle.stiffness(radius, &material);
+        refuse_degenerate(&section, &stiffness);
+        Some(BuiltRod {
+            material,
+            radius,
+            nodes,
+            stiffness,
+        })
+    }
+
+    /// Reports those of the tables `keys` that are there, and should not be.
+    pub fn refuse(&self, keys: &[&str], message: &str) {
+        for key in keys {
+            if self.context.document.entry(key).is_some() {
+                self.top.fault(key, message);
+            }
+        }
+    }
+
+    /// Corners of a polyline from the CSV file that `key` names, or from the key `points`; none where a fault was
+    /// reported.
+    pub fn corners(
+        &self,
+        section: &Section<'_>,
+        key: &str,
+        file: &Option<String>,
+        points: &Option<Vec<Vector<Length>>>,
+    ) -> Vec<[f64; 3]> {
+        polyline::corners(self.context, section, key, file, points)
+    }
+
+    /// Where the file lies that the value of a key names.
+    pub fn path_of(&self, key: &KeyPath, file: &str) -> PathBuf {
+        (self.context.directory_of)(key).join(file)
+    }
+}

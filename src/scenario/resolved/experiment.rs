@@ -1,0 +1,81 @@
+//! The experiment of a scenario as resolved.
+
+use serde::Serialize;
+use std::any::Any;
+use std::fmt;
+use std::sync::Arc;
+
+/// Rods that a builder makes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct BuilderRod {
+    /// Radius of each rod, m.
+    pub radius: f64,
+    /// Nodes of each rod.
+    pub nodes: usize,
+}
+
+/// The experiment that builds the scene, and the tables that only it reads.
+#[derive(Clone, Serialize)]
+pub struct Experiment {
+    #[serde(rename = "experiment")]
+    name: &'static str,
+    /// The tables as they stand in the canonical form.
+    #[serde(flatten)]
+    tables: toml::Table,
+    #[serde(skip)]
+    typed: Arc<dyn Any + Send + Sync>,
+    #[serde(skip)]
+    smallest_radius: f64,
+}
+
+impl Experiment {
+    /// The experiment called `name` with its resolved tables: `tables` is a struct with a field for each.
+    pub fn new<T: Serialize + Any + Send + Sync>(name: &'static str, tables: T) -> Self {
+        let table = toml::Table::try_from(&tables);
+        Self {
+            name,
+            tables: table.expect("tables of numbers and words are TOML"),
+            typed: Arc::new(tables),
+            smallest_radius: f64::INFINITY,
+        }
+    }
+
+    /// The same, of rods whose smallest radius (m) is known.
+    #[must_use]
+    pub fn with_radius(self, smallest_radius: f64) -> Self {
+        Self {
+            smallest_radius,
+            ..self
+        }
+    }
+
+    /// The name by which scenario files call it.
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// Smallest radius of the rods that it builds, m; infinite where it builds none.
+    pub fn smallest_radius(&self) -> f64 {
+        self.smallest_radius
+    }
+
+    /// Its tables; `None` if they are of another type.
+    pub fn tables<T: Any>(&self) -> Option<&T> {
+        self.typed.downcast_ref()
+    }
+}
+
+/// Numbers are written so that they read back exactly: what is written alike is alike.
+impl PartialEq for Experiment {
+    fn eq(&self, other: &Self) -> bool {
+        (self.name, &self.tables) == (other.name, &other.tables)
+    }
+}
+
+impl fmt::Debug for Experiment {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut experiment = formatter.debug_struct("Experiment");
+        experiment.field("name", &self.name);
+        experiment.field("tables", &self.tables).finish()
+    }
+}

@@ -1,0 +1,453 @@
+//! A scenario file with its sweep: the set of all its cases.
+
+use super::axis::{self, Axis, sweep_path};
+use super::case::{Case, Parameter};
+use super::search::Search;
+use super::{points, sample, vary};
+use crate::scenario::decode::decode;
+use crate::scenario::document::{Entry, Node, Value};
+use crate::scenario::document_text;
+use crate::scenario::error::{Located, ScenarioError};
+use crate::scenario::experiments::Experiments;
+use crate::scenario::issue::{Issue, Issues, KeyPath};
+use crate::scenario::load::{self, Loaded};
+use crate::scenario::overrides;
+use crate::scenario::resolve::read_polyline;
+use crate::scenario::source::{Sources, Span};
+use crate::scenario::typed;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// A scenario and all its cases; a single one where nothing is varied.
+#[derive(Clone, Debug)]
+pub struct CaseSet {
+    experiments: Experiments,
+    name: String,
+    sources: Sources,
+    /// The scenario without its sweep.
+    document: Node,
+    axes: Vec<Axis>,
+    search: Option<Search>,
+    seed: Option<u64>,
+}
+
+impl CaseSet {
+    /// Reads a scenario file with its sweep. `overrides` are those of `--set`; each of `varied` is an argument
+    /// of `--vary`, which takes the place of what the file says of its key.
+    ///
+    /// # Errors
+    /// Everything that is wrong with the file and its sweep, but not with the values of each case; those show
+    /// in [`CaseSet::scenario_of`].
+    pub fn load(
+        experiments: Experiments,
+        path: &Path,
+        overrides: &[String],
+        varied: &[String],
+    ) -> Result<Self, ScenarioError> {
+        let (sources, document) = load::merged(path, overrides)?;
+        Self::new(experiments, &load::name_of(path), sources, document, varied)
+    }
+
+    /// The case_set in the text of a scenario, called `name`, that names other files relative to `directory`.
+    ///
+    /// # Errors
+    /// As [`CaseSet::load`].
+    pub fn from_text(
+        experiments: Experiments,
+        name: &str,
+        text: &str,
+        directory: &Path,
+    ) -> Result<Self, ScenarioError> {
+        let (sources, document) = load::merged_text(name, text, directory, &[])?;
+        Self::new(experiments, name, sources, document, &[])
+    }
+
+    fn new(
+        experiments: Experiments,
+        name: &str,
+        mut sources: Sources,
+        mut document: Node,
+        varied: &[String],
+    ) -> Result<Self, ScenarioError> {
+        let whole = document.clone();
+        let sweep = document.remove("sweep");
+        let mut issues = Issues::default();
+        let mut case_set = Self {
+            experiments,
+            name: name.to_owned(),
+            sources: Sources::default(),
+            document,
+            axes: Vec::new(),
+            search: None,
+            seed: None,
+        };
+        if let Some(sweep) = sweep {
+            case_set.read_sweep(sweep, &sources, &mut issues);
+        }
+        if !issues.0.is_empty() {
+            return Err(load::located(&sources, &whole, issues));
+        }
+        for argument in varied {
+            case_set.vary(&mut sources, argument)?;
+        }
+        case_set.sources = sources;
+        case_set.refuse_repeated_keys()?;
+        Ok(case_set)
+    }
+
+    fn read_sweep(&mut self, mut sweep: Entry, sources: &Sources, issues: &mut Issues) {
+        let mut take = |key: &str| sweep.node.remove(key);
+        let (zip, file, samples, search) =
+            (take("zip"), take("points"), take("sample"), take("search"));
+        let Value::Table(entries) = &sweep.node.value else {
+            issues.push(Issue::new(
+                sweep_path(),
+                "expected a table [sweep] of keys with lists of values",
+            ));
+            return;
+        };
+        let keys = axis::read_keys(entries, issues);
+        self.axes = keys.axes;
+        if let Some(zip) = zip {
+            self.axes.extend(axis::read_zips(&zip, issues));
+        }
+        if let Some(file) = file {
+            match read_points(&file, sources) {
+                Ok(axis) => self.axes.push(axis),
+                Err(message) => issues.push(Issue::new(sweep_path().key("points"), message)),
+            }
+        }
+        match (samples, keys.sampled.as_slice()) {
+            (None, []) => {}
+            (None, ranges) => {
+                for range in ranges {
+                    let path = sweep_path().key(&range.key.key);
+                    let help = "or [sweep.sample] with method and count".to_owned();
+                    issues.push(Issue::new(path, "a range needs a `count`").with_help(help));
+                }
+            }
+            (Some(_), []) => issues.push(Issue::new(
+                sweep_path().key("sample"),
+                "samples need a range without `count`, such as contact.friction = { from = 0, to = 1 }",
+            )),
+            (Some(samples), ranges) => self.read_samples(&samples, ranges, issues),
+        }
+        if let Some(search) = search {
+            match Search::read(&search) {
+                Ok(search) => self.search = Some(search),
+                Err(faults) => faults.0.into_iter().for_each(|issue| issues.push(issue)),
+            }
+        }
+    }
+
+    fn read_samples(
+        &mut self,
+        samples: &Entry,
+        ranges: &[axis::SampledRange],
+        issues: &mut Issues,
+    ) {
+        let path = sweep_path().key("sample");
+        let read = decode::<typed::Sample>(&samples.node)
+            .map_err(|faults: Issues| faults.below(&path))
+            .and_then(|request| {
+                let seed = u64::try_from(request.seed).ok();
+                let axis = sample::sample(ranges, &request)
+                    .map_err(|(key, message)| Issues::from(Issue::new(path.key(key), message)))?;
+                Ok((axis, seed))
+            });
+        match read {
+            Ok((axis, seed)) => {
+                self.axes.push(axis);
+                self.seed = seed;
+            }
+            Err(faults) => faults.0.into_iter().for_each(|issue| issues.push(issue)),
+        }
+    }
+
+    fn vary(&mut self, sources: &mut Sources, argument: &str) -> Result<(), ScenarioError> {
+        let source = sources.add("--vary".to_owned(), argument.to_owned(), Path::new(""));
+        let axis = vary::read(source, argument).map_err(|message| {
+            let span = Span {
+                source,
+                bytes: 0..argument.len(),
+            };
+            let issue = Issue::new(KeyPath::root(), message);
+            ScenarioError::from(Located::new(sources, issue, Some(span)))
+        })?;
+        let key = &axis.keys[0].key;
+        self.axes
+            .retain(|axis| axis.keys.len() > 1 || axis.keys[0].key != *key);
+        self.axes.push(axis);
+        Ok(())
+    }
+
+    fn refuse_repeated_keys(&self) -> Result<(), ScenarioError> {
+        let mut seen = BTreeMap::new();
+        let searched = self.search.iter().map(|search| &search.key);
+        for swept in self.axes.iter().flat_map(|axis| &axis.keys).chain(searched) {
+            if seen.insert(&swept.key, ()).is_some() {
+                let issue = Issue::new(
+                    KeyPath::from(swept.key.as_str()),
+                    "this key is varied twice",
+                );
+                return Err(Located::new(&self.sources, issue, Some(swept.span.clone())).into());
+            }
+        }
+        Ok(())
+    }
+
+    /// Short name: the stem of the scenario file.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Whether anything is varied.
+    pub fn is_sweep(&self) -> bool {
+        !self.axes.is_empty() || self.search.is_some()
+    }
+
+    /// The search, where there is one; it is then made for each case of the other keys.
+    pub fn search(&self) -> Option<&Search> {
+        self.search.as_ref()
+    }
+
+    /// Seed of the samples, where there are any.
+    pub fn seed(&self) -> Option<u64> {
+        self.seed
+    }
+
+    /// Number of cases: the product of the lengths of all axes.
+    pub fn count(&self) -> u128 {
+        self.axes
+            .iter()
+            .map(|axis| axis.points.len() as u128)
+            .product()
+    }
+
+    /// The keys that vary, in the order of [`Case::parameters`]; the key of a search is the last.
+    pub fn keys(&self) -> Vec<&str> {
+        let searched = self.search.iter().map(|search| &search.key);
+        let keys = self.axes.iter().flat_map(|axis| &axis.keys);
+        keys.chain(searched)
+            .map(|swept| swept.key.as_str())
+            .collect()
+    }
+
+    /// A case; the last axis runs fastest.
+    ///
+    /// # Panics
+    /// Where `index` is not less than [`CaseSet::count`].
+    pub fn case(&self, index: usize) -> Case {
+        Case::new(self.parameters(&self.position(index)))
+    }
+
+    /// The case of the search whose key has the given number in front of its unit, for a case of the other keys.
+    pub fn searched_case(&self, index: usize, number: f64) -> Case {
+        let mut parameters = self.parameters(&self.position(index));
+        if let Some(search) = &self.search {
+            parameters.push(Parameter::new(&search.key.key, &search.value(number)));
+        }
+        Case::new(parameters)
+    }
+
+    /// Cases in which each value of each axis occurs at least once, the others at their first.
+    pub fn probes(&self) -> impl Iterator<Item = usize> + '_ {
+        let strides = self.axes.iter().enumerate().map(|(number, axis)| {
+            let after = &self.axes[number + 1..];
+            let stride: usize = after.iter().map(|axis| axis.points.len()).product();
+            (axis.points.len(), stride)
+        });
+        let others = strides.flat_map(|(length, stride)| (1..length).map(move |k| k * stride));
+        std::iter::once(0).chain(others)
+    }
+
+    /// The point on each axis.
+    fn position(&self, index: usize) -> Vec<usize> {
+        let mut rest = index;
+        let mut position: Vec<usize> = self
+            .axes
+            .iter()
+            .rev()
+            .map(|axis| {
+                let point = rest % axis.points.len();
+                rest /= axis.points.len();
+                point
+            })
+            .collect();
+        assert_eq!(rest, 0, "case {index} is beyond the last");
+        position.reverse();
+        position
+    }
+
+    fn parameters(&self, position: &[usize]) -> Vec<Parameter> {
+        let axes = self.axes.iter().zip(position);
+        axes.flat_map(|(axis, point)| {
+            let values = &axis.points[*point];
+            let pair =
+                |(swept, node): (&axis::SweptKey, &Node)| Parameter::new(&swept.key, &node.value);
+            axis.keys.iter().zip(values).map(pair)
+        })
+        .collect()
+    }
+
+    /// The scenario of a case.
+    ///
+    /// # Errors
+    /// Everything that is wrong with it; faults of varied values point at the values in the sweep.
+    pub fn scenario_of(&self, index: usize) -> Result<Loaded, ScenarioError> {
+        self.resolved(index, None)
+    }
+
+    /// The scenario of [`CaseSet::searched_case`].
+    ///
+    /// # Errors
+    /// As [`CaseSet::scenario_of`].
+    pub fn searched_scenario(&self, index: usize, number: f64) -> Result<Loaded, ScenarioError> {
+        self.resolved(index, Some(number))
+    }
+
+    fn resolved(&self, index: usize, searched: Option<f64>) -> Result<Loaded, ScenarioError> {
+        let mut document = self.document.clone();
+        for (axis, point) in self.axes.iter().zip(self.position(index)) {
+            for (swept, value) in axis.keys.iter().zip(&axis.points[point]) {
+                self.assign(&mut document, swept, value.clone())?;
+            }
+        }
+        if let (Some(search), Some(number)) = (&self.search, searched) {
+            let value = Node {
+                value: search.value(number),
+                span: search.typed.span.clone(),
+            };
+            self.assign(&mut document, &search.key, value)?;
+        }
+        load::finish(self.experiments, &self.name, self.sources.clone(), document)
+    }
+
+    fn assign(
+        &self,
+        document: &mut Node,
+        swept: &axis::SweptKey,
+        value: Node,
+    ) -> Result<(), ScenarioError> {
+        overrides::assign(document, &swept.key, &swept.span, value).map_err(|(message, help)| {
+            let issue = Issue::new(KeyPath::from(swept.key.as_str()), message).with_help(help);
+            Located::new(&self.sources, issue, Some(swept.span.clone())).into()
+        })
+    }
+
+    /// The scenario file of the whole case_set: it needs no other file and has the same cases.
+    ///
+    /// # Errors
+    /// A file of points that a shape names cannot be read.
+    pub fn to_toml(&self) -> Result<String, ScenarioError> {
+        let mut root = self.document.clone();
+        root.remove("extends");
+        if root.entry("title").is_none() {
+            push(&mut root, "title", Value::String(self.name.clone()));
+        }
+        self.inline_polylines(&mut root)?;
+        if let Value::Table(entries) = &mut root.value {
+            for entry in entries {
+                if let Some(key) = self.experiments.curve_of(&entry.key) {
+                    self.inline_corners(&mut entry.node, key)?;
+                }
+            }
+        }
+        let mut sweep = empty_table(&root.span);
+        let zips: Vec<Node> = self.axes.iter().map(axis_table).collect();
+        if !zips.is_empty() {
+            push(&mut sweep, "zip", Value::Array(zips));
+        }
+        if let Some(search) = &self.search {
+            push(&mut sweep, "search", search.typed.value.clone());
+        }
+        if self.is_sweep() {
+            push(&mut root, "sweep", sweep.value);
+        }
+        Ok(document_text::document(&root))
+    }
+
+    /// Puts the corners of all polylines in the place of the files that hold them.
+    fn inline_polylines(&self, node: &mut Node) -> Result<(), ScenarioError> {
+        let is_polyline = matches!(node.entry("kind").map(|entry| &entry.node.value),
+            Some(Value::String(kind)) if kind == "points");
+        if is_polyline {
+            self.inline_corners(node, "file")?;
+        }
+        match &mut node.value {
+            Value::Table(entries) => entries
+                .iter_mut()
+                .try_for_each(|entry| self.inline_polylines(&mut entry.node)),
+            Value::Array(elements) => elements
+                .iter_mut()
+                .try_for_each(|element| self.inline_polylines(element)),
+            _ => Ok(()),
+        }
+    }
+
+    /// Puts corners in the place of the file that `key` of a table names.
+    fn inline_corners(&self, node: &mut Node, key: &str) -> Result<(), ScenarioError> {
+        if let Some(entry) = node.entry(key)
+            && let Value::String(file) = &entry.node.value
+        {
+            let span = entry.node.span.clone();
+            let directory = &self.sources.get(span.source).directory;
+            let corners = read_polyline(&directory.join(file)).map_err(|message| {
+                let issue = Issue::new(KeyPath::from(key), message);
+                ScenarioError::from(Located::new(&self.sources, issue, Some(span.clone())))
+            })?;
+            let list = |values: Vec<Value>| {
+                let node = |value| Node {
+                    value,
+                    span: span.clone(),
+                };
+                Value::Array(values.into_iter().map(node).collect())
+            };
+            let corners = corners
+                .iter()
+                .map(|corner| list(corner.map(Value::Float).to_vec()));
+            let corners = list(corners.collect());
+            node.remove(key);
+            push(node, "points", corners);
+        }
+        Ok(())
+    }
+}
+
+fn read_points(file: &Entry, sources: &Sources) -> Result<Axis, String> {
+    let Value::String(name) = &file.node.value else {
+        return Err("expected the name of a CSV file".to_owned());
+    };
+    let span = &file.node.span;
+    points::read(&sources.get(span.source).directory.join(name), span)
+}
+
+/// An axis as a table of `[[sweep.zip]]`.
+fn axis_table(axis: &Axis) -> Node {
+    let span = &axis.keys[0].span;
+    let mut table = empty_table(span);
+    for (number, swept) in axis.keys.iter().enumerate() {
+        let values = axis.points.iter().map(|point| point[number].clone());
+        push(&mut table, &swept.key, Value::Array(values.collect()));
+    }
+    table
+}
+
+fn empty_table(span: &Span) -> Node {
+    Node {
+        value: Value::Table(Vec::new()),
+        span: span.clone(),
+    }
+}
+
+/// Adds a key to a table.
+fn push(table: &mut Node, key: &str, value: Value) {
+    let span = table.span.clone();
+    if let Value::Table(entries) = &mut table.value {
+        entries.push(Entry {
+            key: key.to_owned(),
+            key_span: span.clone(),
+            node: Node { value, span },
+        });
+    }
+}

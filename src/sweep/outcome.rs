@@ -1,0 +1,142 @@
+//! What a sweep came to.
+
+use super::search::Found;
+use crate::results::CaseStatus;
+use crate::run::StopRequest;
+use serde::Serialize;
+use std::fmt;
+use std::path::PathBuf;
+
+/// What a sweep came to.
+#[derive(Clone, Debug)]
+pub struct SweepOutcome {
+    /// Where the results lie.
+    pub directory: PathBuf,
+    /// How its cases, or those of the share that was run, stand.
+    pub counts: CaseCounts,
+    /// Why no further case was begun, where there was a request to stop.
+    pub interrupted: Option<StopRequest>,
+    /// What the search found for each case of the keys that are not searched; empty without a search.
+    pub found: Vec<Found>,
+}
+
+impl SweepOutcome {
+    /// Exit code of the program: that of the worst case, or of the interruption.
+    pub fn exit_code(&self) -> u8 {
+        let count = &self.counts;
+        let searches_failed = self.found.iter().any(|found| found.value.is_none());
+        match self.interrupted {
+            Some(StopRequest::Interrupt) => 130,
+            _ if count.failed > 0 => 1,
+            _ if count.invalid > 0 => 2,
+            _ if count.unphysical > 0 => 4,
+            _ if count.no_convergence > 0 => 3,
+            Some(StopRequest::TimeLimit) => 5,
+            None if count.unfinished > 0 => 5,
+            None if searches_failed => 3,
+            None => 0,
+        }
+    }
+}
+
+/// How many cases stand how.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct CaseCounts {
+    /// Finished.
+    pub finished: usize,
+    /// Not begun, running, interrupted or stopped by a time limit.
+    pub unfinished: usize,
+    /// Newton's method did not converge.
+    pub no_convergence: usize,
+    /// A physics check failed.
+    pub unphysical: usize,
+    /// The scenario of the case is impossible.
+    pub invalid: usize,
+    /// Results could not be written.
+    pub failed: usize,
+}
+
+impl CaseCounts {
+    /// Counts a case.
+    pub fn add(&mut self, status: CaseStatus) {
+        let count = match status {
+            CaseStatus::Finished => &mut self.finished,
+            CaseStatus::Pending
+            | CaseStatus::Running
+            | CaseStatus::Interrupted
+            | CaseStatus::TimeLimit => &mut self.unfinished,
+            CaseStatus::NoConvergence => &mut self.no_convergence,
+            CaseStatus::Unphysical => &mut self.unphysical,
+            CaseStatus::Invalid => &mut self.invalid,
+            CaseStatus::Failed => &mut self.failed,
+        };
+        *count += 1;
+    }
+
+    /// All cases.
+    pub fn total(&self) -> usize {
+        self.finished + self.unfinished + self.not_good()
+    }
+
+    /// Cases that came to a bad end.
+    pub fn not_good(&self) -> usize {
+        self.no_convergence + self.unphysical + self.invalid + self.failed
+    }
+}
+
+impl fmt::Display for CaseCounts {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            formatter,
+            "{} of {} cases finished",
+            self.finished,
+            self.total()
+        )?;
+        for (count, words) in [
+            (self.unfinished, "unfinished"),
+            (self.no_convergence, "without convergence"),
+            (self.unphysical, "against a physics check"),
+            (self.invalid, "with an impossible scenario"),
+            (self.failed, "whose results could not be written"),
+        ] {
+            if count > 0 {
+                write!(formatter, ", {count} {words}")?;
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_exit_code_is_that_of_the_worst_case() {
+        let code = |statuses: &[CaseStatus], interrupted| {
+            let mut counts = CaseCounts::default();
+            statuses.iter().for_each(|status| counts.add(*status));
+            SweepOutcome {
+                directory: PathBuf::new(),
+                counts,
+                interrupted,
+                found: Vec::new(),
+            }
+            .exit_code()
+        };
+        use CaseStatus::{Failed, Finished, Interrupted, Invalid, NoConvergence, Unphysical};
+        assert_eq!(code(&[Finished, Finished], None), 0);
+        assert_eq!(code(&[Finished, NoConvergence], None), 3);
+        assert_eq!(code(&[Unphysical, NoConvergence], None), 4);
+        assert_eq!(code(&[Invalid, Unphysical], None), 2);
+        assert_eq!(code(&[Failed, Invalid], None), 1);
+        assert_eq!(
+            code(&[Finished, Interrupted], Some(StopRequest::TimeLimit)),
+            5
+        );
+        assert_eq!(
+            code(&[Failed, Interrupted], Some(StopRequest::Interrupt)),
+            130
+        );
+    }
+}

@@ -1,0 +1,128 @@
+//! Loads at which straight rods and rings buckle: where the stiffness matrix ceases to be positive.
+
+use super::rods::{STIFFNESS_RATIO, clamp, line, unit_rod, unit_stiffness};
+use super::theory::beam::{CLAMPED_COLUMN, clamped_twist_moment, ring_twist};
+use super::{Check, Expectation, GroupError};
+use crate::mechanics::Vector3;
+use crate::mechanics::dynamics::{IntegrationParameters, Simulation, SimulationError};
+use crate::mechanics::kirchhoff::numerics::bisect;
+use crate::mechanics::scene::{NaturalShape, RodDescription, Scene};
+use std::f64::consts::TAU;
+
+const EULER: Expectation = Expectation {
+    formula: "P = 4π² EI/L²",
+    source: "Euler",
+};
+const GREENHILL: Expectation = Expectation {
+    formula: "M = 2x EI/L, tan x = x",
+    source: "Greenhill 1883",
+};
+const MICHELL: Expectation = Expectation {
+    formula: "Θ = 2π√3 EI/GJ",
+    source: "Michell 1889, Zajac 1962",
+};
+const EDGES: usize = 80;
+/// The ring buckles into two waves: its error at 80 edges is 0.5 %.
+const RING_EDGES: usize = 140;
+/// Relative error allowed.
+const BOUND: f64 = 2e-3;
+
+/// Euler's column, the twisted rod and the twisted ring.
+pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
+    Ok(vec![
+        EULER.relative(
+            "column with clamped ends: critical load P L²/EI",
+            "",
+            CLAMPED_COLUMN,
+            critical(
+                0.5 * CLAMPED_COLUMN..2.0 * CLAMPED_COLUMN,
+                compressed_column,
+            )?,
+            BOUND,
+        ),
+        GREENHILL.relative(
+            "twisted rod with clamped ends: critical moment M L/EI",
+            "",
+            clamped_twist_moment(),
+            critical(5.0..15.0, twisted_rod)?,
+            BOUND,
+        ),
+        MICHELL.relative(
+            "twisted ring: critical twist",
+            "rad",
+            ring_twist() * STIFFNESS_RATIO,
+            critical(10.0..25.0, twisted_ring)?,
+            BOUND,
+        ),
+    ])
+}
+
+/// The load at which the lowest eigenvalue of the stiffness matrix turns negative.
+fn critical(range: std::ops::Range<f64>, scene: fn(f64) -> Scene) -> Result<f64, SimulationError> {
+    // Errors of a scene do not depend on the load: one try before the search tells them.
+    Simulation::new(&scene(range.start), &IntegrationParameters::default())?;
+    Ok(bisect(range.start, range.end, |load| {
+        let simulation = Simulation::new(&scene(load), &IntegrationParameters::default());
+        simulation.map_or(f64::NAN, |mut simulation| stability(&mut simulation))
+    }))
+}
+
+/// 1 where the configuration is stable, −1 where not. Free rings have modes without stiffness, so only
+/// an eigenvalue below the rounding error of the largest counts as negative.
+fn stability(simulation: &mut Simulation) -> f64 {
+    let mut matrix = simulation.stiffness_matrix();
+    let rounding = 1e-12 * matrix.diagonal().amax();
+    for i in 0..matrix.nrows() {
+        matrix[(i, i)] += rounding;
+    }
+    if matrix.cholesky().is_some() {
+        1.0
+    } else {
+        -1.0
+    }
+}
+
+fn clamped(rod: RodDescription) -> Scene {
+    let last = rod.centreline.len() - 1;
+    Scene {
+        rods: vec![rod],
+        clamps: vec![clamp(0), clamp(last)],
+        ..Scene::default()
+    }
+}
+
+/// A column held at a length that compresses it with the force P.
+fn compressed_column(force: f64) -> Scene {
+    let shortening = force / unit_stiffness().stretching;
+    let natural = line(Vector3::zeros(), Vector3::x(), EDGES);
+    clamped(RodDescription {
+        natural_shape: NaturalShape::Centreline(natural.clone()),
+        ..unit_rod(natural.iter().map(|x| x * (1.0 - shortening)).collect())
+    })
+}
+
+/// A straight rod under the twisting moment M. The twist from first to last edge leaves out half an edge
+/// at either end.
+fn twisted_rod(moment: f64) -> Scene {
+    let twist = moment / unit_stiffness().twisting * (EDGES as f64 - 1.0) / EDGES as f64;
+    clamped(RodDescription {
+        twist,
+        ..unit_rod(line(Vector3::zeros(), Vector3::x(), EDGES))
+    })
+}
+
+/// A free ring of unit length with the given twist once around.
+fn twisted_ring(twist: f64) -> Scene {
+    let corner = |k: usize| {
+        let angle = TAU * k as f64 / RING_EDGES as f64;
+        Vector3::new(angle.cos(), angle.sin(), 0.0) / TAU
+    };
+    Scene {
+        rods: vec![RodDescription {
+            closed: true,
+            twist,
+            ..unit_rod((0..RING_EDGES).map(corner).collect())
+        }],
+        ..Scene::default()
+    }
+}

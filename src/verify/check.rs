@@ -1,0 +1,199 @@
+//! One line of the table: what was expected, what came out, and how far apart they may be.
+
+use serde::Serialize;
+use std::fmt::Write;
+
+/// Where an expected value comes from.
+#[derive(Clone, Copy, Debug)]
+pub struct Expectation {
+    /// The formula or equation.
+    pub formula: &'static str,
+    /// Who found it.
+    pub source: &'static str,
+}
+
+/// A comparison of a simulation with theory.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Check {
+    /// What is compared.
+    pub name: String,
+    /// The formula or equation behind the expected value.
+    pub formula: String,
+    /// Its source.
+    pub source: String,
+    /// Value by theory.
+    pub expected: f64,
+    /// Value found; NaN where the simulation failed.
+    pub got: f64,
+    /// Unit of both; empty for pure numbers.
+    pub unit: String,
+    /// |got − expected| as a fraction of the scale of the check.
+    pub error: f64,
+    /// Largest error that passes.
+    pub bound: f64,
+}
+
+/// Whether a check passed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    /// The error is within its bound.
+    Pass,
+    /// The error exceeds its bound or is not a number.
+    Fail,
+}
+
+impl Expectation {
+    /// A check whose error is relative to the expected value.
+    pub fn relative(
+        &self,
+        name: impl Into<String>,
+        unit: &str,
+        expected: f64,
+        got: f64,
+        bound: f64,
+    ) -> Check {
+        self.scaled(name, unit, expected, got, expected.abs(), bound)
+    }
+
+    /// A check whose error is a fraction of `scale`, given in the unit of the values.
+    pub fn scaled(
+        &self,
+        name: impl Into<String>,
+        unit: &str,
+        expected: f64,
+        got: f64,
+        scale: f64,
+        bound: f64,
+    ) -> Check {
+        Check {
+            name: name.into(),
+            formula: self.formula.into(),
+            source: self.source.into(),
+            expected,
+            got,
+            unit: unit.into(),
+            error: (got - expected).abs() / scale,
+            bound,
+        }
+    }
+}
+
+impl Check {
+    /// A failed check in place of a group whose simulation failed; the reason stands for its source.
+    pub fn not_run(group: &str, reason: &str) -> Self {
+        Self {
+            name: format!("{group}: not run"),
+            formula: String::new(),
+            source: reason.into(),
+            expected: f64::NAN,
+            got: f64::NAN,
+            unit: String::new(),
+            error: f64::NAN,
+            bound: 0.0,
+        }
+    }
+
+    /// Whether the error is within its bound.
+    pub fn verdict(&self) -> Verdict {
+        if self.error <= self.bound {
+            Verdict::Pass
+        } else {
+            Verdict::Fail
+        }
+    }
+}
+
+/// The checks as a table for people.
+pub fn table(checks: &[Check]) -> String {
+    let width = |of: fn(&Check) -> &str| {
+        checks
+            .iter()
+            .map(|check| of(check).chars().count())
+            .max()
+            .unwrap_or(0)
+    };
+    let name = width(|check| &check.name).max("check".len());
+    let formula = width(|check| &check.formula).max("formula".len());
+    let mut text = String::new();
+    let mut line = |row: std::fmt::Arguments| writeln!(text, "{row}").expect("writing to a string");
+    line(format_args!(
+        "{:name$}  {:formula$}  {:>13}  {:>13}  {:6}  {:>8}  {:>8}  verdict  source",
+        "check", "formula", "expected", "got", "unit", "error", "bound"
+    ));
+    for check in checks {
+        let verdict = match check.verdict() {
+            Verdict::Pass => "pass",
+            Verdict::Fail => "FAIL",
+        };
+        line(format_args!(
+            "{:name$}  {:formula$}  {:>13}  {:>13}  {:6}  {:>8.1e}  {:>8.1e}  {verdict:7}  {}",
+            check.name,
+            check.formula,
+            number(check.expected),
+            number(check.got),
+            check.unit,
+            check.error,
+            check.bound,
+            check.source
+        ));
+    }
+    let passed = checks
+        .iter()
+        .filter(|check| check.verdict() == Verdict::Pass)
+        .count();
+    line(format_args!("{passed} of {} checks pass", checks.len()));
+    text
+}
+
+/// Eight significant digits, in powers of ten only where the number is very large or small.
+pub(super) fn number(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
+        format!("{value:.8}")
+    } else {
+        format!("{value:.6e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EXPECTATION: Expectation = Expectation {
+        formula: "1 + 1",
+        source: "Peano 1889",
+    };
+
+    #[test]
+    fn a_number_that_is_not_a_number_fails() {
+        assert_eq!(
+            EXPECTATION
+                .relative("sum", "", 2.0, f64::NAN, 1.0)
+                .verdict(),
+            Verdict::Fail
+        );
+        assert_eq!(Check::not_run("sums", "no pencil").verdict(), Verdict::Fail);
+    }
+
+    #[test]
+    fn errors_are_fractions_of_their_scale() {
+        let check = EXPECTATION.scaled("sum", "m", 2.0, 2.5, 10.0, 0.05);
+        assert_eq!(check.error, 0.05);
+        assert_eq!(check.verdict(), Verdict::Pass);
+        assert_eq!(
+            EXPECTATION.relative("sum", "m", 2.0, 2.5, 0.2).verdict(),
+            Verdict::Fail
+        );
+    }
+
+    #[test]
+    fn the_table_names_each_check_and_counts_the_passed() {
+        let checks = [
+            EXPECTATION.relative("one", "", 2.0, 2.0, 1e-9),
+            EXPECTATION.relative("other", "", 2.0, 3.0, 1e-9),
+        ];
+        let text = table(&checks);
+        assert_eq!(text.lines().count(), 4);
+        assert!(text.contains("FAIL") && text.ends_with("1 of 2 checks pass\n"));
+    }
+}

@@ -1,0 +1,204 @@
+//! Two rods that collide and rub, by every contact model: no penetration, momentum, energy, Coulomb's law.
+
+use super::rods::{RADIUS, line, unit_rod};
+use super::{Check, Expectation, GroupError};
+use crate::mechanics::Vector3;
+use crate::mechanics::contact::{ActiveContact, ContactModel, ContactParameters};
+use crate::mechanics::dynamics::{IntegrationParameters, Simulation, StepSize};
+use crate::mechanics::scene::{RodDescription, Scene};
+
+const PENETRATION: Expectation = Expectation {
+    formula: "max(0, 1 − Δ/2h) = 0",
+    source: "Signorini",
+};
+const MOMENTUM: Expectation = Expectation {
+    formula: "|Σ F| / Σ |F| = 0",
+    source: "Newton",
+};
+const ENERGY: Expectation = Expectation {
+    formula: "max(0, E/E₀ − 1) = 0",
+    source: "second law",
+};
+const COULOMB: Expectation = Expectation {
+    formula: "max |T|/N = μ",
+    source: "Coulomb",
+};
+
+/// The contact models by their names in scenario files, with the penetration that each may end a step with.
+///
+/// A penalty needs some; Newton's method ends rigid contact within its tolerance; a barrier has none at all.
+const MODELS: [(ContactModel, &str, f64); 3] = [
+    (ContactModel::ImplicitContact, "imc", 0.02),
+    (ContactModel::IncrementalPotential, "ipc", 0.0),
+    (ContactModel::Complementarity, "complementarity", 1e-4),
+];
+const FRICTION: f64 = 0.3;
+const LENGTH: f64 = 0.2;
+const EDGES: usize = 10;
+
+/// Collisions by all models, and one so fast that only a barrier notices.
+pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
+    let mut checks = Vec::new();
+    for (model, name, penetration) in MODELS {
+        let seen = collide(model, Vector3::new(0.3, 0.1, -0.5), 1e-4, 400)?;
+        let row = |what: &str| format!("colliding rods, {name}: {what}");
+        checks.extend([
+            PENETRATION.scaled(
+                row("penetration"),
+                "",
+                0.0,
+                seen.penetration,
+                1.0,
+                penetration,
+            ),
+            MOMENTUM.scaled(
+                row("sum of the contact forces"),
+                "",
+                0.0,
+                seen.imbalance,
+                1.0,
+                1e-10,
+            ),
+            ENERGY.scaled(
+                row("gain of energy between contacts"),
+                "",
+                0.0,
+                seen.gain,
+                1.0,
+                1e-9,
+            ),
+            COULOMB.relative(
+                row("friction over normal force"),
+                "",
+                FRICTION,
+                seen.friction,
+                1e-6,
+            ),
+        ]);
+    }
+    let shot = collide(
+        ContactModel::IncrementalPotential,
+        Vector3::new(0.3, 0.1, -20.0),
+        1e-3,
+        40,
+    )?;
+    checks.push(PENETRATION.scaled(
+        "rod shot at a rod, ten diameters a step, ipc: penetration",
+        "",
+        0.0,
+        shot.penetration,
+        1.0,
+        0.0,
+    ));
+    Ok(checks)
+}
+
+/// Contact parameters of a model, with its default stiffness.
+pub(super) fn contact_parameters(model: ContactModel, friction: f64) -> ContactParameters {
+    let defaults = ContactParameters::default();
+    ContactParameters {
+        model,
+        friction,
+        stiffness_factor: match model {
+            ContactModel::IncrementalPotential => 1.0,
+            _ => defaults.stiffness_factor,
+        },
+        ..defaults
+    }
+}
+
+/// What was seen of a collision; not a number where nothing was.
+struct Collision {
+    /// Largest penetration, as a fraction of the diameter.
+    penetration: f64,
+    /// Largest sum of the contact forces over the sum of their sizes.
+    imbalance: f64,
+    /// Largest gain of energy at a time without contact that follows one with contact.
+    gain: f64,
+    /// Largest ratio of friction and normal force.
+    friction: f64,
+}
+
+/// Two free rods, one of them thrown at the other.
+fn collide(
+    model: ContactModel,
+    velocity: Vector3,
+    step: f64,
+    steps: usize,
+) -> Result<Collision, GroupError> {
+    let parameters = IntegrationParameters {
+        step: StepSize::Fixed(step),
+        ..IntegrationParameters::default()
+    };
+    let mut simulation = Simulation::new(&scene(model, velocity), &parameters)?;
+    let before = energy(&simulation);
+    let (mut distance, mut friction, mut imbalance, mut gain) =
+        (f64::INFINITY, f64::NAN, f64::NAN, f64::NAN);
+    for _ in 0..steps {
+        let report = simulation.advance(f64::INFINITY)?;
+        distance = distance.min(simulation.minimum_distance());
+        let loaded = simulation
+            .contacts()
+            .iter()
+            .filter(|c| c.normal_force > 0.0);
+        friction = loaded.map(friction_ratio).fold(friction, f64::max);
+        let forces = simulation.contact_forces();
+        let size: f64 = forces.iter().map(|force| force.norm()).sum();
+        if size > 0.0 {
+            let sum: Vector3 = forces.iter().sum();
+            imbalance = imbalance.max(sum.norm() / size);
+        }
+        if report.contacts == 0 && !friction.is_nan() {
+            gain = gain.max((energy(&simulation) / before - 1.0).max(0.0));
+        }
+    }
+    let touched = !friction.is_nan();
+    Ok(Collision {
+        penetration: if touched {
+            (1.0 - distance / (2.0 * RADIUS)).max(0.0)
+        } else {
+            f64::NAN
+        },
+        imbalance,
+        gain,
+        friction,
+    })
+}
+
+/// The rods cross neither at right angles nor at their middles or at nodes.
+fn scene(model: ContactModel, velocity: Vector3) -> Scene {
+    let half = 0.5 * LENGTH;
+    let straight = |middle: Vector3, direction: Vector3| {
+        let end = direction.normalize() * half;
+        unit_rod(line(middle - end, middle + end, EDGES))
+    };
+    let above = Vector3::new(0.006, 0.004, 3.0 * RADIUS);
+    Scene {
+        rods: vec![
+            straight(Vector3::zeros(), Vector3::x()),
+            RodDescription {
+                name: "thrown".into(),
+                velocity,
+                ..straight(above, Vector3::new(0.3, 1.0, 0.0))
+            },
+        ],
+        contact: Some(contact_parameters(model, FRICTION)),
+        ..Scene::default()
+    }
+}
+
+/// Kinetic and elastic energy, J.
+fn energy(simulation: &Simulation) -> f64 {
+    let energies = simulation.energies();
+    energies.kinetic + energies.elastic()
+}
+
+/// T/N of the force √(N² + T²) between two edges.
+fn friction_ratio(contact: &ActiveContact) -> f64 {
+    let on_first_edge: Vector3 = contact.force[..6]
+        .chunks_exact(3)
+        .map(Vector3::from_column_slice)
+        .sum();
+    let ratio = on_first_edge.norm() / contact.normal_force;
+    (ratio * ratio - 1.0).max(0.0).sqrt()
+}

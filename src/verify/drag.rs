@@ -1,0 +1,148 @@
+//! Drag in viscous fluid, against quadrature and a dense solution.
+
+use super::theory::stokeslet::{adaptive_segment_integral, forces};
+use super::{Check, Expectation, GroupError};
+use crate::mechanics::dynamics::SimulationError;
+use crate::mechanics::fluid::{Filament, Fluid, FluidModel, segment_integral};
+use crate::mechanics::{Matrix3, Vector3};
+use std::f64::consts::TAU;
+
+const SEGMENT: Expectation = Expectation {
+    formula: "∫ S(x − y(s)) f(s) ds",
+    source: "adaptive quadrature",
+};
+const DENSE: Expectation = Expectation {
+    formula: "8πη u(xᵢ) = Σ ∫ S f ds",
+    source: "Cortez 2001, dense solution",
+};
+/// Regularisation in rod radii (thesis sec. 2.4.1).
+const REGULARIZATION: f64 = 1.02;
+const BOUND: f64 = 1e-3;
+
+/// Segment integral, straight rod, helix of the thesis.
+pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
+    let mut checks = vec![segment_check()];
+    checks.extend(straight_rod()?);
+    checks.extend(helix()?);
+    Ok(checks)
+}
+
+/// Largest relative error of the closed form over 1000 pairs of point and segment: apart, near, on the
+/// axis, touching.
+fn segment_check() -> Check {
+    let mut numbers = crate::mechanics::kirchhoff::numerics::uniform_numbers(2023);
+    let mut vector = || Vector3::from_fn(|_, _| 2.0 * numbers() - 1.0);
+    let mut worst = 0.0_f64;
+    for pair in 0..1000 {
+        let (start, end, x) = (vector(), vector(), vector());
+        let place = vector().x;
+        let x = match pair % 5 {
+            0 => x * 5.0,
+            1 => start + (end - start) * (1.5 * place),
+            2 => start + x * 1e-3,
+            3 => end,
+            _ => x,
+        };
+        let regularization = 10f64.powf(-2.0 - 1.5 * place.abs());
+        let expected = adaptive_segment_integral(&x, &start, &end, regularization);
+        let got = segment_integral(&x, &start, &end, regularization);
+        for (expected, got) in expected.iter().zip(&got) {
+            worst = worst.max((expected - got).norm() / expected.norm());
+        }
+    }
+    SEGMENT.scaled(
+        "Stokeslet segments, 1000 random pairs: worst relative error",
+        "",
+        0.0,
+        worst,
+        1.0,
+        1e-10,
+    )
+}
+
+/// A straight rod of unit length, a hundred times as long as its radius, towed along and across.
+fn straight_rod() -> Result<Vec<Check>, SimulationError> {
+    let (radius, viscosity) = (1e-2, 1.0);
+    let nodes: Vec<Vector3> = (0..41)
+        .map(|k| Vector3::x() * (f64::from(k) / 40.0))
+        .collect();
+    let mut checks = Vec::new();
+    for (name, direction) in [("along", Vector3::x()), ("across", Vector3::y())] {
+        let velocities = vec![direction; nodes.len()];
+        let total = |forces: &[Vector3]| forces.iter().sum::<Vector3>().dot(&direction);
+        let expected = forces(&nodes, &velocities, REGULARIZATION * radius, viscosity);
+        let got = fluid_forces(&nodes, &velocities, radius, viscosity)?;
+        checks.push(DENSE.relative(
+            format!("straight rod, L/a = 100, 41 nodes: drag {name} it"),
+            "N",
+            total(&expected),
+            total(&got),
+            BOUND,
+        ));
+    }
+    Ok(checks)
+}
+
+/// The helix of the thesis (sec. 2.4.2), turning at 15 rad/s about its axis.
+fn helix() -> Result<Vec<Check>, SimulationError> {
+    let (radius, viscosity) = (1e-3, 0.1);
+    let nodes: Vec<Vector3> = (0..68)
+        .map(|k| {
+            let z = 0.2 * f64::from(k) / 67.0;
+            let angle = TAU * z / 0.05;
+            Vector3::new(0.01 * angle.cos(), 0.01 * angle.sin(), z)
+        })
+        .collect();
+    let velocities: Vec<Vector3> = nodes
+        .iter()
+        .map(|x| (15.0 * Vector3::z()).cross(x))
+        .collect();
+    let force = |forces: &[Vector3]| forces.iter().map(|f| f.z).sum::<f64>();
+    let torque = |forces: &[Vector3]| {
+        let moments = nodes.iter().zip(forces).map(|(x, f)| x.cross(f).z);
+        moments.sum::<f64>()
+    };
+    let expected = forces(&nodes, &velocities, REGULARIZATION * radius, viscosity);
+    let got = fluid_forces(&nodes, &velocities, radius, viscosity)?;
+    let name = |what: &str| format!("helix of the thesis at 15 rad/s, 68 nodes: {what}");
+    Ok(vec![
+        DENSE.relative(name("force"), "N", force(&expected), force(&got), BOUND),
+        DENSE.relative(
+            name("torque"),
+            "N m",
+            torque(&expected),
+            torque(&got),
+            BOUND,
+        ),
+    ])
+}
+
+/// Forces of a rigid rod on the fluid as the engine finds them.
+fn fluid_forces(
+    nodes: &[Vector3],
+    velocities: &[Vector3],
+    radius: f64,
+    viscosity: f64,
+) -> Result<Vec<Vector3>, SimulationError> {
+    let model = FluidModel::RegularizedStokeslets {
+        viscosity,
+        regularization: REGULARIZATION,
+        far_field_error: 0.0,
+    };
+    let filament = Filament {
+        first_node: 0,
+        nodes: nodes.len(),
+        closed: false,
+        radius,
+    };
+    let unphysical =
+        |error: crate::mechanics::fluid::FluidError| SimulationError::Unphysical(error.to_string());
+    let mut fluid = Fluid::new(&model, &[filament]).map_err(unphysical)?;
+    let mut forces = vec![Vector3::zeros(); nodes.len()];
+    let mut resistance = vec![Matrix3::zeros(); nodes.len()];
+    fluid
+        .drag(nodes, velocities, &mut forces, &mut resistance)
+        .map_err(unphysical)?;
+    // The fluid reports what it does to the rod.
+    Ok(forces.into_iter().map(|force| -force).collect())
+}

@@ -1,0 +1,235 @@
+//! Coulomb friction: a rod on an incline, a rope around a post.
+
+use super::contact::contact_parameters;
+use super::rods::{line, steady, unit_rod};
+use super::theory::friction::{Capstan, sliding_acceleration};
+use super::{Check, Expectation, GroupError};
+use crate::mechanics::Vector3;
+use crate::mechanics::contact::{ContactModel, ContactParameters};
+use crate::mechanics::dynamics::{IntegrationParameters, Simulation, StepSize};
+use crate::mechanics::scene::{Clamp, LoadKind, Motion, Plane, RodDescription, Scene, Stiffness};
+use std::f64::consts::PI;
+
+const SLIDING: Expectation = Expectation {
+    formula: "a = g (sin α − μ cos α)",
+    source: "Coulomb",
+};
+const STICKING: Expectation = Expectation {
+    formula: "v = 0 for μ > tan α",
+    source: "Coulomb",
+};
+const CAPSTAN: Expectation = Expectation {
+    formula: "T₂ = T₁ exp(μφ), corrected for EI",
+    source: "Euler; balance of the elastica",
+};
+const GRAVITY: f64 = 9.81;
+
+/// The contact models by their names in scenario files, with the speed at which each may creep instead of
+/// sticking, as a fraction of the slip tolerance.
+///
+/// The smoothed law creeps below its slip tolerance; rigid contact sticks but for the tolerance of Newton's method.
+const MODELS: [(ContactModel, &str, f64); 3] = [
+    (ContactModel::ImplicitContact, "imc", 1.0),
+    (ContactModel::IncrementalPotential, "ipc", 1.0),
+    (ContactModel::Complementarity, "complementarity", 1e-4),
+];
+
+/// Sliding and sticking on an incline, and the capstan, by every contact model.
+pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
+    let (steep, shallow) = (30f64.to_radians(), 20f64.to_radians());
+    let slip_tolerance = ContactParameters::default().slip_tolerance;
+    let mut checks = Vec::new();
+    for (model, name, creep) in MODELS {
+        let sliding = slide(model, steep, 0.3)?;
+        let sticking = slide(model, shallow, 0.5)?;
+        checks.extend([
+            SLIDING.relative(
+                format!("rod on an incline of 30°, μ = 0.3, {name}: acceleration"),
+                "m/s²",
+                sliding_acceleration(GRAVITY, steep, 0.3),
+                sliding.acceleration,
+                1e-2,
+            ),
+            STICKING.scaled(
+                format!("rod on an incline of 20°, μ = 0.5, {name}: speed over slip tolerance"),
+                "",
+                0.0,
+                sticking.speed / slip_tolerance,
+                1.0,
+                creep,
+            ),
+            capstan(model, name)?,
+        ]);
+    }
+    Ok(checks)
+}
+
+/// What a rod on an incline does at the end.
+struct Slide {
+    /// Mean acceleration over the second half of the time, m/s².
+    acceleration: f64,
+    /// Speed at the end, m/s.
+    speed: f64,
+}
+
+/// A rod along the line of steepest descent, let go at rest.
+fn slide(model: ContactModel, incline: f64, friction: f64) -> Result<Slide, GroupError> {
+    let contact = contact_parameters(model, friction);
+    let rod = unit_rod(line(Vector3::zeros(), 0.1 * Vector3::x(), 4));
+    let height = rod.radius + 0.5 * contact.distance_tolerance;
+    let lifted = rod.centreline.iter().map(|x| x + height * Vector3::z());
+    let scene = Scene {
+        rods: vec![RodDescription {
+            centreline: lifted.collect(),
+            ..rod
+        }],
+        loads: vec![steady(LoadKind::Gravity {
+            acceleration: GRAVITY * Vector3::new(incline.sin(), 0.0, -incline.cos()),
+        })],
+        planes: vec![Plane {
+            point: Vector3::zeros(),
+            normal: Vector3::z(),
+            friction: None,
+        }],
+        contact: Some(contact),
+        ..Scene::default()
+    };
+    let mut simulation = Simulation::new(&scene, &IntegrationParameters::default())?;
+    let speed_at = |simulation: &mut Simulation, time: f64| -> Result<f64, GroupError> {
+        while simulation.time() < time {
+            simulation.advance(time)?;
+        }
+        let velocities = simulation.velocities();
+        Ok(velocities.iter().map(|v| v.x).sum::<f64>() / velocities.len() as f64)
+    };
+    let middle = speed_at(&mut simulation, 0.2)?;
+    let speed = speed_at(&mut simulation, 0.4)?;
+    Ok(Slide {
+        acceleration: (speed - middle) / 0.2,
+        speed,
+    })
+}
+
+/// Radius of the post, of the rope, and of the rope's centreline around the post, m.
+const POST_RADIUS: f64 = 0.02;
+const ROPE_RADIUS: f64 = 1e-3;
+const WRAP_RADIUS: f64 = POST_RADIUS + ROPE_RADIUS;
+/// Edges around the post and in each leg.
+const WRAPPED_EDGES: usize = 40;
+const LEG_EDGES: usize = 24;
+/// Weight on the lesser leg, N.
+const WEIGHT: f64 = 1.0;
+const ROPE_FRICTION: f64 = 0.3;
+/// Speed at which the greater leg is pulled, m/s: far above the slip tolerance, far below the speed of sound.
+const PULL: f64 = 0.02;
+
+/// A rope over a post, half a turn; a weight hangs on one leg, the other is pulled.
+fn capstan(model: ContactModel, name: &str) -> Result<Check, GroupError> {
+    let rope = rope();
+    let (stiffness, nodes) = (rope.stiffness, rope.centreline.clone());
+    let parameters = IntegrationParameters {
+        step: StepSize::Fixed(5e-4),
+        ..IntegrationParameters::default()
+    };
+    let mut simulation = Simulation::new(&capstan_scene(model, rope), &parameters)?;
+    let tension = |simulation: &Simulation, edge: usize| {
+        let natural = (nodes[edge + 1] - nodes[edge]).norm();
+        let now = simulation.positions();
+        stiffness.stretching * ((now[edge + 1] - now[edge]).norm() / natural - 1.0)
+    };
+    // The edges in the middle of the legs, where the rope is straight.
+    let (lesser_edge, greater_edge) = (LEG_EDGES / 2, nodes.len() - 2 - LEG_EDGES / 2);
+    let (settled, end) = (0.3, 0.5);
+    let (mut lesser, mut greater, mut samples) = (0.0, 0.0, 0.0);
+    while simulation.time() < end {
+        simulation.advance(end)?;
+        if simulation.time() > settled {
+            lesser += tension(&simulation, lesser_edge);
+            greater += tension(&simulation, greater_edge);
+            samples += 1.0;
+        }
+    }
+    let (lesser, greater) = (lesser / samples, greater / samples);
+    let theory = Capstan {
+        friction: ROPE_FRICTION,
+        angle: PI,
+        bending: stiffness.bending[0],
+        radius: WRAP_RADIUS,
+    };
+    let expected = theory.greater_tension(lesser);
+    Ok(CAPSTAN.relative(
+        format!("rope over a post, μ = 0.3, half a turn, {name}: T₂/T₁"),
+        "",
+        expected / lesser,
+        greater / lesser,
+        3e-2,
+    ))
+}
+
+/// A thin rope, placed over the post from the end with the weight to the end that is pulled.
+fn rope() -> RodDescription {
+    // The nodes stand outside, so that the edges between them touch the post in their middle.
+    let step = PI / WRAPPED_EDGES as f64;
+    let edge = 2.0 * WRAP_RADIUS * (0.5 * step).tan();
+    let corner = WRAP_RADIUS / (0.5 * step).cos();
+    let gap = 1.0 + 1e-4;
+    let leg = |k: usize, side: f64| Vector3::new(side * corner, -edge * k as f64, 0.0) * gap;
+    let around = |k: usize| {
+        let angle = PI - step * k as f64;
+        Vector3::new(angle.cos(), angle.sin(), 0.0) * (corner * gap)
+    };
+    let centreline = (1..=LEG_EDGES)
+        .rev()
+        .map(|k| leg(k, -1.0))
+        .chain((0..=WRAPPED_EDGES).map(around))
+        .chain((1..=LEG_EDGES).map(|k| leg(k, 1.0)))
+        .collect();
+    // Bending is a small correction, EI/(2ρ² T₁) = 0.5 %; at the greater tension the rope stretches by 0.3 %.
+    let bending = 0.01 * WEIGHT * WRAP_RADIUS * WRAP_RADIUS;
+    let stiffness = Stiffness {
+        stretching: 1e3 * WEIGHT,
+        bending: [bending; 2],
+        twisting: bending,
+    };
+    RodDescription::uniform("rod", centreline, stiffness, ROPE_RADIUS, 0.01)
+}
+
+fn capstan_scene(model: ContactModel, rope: RodDescription) -> Scene {
+    let last = rope.centreline.len() - 1;
+    let half = 0.05 * Vector3::z();
+    let post = RodDescription {
+        name: "post".into(),
+        radius: POST_RADIUS,
+        held: true,
+        ..unit_rod(vec![-half, half])
+    };
+    let pull = Motion {
+        translation: vec![(0.0, Vector3::zeros()), (1.0, -PULL * Vector3::y())],
+        ..Motion::default()
+    };
+    Scene {
+        rods: vec![rope, post],
+        clamps: vec![Clamp {
+            rod: 0,
+            node: last,
+            holds_position: true,
+            holds_frame: false,
+            motion: pull,
+        }],
+        loads: vec![
+            steady(LoadKind::Force {
+                rod: 0,
+                node: 0,
+                force: -WEIGHT * Vector3::y(),
+            }),
+            // Settles the swinging of the legs; along the rope it takes 3e-4 N.
+            steady(LoadKind::Drag {
+                rod: Some(0),
+                translation: 0.1,
+                rotation: 0.0,
+            }),
+        ],
+        contact: Some(contact_parameters(model, ROPE_FRICTION)),
+        ..Scene::default()
+    }
+}

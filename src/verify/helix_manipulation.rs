@@ -1,0 +1,94 @@
+//! Helical rods manipulated slowly in time: where they leave the helix, against conjugate points.
+
+use super::{Check, Expectation, GroupError};
+use crate::experiment::helix::manipulation::{
+    Buckling, EndPath, Manipulation, Observation, helix_error,
+};
+use crate::experiment::helix::stability::DiscreteRod;
+use crate::mechanics::dynamics::{IntegrationParameters, Simulation, SimulationError, StepSize};
+use crate::mechanics::kirchhoff::numerics::uniform_numbers;
+use crate::mechanics::kirchhoff::{Helix, critical_distance};
+use std::f64::consts::TAU;
+
+const SLOW: Expectation = Expectation {
+    formula: "e(‖(κ, τ, ω)‖) = 0.1, slowly",
+    source: "Borum & Bretl 2020",
+};
+const ROD: DiscreteRod = DiscreteRod {
+    edges: 100,
+    stiffness_ratio: 1.0 / 1.33,
+    bending_stiffness: 1.0,
+};
+/// Speed of the end over L/T, where T = L² √(ρA/EI): half a length of the rod in a hundred T, with the first vibration
+/// of the straight rod taking 0.28 T.
+const SPEED: f64 = 0.005;
+/// Time step over T.
+const STEP: f64 = 0.02;
+/// Outputs along a path to this multiple of the critical distance.
+const OUTPUTS: usize = 500;
+const BEYOND: f64 = 1.1;
+/// Directions that are manipulated have a curvature of at least this, without which there is no radius, and lose
+/// stability within this distance, where 100 edges are fine enough.
+const LEAST_CURVATURE: f64 = 0.1;
+const FARTHEST: f64 = 14.0;
+
+/// The distance at which the rod leaves the helix, of the worst of some random directions.
+pub fn checks(full: bool) -> Result<Vec<Check>, GroupError> {
+    let count = if full { 10 } else { 1 };
+    let mut number = uniform_numbers(65);
+    let mut worst = (1.0, 1.0);
+    let mut taken = 0;
+    while taken < count {
+        let curvature = number();
+        let (sine, cosine) = (TAU * number()).sin_cos();
+        let across = (1.0 - curvature * curvature).sqrt();
+        let helix = Helix::from([curvature, across * cosine, across * sine]);
+        let critical = critical_distance(&helix).map_or(f64::INFINITY, |found| found.distance);
+        if curvature < LEAST_CURVATURE || critical > FARTHEST {
+            continue;
+        }
+        taken += 1;
+        let pair = (critical, leaves_helix(helix, critical)?);
+        let difference = |(expected, got): (f64, f64)| (got / expected - 1.0).abs();
+        if !(difference(pair) <= difference(worst)) {
+            worst = pair;
+        }
+    }
+    let name = format!("{count} random helices, manipulated slowly: distance where they buckle");
+    Ok(vec![SLOW.relative(name, "", worst.0, worst.1, 3e-2)])
+}
+
+/// Distance at which the manipulated rod leaves the helix; NaN where it does not.
+fn leaves_helix(direction: Helix, critical: f64) -> Result<f64, SimulationError> {
+    let path = EndPath::new(&Manipulation {
+        rod: ROD,
+        direction,
+        farthest: BEYOND * critical,
+        speed: SPEED,
+        jitter: 0.0,
+        seed: 0,
+    });
+    let mut scene = ROD.straight();
+    scene.clamps[1].motion = path.motion();
+    let parameters = IntegrationParameters {
+        step: StepSize::Fixed(STEP),
+        ..IntegrationParameters::default()
+    };
+    let mut simulation = Simulation::new(&scene, &parameters)?;
+    let unit = direction.scaled(1.0 / direction.distance());
+    let mut observations = Vec::new();
+    for output in 1..=OUTPUTS {
+        let until = path.duration() * output as f64 / OUTPUTS as f64;
+        while simulation.time() < until {
+            simulation.advance(until)?;
+        }
+        let distance = path.distance(until);
+        let helix = unit.scaled(distance);
+        observations.push(Observation {
+            distance,
+            error: helix_error(simulation.positions(), &helix, ROD.enlargement(&helix)),
+            kinetic_energy: simulation.energies().kinetic / (0.5 * SPEED * SPEED),
+        });
+    }
+    Ok(Buckling::of(&observations).deviates.unwrap_or(f64::NAN))
+}

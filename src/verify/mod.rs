@@ -1,0 +1,77 @@
+//! `rodlab verify`: the engine against theory.
+//!
+//! Every [`Check`] compares one number of a simulation with one number of a theory that knows nothing of
+//! the simulation: closed forms and independent solutions in [`theory`]. The groups run in parallel;
+//! the table keeps its order.
+
+mod buckling;
+mod check;
+mod conservation;
+mod contact;
+mod continuation;
+mod derivatives;
+mod determinism;
+mod drag;
+mod friction;
+mod helix;
+mod helix_manipulation;
+mod localized_buckling;
+mod page;
+mod rods;
+mod statics;
+mod symmetry;
+#[cfg(test)]
+mod tests;
+pub mod theory;
+mod vibration;
+
+pub use check::{Check, Expectation, Verdict, table};
+pub use page::markdown;
+
+use rayon::prelude::*;
+use std::error::Error;
+
+/// A group of checks. With `full` it may take minutes and cover more parameters.
+type CheckGroup = fn(full: bool) -> Result<Vec<Check>, GroupError>;
+
+/// Whatever kept a group from coming to its numbers.
+type GroupError = Box<dyn Error + Send + Sync>;
+
+/// All groups, in the order of the table.
+const GROUPS: [(&str, CheckGroup); 14] = [
+    ("derivatives", derivatives::checks),
+    ("statics", statics::checks),
+    ("vibration", vibration::checks),
+    ("buckling", buckling::checks),
+    ("continuation", continuation::checks),
+    ("helix", helix::checks),
+    ("helix manipulation", helix_manipulation::checks),
+    ("localised buckling", localized_buckling::checks),
+    ("friction", friction::checks),
+    ("contact", contact::checks),
+    ("drag", drag::checks),
+    ("conservation", conservation::checks),
+    ("symmetry", symmetry::checks),
+    ("determinism", determinism::checks),
+];
+
+/// What a group came to.
+#[derive(Clone, Debug)]
+pub struct GroupResult {
+    /// Name of the group.
+    pub name: &'static str,
+    /// Its checks, in their order.
+    pub checks: Vec<Check>,
+}
+
+/// Runs every check. A group whose simulation fails yields one failed check that says why.
+pub fn verify(full: bool) -> Vec<GroupResult> {
+    GROUPS
+        .par_iter()
+        .map(|&(name, group)| GroupResult {
+            name,
+            checks: group(full)
+                .unwrap_or_else(|error| vec![Check::not_run(name, &error.to_string())]),
+        })
+        .collect()
+}

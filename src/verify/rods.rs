@@ -1,0 +1,56 @@
+//! The rod of the checks: a metre long, with unit bending stiffness, so that loads are dimensionless.
+
+use crate::mechanics::Vector3;
+use crate::mechanics::scene::{Clamp, Load, LoadKind, Motion, RodDescription, Stiffness};
+
+/// Radius of the rod, m: slender enough for theories of inextensible rods without shear.
+pub const RADIUS: f64 = 1e-3;
+/// Ratio EI/GJ of a circular cross-section that keeps its volume.
+pub const STIFFNESS_RATIO: f64 = 1.5;
+
+/// Stiffness of the unit rod: EI = 1 N m², GJ = EI/1.5, EA = 4 EI/h².
+pub fn unit_stiffness() -> Stiffness {
+    Stiffness {
+        stretching: 4.0 / (RADIUS * RADIUS),
+        bending: [1.0; 2],
+        twisting: 1.0 / STIFFNESS_RATIO,
+    }
+}
+
+/// An open, naturally straight rod of unit stiffness and 1 kg/m along a polyline.
+pub fn unit_rod(centreline: Vec<Vector3>) -> RodDescription {
+    RodDescription::uniform("rod", centreline, unit_stiffness(), RADIUS, 1.0)
+}
+
+/// Equally spaced nodes from `start` to `end`.
+pub fn line(start: Vector3, end: Vector3, edges: usize) -> Vec<Vector3> {
+    (0..=edges)
+        .map(|k| start.lerp(&end, k as f64 / edges as f64))
+        .collect()
+}
+
+/// Holds position and frame of a node of the first rod.
+pub fn clamp(node: usize) -> Clamp {
+    Clamp {
+        rod: 0,
+        node,
+        holds_position: true,
+        holds_frame: true,
+        motion: Motion::default(),
+    }
+}
+
+/// A load that acts from the beginning.
+pub fn steady(kind: LoadKind) -> Load {
+    Load {
+        kind,
+        schedule: Vec::new(),
+    }
+}
+
+/// Weight along −z.
+pub fn gravity(acceleration: f64) -> Load {
+    steady(LoadKind::Gravity {
+        acceleration: -acceleration * Vector3::z(),
+    })
+}

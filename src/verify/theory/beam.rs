@@ -1,0 +1,69 @@
+//! Straight rods: small vibrations and the loads at which they buckle.
+
+use crate::mechanics::kirchhoff::numerics::bisect;
+use std::f64::consts::PI;
+
+/// Natural wave numbers β L of a cantilever, roots of cos x cosh x = −1 (Euler–Bernoulli; e.g. Timoshenko,
+/// Vibration Problems in Engineering, sec. 53). Modes count from 1; ω = (β L)² √(EI/(ρA))/L².
+pub fn cantilever_wave_number(mode: usize) -> f64 {
+    // Divided by cosh x, so that high modes do not overflow.
+    let middle = (mode as f64 - 0.5) * PI;
+    bisect(middle - 0.5 * PI, middle + 0.5 * PI, |x| {
+        x.cos() + 1.0 / x.cosh()
+    })
+}
+
+/// Natural wave numbers ω L/c of torsional or axial waves in a rod held at one end: (2 n − 1) π/2, where
+/// c² is G/ρ or E/ρ.
+pub fn fixed_free_wave_number(mode: usize) -> f64 {
+    (mode as f64 - 0.5) * PI
+}
+
+/// Critical compression of a column with both ends clamped, P L²/EI = 4π² (Euler).
+pub const CLAMPED_COLUMN: f64 = 4.0 * PI * PI;
+
+/// Critical compression of a column with one end clamped and one free, P L²/EI = π²/4 (Euler).
+pub const FREE_COLUMN: f64 = 0.25 * PI * PI;
+
+/// Critical tip load of a clamped strip that bends in its stiff plane, P L²/√(EI₁ GJ) = 4.0126 (Prandtl
+/// 1899): the twist angle obeys u″ + β² s² u = 0 over the distance s from the tip, u′(0) = 0, u(1) = 0.
+pub fn strip_tip_load() -> f64 {
+    bisect(3.0, 5.0, |load| {
+        let (mut sum, mut term) = (1.0, 1.0);
+        for k in 1..20 {
+            let power = 4.0 * f64::from(k);
+            term *= -load * load / (power * (power - 1.0));
+            sum += term;
+        }
+        sum
+    })
+}
+
+/// Critical twisting moment of a straight rod with both ends clamped and no axial force, M L/EI = 2 x with
+/// x the first positive root of tan x = x (Greenhill 1883): 8.986819.
+pub fn clamped_twist_moment() -> f64 {
+    2.0 * bisect(PI, 1.5 * PI, |x| x.sin() - x * x.cos())
+}
+
+/// Critical total twist of a closed ring, in units of EI/GJ: 2π√3 (Michell 1889, Zajac 1962).
+pub fn ring_twist() -> f64 {
+    2.0 * PI * 3f64.sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn roots_satisfy_their_equations() {
+        for (mode, expected) in [(1, 1.8751040687), (2, 4.6940911330), (3, 7.8547574382)] {
+            let x = cantilever_wave_number(mode);
+            assert!((x - expected).abs() < 1e-9);
+            assert!((x.cos() * x.cosh() + 1.0).abs() < 1e-11);
+        }
+        let x = 0.5 * clamped_twist_moment();
+        assert!((x.tan() - x).abs() < 1e-12);
+        assert!((2.0 * x - 8.986819).abs() < 1e-6);
+        assert!((strip_tip_load() - 4.0126).abs() < 5e-5);
+    }
+}

@@ -1,0 +1,255 @@
+//! Imports run in one direction: every room imports only the rooms that the plan of the house allows, and inside a room
+//! no two parts import each other.
+
+mod source;
+
+use source::{ItemPath, Source, imports, plain, sources, test_items};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::Path;
+
+/// A table of rooms: what each may import beside itself. A room may also import what those may.
+type Table = &'static [(&'static str, &'static [&'static str])];
+
+/// Rooms of the crate; the documentation of the crate shows the same table.
+const ROOMS: Table = &[
+    (
+        "cli",
+        &["sweep", "verify", "reproduce", "cell", "guide", "cluster"],
+    ),
+    ("sweep", &["experiment"]),
+    ("verify", &["experiment"]),
+    ("reproduce", &["report"]),
+    ("report", &["experiment"]),
+    ("experiment", &["run", "knot", "scenario", "figure"]),
+    ("run", &["mechanics", "results"]),
+    ("knot", &["mechanics"]),
+    ("mechanics", &["linalg"]),
+    ("cell", &["robot", "scenario", "figure"]),
+    ("robot", &[]),
+    ("scenario", &[]),
+    ("results", &[]),
+    ("figure", &[]),
+    ("cluster", &[]),
+    ("guide", &[]),
+    ("linalg", &[]),
+];
+
+/// Parts of `experiment`: the kinds do not know each other.
+const EXPERIMENT: Table = &[
+    ("derived", &["kind"]),
+    ("prepare", &["kind", "probes"]),
+    ("probes", &[]),
+    ("scene", &["kind"]),
+    ("flagella", &["kind", "prepare"]),
+    ("knot", &["kind", "prepare"]),
+    ("helix", &["kind"]),
+    ("kind", &[]),
+];
+
+/// Rooms inside `mechanics`.
+const MECHANICS: Table = &[
+    ("rod", &[]),
+    ("contact", &[]),
+    ("fluid", &[]),
+    ("kirchhoff", &[]),
+    ("scene", &["contact", "fluid"]),
+    ("system", &["rod", "contact", "scene"]),
+    ("statics", &["rod", "system"]),
+    (
+        "dynamics",
+        &["rod", "contact", "fluid", "scene", "system", "statics"],
+    ),
+];
+
+fn crate_sources() -> Vec<Source> {
+    sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"))
+}
+
+/// Everything that a room may import: what its line says, and what the lines of those say.
+fn reachable(table: Table, room: &str) -> BTreeSet<&'static str> {
+    let mut found = BTreeSet::new();
+    let mut next: Vec<&str> = vec![room];
+    while let Some(room) = next.pop() {
+        let line = table.iter().find(|(name, _)| *name == room);
+        for other in line.into_iter().flat_map(|(_, others)| *others) {
+            if found.insert(*other) {
+                next.push(other);
+            }
+        }
+    }
+    found
+}
+
+/// Imports against a table of the rooms below the module `above`; a room that is not in the table is a fault, too.
+fn faults(sources: &[Source], above: &[&str], table: Table) -> Vec<String> {
+    let below = |path: &ItemPath| -> Option<String> {
+        let names = path.iter().zip(above);
+        (path.len() > above.len() && names.clone().count() == above.len())
+            .then(|| names.clone().all(|(name, other)| name == other))
+            .filter(|same| *same)
+            .map(|_| path[above.len()].clone())
+    };
+    let mut faults = BTreeSet::new();
+    for source in sources {
+        let Some(room) = below(&source.module) else {
+            continue;
+        };
+        if !table.iter().any(|(name, _)| *name == room) {
+            faults.insert(format!("{room} is not in the plan"));
+            continue;
+        }
+        let allowed = reachable(table, &room);
+        for other in source.imports.iter().filter_map(below) {
+            let is_room = table.iter().any(|(name, _)| *name == other);
+            if is_room && other != room && !allowed.contains(other.as_str()) {
+                faults.insert(format!("{} imports {other}", source.file.display()));
+            }
+        }
+    }
+    faults.into_iter().collect()
+}
+
+#[test]
+fn rooms_import_only_what_the_plan_allows() {
+    let faults = faults(&crate_sources(), &[], ROOMS);
+    assert!(faults.is_empty(), "{faults:#?}");
+}
+
+#[test]
+fn rooms_of_mechanics_import_only_what_the_plan_allows() {
+    let faults = faults(&crate_sources(), &["mechanics"], MECHANICS);
+    assert!(faults.is_empty(), "{faults:#?}");
+}
+
+#[test]
+fn kinds_of_experiments_do_not_know_each_other() {
+    let faults = faults(&crate_sources(), &["experiment"], EXPERIMENT);
+    assert!(faults.is_empty(), "{faults:#?}");
+}
+
+/// Circles of modules of one folder that go through a folder; parent and child may import each other.
+#[test]
+fn no_folder_is_part_of_a_circle() {
+    let sources = crate_sources();
+    let mut folders: BTreeMap<ItemPath, BTreeMap<String, BTreeSet<String>>> = BTreeMap::new();
+    let modules: BTreeSet<&ItemPath> = sources.iter().map(|source| &source.module).collect();
+    for source in &sources {
+        for import in &source.imports {
+            // The folder in which the two part company.
+            let pairs = source.module.iter().zip(import);
+            let shared = pairs.take_while(|(one, other)| one == other).count();
+            let (Some(from), Some(to)) = (source.module.get(shared), import.get(shared)) else {
+                continue;
+            };
+            let is_module = modules
+                .iter()
+                .any(|module| module.starts_with(&import[..=shared]));
+            if is_module {
+                let folder = folders.entry(import[..shared].to_vec()).or_default();
+                folder.entry(from.clone()).or_default().insert(to.clone());
+            }
+        }
+    }
+    let mut circles = Vec::new();
+    for (folder, graph) in &folders {
+        for start in graph.keys() {
+            let path: ItemPath = folder.iter().chain([start]).cloned().collect();
+            let has_parts =
+                |module: &&&ItemPath| module.len() > path.len() && module.starts_with(&path);
+            if modules.iter().find(has_parts).is_none() {
+                continue;
+            }
+            let mut reached = BTreeSet::new();
+            let mut next: Vec<&String> = graph[start].iter().collect();
+            while let Some(module) = next.pop() {
+                if reached.insert(module) {
+                    next.extend(graph.get(module).into_iter().flatten());
+                }
+            }
+            if reached.contains(start) {
+                circles.push(format!("{}::{start}", folder.join("::")));
+            }
+        }
+    }
+    assert!(circles.is_empty(), "in circles: {circles:#?}");
+}
+
+/// The table in the documentation of the crate: lines such as `sweep, verify ──> experiment`.
+#[test]
+fn the_documentation_of_the_crate_shows_the_plan() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs");
+    let text = fs::read_to_string(file).expect("the root of the crate");
+    let names = |list: &str| -> Vec<String> {
+        let names = list.split(',').map(|name| name.trim().to_owned());
+        names.collect()
+    };
+    let mut shown: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for line in text.lines().filter_map(|line| line.strip_prefix("//! ")) {
+        if let Some((rooms, others)) = line.split_once("──>") {
+            for room in names(rooms) {
+                shown.entry(room).or_default().extend(names(others));
+            }
+        }
+    }
+    let planned: BTreeMap<String, BTreeSet<String>> = ROOMS
+        .iter()
+        .filter(|(_, others)| !others.is_empty())
+        .map(|(room, others)| {
+            let others = others.iter().map(|other| (*other).to_owned());
+            ((*room).to_owned(), others.collect())
+        })
+        .collect();
+    assert_eq!(shown, planned);
+}
+
+#[test]
+fn paths_are_found_in_full_wherever_they_stand() {
+    let module: Vec<String> = ["mechanics", "rod"].map(str::to_owned).into();
+    let paths = |code: &str| -> Vec<String> {
+        let found = imports(&plain(code), &module);
+        found.iter().map(|path| path.join("::")).collect()
+    };
+    assert_eq!(
+        paths(
+            "use crate::mechanics::{Vector3 as V, contact::{A, B}, fluid};\nuse crate::linalg::X;"
+        ),
+        [
+            "mechanics::Vector3",
+            "mechanics::contact::A",
+            "mechanics::contact::B",
+            "mechanics::fluid",
+            "linalg::X"
+        ]
+    );
+    assert_eq!(
+        paths("use super::super::run::R; let a: super::fluid::F = self::edge::E::new();"),
+        [
+            "run::R",
+            "mechanics::fluid::F",
+            "mechanics::rod::edge::E::new"
+        ]
+    );
+    // Neither comments nor texts import anything; a lifetime opens no text.
+    assert_eq!(
+        paths(
+            "// crate::a::B\nlet t: &'static str = \"crate::c::\\\"D\"; let c = '\"'; let e = crate::e::E;"
+        ),
+        ["e::E"]
+    );
+    assert!(paths("let t = r#\"crate::a::\"B\"#;").is_empty());
+}
+
+#[test]
+fn what_follows_a_test_is_read() {
+    let code = "fn a() {}\n#[cfg(test)]\nmod tests {\n use crate::cli::X;\n fn b() { if c { d() } }\n}\n\
+                use crate::run::Y;\n#[cfg(test)]\nmod others;\nimpl Z { #[cfg(test)]\n fn e(&self) -> [u8; 2] { f() }\n \
+                fn g() { crate::knot::H } }";
+    let (kept, modules) = test_items(code);
+    assert_eq!(modules, ["tests", "others"]);
+    let paths: Vec<String> = imports(&kept, &[])
+        .iter()
+        .map(|path| path.join("::"))
+        .collect();
+    assert_eq!(paths, ["run::Y", "knot::H"]);
+}

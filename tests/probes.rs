@@ -1,0 +1,167 @@
+//! Probes on the command line: sweeps, searches and figures use their columns.
+
+use assert_cmd::Command;
+use std::fs;
+use std::path::Path;
+
+const BEAM: &str = r#"
+experiment = "scene"
+material = { youngs_modulus = 1e7, poissons_ratio = 0.5, density = 1000.0 }
+time = { mode = "static" }
+[[rods]]
+name = "beam"
+radius = 0.004
+edges = 20
+shape = { kind = "straight", start = [0, 0, 0], end = [0.3, 0, 0] }
+[[clamps]]
+rod = "beam"
+at = "start"
+[[loads]]
+kind = "gravity"
+acceleration = [0, 0, -9.81]
+[[probes]]
+name = "root"
+kind = "reaction"
+at = "start"
+summary = "last"
+[[probes]]
+name = "tip"
+kind = "position"
+at = "end"
+summary = "last"
+"#;
+
+fn rodlab(directory: &Path, arguments: &[&str]) -> String {
+    let mut command = Command::cargo_bin("rodlab").unwrap();
+    let done = command.current_dir(directory).args(arguments).assert();
+    String::from_utf8(done.success().get_output().stdout.clone()).unwrap()
+}
+
+fn column(path: &Path, name: &str) -> Vec<f64> {
+    let mut reader = csv::Reader::from_path(path).unwrap();
+    let index = reader
+        .headers()
+        .unwrap()
+        .iter()
+        .position(|column| column == name);
+    let index = index.unwrap_or_else(|| panic!("no column {name}"));
+    let number = |record: csv::StringRecord| record[index].parse().unwrap();
+    reader
+        .records()
+        .map(|record| number(record.unwrap()))
+        .collect()
+}
+
+#[test]
+fn sweeps_and_figures_have_the_columns_of_probes() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    fs::write(path.join("beam.toml"), BEAM).unwrap();
+    let vary = "material.density=500,1000,2000";
+    rodlab(
+        path,
+        &[
+            "run",
+            "beam.toml",
+            "--vary",
+            vary,
+            "--out",
+            "sweep",
+            "--quiet",
+        ],
+    );
+    let summary = path.join("sweep/summary.csv");
+    let densities = column(&summary, "material.density");
+    let forces = column(&summary, "root_force_z_last_n");
+    for (density, force) in densities.iter().zip(&forces) {
+        let weight = density * 9.81 * 0.3 * std::f64::consts::PI * 0.004 * 0.004;
+        assert!((force / weight - 1.0).abs() < 1e-6);
+    }
+    let tips = column(&summary, "tip_z_last_m");
+    assert!(tips[0] > tips[1] && tips[1] > tips[2]);
+    let figure = [
+        "plot",
+        "sweep",
+        "--x",
+        "material.density",
+        "--y",
+        "root_force_z_last_n",
+    ];
+    let printed = rodlab(path, &figure);
+    let drawn = fs::read_to_string(path.join(printed.trim())).unwrap();
+    assert!(drawn.contains("Root force z last in N"), "{drawn}");
+}
+
+#[test]
+fn a_search_aims_at_a_column_of_a_probe() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    let search = r#"
+[sweep.search]
+method = "bisect"
+parameter = "material.density"
+from = 100.0
+to = 4000.0
+objective = "tip_z_last_m"
+target = -0.05
+tolerance = 0.5
+"#;
+    fs::write(path.join("beam.toml"), format!("{BEAM}{search}")).unwrap();
+    rodlab(path, &["run", "beam.toml", "--out", "search", "--quiet"]);
+    let found = column(&path.join("search/search.csv"), "material.density");
+    let beam = BEAM.replace("density = 1000.0", &format!("density = {:?}", found[0]));
+    fs::write(path.join("found.toml"), beam).unwrap();
+    rodlab(path, &["run", "found.toml", "--out", "found", "--quiet"]);
+    let tip = column(&path.join("found/summary.csv"), "tip_z_last_m");
+    assert!((tip[0] + 0.05).abs() < 1e-4, "{tip:?}");
+}
+
+#[test]
+fn probes_are_explained_and_stand_in_the_schema() {
+    let directory = tempfile::tempdir().unwrap();
+    let explained = rodlab(directory.path(), &["explain", "probes"]);
+    for word in [
+        "reaction",
+        "linking_number",
+        "contact_force",
+        "summary",
+        "from_plane",
+    ] {
+        assert!(explained.contains(word), "{word}\n{explained}");
+    }
+    let schema = rodlab(directory.path(), &["schema"]);
+    assert!(schema.contains("twisting_moment") && schema.contains("stop_when"));
+    let page = include_str!("../src/guide/probes.md");
+    let kinds = explained
+        .split("kinds: ")
+        .nth(1)
+        .unwrap()
+        .lines()
+        .next()
+        .unwrap();
+    for kind in kinds.split(", ") {
+        assert!(page.contains(&format!("| `{kind}` |")), "{kind}");
+    }
+}
+
+/// The examples of the guide page run.
+#[test]
+fn the_examples_of_the_guide_run() {
+    let directory = tempfile::tempdir().unwrap();
+    let page = include_str!("../src/guide/probes.md");
+    let mut examples = page.split("```toml ").skip(1);
+    let mut example = || {
+        let (_, text) = examples.next().unwrap().split_once('\n').unwrap();
+        text.split("```").next().unwrap()
+    };
+    let scene = example();
+    let stop = example();
+    let moving = scene.replace("mode = \"static\"", "step = 2e-3\nend = 1.0") + stop;
+    for (name, text) in [("beam", scene), ("moving", &moving)] {
+        fs::write(directory.path().join(format!("{name}.toml")), text).unwrap();
+        let file = format!("{name}.toml");
+        let printed = rodlab(directory.path(), &["run", &file, "--quiet"]);
+        assert!(printed.contains("tip_z_last_m"), "{printed}");
+        assert_eq!(printed.contains("ended early"), name == "moving");
+    }
+}
