@@ -28,7 +28,7 @@
 //! may import, too):
 //!
 //! ```text
-//! cli            ──> sweep, verify, reproduce, guide, cluster
+//! cli            ──> sweep, verify, reproduce, cell, guide, cluster
 //! sweep, verify  ──> experiment
 //! reproduce      ──> report
 //! report         ──> experiment
@@ -36,6 +36,7 @@
 //! run            ──> mechanics, results
 //! knot           ──> mechanics
 //! mechanics      ──> linalg
+//! cell           ──> robot, scenario, figure
 //! ```
 //!
 //! | room | what lives there |
@@ -50,6 +51,8 @@
 //! | [`knot`] | knots from parameters, the knot determinant, theory of tightening |
 //! | [`mechanics`] | rods, contact, fluid, time stepping, equilibria |
 //! | [`linalg`] | banded and sparse factorisations |
+//! | [`robot`] | kinematic chains, inverse kinematics, joint paths, time, drivers |
+//! | [`cell`] | a robot cell from its file: arms, axes, table, camera, drivers |
 //! | [`results`] | results directories, checkpoints, VTK |
 //! | [`cluster`] | Slurm job arrays |
 //! | [`figure`] | pictures of plain curves and rows |
@@ -62,6 +65,7 @@
 //!
 //! All quantities are in SI units unless a name says otherwise.
 
+pub mod cell;
 pub mod cli;
 pub mod cluster;
 pub mod experiment;
@@ -73,6 +77,7 @@ pub mod mechanics;
 pub mod report;
 pub mod reproduce;
 pub mod results;
+pub mod robot;
 pub mod run;
 pub mod scenario;
 pub mod sweep;

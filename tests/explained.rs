@@ -82,6 +82,9 @@ fn every_file_and_column_is_explained() {
     for entry in fs::read_dir(scenarios).unwrap() {
         let path = entry.unwrap().path();
         let name = path.file_name().unwrap().to_owned();
+        if path.is_dir() {
+            continue;
+        }
         fs::copy(&path, folder.path().join("scenarios").join(name)).unwrap();
     }
     let rodlab = |arguments: &str| {

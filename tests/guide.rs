@@ -78,17 +78,27 @@ fn blocks(markdown: &str) -> Vec<Block> {
 fn folder(blocks: &[Block]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let scenarios = folder.path().join("scenarios");
-    fs::create_dir(&scenarios).unwrap();
-    for entry in fs::read_dir(repository().join("scenarios")).unwrap() {
-        let entry = entry.unwrap();
-        fs::copy(entry.path(), scenarios.join(entry.file_name())).unwrap();
-    }
+    copy_folder(&repository().join("scenarios"), &scenarios);
     for block in blocks.iter().filter(|block| block.is("toml")) {
         for name in block.values("file") {
             fs::write(folder.path().join(name), &block.text).unwrap();
         }
     }
     folder
+}
+
+fn copy_folder(from: &Path, to: &Path) {
+    fs::create_dir(to).unwrap();
+    for entry in fs::read_dir(from).unwrap() {
+        let (from, to) = entry
+            .map(|entry| (entry.path(), to.join(entry.file_name())))
+            .unwrap();
+        if from.is_dir() {
+            copy_folder(&from, &to);
+        } else {
+            fs::copy(from, to).unwrap();
+        }
+    }
 }
 
 fn repository() -> &'static Path {

@@ -2,8 +2,8 @@
 
 use super::failure::Failure;
 use super::{
-    check, completions, explain, gather, guide, init, measure, plot, reproduce, run, solve, status,
-    submit, verify, view,
+    check, completions, explain, gather, guide, init, measure, plan, plot, reproduce, run, solve,
+    status, stream, submit, verify, view,
 };
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use std::io::IsTerminal;
@@ -55,10 +55,14 @@ pub enum Command {
     Verify(verify::VerifyArguments),
     /// Reproduce a table or figure of the thesis
     Reproduce(reproduce::ReproduceArguments),
+    /// Plan a trajectory: joint positions along poses of a hand
+    Plan(plan::PlanArguments),
     /// Draw the figures of a results directory
     Plot(plot::PlotArguments),
     /// Write an interactive 3-D page of a results directory
     View(view::ViewArguments),
+    /// Stream a joint trajectory to the arms and axes of a cell
+    Stream(stream::StreamArguments),
     /// Run a sweep as a Slurm job array
     Submit(submit::SubmitArguments),
     /// Show the status of a sweep's cases and of the Slurm tasks that run them

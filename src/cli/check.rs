@@ -4,6 +4,7 @@ use super::arguments::Common;
 use super::failure::Failure;
 use super::output::print;
 use super::run::prepare;
+use crate::cell::{Cell, CellReport};
 use crate::experiment::{DerivedNumbers, case_set, derived_numbers, try_scene};
 use crate::sweep::check_every_value;
 use clap::Args;
@@ -14,7 +15,8 @@ use std::path::{Path, PathBuf};
 #[command(after_help = "\
 Examples:
   rodlab check scenarios/*.toml
-  rodlab check beam.toml --set rods.beam.radius=\"7 mm\" --json")]
+  rodlab check beam.toml --set rods.beam.radius=\"7 mm\" --json
+  rodlab check scenarios/cells/*.toml            robot cells: a file with [[arms]] or [[axes]] is one")]
 pub struct CheckArguments {
     /// The scenario files
     #[arg(required = true)]
@@ -29,8 +31,19 @@ pub struct CheckArguments {
 
 /// Checks scenarios. All are checked, whatever is wrong with the first.
 pub fn check(arguments: &CheckArguments, common: &Common) -> Result<(), Failure> {
-    let mut last = None;
+    let mut last: Option<Failure> = None;
     for path in &arguments.scenarios {
+        if is_cell(path) {
+            match Cell::read(path) {
+                Ok(cell) => print_cell(path, &CellReport::new(&cell), arguments.json)?,
+                Err(error) => {
+                    if let Some(earlier) = last.replace(error.into()) {
+                        earlier.report(common.colours_stderr());
+                    }
+                }
+            }
+            continue;
+        }
         match check_one(path, &arguments.overrides) {
             Ok(checked) if arguments.json => print(&format!("{}\n", checked.numbers.to_json()))?,
             Ok(checked) => print(&format!(
@@ -47,6 +60,22 @@ pub fn check(arguments: &CheckArguments, common: &Common) -> Result<(), Failure>
         }
     }
     last.map_or(Ok(()), Err)
+}
+
+/// Whether a file describes a robot cell: scenarios have no arms and no axes.
+fn is_cell(path: &Path) -> bool {
+    let text = std::fs::read_to_string(path).unwrap_or_default();
+    text.lines().any(|line| {
+        let line = line.trim_start();
+        line.starts_with("[[arms]]") || line.starts_with("[[axes]]")
+    })
+}
+
+fn print_cell(path: &Path, report: &CellReport, json: bool) -> Result<(), Failure> {
+    if json {
+        return print(&format!("{}\n", report.to_json()));
+    }
+    print(&format!("{}: good\n{report}", path.display()))
 }
 
 /// What is known of a scenario; of a sweep, the numbers are those of its first case.

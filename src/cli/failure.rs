@@ -40,6 +40,8 @@ pub enum Failure {
     View(ViewError),
     /// No equilibrium was found.
     NoEquilibrium(SimulationError),
+    /// No posture of an arm, or no path of its joints, does what was asked.
+    Unreachable(String),
     /// Physics checks failed.
     Checks {
         /// How many.
@@ -60,7 +62,7 @@ impl ExitCode for Failure {
             Self::Results(error) => error.exit_code(),
             Self::Plot(error) => error.exit_code(),
             Self::View(error) => error.exit_code(),
-            Self::NoEquilibrium(_) => 3,
+            Self::NoEquilibrium(_) | Self::Unreachable(_) => 3,
             Self::Checks { .. } => 4,
             Self::Cluster(_) | Self::System(_) => 1,
         }
@@ -76,7 +78,10 @@ impl Failure {
                     eprint!("{}", error.render(colour));
                 }
             }
-            Self::Input(message) | Self::System(message) | Self::Cases { message, .. } => {
+            Self::Input(message)
+            | Self::System(message)
+            | Self::Unreachable(message)
+            | Self::Cases { message, .. } => {
                 eprintln!("error: {message}");
             }
             Self::Checks { failed } => eprintln!("error: {failed} physics checks failed"),

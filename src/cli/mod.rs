@@ -27,13 +27,16 @@ mod markdown;
 mod measure;
 mod measure_knot;
 mod output;
+mod plan;
 mod plot;
 mod reproduce;
 mod run;
 mod schema;
 mod solve;
+mod solve_arm;
 mod solve_knot;
 mod status;
+mod stream;
 mod submit;
 mod sweep;
 mod verify;
@@ -76,8 +79,10 @@ fn run_command(arguments: &Arguments) -> Result<(), Failure> {
         Command::Measure(command) => measure::measure(command),
         Command::Verify(command) => verify::verify(command),
         Command::Reproduce(command) => reproduce::reproduce(command, &arguments.common),
+        Command::Plan(command) => plan::plan(command),
         Command::Plot(command) => plot::plot(command),
         Command::View(command) => view::view(command, &arguments.common),
+        Command::Stream(command) => stream::stream(command),
         Command::Submit(command) => submit::submit(command),
         Command::Status(command) => status::status(command),
         Command::Gather(command) => gather::gather(command),

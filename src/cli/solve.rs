@@ -2,6 +2,7 @@
 
 use super::failure::Failure;
 use super::output::print_json;
+use super::solve_arm::{ForwardArguments, InverseArguments};
 use super::solve_knot::KnotInversionArguments;
 use crate::experiment::{HelixStability, estimated_critical_distance};
 use crate::mechanics::kirchhoff::{HangingStrip, HeavyLoop, Helix, critical_distance};
@@ -21,6 +22,7 @@ Examples:
   rodlab solve knot-inversion --unknotting-number 3 --radius \"1.6 mm\"
   rodlab solve loop-height --gravito-bending-length \"3 cm\"
   rodlab solve hanging-plate --length 0.2 --gravito-bending-length 0.1
+  rodlab solve ik --cell scenarios/cells/six_joints.toml --pose=0.4,0.1,0.2,0,1,0,0 --all
 
 The gravito-bending length L_gb of a rod is (E h²/(8 ρ g))^(1/3) with its radius h, that of a strip
 (E h²/(24 ρ g))^(1/3) with its thickness h: bending stiffness / weight per length = 2 L_gb³.")]
@@ -60,6 +62,24 @@ each end of the braid has turned back by `rotation_rad`. The defaults are the th
         #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
         gravito_bending_length: f64,
     },
+    /// Where the joints of an arm bring its hand
+    #[command(after_help = "\
+Example:
+  rodlab solve fk --cell scenarios/cells/two_sawyers.toml --arm right --joints=0,-1.18,0,2.18,0,0.57,3.3161
+
+`position` and `quaternion` (w, x, y, z) are those of the hand in the frame of the arm's base, m and rad.")]
+    Fk(ForwardArguments),
+    /// Joint positions that bring the hand of an arm to a pose
+    #[command(after_help = "\
+Examples:
+  rodlab solve ik --cell scenarios/cells/two_sawyers.toml --arm right --pose=0.5,0.2,0.2,0,1,0,0
+  rodlab solve ik --cell scenarios/cells/six_joints.toml --pose=0.4,0.1,0.2,0,1,0,0 --all
+
+The pose x, y, z, qw, qx, qy, qz is that of the hand in the frame of the arm's base. Without --all the answer
+is one posture, near `home` if a way leads from there. With --all it is every posture of an arm of up to six joints,
+and samples of the curves of postures of an arm of more. Exit code 3: no posture within the limits reaches the
+pose; the message names the nearest that can be reached.")]
+    Ik(InverseArguments),
 }
 
 #[derive(Debug, Args)]
@@ -115,6 +135,8 @@ pub fn solve(arguments: &SolveArguments) -> Result<(), Failure> {
     match &arguments.problem {
         Problem::Helix(arguments) => print_json(&helix(arguments)?),
         Problem::KnotInversion(arguments) => print_json(&arguments.solve()?),
+        Problem::Fk(arguments) => print_json(&arguments.solve()?),
+        Problem::Ik(arguments) => print_json(&arguments.solve()?),
         Problem::LoopHeight {
             gravito_bending_length,
         } => {

@@ -3,18 +3,23 @@
 use super::arguments::Common;
 use super::failure::Failure;
 use super::output::print;
+use crate::cell::Cell;
 use crate::report::write_page;
-use crate::results::PAGE;
+use crate::results::{PAGE, write_whole};
+use crate::robot::JointTrajectory;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `rodlab view`.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct ViewArguments {
-    /// The results directory of a run or a sweep, finished or still running
+    /// The results directory of a run or a sweep, finished or still running; or a cell file (.toml)
     pub directory: PathBuf,
+    /// With a cell file: the joint trajectory along which its arms move
+    #[arg(long, value_name = "FILE")]
+    pub trajectory: Option<PathBuf>,
     /// Where to write the page [default: view.html in the directory]
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
@@ -30,12 +35,23 @@ const EXAMPLES: &str = "\
 Examples:
   rodlab view results/flagella_quick --open      turn, zoom and play it in the browser
   rodlab view results/sweep --out sweep.html     one file with all cases, to send to a colleague
+  rodlab view cell.toml --trajectory joints.csv  a robot cell, its links as capsules
 
 The page needs no network and no other file. The rods can be coloured by curvature and speed, with
 `forces = true` under [output] also by twist and contact force. Press ? in the page for its keys.";
 
 /// Writes the page of a results directory and prints where it is.
 pub fn view(arguments: &ViewArguments, common: &Common) -> Result<(), Failure> {
+    if arguments
+        .directory
+        .extension()
+        .is_some_and(|end| end == "toml")
+    {
+        return view_cell(arguments);
+    }
+    if arguments.trajectory.is_some() {
+        return Err(Failure::Input("--trajectory belongs to a cell file".into()));
+    }
     let to = arguments.out.clone();
     let to = to.unwrap_or_else(|| arguments.directory.join(PAGE));
     let progress = if common.quiet {
@@ -69,13 +85,30 @@ pub fn view(arguments: &ViewArguments, common: &Common) -> Result<(), Failure> {
         if written.cases == 1 { "case" } else { "cases" },
         written.bytes as f64 / 1e6
     ))?;
-    if arguments.open {
-        open::that(&to).map_err(|error| {
-            Failure::System(format!(
-                "no browser could be started: {error}; open {}",
-                to.display()
-            ))
-        })?;
-    }
-    Ok(())
+    if arguments.open { show(&to) } else { Ok(()) }
+}
+
+/// Writes the page of a robot cell, beside its file unless told otherwise.
+fn view_cell(arguments: &ViewArguments) -> Result<(), Failure> {
+    let cell = Cell::read(&arguments.directory)?;
+    let trajectory = arguments.trajectory.as_ref();
+    let trajectory = trajectory
+        .map(|path| JointTrajectory::read(path))
+        .transpose()
+        .map_err(|error| Failure::Input(error.to_string()))?;
+    let page = cell.page(trajectory.as_ref(), arguments.outputs as usize);
+    let to = arguments.out.clone();
+    let to = to.unwrap_or_else(|| arguments.directory.with_extension("html"));
+    write_whole(&to, page.as_bytes())?;
+    print(&format!("{}\n", to.display()))?;
+    if arguments.open { show(&to) } else { Ok(()) }
+}
+
+fn show(page: &Path) -> Result<(), Failure> {
+    open::that(page).map_err(|error| {
+        Failure::System(format!(
+            "no browser could be started: {error}; open {}",
+            page.display()
+        ))
+    })
 }

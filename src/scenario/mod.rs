@@ -36,6 +36,7 @@ mod sweep;
 #[cfg(test)]
 mod tests;
 mod typed;
+mod typed_file;
 mod units;
 
 pub use error::{Located, ScenarioError};
@@ -53,5 +54,13 @@ pub use resolved::{
     Scheme, Shape, Solver, Step, Stiffness, Time,
 };
 pub use sweep::{Case, CaseSet, Parameter, Search};
-pub use typed::SearchMethod;
+pub use typed::{Quantity, SearchMethod, Vector};
+pub use typed_file::TypedFile;
 pub use units::{metres, seconds};
+
+/// Physical dimensions, for [`Quantity`].
+pub mod dimension {
+    pub use super::units::{
+        Angle, AngularVelocity, Dimension, Dimensionless, Length, Time, Velocity,
+    };
+}

@@ -13,7 +13,10 @@ type Table = &'static [(&'static str, &'static [&'static str])];
 
 /// Rooms of the crate; the documentation of the crate shows the same table.
 const ROOMS: Table = &[
-    ("cli", &["sweep", "verify", "reproduce", "guide", "cluster"]),
+    (
+        "cli",
+        &["sweep", "verify", "reproduce", "cell", "guide", "cluster"],
+    ),
     ("sweep", &["experiment"]),
     ("verify", &["experiment"]),
     ("reproduce", &["report"]),
@@ -22,6 +25,8 @@ const ROOMS: Table = &[
     ("run", &["mechanics", "results"]),
     ("knot", &["mechanics"]),
     ("mechanics", &["linalg"]),
+    ("cell", &["robot", "scenario", "figure"]),
+    ("robot", &[]),
     ("scenario", &[]),
     ("results", &[]),
     ("figure", &[]),

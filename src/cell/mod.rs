@@ -1,0 +1,31 @@
+//! The robot cell from its file: arms, external axes, table, camera, drivers.
+//!
+//! A cell file is TOML with the units and the messages of scenario files. [`Cell::read`] gives the cell in SI units;
+//! [`robot`](crate::robot) plans and streams with its parts.
+//!
+//! | file | what |
+//! |---|---|
+//! | `typed` | every key of a cell file, as typed |
+//! | `resolve`, `resolve_chain` | units, ranges, names: from the file as typed to the [`Cell`] |
+//! | `resolved` | the [`Cell`] |
+//! | `surroundings`, `plan` | collision checks; joint trajectories along a path of a hand |
+//! | `streaming` | a joint trajectory with the drivers that it moves |
+//! | `view` | the 3-D page of a cell |
+//! | `report` | what `rodlab check` says of it |
+
+mod plan;
+mod report;
+mod resolve;
+mod resolve_chain;
+mod resolved;
+mod streaming;
+mod surroundings;
+#[cfg(test)]
+mod tests;
+mod typed;
+mod view;
+
+pub use plan::{Place, Plan, PlanError, PlanReport, PlanRequest, read_poses};
+pub use report::CellReport;
+pub use resolved::{Arm, Axis, Camera, Cell, Driver, Obstacle, Streaming, Table};
+pub use streaming::StreamReport;

@@ -1,0 +1,381 @@
+//! From the cell file as typed to the cell in SI units.
+
+use super::resolve_chain::resolve_arm;
+use super::resolved::{Axis, Camera, Cell, Driver, Obstacle, Streaming, Table};
+use super::typed::{self, CellFile};
+use crate::robot::{Limits, Pose, pose};
+use crate::scenario::dimension::{Angle, Dimension, Dimensionless, Length};
+use crate::scenario::{Issue, Issues, KeyPath, Quantity, ScenarioError, TypedFile, Vector};
+use nalgebra::{Translation3, UnitQuaternion};
+use std::cell::RefCell;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+impl Cell {
+    /// Reads a cell file. Names of files in it are relative to the file in which they stand.
+    ///
+    /// # Errors
+    /// Everything that is wrong with it, with file, line and column.
+    pub fn read(path: &Path) -> Result<Self, ScenarioError> {
+        let file: TypedFile<CellFile> = TypedFile::read(path)?;
+        let resolver = Resolver {
+            issues: RefCell::default(),
+            warnings: RefCell::default(),
+            file: &file,
+        };
+        let cell = resolver.cell(path);
+        let issues = resolver.issues.into_inner();
+        issues.or_ok(cell).map_err(|issues| file.locate(issues))
+    }
+}
+
+/// Reads keys and notes what is wrong with them; faulty ones are replaced by harmless values, so that all faults of a
+/// file are found together.
+pub(super) struct Resolver<'a> {
+    issues: RefCell<Issues>,
+    pub warnings: RefCell<Vec<String>>,
+    file: &'a TypedFile<CellFile>,
+}
+
+impl Resolver<'_> {
+    pub fn fault(&self, path: &KeyPath, message: impl Into<String>) {
+        self.issue(Issue::new(path.clone(), message));
+    }
+
+    pub fn issue(&self, issue: Issue) {
+        self.issues.borrow_mut().push(issue);
+    }
+
+    /// A file named at `path`.
+    pub fn file_at(&self, path: &KeyPath, name: &str) -> PathBuf {
+        self.file.directory_of(path).join(name)
+    }
+
+    pub fn si<D: Dimension>(&self, path: &KeyPath, quantity: &Quantity<D>) -> f64 {
+        quantity.si().unwrap_or_else(|message| {
+            self.fault(path, message);
+            1.0
+        })
+    }
+
+    pub fn positive(&self, path: &KeyPath, value: f64) -> f64 {
+        if value > 0.0 && value.is_finite() {
+            return value;
+        }
+        self.fault(path, format!("{value} must be above 0"));
+        1.0
+    }
+
+    pub fn vector<D: Dimension>(&self, path: &KeyPath, vector: Option<&Vector<D>>) -> [f64; 3] {
+        let mut components = [0.0; 3];
+        for (k, component) in vector.into_iter().flatten().enumerate() {
+            components[k] = self.si(&path.index(k), component);
+        }
+        components
+    }
+
+    pub fn sides(&self, path: &KeyPath, size: &Vector<Length>) -> [f64; 3] {
+        let sides = self.vector(path, Some(size));
+        for (k, side) in sides.iter().enumerate() {
+            self.positive(&path.index(k), *side);
+        }
+        sides
+    }
+
+    /// A pose by position and either quaternion or angles.
+    pub fn pose(
+        &self,
+        path: &KeyPath,
+        position: Option<&Vector<Length>>,
+        quaternion: Option<&[Quantity<Dimensionless>; 4]>,
+        rpy: Option<&Vector<Angle>>,
+    ) -> Pose {
+        let position = self.vector(&path.key("position"), position);
+        let [roll, pitch, yaw] = self.vector(&path.key("rpy"), rpy);
+        let mut rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+        if let Some(quaternion) = quaternion {
+            let key = path.key("quaternion");
+            if rpy.is_some() {
+                self.fault(&key, "either `quaternion` or `rpy` may be given, not both");
+            }
+            let mut parts = [0.0; 4];
+            for (k, part) in quaternion.iter().enumerate() {
+                parts[k] = self.si(&key.index(k), part);
+            }
+            let norm = parts.iter().map(|part| part * part).sum::<f64>().sqrt();
+            match pose([0.0; 3], parts) {
+                Some(turned) if (norm - 1.0).abs() < 1e-3 => rotation = turned.rotation,
+                _ => self.fault(
+                    &key,
+                    format!("w, x, y, z must have length 1 within 0.001, found {norm:.6}"),
+                ),
+            }
+        }
+        Pose::from_parts(Translation3::from(position), rotation)
+    }
+
+    fn cell(&self, path: &Path) -> Cell {
+        let typed = &self.file.typed;
+        let root = KeyPath::root();
+        if typed.arms.is_empty() && typed.axes.is_empty() {
+            self.fault(
+                &root,
+                "a cell needs an arm ([[arms]]) or an axis ([[axes]])",
+            );
+        }
+        self.unique_names();
+        let arms = typed.arms.iter().enumerate();
+        let arms = arms.filter_map(|(k, arm)| resolve_arm(self, &root.key("arms").index(k), arm));
+        let arms = arms.collect();
+        let axes = typed.axes.iter().enumerate();
+        let axes = axes.map(|(k, axis)| self.axis(&root.key("axes").index(k), axis));
+        let axes = axes.collect();
+        let obstacles = typed.obstacles.iter().enumerate().map(|(k, obstacle)| {
+            let path = root.key("obstacles").index(k);
+            Obstacle {
+                name: obstacle.name.clone(),
+                pose: self.pose(
+                    &path,
+                    obstacle.position.as_ref(),
+                    obstacle.quaternion.as_ref(),
+                    obstacle.rpy.as_ref(),
+                ),
+                size: self.sides(&path.key("size"), &obstacle.size),
+            }
+        });
+        let obstacles = obstacles.collect();
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        Cell {
+            title: typed.title.clone().unwrap_or_else(|| stem.into_owned()),
+            arms,
+            axes,
+            table: typed.table.as_ref().map(|table| self.table(table)),
+            obstacles,
+            camera: typed.camera.as_ref().map(|camera| self.camera(camera)),
+            streaming: self.streaming(),
+            warnings: self.warnings.take(),
+        }
+    }
+
+    fn unique_names(&self) {
+        let typed = &self.file.typed;
+        let arms = typed.arms.iter().map(|arm| &arm.name).enumerate();
+        let axes = typed.axes.iter().map(|axis| &axis.name).enumerate();
+        let mut known = BTreeSet::new();
+        for (table, k, name) in arms
+            .map(|(k, name)| ("arms", k, name))
+            .chain(axes.map(|(k, name)| ("axes", k, name)))
+        {
+            let path = KeyPath::from(table).index(k).key("name");
+            if name.is_empty() || name.contains(['.', ',']) {
+                self.fault(&path, "a name without points and commas is needed");
+            }
+            if !known.insert(name) {
+                self.fault(&path, format!("another arm or axis is called {name:?}"));
+            }
+        }
+    }
+
+    fn axis(&self, path: &KeyPath, axis: &typed::Axis) -> Axis {
+        let end = |key: &str, end: &Option<Quantity<Angle>>, otherwise: f64| {
+            let end = end.as_ref();
+            end.map_or(otherwise, |end| self.si(&path.key(key), end))
+        };
+        let (lower, upper) = (
+            end("lower", &axis.lower, f64::NEG_INFINITY),
+            end("upper", &axis.upper, f64::INFINITY),
+        );
+        if !(lower < upper) {
+            self.fault(
+                &path.key("lower"),
+                format!("{lower} rad must be below `upper`, {upper} rad"),
+            );
+        }
+        let velocity_key = path.key("velocity");
+        let jerk = axis.jerk.unwrap_or(f64::INFINITY);
+        if !(jerk > 0.0) {
+            self.fault(&path.key("jerk"), format!("{jerk} must be above 0"));
+        }
+        Axis {
+            name: axis.name.clone(),
+            limits: Limits {
+                lower,
+                upper,
+                velocity: self.positive(&velocity_key, self.si(&velocity_key, &axis.velocity)),
+                acceleration: self.positive(&path.key("acceleration"), axis.acceleration),
+                jerk,
+            },
+            driver: axis
+                .driver
+                .as_ref()
+                .map(|driver| self.driver(&path.key("driver"), driver, true)),
+        }
+    }
+
+    fn table(&self, table: &typed::Table) -> Table {
+        let path = KeyPath::from("table");
+        Table {
+            top: self.pose(
+                &path,
+                table.position.as_ref(),
+                table.quaternion.as_ref(),
+                table.rpy.as_ref(),
+            ),
+            size: self.sides(&path.key("size"), &table.size),
+        }
+    }
+
+    fn camera(&self, camera: &typed::Camera) -> Camera {
+        let path = KeyPath::from("camera");
+        for (key, pixels) in [("width", camera.width), ("height", camera.height)] {
+            if pixels == 0 {
+                self.fault(&path.key(key), "0 must be above 0");
+            }
+        }
+        self.positive(&path.key("fx"), camera.fx);
+        self.positive(&path.key("fy"), camera.fy);
+        if camera.distortion.len() > 5 {
+            self.fault(
+                &path.key("distortion"),
+                "k1, k2, p1, p2, k3 are allowed: five numbers at most",
+            );
+        }
+        Camera {
+            size: [camera.width, camera.height],
+            intrinsics: [camera.fx, camera.fy, camera.cx, camera.cy],
+            distortion: camera.distortion.clone(),
+            pose: self.pose(
+                &path,
+                camera.position.as_ref(),
+                camera.quaternion.as_ref(),
+                None,
+            ),
+        }
+    }
+
+    fn streaming(&self) -> Streaming {
+        let default = Streaming::default();
+        let Some(typed) = &self.file.typed.streaming else {
+            return default;
+        };
+        let path = KeyPath::from("streaming");
+        let tolerance = |key: &str, quantity: &Option<Quantity<Angle>>, otherwise: f64| {
+            let path = path.key(key);
+            let given = quantity.as_ref();
+            given.map_or(otherwise, |given| {
+                self.positive(&path, self.si(&path, given))
+            })
+        };
+        let watchdog = typed.watchdog.as_ref().map_or(default.watchdog, |given| {
+            let path = path.key("watchdog");
+            let seconds = self.si(&path, given);
+            if !(0.02..=10.0).contains(&seconds) {
+                self.fault(&path, format!("{seconds} s; allowed: 20 ms to 10 s"));
+                return default.watchdog;
+            }
+            Duration::from_secs_f64(seconds)
+        });
+        Streaming {
+            start_tolerance: tolerance(
+                "start_tolerance",
+                &typed.start_tolerance,
+                default.start_tolerance,
+            ),
+            tracking_tolerance: tolerance(
+                "tracking_tolerance",
+                &typed.tracking_tolerance,
+                default.tracking_tolerance,
+            ),
+            watchdog,
+        }
+    }
+
+    pub fn driver(&self, path: &KeyPath, driver: &typed::Driver, is_axis: bool) -> Driver {
+        let allowed = match driver {
+            typed::Driver::File(_) => true,
+            typed::Driver::Stepper(_) => is_axis,
+            typed::Driver::Rosbridge(_) | typed::Driver::Ros1(_) => !is_axis,
+        };
+        if !allowed {
+            let allowed = if is_axis {
+                "file, stepper"
+            } else {
+                "file, rosbridge, ros1"
+            };
+            self.fault(
+                &path.key("kind"),
+                format!("this kind does not fit here; allowed: {allowed}"),
+            );
+        }
+        match driver {
+            typed::Driver::File(file) => {
+                let json_lines = match file.format.as_deref() {
+                    None | Some("csv") => false,
+                    Some("json-lines") => true,
+                    Some(other) => {
+                        self.fault(
+                            &path.key("format"),
+                            format!("{other:?} is not known here; allowed: csv, json-lines"),
+                        );
+                        false
+                    }
+                };
+                Driver::File {
+                    path: (file.path != "-").then(|| self.file_at(&path.key("path"), &file.path)),
+                    json_lines,
+                }
+            }
+            typed::Driver::Rosbridge(bridge) => {
+                let ros = bridge.ros.unwrap_or(1);
+                if !(1..=2).contains(&ros) {
+                    self.fault(&path.key("ros"), format!("{ros}; allowed: 1 or 2"));
+                }
+                let port = bridge
+                    .address
+                    .rsplit_once(':')
+                    .map(|(_, port)| port.parse());
+                if !matches!(port, Some(Ok(1..=u16::MAX))) {
+                    self.fault(
+                        &path.key("address"),
+                        "host and port are needed, as in \"192.168.1.5:9090\"",
+                    );
+                }
+                Driver::Rosbridge {
+                    address: bridge.address.clone(),
+                    ros,
+                    action: bridge.action.clone(),
+                    joint_states: bridge.joint_states.clone(),
+                }
+            }
+            typed::Driver::Ros1(ros) => {
+                let authority = ros.master.strip_prefix("http://").unwrap_or_default();
+                let port = authority
+                    .trim_end_matches('/')
+                    .rsplit_once(':')
+                    .map(|(_, port)| port.parse());
+                if !matches!(port, Some(Ok(1..=u16::MAX))) {
+                    self.fault(
+                        &path.key("master"),
+                        "an address is needed, as in \"http://192.168.1.5:11311\"",
+                    );
+                }
+                Driver::Ros1 {
+                    master: ros.master.clone(),
+                    action: ros.action.clone(),
+                    joint_states: ros.joint_states.clone(),
+                }
+            }
+            typed::Driver::Stepper(stepper) => {
+                if stepper.steps_per_turn == 0 {
+                    self.fault(&path.key("steps_per_turn"), "0 must be above 0");
+                }
+                Driver::Stepper {
+                    port: stepper.port.clone(),
+                    baud: stepper.baud.unwrap_or(115_200),
+                    steps_per_turn: stepper.steps_per_turn.max(1),
+                }
+            }
+        }
+    }
+}

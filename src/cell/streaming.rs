@@ -1,0 +1,227 @@
+//! From a joint trajectory to the drivers of a cell.
+
+use super::resolved::{Cell, Driver};
+use crate::robot::{
+    self, FileDriver, JointTrajectory, Limits, Part, PartTrajectory, Ros1Driver, RosVersion,
+    RosbridgeDriver, StepperDriver, StreamBounds, check,
+};
+
+/// What a stream would do.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct StreamReport {
+    /// Duration of the trajectory, s.
+    pub duration_s: f64,
+    /// Points of the trajectory.
+    pub points: usize,
+    /// Names of the arms and axes that move.
+    pub parts: Vec<String>,
+    /// Least distance between arms, themselves and what stands around, m; 0.2 stands for that and more.
+    pub least_clearance_m: f64,
+}
+
+impl Cell {
+    /// The parts of a trajectory with their drivers, none of them connected, after a check of every point against
+    /// limits and collisions.
+    ///
+    /// # Errors
+    /// In words: names that the cell does not have, joints that are missing, limits that are exceeded, things that
+    /// touch, parts without a driver.
+    pub fn prepare_stream(
+        &self,
+        trajectory: &JointTrajectory,
+    ) -> Result<(Vec<Part>, StreamReport), String> {
+        let mut parts = Vec::new();
+        let mut faults = self.unknown_columns(trajectory);
+        for Movable {
+            name,
+            joints,
+            limits,
+            driver,
+        } in self.movable()
+        {
+            let columns = trajectory.columns_of(name);
+            if columns.is_empty() {
+                continue;
+            }
+            let Some(columns) = in_order(trajectory, &columns, &joints) else {
+                faults.push(format!(
+                    "{name}: columns for all of its joints are needed: {}",
+                    joints.join(", ")
+                ));
+                continue;
+            };
+            let points = trajectory.points.iter();
+            let part = PartTrajectory {
+                joints,
+                times: trajectory
+                    .times
+                    .iter()
+                    .map(|time| time - trajectory.times[0])
+                    .collect(),
+                points: points
+                    .map(|point| columns.iter().map(|column| point[*column]).collect())
+                    .collect(),
+            };
+            if let Err(exceeded) = check(&part, &limits) {
+                faults.extend(exceeded.iter().map(|fault| format!("{name}.{fault}")));
+            }
+            match driver {
+                None => faults.push(format!("{name}: it has no `driver` in the cell file")),
+                Some(driver) => parts.push(Part {
+                    name: name.to_owned(),
+                    driver: self.driver(driver),
+                    trajectory: part,
+                }),
+            }
+        }
+        let least_clearance = if faults.is_empty() {
+            self.least_clearance(&parts, &mut faults)
+        } else {
+            0.0
+        };
+        if !faults.is_empty() {
+            return Err(faults.join("\n"));
+        }
+        let report = StreamReport {
+            duration_s: trajectory.duration(),
+            points: trajectory.points.len(),
+            parts: parts.iter().map(|part| part.name.clone()).collect(),
+            least_clearance_m: least_clearance,
+        };
+        Ok((parts, report))
+    }
+
+    /// Bounds for a stream.
+    pub fn stream_bounds(&self) -> StreamBounds {
+        StreamBounds {
+            start_tolerance: self.streaming.start_tolerance,
+            tracking_tolerance: self.streaming.tracking_tolerance,
+            watchdog: self.streaming.watchdog,
+        }
+    }
+
+    /// Arms and axes.
+    fn movable(&self) -> Vec<Movable<'_>> {
+        let arms = self.arms.iter().map(|arm| {
+            let joints = &arm.chain.joints;
+            Movable {
+                name: &arm.name,
+                joints: joints.iter().map(|joint| joint.name.clone()).collect(),
+                limits: joints.iter().map(|joint| joint.limits).collect(),
+                driver: arm.driver.as_ref(),
+            }
+        });
+        let axes = self.axes.iter().map(|axis| Movable {
+            name: &axis.name,
+            joints: vec![axis.name.clone()],
+            limits: vec![axis.limits],
+            driver: axis.driver.as_ref(),
+        });
+        arms.chain(axes).collect()
+    }
+
+    fn unknown_columns(&self, trajectory: &JointTrajectory) -> Vec<String> {
+        let movable = self.movable();
+        let unknown = trajectory.columns.iter().filter(|column| {
+            !movable.iter().any(|part| {
+                let joints = &part.joints;
+                part.name == column.part
+                    && column
+                        .joint
+                        .as_ref()
+                        .is_none_or(|joint| joints.contains(joint))
+            })
+        });
+        let names: Vec<&str> = movable.iter().map(|part| part.name).collect();
+        unknown
+            .map(|column| {
+                format!(
+                    "column `{}`: the cell has no such joint; its arms and axes: {}",
+                    column.header(),
+                    names.join(", ")
+                )
+            })
+            .collect()
+    }
+
+    /// Least distance along the motion; notes the first place where things touch. Arms without a motion rest at home.
+    fn least_clearance(&self, parts: &[Part], faults: &mut Vec<String>) -> f64 {
+        let surroundings = self.surroundings();
+        let mut postures = surroundings.homes();
+        let mut least = robot::FAR;
+        let count = parts.first().map_or(0, |part| part.trajectory.points.len());
+        for k in 0..count {
+            for (arm, posture) in self.arms.iter().zip(&mut postures) {
+                if let Some(part) = parts.iter().find(|part| part.name == arm.name) {
+                    posture.clone_from(&part.trajectory.points[k]);
+                }
+            }
+            let Some(approach) = surroundings.nearest(&postures, None) else {
+                continue;
+            };
+            least = least.min(approach.distance);
+            if approach.distance <= 0.0 {
+                let [one, other] = &approach.between;
+                faults.push(format!("{one} would touch {other} at point {}", k + 1));
+                break;
+            }
+        }
+        least
+    }
+
+    fn driver(&self, driver: &Driver) -> Box<dyn robot::Driver> {
+        match driver {
+            Driver::File { path, json_lines } => {
+                Box::new(FileDriver::new(path.clone(), *json_lines))
+            }
+            Driver::Rosbridge {
+                address,
+                ros,
+                action,
+                joint_states,
+            } => {
+                let version = if *ros == 1 {
+                    RosVersion::One
+                } else {
+                    RosVersion::Two
+                };
+                Box::new(RosbridgeDriver::new(address, version, action, joint_states))
+            }
+            Driver::Ros1 {
+                master,
+                action,
+                joint_states,
+            } => Box::new(Ros1Driver::new(master, action, joint_states)),
+            Driver::Stepper {
+                port,
+                baud,
+                steps_per_turn,
+            } => Box::new(StepperDriver::new(port, *baud, *steps_per_turn)),
+        }
+    }
+}
+
+/// An arm or an axis.
+struct Movable<'a> {
+    name: &'a str,
+    joints: Vec<String>,
+    limits: Vec<Limits>,
+    driver: Option<&'a Driver>,
+}
+
+/// The columns in the order of the joints; `None` where one is missing.
+fn in_order(
+    trajectory: &JointTrajectory,
+    columns: &[usize],
+    joints: &[String],
+) -> Option<Vec<usize>> {
+    let of = |joint: &String| {
+        let mut columns = columns.iter();
+        let found = columns.find(|column| {
+            let name = &trajectory.columns[**column].joint;
+            name.as_ref().is_none_or(|name| name == joint)
+        });
+        found.copied()
+    };
+    joints.iter().map(of).collect()
+}

@@ -1,0 +1,337 @@
+//! Cell files: those that come with the program, and faulty ones.
+
+use super::*;
+use crate::robot::{distance_and_angle, pose};
+use std::path::PathBuf;
+
+fn repository() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn shipped(name: &str) -> Cell {
+    let path = repository().join("scenarios/cells").join(name);
+    Cell::read(&path).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn read(text: &str) -> Result<Cell, String> {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("cell.toml");
+    std::fs::write(&path, text).unwrap();
+    Cell::read(&path).map_err(|error| error.to_string())
+}
+
+const ONE_JOINT: &str = r#"[[arms]]
+name = "arm"
+velocity = 1.0
+joints = [{ kind = "revolute", name = "a", axis = [0, 0, 1], lower = "-90 deg", upper = 2.0 }]
+tool = { position = ["10 cm", 0, 0] }
+
+[[axes]]
+name = "twister"
+velocity = "60 rpm"
+acceleration = 10.0
+driver = { kind = "stepper", port = "/dev/ttyACM0", steps_per_turn = 3200 }
+
+[table]
+size = [1, 1, "4 cm"]
+"#;
+
+#[test]
+fn the_sawyer_stands_where_the_samples_of_three_libraries_say() {
+    let path = repository().join("../shared/facts/sawyer_fk_samples.csv");
+    let Ok(mut samples) = csv::Reader::from_path(&path) else {
+        eprintln!("SKIPPED: {} is not there", path.display());
+        return;
+    };
+    let cell = shipped("two_sawyers.toml");
+    let mut count = 0;
+    for sample in samples.deserialize() {
+        let sample: Vec<f64> = sample.unwrap();
+        let position = [sample[7], sample[8], sample[9]];
+        let quaternion = [sample[10], sample[11], sample[12], sample[13]];
+        let expected = pose(position, quaternion).unwrap();
+        for arm in &cell.arms {
+            let (distance, angle) = distance_and_angle(&arm.chain.hand(&sample[..7]), &expected);
+            assert!(
+                distance < 1e-9 && angle < 1e-7,
+                "{distance:e} m, {angle:e} rad"
+            );
+        }
+        count += 1;
+    }
+    assert_eq!(count, 200);
+}
+
+#[test]
+fn a_thousand_reachable_poses_of_every_arm_are_solved() {
+    for name in ["two_sawyers.toml", "seven_joints.toml", "six_joints.toml"] {
+        let cell = shipped(name);
+        let arm = &cell.arms[0];
+        for k in 0..1000 {
+            let target = arm.chain.hand(&arm.chain.start(100_000 + k));
+            let joints = arm
+                .chain
+                .reach(&target, &arm.home)
+                .unwrap_or_else(|nearest| {
+                    panic!("{name}, pose {k}: {nearest:?}");
+                });
+            let (distance, angle) = distance_and_angle(&arm.chain.hand(&joints), &target);
+            assert!(distance < 1e-9 && angle < 1e-9 && arm.chain.outside_limits(&joints).is_none());
+        }
+    }
+}
+
+#[test]
+fn units_and_defaults_are_resolved() {
+    let cell = read(ONE_JOINT).unwrap();
+    let arm = cell.arm("arm").unwrap();
+    let limits = arm.chain.joints[0].limits;
+    assert!((limits.lower + std::f64::consts::FRAC_PI_2).abs() < 1e-15);
+    assert_eq!((limits.upper, limits.velocity), (2.0, 1.0));
+    assert_eq!(arm.chain.tool.translation.x, 0.1);
+    assert!((cell.axes[0].limits.velocity - std::f64::consts::TAU).abs() < 1e-15);
+    assert_eq!(cell.streaming, Streaming::default());
+    assert!(matches!(
+        cell.axes[0].driver,
+        Some(Driver::Stepper { baud: 115_200, .. })
+    ));
+}
+
+#[test]
+fn faults_name_file_line_and_key() {
+    let cases = [
+        ("name = \"a\"", "nam = \"a\"", "cell.toml:4:", "nam"),
+        ("velocity = 1.0\n", "", "cell.toml:1:", "needs a `velocity`"),
+        (
+            "upper = 2.0",
+            "upper = \"-100 deg\"",
+            "`arms.0.joints.0.lower`",
+            "must be below",
+        ),
+        (
+            "axis = [0, 0, 1]",
+            "axis = [0, 0, 0]",
+            "`arms.0.joints.0.axis`",
+            "direction",
+        ),
+        (
+            "\"10 cm\"",
+            "\"10 kg\"",
+            "`arms.0.tool.position.0`",
+            "unknown unit",
+        ),
+        (
+            "\"stepper\"",
+            "\"steper\"",
+            "cell.toml:11:",
+            "allowed: file, rosbridge, ros1, stepper",
+        ),
+        (
+            "name = \"twister\"",
+            "name = \"arm\"",
+            "`axes.0.name`",
+            "another arm or axis",
+        ),
+        (
+            "velocity = 1.0",
+            "velocity = [1.0, 2.0]",
+            "`arms.0.velocity`",
+            "found 2",
+        ),
+        (
+            "velocity = 1.0",
+            "velocity = 1.0\nhome = [3.0]",
+            "`arms.0.home.0`",
+            "out of the range",
+        ),
+        (
+            "velocity = 1.0",
+            "velocity = 1.0\nquaternion = [1, 1, 0, 0]",
+            "`arms.0.quaternion`",
+            "length 1",
+        ),
+        (
+            "velocity = 1.0",
+            "velocity = 1.0\nurdf = \"x.urdf\"",
+            "`arms.0.joints`",
+            "not both",
+        ),
+        (
+            "velocity = 1.0",
+            "velocity = 1.0\nlink_radius = \"-1 cm\"",
+            "`arms.0.link_radius`",
+            "above 0",
+        ),
+        (
+            "size = [1, 1, \"4 cm\"]",
+            "size = [1, 0, 1]",
+            "`table.size.1`",
+            "above 0",
+        ),
+    ];
+    for (good, bad, place, expected) in cases {
+        assert!(ONE_JOINT.contains(good), "{good}");
+        let error = read(&ONE_JOINT.replacen(good, bad, 1)).unwrap_err();
+        assert!(error.contains(place) && error.contains(expected), "{error}");
+    }
+    assert!(
+        read("title = \"empty\"")
+            .unwrap_err()
+            .contains("needs an arm")
+    );
+    let missing = "[[arms]]\nname = \"a\"\nurdf = \"none.urdf\"\n";
+    assert!(
+        read(missing)
+            .unwrap_err()
+            .contains("none.urdf: cannot be read")
+    );
+}
+
+#[test]
+fn a_report_names_every_part() {
+    let report = CellReport::new(&shipped("two_sawyers.toml"));
+    let text = report.to_string();
+    for part in [
+        "right",
+        "left",
+        "twister",
+        "table top",
+        "rosbridge",
+        "/dev/ttyACM0",
+    ] {
+        assert!(text.contains(part), "{text}");
+    }
+    assert!(serde_json::from_str::<serde_json::Value>(&report.to_json()).is_ok());
+}
+
+/// A path of the hand above the table, gripper down: in the frame of the table's top.
+fn down(at: [f64; 3], turn: f64) -> crate::robot::Pose {
+    use nalgebra::{Translation3, UnitQuaternion, Vector3};
+    let rotation = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn)
+        * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
+    crate::robot::Pose::from_parts(Translation3::from(at), rotation)
+}
+
+/// Three turns of a helix of radius 5 cm and pitch 4 cm, with the gripper turning along by half a turn.
+fn helix() -> Vec<crate::robot::Pose> {
+    (0..=500)
+        .map(|k| {
+            let part = f64::from(k) / 500.0;
+            let angle = 6.0 * std::f64::consts::PI * part;
+            let at = [0.05 * angle.cos(), 0.05 * angle.sin(), 0.1 + 0.12 * part];
+            down(at, std::f64::consts::PI * part)
+        })
+        .collect()
+}
+
+/// The letter R, 16 cm high, drawn 12 cm above the table.
+fn letter() -> Vec<crate::robot::Pose> {
+    let mut corners = vec![[-0.05, -0.08], [-0.05, 0.08], [0.0, 0.08]];
+    corners.extend((0..=20).map(|k| {
+        let angle = std::f64::consts::FRAC_PI_2 - std::f64::consts::PI * f64::from(k) / 20.0;
+        [0.04 * angle.cos(), 0.04 + 0.04 * angle.sin()]
+    }));
+    corners.extend([[-0.05, 0.0], [0.05, -0.08]]);
+    corners
+        .iter()
+        .map(|[x, y]| down([*x, *y, 0.12], 0.0))
+        .collect()
+}
+
+#[test]
+fn helices_and_letters_become_smooth_joint_paths_where_they_fit_best() {
+    use crate::robot::{LARGEST_JUMP, PathProblem, place, subdivide};
+    for name in ["two_sawyers.toml", "seven_joints.toml", "six_joints.toml"] {
+        let cell = shipped(name);
+        let arm = &cell.arms[0];
+        let surroundings = cell.surroundings();
+        let homes = surroundings.homes();
+        let clearance = |joints: &[f64]| {
+            let mut postures = homes.clone();
+            postures[0] = joints.to_vec();
+            surroundings.clearance(&postures, Some(0))
+        };
+        let problem = PathProblem {
+            chain: &arm.chain,
+            from: &arm.home,
+            clearance: &clearance,
+            margin: 0.01,
+        };
+        let table = cell.table.unwrap();
+        let top = arm.base.inverse() * table.top;
+        for (what, path) in [("helix", helix()), ("letter", letter())] {
+            let begin = std::time::Instant::now();
+            let sides = [table.size[0], table.size[1]];
+            let placement = place(&problem, &path, &top, sides, 1e-3)
+                .unwrap_or_else(|failure| panic!("{name}, {what}: {failure:?}"));
+            let placed_in = begin.elapsed();
+            let poses: Vec<_> = path.iter().map(|local| placement.pose * local).collect();
+            let points = subdivide(&poses, 1e-3);
+            let begin = std::time::Instant::now();
+            let found = problem.solve(&points).unwrap();
+            eprintln!(
+                "{name}, {what}: {} points in {:?}, placed in {placed_in:?} at {:?}; jump {:.4}, clearance {:.3}, singularity {:.3}, limits {:.3}",
+                points.len(),
+                begin.elapsed(),
+                placement.on_table,
+                found.largest_jump,
+                found.least_clearance,
+                found.least_distance_to_singularity,
+                found.least_distance_to_limits
+            );
+            assert!(found.largest_jump <= LARGEST_JUMP && found.least_clearance >= 0.01);
+            for (point, joints) in points.iter().zip(&found.joints) {
+                let (distance, angle) = distance_and_angle(&arm.chain.hand(joints), &point.pose);
+                assert!(distance < 1e-9 && angle < 1e-9);
+                assert!(arm.chain.outside_limits(joints).is_none());
+            }
+        }
+    }
+}
+
+#[test]
+fn a_planned_letter_holds_every_limit_at_a_kilohertz() {
+    for name in ["two_sawyers.toml", "seven_joints.toml", "six_joints.toml"] {
+        let cell = shipped(name);
+        let begin = std::time::Instant::now();
+        let request = PlanRequest {
+            arm: 0,
+            path: letter(),
+            place: Place::Auto,
+            margin: 0.01,
+            speed: 0.25,
+            rate: 1000,
+        };
+        let plan = cell
+            .plan(&request)
+            .unwrap_or_else(|error| panic!("{name}: {error}"));
+        eprintln!("{name}: {:?}; {:?}", begin.elapsed(), plan.report);
+        let limits: Vec<_> = cell.arms[0]
+            .chain
+            .joints
+            .iter()
+            .map(|joint| joint.limits)
+            .collect();
+        let used = crate::robot::utilisation(&plan.trajectory.points, &limits);
+        assert!(
+            used.velocity <= 1.0 && used.acceleration <= 1.0 && used.jerk <= 1.0,
+            "{used:?}"
+        );
+        // The hand comes by every corner, within what the cutting of the time into milliseconds leaves.
+        let frame =
+            crate::robot::pose(plan.report.place_position, plan.report.place_quaternion).unwrap();
+        let to_base = cell.arms[0].base.inverse() * frame;
+        for corner in letter() {
+            let corner = (to_base * corner).translation.vector;
+            let hands = plan
+                .trajectory
+                .points
+                .iter()
+                .map(|q| cell.arms[0].chain.hand(q).translation.vector);
+            let nearest = hands
+                .map(|hand| (hand - corner).norm())
+                .fold(f64::INFINITY, f64::min);
+            assert!(nearest < 5e-4, "{nearest}");
+        }
+    }
+}

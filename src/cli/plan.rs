@@ -1,0 +1,111 @@
+//! `rodlab plan`: trajectories.
+
+use super::failure::Failure;
+use super::output::{print, print_json};
+use super::solve_arm::ArmChoice;
+use crate::cell::{Place, PlanError, PlanRequest, read_poses};
+use crate::results::write_whole;
+use clap::{Args, Subcommand};
+use std::path::PathBuf;
+
+/// Arguments of `rodlab plan`.
+#[derive(Debug, Args)]
+pub struct PlanArguments {
+    /// What to plan
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Debug, Subcommand)]
+enum What {
+    /// A joint trajectory along poses of the hand
+    #[command(after_help = "\
+Examples:
+  rodlab plan joints trajectory.csv --cell scenarios/cells/six_joints.toml --place auto > joints.csv
+  rodlab plan joints trajectory.csv --cell cell.toml --arm right --place 0.6,0,0.1 --hand-speed 0.1 --out joints.csv
+
+The table of poses has the columns x_m, y_m, z_m, qw, qx, qy, qz; its times do not matter: the motion is as fast
+as the joints' limits and --hand-speed allow, from rest to rest. The answer has time_s and a column arm.joint_rad
+(or _m) per joint. With --out it is written there, and its numbers are printed as JSON.")]
+    Joints(JointsArguments),
+}
+
+#[derive(Debug, Args)]
+struct JointsArguments {
+    /// The poses of the hand
+    trajectory: PathBuf,
+    #[command(flatten)]
+    arm: ArmChoice,
+    /// Where the path lies in the cell: x,y,z in metres and a turn about z in degrees, or `auto`: the best place on
+    /// the table
+    #[arg(long, value_name = "X,Y,Z[,TURN]|auto", default_value = "0,0,0", value_parser = parse_place, allow_hyphen_values = true)]
+    place: Place,
+    /// Greatest speed of the hand, m/s
+    #[arg(long, value_name = "SPEED", default_value_t = 0.25, value_parser = positive)]
+    hand_speed: f64,
+    /// Least distance to anything else, m
+    #[arg(long, value_name = "DISTANCE", default_value_t = 0.01, value_parser = positive)]
+    margin: f64,
+    /// Points per second: 100, 125, 200, 250, 500 or 1000
+    #[arg(long, value_name = "N", default_value_t = 100)]
+    rate: u32,
+    /// Where to write the trajectory [default: standard output]
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+/// Plans and prints a trajectory.
+pub fn plan(arguments: &PlanArguments) -> Result<(), Failure> {
+    let What::Joints(arguments) = &arguments.what;
+    let (cell, arm) = arguments.arm.read()?;
+    let path =
+        read_poses(&arguments.trajectory).map_err(|error| Failure::Input(error.to_string()))?;
+    let plan = cell.plan(&PlanRequest {
+        arm,
+        path,
+        place: arguments.place,
+        margin: arguments.margin,
+        speed: arguments.hand_speed,
+        rate: arguments.rate,
+    })?;
+    let csv = plan.trajectory.to_csv();
+    match &arguments.out {
+        None => print(&csv),
+        Some(file) => {
+            write_whole(file, csv.as_bytes())?;
+            print_json(&plan.report)
+        }
+    }
+}
+
+impl From<PlanError> for Failure {
+    fn from(error: PlanError) -> Self {
+        match error {
+            PlanError::Input(message) => Self::Input(message),
+            PlanError::Path(message) => Self::Unreachable(message),
+            PlanError::Timing(error) => Self::Input(error.to_string()),
+        }
+    }
+}
+
+fn parse_place(text: &str) -> Result<Place, String> {
+    if text == "auto" {
+        return Ok(Place::Auto);
+    }
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
+    match numbers.as_deref() {
+        Ok(numbers) if numbers.iter().any(|number: &f64| !number.is_finite()) => {
+            Err("finite numbers are needed".into())
+        }
+        Ok([x, y, z]) => Ok(Place::At([*x, *y, *z, 0.0])),
+        Ok([x, y, z, turn]) => Ok(Place::At([*x, *y, *z, turn.to_radians()])),
+        _ => Err("`auto` or x,y,z or x,y,z,degrees is needed".into()),
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
+        _ => Err("a number above 0 is needed".into()),
+    }
+}

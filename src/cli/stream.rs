@@ -1,0 +1,198 @@
+//! `rodlab stream`.
+
+use super::failure::Failure;
+use super::output::print_json;
+use crate::cell::{Cell, Driver, StreamReport};
+use crate::results::write_whole;
+use crate::robot::{Ending, JointTrajectory, StreamLog, stream as run};
+use clap::Args;
+use serde::Serialize;
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Arguments of `rodlab stream`.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct StreamArguments {
+    /// The joint trajectory: time_s and a column arm.joint_rad, arm.joint_m or axis_rad per joint
+    trajectory: PathBuf,
+    /// The cell file
+    #[arg(long, value_name = "FILE")]
+    cell: PathBuf,
+    /// How many times as fast as the trajectory says
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = factor)]
+    speed: f64,
+    /// Check everything, say what would be done, and move nothing
+    #[arg(long)]
+    dry_run: bool,
+    /// Where to log [default: results/stream-TIME]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  rodlab stream joints.csv --cell cell.toml --dry-run
+  rodlab stream joints.csv --cell cell.toml --speed 0.2
+
+Every point is checked against limits and collisions before the first is sent. The motion starts only where the
+arm stands at the first point; it ends, and everything holds still, where a joint is not heard of or leaves the
+path. Ctrl-C holds, a second one ends the program. The log is a directory with manifest.json, trajectory.csv,
+commanded.csv, state.csv and events.csv. Exit code 1: a driver failed, and the message says why.";
+
+/// Manifest of a stream.
+#[derive(Serialize)]
+struct Manifest<'a> {
+    version: &'static str,
+    command_line: Vec<String>,
+    cell: &'a Path,
+    trajectory: &'a Path,
+    trajectory_hash: String,
+    speed: f64,
+    start: jiff::Timestamp,
+    end: Option<jiff::Timestamp>,
+    status: &'static str,
+    error: Option<String>,
+    #[serde(flatten)]
+    report: StreamReport,
+}
+
+/// Streams a trajectory.
+pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
+    let cell = Cell::read(&arguments.cell)?;
+    let trajectory = JointTrajectory::read(&arguments.trajectory)
+        .map_err(|error| Failure::Input(error.to_string()))?
+        .scaled(arguments.speed);
+    let (mut parts, report) = cell.prepare_stream(&trajectory).map_err(|message| {
+        Failure::Input(format!("{}: {message}", arguments.trajectory.display()))
+    })?;
+    if arguments.dry_run {
+        return print_json(&report);
+    }
+    let directory = log_directory(arguments.out.as_deref())?;
+    let text = trajectory.to_csv();
+    write_whole(&directory.join("trajectory.csv"), text.as_bytes())?;
+    let mut manifest = Manifest {
+        version: env!("CARGO_PKG_VERSION"),
+        command_line: std::env::args().collect(),
+        cell: &arguments.cell,
+        trajectory: &arguments.trajectory,
+        trajectory_hash: blake3::hash(text.as_bytes()).to_hex().to_string(),
+        speed: arguments.speed,
+        start: jiff::Timestamp::now(),
+        end: None,
+        status: "running",
+        error: None,
+        report,
+    };
+    write_manifest(&directory, &manifest)?;
+    let unwritable = |error: std::io::Error| {
+        Failure::System(format!(
+            "{} cannot be written: {error}",
+            directory.display()
+        ))
+    };
+    let mut log = StreamLog::open(&directory).map_err(unwritable)?;
+    let interrupted = watch_for_interruption()?;
+    let ending = run(
+        &mut parts,
+        &cell.stream_bounds(),
+        &|| interrupted.load(Ordering::Relaxed),
+        &mut log,
+    );
+    let logged = log.finish().map_err(unwritable);
+    manifest.end = Some(jiff::Timestamp::now());
+    (manifest.status, manifest.error) = match &ending {
+        Ending::Finished => ("finished", None),
+        Ending::Interrupted => ("interrupted", None),
+        Ending::Failed(reason) => ("failed", Some(reason.clone())),
+    };
+    write_manifest(&directory, &manifest)?;
+    match ending {
+        Ending::Failed(reason) => Err(Failure::System(format!(
+            "{reason}\nthe log is in {}",
+            directory.display()
+        ))),
+        Ending::Interrupted => Err(Failure::Cases {
+            exit_code: 130,
+            message: format!(
+                "interrupted; everything holds; the log is in {}",
+                directory.display()
+            ),
+        }),
+        Ending::Finished => {
+            logged?;
+            // A driver on standard output has it for itself.
+            if drives_standard_output(&cell) {
+                Ok(())
+            } else {
+                print_json(&manifest)
+            }
+        }
+    }
+}
+
+fn drives_standard_output(cell: &Cell) -> bool {
+    let arms = cell.arms.iter().map(|arm| &arm.driver);
+    let axes = cell.axes.iter().map(|axis| &axis.driver);
+    arms.chain(axes)
+        .any(|driver| matches!(driver, Some(Driver::File { path: None, .. })))
+}
+
+fn write_manifest(directory: &Path, manifest: &Manifest<'_>) -> Result<(), Failure> {
+    let mut text = serde_json::to_vec_pretty(manifest)
+        .map_err(|error| Failure::System(format!("the manifest cannot be written: {error}")))?;
+    text.push(b'\n');
+    Ok(write_whole(&directory.join("manifest.json"), &text)?)
+}
+
+/// An empty directory: every stream has its own.
+fn log_directory(given: Option<&Path>) -> Result<PathBuf, Failure> {
+    let directory = given.map_or_else(
+        || {
+            let now = jiff::Timestamp::now()
+                .strftime("%Y%m%dT%H%M%S%.3fZ")
+                .to_string();
+            Path::new("results").join(format!("stream-{now}"))
+        },
+        Path::to_owned,
+    );
+    let made = std::fs::create_dir_all(&directory).and_then(|()| std::fs::read_dir(&directory));
+    match made.map(|mut entries| entries.next().is_some()) {
+        Ok(false) => Ok(directory),
+        Ok(true) => Err(Failure::Input(format!(
+            "--out: {} is not empty; every stream needs a directory of its own",
+            directory.display()
+        ))),
+        Err(error) => Err(Failure::Input(format!(
+            "--out: {} cannot be made: {error}",
+            directory.display()
+        ))),
+    }
+}
+
+/// A flag that Ctrl-C and SIGTERM raise; a second signal ends the program at once.
+fn watch_for_interruption() -> Result<Arc<AtomicBool>, Failure> {
+    let interrupted = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGTERM] {
+        // In this order: the first signal finds the flag down, and raises it.
+        flag::register_conditional_shutdown(signal, 130, Arc::clone(&interrupted))
+            .and_then(|_| flag::register(signal, Arc::clone(&interrupted)))
+            .map_err(|error| {
+                Failure::System(format!(
+                    "Ctrl-C cannot be watched for, so nothing is moved: {error}"
+                ))
+            })?;
+    }
+    Ok(interrupted)
+}
+
+fn factor(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(number) if (0.01..=10.0).contains(&number) => Ok(number),
+        _ => Err("a number from 0.01 to 10 is needed".into()),
+    }
+}

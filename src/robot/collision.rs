@@ -1,0 +1,344 @@
+//! Distances between arms, themselves and what stands around them, by parry.
+//!
+//! Pairs that cannot be avoided do not count: links with one moving joint between them, pairs that overlap in the
+//! posture at rest, and those that overlap in more than 95 % of postures all over the joints' ranges.
+
+use super::body::{Body, Shape};
+use super::chain::Chain;
+use super::pose::Pose;
+use parry3d_f64::math::{Pose3, Rot3, Vec3};
+use parry3d_f64::query;
+use parry3d_f64::shape::{Cuboid, Segment};
+
+/// Distances beyond this are not told apart, m.
+pub const FAR: f64 = 0.2;
+/// Postures that tell which pairs always overlap.
+const SAMPLES: usize = 200;
+/// Part of them in which such a pair overlaps.
+const ALWAYS: f64 = 0.95;
+
+/// An arm among others.
+#[derive(Clone, Debug)]
+pub struct Member {
+    /// Its name.
+    pub name: String,
+    /// Its chain.
+    pub chain: Chain,
+    /// Pose of its base in the cell.
+    pub base: Pose,
+    /// Its shapes.
+    pub bodies: Vec<Body>,
+    /// Joint positions at rest.
+    pub home: Vec<f64>,
+    /// Pairs of links that may touch.
+    pub may_touch: Vec<[Option<usize>; 2]>,
+}
+
+/// A box that stands still.
+#[derive(Clone, Debug)]
+pub struct StandingBox {
+    /// Its name.
+    pub name: String,
+    /// Pose of its centre in the cell.
+    pub pose: Pose,
+    /// Half its sides, m.
+    pub half: [f64; 3],
+}
+
+/// Arms and boxes, and which pairs of them count.
+#[derive(Clone, Debug)]
+pub struct Surroundings {
+    members: Vec<Member>,
+    boxes: Vec<StandingBox>,
+    pairs: Vec<Pair>,
+}
+
+/// Two shapes: by arm and index, or a standing box where the arm is `None`.
+#[derive(Clone, Copy, Debug)]
+struct Pair {
+    first: (usize, usize),
+    second: (Option<usize>, usize),
+}
+
+/// How near two things come.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Approach {
+    /// Distance, m; 0 or less where they overlap.
+    pub distance: f64,
+    /// What they are, in words.
+    pub between: [String; 2],
+}
+
+impl Surroundings {
+    /// The arms and boxes of a cell.
+    pub fn new(members: Vec<Member>, boxes: Vec<StandingBox>) -> Self {
+        let mut pairs = Vec::new();
+        for (arm, member) in members.iter().enumerate() {
+            for index in 0..member.bodies.len() {
+                let first = (arm, index);
+                for other in index + 1..member.bodies.len() {
+                    if !member.never_counts(index, other) {
+                        pairs.push(Pair {
+                            first,
+                            second: (Some(arm), other),
+                        });
+                    }
+                }
+                for (other, them) in members.iter().enumerate().skip(arm + 1) {
+                    let theirs = 0..them.bodies.len();
+                    pairs.extend(theirs.map(|k| Pair {
+                        first,
+                        second: (Some(other), k),
+                    }));
+                }
+                // The base stands where it is put, on the table or in it.
+                if member.bodies[index].link.is_some() {
+                    let all = 0..boxes.len();
+                    pairs.extend(all.map(|k| Pair {
+                        first,
+                        second: (None, k),
+                    }));
+                }
+            }
+        }
+        let mut surroundings = Self {
+            members,
+            boxes,
+            pairs,
+        };
+        surroundings.drop_unavoidable();
+        surroundings
+    }
+
+    /// The arms.
+    pub fn members(&self) -> &[Member] {
+        &self.members
+    }
+
+    /// Joint positions of all arms at rest.
+    pub fn homes(&self) -> Vec<Vec<f64>> {
+        self.members
+            .iter()
+            .map(|member| member.home.clone())
+            .collect()
+    }
+
+    fn drop_unavoidable(&mut self) {
+        let homes = self.homes();
+        let at_home = self.poses(&homes);
+        let mut overlaps = vec![0; self.pairs.len()];
+        for k in 0..SAMPLES {
+            let postures: Vec<Vec<f64>> = self
+                .members
+                .iter()
+                .map(|member| member.chain.start(k))
+                .collect();
+            let poses = self.poses(&postures);
+            for (pair, count) in self.pairs.iter().zip(&mut overlaps) {
+                *count += usize::from(self.distance(pair, &poses) <= 0.0);
+            }
+        }
+        let kept = self.pairs.iter().zip(overlaps).filter(|(pair, count)| {
+            (*count as f64) < ALWAYS * SAMPLES as f64 && self.distance(pair, &at_home) > 0.0
+        });
+        self.pairs = kept.map(|(pair, _)| *pair).collect();
+    }
+
+    /// The nearest approach with all arms in the given postures, of the pairs with a part of the arm `moving` where
+    /// one is given; `None` where nothing comes nearer than [`FAR`].
+    pub fn nearest(&self, postures: &[Vec<f64>], moving: Option<usize>) -> Option<Approach> {
+        let poses = self.poses(postures);
+        let mut nearest: Option<(f64, &Pair)> = None;
+        let counted = self.pairs.iter().filter(|pair| {
+            moving.is_none_or(|arm| pair.first.0 == arm || pair.second.0 == Some(arm))
+        });
+        for pair in counted {
+            let distance = self.distance(pair, &poses);
+            if distance < nearest.map_or(FAR, |(least, _)| least) {
+                nearest = Some((distance, pair));
+            }
+        }
+        nearest.map(|(distance, pair)| Approach {
+            distance,
+            between: [
+                self.name(Some(pair.first.0), pair.first.1),
+                self.name(pair.second.0, pair.second.1),
+            ],
+        })
+    }
+
+    /// Distance of the nearest approach, at most [`FAR`].
+    pub fn clearance(&self, postures: &[Vec<f64>], moving: Option<usize>) -> f64 {
+        self.nearest(postures, moving)
+            .map_or(FAR, |approach| approach.distance)
+    }
+
+    fn name(&self, arm: Option<usize>, index: usize) -> String {
+        let Some(arm) = arm else {
+            return self.boxes[index].name.clone();
+        };
+        let member = &self.members[arm];
+        let link = member.bodies[index]
+            .link
+            .map_or("base", |link| &member.chain.segments[link].link);
+        format!("{}.{link}", member.name)
+    }
+
+    /// Poses in the cell of all shapes of all arms.
+    fn poses(&self, postures: &[Vec<f64>]) -> Vec<Vec<Pose>> {
+        let members = self.members.iter().zip(postures);
+        members
+            .map(|(member, posture)| {
+                let links = member.chain.links(posture);
+                let poses = member.bodies.iter().map(|body| {
+                    let link = body.link.map_or(Pose::identity(), |link| links[link]);
+                    member.base * link * body.pose
+                });
+                poses.collect()
+            })
+            .collect()
+    }
+
+    /// Distance of a pair; those beyond [`FAR`] are told by their enclosing balls.
+    fn distance(&self, pair: &Pair, poses: &[Vec<Pose>]) -> f64 {
+        let (arm, index) = pair.first;
+        let first = (self.members[arm].bodies[index].shape, &poses[arm][index]);
+        let standing;
+        let second = match pair.second {
+            (Some(arm), index) => (self.members[arm].bodies[index].shape, &poses[arm][index]),
+            (None, index) => {
+                standing = &self.boxes[index];
+                (
+                    Shape::Box {
+                        half: standing.half,
+                    },
+                    &standing.pose,
+                )
+            }
+        };
+        distance(first, second)
+    }
+}
+
+impl Member {
+    /// Whether two shapes are so near each other along the chain that they cannot help to touch.
+    fn never_counts(&self, first: usize, second: usize) -> bool {
+        let links = [self.bodies[first].link, self.bodies[second].link];
+        let [low, high] = [links[0].min(links[1]), links[0].max(links[1])];
+        let begin = low.map_or(0, |link| link + 1);
+        let end = high.map_or(0, |link| link + 1);
+        let joints = self.chain.segments[begin..end].iter();
+        let moving = joints.filter(|segment| segment.moves()).count();
+        moving <= 1
+            || self
+                .may_touch
+                .iter()
+                .any(|pair| *pair == [links[0], links[1]] || *pair == [links[1], links[0]])
+    }
+}
+
+impl Shape {
+    /// Radius of a ball about the origin that holds the shape.
+    fn enclosing_radius(&self) -> f64 {
+        match self {
+            Self::Capsule {
+                half_length,
+                radius,
+            } => half_length + radius,
+            Self::Box { half: [x, y, z] } => (x * x + y * y + z * z).sqrt(),
+        }
+    }
+}
+
+fn distance(first: (Shape, &Pose), second: (Shape, &Pose)) -> f64 {
+    let centres = first.1.translation.vector - second.1.translation.vector;
+    let apart = centres.norm() - first.0.enclosing_radius() - second.0.enclosing_radius();
+    if apart > FAR {
+        return apart;
+    }
+    let [pose_1, pose_2] = [first.1, second.1].map(glam_pose);
+    let core = |shape: &Shape| match *shape {
+        Shape::Capsule {
+            half_length,
+            radius,
+        } => {
+            let end = Vec3::new(0.0, 0.0, half_length.max(1e-9));
+            (Some(Segment::new(-end, end)), None, radius)
+        }
+        Shape::Box { half: [x, y, z] } => (None, Some(Cuboid::new(Vec3::new(x, y, z))), 0.0),
+    };
+    let (cores_1, cores_2) = (core(&first.0), core(&second.0));
+    let measured = match (&cores_1, &cores_2) {
+        ((Some(a), _, _), (Some(b), _, _)) => query::distance(&pose_1, a, &pose_2, b),
+        ((Some(a), _, _), (_, Some(b), _)) => query::distance(&pose_1, a, &pose_2, b),
+        ((_, Some(a), _), (Some(b), _, _)) => query::distance(&pose_1, a, &pose_2, b),
+        ((_, Some(a), _), (_, Some(b), _)) => query::distance(&pose_1, a, &pose_2, b),
+        _ => return apart,
+    };
+    // All four pairs of shapes are supported; were one not, the enclosing balls would be on the safe side.
+    measured.map_or(apart, |core| core.distance - cores_1.2 - cores_2.2)
+}
+
+fn glam_pose(pose: &Pose) -> Pose3 {
+    let q = pose.rotation.quaternion();
+    let t = &pose.translation.vector;
+    Pose3::from_parts(
+        Vec3::new(t.x, t.y, t.z),
+        Rot3::from_xyzw(q.i, q.j, q.k, q.w),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::pose_of_angles;
+    use proptest::prelude::*;
+
+    fn ball(at: [f64; 3], radius: f64) -> (Shape, Pose) {
+        let shape = Shape::Capsule {
+            half_length: 0.0,
+            radius,
+        };
+        (shape, pose_of_angles(at, [0.0; 3]))
+    }
+
+    fn between(a: &(Shape, Pose), b: &(Shape, Pose)) -> f64 {
+        distance((a.0, &a.1), (b.0, &b.1))
+    }
+
+    #[test]
+    fn crossed_capsules_are_as_far_apart_as_their_lines_less_their_radii() {
+        let capsule = |at, angles| {
+            let shape = Shape::Capsule {
+                half_length: 0.2,
+                radius: 0.03,
+            };
+            (shape, pose_of_angles(at, angles))
+        };
+        let (a, b) = (
+            capsule([0.0; 3], [0.0; 3]),
+            capsule([0.1, 0.0, 0.05], [1.2, 0.0, 0.0]),
+        );
+        assert!((between(&a, &b) - 0.04).abs() < 1e-12);
+        let close = capsule([0.05, 0.0, 0.0], [1.2, 0.0, 0.0]);
+        assert!((between(&a, &close) + 0.01).abs() < 1e-12);
+    }
+
+    proptest! {
+        #[test]
+        fn a_box_is_as_far_from_a_ball_as_its_nearest_point(
+            half in prop::array::uniform3(0.01..0.3_f64),
+            place in prop::array::uniform3(-0.3..0.3_f64),
+            angles in prop::array::uniform3(-3.0..3.0_f64),
+            centre in prop::array::uniform3(-0.5..0.5_f64),
+        ) {
+            let pose = pose_of_angles(place, angles);
+            let shape = (Shape::Box { half }, pose);
+            let local = pose.inverse() * nalgebra::Point3::from(centre);
+            let outside: f64 = (0..3).map(|k| (local[k].abs() - half[k]).max(0.0).powi(2)).sum();
+            let exact = outside.sqrt() - 0.02;
+            let found = between(&shape, &ball(centre, 0.02));
+            prop_assert!((found.min(FAR) - exact.min(FAR)).abs() < 1e-6 || exact > FAR, "{found} {exact}");
+        }
+    }
+}

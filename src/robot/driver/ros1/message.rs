@@ -1,0 +1,225 @@
+//! The messages of ROS 1 that a trajectory needs, in their binary form: little-endian numbers, texts and arrays after
+//! their lengths.
+
+use super::super::PartTrajectory;
+
+/// Type of a topic: name and MD5 sum of its definition.
+#[derive(Clone, Copy, Debug)]
+pub struct MessageType {
+    /// Such as `sensor_msgs/JointState`.
+    pub name: &'static str,
+    /// Such as `3066dcd76a6cfaef579bd0f34173e9fd`.
+    pub md5: &'static str,
+}
+
+/// Where joints are.
+pub const JOINT_STATE: MessageType = MessageType {
+    name: "sensor_msgs/JointState",
+    md5: "3066dcd76a6cfaef579bd0f34173e9fd",
+};
+/// A motion that is asked for.
+pub const GOAL: MessageType = MessageType {
+    name: "control_msgs/FollowJointTrajectoryActionGoal",
+    md5: "cff5c1d533bf2f82dd0138d57f4304bb",
+};
+/// How it goes.
+pub const FEEDBACK: MessageType = MessageType {
+    name: "control_msgs/FollowJointTrajectoryActionFeedback",
+    md5: "d8920dc4eae9fc107e00999cce4be641",
+};
+/// How it went.
+pub const RESULT: MessageType = MessageType {
+    name: "control_msgs/FollowJointTrajectoryActionResult",
+    md5: "c4fb3b000dc9da4fd99699380efcc5d9",
+};
+/// A motion that is called off.
+pub const CANCEL: MessageType = MessageType {
+    name: "actionlib_msgs/GoalID",
+    md5: "302881f31927c1df708a2dbab0e80ee8",
+};
+
+/// Writes a message.
+#[derive(Default)]
+struct Writer(Vec<u8>);
+
+impl Writer {
+    fn u32(&mut self, number: u32) {
+        self.0.extend(number.to_le_bytes());
+    }
+
+    fn text(&mut self, text: &str) {
+        self.u32(text.len() as u32);
+        self.0.extend(text.as_bytes());
+    }
+
+    fn numbers(&mut self, numbers: &[f64]) {
+        self.u32(numbers.len() as u32);
+        numbers
+            .iter()
+            .for_each(|number| self.0.extend(number.to_le_bytes()));
+    }
+
+    /// A header without a time: at once.
+    fn header(&mut self) {
+        (0..3).for_each(|_| self.u32(0));
+        self.text("");
+    }
+
+    fn duration(&mut self, seconds: f64) {
+        let nanoseconds = (seconds * 1e9).round() as u64;
+        self.u32((nanoseconds / 1_000_000_000) as u32);
+        self.u32((nanoseconds % 1_000_000_000) as u32);
+    }
+
+    fn goal_id(&mut self, id: &str) {
+        (0..2).for_each(|_| self.u32(0));
+        self.text(id);
+    }
+}
+
+/// A goal, to be followed at once; tolerances are the controller's own.
+pub fn goal(trajectory: &PartTrajectory, id: &str) -> Vec<u8> {
+    let mut writer = Writer::default();
+    writer.header();
+    writer.goal_id(id);
+    writer.header();
+    writer.u32(trajectory.joints.len() as u32);
+    trajectory
+        .joints
+        .iter()
+        .for_each(|joint| writer.text(joint));
+    writer.u32(trajectory.points.len() as u32);
+    let rows = trajectory.times.iter().zip(&trajectory.points);
+    for ((time, point), velocities) in rows.zip(trajectory.velocities()) {
+        writer.numbers(point);
+        writer.numbers(&velocities);
+        writer.numbers(&[]);
+        writer.numbers(&[]);
+        writer.duration(*time);
+    }
+    writer.u32(0);
+    writer.u32(0);
+    writer.duration(0.0);
+    writer.0
+}
+
+/// A cancellation.
+pub fn cancel(id: &str) -> Vec<u8> {
+    let mut writer = Writer::default();
+    writer.goal_id(id);
+    writer.0
+}
+
+/// Reads a message.
+struct Reader<'a>(&'a [u8]);
+
+impl<'a> Reader<'a> {
+    fn bytes(&mut self, count: usize) -> Option<&'a [u8]> {
+        let (head, tail) = self.0.split_at_checked(count)?;
+        self.0 = tail;
+        Some(head)
+    }
+
+    fn u32(&mut self) -> Option<u32> {
+        Some(u32::from_le_bytes(self.bytes(4)?.try_into().ok()?))
+    }
+
+    fn text(&mut self) -> Option<String> {
+        let length = self.u32()? as usize;
+        Some(String::from_utf8_lossy(self.bytes(length)?).into_owned())
+    }
+
+    fn numbers(&mut self) -> Option<Vec<f64>> {
+        let count = self.u32()? as usize;
+        let bytes = self.bytes(count.checked_mul(8)?)?;
+        let numbers = bytes
+            .chunks_exact(8)
+            .map(|chunk| f64::from_le_bytes(chunk.try_into().unwrap_or_default()));
+        Some(numbers.collect())
+    }
+
+    fn header(&mut self) -> Option<()> {
+        self.bytes(12)?;
+        self.text().map(|_| ())
+    }
+}
+
+/// Names and positions of a joint state; `None` where the message is damaged.
+pub fn joint_state(message: &[u8]) -> Option<(Vec<String>, Vec<f64>)> {
+    let mut reader = Reader(message);
+    reader.header()?;
+    let count = reader.u32()?;
+    let names = (0..count)
+        .map(|_| reader.text())
+        .collect::<Option<Vec<_>>>()?;
+    Some((names, reader.numbers()?))
+}
+
+/// Whose goal it is, and how it stands.
+#[derive(Debug, PartialEq, Eq)]
+pub struct GoalStatus {
+    /// Its id.
+    pub id: String,
+    /// `actionlib_msgs/GoalStatus`.
+    pub status: u8,
+    /// Words.
+    pub text: String,
+}
+
+fn goal_status(reader: &mut Reader<'_>) -> Option<GoalStatus> {
+    reader.header()?;
+    reader.bytes(8)?;
+    let id = reader.text()?;
+    let status = reader.bytes(1)?[0];
+    let text = reader.text()?;
+    Some(GoalStatus { id, status, text })
+}
+
+/// The status at the beginning of a feedback.
+pub fn feedback(message: &[u8]) -> Option<GoalStatus> {
+    goal_status(&mut Reader(message))
+}
+
+/// The status of a result, its code and its words.
+pub fn result(message: &[u8]) -> Option<(GoalStatus, i32, String)> {
+    let mut reader = Reader(message);
+    let status = goal_status(&mut reader)?;
+    let code = reader.u32()? as i32;
+    Some((status, code, reader.text()?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn a_joint_state_is_read() {
+        let mut writer = Writer::default();
+        writer.header();
+        writer.u32(2);
+        writer.text("a");
+        writer.text("bc");
+        writer.numbers(&[1.0, -2.5]);
+        writer.numbers(&[]);
+        writer.numbers(&[]);
+        let (names, positions) = joint_state(&writer.0).unwrap();
+        assert_eq!(names, ["a", "bc"]);
+        assert_eq!(positions, [1.0, -2.5]);
+        assert!((0..writer.0.len() - 8).all(|end| joint_state(&writer.0[..end]).is_none()));
+    }
+
+    #[test]
+    fn times_never_have_a_billion_nanoseconds() {
+        let mut writer = Writer::default();
+        writer.duration(1.999_999_999_9);
+        assert_eq!(writer.0, [2, 0, 0, 0, 0, 0, 0, 0]);
+    }
+
+    proptest! {
+        #[test]
+        fn no_bytes_make_it_panic(bytes in prop::collection::vec(any::<u8>(), 0..80)) {
+            let _ = (joint_state(&bytes), feedback(&bytes), result(&bytes));
+        }
+    }
+}

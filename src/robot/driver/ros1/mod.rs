@@ -1,0 +1,244 @@
+//! `control_msgs/FollowJointTrajectory` of ROS 1, natively: no ROS installation, no bridge, no further crate.
+//!
+//! A node (`node`) speaks XML-RPC (`xmlrpc`) with the master and TCPROS with the action server: goal and cancellation
+//! out, joint states, feedback and result in (`message`).
+
+mod message;
+mod node;
+mod xmlrpc;
+
+use super::follow_joint_trajectory::ros_1_outcome;
+use super::{Driver, DriverError, JointState, PartTrajectory, Progress};
+use node::{Heard, Node, Publication};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+/// Longest wait for the action server, and for its first word about a goal.
+const PATIENCE: Duration = Duration::from_secs(3);
+/// Longest time for the confirmation of a cancellation.
+const HOLD_PATIENCE: Duration = Duration::from_millis(500);
+
+const STATES: &str = "joint states";
+const FEEDBACK: &str = "feedback";
+const RESULT: &str = "result";
+
+/// A driver for an action server of ROS 1.
+pub struct Ros1Driver {
+    master: String,
+    action: String,
+    joint_states: String,
+    joints: Vec<String>,
+    connection: Option<Connection>,
+    state: Option<JointState>,
+    goal: Option<Goal>,
+}
+
+struct Connection {
+    heard: Receiver<Heard>,
+    goals: Arc<Publication>,
+    cancellations: Arc<Publication>,
+    _node: Node,
+}
+
+struct Goal {
+    id: String,
+    sent: Instant,
+    acknowledged: bool,
+    outcome: Option<Result<(), DriverError>>,
+}
+
+impl Ros1Driver {
+    /// A driver at a master such as `http://10.0.0.1:11311`, for the action of that name and the topic of joint
+    /// states.
+    pub fn new(master: &str, action: &str, joint_states: &str) -> Self {
+        Self {
+            master: format!("{}/", master.trim_end_matches('/')),
+            action: action.trim_end_matches('/').to_owned(),
+            joint_states: joint_states.to_owned(),
+            joints: Vec::new(),
+            connection: None,
+            state: None,
+            goal: None,
+        }
+    }
+
+    fn lost(&self, reason: impl std::fmt::Display) -> DriverError {
+        DriverError::Lost(format!("ROS master {}: {reason}", self.master))
+    }
+
+    fn open(&self) -> std::io::Result<Connection> {
+        let since = SystemTime::now().duration_since(UNIX_EPOCH);
+        let unique = since.map_or(0, |since| since.as_micros());
+        let node = Node::start(
+            &self.master,
+            &format!("/rodlab_{}_{unique}", std::process::id()),
+        )?;
+        let (sender, heard): (Sender<Heard>, Receiver<Heard>) = channel();
+        let topic = |what: &str| format!("{}/{what}", self.action);
+        node.subscribe(STATES, &self.joint_states, message::JOINT_STATE, &sender)?;
+        node.subscribe(FEEDBACK, &topic("feedback"), message::FEEDBACK, &sender)?;
+        node.subscribe(RESULT, &topic("result"), message::RESULT, &sender)?;
+        let goals = node.advertise(&topic("goal"), message::GOAL)?;
+        let cancellations = node.advertise(&topic("cancel"), message::CANCEL)?;
+        node.watch_master(&sender);
+        Ok(Connection {
+            heard,
+            goals,
+            cancellations,
+            _node: node,
+        })
+    }
+
+    /// Hears what has arrived.
+    fn listen(&mut self) -> Result<(), DriverError> {
+        loop {
+            let Some(connection) = &self.connection else {
+                return Err(self.lost("not connected"));
+            };
+            match connection.heard.try_recv() {
+                Ok(Heard::Message(label, message)) => self.hear(label, &message),
+                Ok(Heard::MasterIsGone) => {
+                    return Err(self.lost("it does not answer any more; the motion is called off"));
+                }
+                Err(TryRecvError::Empty) => return Ok(()),
+                Err(TryRecvError::Disconnected) => return Err(self.lost("the connection is lost")),
+            }
+        }
+    }
+
+    fn hear(&mut self, label: &str, bytes: &[u8]) {
+        match label {
+            STATES => {
+                let Some((names, positions)) = message::joint_state(bytes) else {
+                    return;
+                };
+                let of = |joint: &String| {
+                    let index = names.iter().position(|name| name == joint)?;
+                    positions.get(index).copied()
+                };
+                // A message that lacks one of our joints is another part's.
+                if let Some(positions) = self.joints.iter().map(of).collect() {
+                    let received = Instant::now();
+                    self.state = Some(JointState {
+                        received,
+                        positions,
+                    });
+                }
+            }
+            FEEDBACK => {
+                if let (Some(goal), Some(status)) = (&mut self.goal, message::feedback(bytes)) {
+                    goal.acknowledged |= status.id == goal.id;
+                }
+            }
+            _ => {
+                let (Some(goal), Some((status, code, words))) =
+                    (&mut self.goal, message::result(bytes))
+                else {
+                    return;
+                };
+                if status.id == goal.id {
+                    goal.acknowledged = true;
+                    let said = format!("{} {words}", status.text);
+                    goal.outcome = Some(ros_1_outcome(
+                        i64::from(status.status),
+                        i64::from(code),
+                        &said,
+                    ));
+                }
+            }
+        }
+    }
+}
+
+impl Driver for Ros1Driver {
+    fn connect(&mut self, joints: &[String]) -> Result<(), DriverError> {
+        self.joints = joints.to_vec();
+        let connection = self.open().map_err(|error| {
+            self.lost(format_args!(
+                "{error}; is it started, and is `master` its address?"
+            ))
+        })?;
+        let begin = Instant::now();
+        while connection.goals.subscribers() == 0 || connection.cancellations.subscribers() == 0 {
+            if begin.elapsed() > PATIENCE {
+                return Err(self.lost(format_args!(
+                    "no action server listens to {}/goal; is the controller started?",
+                    self.action
+                )));
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        self.connection = Some(connection);
+        Ok(())
+    }
+
+    fn reports_state(&self) -> bool {
+        true
+    }
+
+    fn state(&mut self) -> Result<Option<JointState>, DriverError> {
+        self.listen()?;
+        Ok(self.state.clone())
+    }
+
+    fn start(&mut self, trajectory: &PartTrajectory) -> Result<(), DriverError> {
+        let Some(connection) = &self.connection else {
+            return Err(self.lost("not connected"));
+        };
+        let since = SystemTime::now().duration_since(UNIX_EPOCH);
+        let id = format!("rodlab-{}", since.map_or(0, |since| since.as_nanos()));
+        if connection.goals.publish(&message::goal(trajectory, &id)) == 0 {
+            return Err(self.lost(format_args!("the action server of {} is gone", self.action)));
+        }
+        self.goal = Some(Goal {
+            id,
+            sent: Instant::now(),
+            acknowledged: false,
+            outcome: None,
+        });
+        Ok(())
+    }
+
+    fn advance(&mut self, _: f64) -> Result<Progress, DriverError> {
+        self.listen()?;
+        let Some(goal) = &self.goal else {
+            return Ok(Progress::Done);
+        };
+        match &goal.outcome {
+            Some(Ok(())) => Ok(Progress::Done),
+            Some(Err(error)) => Err(error.clone()),
+            None if !goal.acknowledged && goal.sent.elapsed() > PATIENCE => {
+                Err(self.lost(format_args!(
+                    "{} has said nothing about the goal for {} s",
+                    self.action,
+                    PATIENCE.as_secs()
+                )))
+            }
+            None => Ok(Progress::Running),
+        }
+    }
+
+    fn hold(&mut self) -> Result<(), DriverError> {
+        let open = self.goal.as_ref().filter(|goal| goal.outcome.is_none());
+        let (Some(id), Some(connection)) = (open.map(|goal| goal.id.clone()), &self.connection)
+        else {
+            return Ok(());
+        };
+        let cancelled = connection.cancellations.publish(&message::cancel(&id));
+        let begin = Instant::now();
+        while cancelled > 0 && begin.elapsed() < HOLD_PATIENCE {
+            match self.listen() {
+                // Without its master an action server still hears us.
+                Ok(()) | Err(DriverError::Lost(_)) => {}
+                Err(error) => return Err(error),
+            }
+            if self.goal.as_ref().is_none_or(|goal| goal.outcome.is_some()) {
+                return Ok(());
+            }
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        Err(self
+            .lost("the cancellation of the motion was not confirmed within 0.5 s: watch the arm"))
+    }
+}

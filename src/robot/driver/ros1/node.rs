@@ -1,0 +1,422 @@
+//! A node of ROS 1: topics in and out over TCPROS, and the XML-RPC interface by which master and nodes find each other.
+
+use super::message::MessageType;
+use super::xmlrpc::{self, Value, answer, authority, call, read_call};
+use std::collections::BTreeSet;
+use std::io::{self, Read, Write};
+use std::net::{IpAddr, TcpListener, TcpStream};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::Sender;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+/// Longest message, bytes.
+const LONGEST: usize = 64 << 20;
+/// Time between questions whether the master is alive.
+const MASTER_INTERVAL: Duration = Duration::from_millis(150);
+/// Longest time for a connection to a publisher, and for a subscriber to take a message.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+/// What a subscription hears.
+pub enum Heard {
+    /// A message of a topic.
+    Message(&'static str, Vec<u8>),
+    /// The master does not answer any more.
+    MasterIsGone,
+}
+
+/// A node. Its threads end with it.
+pub struct Node {
+    inner: Arc<Inner>,
+}
+
+struct Inner {
+    name: String,
+    master: String,
+    uri: String,
+    host: IpAddr,
+    topics_port: u16,
+    closed: AtomicBool,
+    subscriptions: Mutex<Vec<Arc<Subscription>>>,
+    publications: Mutex<Vec<Arc<Publication>>>,
+}
+
+struct Subscription {
+    /// What the listener calls it.
+    label: &'static str,
+    topic: String,
+    kind: MessageType,
+    sender: Sender<Heard>,
+    publishers: Mutex<BTreeSet<String>>,
+}
+
+/// A topic that this node publishes.
+pub struct Publication {
+    topic: String,
+    kind: MessageType,
+    subscribers: Mutex<Vec<TcpStream>>,
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Node {
+    /// A node of that name at a master, such as `http://10.0.0.1:11311/`.
+    ///
+    /// # Errors
+    /// If the master does not answer or no port can be opened.
+    pub fn start(master: &str, name: &str) -> io::Result<Self> {
+        call(master, "getPid", &[Value::text(name)])?;
+        // The address by which the master is reached is one by which it reaches us.
+        let authority = authority(master).unwrap_or_default();
+        let host = TcpStream::connect(authority)?.local_addr()?.ip();
+        let (calls, topics) = (TcpListener::bind((host, 0))?, TcpListener::bind((host, 0))?);
+        let inner = Arc::new(Inner {
+            name: name.to_owned(),
+            master: master.to_owned(),
+            uri: format!("http://{}/", calls.local_addr()?),
+            host,
+            topics_port: topics.local_addr()?.port(),
+            closed: AtomicBool::new(false),
+            subscriptions: Mutex::default(),
+            publications: Mutex::default(),
+        });
+        accept(calls, Arc::clone(&inner), |inner, stream| {
+            // A caller that says nothing sensible is no matter of ours.
+            let _ = inner.serve(&stream);
+        });
+        accept(topics, Arc::clone(&inner), |inner, stream| {
+            let _ = inner.welcome(stream);
+        });
+        Ok(Self { inner })
+    }
+
+    /// Subscribes a topic; its messages go to `sender` under `label`.
+    ///
+    /// # Errors
+    /// If the master refuses.
+    pub fn subscribe(
+        &self,
+        label: &'static str,
+        topic: &str,
+        kind: MessageType,
+        sender: &Sender<Heard>,
+    ) -> io::Result<()> {
+        let subscription = Arc::new(Subscription {
+            label,
+            topic: topic.to_owned(),
+            kind,
+            sender: sender.clone(),
+            publishers: Mutex::default(),
+        });
+        lock(&self.inner.subscriptions).push(Arc::clone(&subscription));
+        let publishers = self.inner.register("registerSubscriber", topic, kind)?;
+        connect_all(&self.inner, &subscription, &publishers);
+        Ok(())
+    }
+
+    /// Offers a topic.
+    ///
+    /// # Errors
+    /// If the master refuses.
+    pub fn advertise(&self, topic: &str, kind: MessageType) -> io::Result<Arc<Publication>> {
+        let publication = Arc::new(Publication {
+            topic: topic.to_owned(),
+            kind,
+            subscribers: Mutex::default(),
+        });
+        lock(&self.inner.publications).push(Arc::clone(&publication));
+        self.inner.register("registerPublisher", topic, kind)?;
+        Ok(publication)
+    }
+
+    /// Asks the master again and again whether it is there, and says so when it is not.
+    pub fn watch_master(&self, sender: &Sender<Heard>) {
+        let (inner, sender) = (Arc::clone(&self.inner), sender.clone());
+        std::thread::spawn(move || {
+            while !inner.closed.load(Ordering::Relaxed) {
+                if call(&inner.master, "getPid", &[Value::text(&inner.name)]).is_err() {
+                    // Nobody listens any more where this fails.
+                    let _ = sender.send(Heard::MasterIsGone);
+                    return;
+                }
+                std::thread::sleep(MASTER_INTERVAL);
+            }
+        });
+    }
+}
+
+impl Drop for Node {
+    fn drop(&mut self) {
+        self.inner.closed.store(true, Ordering::Relaxed);
+        let topics = |method: &str, topic: &str| {
+            let parameters = [
+                Value::text(&self.inner.name),
+                Value::text(topic),
+                Value::text(&self.inner.uri),
+            ];
+            // The master may be gone.
+            let _ = call(&self.inner.master, method, &parameters);
+        };
+        for subscription in lock(&self.inner.subscriptions).drain(..) {
+            topics("unregisterSubscriber", &subscription.topic);
+        }
+        for publication in lock(&self.inner.publications).drain(..) {
+            topics("unregisterPublisher", &publication.topic);
+        }
+        // The listening threads look up from their sleep.
+        let port = authority(&self.inner.uri).and_then(|at| at.rsplit_once(':')?.1.parse().ok());
+        for port in [Some(self.inner.topics_port), port].into_iter().flatten() {
+            let _ = TcpStream::connect((self.inner.host, port));
+        }
+    }
+}
+
+/// Hands every connection to a thread of its own until the node is closed.
+fn accept(listener: TcpListener, inner: Arc<Inner>, handle: fn(&Arc<Inner>, TcpStream)) {
+    std::thread::spawn(move || {
+        for stream in listener.incoming() {
+            if inner.closed.load(Ordering::Relaxed) {
+                return;
+            }
+            if let Ok(stream) = stream {
+                let inner = Arc::clone(&inner);
+                std::thread::spawn(move || handle(&inner, stream));
+            }
+        }
+    });
+}
+
+impl Inner {
+    fn register(&self, method: &str, topic: &str, kind: MessageType) -> io::Result<Vec<String>> {
+        let parameters = [&self.name, topic, kind.name, &self.uri].map(Value::text);
+        let answer = call(&self.master, method, &parameters)?;
+        let uris = answer.as_array().unwrap_or_default().iter();
+        Ok(uris.filter_map(Value::as_text).map(str::to_owned).collect())
+    }
+
+    /// Answers a call of the master or of another node.
+    fn serve(self: &Arc<Self>, stream: &TcpStream) -> io::Result<()> {
+        let call = read_call(stream)?;
+        let text = |k: usize| call.parameters.get(k).and_then(Value::as_text);
+        match (call.method.as_str(), text(1)) {
+            ("requestTopic", Some(_)) => {
+                let port = Value::Integer(i64::from(self.topics_port));
+                let host = Value::Text(self.host.to_string());
+                answer(
+                    stream,
+                    Value::Array(vec![Value::text("TCPROS"), host, port]),
+                )
+            }
+            ("publisherUpdate", Some(topic)) => {
+                let publishers = call.parameters.get(2).and_then(Value::as_array);
+                let publishers: Vec<String> = publishers
+                    .unwrap_or_default()
+                    .iter()
+                    .filter_map(Value::as_text)
+                    .map(str::to_owned)
+                    .collect();
+                let ours: Vec<Arc<Subscription>> = lock(&self.subscriptions)
+                    .iter()
+                    .filter(|subscription| subscription.topic == topic)
+                    .cloned()
+                    .collect();
+                for subscription in ours {
+                    connect_all(self, &subscription, &publishers);
+                }
+                answer(stream, Value::Integer(0))
+            }
+            ("getPid", _) => answer(stream, Value::Integer(i64::from(std::process::id()))),
+            _ => answer(stream, Value::Integer(0)),
+        }
+    }
+
+    /// Takes a subscriber of one of our topics.
+    fn welcome(&self, mut stream: TcpStream) -> io::Result<()> {
+        stream.set_read_timeout(Some(PATIENCE))?;
+        stream.set_write_timeout(Some(PATIENCE))?;
+        stream.set_nodelay(true)?;
+        let fields = read_header(&mut stream)?;
+        let field = |name: &str| {
+            fields
+                .iter()
+                .find(|(key, _)| key == name)
+                .map(|(_, value)| value.as_str())
+        };
+        let publication = lock(&self.publications)
+            .iter()
+            .find(|publication| Some(publication.topic.as_str()) == field("topic"))
+            .cloned();
+        let Some(publication) = publication else {
+            return write_header(&mut stream, &[("error", "no such topic")]);
+        };
+        let kind = publication.kind;
+        if !matches!(field("md5sum"), Some(md5) if md5 == "*" || md5 == kind.md5) {
+            let error = format!("{} has another definition here: {}", kind.name, kind.md5);
+            return write_header(&mut stream, &[("error", &error)]);
+        }
+        let answer = [
+            ("callerid", self.name.as_str()),
+            ("latching", "0"),
+            ("md5sum", kind.md5),
+            ("message_definition", ""),
+            ("topic", &publication.topic),
+            ("type", kind.name),
+        ];
+        write_header(&mut stream, &answer)?;
+        lock(&publication.subscribers).push(stream);
+        Ok(())
+    }
+}
+
+impl Publication {
+    /// Number of subscribers.
+    pub fn subscribers(&self) -> usize {
+        lock(&self.subscribers).len()
+    }
+
+    /// Sends a message to all subscribers; those that have gone are forgotten. The number of those that got it.
+    pub fn publish(&self, message: &[u8]) -> usize {
+        let mut framed = (message.len() as u32).to_le_bytes().to_vec();
+        framed.extend(message);
+        let mut subscribers = lock(&self.subscribers);
+        subscribers.retain_mut(|stream| stream.write_all(&framed).is_ok());
+        subscribers.len()
+    }
+}
+
+/// Connects to the publishers of a topic that are new.
+fn connect_all(inner: &Arc<Inner>, subscription: &Arc<Subscription>, publishers: &[String]) {
+    for publisher in publishers {
+        if !lock(&subscription.publishers).insert(publisher.clone()) {
+            continue;
+        }
+        let (inner, subscription, publisher) = (
+            Arc::clone(inner),
+            Arc::clone(subscription),
+            publisher.clone(),
+        );
+        std::thread::spawn(move || {
+            if let Err(error) = listen(&inner, &subscription, &publisher) {
+                tracing::debug!("{} from {publisher}: {error}", subscription.topic);
+            }
+            // It may come back under the same address.
+            lock(&subscription.publishers).remove(&publisher);
+        });
+    }
+}
+
+/// Hears one publisher until it or the node ends.
+fn listen(inner: &Inner, subscription: &Subscription, publisher: &str) -> io::Result<()> {
+    let broken = |what: String| io::Error::new(io::ErrorKind::InvalidData, what);
+    let protocols = Value::Array(vec![Value::Array(vec![Value::text("TCPROS")])]);
+    let parameters = [
+        Value::text(&inner.name),
+        Value::text(&subscription.topic),
+        protocols,
+    ];
+    let place = xmlrpc::call(publisher, "requestTopic", &parameters)?;
+    let Some([_, Value::Text(host), Value::Integer(port)]) = place.as_array() else {
+        return Err(broken("no TCPROS".into()));
+    };
+    let port = u16::try_from(*port).map_err(|_| broken("no port".into()))?;
+    let mut stream = TcpStream::connect((host.as_str(), port))?;
+    stream.set_nodelay(true)?;
+    // So that the thread sees the node's end.
+    stream.set_read_timeout(Some(Duration::from_secs(1)))?;
+    let kind = subscription.kind;
+    let header = [
+        ("callerid", inner.name.as_str()),
+        ("md5sum", kind.md5),
+        ("tcp_nodelay", "1"),
+        ("topic", &subscription.topic),
+        ("type", kind.name),
+    ];
+    write_header(&mut stream, &header)?;
+    let answer = read_header(&mut stream)?;
+    if let Some((_, error)) = answer.iter().find(|(key, _)| key == "error") {
+        tracing::warn!("{}: the publisher refuses: {error}", subscription.topic);
+        return Err(broken(error.clone()));
+    }
+    loop {
+        let mut length = [0; 4];
+        if !read_whole(inner, &mut stream, &mut length)? {
+            return Ok(());
+        }
+        let length = u32::from_le_bytes(length) as usize;
+        if length > LONGEST {
+            return Err(broken(format!("a message of {length} bytes")));
+        }
+        let mut message = vec![0; length];
+        if !read_whole(inner, &mut stream, &mut message)? {
+            return Ok(());
+        }
+        if subscription
+            .sender
+            .send(Heard::Message(subscription.label, message))
+            .is_err()
+        {
+            return Ok(());
+        }
+    }
+}
+
+/// Reads as many bytes as fit; `false` where the node is closed before.
+fn read_whole(inner: &Inner, stream: &mut TcpStream, bytes: &mut [u8]) -> io::Result<bool> {
+    let mut done = 0;
+    while done < bytes.len() {
+        match stream.read(&mut bytes[done..]) {
+            Ok(0) => return Err(io::ErrorKind::UnexpectedEof.into()),
+            Ok(count) => done += count,
+            Err(error)
+                if matches!(
+                    error.kind(),
+                    io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut
+                ) =>
+            {
+                if inner.closed.load(Ordering::Relaxed) {
+                    return Ok(false);
+                }
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(true)
+}
+
+/// A connection header: `key=value` fields, each after its length, all after the length of all.
+fn write_header(stream: &mut TcpStream, fields: &[(&str, &str)]) -> io::Result<()> {
+    let mut body = Vec::new();
+    for (key, value) in fields {
+        body.extend(((key.len() + 1 + value.len()) as u32).to_le_bytes());
+        body.extend(format!("{key}={value}").as_bytes());
+    }
+    let mut message = (body.len() as u32).to_le_bytes().to_vec();
+    message.extend(body);
+    stream.write_all(&message)
+}
+
+fn read_header(stream: &mut TcpStream) -> io::Result<Vec<(String, String)>> {
+    let mut length = [0; 4];
+    stream.read_exact(&mut length)?;
+    let length = u32::from_le_bytes(length) as usize;
+    let broken = || io::Error::new(io::ErrorKind::InvalidData, "a damaged connection header");
+    if length > 1 << 20 {
+        return Err(broken());
+    }
+    let mut body = vec![0; length];
+    stream.read_exact(&mut body)?;
+    let mut rest = body.as_slice();
+    let mut fields = Vec::new();
+    while !rest.is_empty() {
+        let (size, tail) = rest.split_at_checked(4).ok_or_else(broken)?;
+        let size = u32::from_le_bytes(size.try_into().unwrap_or_default()) as usize;
+        let (field, tail) = tail.split_at_checked(size).ok_or_else(broken)?;
+        let field = String::from_utf8_lossy(field);
+        let (key, value) = field.split_once('=').ok_or_else(broken)?;
+        fields.push((key.to_owned(), value.to_owned()));
+        rest = tail;
+    }
+    Ok(fields)
+}

@@ -1,0 +1,236 @@
+//! XML-RPC over HTTP, as ROS 1 masters and nodes speak it.
+
+use std::io::{self, BufRead, BufReader, Read, Write};
+use std::net::{TcpStream, ToSocketAddrs};
+use std::time::Duration;
+
+/// Longest wait for an answer.
+const PATIENCE: Duration = Duration::from_millis(1500);
+/// Longest message, bytes.
+const LONGEST: usize = 16 << 20;
+
+/// A value of a call or an answer.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    /// A whole number, or a truth as 0 or 1.
+    Integer(i64),
+    /// Text.
+    Text(String),
+    /// Values in order.
+    Array(Vec<Value>),
+    /// Anything else.
+    Other,
+}
+
+impl Value {
+    /// A text.
+    pub fn text(text: &str) -> Self {
+        Self::Text(text.to_owned())
+    }
+
+    /// The text, if it is one.
+    pub fn as_text(&self) -> Option<&str> {
+        match self {
+            Self::Text(text) => Some(text),
+            _ => None,
+        }
+    }
+
+    /// The values, if it is an array.
+    pub fn as_array(&self) -> Option<&[Value]> {
+        match self {
+            Self::Array(values) => Some(values),
+            _ => None,
+        }
+    }
+
+    fn to_xml(&self) -> String {
+        match self {
+            Self::Integer(number) => format!("<value><int>{number}</int></value>"),
+            Self::Text(text) => {
+                let escaped = text.replace('&', "&amp;").replace('<', "&lt;");
+                format!("<value><string>{escaped}</string></value>")
+            }
+            Self::Array(values) => {
+                let inner: String = values.iter().map(Self::to_xml).collect();
+                format!("<value><array><data>{inner}</data></array></value>")
+            }
+            Self::Other => "<value><string></string></value>".to_owned(),
+        }
+    }
+
+    fn from_xml(value: roxmltree::Node<'_, '_>) -> Self {
+        let Some(typed) = value.children().find(roxmltree::Node::is_element) else {
+            // Text without a type is a string.
+            return Self::Text(value.text().unwrap_or_default().to_owned());
+        };
+        let text = typed.text().unwrap_or_default();
+        match typed.tag_name().name() {
+            "int" | "i4" | "boolean" => text.trim().parse().map_or(Self::Other, Self::Integer),
+            "string" => Self::Text(text.to_owned()),
+            "array" => {
+                let data = typed.children().filter(|child| child.has_tag_name("data"));
+                let values = data.flat_map(|data| data.children());
+                let values = values.filter(|child| child.has_tag_name("value"));
+                Self::Array(values.map(Self::from_xml).collect())
+            }
+            _ => Self::Other,
+        }
+    }
+}
+
+/// Host and port of an address such as `http://robot:11311/`.
+pub fn authority(uri: &str) -> Option<&str> {
+    let rest = uri.strip_prefix("http://")?;
+    rest.split('/')
+        .next()
+        .filter(|authority| authority.contains(':'))
+}
+
+/// Calls a method of a node or a master and returns the third part of its answer, after code and message.
+///
+/// # Errors
+/// If nobody answers, the answer is no XML-RPC, or its code is not 1.
+pub fn call(uri: &str, method: &str, parameters: &[Value]) -> io::Result<Value> {
+    let broken =
+        |what: &str| io::Error::new(io::ErrorKind::InvalidData, format!("{method}: {what}"));
+    let authority =
+        authority(uri).ok_or_else(|| broken("no address of the kind http://host:port/"))?;
+    let address = authority
+        .to_socket_addrs()?
+        .next()
+        .ok_or_else(|| broken("the host has no address"))?;
+    let mut stream = TcpStream::connect_timeout(&address, PATIENCE)?;
+    stream.set_read_timeout(Some(PATIENCE))?;
+    let parameters: String = parameters
+        .iter()
+        .map(|value| format!("<param>{}</param>", value.to_xml()))
+        .collect();
+    let body = format!(
+        "<?xml version=\"1.0\"?><methodCall><methodName>{method}</methodName><params>{parameters}</params></methodCall>"
+    );
+    write!(
+        stream,
+        "POST /RPC2 HTTP/1.0\r\nHost: {authority}\r\nContent-Type: text/xml\r\nContent-Length: {}\r\n\r\n{body}",
+        body.len()
+    )?;
+    let text = read_body(&mut BufReader::new(stream))?;
+    let document = roxmltree::Document::parse(&text).map_err(|_| broken("the answer is no XML"))?;
+    let value = document
+        .descendants()
+        .find(|node| node.has_tag_name("value"));
+    let value = value
+        .map(Value::from_xml)
+        .ok_or_else(|| broken("the answer has no value"))?;
+    match value.as_array() {
+        Some([Value::Integer(1), _, result]) => Ok(result.clone()),
+        Some([_, Value::Text(message), ..]) => Err(broken(message.as_str())),
+        _ => Err(broken("the answer is no answer of ROS")),
+    }
+}
+
+/// A call that somebody makes.
+pub struct Call {
+    /// The method.
+    pub method: String,
+    /// Its parameters.
+    pub parameters: Vec<Value>,
+}
+
+/// Reads a call.
+///
+/// # Errors
+/// If it is no XML-RPC, or does not come in time.
+pub fn read_call(stream: &TcpStream) -> io::Result<Call> {
+    stream.set_read_timeout(Some(PATIENCE))?;
+    let text = read_body(&mut BufReader::new(stream))?;
+    let broken = |_| io::Error::new(io::ErrorKind::InvalidData, "a call that is no XML");
+    let document = roxmltree::Document::parse(&text).map_err(broken)?;
+    let method = document
+        .descendants()
+        .find(|node| node.has_tag_name("methodName"));
+    let parameters = document
+        .descendants()
+        .filter(|node| node.has_tag_name("param"))
+        .filter_map(|param| param.children().find(|child| child.has_tag_name("value")));
+    Ok(Call {
+        method: method
+            .and_then(|node| node.text())
+            .unwrap_or_default()
+            .trim()
+            .to_owned(),
+        parameters: parameters.map(Value::from_xml).collect(),
+    })
+}
+
+/// Answers a call well.
+///
+/// # Errors
+/// If the caller has gone.
+pub fn answer(mut stream: &TcpStream, result: Value) -> io::Result<()> {
+    let answer = Value::Array(vec![Value::Integer(1), Value::text(""), result]);
+    let body = format!(
+        "<?xml version=\"1.0\"?><methodResponse><params><param>{}</param></params></methodResponse>",
+        answer.to_xml()
+    );
+    write!(
+        stream,
+        "HTTP/1.1 200 OK\r\nConnection: close\r\nContent-Type: text/xml\r\nContent-Length: {}\r\n\r\n{body}",
+        body.len()
+    )
+}
+
+/// The body of an HTTP message.
+fn read_body(reader: &mut impl BufRead) -> io::Result<String> {
+    let mut length = None;
+    let mut total = 0;
+    loop {
+        let mut line = String::new();
+        total += reader.by_ref().take(4096).read_line(&mut line)?;
+        if line.trim_end().is_empty() {
+            break;
+        }
+        if total > 1 << 16 {
+            return Err(io::Error::new(
+                io::ErrorKind::InvalidData,
+                "an endless header",
+            ));
+        }
+        if let Some((name, value)) = line.split_once(':')
+            && name.eq_ignore_ascii_case("content-length")
+        {
+            length = value.trim().parse::<usize>().ok();
+        }
+    }
+    let mut body = Vec::new();
+    let limit = length.unwrap_or(LONGEST).min(LONGEST);
+    reader.take(limit as u64).read_to_end(&mut body)?;
+    String::from_utf8(body)
+        .map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "text that is no UTF-8"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_read_back() {
+        let value = Value::Array(vec![
+            Value::Integer(-3),
+            Value::text("a <b> & c"),
+            Value::Array(vec![Value::text("TCPROS")]),
+        ]);
+        let text = value.to_xml();
+        let document = roxmltree::Document::parse(&text).unwrap();
+        assert_eq!(Value::from_xml(document.root_element()), value);
+        let bare = roxmltree::Document::parse("<value>bare</value>").unwrap();
+        assert_eq!(Value::from_xml(bare.root_element()), Value::text("bare"));
+    }
+
+    #[test]
+    fn addresses_have_host_and_port() {
+        assert_eq!(authority("http://10.0.0.1:11311/"), Some("10.0.0.1:11311"));
+        assert_eq!(authority("http://robot"), None);
+        assert_eq!(authority("robot:11311"), None);
+    }
+}

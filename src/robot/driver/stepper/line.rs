@@ -1,0 +1,174 @@
+//! Questions and answers over a line that is not to be trusted.
+
+use super::frame::{self, Frame};
+use std::io::{self, ErrorKind, Read, Write};
+use std::time::{Duration, Instant};
+
+/// Time after which a question is asked again.
+const PATIENCE: Duration = Duration::from_millis(25);
+/// Times that it is asked; together less than the motor's own watchdog allows.
+const ATTEMPTS: u32 = 10;
+
+const HELLO: u8 = 0x01;
+const MOVE: u8 = 0x02;
+const STATUS: u8 = 0x03;
+const HOLD: u8 = 0x04;
+const ACKNOWLEDGED: u8 = 0x81;
+
+const TAKEN: u8 = 0;
+const FULL: u8 = 1;
+const REFUSED: u8 = 2;
+const WATCHDOG: u8 = 3;
+const OUT_OF_SEQUENCE: u8 = 4;
+
+/// A line to a microcontroller. Reading must give up within milliseconds where nothing comes.
+pub trait SerialLine: Read + Write + Send {}
+
+impl<Line: Read + Write + Send> SerialLine for Line {}
+
+/// What the host asks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Request {
+    /// Begin anew: the queue is emptied, the watchdog forgiven.
+    Hello,
+    /// So many steps, evenly spread over a time.
+    Move {
+        /// Steps; negative ones backwards.
+        steps: i32,
+        /// Time for them.
+        microseconds: u32,
+    },
+    /// Where are you?
+    Status,
+    /// Stop, and forget the queue.
+    Hold,
+}
+
+/// What the microcontroller answers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Acknowledgement {
+    /// Steps since it was switched on.
+    pub position: i32,
+    /// Whether the queue was full, so that the move was not taken.
+    pub full: bool,
+    /// Whether its watchdog has stopped the motor.
+    pub watchdog: bool,
+}
+
+/// The host's end of the line.
+pub struct Link {
+    line: Box<dyn SerialLine>,
+    sequence: u8,
+    received: Vec<u8>,
+}
+
+impl Request {
+    fn encode(self, sequence: u8) -> Vec<u8> {
+        match self {
+            Self::Hello => frame::encode(sequence, HELLO, &[]),
+            Self::Status => frame::encode(sequence, STATUS, &[]),
+            Self::Hold => frame::encode(sequence, HOLD, &[]),
+            Self::Move {
+                steps,
+                microseconds,
+            } => {
+                let mut data = steps.to_le_bytes().to_vec();
+                data.extend(microseconds.to_le_bytes());
+                frame::encode(sequence, MOVE, &data)
+            }
+        }
+    }
+}
+
+impl Link {
+    /// A link over a line that is open.
+    pub fn new(line: Box<dyn SerialLine>) -> Self {
+        Self {
+            line,
+            sequence: 0,
+            received: Vec::new(),
+        }
+    }
+
+    /// Asks until an answer comes. A question that was understood twice is done once: it keeps its number.
+    ///
+    /// # Errors
+    /// If no answer comes in a quarter of a second, or the answer is a refusal.
+    pub fn ask(&mut self, request: Request) -> io::Result<Acknowledgement> {
+        self.sequence = self.sequence.wrapping_add(1);
+        // A zero first ends whatever noise stood on the line.
+        let mut bytes = vec![0];
+        bytes.extend(request.encode(self.sequence));
+        for _ in 0..ATTEMPTS {
+            self.line.write_all(&bytes)?;
+            self.line.flush()?;
+            if let Some((status, answer)) = self.answer()? {
+                return match status {
+                    TAKEN | WATCHDOG | FULL => Ok(answer),
+                    REFUSED => Err(io::Error::other(
+                        "it refuses the move: too many steps in too short a time",
+                    )),
+                    OUT_OF_SEQUENCE => Err(io::Error::other(
+                        "it expects another frame: another program talks to it, or it was switched off meanwhile",
+                    )),
+                    other => Err(io::Error::other(format!(
+                        "an answer of unknown kind {other}"
+                    ))),
+                };
+            }
+        }
+        Err(io::Error::new(
+            ErrorKind::TimedOut,
+            "no answer in a quarter of a second; is the firmware of scripts/firmware on it?",
+        ))
+    }
+
+    /// The answer to the last question, if it comes in time.
+    fn answer(&mut self) -> io::Result<Option<(u8, Acknowledgement)>> {
+        let begin = Instant::now();
+        let mut buffer = [0; 64];
+        while begin.elapsed() < PATIENCE {
+            match self.line.read(&mut buffer) {
+                Ok(0) => return Err(io::Error::new(ErrorKind::UnexpectedEof, "the line is gone")),
+                Ok(count) => self.received.extend(&buffer[..count]),
+                Err(error)
+                    if matches!(
+                        error.kind(),
+                        ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted
+                    ) =>
+                {
+                    std::thread::sleep(Duration::from_micros(200));
+                }
+                Err(error) => return Err(error),
+            }
+            while let Some(end) = self.received.iter().position(|byte| *byte == 0) {
+                let stuffed: Vec<u8> = self.received.drain(..=end).collect();
+                let answer = frame::decode(&stuffed[..end]).and_then(|frame| self.ours(&frame));
+                if answer.is_some() {
+                    return Ok(answer);
+                }
+            }
+            // Noise without an end.
+            if self.received.len() > 4 * frame::LONGEST {
+                self.received.clear();
+            }
+        }
+        Ok(None)
+    }
+
+    /// The answer in a frame; `None` where it answers an earlier question.
+    fn ours(&self, frame: &Frame) -> Option<(u8, Acknowledgement)> {
+        let [status, _free, a, b, c, d, flags] = *frame.data.as_slice() else {
+            return None;
+        };
+        let fits = frame.kind == ACKNOWLEDGED && frame.sequence == self.sequence;
+        fits.then_some((
+            status,
+            Acknowledgement {
+                position: i32::from_le_bytes([a, b, c, d]),
+                full: status == FULL,
+                watchdog: status == WATCHDOG || flags & 1 != 0,
+            },
+        ))
+    }
+}

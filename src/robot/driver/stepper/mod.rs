@@ -1,0 +1,201 @@
+//! A stepper motor on a microcontroller, over a serial line that may garble, lose and repeat bytes.
+//!
+//! Firmware: `scripts/firmware/stepper.c`. The host asks, the microcontroller answers: frames (`frame`) with a sequence
+//! number, one outstanding at a time, sent again until they are acknowledged (`line`). The motor follows a queue of
+//! moves, so many steps in so many microseconds; where no good frame arrives for 300 ms while it moves, it stops
+//! and refuses moves until the host says hello again.
+
+mod frame;
+mod line;
+
+pub use line::{
+    Acknowledgement as StepperAnswer, Link as StepperLink, Request as StepperRequest, SerialLine,
+};
+
+use super::{Driver, DriverError, JointState, PartTrajectory, Progress};
+use line::{Acknowledgement, Link, Request};
+use std::f64::consts::TAU;
+use std::time::{Duration, Instant};
+
+/// Time of a move, s.
+const MOVE: f64 = 0.02;
+/// Moves are handed over this long before their time, s: as long as the line may be slow.
+const AHEAD: f64 = 0.12;
+/// Time between questions where the motor is, while nothing moves.
+const STATUS_INTERVAL: Duration = Duration::from_millis(20);
+
+/// A stepper motor as an axis.
+pub struct StepperDriver {
+    open: Box<dyn FnMut() -> std::io::Result<Box<dyn SerialLine>> + Send>,
+    place: String,
+    radians_per_step: f64,
+    link: Option<Link>,
+    /// Angle at which the motor's own count is zero, rad.
+    zero: f64,
+    state: Option<JointState>,
+    motion: Option<Motion>,
+    asked: Instant,
+}
+
+struct Motion {
+    trajectory: PartTrajectory,
+    /// Time up to which moves are handed over, s.
+    sent: f64,
+    /// Steps from the motor's zero up to there.
+    steps: i64,
+}
+
+impl StepperDriver {
+    /// A motor at a serial port, with so many steps per turn.
+    pub fn new(port: &str, baud: u32, steps_per_turn: u32) -> Self {
+        let path = port.to_owned();
+        let open = move || -> std::io::Result<Box<dyn SerialLine>> {
+            let port = serialport::new(path.as_str(), baud).timeout(Duration::from_millis(1));
+            Ok(Box::new(port.open().map_err(std::io::Error::other)?))
+        };
+        Self::over(Box::new(open), port, steps_per_turn)
+    }
+
+    /// A motor at the other end of any line.
+    pub fn over(
+        open: Box<dyn FnMut() -> std::io::Result<Box<dyn SerialLine>> + Send>,
+        place: &str,
+        steps_per_turn: u32,
+    ) -> Self {
+        Self {
+            open,
+            place: place.to_owned(),
+            radians_per_step: TAU / f64::from(steps_per_turn),
+            link: None,
+            zero: 0.0,
+            state: None,
+            motion: None,
+            asked: Instant::now(),
+        }
+    }
+
+    fn lost(&self, reason: impl std::fmt::Display) -> DriverError {
+        DriverError::Lost(format!("stepper at {}: {reason}", self.place))
+    }
+
+    fn ask(&mut self, request: Request) -> Result<Acknowledgement, DriverError> {
+        let Some(link) = &mut self.link else {
+            return Err(self.lost("not connected"));
+        };
+        let answer = link.ask(request).map_err(|error| self.lost(error))?;
+        self.asked = Instant::now();
+        self.state = Some(JointState {
+            received: self.asked,
+            positions: vec![self.zero + f64::from(answer.position) * self.radians_per_step],
+        });
+        if answer.watchdog {
+            return Err(DriverError::Aborted(format!(
+                "stepper at {}: its watchdog stopped the motor: no good frame had come for 300 ms",
+                self.place
+            )));
+        }
+        Ok(answer)
+    }
+
+    /// Hands over the moves that are due.
+    fn feed(&mut self, elapsed: f64) -> Result<(), DriverError> {
+        while let Some(mut motion) = self.motion.take() {
+            let duration = motion.trajectory.duration();
+            if motion.sent >= elapsed + AHEAD || motion.sent >= duration {
+                self.motion = Some(motion);
+                break;
+            }
+            let next = (motion.sent + MOVE).min(duration);
+            let angle = motion.trajectory.at(next)[0];
+            let target = ((angle - self.zero) / self.radians_per_step).round() as i64;
+            let request = Request::Move {
+                steps: (target - motion.steps) as i32,
+                microseconds: ((next - motion.sent) * 1e6).round() as u32,
+            };
+            let answer = self.ask(request);
+            let accepted = matches!(&answer, Ok(answer) if !answer.full);
+            if accepted {
+                motion.sent = next;
+                motion.steps = target;
+            }
+            self.motion = Some(motion);
+            if answer?.full {
+                break;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Driver for StepperDriver {
+    fn connect(&mut self, _: &[String]) -> Result<(), DriverError> {
+        let line = (self.open)().map_err(|error| {
+            self.lost(format_args!(
+                "{error}; is it plugged in, and may this user open it?"
+            ))
+        })?;
+        self.link = Some(Link::new(line));
+        self.ask(Request::Hello)?;
+        Ok(())
+    }
+
+    fn reports_state(&self) -> bool {
+        true
+    }
+
+    fn knows_position(&self) -> bool {
+        false
+    }
+
+    fn state(&mut self) -> Result<Option<JointState>, DriverError> {
+        if self.asked.elapsed() > STATUS_INTERVAL {
+            self.ask(Request::Status)?;
+        }
+        Ok(self.state.clone())
+    }
+
+    /// The motor does not know its angle: where it stands is the first point.
+    fn start(&mut self, trajectory: &PartTrajectory) -> Result<(), DriverError> {
+        let standing = self.ask(Request::Status)?;
+        self.zero = trajectory.points[0][0] - f64::from(standing.position) * self.radians_per_step;
+        self.motion = Some(Motion {
+            trajectory: trajectory.clone(),
+            sent: 0.0,
+            steps: i64::from(standing.position),
+        });
+        self.feed(0.0)
+    }
+
+    fn advance(&mut self, elapsed: f64) -> Result<Progress, DriverError> {
+        self.feed(elapsed)?;
+        let Some(motion) = &self.motion else {
+            return Ok(Progress::Done);
+        };
+        let (all_sent, target) = (motion.sent >= motion.trajectory.duration(), motion.steps);
+        if !all_sent {
+            return Ok(Progress::Running);
+        }
+        if self.asked.elapsed() < STATUS_INTERVAL / 2 {
+            return Ok(Progress::Running);
+        }
+        let answer = self.ask(Request::Status)?;
+        let there = i64::from(answer.position) == target;
+        Ok(if there {
+            Progress::Done
+        } else {
+            Progress::Running
+        })
+    }
+
+    fn hold(&mut self) -> Result<(), DriverError> {
+        self.motion = None;
+        if self.link.is_none() {
+            return Ok(());
+        }
+        match self.ask(Request::Hold) {
+            // Its own watchdog has stopped it: it stands.
+            Ok(_) | Err(DriverError::Aborted(_)) => Ok(()),
+            Err(error) => Err(error),
+        }
+    }
+}

@@ -1,0 +1,267 @@
+//! The ladder: solutions on rungs of the path, and the cheapest way through them.
+
+use super::{LARGEST_JUMP, Obstruction, PathFailure, PathPoint, PathProblem, jump};
+use crate::robot::self_motion::separation;
+use rayon::prelude::*;
+
+/// Way between rungs, m.
+const RUNG: f64 = 8e-3;
+/// Most solutions of a rung.
+const MOST: usize = 100;
+/// Solutions closer than this are one, rad or m.
+const SAME: f64 = 0.1;
+/// Steps in the null space by which solutions of a rung lead to further ones on the next.
+const NULL_STEP: f64 = 0.15;
+/// Part of [`LARGEST_JUMP`] that the ladder uses, so that the refinement has room.
+const PART_OF_JUMP: f64 = 0.7;
+/// Weight of distances to limits, singularities and obstacles against way of the joints, per rung.
+const DISCOMFORT: f64 = 2e-3;
+
+/// The way up.
+pub(super) struct Ladder {
+    /// Indices of the points that are rungs: the first and the last among them.
+    pub rungs: Vec<usize>,
+    /// Joint positions on each.
+    pub joints: Vec<Vec<f64>>,
+}
+
+struct Node {
+    joints: Vec<f64>,
+    cost: f64,
+    parent: usize,
+}
+
+impl Ladder {
+    /// Climbs the ladder.
+    ///
+    /// # Errors
+    /// The first point that no way reaches.
+    pub fn climb(
+        problem: &PathProblem<'_>,
+        points: &[PathPoint],
+    ) -> Result<Self, Box<PathFailure>> {
+        let rungs = rungs(points);
+        let mut levels = vec![first_level(problem, points)?];
+        for pair in rungs.windows(2) {
+            let (from, to) = (pair[0], pair[1]);
+            let before = &levels[levels.len() - 1];
+            let level = next_level(problem, points, before, (to - from) as f64, to);
+            if level.is_empty() {
+                return Err(Box::new(first_failure(problem, points, before, from, to)));
+            }
+            levels.push(level);
+        }
+        let mut joints = Vec::with_capacity(levels.len());
+        let last = &levels[levels.len() - 1];
+        let mut index = (0..last.len())
+            .min_by(|a, b| last[*a].cost.total_cmp(&last[*b].cost))
+            .unwrap_or(0);
+        for level in levels.iter().rev() {
+            joints.push(level[index].joints.clone());
+            index = level[index].parent;
+        }
+        joints.reverse();
+        Ok(Self { rungs, joints })
+    }
+}
+
+/// Rungs a way apart; no more than a quarter of the path, so that short ones have some too.
+fn rungs(points: &[PathPoint]) -> Vec<usize> {
+    let last = points.len() - 1;
+    let length = points[last].way;
+    let spacing = RUNG.min(length / 4.0);
+    let mut rungs = vec![0];
+    let mut way = 0.0;
+    for (index, point) in points.iter().enumerate().take(last).skip(1) {
+        if point.way - way >= spacing - 1e-9 && length - point.way > 0.5 * spacing {
+            rungs.push(index);
+            way = point.way;
+        }
+    }
+    if last > 0 {
+        rungs.push(last);
+    }
+    rungs
+}
+
+fn first_level(
+    problem: &PathProblem<'_>,
+    points: &[PathPoint],
+) -> Result<Vec<Node>, Box<PathFailure>> {
+    let chain = problem.chain;
+    let pose = &points[0].pose;
+    let mut solutions = if chain.joints.len() <= 6 {
+        chain.branches(pose)
+    } else {
+        let curves = chain.self_motions(pose);
+        let all: usize = curves.iter().map(Vec::len).sum();
+        let stride = all.div_ceil(4 * MOST).max(1);
+        curves.into_iter().flatten().step_by(stride).collect()
+    };
+    // The arm may stand on the path already, wound up as it is.
+    solutions.extend(chain.follow(pose, problem.from));
+    if solutions.is_empty() {
+        return Err(Box::new(problem.failure(
+            points,
+            0,
+            Obstruction::OutOfReach,
+        )));
+    }
+    let nodes = solutions.into_par_iter().filter_map(|joints| {
+        let discomfort = discomfort(problem, &joints)?;
+        // To begin far from where the arm stands costs as much as to go there.
+        let way = 0.02 * separation(&joints, problem.from).powi(2);
+        Some(Node {
+            joints,
+            cost: discomfort + way,
+            parent: 0,
+        })
+    });
+    let nodes = thinned(nodes.collect());
+    if nodes.is_empty() {
+        return Err(Box::new(problem.failure(points, 0, Obstruction::Collision)));
+    }
+    Ok(nodes)
+}
+
+/// The solutions at a point some points after those `before`, each with the cheapest way to it.
+fn next_level(
+    problem: &PathProblem<'_>,
+    points: &[PathPoint],
+    before: &[Node],
+    steps: f64,
+    to: usize,
+) -> Vec<Node> {
+    let chain = problem.chain;
+    let pose = &points[to].pose;
+    let reach = PART_OF_JUMP * LARGEST_JUMP * steps;
+    let redundant = chain.joints.len() > 6;
+    let candidates: Vec<Vec<f64>> = before
+        .par_iter()
+        .flat_map_iter(|node| {
+            let mut found = Vec::with_capacity(3);
+            found.extend(chain.follow(pose, &node.joints));
+            if redundant {
+                let (_, jacobian) = chain.hand_and_jacobian(&node.joints);
+                let like = vec![1.0; chain.joints.len()];
+                for side in [1.0, -1.0] {
+                    let step = NULL_STEP.min(0.7 * reach) * side;
+                    let aside = chain.null_direction(&jacobian, &like).map(|direction| {
+                        let moved = node.joints.iter().zip(direction);
+                        moved.map(|(q, d)| q + step * d).collect::<Vec<f64>>()
+                    });
+                    found.extend(aside.and_then(|aside| chain.follow(pose, &aside)));
+                }
+            }
+            found
+        })
+        .collect();
+    let nodes = candidates.into_par_iter().filter_map(|joints| {
+        let ways = before.iter().enumerate().filter_map(|(parent, node)| {
+            let near = jump(&joints, &node.joints) <= reach;
+            // Squares, so that an even pace is cheaper than rests and spurts.
+            near.then(|| {
+                (
+                    node.cost + separation(&joints, &node.joints).powi(2),
+                    parent,
+                )
+            })
+        });
+        let (cost, parent) = ways.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let cost = cost + discomfort(problem, &joints)?;
+        Some(Node {
+            joints,
+            cost,
+            parent,
+        })
+    });
+    thinned(nodes.collect())
+}
+
+/// The cost of a posture near limits, singularities and obstacles; `None` where it is forbidden.
+fn discomfort(problem: &PathProblem<'_>, joints: &[f64]) -> Option<f64> {
+    let clearance = (problem.clearance)(joints);
+    if clearance < problem.margin {
+        return None;
+    }
+    let limits = problem.chain.joints.iter().zip(joints).map(|(joint, q)| {
+        let (lower, upper) = joint.limits.search_range();
+        // One at the middle of the range, large at its ends.
+        let near = (q - lower).min(upper - q).max(1e-3) / (0.5 * (upper - lower));
+        if joint.limits.upper.is_finite() {
+            (1.0 / near).min(100.0) - 1.0
+        } else {
+            0.0
+        }
+    });
+    let limits: f64 = limits.sum();
+    let (_, jacobian) = problem.chain.hand_and_jacobian(joints);
+    let singular = 0.01 / jacobian.manipulability().max(1e-4);
+    let obstacle = 0.05 / (clearance - problem.margin + 5e-3);
+    Some(DISCOMFORT * (limits + singular + obstacle))
+}
+
+/// The cheapest solutions of those that are close to each other, no more than [`MOST`].
+fn thinned(mut nodes: Vec<Node>) -> Vec<Node> {
+    nodes.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    let mut kept: Vec<Node> = Vec::new();
+    for node in nodes {
+        if kept.len() == MOST {
+            break;
+        }
+        if !kept
+            .iter()
+            .any(|known| separation(&known.joints, &node.joints) < SAME)
+        {
+            kept.push(node);
+        }
+    }
+    kept
+}
+
+/// The first point between two rungs that no way reaches.
+fn first_failure(
+    problem: &PathProblem<'_>,
+    points: &[PathPoint],
+    before: &[Node],
+    from: usize,
+    to: usize,
+) -> PathFailure {
+    let mut here: Vec<Node> = before
+        .iter()
+        .map(|node| Node {
+            joints: node.joints.clone(),
+            cost: node.cost,
+            parent: 0,
+        })
+        .collect();
+    let mut point = from + 1;
+    while point < to {
+        // The rest of the jump is allowed here: what fails now fails for good.
+        let level = next_level(problem, points, &here, 1.0 / PART_OF_JUMP, point);
+        if level.is_empty() {
+            break;
+        }
+        here = level;
+        point += 1;
+    }
+    let pose = &points[point].pose;
+    let all = if problem.chain.joints.len() <= 6 {
+        problem.chain.branches(pose)
+    } else {
+        problem
+            .chain
+            .self_motions(pose)
+            .into_iter()
+            .flatten()
+            .collect()
+    };
+    let reason = if all.is_empty() {
+        Obstruction::OutOfReach
+    } else if all.iter().any(|joints| problem.is_free(joints)) {
+        Obstruction::Jump
+    } else {
+        Obstruction::Collision
+    };
+    problem.failure(points, point, reason)
+}

@@ -1,0 +1,155 @@
+//! Joint paths along a path of poses of the hand.
+//!
+//! The path is cut into points at most 1 mm and 0.01 rad apart. On rungs some points apart a ladder of solutions is
+//! built, as Descartes does (De Maeyer et al. 2017): every solution of a rung leads to the solutions next to it
+//! on the next one, and dynamic programming finds the cheapest way up. In between, the way is interpolated and
+//! brought onto the path; joints to spare are then moved in the null space until the way is smooth.
+
+mod ladder;
+mod placement;
+mod points;
+mod refine;
+
+pub use placement::{Placement, place};
+pub use points::{PathPoint, subdivide};
+
+use super::chain::Chain;
+use super::pose::Pose;
+use ladder::Ladder;
+
+/// Largest step of a joint per point of a path, rad or m.
+pub const LARGEST_JUMP: f64 = 0.05;
+
+/// What a joint path is asked for.
+pub struct PathProblem<'a> {
+    /// The chain.
+    pub chain: &'a Chain,
+    /// Joint positions near which the path should begin.
+    pub from: &'a [f64],
+    /// Distance to the nearest obstacle, m.
+    pub clearance: &'a (dyn Fn(&[f64]) -> f64 + Sync),
+    /// Least distance allowed, m.
+    pub margin: f64,
+}
+
+/// A joint path.
+#[derive(Clone, Debug)]
+pub struct JointPath {
+    /// Joint positions at every point.
+    pub joints: Vec<Vec<f64>>,
+    /// Largest step of a joint from point to point, rad or m.
+    pub largest_jump: f64,
+    /// Least distance to an obstacle, m.
+    pub least_clearance: f64,
+    /// Least distance to a singularity: smallest singular value of the Jacobian.
+    pub least_distance_to_singularity: f64,
+    /// Least distance of a joint from an end of its range, rad or m.
+    pub least_distance_to_limits: f64,
+}
+
+/// Where and why a path cannot be followed.
+#[derive(Clone, Debug)]
+pub struct PathFailure {
+    /// Index of the first point that cannot be reached by a smooth way.
+    pub point: usize,
+    /// Why.
+    pub reason: Obstruction,
+    /// Pose nearest to that of the point that the arm can take, in the base frame.
+    pub nearest: Pose,
+}
+
+/// Why a point cannot be reached.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Obstruction {
+    /// No posture within the limits reaches it.
+    OutOfReach,
+    /// Every posture that reaches it comes too near to an obstacle.
+    Collision,
+    /// It can be reached, but from no way that reaches the points before it without a jump.
+    Jump,
+}
+
+impl Obstruction {
+    /// The reason in words.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::OutOfReach => "no posture within the limits of the joints reaches it",
+            Self::Collision => "every posture that reaches it comes too near to an obstacle",
+            Self::Jump => "it can be reached only by a jump of the joints",
+        }
+    }
+}
+
+impl PathProblem<'_> {
+    /// Finds a smooth joint path along points that [`subdivide`] made.
+    ///
+    /// # Errors
+    /// The first point that no smooth way reaches.
+    pub fn solve(&self, points: &[PathPoint]) -> Result<JointPath, Box<PathFailure>> {
+        let ladder = Ladder::climb(self, points)?;
+        let joints = refine::refine(self, points, &ladder).map_err(Box::new)?;
+        let path = self.measure(joints);
+        let bad = path
+            .joints
+            .windows(2)
+            .position(|pair| jump(&pair[0], &pair[1]) > LARGEST_JUMP);
+        match bad {
+            Some(before) => Err(Box::new(self.failure(
+                points,
+                before + 1,
+                Obstruction::Jump,
+            ))),
+            None => Ok(path),
+        }
+    }
+
+    fn is_free(&self, joints: &[f64]) -> bool {
+        (self.clearance)(joints) >= self.margin
+    }
+
+    fn failure(&self, points: &[PathPoint], point: usize, reason: Obstruction) -> PathFailure {
+        let pose = points[point].pose;
+        let nearest = match reason {
+            Obstruction::OutOfReach => match self.chain.reach(&pose, self.from) {
+                Ok(joints) => self.chain.hand(&joints),
+                Err(nearest) => nearest.hand,
+            },
+            // The pose before it could be reached.
+            Obstruction::Collision | Obstruction::Jump => points[point.saturating_sub(1)].pose,
+        };
+        PathFailure {
+            point,
+            reason,
+            nearest,
+        }
+    }
+
+    fn measure(&self, joints: Vec<Vec<f64>>) -> JointPath {
+        let least = |value: &dyn Fn(&[f64]) -> f64| {
+            joints
+                .iter()
+                .map(|q| value(q))
+                .fold(f64::INFINITY, f64::min)
+        };
+        JointPath {
+            largest_jump: joints
+                .windows(2)
+                .map(|pair| jump(&pair[0], &pair[1]))
+                .fold(0.0, f64::max),
+            least_clearance: least(&|q| (self.clearance)(q)),
+            least_distance_to_singularity: least(&|q| {
+                self.chain.hand_and_jacobian(q).1.smallest_singular_value()
+            }),
+            least_distance_to_limits: least(&|q| self.chain.distance_to_limits(q)),
+            joints,
+        }
+    }
+}
+
+/// Largest step of a joint between two postures.
+fn jump(a: &[f64], b: &[f64]) -> f64 {
+    a.iter()
+        .zip(b)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, f64::max)
+}

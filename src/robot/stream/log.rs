@@ -1,0 +1,139 @@
+//! The log of a stream: what was commanded, what came back, what happened.
+
+use super::Part;
+use crate::robot::driver::JointState;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+use std::time::Instant;
+
+/// Tables `commanded.csv` and `state.csv` (`time_s`, `part`, `joint`, `position`) and `events.csv` (`time_s`, `event`);
+/// times count from the opening of the log.
+pub struct StreamLog {
+    files: Option<Files>,
+    opened: Instant,
+    /// Time of the start, on the log's clock, and how many points of each part are logged.
+    started: Option<f64>,
+    logged: Vec<usize>,
+    heard: Vec<(String, Instant)>,
+    fault: Option<io::Error>,
+}
+
+struct Files {
+    commanded: BufWriter<File>,
+    state: BufWriter<File>,
+    events: BufWriter<File>,
+}
+
+impl StreamLog {
+    /// Opens a log in a directory that exists.
+    ///
+    /// # Errors
+    /// If a file cannot be made.
+    pub fn open(directory: &Path) -> io::Result<Self> {
+        let create = |name: &str, header: &str| -> io::Result<BufWriter<File>> {
+            let mut file = BufWriter::new(File::create(directory.join(name))?);
+            writeln!(file, "{header}")?;
+            Ok(file)
+        };
+        let table = "time_s,part,joint,position";
+        Ok(Self {
+            files: Some(Files {
+                commanded: create("commanded.csv", table)?,
+                state: create("state.csv", table)?,
+                events: create("events.csv", "time_s,event")?,
+            }),
+            ..Self::none()
+        })
+    }
+
+    /// A log that keeps nothing.
+    pub fn none() -> Self {
+        Self {
+            files: None,
+            opened: Instant::now(),
+            started: None,
+            logged: Vec::new(),
+            heard: Vec::new(),
+            fault: None,
+        }
+    }
+
+    /// The first error of writing, if there was one.
+    pub fn finish(mut self) -> io::Result<()> {
+        if let Some(files) = &mut self.files {
+            let written = [&mut files.commanded, &mut files.state, &mut files.events]
+                .into_iter()
+                .try_for_each(Write::flush);
+            self.fault = self.fault.or(written.err());
+        }
+        self.fault.map_or(Ok(()), Err)
+    }
+
+    /// Notes what happened, and hands it to the system at once.
+    pub fn event(&mut self, what: &str) {
+        tracing::info!("{what}");
+        let time = self.opened.elapsed().as_secs_f64();
+        if what == "started" {
+            self.started = Some(time);
+        }
+        let quoted = what.replace('"', "\"\"");
+        self.write(|files| {
+            writeln!(files.events, "{time:.6},\"{quoted}\"")?;
+            files.commanded.flush()?;
+            files.state.flush()?;
+            files.events.flush()
+        });
+    }
+
+    /// Notes the points whose time has come.
+    pub(super) fn commanded(&mut self, elapsed: f64, parts: &[Part]) {
+        let Some(started) = self.started else { return };
+        self.logged.resize(parts.len(), 0);
+        for (index, part) in parts.iter().enumerate() {
+            let trajectory = &part.trajectory;
+            let due = trajectory.times.partition_point(|time| *time <= elapsed);
+            let from = std::mem::replace(&mut self.logged[index], due);
+            self.write(|files| {
+                for k in from..due {
+                    let time = started + trajectory.times[k];
+                    for (joint, position) in trajectory.joints.iter().zip(&trajectory.points[k]) {
+                        writeln!(
+                            files.commanded,
+                            "{time:.6},{},{joint},{position}",
+                            part.name
+                        )?;
+                    }
+                }
+                Ok(())
+            });
+        }
+    }
+
+    /// Notes where a part is, once for each report.
+    pub(super) fn state(&mut self, part: &str, state: &JointState) {
+        match self.heard.iter_mut().find(|(name, _)| name == part) {
+            Some((_, last)) if *last == state.received => return,
+            Some((_, last)) => *last = state.received,
+            None => self.heard.push((part.to_owned(), state.received)),
+        }
+        let time = state
+            .received
+            .saturating_duration_since(self.opened)
+            .as_secs_f64();
+        self.write(|files| {
+            for (joint, position) in state.positions.iter().enumerate() {
+                writeln!(files.state, "{time:.6},{part},{joint},{position}")?;
+            }
+            Ok(())
+        });
+    }
+
+    fn write(&mut self, write: impl FnOnce(&mut Files) -> io::Result<()>) {
+        if let Some(files) = &mut self.files
+            && self.fault.is_none()
+        {
+            self.fault = write(files).err();
+        }
+    }
+}

@@ -1,0 +1,240 @@
+//! Streams to drivers that lag, fall silent, leave the path or break off.
+
+use super::*;
+use crate::robot::chain::Limits;
+use crate::robot::driver::{JointState, RosVersion};
+use std::cell::Cell;
+use std::sync::{Arc, Mutex};
+
+/// What a made-up driver does, and what it was told.
+#[derive(Default)]
+struct Notes {
+    held: bool,
+    started: bool,
+}
+
+struct Arm {
+    notes: Arc<Mutex<Notes>>,
+    trajectory: Option<PartTrajectory>,
+    start: Option<Instant>,
+    /// Where it stands against where it should.
+    offset: fn(f64) -> f64,
+    /// When it falls silent, s.
+    silent_after: f64,
+}
+
+impl Driver for Arm {
+    fn connect(&mut self, _: &[String]) -> Result<(), DriverError> {
+        Ok(())
+    }
+    fn reports_state(&self) -> bool {
+        true
+    }
+    fn state(&mut self) -> Result<Option<JointState>, DriverError> {
+        let elapsed = self
+            .start
+            .map_or(0.0, |start| start.elapsed().as_secs_f64());
+        let heard = elapsed.min(self.silent_after);
+        let received = self
+            .start
+            .map_or_else(Instant::now, |start| start + Duration::from_secs_f64(heard));
+        let at = self
+            .trajectory
+            .as_ref()
+            .map_or(0.0, |known| known.at(heard)[0]);
+        Ok(Some(JointState {
+            received,
+            positions: vec![at + (self.offset)(heard)],
+        }))
+    }
+    fn start(&mut self, trajectory: &PartTrajectory) -> Result<(), DriverError> {
+        self.notes.lock().unwrap().started = true;
+        self.trajectory = Some(trajectory.clone());
+        self.start = Some(Instant::now());
+        Ok(())
+    }
+    fn advance(&mut self, elapsed: f64) -> Result<Progress, DriverError> {
+        let duration = self
+            .trajectory
+            .as_ref()
+            .map_or(0.0, PartTrajectory::duration);
+        Ok(if elapsed > duration {
+            Progress::Done
+        } else {
+            Progress::Running
+        })
+    }
+    fn hold(&mut self) -> Result<(), DriverError> {
+        self.notes.lock().unwrap().held = true;
+        Ok(())
+    }
+}
+
+fn ramp(duration: f64) -> PartTrajectory {
+    PartTrajectory {
+        joints: vec!["a".into()],
+        times: (0..=100).map(|k| duration * f64::from(k) / 100.0).collect(),
+        points: (0..=100).map(|k| vec![0.01 * f64::from(k)]).collect(),
+    }
+}
+
+const BOUNDS: StreamBounds = StreamBounds {
+    start_tolerance: 0.02,
+    tracking_tolerance: 0.1,
+    watchdog: Duration::from_millis(150),
+};
+
+fn run_two(
+    offset: fn(f64) -> f64,
+    silent_after: f64,
+    interrupt: &dyn Fn() -> bool,
+) -> (Ending, [Arc<Mutex<Notes>>; 2], Duration) {
+    let notes: [Arc<Mutex<Notes>>; 2] = Default::default();
+    let arm = |which: usize, offset, silent_after| Part {
+        name: format!("arm{which}"),
+        driver: Box::new(Arm {
+            notes: Arc::clone(&notes[which]),
+            trajectory: None,
+            start: None,
+            offset,
+            silent_after,
+        }),
+        trajectory: ramp(1.0),
+    };
+    let mut parts = [arm(0, offset, silent_after), arm(1, |_| 0.0, f64::INFINITY)];
+    let begin = Instant::now();
+    let ending = stream(&mut parts, &BOUNDS, interrupt, &mut StreamLog::none());
+    (ending, notes, begin.elapsed())
+}
+
+fn failure(ending: Ending) -> String {
+    match ending {
+        Ending::Failed(reason) => reason,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn two_arms_that_follow_come_to_the_end_together() {
+    let (ending, notes, time) = run_two(|_| 0.01, f64::INFINITY, &|| false);
+    assert_eq!(ending, Ending::Finished);
+    assert!(time.as_secs_f64() < 1.5, "{time:?}");
+    assert!(notes.iter().all(|notes| !notes.lock().unwrap().held));
+}
+
+#[test]
+fn an_arm_that_stands_elsewhere_is_not_moved() {
+    let (ending, notes, _) = run_two(|_| 0.05, f64::INFINITY, &|| false);
+    assert!(failure(ending).contains("a stands at 0.05"));
+    assert!(notes.iter().all(|notes| !notes.lock().unwrap().started));
+}
+
+#[test]
+fn silence_stops_both_arms_within_half_a_second() {
+    let (ending, notes, time) = run_two(|_| 0.0, 0.3, &|| false);
+    assert!(failure(ending).contains("arm0: nothing was heard"));
+    assert!(time.as_secs_f64() < 0.8, "{time:?}");
+    assert!(notes.iter().all(|notes| notes.lock().unwrap().held));
+}
+
+#[test]
+fn an_arm_that_leaves_the_path_stops_both() {
+    let (ending, notes, _) = run_two(|time| 0.5 * (time - 0.2).max(0.0), f64::INFINITY, &|| false);
+    assert!(failure(ending).contains("from where it should be"));
+    assert!(notes.iter().all(|notes| notes.lock().unwrap().held));
+}
+
+#[test]
+fn an_interruption_leaves_both_arms_still() {
+    let calls = Cell::new(0);
+    let interrupt = || {
+        calls.set(calls.get() + 1);
+        calls.get() > 50
+    };
+    let (ending, notes, _) = run_two(|_| 0.0, f64::INFINITY, &interrupt);
+    assert_eq!(ending, Ending::Interrupted);
+    assert!(notes.iter().all(|notes| notes.lock().unwrap().held));
+}
+
+#[test]
+fn nobody_at_the_other_end_is_said_at_once() {
+    let driver =
+        crate::robot::driver::RosbridgeDriver::new("127.0.0.1:1", RosVersion::One, "/a", "/s");
+    let mut parts = [Part {
+        name: "arm".into(),
+        driver: Box::new(driver),
+        trajectory: ramp(1.0),
+    }];
+    let ending = stream(&mut parts, &BOUNDS, &|| false, &mut StreamLog::none());
+    assert!(failure(ending).contains("is the server started?"));
+}
+
+fn limits() -> Limits {
+    Limits {
+        lower: -1.0,
+        upper: 2.0,
+        velocity: 1.0,
+        acceleration: 5.0,
+        jerk: 80.0,
+    }
+}
+
+/// A smooth step of one: velocity up to 15/8, acceleration up to 5.8, jerk up to 60, over the time and its powers.
+fn smooth(duration: f64) -> PartTrajectory {
+    let part = |k: i32| f64::from(k) / 200.0;
+    let rise = |s: f64| s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
+    PartTrajectory {
+        joints: vec!["a".into()],
+        times: (0..=200).map(|k| duration * part(k)).collect(),
+        points: (0..=200).map(|k| vec![rise(part(k))]).collect(),
+    }
+}
+
+#[test]
+fn limits_are_checked_before_the_first_point() {
+    assert_eq!(check(&smooth(2.0), &[limits()]), Ok(()));
+    let fault = |trajectory: &PartTrajectory, limits: Limits| {
+        check(trajectory, &[limits]).unwrap_err().remove(0)
+    };
+    let fast = fault(&smooth(1.5), limits());
+    assert_eq!(fast.what, "velocity");
+    assert!((40..80).contains(&fast.point), "{fast}");
+    assert_eq!(
+        fault(
+            &smooth(2.0),
+            Limits {
+                acceleration: 1.4,
+                ..limits()
+            }
+        )
+        .what,
+        "acceleration"
+    );
+    assert_eq!(
+        fault(
+            &smooth(2.0),
+            Limits {
+                jerk: 6.0,
+                ..limits()
+            }
+        )
+        .what,
+        "jerk"
+    );
+    assert_eq!(
+        fault(
+            &smooth(2.0),
+            Limits {
+                upper: 0.5,
+                ..limits()
+            }
+        )
+        .what,
+        "position"
+    );
+    // A ramp starts with a jerk.
+    assert_eq!(fault(&ramp(2.0), limits()).what, "acceleration");
+    let mut jumped = smooth(2.0);
+    jumped.points[100][0] += 0.1;
+    assert_eq!(fault(&jumped, limits()).point, 99);
+}

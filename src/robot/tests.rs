@@ -1,0 +1,298 @@
+//! Kinematics against finite differences, closed forms and degenerate chains.
+
+use super::*;
+use nalgebra::{UnitVector3, Vector3};
+use std::f64::consts::{FRAC_PI_2, PI};
+
+fn revolute(origin: Pose, limits: (f64, f64)) -> (Joint, Pose) {
+    let joint = Joint {
+        name: String::new(),
+        kind: JointKind::Revolute,
+        limits: Limits {
+            lower: limits.0,
+            upper: limits.1,
+            velocity: 1.0,
+            acceleration: 1.0,
+            jerk: 1.0,
+        },
+    };
+    (joint, origin)
+}
+
+fn chain(joints: Vec<(Joint, Pose)>, tool: Pose) -> Chain {
+    let segments = joints
+        .iter()
+        .enumerate()
+        .map(|(k, (joint, origin))| Segment {
+            link: format!("link{k}"),
+            origin: *origin,
+            motion: Motion::Driven {
+                kind: joint.kind,
+                axis: Vector3::z_axis(),
+                joint: k,
+                ratio: 1.0,
+                offset: 0.0,
+            },
+        });
+    Chain {
+        segments: segments.collect(),
+        joints: joints.into_iter().map(|(joint, _)| joint).collect(),
+        tool,
+    }
+}
+
+/// The kinematics of a Universal Robots arm: shoulder, two parallel joints more, two of a wrist.
+fn ur() -> Chain {
+    let at = |position, angles| revolute(pose_of_angles(position, angles), (-2.0 * PI, 2.0 * PI));
+    chain(
+        vec![
+            at([0.0, 0.0, 0.1625], [0.0; 3]),
+            at([0.0; 3], [FRAC_PI_2, 0.0, 0.0]),
+            at([-0.425, 0.0, 0.0], [0.0; 3]),
+            at([-0.3922, 0.0, 0.1333], [0.0; 3]),
+            at([0.0, -0.0997, 0.0], [FRAC_PI_2, 0.0, 0.0]),
+            at([0.0, 0.0996, 0.0], [FRAC_PI_2, PI, PI]),
+        ],
+        Pose::identity(),
+    )
+}
+
+/// Number of postures of the arm above for a pose by its closed form (Hawkins 2013): shoulder ±, wrist ±, elbow ±.
+fn closed_form_count(target: &Pose) -> usize {
+    let (d4, d6, a2, a3) = (0.1333_f64, 0.0996_f64, 0.425_f64, 0.3922_f64);
+    let hand_axis = target.rotation * Vector3::z();
+    let wrist = target.translation.vector - d6 * hand_axis;
+    let radius = wrist.x.hypot(wrist.y);
+    if radius < d4 {
+        return 0;
+    }
+    let mut count = 0;
+    for shoulder in [1.0, -1.0] {
+        let q1 = wrist.y.atan2(wrist.x) + shoulder * (d4 / radius).acos() + FRAC_PI_2;
+        let side = target.translation.x * q1.sin() - target.translation.y * q1.cos();
+        let cosine = (side - d4) / d6;
+        if cosine.abs() > 1.0 {
+            continue;
+        }
+        for wrist_sign in [1.0, -1.0] {
+            let q5 = wrist_sign * cosine.acos();
+            // The hand's axes seen from the wrist tell q6; the three parallel joints form a planar arm.
+            let (x, y) = (
+                target.rotation * Vector3::x(),
+                target.rotation * Vector3::y(),
+            );
+            let across = Vector3::new(q1.sin(), -q1.cos(), 0.0);
+            let q6 = (-y.dot(&across) / q5.sin()).atan2(x.dot(&across) / q5.sin());
+            let chain = ur();
+            // Undo the last two joints; what is left is the pose of the fourth link.
+            let last = chain.segments[4].pose(&[0.0, 0.0, 0.0, 0.0, q5, 0.0])
+                * chain.segments[5].pose(&[0.0, 0.0, 0.0, 0.0, 0.0, q6]);
+            let fourth = target * last.inverse();
+            let first = chain.segments[0].pose(&[q1, 0.0, 0.0, 0.0, 0.0, 0.0])
+                * chain.segments[1].pose(&[0.0; 6]);
+            let planar = (first.inverse() * fourth).translation;
+            let reach = planar.x.hypot(planar.y);
+            if (a2 - a3).abs() < reach && reach < a2 + a3 {
+                count += 2;
+            }
+        }
+    }
+    count
+}
+
+#[test]
+fn every_branch_of_a_six_joint_arm_is_found() {
+    let chain = ur();
+    let mut eights = 0;
+    for k in 0..100 {
+        let target = chain.hand(&chain.start(1000 + k));
+        let branches = chain.branches(&target);
+        assert_eq!(branches.len(), closed_form_count(&target), "pose {k}");
+        eights += usize::from(branches.len() == 8);
+        for joints in &branches {
+            let (distance, angle) = distance_and_angle(&chain.hand(joints), &target);
+            assert!(distance < 1e-9 && angle < 1e-9);
+            assert!(joints.iter().all(|q| q.abs() <= PI + 1e-9));
+        }
+    }
+    assert!(eights > 50, "{eights}");
+}
+
+#[test]
+fn the_jacobian_is_the_derivative_of_the_hand() {
+    let mut chain = ur();
+    chain.tool = pose_of_angles([0.1, 0.05, 0.2], [0.1, 0.2, 0.3]);
+    // A sliding joint and one that mimics another with a gear.
+    chain.segments[2].motion = Motion::Driven {
+        kind: JointKind::Prismatic,
+        axis: UnitVector3::new_normalize(Vector3::new(1.0, 2.0, -1.0)),
+        joint: 2,
+        ratio: 1.0,
+        offset: 0.1,
+    };
+    chain.segments[4].motion = Motion::Driven {
+        kind: JointKind::Revolute,
+        axis: Vector3::y_axis(),
+        joint: 1,
+        ratio: -0.5,
+        offset: 0.3,
+    };
+    let joints = [0.3, -1.1, 0.2, 0.7, 0.0, -2.0];
+    let (hand, jacobian) = chain.hand_and_jacobian(&joints);
+    assert_eq!(hand, chain.hand(&joints));
+    for k in 0..6 {
+        let moved = |by: f64| {
+            let mut joints = joints;
+            joints[k] += by;
+            chain.hand(&joints)
+        };
+        let h = 1e-5;
+        let slope = difference(&moved(-h), &moved(h)) / (2.0 * h);
+        assert!((slope - jacobian.columns()[k]).norm() < 1e-9, "joint {k}");
+    }
+}
+
+#[test]
+fn a_stretched_arm_is_singular() {
+    let chain = ur();
+    let stretched = Posture::new(&chain, &[0.0; 6], None);
+    assert!(stretched.distance_to_singularity < 1e-12 && stretched.manipulability < 1e-12);
+    let bent = Posture::new(&chain, &[0.0, -1.2, 1.6, -2.0, -1.5, 0.0], None);
+    assert!(bent.distance_to_singularity > 0.05, "{bent:?}");
+    assert!((bent.distance_to_limits.unwrap() - (2.0 * PI - 2.0)).abs() < 1e-12);
+}
+
+#[test]
+fn a_pose_out_of_reach_is_answered_by_the_nearest_one() {
+    let chain = ur();
+    let target = pose_of_angles([3.0, 0.0, 0.1625], [0.0; 3]);
+    let nearest = chain.reach(&target, &[0.0; 6]).unwrap_err();
+    assert!(
+        nearest.distance > 1.9 && nearest.distance < 2.3,
+        "{nearest:?}"
+    );
+    assert!(chain.branches(&target).is_empty());
+}
+
+#[test]
+fn the_hand_stands_still_while_a_redundant_chain_moves() {
+    let mut joints: Vec<_> = ur()
+        .segments
+        .iter()
+        .map(|s| revolute(s.origin, (-3.0, 3.0)))
+        .collect();
+    joints.insert(
+        2,
+        revolute(
+            pose_of_angles([-0.2, 0.0, 0.0], [0.3, 0.0, 0.0]),
+            (-3.0, 3.0),
+        ),
+    );
+    let chain = chain(joints, Pose::identity());
+    let target = chain.hand(&[0.2, -1.0, 0.4, 1.2, 0.3, -1.0, 0.5]);
+    let curves = chain.self_motions(&target);
+    assert!(!curves.is_empty());
+    for curve in &curves {
+        for joints in curve {
+            assert!(chain.outside_limits(joints).is_none());
+            let (distance, angle) = distance_and_angle(&chain.hand(joints), &target);
+            assert!(distance < 1e-9 && angle < 1e-9);
+        }
+        for pair in curve.windows(2) {
+            let gap = super::self_motion::separation(&pair[0], &pair[1]);
+            assert!(gap > 0.02 && gap < 0.16, "{gap}");
+        }
+    }
+    assert!(ur().self_motions(&ur().hand(&[0.3; 6])).is_empty());
+}
+
+const TWO_LINKS: &str = r#"<robot name="two">
+  <link name="base"/>
+  <link name="upper"><collision><origin xyz="0 0 0.2"/><geometry><cylinder radius="0.04" length="0.4"/></geometry></collision></link>
+  <link name="lower"/><link name="slide"/><link name="mirror"/>
+  <joint name="a" type="continuous"><parent link="base"/><child link="upper"/><axis xyz="0 1 0"/><limit effort="1" velocity="2"/></joint>
+  <joint name="b" type="revolute"><origin xyz="0 0 0.4"/><parent link="upper"/><child link="lower"/><axis xyz="0 1 0"/><limit lower="-1" upper="2" effort="1" velocity="3"/></joint>
+  <joint name="c" type="prismatic"><origin xyz="0 0 0.3" rpy="0 0 0"/><parent link="lower"/><child link="slide"/><axis xyz="0 0 1"/><limit lower="0" upper="0.1" effort="1" velocity="0.5"/></joint>
+  <joint name="m" type="revolute"><parent link="slide"/><child link="mirror"/><axis xyz="0 1 0"/><limit lower="-9" upper="9" effort="1" velocity="3"/><mimic joint="b" multiplier="-1" offset="0.5"/></joint>
+</robot>"#;
+
+fn urdf(text: &str) -> Result<UrdfArm, UrdfError> {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("arm.urdf");
+    std::fs::write(&path, text).unwrap();
+    read_urdf(&path, None, None)
+}
+
+#[test]
+fn a_urdf_gives_sliding_turning_and_mimicking_joints() {
+    let arm = urdf(TWO_LINKS).unwrap();
+    let names: Vec<&str> = arm
+        .chain
+        .joints
+        .iter()
+        .map(|joint| joint.name.as_str())
+        .collect();
+    assert_eq!(names, ["a", "b", "c"]);
+    assert_eq!(arm.chain.joints[0].limits.lower, f64::NEG_INFINITY);
+    assert_eq!(arm.bodies.len(), 1);
+    let hand = arm.chain.hand(&[0.3, 0.4, 0.05]);
+    let expected = Vector3::new(
+        0.4 * 0.3_f64.sin() + 0.35 * 0.7_f64.sin(),
+        0.0,
+        0.4 * 0.3_f64.cos() + 0.35 * 0.7_f64.cos(),
+    );
+    assert!((hand.translation.vector - expected).norm() < 1e-15);
+    // 0.3 + 0.4 − 0.4 + 0.5.
+    assert!((hand.rotation.scaled_axis() - Vector3::y() * 0.8).norm() < 1e-15);
+}
+
+#[test]
+fn faulty_urdfs_are_refused_with_the_name_of_what_is_wrong() {
+    let cases = [
+        (
+            r#"<child link="lower"/>"#,
+            r#"<child link="upper"/>"#,
+            "loop",
+        ),
+        (
+            r#"<parent link="base"/>"#,
+            r#"<parent link="mirror"/>"#,
+            "loop",
+        ),
+        (
+            r#"<parent link="base"/>"#,
+            r#"<parent link="bas"/>"#,
+            "`bas` is not in the file",
+        ),
+        (
+            r#"lower="-1" upper="2""#,
+            r#"lower="2" upper="-1""#,
+            "joint `b`: its lower limit 2",
+        ),
+        (
+            r#"<axis xyz="0 0 1"/>"#,
+            r#"<axis xyz="0 0 0"/>"#,
+            "joint `c`: its axis",
+        ),
+        (
+            r#"mimic joint="b""#,
+            r#"mimic joint="z""#,
+            "`z`, which it mimics, is not in the file",
+        ),
+        (
+            r#"<cylinder radius="0.04" length="0.4"/>"#,
+            r#"<mesh filename="upper.stl"/>"#,
+            "upper.stl is not there",
+        ),
+        (r#"type="prismatic""#, r#"type="floating""#, "joint `c`"),
+        ("</robot>", "", "not a URDF"),
+    ];
+    for (good, bad, expected) in cases {
+        assert!(TWO_LINKS.contains(good));
+        let error = urdf(&TWO_LINKS.replace(good, bad)).unwrap_err().to_string();
+        assert!(
+            error.contains(expected) && error.contains("arm.urdf"),
+            "{error}"
+        );
+    }
+}

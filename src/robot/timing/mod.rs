@@ -1,0 +1,242 @@
+//! From a joint path to a trajectory: how fast the hand may move where.
+//!
+//! The path is a natural cubic spline q(w) of the way w. Along it speed is bounded by the joints' velocities, by the
+//! hand's speed and by the accelerations and jerks that the curvature of q asks for; a sweep forward and one backward
+//! bound the acceleration along the path (Bobrow et al. 1985). The motion w(t) is then smoothed in time by two moving
+//! averages, which bounds its jerk, and sampled at 1 kHz.
+//!
+//! What counts is checked on the samples: velocity, acceleration and jerk of every joint as differences of neighbouring
+//! samples, 1 ms apart. Where one is too large the bound on the speed is lowered, and all is done again until
+//! every limit is held. The result is near the fastest, not the fastest.
+
+mod profile;
+mod spline;
+
+use super::chain::Limits;
+use profile::SpeedProfile;
+use spline::Spline;
+
+/// Time between samples, s.
+pub const SAMPLE: f64 = 1e-3;
+/// Rounds of lowering the speed.
+const ROUNDS: usize = 60;
+/// Part of each limit that is used: the rest is for the round-off of a robot's own interpolation.
+const PART_OF_LIMIT: f64 = 0.98;
+
+/// A path without a motion within the limits, or a question without sense.
+#[derive(Debug, thiserror::Error, PartialEq)]
+pub enum TimingError {
+    /// A joint has no bound on its acceleration or its jerk.
+    #[error("joint {joint} has no limit of {what}: a motion from rest to rest needs one")]
+    NoLimit {
+        /// Index of the joint.
+        joint: usize,
+        /// Of what.
+        what: &'static str,
+    },
+    /// The speeds did not come within the limits.
+    #[error("no motion within the limits was found; the joint path is not smooth enough")]
+    NotSmooth,
+}
+
+/// Samples of a joint motion.
+#[derive(Clone, Debug)]
+pub struct Motion {
+    /// Joint positions every [`SAMPLE`], from rest to rest.
+    pub samples: Vec<Vec<f64>>,
+    /// Way along the path at each, m.
+    pub way: Vec<f64>,
+}
+
+/// Largest velocity, acceleration and jerk of samples as parts of the limits, each with the joint and the sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Utilisation {
+    /// Of velocity.
+    pub velocity: f64,
+    /// Of acceleration.
+    pub acceleration: f64,
+    /// Of jerk.
+    pub jerk: f64,
+}
+
+/// Finds a fast motion along joint positions at the given ways, m, from rest to rest, in which the hand's way grows
+/// by at most `speed`, m/s.
+///
+/// # Errors
+/// If a joint lacks limits, or the path has kinks that only rests could pass.
+pub fn parametrise(
+    joints: &[Vec<f64>],
+    way: &[f64],
+    limits: &[Limits],
+    speed: f64,
+) -> Result<Motion, TimingError> {
+    for (joint, limits) in limits.iter().enumerate() {
+        let bounds = [
+            ("velocity", limits.velocity),
+            ("acceleration", limits.acceleration),
+            ("jerk", limits.jerk),
+        ];
+        if let Some((what, _)) = bounds.into_iter().find(|(_, bound)| !bound.is_finite()) {
+            return Err(TimingError::NoLimit { joint, what });
+        }
+    }
+    if joints.len() < 2 {
+        return Ok(Motion {
+            samples: joints.to_vec(),
+            way: way.to_vec(),
+        });
+    }
+    let spline = Spline::natural(way, joints);
+    let mut profile = SpeedProfile::new(&spline, limits, speed);
+    for _ in 0..ROUNDS {
+        let way = profile.motion();
+        let samples: Vec<Vec<f64>> = way.iter().map(|way| spline.at(*way)).collect();
+        let excess = excesses(&samples, &way, limits, speed);
+        if excess.iter().all(|excess| *excess <= PART_OF_LIMIT) {
+            return Ok(Motion { samples, way });
+        }
+        profile.lower(&way, &excess, PART_OF_LIMIT);
+    }
+    Err(TimingError::NotSmooth)
+}
+
+/// How many times too fast each sample is: the greatest of the velocity's part of its limit, of the square root of
+/// the acceleration's and of the cube root of the jerk's, for all of these fall with the speed.
+fn excesses(samples: &[Vec<f64>], way: &[f64], limits: &[Limits], speed: f64) -> Vec<f64> {
+    let mut excess = vec![0.0_f64; samples.len()];
+    for (k, pair) in way.windows(2).enumerate() {
+        excess[k] = (pair[1] - pair[0]) / SAMPLE / speed;
+    }
+    for (joint, limits) in limits.iter().enumerate() {
+        for (k, [velocity, acceleration, jerk]) in differences(samples, joint).enumerate() {
+            let most = (velocity.abs() / limits.velocity)
+                .max((acceleration.abs() / limits.acceleration).sqrt())
+                .max((jerk.abs() / limits.jerk).cbrt());
+            excess[k] = excess[k].max(most);
+        }
+    }
+    excess
+}
+
+/// Velocity, acceleration and jerk of a joint at each sample by differences, at rest before the first and after
+/// the last.
+fn differences(samples: &[Vec<f64>], joint: usize) -> impl Iterator<Item = [f64; 3]> + '_ {
+    let last = samples.len() - 1;
+    let at = move |k: isize| samples[k.clamp(0, last as isize) as usize][joint];
+    (0..samples.len() as isize).map(move |k| {
+        let [a, b, c, d] = [at(k - 1), at(k), at(k + 1), at(k + 2)];
+        [
+            (c - b) / SAMPLE,
+            (c - 2.0 * b + a) / SAMPLE.powi(2),
+            (d - 3.0 * c + 3.0 * b - a) / SAMPLE.powi(3),
+        ]
+    })
+}
+
+/// How much of their limits samples use, rest before and after them included.
+pub fn utilisation(samples: &[Vec<f64>], limits: &[Limits]) -> Utilisation {
+    let mut used = Utilisation::default();
+    for (joint, limits) in limits.iter().enumerate() {
+        for [velocity, acceleration, jerk] in differences(samples, joint) {
+            used.velocity = used.velocity.max(velocity.abs() / limits.velocity);
+            used.acceleration = used
+                .acceleration
+                .max(acceleration.abs() / limits.acceleration);
+            used.jerk = used.jerk.max(jerk.abs() / limits.jerk);
+        }
+    }
+    used
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn limits(velocity: f64, acceleration: f64, jerk: f64) -> Limits {
+        Limits {
+            lower: -10.0,
+            upper: 10.0,
+            velocity,
+            acceleration,
+            jerk,
+        }
+    }
+
+    fn line(length: f64, ratio: f64) -> (Vec<Vec<f64>>, Vec<f64>) {
+        let way: Vec<f64> = (0..=100).map(|k| length * f64::from(k) / 100.0).collect();
+        (
+            way.iter()
+                .map(|w| vec![ratio * w, -0.5 * ratio * w])
+                .collect(),
+            way,
+        )
+    }
+
+    #[test]
+    fn a_straight_motion_is_nearly_as_fast_as_jerk_limits_allow() {
+        let (joints, way) = line(2.0, 1.0);
+        let bounds = [limits(1.0, 4.0, 40.0), limits(9.0, 99.0, 999.0)];
+        let motion = parametrise(&joints, &way, &bounds, 9.0).unwrap();
+        let used = utilisation(&motion.samples, &bounds);
+        assert!(
+            used.velocity <= 1.0 && used.acceleration <= 1.0 && used.jerk <= 1.0,
+            "{used:?}"
+        );
+        // The fastest: l/v + v/a + a/j.
+        let fastest = 2.0 / 1.0 + 1.0 / 4.0 + 4.0 / 40.0;
+        let time = motion.samples.len() as f64 * SAMPLE;
+        assert!(time > fastest && time < 1.25 * fastest, "{time} {fastest}");
+        assert_eq!(motion.samples[0], joints[0]);
+        let end = &motion.samples[motion.samples.len() - 1];
+        assert!((end[0] - 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_speed_of_the_hand_is_held() {
+        let (joints, way) = line(0.5, 1.0);
+        let bounds = [limits(5.0, 20.0, 400.0); 2];
+        let motion = parametrise(&joints, &way, &bounds, 0.1).unwrap();
+        let fastest = motion
+            .way
+            .windows(2)
+            .map(|pair| pair[1] - pair[0])
+            .fold(0.0, f64::max);
+        assert!(
+            fastest / SAMPLE <= 0.1 && fastest / SAMPLE > 0.09,
+            "{}",
+            fastest / SAMPLE
+        );
+    }
+
+    #[test]
+    fn limits_hold_around_a_corner() {
+        // A right angle, as a letter has it: one joint stops, the other starts.
+        let way: Vec<f64> = (0..=400).map(|k| 1e-3 * f64::from(k)).collect();
+        let joints: Vec<Vec<f64>> = way
+            .iter()
+            .map(|w| vec![3.0 * w.min(0.2), 3.0 * (w - 0.2).max(0.0)])
+            .collect();
+        let bounds = [limits(1.5, 5.0, 50.0); 2];
+        let motion = parametrise(&joints, &way, &bounds, 1.0).unwrap();
+        let used = utilisation(&motion.samples, &bounds);
+        assert!(
+            used.velocity <= 1.0 && used.acceleration <= 1.0 && used.jerk <= 1.0,
+            "{used:?}"
+        );
+        assert!(motion.samples.len() < 6000, "{}", motion.samples.len());
+    }
+
+    #[test]
+    fn a_joint_without_a_limit_of_jerk_is_named() {
+        let (joints, way) = line(1.0, 1.0);
+        let bounds = [limits(1.0, 1.0, 1.0), limits(1.0, 1.0, f64::INFINITY)];
+        let error = parametrise(&joints, &way, &bounds, 1.0).unwrap_err();
+        assert_eq!(
+            error,
+            TimingError::NoLimit {
+                joint: 1,
+                what: "jerk"
+            }
+        );
+    }
+}

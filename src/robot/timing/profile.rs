@@ -1,0 +1,144 @@
+//! The speed along a path, and the motion in time that follows from it.
+
+use super::SAMPLE;
+use super::spline::Spline;
+use crate::robot::chain::Limits;
+
+/// Points of the profile, at least.
+const FEWEST: usize = 1000;
+/// Longest distance of points, m.
+const SPACING: f64 = 5e-4;
+/// Part of the acceleration that the curvature of the path may ask for; the rest is for the change of speed.
+const PART_FOR_CURVATURE: f64 = 0.5;
+
+/// Bounds on speed and acceleration along a path, at evenly spaced points.
+pub(super) struct SpeedProfile {
+    start: f64,
+    spacing: f64,
+    speed: Vec<f64>,
+    acceleration: Vec<f64>,
+    /// Samples of each moving average.
+    window: usize,
+}
+
+impl SpeedProfile {
+    /// The bounds of a path.
+    pub fn new(spline: &Spline, limits: &[Limits], speed: f64) -> Self {
+        let length = spline.end() - spline.start();
+        let count = ((length / SPACING) as usize).max(FEWEST);
+        let spacing = length / count as f64;
+        let mut profile = Self {
+            start: spline.start(),
+            spacing,
+            speed: Vec::with_capacity(count + 1),
+            acceleration: Vec::with_capacity(count + 1),
+            window: 1,
+        };
+        for k in 0..=count {
+            let (mut fastest, mut strongest) = (speed, f64::INFINITY);
+            let derivatives = spline.derivatives(profile.start + spacing * k as f64);
+            for ([first, second, third], limits) in derivatives.iter().zip(limits) {
+                let tiny = 1e-12;
+                fastest = fastest
+                    .min(limits.velocity / (first.abs() + tiny))
+                    .min((PART_FOR_CURVATURE * limits.acceleration / (second.abs() + tiny)).sqrt())
+                    .min((limits.jerk / (third.abs() + tiny)).cbrt());
+                let rest = (1.0 - PART_FOR_CURVATURE) * limits.acceleration;
+                strongest = strongest.min(rest / (first.abs() + tiny));
+            }
+            profile.speed.push(fastest);
+            profile.acceleration.push(strongest);
+        }
+        // An average over 2a/j bounds the jerk of a change of the acceleration from a to −a.
+        let seconds = limits
+            .iter()
+            .map(|limits| limits.acceleration / limits.jerk)
+            .fold(0.0, f64::max);
+        profile.window = ((seconds / SAMPLE).ceil() as usize).max(2);
+        profile
+    }
+
+    /// The way at each sample, m.
+    pub fn motion(&self) -> Vec<f64> {
+        let speed = self.swept();
+        let mut way = vec![0.0];
+        let (mut elapsed, mut next) = (0.0, SAMPLE);
+        for (k, pair) in speed.windows(2).enumerate() {
+            let duration = 2.0 * self.spacing / (pair[0] + pair[1]);
+            let acceleration = (pair[1] - pair[0]) / duration;
+            while next <= elapsed + duration {
+                let t = next - elapsed;
+                way.push(k as f64 * self.spacing + pair[0] * t + 0.5 * acceleration * t * t);
+                next += SAMPLE;
+            }
+            elapsed += duration;
+        }
+        let length = (speed.len() - 1) as f64 * self.spacing;
+        way.push(length);
+        let smooth = averaged(&averaged(&way, self.window), self.window);
+        smooth
+            .iter()
+            .map(|way| self.start + way.clamp(0.0, length))
+            .collect()
+    }
+
+    /// The speed at every point with accelerations bounded, from rest to rest.
+    fn swept(&self) -> Vec<f64> {
+        let mut speed = self.speed.clone();
+        let last = speed.len() - 1;
+        speed[0] = 0.0;
+        speed[last] = 0.0;
+        let faster =
+            |from: f64, acceleration: f64| (from * from + 2.0 * acceleration * self.spacing).sqrt();
+        for k in 1..=last {
+            let acceleration = self.acceleration[k - 1].min(self.acceleration[k]);
+            speed[k] = speed[k].min(faster(speed[k - 1], acceleration));
+        }
+        for k in (0..last).rev() {
+            let acceleration = self.acceleration[k + 1].min(self.acceleration[k]);
+            speed[k] = speed[k].min(faster(speed[k + 1], acceleration));
+        }
+        speed
+    }
+
+    /// Lowers the bounds around samples that are too fast by the given factors.
+    pub fn lower(&mut self, way: &[f64], excess: &[f64], allowed: f64) {
+        let count = self.speed.len();
+        let mut factor = vec![1.0_f64; count];
+        // An excess is brought about by what the averages bring together.
+        let reach = self.window;
+        for (k, excess) in excess
+            .iter()
+            .enumerate()
+            .filter(|(_, excess)| **excess > allowed)
+        {
+            // Not all at once: neighbours that are lowered for their own sake help.
+            let scale = (allowed / excess).max(0.5).powf(0.7) * 0.995;
+            let at = |k: usize| (((way[k] - self.start) / self.spacing) as usize).min(count - 1);
+            let from = at(k.saturating_sub(reach));
+            let to = at((k + reach).min(way.len() - 1));
+            for factor in &mut factor[from..=to] {
+                *factor = factor.min(scale);
+            }
+        }
+        for (k, factor) in factor.into_iter().enumerate() {
+            self.speed[k] *= factor;
+            self.acceleration[k] *= factor * factor;
+        }
+    }
+}
+
+/// Moving average over `window` samples, standing still before the first and after the last; longer by the window.
+fn averaged(values: &[f64], window: usize) -> Vec<f64> {
+    let last = values.len() - 1;
+    let at = |k: usize| values[k.saturating_sub(window).min(last)];
+    // Sums of differences keep round-off from growing along the motion.
+    let mut sum = values[0] * window as f64;
+    let mut averages = Vec::with_capacity(values.len() + window + 1);
+    averages.push(values[0]);
+    for k in 1..=values.len() - 1 + window {
+        sum += at(k + window) - at(k);
+        averages.push(sum / window as f64);
+    }
+    averages
+}

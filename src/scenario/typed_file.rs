@@ -1,0 +1,48 @@
+//! TOML files other than scenarios, with the same units, the same `extends` and the same messages.
+
+use super::decode::decode;
+use super::document::Node;
+use super::error::ScenarioError;
+use super::issue::{Issues, KeyPath};
+use super::load::{located, merged};
+use super::source::Sources;
+use serde::de::DeserializeOwned;
+use std::path::{Path, PathBuf};
+
+/// A file as typed, and what it takes to point at its keys.
+#[derive(Debug)]
+pub struct TypedFile<T> {
+    /// What stands in it.
+    pub typed: T,
+    sources: Sources,
+    document: Node,
+}
+
+impl<T: DeserializeOwned> TypedFile<T> {
+    /// Reads a file and those that it extends.
+    ///
+    /// # Errors
+    /// If a file cannot be read or is no TOML, at unknown keys and at wrong types.
+    pub fn read(path: &Path) -> Result<Self, ScenarioError> {
+        let (sources, document) = merged(path, &[])?;
+        match decode(&document) {
+            Ok(typed) => Ok(Self {
+                typed,
+                sources,
+                document,
+            }),
+            Err(issues) => Err(located(&sources, &document, issues)),
+        }
+    }
+
+    /// Faults found later, with the places of their keys.
+    pub fn locate(&self, issues: Issues) -> ScenarioError {
+        located(&self.sources, &self.document, issues)
+    }
+
+    /// The directory of the file in which a key stands: file names are relative to it.
+    pub fn directory_of(&self, path: &KeyPath) -> PathBuf {
+        let (_, value) = self.document.locate(path);
+        self.sources.get(value.source).directory.clone()
+    }
+}

@@ -1,0 +1,254 @@
+//! A real ROS 1 master and an action server of actionlib, installed and started for the purpose on Debian as root.
+
+use super::{rodlab, said, skipped, two_joints};
+use std::fs;
+use std::io::{BufRead, BufReader};
+use std::net::TcpListener;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
+
+/// Master and arm; gone when dropped.
+struct Robot {
+    folder: TempDir,
+    master: Child,
+    arm: Child,
+    /// What the arm says.
+    lines: Receiver<String>,
+}
+
+fn script() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/ros1")
+}
+
+fn is_installed() -> bool {
+    let files = [
+        "/usr/bin/rosmaster",
+        "/usr/lib/genpy/genmsg_py.py",
+        "/usr/share/std_msgs/msg/Header.msg",
+        "/usr/share/trajectory_msgs/msg/JointTrajectory.msg",
+    ];
+    files.iter().all(|file| Path::new(file).exists())
+        && Command::new("/usr/bin/python3")
+            .args(["-c", "import actionlib, rospy"])
+            .output()
+            .is_ok_and(|output| output.status.success())
+}
+
+impl Robot {
+    fn start() -> Option<Self> {
+        if !is_installed() {
+            let installed = Command::new(script()).arg("install").status();
+            if !installed.is_ok_and(|end| end.success()) || !is_installed() {
+                skipped("no ROS 1, and scripts/ros1 could not install it");
+                return None;
+            }
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let made = Command::new(script())
+            .arg("messages")
+            .arg(folder.path())
+            .output()
+            .unwrap();
+        assert!(made.status.success(), "{}", said(&made));
+        let port = TcpListener::bind("127.0.0.1:0")
+            .unwrap()
+            .local_addr()
+            .unwrap()
+            .port();
+        let start = |what: &str| {
+            Command::new(script())
+                .arg(what)
+                .arg(folder.path())
+                .arg(port.to_string())
+                .stdout(Stdio::piped())
+                .stderr(Stdio::null())
+                .spawn()
+                .unwrap()
+        };
+        let master = start("master");
+        let mut arm = start("arm");
+        let output = BufReader::new(arm.stdout.take().unwrap());
+        let (sender, lines) = channel();
+        std::thread::spawn(move || {
+            for line in output.lines().map_while(Result::ok) {
+                let _ = sender.send(line);
+            }
+        });
+        let robot = Self {
+            folder,
+
+            master,
+            arm,
+            lines,
+        };
+        // It says so where the master is not up yet.
+        while robot.says(60) != "ready" {}
+        let driver = format!(
+            "kind = \"ros1\"\nmaster = \"http://127.0.0.1:{port}\"\n\
+             action = \"/robot/limb/right/follow_joint_trajectory\"\njoint_states = \"/robot/joint_states\""
+        );
+        two_joints(robot.folder.path(), &driver, 5.0);
+        Some(robot)
+    }
+
+    fn says(&self, seconds: u64) -> String {
+        self.lines
+            .recv_timeout(Duration::from_secs(seconds))
+            .expect("a word of the arm")
+    }
+
+    fn spawn(&self) -> Child {
+        Command::new(env!("CARGO_BIN_EXE_rodlab"))
+            .args(STREAM)
+            .current_dir(self.folder.path())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap()
+    }
+
+    /// Waits until the arm moves.
+    fn wait_for_motion(&self) {
+        let begin = Instant::now();
+        let started = || self.log("events.csv").contains("\"started\"");
+        while !started() {
+            assert!(
+                begin.elapsed() < Duration::from_secs(20),
+                "the motion does not start"
+            );
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        std::thread::sleep(Duration::from_millis(700));
+    }
+
+    fn log(&self, name: &str) -> String {
+        fs::read_to_string(self.folder.path().join("log").join(name)).unwrap_or_default()
+    }
+}
+
+impl Drop for Robot {
+    fn drop(&mut self) {
+        for process in [&mut self.arm, &mut self.master] {
+            let _ = process.kill();
+            let _ = process.wait();
+        }
+    }
+}
+
+const STREAM: [&str; 6] = [
+    "stream",
+    "joints.csv",
+    "--cell",
+    "cell.toml",
+    "--out",
+    "log",
+];
+
+#[test]
+fn five_hundred_points_are_followed_by_an_actionlib_server() {
+    let Some(robot) = Robot::start() else { return };
+    let begin = Instant::now();
+    let output = rodlab(robot.folder.path(), &STREAM);
+    assert!(output.status.success(), "{}", said(&output));
+    assert!(begin.elapsed() > Duration::from_secs(5));
+    let followed = robot.says(1);
+    let words: Vec<&str> = followed.split(' ').collect();
+    assert_eq!(words[..2], ["followed", "500"]);
+    assert!(words[2].parse::<u32>().unwrap() > 100, "{followed}");
+    assert_eq!(words[3..], ["1.0", "-0.5"]);
+    assert!(robot.log("state.csv").lines().count() > 500);
+}
+
+#[test]
+fn an_interruption_preempts_the_goal_within_half_a_second() {
+    let Some(robot) = Robot::start() else { return };
+    let child = robot.spawn();
+    robot.wait_for_motion();
+    let begin = Instant::now();
+    let kill = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
+    assert!(kill.unwrap().success());
+    assert_eq!(robot.says(5), "preempted");
+    assert!(
+        begin.elapsed() < Duration::from_millis(500),
+        "{:?}",
+        begin.elapsed()
+    );
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", said(&output));
+    assert!(robot.log("events.csv").contains("right holds"));
+}
+
+#[test]
+fn joints_that_the_server_does_not_know_are_reported() {
+    let Some(robot) = Robot::start() else { return };
+    for name in ["cell.toml", "joints.csv"] {
+        let path = robot.folder.path().join(name);
+        let text = fs::read_to_string(&path).unwrap();
+        fs::write(path, text.replace("right_j1", "right_k1")).unwrap();
+    }
+    let output = rodlab(robot.folder.path(), &STREAM);
+    assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+    assert!(
+        said(&output).contains("it does not know these joints"),
+        "{}",
+        said(&output)
+    );
+}
+
+#[test]
+fn a_killed_server_and_a_killed_master_are_noticed_within_half_a_second() {
+    for master in [false, true] {
+        let Some(mut robot) = Robot::start() else {
+            return;
+        };
+        let child = robot.spawn();
+        robot.wait_for_motion();
+        let begin = Instant::now();
+        if master {
+            robot.master.kill()
+        } else {
+            robot.arm.kill()
+        }
+        .unwrap();
+        let fault = loop {
+            let events = robot.log("events.csv");
+            if let Some(line) = events.lines().find(|line| line.contains("right: ")) {
+                break line.to_owned();
+            }
+            assert!(begin.elapsed() < Duration::from_secs(5), "{events}");
+            std::thread::sleep(Duration::from_millis(5));
+        };
+        assert!(
+            begin.elapsed() < Duration::from_millis(500),
+            "{:?}: {fault}",
+            begin.elapsed()
+        );
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+        let expected = if master {
+            "does not answer"
+        } else {
+            "nothing was heard"
+        };
+        assert!(said(&output).contains(expected), "{}", said(&output));
+        if master {
+            // The arm lives, and was told to hold.
+            assert_eq!(robot.says(2), "preempted");
+        }
+    }
+}
+
+#[test]
+fn without_a_master_nothing_is_moved_and_the_message_says_what_to_start() {
+    let folder = tempfile::tempdir().unwrap();
+    let driver = "kind = \"ros1\"\nmaster = \"http://127.0.0.1:1\"\naction = \"/arm\"\njoint_states = \"/joint_states\"";
+    two_joints(folder.path(), driver, 1.0);
+    let output = rodlab(folder.path(), &STREAM);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(said(&output).contains("is it started"), "{}", said(&output));
+}

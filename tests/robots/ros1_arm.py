@@ -1,0 +1,62 @@
+"""An arm of two joints behind actionlib's own action server: follows its trajectory, tells its joints at 100 Hz."""
+
+import threading
+
+import actionlib
+import rospy
+from control_msgs.msg import FollowJointTrajectoryAction, FollowJointTrajectoryFeedback, FollowJointTrajectoryResult
+from sensor_msgs.msg import JointState
+
+JOINTS = ["right_j0", "right_j1"]
+REPORTED = JOINTS + ["right_k1"]
+position = dict.fromkeys(REPORTED, 0.0)
+
+
+def report():
+    publisher = rospy.Publisher("/robot/joint_states", JointState, queue_size=10)
+    rate = rospy.Rate(100)
+    while not rospy.is_shutdown():
+        message = JointState(name=list(position), position=list(position.values()))
+        message.header.stamp = rospy.Time.now()
+        publisher.publish(message)
+        rate.sleep()
+
+
+class Arm:
+    def __init__(self):
+        self.server = actionlib.SimpleActionServer(
+            "/robot/limb/right/follow_joint_trajectory", FollowJointTrajectoryAction, self.follow, auto_start=False
+        )
+        self.server.start()
+
+    def follow(self, goal):
+        trajectory = goal.trajectory
+        if sorted(trajectory.joint_names) != JOINTS:
+            result = FollowJointTrajectoryResult(error_code=FollowJointTrajectoryResult.INVALID_JOINTS)
+            self.server.set_aborted(result, "unknown joints")
+            return
+        begin = rospy.Time.now()
+        rate = rospy.Rate(100)
+        index = 0
+        feedbacks = 0
+        while index < len(trajectory.points) and not rospy.is_shutdown():
+            if self.server.is_preempt_requested():
+                print("preempted", flush=True)
+                self.server.set_preempted()
+                return
+            elapsed = rospy.Time.now() - begin
+            while index < len(trajectory.points) and trajectory.points[index].time_from_start <= elapsed:
+                position.update(zip(trajectory.joint_names, trajectory.points[index].positions))
+                index += 1
+            self.server.publish_feedback(FollowJointTrajectoryFeedback(joint_names=trajectory.joint_names))
+            feedbacks += 1
+            rate.sleep()
+        print("followed", len(trajectory.points), feedbacks, position["right_j0"], position["right_j1"], flush=True)
+        self.server.set_succeeded(FollowJointTrajectoryResult())
+
+
+rospy.init_node("arm", disable_signals=True)
+threading.Thread(target=report, daemon=True).start()
+arm = Arm()
+print("ready", flush=True)
+threading.Event().wait()

@@ -1,0 +1,370 @@
+//! The rosbridge driver against a WebSocket server with an arm behind it, made here for the purpose: the server itself
+//! is in no registry.
+
+use super::{rodlab, said, two_joints};
+use serde_json::{Value, json};
+use std::fs;
+use std::io::ErrorKind;
+use std::net::{TcpListener, TcpStream};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+use tungstenite::{Message, WebSocket};
+
+/// What the server is told to do, and what it saw.
+#[derive(Default)]
+struct Script {
+    ros: u8,
+    /// Refuse every goal as one for unknown joints.
+    refuses: bool,
+    /// Drop the connection, or say nothing any more, so long after the goal came.
+    dies_after: Option<f64>,
+    silent_after: Option<f64>,
+    points: usize,
+    feedback: usize,
+    moved: Vec<f64>,
+    cancelled_at: Option<Instant>,
+    goal_at: Option<Instant>,
+}
+
+type Shared = Arc<Mutex<Script>>;
+
+struct Goal {
+    id: Value,
+    times: Vec<f64>,
+    points: Vec<Vec<f64>>,
+    begin: Instant,
+}
+
+/// Serves one client until it leaves.
+fn serve(script: Script) -> (String, Shared) {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = listener.local_addr().unwrap().to_string();
+    let shared = Arc::new(Mutex::new(script));
+    let theirs = Arc::clone(&shared);
+    std::thread::spawn(move || {
+        let (stream, _) = listener.accept().unwrap();
+        let mut socket = tungstenite::accept(stream).unwrap();
+        socket.get_ref().set_nonblocking(true).unwrap();
+        arm(&mut socket, &theirs);
+    });
+    (address, shared)
+}
+
+fn send(socket: &mut WebSocket<TcpStream>, message: &Value) -> bool {
+    socket.send(Message::text(message.to_string())).is_ok()
+}
+
+fn arm(socket: &mut WebSocket<TcpStream>, shared: &Shared) {
+    let mut goal: Option<Goal> = None;
+    let mut subscribed = Vec::new();
+    let mut position = vec![0.0, 0.0];
+    loop {
+        std::thread::sleep(Duration::from_millis(10));
+        loop {
+            match socket.read() {
+                Ok(Message::Text(text)) => {
+                    let message: Value = serde_json::from_str(&text).unwrap();
+                    match message["op"].as_str().unwrap() {
+                        "subscribe" => {
+                            subscribed.push(message["topic"].as_str().unwrap().to_owned())
+                        }
+                        "advertise" => {}
+                        "publish" if message["topic"] == "/arm/goal" => {
+                            let goal_id = message["msg"]["goal_id"]["id"].clone();
+                            goal = take(socket, shared, goal_id, &message["msg"]["goal"]);
+                        }
+                        "send_action_goal" => {
+                            goal = take(socket, shared, message["id"].clone(), &message["args"]);
+                        }
+                        "publish" | "cancel_action_goal" => {
+                            let ended = goal.take().expect("a goal to cancel");
+                            shared.lock().unwrap().cancelled_at = Some(Instant::now());
+                            end(socket, shared, &ended.id, false, 0);
+                        }
+                        other => panic!("{other}"),
+                    }
+                }
+                Ok(_) => {}
+                Err(tungstenite::Error::Io(error)) if error.kind() == ErrorKind::WouldBlock => {
+                    break;
+                }
+                Err(_) => return,
+            }
+        }
+        let (dies, silent) = {
+            let script = shared.lock().unwrap();
+            let since = script.goal_at.map_or(0.0, |at| at.elapsed().as_secs_f64());
+            let past = |limit: Option<f64>| limit.is_some_and(|limit| since > limit);
+            (past(script.dies_after), past(script.silent_after))
+        };
+        if dies {
+            return;
+        }
+        if silent {
+            continue;
+        }
+        if let Some(active) = &goal {
+            let time = active.begin.elapsed().as_secs_f64();
+            let due = active.times.partition_point(|at| *at <= time).max(1);
+            position.clone_from(&active.points[due - 1]);
+            let message = if shared.lock().unwrap().ros == 1 {
+                json!({ "op": "publish", "topic": "/arm/feedback",
+                    "msg": { "status": { "goal_id": { "id": active.id }, "status": 1 }, "feedback": {} } })
+            } else {
+                json!({ "op": "action_feedback", "id": active.id, "action": "/arm", "values": {} })
+            };
+            shared.lock().unwrap().feedback += 1;
+            send(socket, &message);
+            if due == active.times.len() {
+                end(socket, shared, &active.id, true, 0);
+                goal = None;
+            }
+        }
+        shared.lock().unwrap().moved.clone_from(&position);
+        if subscribed.iter().any(|topic| topic == "/joint_states") {
+            // More joints than ours, in another order.
+            let states = json!({ "op": "publish", "topic": "/joint_states", "msg": {
+                "name": ["head", "right_j1", "right_j0"],
+                "position": [0.5, position[1], position[0]], "velocity": [], "effort": [] } });
+            send(socket, &states);
+        }
+    }
+}
+
+fn take(
+    socket: &mut WebSocket<TcpStream>,
+    shared: &Shared,
+    id: Value,
+    goal: &Value,
+) -> Option<Goal> {
+    let refuses = {
+        let mut script = shared.lock().unwrap();
+        script.goal_at = Some(Instant::now());
+        script.refuses
+    };
+    assert_eq!(
+        goal["trajectory"]["joint_names"],
+        json!(["right_j0", "right_j1"])
+    );
+    if refuses {
+        end(socket, shared, &id, false, -2);
+        return None;
+    }
+    let points = goal["trajectory"]["points"].as_array().unwrap();
+    shared.lock().unwrap().points = points.len();
+    let (seconds, nanoseconds) = if shared.lock().unwrap().ros == 1 {
+        ("secs", "nsecs")
+    } else {
+        ("sec", "nanosec")
+    };
+    let time = |point: &Value| {
+        let time = &point["time_from_start"];
+        time[seconds].as_f64().unwrap() + 1e-9 * time[nanoseconds].as_f64().unwrap()
+    };
+    let positions = |point: &Value| -> Vec<f64> {
+        point["positions"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|q| q.as_f64().unwrap())
+            .collect()
+    };
+    Some(Goal {
+        id,
+        times: points.iter().map(time).collect(),
+        points: points.iter().map(positions).collect(),
+        begin: Instant::now(),
+    })
+}
+
+/// Ends a goal: well, cancelled, or aborted with a code.
+fn end(socket: &mut WebSocket<TcpStream>, shared: &Shared, id: &Value, well: bool, code: i64) {
+    let ros = shared.lock().unwrap().ros;
+    let status = match (ros, well, code) {
+        (1, true, _) => 3,
+        (1, false, 0) => 2,
+        (1, false, _) => 4,
+        (_, true, _) => 4,
+        (_, false, 0) => 5,
+        _ => 6,
+    };
+    let message = if ros == 1 {
+        json!({ "op": "publish", "topic": "/arm/result", "msg": {
+            "status": { "goal_id": { "id": id }, "status": status, "text": "" },
+            "result": { "error_code": code, "error_string": "" } } })
+    } else {
+        json!({ "op": "action_result", "id": id, "action": "/arm", "status": status, "result": true,
+            "values": { "error_code": code, "error_string": "" } })
+    };
+    send(socket, &message);
+}
+
+fn folder(address: &str, ros: u8, seconds: f64) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let driver = format!(
+        "kind = \"rosbridge\"\naddress = \"{address}\"\nros = {ros}\naction = \"/arm\"\njoint_states = \"/joint_states\""
+    );
+    two_joints(folder.path(), &driver, seconds);
+    folder
+}
+
+const STREAM: [&str; 6] = [
+    "stream",
+    "joints.csv",
+    "--cell",
+    "cell.toml",
+    "--out",
+    "log",
+];
+
+fn log(folder: &Path, name: &str) -> String {
+    fs::read_to_string(folder.join("log").join(name)).unwrap()
+}
+
+#[test]
+fn five_hundred_points_are_followed_to_the_end() {
+    for ros in [1, 2] {
+        let (address, shared) = serve(Script {
+            ros,
+            ..Script::default()
+        });
+        let folder = folder(&address, ros, 3.0);
+        let output = rodlab(folder.path(), &STREAM);
+        assert!(output.status.success(), "{}", said(&output));
+        let script = shared.lock().unwrap();
+        assert_eq!(script.points, 500);
+        assert!(script.feedback > 50);
+        assert_eq!(script.moved, [1.0, -0.5]);
+        // What was commanded and what came back, point for point.
+        assert_eq!(
+            log(folder.path(), "commanded.csv").lines().count(),
+            1 + 2 * 500
+        );
+        assert!(log(folder.path(), "state.csv").lines().count() > 100);
+        let manifest: Value = serde_json::from_str(&log(folder.path(), "manifest.json")).unwrap();
+        assert_eq!(manifest["status"], "finished");
+    }
+}
+
+fn spawned(folder: &Path) -> Child {
+    Command::new(env!("CARGO_BIN_EXE_rodlab"))
+        .args(STREAM)
+        .current_dir(folder)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap()
+}
+
+#[test]
+fn an_interruption_cancels_the_motion_within_half_a_second() {
+    for ros in [1, 2] {
+        let (address, shared) = serve(Script {
+            ros,
+            ..Script::default()
+        });
+        let folder = folder(&address, ros, 5.0);
+        let child = spawned(folder.path());
+        while shared.lock().unwrap().feedback < 30 {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        let begin = Instant::now();
+        let kill = Command::new("kill")
+            .args(["-INT", &child.id().to_string()])
+            .status();
+        assert!(kill.unwrap().success());
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(130), "{}", said(&output));
+        let cancelled = shared.lock().unwrap().cancelled_at.expect("a cancellation");
+        assert!(cancelled - begin < Duration::from_millis(500));
+        assert!(log(folder.path(), "events.csv").contains("right holds"));
+    }
+}
+
+#[test]
+fn faults_of_the_server_end_the_stream_with_words_and_exit_code_1() {
+    let cases: [(Script, &str); 3] = [
+        (
+            Script {
+                refuses: true,
+                ..Script::default()
+            },
+            "it does not know these joints",
+        ),
+        (
+            Script {
+                dies_after: Some(0.5),
+                ..Script::default()
+            },
+            "connection",
+        ),
+        (
+            Script {
+                silent_after: Some(0.5),
+                ..Script::default()
+            },
+            "nothing was heard of its joints",
+        ),
+    ];
+    for (script, expected) in cases {
+        for ros in [1, 2] {
+            let script = Script {
+                ros,
+                refuses: script.refuses,
+                dies_after: script.dies_after,
+                silent_after: script.silent_after,
+                ..Script::default()
+            };
+            let (address, shared) = serve(script);
+            let folder = folder(&address, ros, 5.0);
+            let output = rodlab(folder.path(), &STREAM);
+            let ended = Instant::now();
+            assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+            assert!(said(&output).contains(expected), "{}", said(&output));
+            let events = log(folder.path(), "events.csv");
+            let words: f64 = events
+                .lines()
+                .find(|line| line.contains("right: "))
+                .and_then(|line| line.split(',').next())
+                .and_then(|time| time.parse().ok())
+                .unwrap();
+            let started: f64 = events
+                .lines()
+                .find(|line| line.contains("\"started\""))
+                .and_then(|line| line.split(',').next())
+                .and_then(|time| time.parse().ok())
+                .unwrap();
+            // Half a second after the fault, which comes half a second after the goal.
+            assert!(words - started < 1.1, "{events}");
+            assert!(ended - shared.lock().unwrap().goal_at.unwrap() < Duration::from_secs(3));
+            assert!(log(folder.path(), "manifest.json").contains("\"failed\""));
+        }
+    }
+}
+
+#[test]
+fn a_robot_with_other_joints_is_not_moved() {
+    let (address, shared) = serve(Script {
+        ros: 1,
+        ..Script::default()
+    });
+    let folder = folder(&address, 1, 3.0);
+    for name in ["cell.toml", "joints.csv"] {
+        let text = fs::read_to_string(folder.path().join(name)).unwrap();
+        fs::write(
+            folder.path().join(name),
+            text.replace("right_j1", "right_k1"),
+        )
+        .unwrap();
+    }
+    let output = rodlab(folder.path(), &STREAM);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(
+        said(&output).contains("no report of all of its joints (right_j0, right_k1)"),
+        "{}",
+        said(&output)
+    );
+    assert!(shared.lock().unwrap().goal_at.is_none());
+}

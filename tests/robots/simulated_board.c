@@ -1,0 +1,130 @@
+/* An ATmega328P in simavr, in real time, with its serial line on a pseudo-terminal and a count of the edges of STEP.
+ *
+ *   cc simulated_board.c -lsimavr -lutil -o board && ./board stepper.elf counts
+ *
+ * Prints the path of the pseudo-terminal, and keeps writing "rising edges, net position" to the file `counts`. Ends
+ * when its standard input is closed.
+ */
+#include <fcntl.h>
+#include <poll.h>
+#include <pty.h>
+#include <simavr/avr_ioport.h>
+#include <simavr/avr_uart.h>
+#include <simavr/sim_avr.h>
+#include <simavr/sim_elf.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <termios.h>
+#include <time.h>
+#include <unistd.h>
+
+#define CYCLES_PER_BYTE 1400 /* 115200 baud at 16 MHz */
+
+static int terminal;
+static long edges, position;
+static bool forwards, may_send = true;
+
+static void on_step(struct avr_irq_t *irq, uint32_t value, void *unused)
+{
+    if (value) {
+        edges++;
+        position += forwards ? 1 : -1;
+    }
+}
+
+static void on_direction(struct avr_irq_t *irq, uint32_t value, void *unused)
+{
+    forwards = value;
+}
+
+static void on_byte(struct avr_irq_t *irq, uint32_t value, void *unused)
+{
+    uint8_t byte = value;
+    if (write(terminal, &byte, 1) != 1) {
+        /* A line loses what nobody reads. */
+    }
+}
+
+static void on_xon(struct avr_irq_t *irq, uint32_t value, void *unused) { may_send = true; }
+static void on_xoff(struct avr_irq_t *irq, uint32_t value, void *unused) { may_send = false; }
+
+/* The simulator's own sleep would wait for the wall clock once more. */
+static void no_sleep(avr_t *avr, avr_cycle_count_t cycles) {}
+
+static double now(void)
+{
+    struct timespec time;
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return time.tv_sec + 1e-9 * time.tv_nsec;
+}
+
+int main(int count, char **arguments)
+{
+    if (count != 3)
+        return 2;
+    elf_firmware_t firmware;
+    memset(&firmware, 0, sizeof firmware);
+    if (elf_read_firmware(arguments[1], &firmware))
+        return 1;
+    avr_t *avr = avr_make_mcu_by_name("atmega328p");
+    if (!avr)
+        return 1;
+    avr_init(avr);
+    avr->frequency = 16000000;
+    avr_load_firmware(avr, &firmware);
+    avr->sleep = no_sleep;
+
+    char name[64];
+    int other;
+    struct termios raw;
+    cfmakeraw(&raw);
+    if (openpty(&terminal, &other, name, &raw, NULL))
+        return 1;
+    fcntl(terminal, F_SETFL, O_NONBLOCK);
+
+    uint32_t flags = 0;
+    avr_ioctl(avr, AVR_IOCTL_UART_GET_FLAGS('0'), &flags);
+    flags &= ~(AVR_UART_FLAG_STDIO | AVR_UART_FLAG_POLL_SLEEP);
+    avr_ioctl(avr, AVR_IOCTL_UART_SET_FLAGS('0'), &flags);
+    avr_irq_t *from_board = avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUTPUT);
+    avr_irq_t *to_board = avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_INPUT);
+    avr_irq_register_notify(from_board, on_byte, NULL);
+    avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUT_XON), on_xon, NULL);
+    avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUT_XOFF), on_xoff, NULL);
+    avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ('D'), 2), on_direction, NULL);
+    avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ('D'), 3), on_step, NULL);
+
+    printf("%s\n", name);
+    fflush(stdout);
+    double start = now();
+    avr_cycle_count_t next_byte = 0, next_look = 0;
+    for (;;) {
+        int state = avr_run(avr);
+        if (state == cpu_Done || state == cpu_Crashed)
+            return 1;
+        if (avr->cycle >= next_byte) {
+            uint8_t byte;
+            if (may_send && read(terminal, &byte, 1) == 1)
+                avr_raise_irq(to_board, byte);
+            next_byte = avr->cycle + CYCLES_PER_BYTE;
+        }
+        if (avr->cycle >= next_look) {
+            FILE *counts = fopen(arguments[2], "w");
+            if (counts) {
+                fprintf(counts, "%ld %ld\n", edges, position);
+                fclose(counts);
+            }
+            struct pollfd input = { 0, POLLIN, 0 };
+            char ignored;
+            if (poll(&input, 1, 0) > 0 && read(0, &ignored, 1) <= 0)
+                return 0;
+            /* Not faster than the clock on the wall. */
+            double ahead = avr->cycle / 16e6 - (now() - start);
+            if (ahead > 0)
+                usleep(1e6 * ahead);
+            next_look = avr->cycle + 32000; /* 2 ms */
+        }
+    }
+}
