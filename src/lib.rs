@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! cli ──> experiment ──> knot ──> mechanics ──> linalg
-//!  └──────────┴──> scenario, results, figure, cluster
+//!  └──────────┴──> scenario, results, figure, cluster, vision
 //! ```
 //!
 //! | room | what lives there |
@@ -19,6 +19,7 @@
 //! | [`results`] | results directories, checkpoints, VTK |
 //! | [`cluster`] | Slurm job arrays |
 //! | [`figure`] | pictures of plain curves and rows |
+//! | [`vision`] | images → centrelines in pixels and metres, cameras, scores |
 //!
 //! Inside [`mechanics`], [`rod`](mechanics::rod), [`contact`](mechanics::contact) and
 //! [`fluid`](mechanics::fluid) do not know each other; [`system`](mechanics::system) adds their forces up into one
@@ -37,3 +38,4 @@ pub mod linalg;
 pub mod mechanics;
 pub mod results;
 pub mod scenario;
+pub mod vision;

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Rooms of the crate and what each may import beside itself.
-const ROOMS: [(&str, &[&str]); 9] = [
+const ROOMS: [(&str, &[&str]); 10] = [
     (
         "cli",
         &[
@@ -16,6 +16,7 @@ const ROOMS: [(&str, &[&str]); 9] = [
             "results",
             "figure",
             "cluster",
+            "vision",
         ],
     ),
     (
@@ -29,6 +30,7 @@ const ROOMS: [(&str, &[&str]); 9] = [
     ("results", &[]),
     ("figure", &[]),
     ("cluster", &[]),
+    ("vision", &["figure"]),
 ];
 
 /// Rooms inside `mechanics` and what each may import beside itself.

@@ -3,7 +3,7 @@
 use super::failure::Failure;
 use super::{
     check, completions, explain, gather, init, measure, plot, reproduce, run, solve, status,
-    submit, verify, view,
+    submit, trace, verify, view,
 };
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use std::io::IsTerminal;
@@ -62,6 +62,8 @@ pub enum Command {
     Status(status::StatusArguments),
     /// Make the tables and figures of a sweep from its cases
     Gather(gather::GatherArguments),
+    /// Find the centrelines of rods in an image
+    Trace(trace::TraceArguments),
     /// Print a completion script for a shell
     Completions(completions::CompletionsArguments),
 }

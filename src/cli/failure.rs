@@ -7,6 +7,7 @@ use crate::experiment::{PlotError, RunError, ViewError};
 use crate::mechanics::dynamics::SimulationError;
 use crate::results::ResultsError;
 use crate::scenario::ScenarioError;
+use crate::vision::VisionError;
 
 /// Why the program fails.
 #[derive(Debug)]
@@ -138,5 +139,14 @@ impl From<PlotError> for Failure {
 impl From<ViewError> for Failure {
     fn from(error: ViewError) -> Self {
         Self::View(error)
+    }
+}
+
+impl From<VisionError> for Failure {
+    fn from(error: VisionError) -> Self {
+        match error {
+            VisionError::Unwritable { .. } => Self::System(error.to_string()),
+            error => Self::Input(error.to_string()),
+        }
     }
 }

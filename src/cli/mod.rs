@@ -33,6 +33,7 @@ mod solve_knot;
 mod status;
 mod submit;
 mod sweep;
+mod trace;
 mod verify;
 mod view;
 
@@ -76,6 +77,7 @@ fn run_command(arguments: &Arguments) -> Result<(), Failure> {
         Command::Submit(command) => submit::submit(command),
         Command::Status(command) => status::status(command),
         Command::Gather(command) => gather::gather(command),
+        Command::Trace(command) => trace::trace(command),
         Command::Completions(command) => completions::completions(command),
     }
 }
