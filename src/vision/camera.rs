@@ -1,7 +1,7 @@
 //! A pinhole camera with lens distortion, its pose, and the table it looks at.
 
 use super::{Point, VisionError};
-use nalgebra::{Isometry3, Matrix3x2, Quaternion, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
@@ -157,19 +157,6 @@ impl Camera {
         }
         let point = start + ray * reach;
         Ok(Point::new(point.x, point.y))
-    }
-
-    /// Derivatives of the pixel by a motion of the camera: columns as the vectors of the point in the camera's axes.
-    pub(super) fn project_derivative(seen: Vector3<f64>) -> Matrix3x2<f64> {
-        let z = seen.z;
-        Matrix3x2::new(
-            1.0 / z,
-            0.0,
-            0.0,
-            1.0 / z,
-            -seen.x / (z * z),
-            -seen.y / (z * z),
-        )
     }
 
     /// Reads the table `[camera]` of a TOML file; other tables are left alone.

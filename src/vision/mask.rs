@@ -140,6 +140,49 @@ impl Mask {
         }
     }
 
+    /// Pixels, by column and row, of each connected part.
+    pub(super) fn parts(&self) -> Vec<Vec<(usize, usize)>> {
+        let (runs, roots) = self.components(1, true);
+        let mut number = vec![usize::MAX; runs.len()];
+        let mut parts: Vec<Vec<(usize, usize)>> = Vec::new();
+        for (run, root) in runs.iter().zip(&roots) {
+            if number[*root] == usize::MAX {
+                number[*root] = parts.len();
+                parts.push(Vec::new());
+            }
+            let pixels = (run.columns[0]..run.columns[1]).map(|column| (column, run.row));
+            parts[number[*root]].extend(pixels);
+        }
+        parts
+    }
+
+    /// Removes all connected parts but the one with most pixels.
+    pub(super) fn keep_largest(&mut self) {
+        let parts = self.parts();
+        let largest = parts.into_iter().max_by_key(Vec::len).unwrap_or_default();
+        self.cells.fill(0);
+        for (column, row) in largest {
+            let index = self.index(column, row);
+            self.cells[index] = 1;
+        }
+    }
+
+    /// First and last pixel of each row: all that matters for a convex hull.
+    pub(super) fn outline(&self) -> Vec<super::Point> {
+        let mut outline = Vec::new();
+        let mut runs = Vec::new();
+        for row in 0..self.height {
+            runs.clear();
+            self.runs_of_row(row, 1, &mut runs);
+            if let (Some(first), Some(last)) = (runs.first(), runs.last()) {
+                for column in [first.columns[0], last.columns[1] - 1] {
+                    outline.push(super::Point::new(column as f64, row as f64));
+                }
+            }
+        }
+        outline
+    }
+
     /// Runs of a value and, for each, the index of the first run of its connected part.
     fn components(&self, value: u8, diagonal: bool) -> (Vec<Run>, Vec<usize>) {
         let mut runs: Vec<Run> = Vec::new();
