@@ -2,8 +2,8 @@
 
 use super::failure::Failure;
 use super::{
-    check, completions, explain, gather, init, measure, plot, reproduce, run, solve, status,
-    submit, trace, verify, view,
+    calibrate, check, completions, explain, gather, init, measure, plot, reproduce, run, score,
+    solve, status, submit, trace, verify, view,
 };
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use std::io::IsTerminal;
@@ -64,6 +64,10 @@ pub enum Command {
     Gather(gather::GatherArguments),
     /// Find the centrelines of rods in an image
     Trace(trace::TraceArguments),
+    /// Compare a deployed curve with its pattern
+    Score(score::ScoreArguments),
+    /// Calibrate a camera, its pose or its mount
+    Calibrate(calibrate::CalibrateArguments),
     /// Print a completion script for a shell
     Completions(completions::CompletionsArguments),
 }

@@ -14,6 +14,7 @@
 //! | 130 | interrupted, with a checkpoint written |
 
 mod arguments;
+mod calibrate;
 mod check;
 mod completions;
 mod explain;
@@ -28,6 +29,7 @@ mod plot;
 mod reproduce;
 mod run;
 mod schema;
+mod score;
 mod solve;
 mod solve_knot;
 mod status;
@@ -78,6 +80,8 @@ fn run_command(arguments: &Arguments) -> Result<(), Failure> {
         Command::Status(command) => status::status(command),
         Command::Gather(command) => gather::gather(command),
         Command::Trace(command) => trace::trace(command),
+        Command::Score(command) => score::score(command),
+        Command::Calibrate(command) => calibrate::calibrate(command),
         Command::Completions(command) => completions::completions(command),
     }
 }

@@ -2,11 +2,12 @@
 
 use super::failure::Failure;
 use super::output::{print, print_json};
+use super::solve::positive_length;
 use crate::results::write_whole;
 use crate::vision::{
-    Camera, ColourRule, Contrast, Point, Trace, TraceOptions, VisionError, centrelines_csv,
+    Camera, ColourRule, Contrast, Metric, Point, Trace, TraceOptions, VisionError, centrelines_csv,
     centrelines_svg, clean_mask, decode_labels, encode_labels, encode_picture, instance_dice,
-    mask_overlay, overlay, pictures_in, read_picture, trace_contrast,
+    mask_overlay, overlay, pattern, pattern_csv, pictures_in, read_picture, trace_contrast,
 };
 use clap::Args;
 use image::{GrayImage, RgbImage};
@@ -40,6 +41,18 @@ pub struct TraceArguments {
     /// Parts with fewer pixels are noise
     #[arg(long, value_name = "PIXELS", default_value_t = 60)]
     pub least_area: usize,
+    /// Where to write a strand as a pattern file, CSV with columns x_m and y_m; needs --cell or --pixel
+    #[arg(long, value_name = "FILE")]
+    pub pattern: Option<PathBuf>,
+    /// The strand that becomes the pattern, from 1 [default: the longest one]
+    #[arg(long, value_name = "N", requires = "pattern")]
+    pub strand: Option<usize>,
+    /// Waves of the pattern shorter than about six times this are smoothed away
+    #[arg(long, value_name = "LENGTH", default_value = "2 mm", value_parser = positive_length)]
+    pub smoothing: f64,
+    /// Side of a pixel of a scan, for --pattern without a camera
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length, conflicts_with = "cell")]
+    pub pixel: Option<f64>,
     /// True label image (8 bit, pixel = strand) to compare with
     #[arg(long, value_name = "FILE")]
     pub truth: Option<PathBuf>,
@@ -55,6 +68,7 @@ const EXAMPLES: &str = "\
 Examples:
   rodlab trace photo.jpg --out traced                 rods on a plain background
   rodlab trace letter.png --colour pen --out traced   pen on paper
+  rodlab trace letter.png --colour pen --pixel \"0.2 mm\" --pattern letter.csv
   rodlab trace photo.jpg --colour red --json
   rodlab trace photo.jpg --colour pick:320,240 --cell cell.toml --out traced
 
@@ -133,9 +147,9 @@ pub fn trace(arguments: &TraceArguments) -> Result<(), Failure> {
             print(&summary(&answer))
         };
     }
-    if arguments.truth.is_some() || arguments.mask.is_some() {
+    if arguments.truth.is_some() || arguments.mask.is_some() || arguments.pattern.is_some() {
         return Err(Failure::Input(
-            "--truth and --mask belong to one image, not to a folder".into(),
+            "--truth, --mask and --pattern belong to one image, not to a folder".into(),
         ));
     }
     let mut answers = Vec::new();
@@ -195,6 +209,9 @@ fn trace_image(
         }
         None => None,
     };
+    if let Some(pattern) = &arguments.pattern {
+        write_pattern(arguments, pattern, &traced, camera, picture.height())?;
+    }
     let answer = answer(path, &picture, &traced, camera, mean_instance_dice).map_err(in_file)?;
     if let Some(out) = out {
         let csv = centrelines_csv(&traced.strands, camera).map_err(in_file)?;
@@ -210,6 +227,46 @@ fn trace_image(
         )?;
     }
     Ok(answer)
+}
+
+/// Distance of a pattern's points, metres.
+const PATTERN_STEP: f64 = 1e-3;
+
+fn write_pattern(
+    arguments: &TraceArguments,
+    path: &Path,
+    traced: &Trace,
+    camera: Option<&Camera>,
+    height: u32,
+) -> Result<(), Failure> {
+    let metric = match (camera, arguments.pixel) {
+        (Some(camera), _) => Metric::Camera(camera),
+        (None, Some(pixel)) => Metric::Scan { pixel, height },
+        (None, None) => {
+            return Err(Failure::Input(
+                "--pattern is in metres: give a camera by --cell, or the side of a pixel by --pixel".into(),
+            ));
+        }
+    };
+    let count = traced.strands.len();
+    let strand = match arguments.strand {
+        Some(number) => number
+            .checked_sub(1)
+            .and_then(|index| traced.strands.get(index)),
+        None => traced
+            .strands
+            .iter()
+            .max_by(|a, b| a.length().total_cmp(&b.length())),
+    };
+    let strand = strand.ok_or_else(|| {
+        Failure::Input(format!(
+            "--strand: there are {}, counted from 1",
+            counted(count, "strand")
+        ))
+    })?;
+    let points = pattern(strand, metric, arguments.smoothing, PATTERN_STEP)?;
+    write_whole(path, pattern_csv(&points).as_bytes())?;
+    Ok(())
 }
 
 fn mask_of(path: &Path, picture: &RgbImage) -> Result<GrayImage, VisionError> {

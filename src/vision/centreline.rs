@@ -168,7 +168,7 @@ fn first_guess(
                 distorted_pixels(skeleton, arm)
             } else {
                 // Skeletons turn to a corner of a strand's end.
-                (branch.half_width() as usize).min(count / 3)
+                (0.5 * branch.half_width()).round().min(count as f64 / 3.0) as usize
             }
         };
         let mut pixels = branch.pixels[skipped(0)..count - skipped(1)].to_vec();
@@ -363,18 +363,16 @@ fn extend_end(
     let (Some(last), Some(width)) = (points.last().copied(), widths.last().copied()) else {
         return;
     };
-    let back = ((width / step).ceil() as usize).clamp(1, points.len().max(2) - 1);
-    let Some(before) = points.len().checked_sub(1 + back) else {
-        return;
-    };
-    let Some(along) = (last - points[before]).try_normalize(1e-9) else {
+    let Some((along, turn)) = end_direction(points, width, step) else {
         return;
     };
     let longest = stop.map_or(2.0 * width, |stop| {
         ((stop - last).dot(&along) - 0.5 * width).clamp(0.0, 2.0 * width)
     });
+    // The strand goes on as it bends.
+    let place = |t: f64| last + along * t + normal(along) * (0.5 * turn * t * t);
     let inside = |t: f64| {
-        let point = last + along * t;
+        let point = place(t);
         contrast.at(point.x, point.y) >= f64::from(contrast.threshold)
     };
     const STEP: f64 = 0.25;
@@ -384,11 +382,34 @@ fn extend_end(
     }
     let pieces = (reach / step).round() as usize;
     for piece in 1..=pieces {
-        points.push(last + along * (reach * piece as f64 / pieces as f64));
+        points.push(place(reach * piece as f64 / pieces as f64));
         widths.push(width);
     }
     if pieces == 0 && reach > 0.0 {
         let end = points.len() - 1;
-        points[end] = last + along * reach;
+        points[end] = place(reach);
     }
+}
+
+/// Direction at the end of a strand, and how much it turns per length, from the last two widths.
+fn end_direction(points: &[Point], width: f64, step: f64) -> Option<(Point, f64)> {
+    let back = (width / step).ceil() as usize;
+    let at = |index: usize| {
+        points
+            .len()
+            .checked_sub(1 + index)
+            .map(|index| points[index])
+    };
+    let (Some(end), Some(middle), Some(start)) = (at(0), at(back), at(2 * back)) else {
+        let along = points.last()? - points.first()?;
+        return Some((along.try_normalize(1e-9)?, 0.0));
+    };
+    let later = (end - middle).try_normalize(1e-9)?;
+    let earlier = (middle - start).try_normalize(1e-9)?;
+    let turned = earlier.perp(&later).atan2(earlier.dot(&later));
+    let apart = 0.5 * (end - start).norm();
+    // A strand bends with a radius of two widths at least; what bends more is noise.
+    let turn = (turned / apart).clamp(-0.5 / width, 0.5 / width);
+    let ahead = 0.5 * turn * (end - middle).norm();
+    Some(((later + normal(later) * ahead).normalize(), turn))
 }

@@ -1,5 +1,7 @@
 //! From images to curves in metres.
 
+#[cfg(test)]
+mod benchmark_tests;
 mod calibration;
 mod camera;
 mod centreline;
@@ -7,10 +9,13 @@ mod checkerboard;
 mod colour;
 mod contrast;
 mod crossing;
+mod curve_file;
 mod dice;
 mod error;
 mod gap;
 mod hand_eye;
+#[cfg(test)]
+mod hostile_tests;
 mod labels;
 mod marker;
 mod mask;
@@ -18,6 +23,7 @@ mod order;
 mod overlay;
 mod pattern;
 mod picture;
+mod pose_file;
 mod render;
 mod score;
 mod score_figure;
@@ -36,6 +42,7 @@ pub use centreline::Strand;
 pub use checkerboard::Checkerboard;
 pub use colour::{ColourRule, HsvBox, LabBall, colour_difference, hsv, lab};
 pub use contrast::Contrast;
+pub use curve_file::read_curve;
 pub use dice::{InstanceDice, instance_dice};
 pub use error::VisionError;
 pub use hand_eye::{HandEye, hand_eye};
@@ -54,6 +61,7 @@ pub use picture::{
     LARGEST_FILE, LONGEST_SIDE, MOST_PIXELS, decode_labels, decode_picture, pictures_in,
     read_picture,
 };
+pub use pose_file::read_poses;
 pub use render::{RenderOptions, RenderedRod, render};
 pub use score::{CurveError, SCORE_POINTS, Score, rigid_alignment, score};
 pub use score_figure::score_figure;

@@ -127,11 +127,11 @@ mod tests {
         let slant = UnitQuaternion::from_euler_angles(0.15, -0.1, 0.2);
         let rotation = slant * down;
         Camera {
-            width: 640,
-            height: 480,
+            width: 1280,
+            height: 720,
             lens: super::super::Lens {
-                focal: [640.0, 640.0],
-                centre: [320.0, 240.0],
+                focal: [910.0, 910.0],
+                centre: [639.5, 359.5],
                 distortion: [0.06, -0.1, 0.0, 0.0, 0.0],
             },
             pose: Isometry3::from_parts(
@@ -139,6 +139,36 @@ mod tests {
                 rotation,
             ),
             table_height: 0.0,
+        }
+    }
+
+    /// Whether a point within 0.1 m lies within a radius of a curve, looked up in a raster of 0.05 mm.
+    fn ink(curve: &[Point], radius: f64) -> impl Fn(Point) -> bool {
+        const CELL: f64 = 0.05e-3;
+        const SIDE: i32 = 4400;
+        let mut raster = vec![false; (SIDE * SIDE) as usize];
+        let index = |x: i32, y: i32| (y + SIDE / 2) * SIDE + x + SIDE / 2;
+        let (dense, _) = resample(curve, CELL, false);
+        let reach = (radius / CELL).ceil() as i32;
+        for point in dense {
+            let (x, y) = (
+                (point.x / CELL).round() as i32,
+                (point.y / CELL).round() as i32,
+            );
+            for dy in -reach..=reach {
+                for dx in -reach..=reach {
+                    if f64::from(dx).hypot(f64::from(dy)) * CELL < radius {
+                        raster[index(x + dx, y + dy) as usize] = true;
+                    }
+                }
+            }
+        }
+        move |point| {
+            let (x, y) = (
+                (point.x / CELL).round() as i32,
+                (point.y / CELL).round() as i32,
+            );
+            x.abs().max(y.abs()) < SIDE / 2 && raster[index(x, y) as usize]
         }
     }
 
@@ -186,7 +216,7 @@ mod tests {
                 "loop",
                 along(&|t| {
                     Point::new(
-                        0.16 * (t - 0.5) - 0.03 * (4.0 * PI * t).sin(),
+                        0.16 * (t - 0.5) + 0.03 * (4.0 * PI * t).sin(),
                         0.05 * (4.0 * PI * t).cos(),
                     )
                 }),
@@ -199,20 +229,11 @@ mod tests {
         let camera = camera();
         for (name, letter) in letters() {
             // A pen 1.6 mm wide on grey paper that is darker to one side.
-            let near = |point: Point| {
-                letter
-                    .iter()
-                    .map(|p| (p - point).norm_squared())
-                    .fold(f64::INFINITY, f64::min)
-            };
+            let inked = ink(&letter, 0.0008);
             let ground = |point: Point| {
                 let paper = 200.0 + 150.0 * point.x;
-                let ink = if near(point) < 0.0008f64.powi(2) {
-                    0.3
-                } else {
-                    1.0
-                };
-                [paper * ink, paper * ink, 0.95 * paper * ink]
+                let light = if inked(point) { 0.3 } else { 1.0 };
+                [paper * light, paper * light, 0.95 * paper * light]
             };
             let options = RenderOptions {
                 noise: 4.0,

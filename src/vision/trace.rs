@@ -71,6 +71,30 @@ pub fn clean_mask(contrast: &Contrast, options: &TraceOptions) -> Mask {
     mask
 }
 
+/// Parts of the mask that thinning wears down to a point: centre, length and width of each.
+fn blobs(skeleton: &Skeleton) -> Vec<(Point, f64, f64)> {
+    let mut is_point = vec![true; skeleton.nodes.len()];
+    for node in skeleton
+        .branches
+        .iter()
+        .filter_map(|branch| branch.nodes)
+        .flatten()
+    {
+        is_point[node] = false;
+    }
+    let points = skeleton
+        .nodes
+        .iter()
+        .zip(is_point)
+        .filter(|(_, is_point)| *is_point);
+    points
+        .map(|(node, _)| {
+            let width = 2.0 * node.half_width;
+            (node.position, width, width)
+        })
+        .collect()
+}
+
 /// Finds the strands of a picture by a grey image of how much its pixels look like a rod, of the same size.
 ///
 /// # Errors
@@ -98,7 +122,7 @@ pub fn trace_contrast(
     close_gaps(&skeleton, &mask, &links, &mut crossings, colour);
     let ends = EndStops::new(&crossings);
     let mut strands = Vec::new();
-    let mut rejected = Vec::new();
+    let mut rejected = blobs(&skeleton);
     for path in paths(&skeleton, &crossings, &links) {
         let strand = centreline(contrast, &skeleton, &path, &ends);
         let (length, width) = (strand.length(), strand.width());
