@@ -1,7 +1,8 @@
 //! Pictures of rods on a table, as a camera would take them: for tests, and for cells without a camera.
 //!
 //! Rods are shaded tubes with a depth buffer; they cast shadows on the table and on the rods below. The table has any
-//! colour at any point, so that sheets, drawings and checkerboards are functions. What is not rendered: light that
+//! colour at any point, so that sheets, drawings and checkerboards are functions; what is narrower than half a pixel may
+//! be missed. What is not rendered: light that
 //! goes between rods, gloss, and depth of field.
 
 use super::Point;
@@ -54,6 +55,8 @@ impl Default for RenderOptions {
 const SAMPLES: usize = 3;
 /// Looks at the table along each side of a sample.
 const FINE: usize = 3;
+/// A pixel whose corners differ from its middle by less than this, of 255, is plain: one look is enough.
+const PLAIN: f64 = 1.5;
 
 /// Renders rods above the table of a camera. `ground` is the colour, sRGB from 0 to 255, of the table at x, y.
 pub fn render(
@@ -100,43 +103,57 @@ impl Canvas {
     }
 
     fn paint_ground(&mut self, camera: &Camera, ground: &impl Fn(Point) -> [f64; 3], seed: u64) {
-        // A regular grid of samples would move edges along it by a part of a pixel.
-        let mut jitter = Noise(!seed);
         // Between the corners of a pixel the table's coordinates are bilinear.
         let corners_along = camera.width as usize + 1;
         let corner = |index: usize| {
             let (column, row) = (index % corners_along, index / corners_along);
             let pixel = Point::new(column as f64 - 0.5, row as f64 - 0.5);
-            camera.on_table(pixel).ok()
+            let place = camera.on_table(pixel).ok()?;
+            Some((place, ground(place)))
         };
-        let corners: Vec<Option<Point>> = (0..corners_along * (camera.height as usize + 1))
+        let corners: Vec<Option<(Point, [f64; 3])>> = (0..corners_along
+            * (camera.height as usize + 1))
             .map(corner)
             .collect();
-        for row in 0..self.height {
-            for column in 0..self.width {
-                let first = row / SAMPLES * corners_along + column / SAMPLES;
-                let corner = |offset: usize| corners[first + offset];
+        // A regular grid of looks would move edges along it by a part of a pixel.
+        let mut jitter = Noise(!seed);
+        for row in 0..camera.height as usize {
+            for column in 0..camera.width as usize {
+                let first = row * corners_along + column;
+                let below = first + corners_along;
                 let (Some(a), Some(b), Some(c), Some(d)) = (
-                    corner(0),
-                    corner(1),
-                    corner(corners_along),
-                    corner(corners_along + 1),
+                    corners[first],
+                    corners[first + 1],
+                    corners[below],
+                    corners[below + 1],
                 ) else {
                     continue;
                 };
-                let mut mean = [0.0; 3];
-                for fine in 0..FINE * FINE {
-                    let mut part = |sample: usize, fine: usize| {
-                        let within = (fine as f64 + jitter.uniform()) / FINE as f64;
-                        ((sample % SAMPLES) as f64 + within) / SAMPLES as f64
+                let place = |s: f64, t: f64| {
+                    (a.0 * (1.0 - s) + b.0 * s) * (1.0 - t) + (c.0 * (1.0 - s) + d.0 * s) * t
+                };
+                let middle = ground(place(0.5, 0.5));
+                let plain = [a.1, b.1, c.1, d.1].iter().all(|corner| {
+                    corner
+                        .iter()
+                        .zip(middle)
+                        .all(|(x, y)| (x - y).abs() < PLAIN)
+                });
+                for sample in 0..SAMPLES * SAMPLES {
+                    let (i, j) = (sample % SAMPLES, sample / SAMPLES);
+                    let colour = if plain {
+                        middle
+                    } else {
+                        mean_colour(&mut jitter, |s, t| {
+                            let part = |index: usize, within: f64| {
+                                (index as f64 + within) / SAMPLES as f64
+                            };
+                            ground(place(part(i, s), part(j, t)))
+                        })
                     };
-                    let (s, t) = (part(column, fine % FINE), part(row, fine / FINE));
-                    let point = (a * (1.0 - s) + b * s) * (1.0 - t) + (c * (1.0 - s) + d * s) * t;
-                    for (mean, channel) in mean.iter_mut().zip(ground(point)) {
-                        *mean += channel / (FINE * FINE) as f64;
-                    }
+                    let index = (row * SAMPLES + j) * self.width + column * SAMPLES + i;
+                    self.colours[index] = colour.map(|channel| channel as f32);
                 }
-                self.colours[row * self.width + column] = mean.map(|channel| channel as f32);
             }
         }
     }
@@ -279,6 +296,19 @@ impl Canvas {
             }))
         })
     }
+}
+
+/// Mean of [`FINE`]² looks, one at random in each part of the unit square.
+fn mean_colour(jitter: &mut Noise, look: impl Fn(f64, f64) -> [f64; 3]) -> [f64; 3] {
+    let mut mean = [0.0; 3];
+    for fine in 0..FINE * FINE {
+        let mut part = |index: usize| (index as f64 + jitter.uniform()) / FINE as f64;
+        let (s, t) = (part(fine % FINE), part(fine / FINE));
+        for (mean, channel) in mean.iter_mut().zip(look(s, t)) {
+            *mean += channel / (FINE * FINE) as f64;
+        }
+    }
+    mean
 }
 
 /// How much of a rod's point is hidden from the light by the rods.
