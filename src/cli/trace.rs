@@ -209,12 +209,12 @@ fn trace_image(
         }
         None => None,
     };
+    let answer = answer(path, &picture, &traced, camera, mean_instance_dice).map_err(in_file)?;
+    let csv = centrelines_csv(&traced.strands, camera).map_err(in_file)?;
     if let Some(pattern) = &arguments.pattern {
         write_pattern(arguments, pattern, &traced, camera, picture.height())?;
     }
-    let answer = answer(path, &picture, &traced, camera, mean_instance_dice).map_err(in_file)?;
     if let Some(out) = out {
-        let csv = centrelines_csv(&traced.strands, camera).map_err(in_file)?;
         let svg = centrelines_svg(picture.width(), picture.height(), &traced.strands);
         write_files(
             out,
