@@ -28,7 +28,7 @@
 //! may import, too):
 //!
 //! ```text
-//! cli            ──> sweep, verify, reproduce, cell, guide, cluster
+//! cli            ──> sweep, verify, reproduce, cell, vision, guide, cluster
 //! sweep, verify  ──> experiment
 //! reproduce      ──> report
 //! report         ──> experiment
@@ -37,6 +37,7 @@
 //! knot           ──> mechanics
 //! mechanics      ──> linalg
 //! cell           ──> robot, scenario, figure
+//! vision         ──> figure
 //! ```
 //!
 //! | room | what lives there |
@@ -56,6 +57,7 @@
 //! | [`results`] | results directories, checkpoints, VTK |
 //! | [`cluster`] | Slurm job arrays |
 //! | [`figure`] | pictures of plain curves and rows |
+//! | [`vision`] | images → centrelines in pixels and metres, cameras, scores |
 //!
 //! Inside [`mechanics`], [`rod`](mechanics::rod), [`contact`](mechanics::contact) and
 //! [`fluid`](mechanics::fluid) do not know each other; [`system`](mechanics::system) adds their forces up into one
@@ -82,3 +84,4 @@ pub mod run;
 pub mod scenario;
 pub mod sweep;
 pub mod verify;
+pub mod vision;

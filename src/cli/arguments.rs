@@ -2,8 +2,8 @@
 
 use super::failure::Failure;
 use super::{
-    check, completions, explain, gather, guide, init, measure, plan, plot, reproduce, run, solve,
-    status, stream, submit, verify, view,
+    calibrate, check, completions, explain, gather, guide, init, measure, plan, plot, reproduce,
+    run, score, solve, status, stream, submit, trace, verify, view,
 };
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use std::io::IsTerminal;
@@ -69,6 +69,12 @@ pub enum Command {
     Status(status::StatusArguments),
     /// Collect the cases of a sweep into its tables and figures
     Gather(gather::GatherArguments),
+    /// Find the centrelines of rods in an image
+    Trace(trace::TraceArguments),
+    /// Compare a deployed curve with its pattern
+    Score(score::ScoreArguments),
+    /// Calibrate a camera, its pose or its mount
+    Calibrate(calibrate::CalibrateArguments),
     /// Print a completion script for a shell
     Completions(completions::CompletionsArguments),
 }

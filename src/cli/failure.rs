@@ -9,6 +9,7 @@ use crate::results::ResultsError;
 use crate::run::RunError;
 use crate::scenario::ScenarioError;
 use crate::sweep::SweepError;
+use crate::vision::VisionError;
 
 /// Why the program fails.
 #[derive(Debug)]
@@ -146,5 +147,14 @@ impl From<PlotError> for Failure {
 impl From<ViewError> for Failure {
     fn from(error: ViewError) -> Self {
         Self::View(error)
+    }
+}
+
+impl From<VisionError> for Failure {
+    fn from(error: VisionError) -> Self {
+        match error {
+            VisionError::Unwritable { .. } => Self::System(error.to_string()),
+            error => Self::Input(error.to_string()),
+        }
     }
 }

@@ -14,6 +14,7 @@
 //! | 130 | interrupted, with a checkpoint written |
 
 mod arguments;
+mod calibrate;
 mod check;
 mod completions;
 mod exit_code;
@@ -32,6 +33,7 @@ mod plot;
 mod reproduce;
 mod run;
 mod schema;
+mod score;
 mod solve;
 mod solve_arm;
 mod solve_knot;
@@ -39,6 +41,7 @@ mod status;
 mod stream;
 mod submit;
 mod sweep;
+mod trace;
 mod verify;
 mod view;
 
@@ -86,6 +89,9 @@ fn run_command(arguments: &Arguments) -> Result<(), Failure> {
         Command::Submit(command) => submit::submit(command),
         Command::Status(command) => status::status(command),
         Command::Gather(command) => gather::gather(command),
+        Command::Trace(command) => trace::trace(command),
+        Command::Score(command) => score::score(command),
+        Command::Calibrate(command) => calibrate::calibrate(command),
         Command::Completions(command) => completions::completions(command),
     }
 }

@@ -15,7 +15,15 @@ type Table = &'static [(&'static str, &'static [&'static str])];
 const ROOMS: Table = &[
     (
         "cli",
-        &["sweep", "verify", "reproduce", "cell", "guide", "cluster"],
+        &[
+            "sweep",
+            "verify",
+            "reproduce",
+            "cell",
+            "vision",
+            "guide",
+            "cluster",
+        ],
     ),
     ("sweep", &["experiment"]),
     ("verify", &["experiment"]),
@@ -27,6 +35,7 @@ const ROOMS: Table = &[
     ("mechanics", &["linalg"]),
     ("cell", &["robot", "scenario", "figure"]),
     ("robot", &[]),
+    ("vision", &["figure"]),
     ("scenario", &[]),
     ("results", &[]),
     ("figure", &[]),

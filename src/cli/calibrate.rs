@@ -1,0 +1,313 @@
+//! `rodlab calibrate`: cameras and where they are mounted.
+
+use super::failure::Failure;
+use super::output::{print, print_json};
+use super::solve::positive_length;
+use crate::results::write_whole;
+use crate::vision::{
+    Calibration, Camera, Checkerboard, HandEye, Point, VisionError, board_pose,
+    calibrate as calibrate_lens, hand_eye, pictures_in, read_picture, read_poses,
+};
+use clap::{Args, Subcommand};
+use nalgebra::Isometry3;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Arguments of `rodlab calibrate`.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct CalibrateArguments {
+    /// What is calibrated
+    #[command(subcommand)]
+    what: What,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  rodlab calibrate camera views/ --board 9x6 --square \"25 mm\" --out camera.toml
+  rodlab calibrate camera views/ --board 9x6 --square \"25 mm\" --table table.png --out camera.toml
+  rodlab calibrate pose table.png --board 9x6 --square \"25 mm\" --cell camera.toml
+  rodlab calibrate hand-eye hand.csv target.csv";
+
+#[derive(Debug, Subcommand)]
+enum What {
+    /// Focal lengths, principal point and distortion, from pictures of a checkerboard
+    Camera(CameraArguments),
+    /// The pose of a camera whose lens is known, from one picture of a checkerboard on the table
+    Pose(PoseArguments),
+    /// Where a camera is mounted on a hand, from pairs of poses
+    HandEye(HandEyeArguments),
+}
+
+#[derive(Debug, Args)]
+struct BoardArguments {
+    /// Inner corners of the checkerboard along both sides, as in 9x6
+    #[arg(long, value_name = "COLUMNSxROWS", value_parser = board_size)]
+    board: (usize, usize),
+    /// Side of its squares, in metres or with a unit
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
+    square: f64,
+}
+
+impl BoardArguments {
+    fn board(&self) -> Checkerboard {
+        Checkerboard {
+            columns: self.board.0,
+            rows: self.board.1,
+            square: self.square,
+        }
+    }
+}
+
+#[derive(Debug, Args)]
+struct CameraArguments {
+    /// PNG or JPEG images, or folders of them
+    #[arg(required = true, value_name = "IMAGE")]
+    images: Vec<PathBuf>,
+    #[command(flatten)]
+    board: BoardArguments,
+    /// The image in which the board lies on the table: its lower left inner corner becomes the origin of the world
+    /// [default: the first one]
+    #[arg(long, value_name = "IMAGE")]
+    table: Option<PathBuf>,
+    /// Where to write the table [camera]
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Print the result as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Args)]
+struct PoseArguments {
+    /// A PNG or JPEG image of the board
+    image: PathBuf,
+    #[command(flatten)]
+    board: BoardArguments,
+    /// File whose table [camera] gives the lens
+    #[arg(long, value_name = "FILE")]
+    cell: PathBuf,
+    /// Where to write the table [camera] with the pose found
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+struct HandEyeArguments {
+    /// Poses of the hand in the base: CSV with columns x_m, y_m, z_m, qw, qx, qy, qz
+    hand: PathBuf,
+    /// Poses of the target in the camera, row by row at the same moments
+    target: PathBuf,
+    /// The camera does not move and the hand holds the target
+    #[arg(long)]
+    fixed_camera: bool,
+}
+
+fn board_size(text: &str) -> Result<(usize, usize), String> {
+    let sides = text.split_once(['x', '×']);
+    let sides = sides.and_then(|(a, b)| Some((a.trim().parse().ok()?, b.trim().parse().ok()?)));
+    sides
+        .filter(|(a, b)| (2..=60).contains(a) && (2..=60).contains(b))
+        .ok_or_else(|| "expected two whole numbers from 2 to 60, as in 9x6".into())
+}
+
+#[derive(Serialize)]
+struct CameraAnswer {
+    images: usize,
+    reprojection_rms_px: f64,
+    views: Vec<ViewAnswer>,
+    /// Standard deviations.
+    fx_deviation_px: f64,
+    fy_deviation_px: f64,
+    cx_deviation_px: f64,
+    cy_deviation_px: f64,
+    left_out: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct ViewAnswer {
+    image: PathBuf,
+    reprojection_rms_px: f64,
+}
+
+#[derive(Serialize)]
+struct PoseAnswer {
+    position_m: [f64; 3],
+    quaternion_wxyz: [f64; 4],
+}
+
+impl PoseAnswer {
+    fn of(pose: &Isometry3<f64>) -> Self {
+        let turn = pose.rotation;
+        Self {
+            position_m: pose.translation.vector.into(),
+            quaternion_wxyz: [turn.w, turn.i, turn.j, turn.k],
+        }
+    }
+}
+
+/// Calibrates and prints what was found.
+pub fn calibrate(arguments: &CalibrateArguments) -> Result<(), Failure> {
+    match &arguments.what {
+        What::Camera(arguments) => camera(arguments),
+        What::Pose(arguments) => pose(arguments),
+        What::HandEye(arguments) => mount(arguments),
+    }
+}
+
+fn camera(arguments: &CameraArguments) -> Result<(), Failure> {
+    let board = arguments.board.board();
+    let mut paths = Vec::new();
+    for image in &arguments.images {
+        if image.is_dir() {
+            paths.extend(pictures_in(image)?);
+        } else {
+            paths.push(image.clone());
+        }
+    }
+    if let Some(table) = &arguments.table
+        && !paths.contains(table)
+    {
+        paths.push(table.clone());
+    }
+    let (mut used, mut views, mut left_out, mut size) = (Vec::new(), Vec::new(), Vec::new(), None);
+    for path in paths {
+        let picture = read_picture(&path)?;
+        let found = picture.dimensions();
+        let expected = *size.get_or_insert(found);
+        if found != expected {
+            return Err(VisionError::Size {
+                what: path.display().to_string(),
+                found_width: found.0 as usize,
+                found_height: found.1 as usize,
+                width: expected.0 as usize,
+                height: expected.1 as usize,
+            }
+            .into());
+        }
+        match board.find(&picture) {
+            Ok(corners) => {
+                used.push(path);
+                views.push(corners);
+            }
+            Err(error) => left_out.push(format!("{}: {error}", path.display())),
+        }
+    }
+    let nothing = || {
+        Failure::Input(format!(
+            "no image shows the board:\n{}",
+            left_out.join("\n")
+        ))
+    };
+    let (width, height) = size.filter(|_| !views.is_empty()).ok_or_else(nothing)?;
+    let found = calibrate_lens(&board, &views, width, height)?;
+    let on_table = match &arguments.table {
+        None => 0,
+        Some(table) => used.iter().position(|path| path == table).ok_or_else(|| {
+            Failure::Input(format!(
+                "{}: it does not show the whole board",
+                table.display()
+            ))
+        })?,
+    };
+    let calibrated = found.camera(on_table, width, height);
+    if let Some(out) = &arguments.out {
+        write_whole(out, calibrated.to_toml().as_bytes())?;
+    }
+    let [fx, fy, cx, cy, ..] = found.lens_deviations;
+    let answer = CameraAnswer {
+        images: used.len(),
+        reprojection_rms_px: found.reprojection_rms,
+        views: view_answers(used, &found),
+        fx_deviation_px: fx,
+        fy_deviation_px: fy,
+        cx_deviation_px: cx,
+        cy_deviation_px: cy,
+        left_out,
+    };
+    if arguments.json {
+        return print_json(&answer);
+    }
+    let mut text = format!(
+        "# {} images, reprojection {:.4} px\n",
+        answer.images, answer.reprojection_rms_px
+    );
+    for view in &answer.views {
+        text += &format!(
+            "# {:.4} px  {}\n",
+            view.reprojection_rms_px,
+            view.image.display()
+        );
+    }
+    for fault in &answer.left_out {
+        text += &format!("# left out: {fault}\n");
+    }
+    text += &format!(
+        "# standard deviations: fx {fx:.2}, fy {fy:.2}, cx {cx:.2}, cy {cy:.2} px\n{}",
+        calibrated.to_toml()
+    );
+    print(&text)
+}
+
+fn view_answers(used: Vec<PathBuf>, found: &Calibration) -> Vec<ViewAnswer> {
+    let views = used.into_iter().zip(&found.view_rms);
+    let answers = views.map(|(image, rms)| ViewAnswer {
+        image,
+        reprojection_rms_px: *rms,
+    });
+    answers.collect()
+}
+
+fn pose(arguments: &PoseArguments) -> Result<(), Failure> {
+    let known = Camera::read(&arguments.cell)?;
+    let picture = read_picture(&arguments.image)?;
+    known.check_size(picture.width(), picture.height())?;
+    let board = arguments.board.board();
+    let corners: Vec<Point> = board
+        .find(&picture)
+        .map_err(|error| Failure::Input(format!("{}: {error}", arguments.image.display())))?;
+    let (seen, rms) = board_pose(&board, &corners, &known.lens)?;
+    let camera = Camera {
+        pose: seen.inverse(),
+        table_height: 0.0,
+        ..known
+    };
+    let text = format!("# reprojection {rms:.4} px\n{}", camera.to_toml());
+    if let Some(out) = &arguments.out {
+        write_whole(out, text.as_bytes())?;
+    }
+    print(&text)
+}
+
+#[derive(Serialize)]
+struct HandEyeAnswer {
+    pairs: usize,
+    camera: PoseAnswer,
+    target: PoseAnswer,
+    position_rms_m: f64,
+    rotation_rms_degrees: f64,
+}
+
+fn mount(arguments: &HandEyeArguments) -> Result<(), Failure> {
+    let poses = |path: &Path| read_poses(path).map_err(Failure::from);
+    let mut hands = poses(&arguments.hand)?;
+    let targets = poses(&arguments.target)?;
+    if arguments.fixed_camera {
+        for hand in &mut hands {
+            hand.inverse_mut();
+        }
+    }
+    let HandEye {
+        camera,
+        target,
+        position_rms,
+        rotation_rms,
+    } = hand_eye(&hands, &targets)?;
+    print_json(&HandEyeAnswer {
+        pairs: hands.len(),
+        camera: PoseAnswer::of(&camera),
+        target: PoseAnswer::of(&target),
+        position_rms_m: position_rms,
+        rotation_rms_degrees: rotation_rms.to_degrees(),
+    })
+}

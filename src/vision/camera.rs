@@ -1,0 +1,467 @@
+//! A pinhole camera with lens distortion, its pose, and the table it looks at.
+
+use super::{Point, VisionError};
+use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+use toml::{Table, Value};
+
+/// How a camera images directions: focal lengths, principal point and distortion.
+///
+/// A point (X, Y, Z) in the camera's axes, x to the right, y down, z along the view, has x = X/Z, y = Y/Z and, with
+/// r² = x² + y² (Brown 1971; the five coefficients as OpenCV orders them),
+///
+/// x' = x (1 + k1 r² + k2 r⁴ + k3 r⁶) + 2 p1 x y + p2 (r² + 2 x²),
+/// y' = y (1 + k1 r² + k2 r⁴ + k3 r⁶) + p1 (r² + 2 y²) + 2 p2 x y,
+///
+/// u = fx x' + cx, v = fy y' + cy, in pixels; (0, 0) is the centre of the first pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lens {
+    /// Focal lengths fx, fy, pixels.
+    pub focal: [f64; 2],
+    /// Principal point cx, cy, pixels.
+    pub centre: [f64; 2],
+    /// k1, k2, p1, p2, k3.
+    pub distortion: [f64; 5],
+}
+
+impl Lens {
+    /// Pixel of a direction given by (X/Z, Y/Z).
+    pub fn image(&self, direction: Point) -> Point {
+        let distorted = self.distort(direction).0;
+        Point::new(
+            self.focal[0] * distorted.x + self.centre[0],
+            self.focal[1] * distorted.y + self.centre[1],
+        )
+    }
+
+    /// The distorted direction, and its derivatives by x and y.
+    fn distort(&self, direction: Point) -> (Point, nalgebra::Matrix2<f64>) {
+        let [k1, k2, p1, p2, k3] = self.distortion;
+        let (x, y) = (direction.x, direction.y);
+        let r2 = x * x + y * y;
+        let radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
+        let slope = k1 + r2 * (2.0 * k2 + 3.0 * k3 * r2);
+        let distorted = Point::new(
+            x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
+            y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y,
+        );
+        let mixed = 2.0 * x * y * slope + 2.0 * p1 * x + 2.0 * p2 * y;
+        let derivatives = nalgebra::Matrix2::new(
+            radial + 2.0 * x * x * slope + 2.0 * p1 * y + 6.0 * p2 * x,
+            mixed,
+            mixed,
+            radial + 2.0 * y * y * slope + 6.0 * p1 * y + 2.0 * p2 * x,
+        );
+        (distorted, derivatives)
+    }
+
+    /// Direction (X/Z, Y/Z) that is imaged at a pixel, by Newton's method; none where the distortion folds over.
+    pub fn direction(&self, pixel: Point) -> Option<Point> {
+        let target = Point::new(
+            (pixel.x - self.centre[0]) / self.focal[0],
+            (pixel.y - self.centre[1]) / self.focal[1],
+        );
+        let mut direction = target;
+        for _ in 0..30 {
+            let (distorted, derivatives) = self.distort(direction);
+            let residual = distorted - target;
+            if residual.norm() < 1e-13 {
+                break;
+            }
+            let step = derivatives.try_inverse()? * residual;
+            // Far from the centre a full step may leave the range in which the polynomial rises.
+            let limit = 0.25 / step.norm().max(0.25);
+            direction -= step * limit;
+        }
+        let (distorted, derivatives) = self.distort(direction);
+        let found = (distorted - target).norm() < 1e-9 && derivatives.determinant() > 0.0;
+        found.then_some(direction)
+    }
+
+    /// Derivatives of [`image`](Self::image) by direction, and by fx, fy, cx, cy, k1, k2, p1, p2, k3.
+    pub(super) fn derivatives(&self, direction: Point) -> (nalgebra::Matrix2<f64>, [Point; 9]) {
+        let (distorted, by_direction) = self.distort(direction);
+        let (x, y) = (direction.x, direction.y);
+        let r2 = x * x + y * y;
+        let [fx, fy] = self.focal;
+        let scaled = |dx: f64, dy: f64| Point::new(fx * dx, fy * dy);
+        let by_direction = nalgebra::Matrix2::new(fx, 0.0, 0.0, fy) * by_direction;
+        let by_lens = [
+            Point::new(distorted.x, 0.0),
+            Point::new(0.0, distorted.y),
+            Point::x(),
+            Point::y(),
+            scaled(x * r2, y * r2),
+            scaled(x * r2 * r2, y * r2 * r2),
+            scaled(2.0 * x * y, r2 + 2.0 * y * y),
+            scaled(r2 + 2.0 * x * x, 2.0 * x * y),
+            scaled(x * r2 * r2 * r2, y * r2 * r2 * r2),
+        ];
+        (by_direction, by_lens)
+    }
+}
+
+/// A camera in the world, which has its z axis upwards, and a table whose top is horizontal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Pixels along a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// How it images directions.
+    pub lens: Lens,
+    /// Its axes in the world: x to the right of the image, y down, z along the view. Metres.
+    pub pose: Isometry3<f64>,
+    /// Height z of the plane on which image points are located, metres.
+    pub table_height: f64,
+}
+
+impl Camera {
+    /// Pixel of a point of the world in metres; none behind the camera.
+    pub fn project(&self, point: Vector3<f64>) -> Option<Point> {
+        let seen = self.pose.inverse_transform_point(&point.into());
+        (seen.z > 1e-9).then(|| {
+            self.lens
+                .image(Point::new(seen.x / seen.z, seen.y / seen.z))
+        })
+    }
+
+    /// x and y in the world, metres, of what is imaged at a pixel and lies on the table.
+    ///
+    /// # Errors
+    /// The ray through the pixel does not meet the table, or the lens does not image any direction there.
+    pub fn on_table(&self, pixel: Point) -> Result<Point, VisionError> {
+        self.on_plane(pixel, self.table_height)
+    }
+
+    /// The same for a horizontal plane at another height z.
+    ///
+    /// # Errors
+    /// As [`on_table`](Self::on_table).
+    pub fn on_plane(&self, pixel: Point, height: f64) -> Result<Point, VisionError> {
+        let missing = |reason: &str| VisionError::NotFound {
+            what: "a point of the table",
+            reason: format!("pixel ({:.1}, {:.1}): {reason}", pixel.x, pixel.y),
+        };
+        let direction = self
+            .lens
+            .direction(pixel)
+            .ok_or_else(|| missing("the lens distortion folds over there"))?;
+        let ray = self.pose.rotation * Vector3::new(direction.x, direction.y, 1.0);
+        let start = self.pose.translation.vector;
+        let reach = (height - start.z) / ray.z;
+        if !(reach > 0.0) || !reach.is_finite() {
+            return Err(missing("its ray does not meet the table"));
+        }
+        let point = start + ray * reach;
+        Ok(Point::new(point.x, point.y))
+    }
+
+    /// Reads the table `[camera]` of a TOML file; other tables are left alone.
+    ///
+    /// # Errors
+    /// The file cannot be read, is no TOML, or its table `[camera]` lacks a key or holds an impossible value.
+    pub fn read(path: &Path) -> Result<Self, VisionError> {
+        let text = fs::read_to_string(path).map_err(|error| VisionError::Unreadable {
+            path: path.into(),
+            reason: error.to_string(),
+        })?;
+        let document: Table = text.parse().map_err(|error| VisionError::Malformed {
+            path: path.into(),
+            reason: format!("no TOML: {error}"),
+        })?;
+        let camera = document.get("camera").and_then(Value::as_table);
+        let reader = CameraReader {
+            path,
+            table: camera.ok_or_else(|| VisionError::Camera {
+                path: path.into(),
+                key: "camera".into(),
+                reason: "there is no table [camera]; rodlab calibrate camera writes one".into(),
+            })?,
+        };
+        reader.camera()
+    }
+
+    /// The camera as a TOML table `[camera]`.
+    pub fn to_toml(&self) -> String {
+        let list = |values: &[f64]| {
+            let texts: Vec<String> = values.iter().map(|value| format!("{value:?}")).collect();
+            format!("[{}]", texts.join(", "))
+        };
+        let mut text = String::from("[camera]\n");
+        let Lens {
+            focal,
+            centre,
+            distortion,
+        } = self.lens;
+        let quaternion = self.pose.rotation;
+        let _ = write!(
+            text,
+            "width = {}\nheight = {}\n\
+             # pixels; the centre of the first pixel is (0, 0)\n\
+             fx = {:?}\nfy = {:?}\ncx = {:?}\ncy = {:?}\n\
+             # k1, k2, p1, p2, k3\ndistortion = {}\n\
+             # of the camera in the world, metres; w, x, y, z: its z axis is the view, its y axis points down\n\
+             position = {}\nquaternion = {}\n\
+             # height z of the plane on which points are located, metres\ntable_height = {:?}\n",
+            self.width,
+            self.height,
+            focal[0],
+            focal[1],
+            centre[0],
+            centre[1],
+            list(&distortion),
+            list(self.pose.translation.vector.as_slice()),
+            list(&[quaternion.w, quaternion.i, quaternion.j, quaternion.k]),
+            self.table_height
+        );
+        text
+    }
+
+    /// Refuses pictures of another size: coordinates would be wrong without notice.
+    ///
+    /// # Errors
+    /// [`VisionError::Size`].
+    pub fn check_size(&self, width: u32, height: u32) -> Result<(), VisionError> {
+        if (width, height) == (self.width, self.height) {
+            return Ok(());
+        }
+        Err(VisionError::Size {
+            what: "the image".into(),
+            found_width: width as usize,
+            found_height: height as usize,
+            width: self.width as usize,
+            height: self.height as usize,
+        })
+    }
+}
+
+const KEYS: [&str; 10] = [
+    "width",
+    "height",
+    "fx",
+    "fy",
+    "cx",
+    "cy",
+    "distortion",
+    "position",
+    "quaternion",
+    "table_height",
+];
+
+struct CameraReader<'a> {
+    path: &'a Path,
+    table: &'a Table,
+}
+
+impl CameraReader<'_> {
+    fn fault(&self, key: &str, reason: impl Into<String>) -> VisionError {
+        VisionError::Camera {
+            path: self.path.into(),
+            key: format!("camera.{key}"),
+            reason: reason.into(),
+        }
+    }
+
+    fn number_of(value: &Value) -> Option<f64> {
+        let number = value
+            .as_float()
+            .or_else(|| value.as_integer().map(|n| n as f64));
+        number.filter(|number| number.is_finite())
+    }
+
+    fn get(&self, key: &str) -> Result<&Value, VisionError> {
+        self.table
+            .get(key)
+            .ok_or_else(|| self.fault(key, "it is missing; rodlab calibrate camera writes it"))
+    }
+
+    fn number(&self, key: &str) -> Result<f64, VisionError> {
+        Self::number_of(self.get(key)?).ok_or_else(|| self.fault(key, "expected a finite number"))
+    }
+
+    fn size(&self, key: &str) -> Result<u32, VisionError> {
+        let size = self.get(key)?.as_integer();
+        let size = size.and_then(|size| u32::try_from(size).ok());
+        size.filter(|size| (1..=super::LONGEST_SIDE).contains(size))
+            .ok_or_else(|| {
+                let most = super::LONGEST_SIDE;
+                self.fault(
+                    key,
+                    format!("expected a whole number of pixels, 1 to {most}"),
+                )
+            })
+    }
+
+    fn list<const N: usize>(&self, key: &str) -> Result<[f64; N], VisionError> {
+        let values = self.get(key)?.as_array();
+        let numbers: Option<Vec<f64>> =
+            values.and_then(|values| values.iter().map(Self::number_of).collect());
+        numbers
+            .and_then(|numbers| numbers.try_into().ok())
+            .ok_or_else(|| self.fault(key, format!("expected a list of {N} finite numbers")))
+    }
+
+    fn camera(&self) -> Result<Camera, VisionError> {
+        if let Some(key) = self.table.keys().find(|key| !KEYS.contains(&key.as_str())) {
+            return Err(self.fault(key, format!("unknown key; known are {}", KEYS.join(", "))));
+        }
+        let focal = [self.number("fx")?, self.number("fy")?];
+        for (key, focal) in ["fx", "fy"].into_iter().zip(focal) {
+            if focal <= 0.0 {
+                return Err(self.fault(key, "a focal length is positive"));
+            }
+        }
+        let optional = |key: &str| self.table.contains_key(key);
+        let distortion = if optional("distortion") {
+            self.list("distortion")?
+        } else {
+            [0.0; 5]
+        };
+        let [w, x, y, z] = self.list("quaternion")?;
+        let norm = (w * w + x * x + y * y + z * z).sqrt();
+        if !((norm - 1.0).abs() < 1e-3) {
+            return Err(self.fault(
+                "quaternion",
+                format!("[w, x, y, z] has norm {norm:.4}, expected 1"),
+            ));
+        }
+        let rotation = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
+        let position: [f64; 3] = self.list("position")?;
+        let camera = Camera {
+            width: self.size("width")?,
+            height: self.size("height")?,
+            lens: Lens {
+                focal,
+                centre: [self.number("cx")?, self.number("cy")?],
+                distortion,
+            },
+            pose: Isometry3::from_parts(Translation3::from(Vector3::from(position)), rotation),
+            table_height: if optional("table_height") {
+                self.number("table_height")?
+            } else {
+                0.0
+            },
+        };
+        Ok(camera)
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    /// A camera 0.6 m above a table, looking down at a slant.
+    pub fn slanted_camera() -> Camera {
+        let down = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
+        let slant = UnitQuaternion::from_euler_angles(0.25, -0.1, 0.3);
+        Camera {
+            width: 1280,
+            height: 720,
+            lens: Lens {
+                focal: [910.0, 905.0],
+                centre: [640.0, 365.0],
+                distortion: [0.08, -0.15, 0.001, -0.0007, 0.05],
+            },
+            pose: Isometry3::from_parts(Translation3::new(0.1, 0.2, 0.6), slant * down),
+            table_height: 0.0,
+        }
+    }
+
+    #[test]
+    fn pixels_come_back_from_the_table() {
+        let camera = slanted_camera();
+        for (u, v) in [(0.0, 0.0), (640.0, 365.0), (1279.0, 719.0), (100.0, 600.0)] {
+            let pixel = Point::new(u, v);
+            let on_table = camera.on_table(pixel).expect("a point");
+            let back = camera
+                .project(Vector3::new(on_table.x, on_table.y, 0.0))
+                .expect("in front");
+            assert!((back - pixel).norm() < 1e-8, "{back}");
+        }
+    }
+
+    #[test]
+    fn without_distortion_the_image_is_a_perspective() {
+        let mut camera = slanted_camera();
+        camera.lens.distortion = [0.0; 5];
+        camera.pose = Isometry3::from_parts(
+            Translation3::new(0.0, 0.0, 1.0),
+            UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI),
+        );
+        let pixel = camera
+            .project(Vector3::new(0.1, 0.2, 0.0))
+            .expect("in front");
+        assert!((pixel - Point::new(640.0 + 91.0, 365.0 - 181.0)).norm() < 1e-9);
+    }
+
+    #[test]
+    fn a_file_reads_back_as_it_was_written() {
+        let folder = std::env::temp_dir().join(format!("camera-{}", std::process::id()));
+        fs::create_dir_all(&folder).expect("a folder");
+        let path = folder.join("cell.toml");
+        let camera = slanted_camera();
+        let text = format!("name = \"cell\"\n{}\n[arm]\nx = 1\n", camera.to_toml());
+        fs::write(&path, &text).expect("a file");
+        let read = Camera::read(&path).expect("a camera");
+        assert_eq!(read.lens, camera.lens);
+        assert!((read.pose.translation.vector - camera.pose.translation.vector).norm() < 1e-15);
+        assert!(read.pose.rotation.angle_to(&camera.pose.rotation) < 1e-12);
+        let faults = [
+            ("fx = 910.0", "fx = -1", "camera.fx"),
+            ("fx = 910.0", "focal = 3", "camera.focal"),
+            ("fx = 910.0", "", "camera.fx"),
+            ("width = 1280", "width = 0", "camera.width"),
+            ("[camera]", "[other]", "camera: there is no table"),
+            ("position = [", "position = [1, ", "camera.position"),
+            ("quaternion = [", "quaternion = [3, ", "camera.quaternion"),
+        ];
+        for (old, new, expected) in faults {
+            fs::write(&path, text.replacen(old, new, 1)).expect("a file");
+            let error = Camera::read(&path).expect_err("a fault").to_string();
+            assert!(error.contains(expected), "{error}");
+        }
+        fs::remove_dir_all(&folder).expect("the folder goes");
+    }
+
+    #[test]
+    fn derivatives_agree_with_differences() {
+        let lens = slanted_camera().lens;
+        let direction = Point::new(0.31, -0.22);
+        let (by_direction, by_lens) = lens.derivatives(direction);
+        let h = 1e-6;
+        for axis in 0..2 {
+            let mut step = Point::zeros();
+            step[axis] = h;
+            let difference =
+                (lens.image(direction + step) - lens.image(direction - step)) / (2.0 * h);
+            assert!((by_direction.column(axis) - difference).norm() < 1e-4);
+        }
+        for (parameter, derivative) in by_lens.iter().enumerate() {
+            let moved = |sign: f64| {
+                let mut lens = lens;
+                let value = match parameter {
+                    0 | 1 => &mut lens.focal[parameter],
+                    2 | 3 => &mut lens.centre[parameter - 2],
+                    _ => &mut lens.distortion[parameter - 4],
+                };
+                *value += sign * h;
+                lens.image(direction)
+            };
+            let difference = (moved(1.0) - moved(-1.0)) / (2.0 * h);
+            assert!((derivative - difference).norm() < 1e-4, "{parameter}");
+        }
+    }
+
+    #[test]
+    fn rays_above_the_horizon_are_refused() {
+        let mut camera = slanted_camera();
+        camera.pose.rotation = UnitQuaternion::identity();
+        let error = camera
+            .on_table(Point::new(640.0, 300.0))
+            .expect_err("a miss");
+        assert!(error.to_string().contains("does not meet the table"));
+    }
+}

@@ -1,0 +1,415 @@
+//! Centrelines to sub-pixel accuracy: the middle between both edges of a strand, smoothed along it.
+
+use super::Point;
+use super::contrast::Contrast;
+use super::crossing::{Arm, Crossing, distorted_pixels};
+use super::skeleton::{Skeleton, median};
+use super::smoothing::{resample, smooth};
+use super::strand::Path;
+use std::collections::BTreeMap;
+
+/// A strand of an image: the curve along its middle, and how wide it is.
+///
+/// Pixel coordinates: u to the right, v down, (0, 0) is the centre of the first pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Strand {
+    /// Points along the strand, at nearly equal distances, pixels.
+    pub points: Vec<Point>,
+    /// Width at each point, pixels.
+    pub widths: Vec<f64>,
+    /// Whether the last point is followed by the first.
+    pub closed: bool,
+}
+
+impl Strand {
+    /// Length, pixels.
+    pub fn length(&self) -> f64 {
+        let steps = self
+            .points
+            .windows(2)
+            .map(|pair| (pair[1] - pair[0]).norm());
+        let seam = match (self.closed, self.points.first(), self.points.last()) {
+            (true, Some(first), Some(last)) => (first - last).norm(),
+            _ => 0.0,
+        };
+        steps.sum::<f64>() + seam
+    }
+
+    /// Median width, pixels.
+    pub fn width(&self) -> f64 {
+        median(&self.widths)
+    }
+
+    /// Unit vector along the strand at a point.
+    pub fn tangent(&self, index: usize) -> Point {
+        let count = self.points.len();
+        let (before, after) = if self.closed {
+            ((index + count - 1) % count, (index + 1) % count)
+        } else {
+            (index.saturating_sub(1), (index + 1).min(count - 1))
+        };
+        let along = self.points[after] - self.points[before];
+        along.try_normalize(1e-12).unwrap_or(Point::x())
+    }
+}
+
+/// Points per width of the strand.
+const POINTS_PER_WIDTH: f64 = 6.0;
+/// Smoothing length ℓ, in widths: waves shorter than about four widths are noise of the edges.
+const SMOOTHING: f64 = 0.6;
+/// A strand is measured where its width is within these bounds of its median: elsewhere it meets another one.
+const PLAUSIBLE_WIDTH: [f64; 2] = [0.7, 1.18];
+/// Rounds of measuring across the curve and smoothing it.
+const ROUNDS: usize = 2;
+
+/// Finds the centreline of a path.
+pub(super) fn centreline(
+    contrast: &Contrast,
+    skeleton: &Skeleton,
+    path: &Path,
+    ends: &EndStops,
+) -> Strand {
+    let widths: Vec<f64> = path
+        .entries
+        .iter()
+        .map(|arm| 2.0 * skeleton.branches[arm.branch].half_width())
+        .collect();
+    let lengths = path
+        .entries
+        .iter()
+        .map(|arm| skeleton.branches[arm.branch].pixels.len());
+    let longest = lengths.enumerate().max_by_key(|(_, length)| *length);
+    let mut width = longest.map_or(1.0, |(index, _)| widths[index]).max(1.0);
+    let step = (width / POINTS_PER_WIDTH).clamp(1.0, 4.0);
+    let (mut points, mut weights) = first_guess(skeleton, path, step, ends);
+    let lambda = |width: f64| (SMOOTHING * width / step).powi(4);
+    points = smooth(&points, &weights, lambda(width), path.closed);
+    let mut measured = vec![None; points.len()];
+    for _ in 0..ROUNDS {
+        let strand = Strand {
+            widths: Vec::new(),
+            closed: path.closed,
+            points,
+        };
+        measured = (0..strand.points.len())
+            .map(|index| chord(contrast, &strand, index, width))
+            .collect();
+        let found: Vec<f64> = measured
+            .iter()
+            .flatten()
+            .map(|chord| chord.width())
+            .collect();
+        if found.len() >= 3 {
+            width = median(&found);
+        }
+        reject_outliers(&mut measured, width);
+        points = strand.points.clone();
+        for (index, chord) in measured.iter().enumerate() {
+            weights[index] = 0.0;
+            if let Some(chord) = chord {
+                weights[index] = 1.0;
+                points[index] += normal(strand.tangent(index)) * chord.middle();
+            }
+        }
+        if measured.iter().flatten().count() < 3 {
+            // Too thin or too short to measure: the skeleton has to do.
+            weights.fill(1.0);
+        }
+        points = smooth(&points, &weights, lambda(width), path.closed);
+    }
+    let mut widths = fill_gaps(&measured, width);
+    if !path.closed {
+        extend_ends(contrast, &mut points, &mut widths, step, path, ends);
+    }
+    Strand {
+        points,
+        widths,
+        closed: path.closed,
+    }
+}
+
+/// Where strands end at other strands: arms of crossings without a partner, and how far the crossing is.
+#[derive(Debug, Default)]
+pub(super) struct EndStops {
+    crossing_of: BTreeMap<Arm, Point>,
+}
+
+impl EndStops {
+    pub fn new(crossings: &[Crossing]) -> Self {
+        let mut stops = Self::default();
+        for crossing in crossings {
+            for arm in &crossing.arms {
+                stops.crossing_of.insert(*arm, crossing.position);
+            }
+        }
+        stops
+    }
+}
+
+/// Points of the skeleton along a path at a step, smoothed later; those where it is distorted have no weight.
+fn first_guess(
+    skeleton: &Skeleton,
+    path: &Path,
+    step: f64,
+    ends: &EndStops,
+) -> (Vec<Point>, Vec<f64>) {
+    let (mut raw, mut trusted) = (Vec::new(), Vec::new());
+    for entry in &path.entries {
+        let branch = &skeleton.branches[entry.branch];
+        let count = branch.pixels.len();
+        let skipped = |side: usize| {
+            let arm = Arm {
+                side,
+                branch: entry.branch,
+            };
+            if branch.nodes.is_none() {
+                0
+            } else if ends.crossing_of.contains_key(&arm) {
+                distorted_pixels(skeleton, arm)
+            } else {
+                // Skeletons turn to a corner of a strand's end.
+                (0.5 * branch.half_width()).round().min(count as f64 / 3.0) as usize
+            }
+        };
+        let mut pixels = branch.pixels[skipped(0)..count - skipped(1)].to_vec();
+        if entry.side == 1 {
+            pixels.reverse();
+        }
+        raw.extend(pixels.iter().copied());
+        // What follows the last one is a bridge.
+        trusted.extend((0..pixels.len()).map(|index| index + 1 < pixels.len()));
+    }
+    if raw.is_empty() {
+        // A path of branches without pixels: from node to node.
+        let nodes = path.entries.iter().filter_map(|entry| {
+            let nodes = skeleton.branches[entry.branch].nodes?;
+            Some(nodes.map(|node| skeleton.nodes[node].position))
+        });
+        raw = nodes.flatten().collect();
+        trusted = vec![true; raw.len()];
+    }
+    let (points, length) = resample(&raw, step, path.closed);
+    let mut weights = Vec::with_capacity(points.len());
+    let (mut segment, mut along) = (0, 0.0);
+    let whole_segments = raw.len().max(2) - 1;
+    let size = |segment: usize| (raw[(segment + 1) % raw.len()] - raw[segment % raw.len()]).norm();
+    for index in 0..points.len() {
+        let intervals = if path.closed {
+            points.len()
+        } else {
+            points.len() - 1
+        };
+        let s = length * index as f64 / intervals.max(1) as f64;
+        while segment < whole_segments && along + size(segment) < s {
+            along += size(segment);
+            segment += 1;
+        }
+        let inside = trusted.get(segment).copied().unwrap_or(false);
+        let last = index + 1 == points.len() && !path.closed;
+        let gap = size(segment) > 2.0 && !inside;
+        weights.push(f64::from(u8::from(!gap || last)));
+    }
+    (points, weights)
+}
+
+/// The edges of a strand along its normal, from a point of its centreline.
+#[derive(Clone, Copy, Debug)]
+struct Chord {
+    edges: [f64; 2],
+}
+
+impl Chord {
+    fn width(&self) -> f64 {
+        self.edges[1] - self.edges[0]
+    }
+
+    fn middle(&self) -> f64 {
+        0.5 * (self.edges[0] + self.edges[1])
+    }
+}
+
+fn normal(tangent: Point) -> Point {
+    Point::new(-tangent.y, tangent.x)
+}
+
+/// Looks for both edges within a width of a point; none where the strand is wider or leaves the image.
+fn chord(contrast: &Contrast, strand: &Strand, index: usize, width: f64) -> Option<Chord> {
+    let (centre, across) = (strand.points[index], normal(strand.tangent(index)));
+    let threshold = f64::from(contrast.threshold);
+    let value = |t: f64| {
+        let point = centre + across * t;
+        contrast.at(point.x, point.y) - threshold
+    };
+    const STEP: f64 = 0.5;
+    let reach = (width / STEP).ceil().max(4.0) as i32;
+    // A curve guessed outside of the strand begins at its nearest pixel.
+    let start = (0..=reach / 2)
+        .flat_map(|k| [k, -k])
+        .find(|k| value(f64::from(*k) * STEP) >= 0.0)?;
+    let edge = |sign: f64| {
+        let mut inside = value(f64::from(start) * STEP);
+        for k in 1..=2 * reach {
+            let t = f64::from(start) * STEP + sign * f64::from(k) * STEP;
+            let outside = value(t);
+            if outside < 0.0 {
+                let point = centre + across * t;
+                let leaves = point.x < 0.0
+                    || point.y < 0.0
+                    || point.x > (contrast.width - 1) as f64
+                    || point.y > (contrast.height - 1) as f64;
+                let back = STEP * outside / (outside - inside);
+                return (!leaves).then_some(t - sign * back);
+            }
+            inside = outside;
+        }
+        None
+    };
+    Some(Chord {
+        edges: [edge(-1.0)?, edge(1.0)?],
+    })
+}
+
+/// Drops chords of another width than the strand's, and their neighbours.
+fn reject_outliers(chords: &mut [Option<Chord>], width: f64) {
+    let plausible: Vec<bool> = chords
+        .iter()
+        .map(|chord| {
+            chord.is_some_and(|chord| {
+                let ratio = chord.width() / width;
+                PLAUSIBLE_WIDTH[0] < ratio && ratio < PLAUSIBLE_WIDTH[1]
+            })
+        })
+        .collect();
+    let count = chords.len();
+    for (index, chord) in chords.iter_mut().enumerate() {
+        let near = index.saturating_sub(1)..(index + 2).min(count);
+        if !plausible[near].iter().all(|plausible| *plausible) {
+            *chord = None;
+        }
+    }
+}
+
+/// Widths at all points, mean over five neighbours, between measured ones by interpolation.
+fn fill_gaps(chords: &[Option<Chord>], width: f64) -> Vec<f64> {
+    let measured: Vec<(usize, f64)> = chords
+        .iter()
+        .enumerate()
+        .filter_map(|(index, chord)| Some((index, chord.as_ref()?.width())))
+        .collect();
+    if measured.is_empty() {
+        return vec![width; chords.len()];
+    }
+    let mut next = 0;
+    let filled: Vec<f64> = (0..chords.len())
+        .map(|index| {
+            while next < measured.len() && measured[next].0 < index {
+                next += 1;
+            }
+            let after = measured.get(next);
+            let before = next.checked_sub(1).map(|before| measured[before]);
+            match (before, after) {
+                (_, Some((at, width))) if *at == index => *width,
+                (Some((a, wa)), Some((b, wb))) => {
+                    let t = (index - a) as f64 / (b - a) as f64;
+                    wa + (wb - wa) * t
+                }
+                (Some((_, width)), None) => width,
+                (None, Some((_, width))) => *width,
+                (None, None) => width,
+            }
+        })
+        .collect();
+    (0..filled.len())
+        .map(|index| {
+            let near = &filled[index.saturating_sub(2)..(index + 3).min(filled.len())];
+            near.iter().sum::<f64>() / near.len() as f64
+        })
+        .collect()
+}
+
+/// Moves both ends along the strand to where it ends: the edge of the mask or of the image, or another strand.
+fn extend_ends(
+    contrast: &Contrast,
+    points: &mut Vec<Point>,
+    widths: &mut Vec<f64>,
+    step: f64,
+    path: &Path,
+    ends: &EndStops,
+) {
+    for end in 0..2 {
+        // The end to be moved is the last one.
+        points.reverse();
+        widths.reverse();
+        let arm = if end == 0 {
+            path.entries.first().copied()
+        } else {
+            path.entries.last().map(|entry| Arm {
+                side: 1 - entry.side,
+                ..*entry
+            })
+        };
+        let stop = arm.and_then(|arm| ends.crossing_of.get(&arm)).copied();
+        extend_end(contrast, points, widths, step, stop);
+    }
+}
+
+fn extend_end(
+    contrast: &Contrast,
+    points: &mut Vec<Point>,
+    widths: &mut Vec<f64>,
+    step: f64,
+    stop: Option<Point>,
+) {
+    let (Some(last), Some(width)) = (points.last().copied(), widths.last().copied()) else {
+        return;
+    };
+    let Some((along, turn)) = end_direction(points, width, step) else {
+        return;
+    };
+    let longest = stop.map_or(2.0 * width, |stop| {
+        ((stop - last).dot(&along) - 0.5 * width).clamp(0.0, 2.0 * width)
+    });
+    // The strand goes on as it bends.
+    let place = |t: f64| last + along * t + normal(along) * (0.5 * turn * t * t);
+    let inside = |t: f64| {
+        let point = place(t);
+        contrast.at(point.x, point.y) >= f64::from(contrast.threshold)
+    };
+    const STEP: f64 = 0.25;
+    let mut reach = 0.0;
+    while reach + STEP <= longest && inside(reach + STEP) {
+        reach += STEP;
+    }
+    let pieces = (reach / step).round() as usize;
+    for piece in 1..=pieces {
+        points.push(place(reach * piece as f64 / pieces as f64));
+        widths.push(width);
+    }
+    if pieces == 0 && reach > 0.0 {
+        let end = points.len() - 1;
+        points[end] = place(reach);
+    }
+}
+
+/// Direction at the end of a strand, and how much it turns per length, from the last two widths.
+fn end_direction(points: &[Point], width: f64, step: f64) -> Option<(Point, f64)> {
+    let back = (width / step).ceil() as usize;
+    let at = |index: usize| {
+        points
+            .len()
+            .checked_sub(1 + index)
+            .map(|index| points[index])
+    };
+    let (Some(end), Some(middle), Some(start)) = (at(0), at(back), at(2 * back)) else {
+        let along = points.last()? - points.first()?;
+        return Some((along.try_normalize(1e-9)?, 0.0));
+    };
+    let later = (end - middle).try_normalize(1e-9)?;
+    let earlier = (middle - start).try_normalize(1e-9)?;
+    let turned = earlier.perp(&later).atan2(earlier.dot(&later));
+    let apart = 0.5 * (end - start).norm();
+    // A strand bends with a radius of two widths at least; what bends more is noise.
+    let turn = (turned / apart).clamp(-0.5 / width, 0.5 / width);
+    let ahead = 0.5 * turn * (end - middle).norm();
+    Some(((later + normal(later) * ahead).normalize(), turn))
+}

@@ -1,0 +1,363 @@
+//! Corners of a checkerboard in a picture, to a fraction of a pixel.
+//!
+//! Inner corners of a checkerboard are saddles of the brightness. They are refined to where the gradients around are
+//! orthogonal to the way to the corner (Förstner and Gülch 1987), and put in order by growing a grid from one of
+//! them.
+
+use super::{Point, VisionError};
+use image::RgbImage;
+use nalgebra::{Matrix2, Vector2};
+
+/// A checkerboard: its inner corners and the side of its squares.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Checkerboard {
+    /// Inner corners along x.
+    pub columns: usize,
+    /// Inner corners along y.
+    pub rows: usize,
+    /// Side of a square, metres.
+    pub square: f64,
+}
+
+impl Checkerboard {
+    /// A corner's position on the board, metres. Seen from the front, x points to the right and y upwards when the
+    /// first corner is at the top left; z points to the viewer.
+    pub fn corner(&self, index: usize) -> Point {
+        let (column, row) = (index % self.columns, index / self.columns);
+        Point::new(
+            column as f64 * self.square,
+            (self.rows - 1 - row) as f64 * self.square,
+        )
+    }
+
+    /// Number of corners.
+    pub fn corners(&self) -> usize {
+        self.columns * self.rows
+    }
+
+    /// Whether a picture shows which way round the board is: a half turn swaps dark and bright squares.
+    pub fn is_directed(&self) -> bool {
+        (self.columns + self.rows) % 2 == 1
+    }
+
+    /// Finds all inner corners in a picture, row by row; the square to the lower right of the first one is dark
+    /// where the board is [directed](Self::is_directed).
+    ///
+    /// # Errors
+    /// The board is not seen whole.
+    pub fn find(&self, picture: &RgbImage) -> Result<Vec<Point>, VisionError> {
+        let missing = |reason: String| VisionError::NotFound {
+            what: "the checkerboard",
+            reason,
+        };
+        let grey = Grey::new(picture);
+        let saddles = grey.saddles();
+        let wanted = self.corners();
+        if saddles.len() < wanted {
+            return Err(missing(format!(
+                "{} corners were seen, {wanted} are inside of a board of {} × {}",
+                saddles.len(),
+                self.columns,
+                self.rows
+            )));
+        }
+        let mut most = 0;
+        for seed in (0..saddles.len()).take(40) {
+            let grid = grow_grid(&saddles, seed);
+            most = most.max(grid.len());
+            if let Some(corners) = self.in_order(&grid, &saddles) {
+                let refined: Vec<Point> = self.refine_all(&grey, &corners);
+                return Ok(self.directed(&grey, refined));
+            }
+        }
+        Err(missing(format!(
+            "the largest grid has {most} corners, expected {} × {} inside of the board; all of it has to be seen",
+            self.columns, self.rows
+        )))
+    }
+
+    /// The corners row by row, where a grid is as large as the board.
+    fn in_order(&self, grid: &[([i32; 2], usize)], saddles: &[Point]) -> Option<Vec<Point>> {
+        let range = |axis: usize| {
+            let places = || grid.iter().map(|(place, _)| place[axis]);
+            Some((places().min()?, places().max()?))
+        };
+        let ((x0, x1), (y0, y1)) = (range(0)?, range(1)?);
+        let size = [(x1 - x0 + 1) as usize, (y1 - y0 + 1) as usize];
+        let turned = size == [self.rows, self.columns] && self.rows != self.columns;
+        if (size != [self.columns, self.rows] && !turned) || grid.len() != self.corners() {
+            return None;
+        }
+        let mut corners = vec![Point::zeros(); self.corners()];
+        for (place, saddle) in grid {
+            let (x, y) = ((place[0] - x0) as usize, (place[1] - y0) as usize);
+            let (column, row) = if turned { (y, x) } else { (x, y) };
+            corners[row * self.columns + column] = saddles[*saddle];
+        }
+        // Columns to the right, rows downwards: seen from the front, that is a positive area.
+        let along = corners[self.columns - 1] - corners[0];
+        let down = corners[(self.rows - 1) * self.columns] - corners[0];
+        if along.perp(&down) < 0.0 {
+            for row in corners.chunks_exact_mut(self.columns) {
+                row.reverse();
+            }
+        }
+        Some(corners)
+    }
+
+    fn refine_all(&self, grey: &Grey, corners: &[Point]) -> Vec<Point> {
+        let mut nearest = f64::INFINITY;
+        for row in 0..self.rows {
+            for column in 0..self.columns {
+                let here = corners[row * self.columns + column];
+                if column + 1 < self.columns {
+                    nearest = nearest.min((corners[row * self.columns + column + 1] - here).norm());
+                }
+                if row + 1 < self.rows {
+                    nearest =
+                        nearest.min((corners[(row + 1) * self.columns + column] - here).norm());
+                }
+            }
+        }
+        let reach = (nearest / 3.0).clamp(2.0, 9.0) as i32;
+        corners
+            .iter()
+            .map(|corner| grey.refine(*corner, reach))
+            .collect()
+    }
+
+    fn directed(&self, grey: &Grey, mut corners: Vec<Point>) -> Vec<Point> {
+        if !self.is_directed() || self.columns < 2 || self.rows < 2 {
+            // Of both ways round the one with the first corner more to the top left.
+            let last = corners[corners.len() - 1];
+            if corners[0].sum() > last.sum() {
+                corners.reverse();
+            }
+            return corners;
+        }
+        let mut balance = 0.0;
+        for row in 0..self.rows - 1 {
+            for column in 0..self.columns - 1 {
+                let first = row * self.columns + column;
+                let middle = (corners[first]
+                    + corners[first + 1]
+                    + corners[first + self.columns]
+                    + corners[first + self.columns + 1])
+                    / 4.0;
+                let sign = if (row + column) % 2 == 0 { 1.0 } else { -1.0 };
+                balance += sign * grey.at(middle);
+            }
+        }
+        if balance > 0.0 {
+            corners.reverse();
+        }
+        corners
+    }
+}
+
+/// Places of a grid and the points there, from a seed on; empty where the seed has no neighbours.
+fn grow_grid(points: &[Point], seed: usize) -> Vec<([i32; 2], usize)> {
+    let Some([right, down]) = first_steps(points, seed) else {
+        return Vec::new();
+    };
+    let mut grid = vec![([0, 0], seed)];
+    let mut used = vec![false; points.len()];
+    used[seed] = true;
+    let at = |grid: &[([i32; 2], usize)], place: [i32; 2]| {
+        let found = grid.iter().find(|(other, _)| *other == place);
+        found.map(|(_, point)| points[*point])
+    };
+    let mut next = 0;
+    while next < grid.len() {
+        let ([x, y], point) = grid[next];
+        let here = points[point];
+        next += 1;
+        for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1)] {
+            let place = [x + dx, y + dy];
+            if at(&grid, place).is_some() {
+                continue;
+            }
+            // The step from the opposite side, else one beside, else the first one.
+            let step = at(&grid, [x - dx, y - dy])
+                .map(|before| here - before)
+                .or_else(|| {
+                    [(dy, dx), (-dy, -dx)].into_iter().find_map(|(sx, sy)| {
+                        let beside = at(&grid, [x + sx, y + sy])?;
+                        let beyond = at(&grid, [x + sx + dx, y + sy + dy])?;
+                        Some(beyond - beside)
+                    })
+                })
+                .unwrap_or(right * f64::from(dx) + down * f64::from(dy));
+            let guess = here + step;
+            let nearest = (0..points.len())
+                .filter(|other| !used[*other])
+                .min_by(|a, b| {
+                    (points[*a] - guess)
+                        .norm_squared()
+                        .total_cmp(&(points[*b] - guess).norm_squared())
+                });
+            if let Some(found) = nearest
+                && (points[found] - guess).norm() < 0.25 * step.norm()
+            {
+                used[found] = true;
+                grid.push((place, found));
+            }
+        }
+    }
+    grid
+}
+
+/// Steps to a neighbour along a row and along a column: the two nearest ones that are not opposite.
+fn first_steps(points: &[Point], seed: usize) -> Option<[Vector2<f64>; 2]> {
+    let mut ways: Vec<Vector2<f64>> = points.iter().map(|point| point - points[seed]).collect();
+    ways.retain(|way| way.norm() > 1.0);
+    ways.sort_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared()));
+    let right = *ways.first()?;
+    let down = ways
+        .iter()
+        .take(6)
+        .find(|way| right.perp(way).abs() > 0.6 * right.norm() * way.norm())?;
+    Some([right, *down])
+}
+
+struct Grey {
+    width: usize,
+    height: usize,
+    values: Vec<f64>,
+}
+
+impl Grey {
+    fn new(picture: &RgbImage) -> Self {
+        let value = |pixel: &image::Rgb<u8>| {
+            0.299 * f64::from(pixel[0]) + 0.587 * f64::from(pixel[1]) + 0.114 * f64::from(pixel[2])
+        };
+        Self {
+            width: picture.width() as usize,
+            height: picture.height() as usize,
+            values: picture.pixels().map(value).collect(),
+        }
+    }
+
+    fn pixel(&self, column: i32, row: i32) -> f64 {
+        let column = column.clamp(0, self.width as i32 - 1) as usize;
+        let row = row.clamp(0, self.height as i32 - 1) as usize;
+        self.values[row * self.width + column]
+    }
+
+    fn at(&self, point: Point) -> f64 {
+        let (column, row) = (point.x.floor(), point.y.floor());
+        let (s, t) = (point.x - column, point.y - row);
+        let (column, row) = (column as i32, row as i32);
+        (self.pixel(column, row) * (1.0 - s) + self.pixel(column + 1, row) * s) * (1.0 - t)
+            + (self.pixel(column, row + 1) * (1.0 - s) + self.pixel(column + 1, row + 1) * s) * t
+    }
+
+    /// Saddles of the blurred brightness, the strongest first.
+    fn saddles(&self) -> Vec<Point> {
+        let mut blurred: Vec<u8> = self.values.iter().map(|value| *value as u8).collect();
+        for _ in 0..4 {
+            super::contrast::blur(&mut blurred, self.width, self.height);
+        }
+        let value = |column: usize, row: usize| f64::from(blurred[row * self.width + column]);
+        let mut strength = vec![0.0; self.values.len()];
+        const REACH: usize = 2;
+        for row in REACH..self.height.saturating_sub(REACH) {
+            for column in REACH..self.width.saturating_sub(REACH) {
+                let h = REACH;
+                let middle = 2.0 * value(column, row);
+                let xx = value(column + h, row) + value(column - h, row) - middle;
+                let yy = value(column, row + h) + value(column, row - h) - middle;
+                let xy = (value(column + h, row + h) + value(column - h, row - h)
+                    - value(column + h, row - h)
+                    - value(column - h, row + h))
+                    / 4.0;
+                strength[row * self.width + column] = (xy * xy - xx * yy).max(0.0);
+            }
+        }
+        let strongest = strength.iter().copied().fold(0.0, f64::max);
+        // A board under uneven light differs by some factor, noise on plain areas by far more.
+        let least = (0.08 * strongest).max(100.0);
+        let mut found: Vec<(f64, Point)> = Vec::new();
+        const NEAR: usize = 4;
+        for row in NEAR..self.height.saturating_sub(NEAR) {
+            for column in NEAR..self.width.saturating_sub(NEAR) {
+                let here = strength[row * self.width + column];
+                if here < least {
+                    continue;
+                }
+                let is_peak = (row - NEAR..=row + NEAR).all(|r| {
+                    (column - NEAR..=column + NEAR).all(|c| {
+                        let other = strength[r * self.width + c];
+                        other < here || (other == here && (r, c) >= (row, column))
+                    })
+                });
+                let place = Point::new(column as f64, row as f64);
+                if is_peak && self.alternates_around(place) {
+                    found.push((here, place));
+                }
+            }
+        }
+        found.sort_by(|a, b| b.0.total_cmp(&a.0));
+        const MOST: usize = 2000;
+        found
+            .into_iter()
+            .take(MOST)
+            .map(|(_, point)| point)
+            .collect()
+    }
+
+    /// Whether a ring about a point is dark, bright, dark and bright: corners of a single square are not.
+    fn alternates_around(&self, point: Point) -> bool {
+        const SAMPLES: usize = 24;
+        const RADIUS: f64 = 4.5;
+        let ring: Vec<f64> = (0..SAMPLES)
+            .map(|index| {
+                let (sine, cosine) =
+                    (index as f64 * std::f64::consts::TAU / SAMPLES as f64).sin_cos();
+                self.at(point + Point::new(cosine, sine) * RADIUS)
+            })
+            .collect();
+        let (least, most) = ring.iter().fold((f64::INFINITY, 0.0f64), |(a, b), value| {
+            (a.min(*value), b.max(*value))
+        });
+        let bright = |index: usize| ring[index % SAMPLES] > 0.5 * (least + most);
+        let changes = (0..SAMPLES).filter(|index| bright(*index) != bright(index + 1));
+        changes.count() == 4
+    }
+
+    /// Moves a corner to where Σ w g gᵀ (corner − pixel) = 0 for the gradients g around it.
+    fn refine(&self, corner: Point, reach: i32) -> Point {
+        let mut current = corner;
+        for _ in 0..20 {
+            let (mut matrix, mut right) = (Matrix2::zeros(), Vector2::zeros());
+            for dy in -reach..=reach {
+                for dx in -reach..=reach {
+                    let offset = Vector2::new(f64::from(dx), f64::from(dy));
+                    let place = current + offset;
+                    let gradient = Vector2::new(
+                        self.at(place + Vector2::x()) - self.at(place - Vector2::x()),
+                        self.at(place + Vector2::y()) - self.at(place - Vector2::y()),
+                    );
+                    let sigma = 0.6 * f64::from(reach);
+                    let weight = (-offset.norm_squared() / (2.0 * sigma * sigma)).exp();
+                    let product = gradient * gradient.transpose() * weight;
+                    matrix += product;
+                    right += product * place;
+                }
+            }
+            let Some(inverse) = matrix.try_inverse() else {
+                return corner;
+            };
+            let moved = inverse * right;
+            if (moved - corner).norm() > f64::from(reach) {
+                return corner;
+            }
+            let done = (moved - current).norm() < 1e-4;
+            current = moved;
+            if done {
+                break;
+            }
+        }
+        current
+    }
+}

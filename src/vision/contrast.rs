@@ -1,0 +1,388 @@
+//! How much every pixel looks like a rod: the grey image whose threshold is the mask.
+
+use super::VisionError;
+use super::colour::{ColourRule, LabBall, colour_difference, lab};
+use image::{GrayImage, RgbImage};
+
+/// A grey image that is brighter where a pixel looks more like a rod. Pixels at or above the threshold are the mask;
+/// between pixels, the contour at the threshold is the edge of the rod.
+#[derive(Clone, Debug)]
+pub struct Contrast {
+    /// Pixels along a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Row by row.
+    pub values: Vec<u8>,
+    /// The least value of a rod, at least 1.
+    pub threshold: u8,
+}
+
+/// Least difference of a rod from its background, of 255, for [`ColourRule::Background`]: sensors' noise is less.
+const LEAST_CONTRAST: f64 = 24.0;
+/// Threshold of the rules other than [`ColourRule::Background`].
+const MIDDLE: u8 = 128;
+
+impl Contrast {
+    /// Applies a colour rule to a picture, after a binomial blur of 3 × 3 pixels against noise.
+    ///
+    /// # Errors
+    /// A sample to pick from lies outside of the picture.
+    pub fn new(picture: &RgbImage, rule: &ColourRule) -> Result<Self, VisionError> {
+        let (width, height) = (picture.width() as usize, picture.height() as usize);
+        let (mut values, threshold) = match rule {
+            ColourRule::Background => background_contrast(picture),
+            ColourRule::Hsv(range) => {
+                let value = |rgb| 255 * u8::from(range.contains(rgb));
+                (map(picture, value), MIDDLE)
+            }
+            ColourRule::Lab(ball) => (lab_contrast(picture, ball), MIDDLE),
+            ColourRule::Pick { u, v, radius } => {
+                let sample = sample(picture, *u, *v).ok_or_else(|| VisionError::Colour {
+                    text: format!("pick:{u},{v}"),
+                    reason: format!("the image has {width} × {height} pixels, counted from 0"),
+                })?;
+                let ball = LabBall {
+                    centre: sample,
+                    radius: *radius,
+                };
+                (lab_contrast(picture, &ball), MIDDLE)
+            }
+            ColourRule::Pen { offset } => (pen_contrast(picture, *offset), MIDDLE),
+        };
+        blur(&mut values, width, height);
+        let threshold = threshold_of(rule, &values, threshold);
+        Ok(Self {
+            width,
+            height,
+            values,
+            threshold,
+        })
+    }
+
+    /// Takes a mask as it is given: white, or any label, is rod.
+    pub fn of_mask(mask: &GrayImage) -> Self {
+        Self {
+            width: mask.width() as usize,
+            height: mask.height() as usize,
+            values: mask
+                .as_raw()
+                .iter()
+                .map(|value| 255 * u8::from(*value > 0))
+                .collect(),
+            threshold: MIDDLE,
+        }
+    }
+
+    /// Value between pixels, by bilinear interpolation; outside of the picture, 0.
+    ///
+    /// Pixel (0, 0) has its centre at u = v = 0.
+    pub fn at(&self, u: f64, v: f64) -> f64 {
+        let inside =
+            u >= 0.0 && v >= 0.0 && u + 1.0 <= self.width as f64 && v + 1.0 <= self.height as f64;
+        if !inside {
+            return 0.0;
+        }
+        let (column, row) = (
+            (u as usize).min(self.width.saturating_sub(2)),
+            (v as usize).min(self.height.saturating_sub(2)),
+        );
+        let (right, below) = (
+            usize::from(self.width > 1),
+            if self.height > 1 { self.width } else { 0 },
+        );
+        let (du, dv) = (u - column as f64, v - row as f64);
+        let first = row * self.width + column;
+        let value = |index: usize| f64::from(self.values[index]);
+        (value(first) * (1.0 - du) + value(first + right) * du) * (1.0 - dv)
+            + (value(first + below) * (1.0 - du) + value(first + below + right) * du) * dv
+    }
+}
+
+fn threshold_of(rule: &ColourRule, values: &[u8], fixed: u8) -> u8 {
+    if *rule != ColourRule::Background {
+        return fixed;
+    }
+    let mut histogram = [0; 256];
+    for value in values {
+        histogram[usize::from(*value)] += 1;
+    }
+    let (threshold, [dark, bright]) = otsu(&histogram);
+    if bright - dark < LEAST_CONTRAST {
+        // Nothing stands out.
+        return u8::MAX;
+    }
+    // An edge is half-way between the background and its own rod: that of a dim one has to be found, too.
+    let above = usize::from(threshold);
+    let count: u64 = histogram[above..].iter().sum();
+    let (mut dim, mut below) = (above, histogram[above]);
+    while 4 * below < count {
+        dim += 1;
+        below += histogram[dim];
+    }
+    ((dark + dim as f64) / 2.0).ceil().max(1.0) as u8
+}
+
+/// Threshold that separates a histogram into two classes with the largest variance between them, and the means of
+/// the classes. Values at the threshold belong to the upper class (Otsu, IEEE Trans. SMC 9:62, 1979).
+pub fn otsu(histogram: &[u64; 256]) -> (u8, [f64; 2]) {
+    let total: u64 = histogram.iter().sum();
+    let weighted = |(value, count): (usize, &u64)| value as f64 * *count as f64;
+    let sum: f64 = histogram.iter().enumerate().map(weighted).sum();
+    let mean = sum / (total.max(1) as f64);
+    let (mut best_between, mut means) = (0.0, [mean, mean]);
+    let (mut below, mut sum_below) = (0, 0.0);
+    for value in 0..255 {
+        below += histogram[value];
+        sum_below += value as f64 * histogram[value] as f64;
+        let above = total - below;
+        if below == 0 || above == 0 {
+            continue;
+        }
+        let (dark, bright) = (sum_below / below as f64, (sum - sum_below) / above as f64);
+        let between = below as f64 * above as f64 * (bright - dark) * (bright - dark);
+        if between > best_between {
+            best_between = between;
+            means = [dark, bright];
+        }
+    }
+    // At the largest variance the threshold lies half-way between the means.
+    let threshold = (means[0] + means[1]) / 2.0;
+    (threshold.ceil().clamp(1.0, 255.0) as u8, means)
+}
+
+fn map(picture: &RgbImage, mut value: impl FnMut([u8; 3]) -> u8) -> Vec<u8> {
+    picture.pixels().map(|pixel| value(pixel.0)).collect()
+}
+
+/// Difference from the commonest colour, in the channel where it is largest.
+fn background_contrast(picture: &RgbImage) -> (Vec<u8>, u8) {
+    let [red, green, blue] = commonest_colour(picture);
+    let value = |rgb: [u8; 3]| {
+        let difference = rgb[0].abs_diff(red).max(rgb[1].abs_diff(green));
+        difference.max(rgb[2].abs_diff(blue))
+    };
+    (map(picture, value), u8::MAX)
+}
+
+/// Mean of the colours in the fullest cell of a histogram with 16 levels per channel, over every fourth pixel.
+fn commonest_colour(picture: &RgbImage) -> [u8; 3] {
+    let mut cells = vec![[0u32; 4]; 1 << 12];
+    let stride = if picture.width() * picture.height() > 4096 {
+        4
+    } else {
+        1
+    };
+    for pixel in picture.pixels().step_by(stride) {
+        let [red, green, blue] = pixel.0.map(|channel| usize::from(channel >> 4));
+        let cell = &mut cells[red << 8 | green << 4 | blue];
+        cell[0] += 1;
+        for (sum, channel) in cell[1..].iter_mut().zip(pixel.0) {
+            *sum += u32::from(channel);
+        }
+    }
+    let [count, red, green, blue] = cells
+        .into_iter()
+        .max_by_key(|cell| cell[0])
+        .unwrap_or([0; 4]);
+    [red, green, blue].map(|sum| (sum / count.max(1)) as u8)
+}
+
+/// 255 at the centre of a ball, [`MIDDLE`] at its surface, less outside.
+fn lab_contrast(picture: &RgbImage, ball: &LabBall) -> Vec<u8> {
+    // Neighbouring pixels share their colours, and conversion is dear.
+    let mut last = ([0; 3], ball_value(ball, [0; 3]));
+    map(picture, |rgb| {
+        if rgb != last.0 {
+            last = (rgb, ball_value(ball, rgb));
+        }
+        last.1
+    })
+}
+
+fn ball_value(ball: &LabBall, rgb: [u8; 3]) -> u8 {
+    let distance = colour_difference(ball.centre, lab(rgb)) / ball.radius;
+    (255.0 - 127.0 * distance).max(0.0) as u8
+}
+
+/// Mean L\*a\*b\* of the 3 × 3 pixels about one.
+fn sample(picture: &RgbImage, u: u32, v: u32) -> Option<[f64; 3]> {
+    if u >= picture.width() || v >= picture.height() {
+        return None;
+    }
+    let (mut sum, mut count) = ([0.0; 3], 0.0);
+    for row in v.saturating_sub(1)..=(v + 1).min(picture.height() - 1) {
+        for column in u.saturating_sub(1)..=(u + 1).min(picture.width() - 1) {
+            for (sum, value) in sum.iter_mut().zip(lab(picture.get_pixel(column, row).0)) {
+                *sum += value;
+            }
+            count += 1.0;
+        }
+    }
+    Some(sum.map(|sum| sum / count))
+}
+
+/// How much darker than the mean of its surroundings a pixel is, such that `offset` darker is [`MIDDLE`].
+fn pen_contrast(picture: &RgbImage, offset: u8) -> Vec<u8> {
+    let (width, height) = (picture.width() as usize, picture.height() as usize);
+    let grey: Vec<u8> = map(picture, |[red, green, blue]| {
+        ((77 * u32::from(red) + 150 * u32::from(green) + 29 * u32::from(blue)) >> 8) as u8
+    });
+    // Wider than any stroke, narrower than shadows.
+    let reach = (width.max(height) / 16).max(8);
+    let means = local_means(&grey, width, height, reach);
+    grey.iter()
+        .zip(means)
+        .map(|(grey, mean)| {
+            let darker = i32::from(mean) - i32::from(*grey) - i32::from(offset);
+            (i32::from(MIDDLE) + darker).clamp(0, 255) as u8
+        })
+        .collect()
+}
+
+/// Mean over the square of half side `reach` about every pixel, cut at the border.
+fn local_means(values: &[u8], width: usize, height: usize, reach: usize) -> Vec<u8> {
+    let mut columns = vec![0u32; width];
+    let mut means = vec![0; values.len()];
+    let row = |index: usize| &values[index * width..(index + 1) * width];
+    let mut rows = 0..0;
+    for centre in 0..height {
+        let wanted = centre.saturating_sub(reach)..(centre + reach + 1).min(height);
+        for index in rows.end..wanted.end {
+            for (sum, value) in columns.iter_mut().zip(row(index)) {
+                *sum += u32::from(*value);
+            }
+        }
+        for index in rows.start..wanted.start {
+            for (sum, value) in columns.iter_mut().zip(row(index)) {
+                *sum -= u32::from(*value);
+            }
+        }
+        rows = wanted;
+        let (mut sum, mut window) = (0u64, 0..0);
+        for column in 0..width {
+            let wanted = column.saturating_sub(reach)..(column + reach + 1).min(width);
+            sum += (window.end..wanted.end)
+                .map(|index| u64::from(columns[index]))
+                .sum::<u64>();
+            sum -= (window.start..wanted.start)
+                .map(|index| u64::from(columns[index]))
+                .sum::<u64>();
+            window = wanted;
+            let count = (window.len() * rows.len()) as u64;
+            means[centre * width + column] = (sum / count) as u8;
+        }
+    }
+    means
+}
+
+/// Binomial blur with weights 1, 2, 1 along rows and columns; the border is repeated outwards.
+pub(super) fn blur(values: &mut [u8], width: usize, height: usize) {
+    if width < 3 || height < 3 {
+        return;
+    }
+    let mut sums = vec![0u16; 3 * width];
+    let along_row = |row: &[u8], sums: &mut [u16]| {
+        let value = |index: usize| u16::from(row[index]);
+        sums[0] = 3 * value(0) + value(1);
+        for ((sum, left), (middle, right)) in sums[1..]
+            .iter_mut()
+            .zip(row)
+            .zip(row[1..].iter().zip(&row[2..]))
+        {
+            *sum = u16::from(*left) + 2 * u16::from(*middle) + u16::from(*right);
+        }
+        sums[width - 1] = value(width - 2) + 3 * value(width - 1);
+    };
+    // Three rows of sums, used in turn: the row above, the row itself, the row below.
+    let slot = |row: usize| (row % 3) * width..(row % 3 + 1) * width;
+    along_row(&values[..width], &mut sums[slot(0)]);
+    for row in 0..height {
+        if row + 1 < height {
+            let below = &values[(row + 1) * width..(row + 2) * width];
+            along_row(below, &mut sums[slot(row + 1)]);
+        }
+        let above = &sums[slot(if row == 0 { 0 } else { row - 1 })];
+        let middle = &sums[slot(row)];
+        let below = &sums[slot(if row + 1 < height { row + 1 } else { row })];
+        let out = &mut values[row * width..(row + 1) * width];
+        for (((out, above), middle), below) in out.iter_mut().zip(above).zip(middle).zip(below) {
+            *out = ((above + 2 * middle + below + 8) >> 4) as u8;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use image::Rgb;
+
+    #[test]
+    fn otsu_separates_two_peaks() {
+        let mut histogram = [0; 256];
+        histogram[10] = 900;
+        histogram[12] = 900;
+        histogram[150] = 50;
+        histogram[160] = 50;
+        let (threshold, [dark, bright]) = otsu(&histogram);
+        assert!((13..=150).contains(&threshold), "{threshold}");
+        assert_eq!((dark, bright), (11.0, 155.0));
+    }
+
+    #[test]
+    fn a_blur_keeps_the_mean_and_a_plateau() {
+        let mut values = vec![0u8; 49];
+        values[24] = 160;
+        blur(&mut values, 7, 7);
+        assert_eq!(values.iter().map(|v| u32::from(*v)).sum::<u32>(), 160);
+        assert_eq!(values[24], 40);
+        let mut flat = vec![77u8; 30];
+        blur(&mut flat, 6, 5);
+        assert!(flat.iter().all(|value| *value == 77));
+    }
+
+    #[test]
+    fn local_means_agree_with_the_sum_over_the_window() {
+        let (width, height, reach) = (9, 7, 2);
+        let values: Vec<u8> = (0..width * height).map(|i| (i * 37 % 251) as u8).collect();
+        let means = local_means(&values, width, height, reach);
+        for row in 0..height {
+            for column in 0..width {
+                let mut window = Vec::new();
+                for r in row.saturating_sub(reach)..(row + reach + 1).min(height) {
+                    for c in column.saturating_sub(reach)..(column + reach + 1).min(width) {
+                        window.push(u64::from(values[r * width + c]));
+                    }
+                }
+                let mean = window.iter().sum::<u64>() / window.len() as u64;
+                assert_eq!(u64::from(means[row * width + column]), mean);
+            }
+        }
+    }
+
+    #[test]
+    fn interpolation_is_exact_on_planes_and_zero_outside() {
+        let contrast = Contrast {
+            width: 4,
+            height: 3,
+            values: (0..12)
+                .map(|i| (10 * (i % 4) + 20 * (i / 4)) as u8)
+                .collect(),
+            threshold: 1,
+        };
+        assert!((contrast.at(1.25, 0.5) - 22.5).abs() < 1e-12);
+        assert!((contrast.at(3.0, 2.0) - 70.0).abs() < 1e-12);
+        assert_eq!(contrast.at(3.1, 1.0), 0.0);
+        assert_eq!(contrast.at(f64::NAN, 1.0), 0.0);
+    }
+
+    #[test]
+    fn a_picture_of_one_colour_has_no_mask() {
+        let picture = RgbImage::from_fn(40, 30, |u, v| {
+            Rgb([100 + ((u * 7 + v * 13) % 9) as u8, 90, 80])
+        });
+        let contrast = Contrast::new(&picture, &ColourRule::Background).expect("a contrast");
+        let threshold = contrast.threshold;
+        assert!(contrast.values.iter().all(|value| *value < threshold));
+    }
+}

@@ -1,0 +1,131 @@
+//! Curves in CSV files: patterns, centrelines of images and nodes of simulated rods.
+
+use super::{Point, VisionError};
+use std::fs;
+use std::path::Path;
+
+/// Most points of a curve that is read.
+const MOST_POINTS: usize = 1_000_000;
+
+/// Reads a curve in the plane from a CSV file with a header, metres: columns `x_m` and `y_m`, or `x` and `y`.
+///
+/// Of several strands (a column `strand`, from 1) `strand` is taken, or the first one in the file; of several rods (a
+/// column `rod`) the first one; of several times (`time_s`) the last one.
+///
+/// # Errors
+/// The file cannot be read, has no such columns, or a value is no finite number.
+pub fn read_curve(path: &Path, strand: Option<usize>) -> Result<Vec<Point>, VisionError> {
+    let text = fs::read_to_string(path).map_err(|error| VisionError::Unreadable {
+        path: path.into(),
+        reason: error.to_string(),
+    })?;
+    parse_curve(&text, strand).map_err(|reason| VisionError::Malformed {
+        path: path.into(),
+        reason,
+    })
+}
+
+fn parse_curve(text: &str, strand: Option<usize>) -> Result<Vec<Point>, String> {
+    let mut lines = text.lines().enumerate().filter(|(_, line)| {
+        let line = line.trim();
+        !line.is_empty() && !line.starts_with('#')
+    });
+    let (_, header) = lines.next().ok_or("it is empty")?;
+    let names: Vec<&str> = header
+        .trim_start_matches('\u{feff}')
+        .split(',')
+        .map(str::trim)
+        .collect();
+    let column = |wanted: [&str; 2]| names.iter().position(|name| wanted.contains(name));
+    let (Some(x), Some(y)) = (column(["x_m", "x"]), column(["y_m", "y"])) else {
+        return Err(format!(
+            "its header \"{}\" has no columns x_m and y_m{}",
+            header.trim(),
+            if names.contains(&"u_px") {
+                "; rodlab trace writes them when it is given a camera by --cell"
+            } else {
+                ""
+            }
+        ));
+    };
+    let group = column(["strand", "rod"]);
+    let time = column(["time_s", "time_s"]);
+    let mut wanted = strand.map(|strand| strand.to_string());
+    if strand.is_some() && group.is_none() {
+        return Err("it has no column strand".into());
+    }
+    let mut latest = f64::NEG_INFINITY;
+    let mut points = Vec::new();
+    for (index, line) in lines {
+        let values: Vec<&str> = line.split(',').map(str::trim).collect();
+        let number = |column: usize| {
+            let text = values.get(column).copied().unwrap_or("");
+            let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
+            number.ok_or_else(|| {
+                let name = names[column];
+                format!(
+                    "line {}: {name} is \"{text}\", expected a number",
+                    index + 1
+                )
+            })
+        };
+        if let Some(group) = group {
+            let found = values.get(group).copied().unwrap_or("");
+            if wanted.get_or_insert_with(|| found.to_string()) != found {
+                continue;
+            }
+        }
+        let at = time.map_or(Ok(0.0), number)?;
+        if at > latest {
+            latest = at;
+            points.clear();
+        }
+        if at == latest {
+            points.push(Point::new(number(x)?, number(y)?));
+        }
+        if points.len() > MOST_POINTS {
+            return Err(format!("it has more than {MOST_POINTS} points"));
+        }
+    }
+    if points.len() < 2 {
+        return Err(match strand {
+            Some(strand) => format!("strand {strand} has fewer than two points"),
+            None => "it has fewer than two points".into(),
+        });
+    }
+    Ok(points)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strands_rods_and_times_are_told_apart() {
+        let strands = "strand,point,u_px,v_px,width_px,x_m,y_m\n1,0,0,0,2,0,0\n1,1,0,0,2,1,0\n2,0,0,0,2,5,5\n2,1,0,0,2,6,5\n";
+        assert_eq!(
+            parse_curve(strands, None).expect("a curve")[1],
+            Point::new(1.0, 0.0)
+        );
+        assert_eq!(
+            parse_curve(strands, Some(2)).expect("a curve")[0],
+            Point::new(5.0, 5.0)
+        );
+        assert!(parse_curve(strands, Some(3)).is_err());
+        let nodes = "time_s,rod,node,x_m,y_m,z_m,theta_rad\n0,beam,0,9,9,9,\n0,beam,1,8,9,9,\n\
+                     2,beam,0,1,2,3,\n2,beam,1,2,2,3,\n2,other,0,4,4,4,\n";
+        let found = parse_curve(nodes, None).expect("a curve");
+        assert_eq!(found, [Point::new(1.0, 2.0), Point::new(2.0, 2.0)]);
+    }
+
+    #[test]
+    fn faults_name_the_line() {
+        let error = parse_curve("x_m,y_m\n0,0\n1,zero\n", None).expect_err("no number");
+        assert!(error.contains("line 3") && error.contains("y_m"), "{error}");
+        let error = parse_curve("strand,point,u_px,v_px,width_px\n", None).expect_err("no metres");
+        assert!(error.contains("--cell"), "{error}");
+        assert!(parse_curve("", None).is_err());
+        assert!(parse_curve("x,y\n1,2\n", None).is_err());
+        assert!(parse_curve("x,y\n1,2\n3\n", None).is_err());
+    }
+}

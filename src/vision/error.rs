@@ -1,0 +1,120 @@
+//! What can be wrong with images, masks and cameras.
+
+use std::path::PathBuf;
+
+/// Why an image gives no result. All of these are bad input.
+#[derive(Debug, thiserror::Error)]
+pub enum VisionError {
+    /// A file could not be read.
+    #[error("{}: cannot be read: {reason}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system or the decoder says.
+        reason: String,
+    },
+    /// A file does not hold what its kind promises.
+    #[error("{}: {reason}", path.display())]
+    Malformed {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, and what is allowed.
+        reason: String,
+    },
+    /// A file could not be written.
+    #[error("{}: cannot be written: {reason}", path.display())]
+    Unwritable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        reason: String,
+    },
+    /// The text of a colour rule is not one.
+    #[error("colour \"{text}\": {reason}")]
+    Colour {
+        /// As typed.
+        text: String,
+        /// What is wrong, and what is allowed.
+        reason: String,
+    },
+    /// No pixel, or hardly one, looks like a rod.
+    #[error(
+        "the mask is empty: {found} of {pixels} pixels look like a rod and none of them form a line; \
+         choose another colour rule, or give a mask"
+    )]
+    EmptyMask {
+        /// Pixels that look like a rod.
+        found: usize,
+        /// Pixels of the image.
+        pixels: usize,
+    },
+    /// Nearly every pixel looks like a rod.
+    #[error(
+        "the mask covers {} % of the image; a line drawing covers less than {limit_percent} %: choose another \
+         colour rule, or give a mask",
+        (100 * found).checked_div(*pixels).unwrap_or(0)
+    )]
+    FullMask {
+        /// Pixels that look like a rod.
+        found: usize,
+        /// Pixels of the image.
+        pixels: usize,
+        /// The most that is taken for lines.
+        limit_percent: usize,
+    },
+    /// The mask has a part that is no line.
+    #[error(
+        "the mask has a blob at ({u:.0}, {v:.0}) px, {length:.0} px long and {width:.0} px wide, that is no line: \
+         choose another colour rule, or give a mask without it"
+    )]
+    Blob {
+        /// Centre, pixels from the left.
+        u: f64,
+        /// Centre, pixels from the top.
+        v: f64,
+        /// Length of its skeleton, pixels.
+        length: f64,
+        /// Its width, pixels.
+        width: f64,
+    },
+    /// Two images that belong together differ in size.
+    #[error("{what} has {found_width} × {found_height} pixels, expected {width} × {height}")]
+    Size {
+        /// Which image.
+        what: String,
+        /// Its width.
+        found_width: usize,
+        /// Its height.
+        found_height: usize,
+        /// Width of the image it belongs to.
+        width: usize,
+        /// Height of the image it belongs to.
+        height: usize,
+    },
+    /// A camera file lacks something, or has something impossible.
+    #[error("{}: {key}: {reason}", path.display())]
+    Camera {
+        /// The file.
+        path: PathBuf,
+        /// The key at fault.
+        key: String,
+        /// What is wrong, and what is allowed.
+        reason: String,
+    },
+    /// What was to be found is not in the image.
+    #[error("{what} was not found: {reason}")]
+    NotFound {
+        /// What was looked for.
+        what: &'static str,
+        /// Why it was not found, and what helps.
+        reason: String,
+    },
+    /// Too little, or degenerate, data for a unique answer.
+    #[error("{problem} is not determined: {reason}")]
+    Undetermined {
+        /// What was to be solved.
+        problem: &'static str,
+        /// What is missing.
+        reason: String,
+    },
+}

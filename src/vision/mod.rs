@@ -1,0 +1,107 @@
+//! From images to curves in metres: strands, crossings, cameras, scores. It knows images and arrays, no rods and no
+//! robots.
+//!
+//! [`trace()`] reads as the algorithm:
+//!
+//! 1. [`Contrast`]: how much each pixel looks like a rod, by a [`ColourRule`]; its threshold is the [`Mask`].
+//! 2. Thinning wears the mask down to lines one pixel wide; as a graph these are ends and junctions joined by branches.
+//! 3. Forks that face each other are the halves of one crossing. At a crossing, arms are paired such that the paths
+//!    through it bend least and keep their colour. Loose ends that face each other across another strand are joined.
+//! 4. Each path becomes a [`Strand`]: the middle between both of its edges, measured between pixels, smoothed along
+//!    the strand, bridged where it meets others.
+//! 5. [`find_crossings`] intersects the centrelines and tells which strand lies on top.
+//! 6. [`paint_labels`] gives each pixel of the mask to a strand; [`instance_dice`] compares that with the truth.
+//!
+//! A [`Camera`] maps pixels to the table; [`calibrate`], [`board_pose`] and [`hand_eye()`] find it. [`pattern()`] makes a
+//! drawn line a pattern, [`score()`] compares a deployed curve with one, [`find_sheet`] finds a sheet of paper,
+//! [`find_markers`], [`compare_markers`] and [`InstabilityWatch`] say when a rod with markers stops being a helix.
+//! [`render()`] makes pictures to test all this with.
+//!
+//! ```
+//! use rodlab::vision::{TraceOptions, trace};
+//!
+//! let mut picture = image::RgbImage::new(120, 80);
+//! for (u, v, pixel) in picture.enumerate_pixels_mut() {
+//!     if (i64::from(v) - 40).abs() <= 3 && (10..110).contains(&u) {
+//!         *pixel = image::Rgb([200, 60, 70]);
+//!     }
+//! }
+//! let found = trace(&picture, &TraceOptions::default())?;
+//! assert_eq!(found.strands.len(), 1);
+//! assert!((found.strands[0].width() - 7.0).abs() < 0.5);
+//! # Ok::<(), rodlab::vision::VisionError>(())
+//! ```
+//!
+//! Everything runs on one thread. An image of 672 × 896 pixels takes some 10 ms and about 20 bytes of memory a pixel;
+//! [`read_picture`] refuses images of more than [`MOST_PIXELS`].
+
+#[cfg(test)]
+mod benchmark_tests;
+mod calibration;
+mod camera;
+mod centreline;
+mod checkerboard;
+mod colour;
+mod contrast;
+mod crossing;
+mod curve_file;
+mod dice;
+mod error;
+mod gap;
+mod hand_eye;
+#[cfg(test)]
+mod hostile_tests;
+mod labels;
+mod marker;
+mod mask;
+mod order;
+mod overlay;
+mod pattern;
+mod picture;
+mod pose_file;
+mod render;
+mod score;
+mod score_figure;
+mod sheet;
+mod skeleton;
+mod smoothing;
+mod strand;
+mod thinning;
+mod trace;
+#[cfg(test)]
+mod trace_tests;
+
+pub use calibration::{Calibration, board_pose, calibrate};
+pub use camera::{Camera, Lens};
+pub use centreline::Strand;
+pub use checkerboard::Checkerboard;
+pub use colour::{ColourRule, HsvBox, LabBall, colour_difference, hsv, lab};
+pub use contrast::Contrast;
+pub use curve_file::read_curve;
+pub use dice::{InstanceDice, instance_dice};
+pub use error::VisionError;
+pub use hand_eye::{HandEye, hand_eye};
+pub use labels::{MOST_LABELS, paint_labels};
+pub use marker::{
+    InstabilityRule, InstabilityWatch, MarkerErrors, compare_markers, find_markers, helix_points,
+};
+pub use mask::Mask;
+pub use order::{Passage, StrandCrossing, find_crossings};
+pub use overlay::{
+    centrelines_csv, centrelines_svg, encode_labels, encode_picture, mask_overlay, overlay,
+    strand_colour,
+};
+pub use pattern::{Metric, pattern, pattern_csv};
+pub use picture::{
+    LARGEST_FILE, LONGEST_SIDE, MOST_PIXELS, decode_labels, decode_picture, pictures_in,
+    read_picture,
+};
+pub use pose_file::read_poses;
+pub use render::{RenderOptions, RenderedRod, render};
+pub use score::{CurveError, SCORE_POINTS, Score, rigid_alignment, score};
+pub use score_figure::score_figure;
+pub use sheet::{EdgePose, Sheet, find_sheet, sliding};
+pub use trace::{Trace, TraceOptions, clean_mask, trace, trace_contrast};
+
+/// A point of an image, pixels: u to the right, v down; (0, 0) is the centre of the first pixel.
+pub type Point = nalgebra::Vector2<f64>;

@@ -1,0 +1,378 @@
+//! Pictures of rods on a table, as a camera would take them: for tests, and for cells without a camera.
+//!
+//! Rods are shaded tubes with a depth buffer; they cast shadows on the table and on the rods below. The table has any
+//! colour at any point, so that sheets, drawings and checkerboards are functions; what is narrower than half a pixel may
+//! be missed. What is not rendered: light that
+//! goes between rods, gloss, and depth of field.
+
+use super::Point;
+use super::camera::Camera;
+use image::{Rgb, RgbImage};
+use nalgebra::Vector3;
+
+/// A rod to be rendered.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderedRod {
+    /// Its centreline, metres, finer than its radius.
+    pub points: Vec<Vector3<f64>>,
+    /// Its radius, metres.
+    pub radius: f64,
+    /// Its colour, sRGB.
+    pub colour: [u8; 3],
+}
+
+/// Light and faults of the camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RenderOptions {
+    /// Direction towards the light.
+    pub light: Vector3<f64>,
+    /// Light that comes from everywhere, 0 to 1; the rest comes from the light.
+    pub ambient: f64,
+    /// How much of the light shadows take away, 0 to 1.
+    pub shadow: f64,
+    /// Standard deviation of the noise of each channel, of 255.
+    pub noise: f64,
+    /// Rounds of a binomial blur of 3 × 3 pixels.
+    pub blur: usize,
+    /// What the noise begins with.
+    pub seed: u64,
+}
+
+impl Default for RenderOptions {
+    fn default() -> Self {
+        Self {
+            light: Vector3::new(0.3, 0.4, 1.0),
+            ambient: 0.45,
+            shadow: 0.5,
+            noise: 2.0,
+            blur: 1,
+            seed: 1,
+        }
+    }
+}
+
+/// Samples along each side of a pixel.
+const SAMPLES: usize = 3;
+/// Looks at the table along each side of a sample.
+const FINE: usize = 3;
+/// A pixel whose corners differ from its middle by less than this, of 255, is plain: one look is enough.
+const PLAIN: f64 = 1.5;
+
+/// Renders rods above the table of a camera. `ground` is the colour, sRGB from 0 to 255, of the table at x, y.
+pub fn render(
+    camera: &Camera,
+    rods: &[RenderedRod],
+    ground: impl Fn(Point) -> [f64; 3],
+    options: &RenderOptions,
+) -> RgbImage {
+    let mut canvas = Canvas::new(camera);
+    canvas.paint_ground(camera, &ground, options.seed);
+    let light = options.light.normalize();
+    canvas.shade_ground(camera, rods, &light, options.shadow);
+    for rod in rods {
+        canvas.paint_rod(camera, rod, rods, &light, options);
+    }
+    canvas.develop(options)
+}
+
+/// Linear in sRGB values: [`SAMPLES`]² samples a pixel.
+struct Canvas {
+    width: usize,
+    height: usize,
+    colours: Vec<[f32; 3]>,
+    depths: Vec<f32>,
+}
+
+impl Canvas {
+    fn new(camera: &Camera) -> Self {
+        let (width, height) = (
+            camera.width as usize * SAMPLES,
+            camera.height as usize * SAMPLES,
+        );
+        Self {
+            width,
+            height,
+            colours: vec![[0.0; 3]; width * height],
+            depths: vec![f32::INFINITY; width * height],
+        }
+    }
+
+    /// Sample coordinate of a pixel coordinate.
+    fn sample(pixel: f64) -> f64 {
+        (pixel + 0.5) * SAMPLES as f64 - 0.5
+    }
+
+    fn paint_ground(&mut self, camera: &Camera, ground: &impl Fn(Point) -> [f64; 3], seed: u64) {
+        // Between the corners of a pixel the table's coordinates are bilinear.
+        let corners_along = camera.width as usize + 1;
+        let corner = |index: usize| {
+            let (column, row) = (index % corners_along, index / corners_along);
+            let pixel = Point::new(column as f64 - 0.5, row as f64 - 0.5);
+            let place = camera.on_table(pixel).ok()?;
+            Some((place, ground(place)))
+        };
+        let corners: Vec<Option<(Point, [f64; 3])>> = (0..corners_along
+            * (camera.height as usize + 1))
+            .map(corner)
+            .collect();
+        // A regular grid of looks would move edges along it by a part of a pixel.
+        let mut jitter = Noise(!seed);
+        for row in 0..camera.height as usize {
+            for column in 0..camera.width as usize {
+                let first = row * corners_along + column;
+                let below = first + corners_along;
+                let (Some(a), Some(b), Some(c), Some(d)) = (
+                    corners[first],
+                    corners[first + 1],
+                    corners[below],
+                    corners[below + 1],
+                ) else {
+                    continue;
+                };
+                let place = |s: f64, t: f64| {
+                    (a.0 * (1.0 - s) + b.0 * s) * (1.0 - t) + (c.0 * (1.0 - s) + d.0 * s) * t
+                };
+                let middle = ground(place(0.5, 0.5));
+                let plain = [a.1, b.1, c.1, d.1].iter().all(|corner| {
+                    corner
+                        .iter()
+                        .zip(middle)
+                        .all(|(x, y)| (x - y).abs() < PLAIN)
+                });
+                for sample in 0..SAMPLES * SAMPLES {
+                    let (i, j) = (sample % SAMPLES, sample / SAMPLES);
+                    let colour = if plain {
+                        middle
+                    } else {
+                        mean_colour(&mut jitter, |s, t| {
+                            let part = |index: usize, within: f64| {
+                                (index as f64 + within) / SAMPLES as f64
+                            };
+                            ground(place(part(i, s), part(j, t)))
+                        })
+                    };
+                    let index = (row * SAMPLES + j) * self.width + column * SAMPLES + i;
+                    self.colours[index] = colour.map(|channel| channel as f32);
+                }
+            }
+        }
+    }
+
+    /// Darkens the table where rods hide the light.
+    fn shade_ground(
+        &mut self,
+        camera: &Camera,
+        rods: &[RenderedRod],
+        light: &Vector3<f64>,
+        shadow: f64,
+    ) {
+        if light.z <= 0.0 || shadow <= 0.0 {
+            return;
+        }
+        let mut shade = vec![0.0f32; self.colours.len()];
+        for rod in rods {
+            for point in &rod.points {
+                let height = point.z - camera.table_height;
+                let foot = point - light * (height / light.z);
+                let (Some(centre), Some(side)) = (
+                    camera.project(foot),
+                    camera.project(foot + Vector3::x() * rod.radius),
+                ) else {
+                    continue;
+                };
+                // Penumbrae widen with the height.
+                let radius = (side - centre).norm() * SAMPLES as f64;
+                let soft = radius * (0.2 + height / rod.radius * 0.05);
+                self.each_near(centre, radius + soft, |index, distance| {
+                    let dark = ((radius + soft - distance) / (2.0 * soft)).clamp(0.0, 1.0);
+                    shade[index] = shade[index].max(dark as f32);
+                });
+            }
+        }
+        for (colour, shade) in self.colours.iter_mut().zip(shade) {
+            *colour = colour.map(|channel| channel * (1.0 - shadow as f32 * shade));
+        }
+    }
+
+    fn paint_rod(
+        &mut self,
+        camera: &Camera,
+        rod: &RenderedRod,
+        rods: &[RenderedRod],
+        light: &Vector3<f64>,
+        options: &RenderOptions,
+    ) {
+        for pair in rod.points.windows(2) {
+            let (from, to) = (pair[0], pair[1]);
+            let middle = (from + to) * 0.5;
+            let (Some(a), Some(b)) = (camera.project(from), camera.project(to)) else {
+                continue;
+            };
+            let axis = (to - from).try_normalize(1e-15).unwrap_or(Vector3::x());
+            let towards = (camera.pose.translation.vector - middle).normalize();
+            let view = (towards - axis * towards.dot(&axis)).normalize();
+            let side = axis.cross(&view);
+            let Some(edge) = camera.project(middle + side * rod.radius) else {
+                continue;
+            };
+            let centre = (a + b) * 0.5;
+            let radius = (edge - centre).norm() * SAMPLES as f64;
+            let across = (edge - centre).normalize();
+            let along = (b - a) * SAMPLES as f64;
+            let depth = camera.pose.inverse_transform_point(&middle.into()).z;
+            let lit = 1.0 - options.shadow * covered(middle, rod, rods, light);
+            let reach = radius + along.norm();
+            let width = self.width;
+            let middle_sample = Point::new(Self::sample(centre.x), Self::sample(centre.y));
+            let mut found = Vec::new();
+            self.each_near(centre, reach, |index, _| found.push(index));
+            for index in found {
+                let place = Point::new((index % width) as f64, (index / width) as f64);
+                let offset = place - middle_sample;
+                let t = offset.dot(&across) / radius;
+                let s = offset.dot(&along) / along.norm_squared().max(1e-12);
+                if t.abs() >= 1.0 || s.abs() > 0.75 {
+                    continue;
+                }
+                let rise = (1.0 - t * t).sqrt();
+                let nearest = (depth - rod.radius * rise) as f32;
+                if nearest >= self.depths[index] {
+                    continue;
+                }
+                let normal = side * t + view * rise;
+                let direct = normal.dot(light).max(0.0) * lit;
+                let brightness = options.ambient + (1.0 - options.ambient) * direct;
+                self.depths[index] = nearest;
+                self.colours[index] = rod.colour.map(|c| (f64::from(c) * brightness) as f32);
+            }
+        }
+    }
+
+    /// Calls `visit` with the index and distance, in samples, of all samples near a pixel.
+    fn each_near(&self, pixel: Point, reach: f64, mut visit: impl FnMut(usize, f64)) {
+        let centre = Point::new(Self::sample(pixel.x), Self::sample(pixel.y));
+        let range = |x: f64, size: usize| {
+            let first = (x - reach).ceil().clamp(0.0, size as f64) as usize;
+            let last = (x + reach + 1.0).floor().clamp(0.0, size as f64) as usize;
+            first..last
+        };
+        for row in range(centre.y, self.height) {
+            for column in range(centre.x, self.width) {
+                let distance = (Point::new(column as f64, row as f64) - centre).norm();
+                if distance <= reach {
+                    visit(row * self.width + column, distance);
+                }
+            }
+        }
+    }
+
+    /// Means of samples, blur and noise.
+    fn develop(&self, options: &RenderOptions) -> RgbImage {
+        let (width, height) = (self.width / SAMPLES, self.height / SAMPLES);
+        let mut planes = [const { Vec::new() }; 3];
+        for plane in &mut planes {
+            *plane = vec![0.0f64; width * height];
+        }
+        for row in 0..self.height {
+            for column in 0..self.width {
+                let pixel = row / SAMPLES * width + column / SAMPLES;
+                let colour = self.colours[row * self.width + column];
+                for (plane, channel) in planes.iter_mut().zip(colour) {
+                    plane[pixel] += f64::from(channel) / (SAMPLES * SAMPLES) as f64;
+                }
+            }
+        }
+        for plane in &mut planes {
+            for _ in 0..options.blur {
+                binomial(plane, width, height);
+            }
+        }
+        let mut noise = Noise(options.seed);
+        RgbImage::from_fn(width as u32, height as u32, |u, v| {
+            let pixel = v as usize * width + u as usize;
+            Rgb([0, 1, 2].map(|channel| {
+                let value = planes[channel][pixel] + options.noise * noise.normal();
+                value.round().clamp(0.0, 255.0) as u8
+            }))
+        })
+    }
+}
+
+/// Mean of [`FINE`]² looks, one at random in each part of the unit square.
+fn mean_colour(jitter: &mut Noise, look: impl Fn(f64, f64) -> [f64; 3]) -> [f64; 3] {
+    let mut mean = [0.0; 3];
+    for fine in 0..FINE * FINE {
+        let mut part = |index: usize| (index as f64 + jitter.uniform()) / FINE as f64;
+        let (s, t) = (part(fine % FINE), part(fine / FINE));
+        for (mean, channel) in mean.iter_mut().zip(look(s, t)) {
+            *mean += channel / (FINE * FINE) as f64;
+        }
+    }
+    mean
+}
+
+/// How much of a rod's point is hidden from the light by the rods.
+fn covered(
+    point: Vector3<f64>,
+    rod: &RenderedRod,
+    rods: &[RenderedRod],
+    light: &Vector3<f64>,
+) -> f64 {
+    let mut most = 0.0f64;
+    for other in rods {
+        // Coarsely: shadows are soft.
+        let step = (other.points.len() / 400).max(1);
+        for above in other.points.iter().step_by(step) {
+            let way = above - point;
+            let height = way.dot(light);
+            if height < 1.2 * rod.radius {
+                continue;
+            }
+            let beside = (way - light * height).norm();
+            let dark = (1.5 * other.radius - beside) / other.radius;
+            most = most.max(dark.clamp(0.0, 1.0));
+        }
+    }
+    most
+}
+
+fn binomial(plane: &mut [f64], width: usize, height: usize) {
+    let old = plane.to_vec();
+    let at = |row: usize, column: usize| old[row * width + column];
+    for row in 0..height {
+        for column in 0..width {
+            let rows = [row.saturating_sub(1), row, (row + 1).min(height - 1)];
+            let columns = [
+                column.saturating_sub(1),
+                column,
+                (column + 1).min(width - 1),
+            ];
+            let mut sum = 0.0;
+            for (r, wr) in rows.into_iter().zip([1.0, 2.0, 1.0]) {
+                for (c, wc) in columns.into_iter().zip([1.0, 2.0, 1.0]) {
+                    sum += wr * wc * at(r, c);
+                }
+            }
+            plane[row * width + column] = sum / 16.0;
+        }
+    }
+}
+
+/// Random numbers by SplitMix64 (Steele, Lea and Flood, OOPSLA 2014).
+struct Noise(u64);
+
+impl Noise {
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// Normally distributed, by Box and Muller.
+    fn normal(&mut self) -> f64 {
+        let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
+        radius * (std::f64::consts::TAU * self.uniform()).cos()
+    }
+}

@@ -1,0 +1,347 @@
+//! A sheet of paper: its corners to a fraction of a pixel, its edges on the table, and how far it slid.
+//!
+//! Corners are where lines through the edges meet. The lines are fitted to many edge points in coordinates of the
+//! table, in which edges are straight however the lens bends them.
+
+use super::contrast::Contrast;
+use super::mask::Mask;
+use super::{ColourRule, Point, VisionError};
+use image::RgbImage;
+
+/// A sheet with four edges.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sheet {
+    /// Corners in turn, clockwise in the picture, the one nearest to the picture's upper left first; coordinates as
+    /// `locate` gives them.
+    pub corners: [Point; 4],
+    /// The same, pixels.
+    pub corner_pixels: [Point; 4],
+    /// For each edge, from corner k to k + 1, the root mean square distance of its points from the line.
+    pub straightness: [f64; 4],
+}
+
+/// Where an edge lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EdgePose {
+    /// Middle of the edge.
+    pub middle: Point,
+    /// Direction of the edge, radians from the x axis, from -π to π.
+    pub angle: f64,
+    /// Length of the edge.
+    pub length: f64,
+}
+
+impl Sheet {
+    /// An edge, from corner k to corner k + 1.
+    ///
+    /// # Panics
+    /// There are four edges, from 0.
+    pub fn edge(&self, edge: usize) -> EdgePose {
+        let (from, to) = (self.corners[edge], self.corners[(edge + 1) % 4]);
+        let along = to - from;
+        EdgePose {
+            middle: (from + to) * 0.5,
+            angle: along.y.atan2(along.x),
+            length: along.norm(),
+        }
+    }
+}
+
+/// How far an edge moved along a direction between two pictures: Δx of a fold.
+pub fn sliding(before: &EdgePose, after: &EdgePose, direction: Point) -> f64 {
+    let unit = direction.try_normalize(1e-12).unwrap_or(Point::x());
+    (after.middle - before.middle).dot(&unit)
+}
+
+/// Points that are looked for along an edge.
+const EDGE_POINTS: usize = 120;
+/// Part of an edge near each corner that is not used.
+const CORNER_PART: f64 = 0.08;
+
+/// Finds the largest sheet that a colour rule tells from the rest. `locate` maps pixels to coordinates in which
+/// edges are straight: [`Camera::on_table`](super::Camera::on_table), or the identity for a lens without distortion.
+///
+/// # Errors
+/// There is no part of the mask with four edges, or `locate` fails.
+pub fn find_sheet(
+    picture: &RgbImage,
+    rule: &ColourRule,
+    locate: impl Fn(Point) -> Result<Point, VisionError>,
+) -> Result<Sheet, VisionError> {
+    let missing = |reason: &str| VisionError::NotFound {
+        what: "the sheet",
+        reason: reason.into(),
+    };
+    let contrast = Contrast::new(picture, rule)?;
+    let mut mask = Mask::of_contrast(&contrast);
+    mask.keep_largest();
+    let outline = convex_hull(&mask.outline());
+    let corners = largest_quadrilateral(&outline)
+        .ok_or_else(|| missing("no part of the picture has four corners"))?;
+    let size = |k: usize| (corners[(k + 1) % 4] - corners[k]).norm();
+    if (0..4).any(|k| size(k) < 20.0) {
+        return Err(missing("its edges are shorter than 20 pixels"));
+    }
+    let mut lines = Vec::new();
+    for edge in 0..4 {
+        let mut points = Vec::new();
+        for pixel in edge_points(&contrast, corners[edge], corners[(edge + 1) % 4]) {
+            points.push(locate(pixel)?);
+        }
+        lines.push(
+            fit_line(points)
+                .ok_or_else(|| missing("one of its edges is not seen, or not straight"))?,
+        );
+    }
+    let mut located = [Point::zeros(); 4];
+    for (corner, located) in located.iter_mut().enumerate() {
+        *located = meet(&lines[(corner + 3) % 4], &lines[corner])
+            .ok_or_else(|| missing("two neighbouring edges are parallel"))?;
+    }
+    let mut corner_pixels = corners;
+    for (pixel, corner) in corner_pixels.iter_mut().zip(&located) {
+        *pixel = invert(*pixel, *corner, &locate)?;
+    }
+    let first = (0..4)
+        .min_by(|a, b| corner_pixels[*a].sum().total_cmp(&corner_pixels[*b].sum()))
+        .unwrap_or(0);
+    located.rotate_left(first);
+    corner_pixels.rotate_left(first);
+    let mut straightness = [0, 1, 2, 3].map(|edge| lines[edge].deviation);
+    straightness.rotate_left(first);
+    Ok(Sheet {
+        corners: located,
+        corner_pixels,
+        straightness,
+    })
+}
+
+/// Pixel that `locate` maps to a point, by Newton's method with differences.
+fn invert(
+    start: Point,
+    target: Point,
+    locate: &impl Fn(Point) -> Result<Point, VisionError>,
+) -> Result<Point, VisionError> {
+    let mut pixel = start;
+    for _ in 0..8 {
+        let here = locate(pixel)?;
+        let by_u = locate(pixel + Point::x())? - here;
+        let by_v = locate(pixel + Point::y())? - here;
+        let matrix = nalgebra::Matrix2::from_columns(&[by_u, by_v]);
+        let Some(inverse) = matrix.try_inverse() else {
+            break;
+        };
+        pixel += inverse * (target - here);
+    }
+    Ok(pixel)
+}
+
+/// Convex hull in the order of increasing angle in picture coordinates (Andrew 1979).
+fn convex_hull(points: &[Point]) -> Vec<Point> {
+    let mut sorted = points.to_vec();
+    sorted.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+    let mut hull: Vec<Point> = Vec::new();
+    for pass in 0..2 {
+        let floor = hull.len();
+        for point in &sorted {
+            while hull.len() >= floor + 2 {
+                let (a, b) = (hull[hull.len() - 2], hull[hull.len() - 1]);
+                if (b - a).perp(&(point - a)) > 0.0 {
+                    break;
+                }
+                hull.pop();
+            }
+            hull.push(*point);
+        }
+        hull.pop();
+        if pass == 0 {
+            sorted.reverse();
+        }
+    }
+    hull
+}
+
+/// Four corners of a convex polygon that enclose the largest area, if that is nearly all of it.
+fn largest_quadrilateral(hull: &[Point]) -> Option<[Point; 4]> {
+    let area = |polygon: &[Point]| {
+        let turns = (0..polygon.len()).map(|k| polygon[k].perp(&polygon[(k + 1) % polygon.len()]));
+        0.5 * turns.sum::<f64>().abs()
+    };
+    // The corner that cuts off least goes, until four are left.
+    let mut polygon = hull.to_vec();
+    while polygon.len() > 4 {
+        let count = polygon.len();
+        let cut = |k: usize| {
+            let (before, after) = (polygon[(k + count - 1) % count], polygon[(k + 1) % count]);
+            (polygon[k] - before).perp(&(after - before)).abs()
+        };
+        let least = (0..count).min_by(|a, b| cut(*a).total_cmp(&cut(*b)))?;
+        polygon.remove(least);
+    }
+    let corners: [Point; 4] = polygon.try_into().ok()?;
+    (area(&corners) > 0.9 * area(hull)).then_some(corners)
+}
+
+/// Points at which the contrast passes its threshold on the way from inside to outside across an edge.
+fn edge_points(contrast: &Contrast, from: Point, to: Point) -> Vec<Point> {
+    let along = to - from;
+    let Some(unit) = along.try_normalize(1e-9) else {
+        return Vec::new();
+    };
+    let outwards = Point::new(unit.y, -unit.x);
+    let threshold = f64::from(contrast.threshold);
+    let mut points = Vec::new();
+    for index in 0..EDGE_POINTS {
+        let part =
+            CORNER_PART + (1.0 - 2.0 * CORNER_PART) * (index as f64 + 0.5) / EDGE_POINTS as f64;
+        let base = from + along * part;
+        let value = |t: f64| {
+            let point = base + outwards * t;
+            contrast.at(point.x, point.y) - threshold
+        };
+        const STEP: f64 = 0.5;
+        const REACH: i32 = 16;
+        let crossing = (-REACH..REACH).find_map(|k| {
+            let t = f64::from(k) * STEP;
+            let (inside, outside) = (value(t), value(t + STEP));
+            (inside >= 0.0 && outside < 0.0).then(|| t + STEP * inside / (inside - outside))
+        });
+        points.extend(crossing.map(|t| base + outwards * t));
+    }
+    points
+}
+
+/// A line n·x = d and the scatter of its points.
+struct Line {
+    normal: Point,
+    offset: f64,
+    deviation: f64,
+}
+
+/// Line with the least squared distances; points far off are left out in three rounds.
+fn fit_line(mut points: Vec<Point>) -> Option<Line> {
+    let wanted = points.len();
+    let mut line = None;
+    for _ in 0..3 {
+        if points.len() < EDGE_POINTS / 3 || points.len() * 2 < wanted {
+            return None;
+        }
+        let middle = points.iter().sum::<Point>() / points.len() as f64;
+        let mut covariance = nalgebra::Matrix2::zeros();
+        for point in &points {
+            covariance += (point - middle) * (point - middle).transpose();
+        }
+        let eigen = covariance.symmetric_eigen();
+        let least = eigen.eigenvalues.imin();
+        let normal: Point = eigen.eigenvectors.column(least).into();
+        let deviation = (eigen.eigenvalues[least].max(0.0) / points.len() as f64).sqrt();
+        points.retain(|point| (point - middle).dot(&normal).abs() <= 2.5 * deviation + 1e-12);
+        line = Some(Line {
+            normal,
+            offset: normal.dot(&middle),
+            deviation,
+        });
+    }
+    line
+}
+
+fn meet(a: &Line, b: &Line) -> Option<Point> {
+    let matrix = nalgebra::Matrix2::from_rows(&[a.normal.transpose(), b.normal.transpose()]);
+    if matrix.determinant().abs() < 0.05 {
+        return None;
+    }
+    Some(matrix.try_inverse()? * Point::new(a.offset, b.offset))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Camera;
+    use super::super::camera::tests::slanted_camera;
+    use super::super::render::{RenderOptions, render};
+    use super::*;
+
+    fn camera() -> Camera {
+        let mut camera = slanted_camera();
+        camera.width = 640;
+        camera.height = 480;
+        camera.lens.focal = [460.0, 458.0];
+        camera.lens.centre = [322.0, 241.0];
+        let view = camera.pose.rotation * nalgebra::Vector3::z();
+        camera.pose.translation.vector = -view * 0.6;
+        camera
+    }
+
+    /// A sheet of 0.2 m × 0.15 m about a centre, turned.
+    fn picture(camera: &Camera, centre: Point, angle: f64, seed: u64) -> RgbImage {
+        let ground = |point: Point| {
+            let (sine, cosine) = angle.sin_cos();
+            let way = point - centre;
+            let (x, y) = (
+                way.x * cosine + way.y * sine,
+                -way.x * sine + way.y * cosine,
+            );
+            let inside = x.abs() < 0.1 && y.abs() < 0.075;
+            if inside {
+                [225.0, 222.0, 210.0]
+            } else {
+                [60.0, 70.0, 85.0]
+            }
+        };
+        let options = RenderOptions {
+            noise: 4.0,
+            seed,
+            ..RenderOptions::default()
+        };
+        render(camera, &[], ground, &options)
+    }
+
+    #[test]
+    fn rendered_sheets_are_found_on_the_table() {
+        let camera = camera();
+        let locate = |pixel: Point| camera.on_table(pixel);
+        let mut edges = Vec::new();
+        for (seed, (centre, angle)) in [
+            (Point::new(0.01, -0.02), 0.3),
+            (Point::new(0.013, -0.024), 0.3),
+            (Point::new(-0.02, 0.0), -0.9),
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            let picture = picture(&camera, centre, angle, seed as u64);
+            let sheet = find_sheet(&picture, &ColourRule::Background, locate).expect("a sheet");
+            let middle = sheet.corners.iter().sum::<Point>() / 4.0;
+            assert!((middle - centre).norm() < 0.3e-3, "{middle}");
+            for edge in 0..4 {
+                let pose = sheet.edge(edge);
+                let turn = (pose.angle - angle).rem_euclid(std::f64::consts::FRAC_PI_2);
+                let off = turn.min(std::f64::consts::FRAC_PI_2 - turn).to_degrees();
+                assert!(off < 0.1, "edge {edge} is {off} degrees off");
+                let side = (pose.length - 0.2).abs().min((pose.length - 0.15).abs());
+                assert!(side < 0.3e-3, "edge {edge} is {} m long", pose.length);
+                let away = (pose.middle - centre).norm();
+                let expected = if pose.length > 0.17 { 0.075 } else { 0.1 };
+                assert!((away - expected).abs() < 0.3e-3, "edge {edge}");
+            }
+            for (corner, pixel) in sheet.corners.iter().zip(&sheet.corner_pixels) {
+                assert!((camera.on_table(*pixel).expect("a point") - corner).norm() < 1e-9);
+            }
+            edges.push(sheet.edge(0));
+        }
+        let slid = sliding(&edges[0], &edges[1], Point::new(0.6, -0.8));
+        assert!((slid - 0.005).abs() < 0.3e-3, "{slid}");
+    }
+
+    #[test]
+    fn a_disc_is_no_sheet() {
+        let picture = RgbImage::from_fn(200, 200, |u, v| {
+            let inside = (f64::from(u) - 100.0).hypot(f64::from(v) - 100.0) < 60.0;
+            image::Rgb(if inside { [220; 3] } else { [20; 3] })
+        });
+        let error = find_sheet(&picture, &ColourRule::Background, Ok).expect_err("a disc");
+        assert!(
+            error.to_string().contains("the sheet was not found"),
+            "{error}"
+        );
+    }
+}

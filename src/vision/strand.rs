@@ -1,0 +1,57 @@
+//! Strands: paths through a skeleton from one end to another, straight through crossings.
+
+use super::crossing::{Arm, Crossing};
+use super::skeleton::Skeleton;
+use std::collections::BTreeMap;
+
+/// Branches in order; a closed strand's last one is followed by its first one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Path {
+    /// Each branch by the arm at which the path enters it.
+    pub entries: Vec<Arm>,
+    pub closed: bool,
+}
+
+/// Follows all strands. Open ones come first, in order of their branches.
+pub(super) fn paths(skeleton: &Skeleton, crossings: &[Crossing], links: &[bool]) -> Vec<Path> {
+    let pairs = crossings.iter().flat_map(|crossing| &crossing.pairs);
+    let partner: BTreeMap<Arm, Arm> = pairs.flat_map(|[a, b]| [(*a, *b), (*b, *a)]).collect();
+    let mut used = links.to_vec();
+    let mut paths = Vec::new();
+    let follow = |start: Arm, used: &mut Vec<bool>| {
+        let (mut entries, mut entry) = (Vec::new(), start);
+        loop {
+            entries.push(entry);
+            used[entry.branch] = true;
+            let exit = Arm {
+                side: 1 - entry.side,
+                ..entry
+            };
+            match partner.get(&exit) {
+                Some(next) if !used[next.branch] => entry = *next,
+                Some(next) => return (entries, *next == start),
+                None => return (entries, false),
+            }
+        }
+    };
+    let branches = 0..skeleton.branches.len();
+    for branch in branches.clone() {
+        for side in 0..2 {
+            let start = Arm { branch, side };
+            let is_end = !partner.contains_key(&start) && skeleton.branches[branch].nodes.is_some();
+            if is_end && !used[branch] {
+                let (entries, closed) = follow(start, &mut used);
+                paths.push(Path { entries, closed });
+            }
+        }
+    }
+    for branch in branches {
+        if !used[branch] {
+            let start = Arm { branch, side: 0 };
+            let (entries, closed) = follow(start, &mut used);
+            let closed = closed || skeleton.branches[branch].nodes.is_none();
+            paths.push(Path { entries, closed });
+        }
+    }
+    paths
+}

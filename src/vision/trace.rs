@@ -1,0 +1,155 @@
+//! From a picture to its strands.
+
+use super::centreline::{EndStops, Strand, centreline};
+use super::colour::{ColourRule, lab};
+use super::contrast::Contrast;
+use super::crossing::crossings;
+use super::gap::close_gaps;
+use super::labels::paint_labels;
+use super::mask::Mask;
+use super::order::{StrandCrossing, find_crossings};
+use super::skeleton::Skeleton;
+use super::strand::paths;
+use super::{Point, VisionError};
+use image::{GrayImage, RgbImage};
+
+/// What to look for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TraceOptions {
+    /// Which colours are rod.
+    pub colour: ColourRule,
+    /// Parts of the mask with fewer pixels are noise.
+    pub least_area: usize,
+    /// Holes of the mask with fewer pixels are highlights of a rod, not loops of it.
+    pub largest_hole: usize,
+    /// Strands that are shorter than this many widths are no lines.
+    pub least_slenderness: f64,
+}
+
+impl Default for TraceOptions {
+    fn default() -> Self {
+        Self {
+            colour: ColourRule::Background,
+            least_area: 60,
+            largest_hole: 20,
+            least_slenderness: 3.0,
+        }
+    }
+}
+
+/// What was found in a picture.
+#[derive(Clone, Debug)]
+pub struct Trace {
+    /// Which pixels are rod.
+    pub mask: Mask,
+    /// The strands.
+    pub strands: Vec<Strand>,
+    /// Where they cross.
+    pub crossings: Vec<StrandCrossing>,
+    /// Pixel = number of the strand from 1, 0 = background.
+    pub labels: GrayImage,
+    /// Parts of the mask that are no lines: centre, length and width of each.
+    pub rejected: Vec<(Point, f64, f64)>,
+}
+
+/// Largest part of a picture that lines may cover.
+const LARGEST_COVERAGE_PERCENT: usize = 50;
+
+/// Finds the strands of a picture.
+///
+/// # Errors
+/// Nothing or everything looks like a rod, or nothing of what does is a line.
+pub fn trace(picture: &RgbImage, options: &TraceOptions) -> Result<Trace, VisionError> {
+    let contrast = Contrast::new(picture, &options.colour)?;
+    trace_contrast(picture, &contrast, options)
+}
+
+/// The mask that [`trace`] works on, also where it finds nothing in it.
+pub fn clean_mask(contrast: &Contrast, options: &TraceOptions) -> Mask {
+    let mut mask = Mask::of_contrast(contrast);
+    mask.clean(options.least_area, options.largest_hole);
+    mask
+}
+
+/// Parts of the mask that thinning wears down to a point: centre, length and width of each.
+fn blobs(skeleton: &Skeleton) -> Vec<(Point, f64, f64)> {
+    let mut is_point = vec![true; skeleton.nodes.len()];
+    for node in skeleton
+        .branches
+        .iter()
+        .filter_map(|branch| branch.nodes)
+        .flatten()
+    {
+        is_point[node] = false;
+    }
+    let points = skeleton
+        .nodes
+        .iter()
+        .zip(is_point)
+        .filter(|(_, is_point)| *is_point);
+    points
+        .map(|(node, _)| {
+            let width = 2.0 * node.half_width;
+            (node.position, width, width)
+        })
+        .collect()
+}
+
+/// Finds the strands of a picture by a grey image of how much its pixels look like a rod, of the same size.
+///
+/// # Errors
+/// As [`trace`].
+pub fn trace_contrast(
+    picture: &RgbImage,
+    contrast: &Contrast,
+    options: &TraceOptions,
+) -> Result<Trace, VisionError> {
+    let mask = clean_mask(contrast, options);
+    let (found, pixels) = (mask.area(), mask.width() * mask.height());
+    if found == 0 {
+        return Err(VisionError::EmptyMask { found, pixels });
+    }
+    if 100 * found > LARGEST_COVERAGE_PERCENT * pixels {
+        return Err(VisionError::FullMask {
+            found,
+            pixels,
+            limit_percent: LARGEST_COVERAGE_PERCENT,
+        });
+    }
+    let skeleton = Skeleton::new(&mask);
+    let colour = |point: Point| lab(picture.get_pixel(point.x as u32, point.y as u32).0);
+    let (mut crossings, links) = crossings(&skeleton, colour);
+    close_gaps(&skeleton, &mask, &links, &mut crossings, colour);
+    let ends = EndStops::new(&crossings);
+    let mut strands = Vec::new();
+    let mut rejected = blobs(&skeleton);
+    for path in paths(&skeleton, &crossings, &links) {
+        let strand = centreline(contrast, &skeleton, &path, &ends);
+        let (length, width) = (strand.length(), strand.width());
+        if length >= options.least_slenderness * width && strand.points.len() > 2 {
+            strands.push(strand);
+        } else if let Some(point) = strand.points.get(strand.points.len() / 2) {
+            rejected.push((*point, length, width));
+        }
+    }
+    if strands.is_empty() {
+        return Err(match rejected.first() {
+            Some((point, length, width)) => VisionError::Blob {
+                u: point.x,
+                v: point.y,
+                length: *length,
+                width: *width,
+            },
+            None => VisionError::EmptyMask { found, pixels },
+        });
+    }
+    let crossings = find_crossings(picture, &strands);
+    let labels = paint_labels(&mask, &strands, &crossings);
+    Ok(Trace {
+        mask,
+        strands,
+        crossings,
+        labels,
+        rejected,
+    })
+}
