@@ -16,6 +16,7 @@
 mod arguments;
 mod check;
 mod completions;
+mod crash;
 mod explain;
 mod failure;
 mod gather;
@@ -45,14 +46,15 @@ use std::process::ExitCode;
 
 /// Runs the program and returns its exit code.
 pub fn main() -> ExitCode {
+    crash::announce_panics();
     let arguments = Arguments::parse();
-    match dispatch(&arguments) {
+    crash::guarded(|| match dispatch(&arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             failure.report(arguments.common.colours_stderr());
             ExitCode::from(failure.exit_code())
         }
-    }
+    })
 }
 
 fn dispatch(arguments: &Arguments) -> Result<(), Failure> {

@@ -10,6 +10,9 @@ use super::resolved::Scenario;
 use super::source::{Sources, Span};
 use std::path::{Path, PathBuf};
 
+/// Most files that extend each other in a row.
+const MOST_ANCESTORS: usize = 64;
+
 /// A scenario, and what it takes to point at its keys.
 #[derive(Clone, Debug)]
 pub struct Loaded {
@@ -220,6 +223,12 @@ fn parse_and_extend(
         return Err(refuse(
             sources,
             format!("{} extends this file in turn: a circle", path.display()),
+        ));
+    }
+    if ancestors.len() >= MOST_ANCESTORS {
+        return Err(refuse(
+            sources,
+            format!("{MOST_ANCESTORS} files extend each other in a row; allowed: no more"),
         ));
     }
     let mut merged = read(sources, ancestors, &path)?;

@@ -6,6 +6,9 @@ use super::issue::{Issue, KeyPath, did_you_mean};
 use super::source::{Sources, Span};
 use std::path::Path;
 
+/// Most steps of a dotted key; scenario files have keys of six.
+const MOST_STEPS: usize = 32;
+
 /// Sets a dotted key of the document. The value is TOML, or else plain text: `rods.0.radius=5 mm`.
 ///
 /// Tables that are missing on the way are made; elements of arrays must exist.
@@ -55,6 +58,13 @@ pub fn assign(
     value: Node,
 ) -> Result<(), (String, Option<String>)> {
     let steps: Vec<&str> = key.split('.').map(str::trim).collect();
+    if steps.len() > MOST_STEPS {
+        let message = format!(
+            "the key has {} steps; allowed: at most {MOST_STEPS}",
+            steps.len()
+        );
+        return Err((message, None));
+    }
     set(document, &steps, key_span, value)
 }
 

@@ -172,7 +172,7 @@ fn refuse_short_edges(nodes: &[Vector3], closed: bool, path: &KeyPath) -> Result
     let length = |edge: usize| (nodes[(edge + 1) % nodes.len()] - nodes[edge]).norm();
     let mean = (0..edges).map(length).sum::<f64>() / edges as f64;
     if !mean.is_finite() {
-        let message = "the coordinates are too large to measure the edges";
+        let message = "the coordinates are too large, or too close together, to measure the edges";
         return Err(Issue::new(path.clone(), message));
     }
     match (0..edges).find(|&edge| length(edge) <= SHORTEST_EDGE * mean) {

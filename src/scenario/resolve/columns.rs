@@ -1,5 +1,6 @@
 //! Named columns of numbers in CSV files that scenarios refer to.
 
+use super::section::LARGEST;
 use std::path::Path;
 
 /// Units that may stand behind the name of a column.
@@ -59,6 +60,11 @@ pub fn read_columns<const N: usize>(
                 .ok()
                 .filter(|number: &f64| number.is_finite())
                 .ok_or_else(|| format!("{place}, line {line}: {field:?} is not a finite number"))?;
+            if component.abs() > LARGEST {
+                return Err(format!(
+                    "{place}, line {line}: {field:?} is out of range; allowed: at most {LARGEST:e} in magnitude"
+                ));
+            }
         }
         rows.push((line, row));
     }
