@@ -3,6 +3,7 @@
 use super::document::{self, Node, Value};
 use super::error::{Located, ScenarioError};
 use super::experiments::{Experiments, TypedFile};
+use super::input_file::{self, LARGEST_TEXT};
 use super::issue::{Issue, Issues, KeyPath};
 use super::overrides;
 use super::resolve::{Context, resolve};
@@ -168,7 +169,10 @@ fn read(
         );
         ScenarioError::from(Located::new(&Sources::default(), issue, None))
     };
-    let bytes = std::fs::read(path).map_err(|error| unreadable(&error))?;
+    let bytes = input_file::read(path, LARGEST_TEXT).map_err(|message| {
+        let issue = Issue::new(KeyPath::root(), message);
+        ScenarioError::from(Located::new(&Sources::default(), issue, None))
+    })?;
     let text = String::from_utf8(bytes).map_err(|error| unreadable(&error))?;
     let canonical = path.canonicalize().map_err(|error| unreadable(&error))?;
     let directory = path.parent().unwrap_or(Path::new("")).to_owned();

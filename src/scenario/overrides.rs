@@ -68,6 +68,28 @@ pub fn assign(
     set(document, &steps, key_span, value)
 }
 
+/// The steps of a dotted key, elements of arrays by their numbers rather than their names; as typed from where it leads
+/// beyond the document.
+pub fn numbered_steps(document: &Node, key: &str) -> Vec<String> {
+    let mut node = Some(document);
+    let step = |step: &str| {
+        let (name, next) = match node.map(|node| &node.value) {
+            Some(Value::Table(_)) => {
+                let entry = node.and_then(|node| node.entry(step));
+                (step.to_owned(), entry.map(|entry| &entry.node))
+            }
+            Some(Value::Array(elements)) => match find_element(elements, step) {
+                Ok(index) => (index.to_string(), elements.get(index)),
+                Err(_) => (step.to_owned(), None),
+            },
+            _ => (step.to_owned(), None),
+        };
+        node = next;
+        name
+    };
+    key.split('.').map(str::trim).map(step).collect()
+}
+
 /// Reads the value as TOML; what is not TOML is text. `offset` is where it begins in its source.
 pub fn parse_value(source: usize, offset: usize, text: &str) -> Node {
     const KEY: &str = "value = ";
