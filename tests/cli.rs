@@ -406,3 +406,30 @@ fn a_full_or_closed_standard_error_changes_no_exit_code() {
     assert_eq!(code(&limited, full().into()), Some(5));
     assert_eq!(code(&limited, closed().into()), Some(5));
 }
+
+#[test]
+fn ten_thousand_threads_are_refused_before_they_start() {
+    let directory = directory(SWING);
+    for option in ["--threads", "--jobs"] {
+        let (code, _, stderr) = outcome(&directory, &["run", "swing.toml", option, "10000"]);
+        assert_eq!(code, 2, "{stderr}");
+        assert!(
+            stderr.contains(&format!("{option} 10000 is out of range")),
+            "{stderr}"
+        );
+    }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn endless_inputs_are_refused() {
+    let clamp = "at = \"start\"\n";
+    let endless = format!("{clamp}follow = \"/dev/zero\"\n");
+    let directory = directory(&SWING.replace(clamp, &endless));
+    for scenario in ["/dev/zero", "swing.toml"] {
+        let (code, _, stderr) = outcome(&directory, &["check", scenario]);
+        assert_eq!(code, 2, "{stderr}");
+        let words = stderr.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(words.contains("regular files"), "{stderr}");
+    }
+}

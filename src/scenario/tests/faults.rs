@@ -97,6 +97,15 @@ fn chains_of_3000_extended_files_are_refused() {
 }
 
 #[test]
+fn of_20000_unknown_keys_a_hundred_are_told() {
+    let keys: String = (0..20_000)
+        .map(|number| format!("key_{number} = 1\n"))
+        .collect();
+    let error = read(&format!("{keys}{BEAM}")).unwrap_err();
+    assert_eq!(error.0.len(), 100);
+}
+
+#[test]
 fn numbers_beyond_any_measure_are_refused() {
     insta::assert_snapshot!(faults("end = [1, 0, 0]", "end = [1e308, 0, 0]"), @"beam.toml:13:56: `rods.0.shape.end.0`: 1e308 is out of range; allowed: at most 1e100 in magnitude");
     insta::assert_snapshot!(faults("radius = \"5 mm\"", "radius = -1e308"), @"beam.toml:11:10: `rods.0.radius`: -1e308 is out of range; allowed: greater than 0");
