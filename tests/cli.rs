@@ -370,3 +370,66 @@ fn the_log_speaks_json() {
         assert!(entry["level"].is_string(), "{line}");
     }
 }
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_or_closed_standard_error_changes_no_exit_code() {
+    let directory = directory(SWING);
+    let full = || fs::File::options().write(true).open("/dev/full").unwrap();
+    let closed = || std::io::pipe().unwrap().1;
+    let code = |arguments: &[&str], stderr: std::process::Stdio| {
+        let status = std::process::Command::new(env!("CARGO_BIN_EXE_rodlab"))
+            .current_dir(directory.path())
+            .args(arguments)
+            .stdout(std::process::Stdio::null())
+            .stderr(stderr)
+            .status();
+        status.unwrap().code()
+    };
+    for arguments in [
+        &["check", "none.toml"][..],
+        &["plot", "."],
+        &["run", "-vv", "none.toml"],
+    ] {
+        assert_eq!(code(arguments, full().into()), Some(2), "{arguments:?}");
+        assert_eq!(code(arguments, closed().into()), Some(2), "{arguments:?}");
+    }
+    let limited = [
+        "run",
+        "-vv",
+        "swing.toml",
+        "--set",
+        "time.end=1e6",
+        "--timeout",
+        "0.3",
+    ];
+    assert_eq!(code(&limited, full().into()), Some(5));
+    assert_eq!(code(&limited, closed().into()), Some(5));
+}
+
+#[test]
+fn ten_thousand_threads_are_refused_before_they_start() {
+    let directory = directory(SWING);
+    for option in ["--threads", "--jobs"] {
+        let (code, _, stderr) = outcome(&directory, &["run", "swing.toml", option, "10000"]);
+        assert_eq!(code, 2, "{stderr}");
+        assert!(
+            stderr.contains(&format!("{option} 10000 is out of range")),
+            "{stderr}"
+        );
+    }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn endless_inputs_are_refused() {
+    let clamp = "at = \"start\"\n";
+    let endless = format!("{clamp}follow = \"/dev/zero\"\n");
+    let directory = directory(&SWING.replace(clamp, &endless));
+    for scenario in ["/dev/zero", "swing.toml"] {
+        let (code, _, stderr) = outcome(&directory, &["check", scenario]);
+        assert_eq!(code, 2, "{stderr}");
+        let words = stderr.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(words.contains("regular files"), "{stderr}");
+    }
+}

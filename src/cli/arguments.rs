@@ -148,11 +148,30 @@ impl Common {
         let Some(threads) = self.threads else {
             return Ok(());
         };
+        refuse_too_many_threads("--threads", threads)?;
         rayon::ThreadPoolBuilder::new()
             .num_threads(usize::from(threads))
             .build_global()
             .map_err(|error| Failure::System(format!("cannot start {threads} threads: {error}")))
     }
+}
+
+/// Threads, for each processor, beyond which they only wait for each other.
+const THREADS_OF_A_PROCESSOR: usize = 16;
+
+/// Refuses numbers of threads that take longer to start than any work would.
+///
+/// # Errors
+/// [`Failure::Input`] names the option and the largest number.
+pub fn refuse_too_many_threads(option: &str, threads: u16) -> Result<(), Failure> {
+    let processors = std::thread::available_parallelism().map_or(1, usize::from);
+    let most = (THREADS_OF_A_PROCESSOR * processors).max(64);
+    if usize::from(threads) > most {
+        return Err(Failure::Input(format!(
+            "{option} {threads} is out of range; allowed on this machine of {processors} processors: 1 to {most}"
+        )));
+    }
+    Ok(())
 }
 
 #[cfg(test)]

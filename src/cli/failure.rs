@@ -1,6 +1,7 @@
 //! Why the program fails, what it says and its exit code.
 
 use super::exit_code::ExitCode;
+use super::output::complain;
 use crate::cluster::ClusterError;
 use crate::mechanics::dynamics::SimulationError;
 use crate::report::{PlotError, ViewError};
@@ -73,27 +74,26 @@ impl ExitCode for Failure {
 impl Failure {
     /// Says what is wrong on standard error.
     pub fn report(&self, colour: bool) {
+        complain(&self.in_words(colour));
+    }
+
+    /// What is wrong, whole lines.
+    fn in_words(&self, colour: bool) -> String {
         match self {
-            Self::Scenario(errors) => {
-                for error in errors {
-                    eprint!("{}", error.render(colour));
-                }
-            }
+            Self::Scenario(errors) => errors.iter().map(|error| error.render(colour)).collect(),
             Self::Input(message)
             | Self::System(message)
             | Self::Unreachable(message)
-            | Self::Cases { message, .. } => {
-                eprintln!("error: {message}");
-            }
-            Self::Checks { failed } => eprintln!("error: {failed} physics checks failed"),
-            Self::Run(error) => eprintln!("error: {error}"),
-            Self::NoEquilibrium(error) => eprintln!("error: {error}"),
-            Self::Sweep(error) => eprintln!("error: {error}"),
-            Self::Cluster(error) => eprintln!("error: {error}"),
-            Self::Reproduce(error) => eprintln!("error: {error}"),
-            Self::Results(error) => eprintln!("error: {error}"),
-            Self::Plot(error) => eprintln!("error: {error}"),
-            Self::View(error) => eprintln!("error: {error}"),
+            | Self::Cases { message, .. } => format!("error: {message}\n"),
+            Self::Checks { failed } => format!("error: {failed} physics checks failed\n"),
+            Self::Run(error) => format!("error: {error}\n"),
+            Self::NoEquilibrium(error) => format!("error: {error}\n"),
+            Self::Sweep(error) => format!("error: {error}\n"),
+            Self::Cluster(error) => format!("error: {error}\n"),
+            Self::Reproduce(error) => format!("error: {error}\n"),
+            Self::Results(error) => format!("error: {error}\n"),
+            Self::Plot(error) => format!("error: {error}\n"),
+            Self::View(error) => format!("error: {error}\n"),
         }
     }
 }

@@ -22,6 +22,8 @@ pub fn start(common: &Common) {
         .with_target(env!("CARGO_PKG_NAME"), level);
     let lines = tracing_subscriber::fmt::layer()
         .with_writer(std::io::stderr)
+        // What cannot be written to standard error cannot be complained about there, either.
+        .log_internal_errors(false)
         .with_ansi(common.colours_stderr());
     let subscriber = tracing_subscriber::registry().with(filter);
     // A second start, as in tests, keeps the first subscriber.

@@ -17,6 +17,7 @@ mod arguments;
 mod calibrate;
 mod check;
 mod completions;
+mod crash;
 mod exit_code;
 mod explain;
 mod failure;
@@ -53,14 +54,15 @@ use std::process;
 
 /// Runs the program and returns its exit code.
 pub fn main() -> process::ExitCode {
+    crash::announce_panics();
     let arguments = Arguments::parse();
-    match dispatch(&arguments) {
+    crash::guarded(|| match dispatch(&arguments) {
         Ok(()) => process::ExitCode::SUCCESS,
         Err(failure) => {
             failure.report(arguments.common.colours_stderr());
             process::ExitCode::from(failure.exit_code())
         }
-    }
+    })
 }
 
 fn dispatch(arguments: &Arguments) -> Result<(), Failure> {

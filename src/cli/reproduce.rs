@@ -2,7 +2,7 @@
 
 use super::arguments::Common;
 use super::failure::Failure;
-use super::output::print;
+use super::output::{complain, print};
 use crate::reproduce::{self, ARTIFACTS, Artifact, ReproduceOptions};
 use clap::Args;
 use std::path::PathBuf;
@@ -57,7 +57,7 @@ pub fn reproduce(arguments: &ReproduceArguments, common: &Common) -> Result<(), 
     };
     let report = |line: &str| {
         if !common.quiet {
-            eprintln!("{line}");
+            complain(&format!("{line}\n"));
         }
     };
     let written = reproduce::reproduce(artifact, &options, &report)?;

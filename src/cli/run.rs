@@ -1,6 +1,6 @@
 //! `rodlab run`.
 
-use super::arguments::Common;
+use super::arguments::{Common, refuse_too_many_threads};
 use super::failure::Failure;
 use super::output::print;
 use super::sweep;
@@ -70,6 +70,9 @@ fn duration(text: &str) -> Result<Duration, String> {
 
 /// Runs a scenario.
 pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), Failure> {
+    if let Some(jobs) = arguments.jobs {
+        refuse_too_many_threads("--jobs", jobs)?;
+    }
     let case_set =
         experiment::case_set(&arguments.scenario, &arguments.overrides, &arguments.vary)?;
     let directory = arguments

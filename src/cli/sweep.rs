@@ -14,6 +14,8 @@ use std::num::NonZeroUsize;
 
 /// Cases beyond which `--yes` must be given.
 const MOST_CASES: u128 = 100_000;
+/// Cases beyond which a sweep does not fit into memory: each takes up to a kilobyte.
+const HELD_CASES: u128 = 1_000_000;
 /// Cases whose cost is derived one by one; for more it is extrapolated.
 const COSTED_CASES: usize = 1000;
 
@@ -49,13 +51,21 @@ pub fn run(
     report(case_set, &sweep::run_sweep(case_set, &options)?)
 }
 
-/// Refuses numbers of cases that are more likely a slip of the fingers.
+/// Refuses numbers of cases that are more likely a slip of the fingers, and those that no memory holds.
 pub fn refuse_too_many(case_set: &CaseSet, yes: bool) -> Result<(), Failure> {
     let count = case_set.count();
-    let countable = usize::try_from(count).is_ok();
-    if count > MOST_CASES && !(yes && countable) {
+    let number = match count {
+        u128::MAX => "more cases than can be counted".to_owned(),
+        count => format!("{count} cases"),
+    };
+    if count > HELD_CASES {
         return Err(Failure::Input(format!(
-            "the sweep has {count} cases; if you mean it, add --yes"
+            "the sweep has {number}; allowed: at most {HELD_CASES}, which take about 1 GB of memory"
+        )));
+    }
+    if count > MOST_CASES && !yes {
+        return Err(Failure::Input(format!(
+            "the sweep has {number}; if you mean it, add --yes"
         )));
     }
     Ok(())

@@ -51,6 +51,8 @@ pages! {
     results
     probes
     figures
+    robots
+    vision
     theory
     accuracy
     performance

@@ -250,7 +250,25 @@ fn piece<T: Copy>(corners: &[(f64, T)], t: f64) -> Option<(T, T, f64)> {
     if t >= last.0 {
         return Some((last.1, last.1, 0.0));
     }
-    let after = corners.partition_point(|corner| corner.0 <= t);
+    // A time that is no number, as after an overflow, lies in no piece: the value is no number, either.
+    let after = corners
+        .partition_point(|corner| corner.0 <= t)
+        .clamp(1, corners.len() - 1);
     let ((t0, a), (t1, b)) = (corners[after - 1], corners[after]);
     Some((a, b, (t - t0) / (t1 - t0)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_time_that_is_no_number_does_not_panic() {
+        let corners = [(0.0, 1.0), (1.0, 2.0), (3.0, 0.0)];
+        assert_eq!(piecewise_linear(&corners, 2.0), Some(1.0));
+        let value = piecewise_linear(&corners, f64::NAN);
+        assert!(value.is_some_and(f64::is_nan), "{value:?}");
+        // One corner alone is a constant.
+        assert_eq!(piecewise_linear(&corners[..1], 7.0), Some(1.0));
+    }
 }

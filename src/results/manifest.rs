@@ -252,6 +252,19 @@ pub fn scenario_hash(scenario_toml: &str) -> String {
     blake3::hash(scenario_toml.as_bytes()).to_hex().to_string()
 }
 
+/// Hash that identifies a scenario and the files that it reads, given by name and contents; [`scenario_hash`] where it
+/// reads none.
+pub fn scenario_hash_with_inputs<'a>(
+    scenario_toml: &str,
+    inputs: impl Iterator<Item = (&'a str, &'a [u8])>,
+) -> String {
+    let mut text = scenario_toml.to_owned();
+    for (name, contents) in inputs {
+        text += &format!("# {name:?} {}\n", blake3::hash(contents).to_hex());
+    }
+    scenario_hash(&text)
+}
+
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;

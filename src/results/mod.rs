@@ -50,6 +50,7 @@ pub use frame::Frame;
 pub use lease::{HEARTBEAT, Lease, LeaseAttempt, Leases, Owner, host_name};
 pub use manifest::{
     CaseRecord, CaseStatus, MAIN_CASE, MANIFEST, Manifest, RodRecord, scenario_hash,
+    scenario_hash_with_inputs,
 };
 pub use nodes::{NodePositions, read_nodes};
 pub use outcome::{CaseOutcome, Ending};

@@ -22,9 +22,9 @@ pub struct CaseOutcome {
     pub newton_iterations_with_contact: u64,
     /// End of the first step with contact, s.
     pub first_contact: Option<f64>,
-    /// Smallest distance between centrelines that may touch over all output times, m.
+    /// Distance of the bodies, planes included, that came nearest to touching, m.
     pub minimum_distance: Option<f64>,
-    /// That distance over twice the largest radius of the scene.
+    /// That distance over the one at which their surfaces touch.
     pub minimum_distance_ratio: Option<f64>,
     /// Energy of stretching, bending and twisting at the last output, J.
     pub elastic_energy: Option<f64>,

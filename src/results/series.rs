@@ -24,7 +24,7 @@ pub struct SeriesRow {
     pub fluid_iterations: Option<f64>,
     /// Contacts that bear force at the end of the last step.
     pub contacts: Option<usize>,
-    /// Smallest distance between centrelines that may touch; empty where none is near.
+    /// Distance of the bodies, planes included, that are nearest to touching; empty where none is near.
     pub min_distance_m: Option<f64>,
     /// Kinetic energy.
     pub kinetic_energy_j: f64,

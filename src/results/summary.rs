@@ -32,9 +32,9 @@ pub struct SummaryRow {
     pub steps_with_contact: u64,
     /// End of the first of them; empty where there was none.
     pub first_contact_s: Option<f64>,
-    /// Smallest distance between centrelines at the output times; empty where none came near.
+    /// Distance of the bodies, planes included, that came nearest to touching; empty where none came near.
     pub min_distance_m: Option<f64>,
-    /// The same over twice the largest radius.
+    /// The same over the distance at which their surfaces touch.
     pub min_distance_ratio: Option<f64>,
     /// Elastic energy at the last output.
     pub elastic_energy_j: Option<f64>,

@@ -4,6 +4,7 @@ use super::directory::{
     LOCK, is_own_folder, not_writable, recognise, remove_own, remove_results, sweep_temporary_files,
 };
 use super::{Leases, Manifest, ResultsError, SCENARIO, write_whole};
+use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -64,6 +65,59 @@ impl SweepDirectory {
             path: path.to_owned(),
             leases: Leases::new(&leases),
         })
+    }
+
+    /// Keeps copies of files, given by name (steps joined by `/`) and contents, in a folder of the directory. Links are
+    /// not followed.
+    ///
+    /// # Errors
+    /// [`ResultsError::Link`], [`ResultsError::NotWritable`].
+    pub fn keep_inputs<'a>(
+        &self,
+        folder: &str,
+        inputs: impl Iterator<Item = (&'a str, &'a [u8])>,
+    ) -> Result<(), ResultsError> {
+        let _lock = lock(&self.path)?;
+        for (name, contents) in inputs {
+            let file = self.path.join(folder).join(name);
+            let mut on_the_way = self.path.clone();
+            let below = Path::new(folder).join(name);
+            for step in below.parent().into_iter().flat_map(Path::components) {
+                on_the_way.push(step);
+                if on_the_way.is_symlink() {
+                    return Err(ResultsError::Link { path: on_the_way });
+                }
+            }
+            fs::create_dir_all(&on_the_way).map_err(not_writable(&on_the_way))?;
+            // What is there already is left alone: other processes may be reading it.
+            if fs::read(&file).is_ok_and(|found| found == contents) {
+                continue;
+            }
+            write_whole(&file, contents)?;
+        }
+        Ok(())
+    }
+
+    /// Gives the directories of cases their names of today; the pairs are earlier and present names.
+    ///
+    /// # Errors
+    /// [`ResultsError::Io`].
+    pub fn rename_cases<'a>(
+        &self,
+        names: impl Iterator<Item = (&'a str, &'a str)>,
+    ) -> Result<(), ResultsError> {
+        let _lock = lock(&self.path)?;
+        let folders: BTreeSet<PathBuf> = entries(&self.path.join(CASES))?.into_iter().collect();
+        if folders.is_empty() {
+            return Ok(());
+        }
+        for (earlier, present) in names {
+            let (from, to) = (self.case(earlier), self.case(present));
+            if folders.contains(&from) && !folders.contains(&to) && is_own_folder(&from) {
+                fs::rename(&from, to).map_err(ResultsError::io("rename", from))?;
+            }
+        }
+        Ok(())
     }
 
     /// Where it lies.

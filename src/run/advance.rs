@@ -1,5 +1,6 @@
 //! What the run loop asks of a simulation.
 
+use crate::mechanics::contact::Proximity;
 use crate::mechanics::dynamics::{
     Energies, Simulation, SimulationError, SimulationState, StepReport,
 };
@@ -28,8 +29,8 @@ pub(crate) trait Advance {
     fn time(&self) -> f64;
     /// Energies, J.
     fn energies(&self) -> Energies;
-    /// Smallest distance between centrelines that may touch, m; infinite if none is near.
-    fn minimum_distance(&self) -> f64;
+    /// The bodies that are nearest to touching; `None` if none is near.
+    fn nearest(&self) -> Option<Proximity>;
     /// The nodes now; with velocities and forces where asked for.
     fn frame(&self, with_forces: bool) -> Frame;
     /// The simulation at which observers look; `None` in a double without one, which nobody observes.
@@ -72,8 +73,8 @@ impl Advance for Simulation {
         self.energies()
     }
 
-    fn minimum_distance(&self) -> f64 {
-        self.minimum_distance()
+    fn nearest(&self) -> Option<Proximity> {
+        self.nearest()
     }
 
     fn frame(&self, with_forces: bool) -> Frame {

@@ -1,5 +1,6 @@
 //! Counts what the steps of a run did.
 
+use crate::mechanics::contact::Proximity;
 use crate::mechanics::dynamics::{Energies, Exchange, StepReport};
 use crate::results::{CaseOutcome, SeriesRow};
 use serde::{Deserialize, Serialize};
@@ -57,11 +58,7 @@ impl Counters {
         self.newton_iterations += newton_iterations;
         self.fluid_iterations += fluid_iterations;
         self.contacts = Some(report.contacts);
-        if let (Some(distance), Some(ratio)) =
-            (report.minimum_distance, report.minimum_distance_ratio)
-        {
-            self.add_distance(distance, ratio);
-        }
+        self.note_nearest(report.nearest);
         let outcome = &mut self.outcome;
         outcome.steps += 1;
         outcome.newton_iterations += newton_iterations;
@@ -73,19 +70,23 @@ impl Counters {
         }
     }
 
-    /// Notes a distance between centrelines, m, and its ratio to that at which surfaces touch.
-    pub fn add_distance(&mut self, distance: f64, ratio: f64) {
-        let note = |smallest: &mut Option<f64>, value: f64| {
-            if value.is_finite() {
-                *smallest = Some(smallest.unwrap_or(value).min(value));
-            }
-        };
-        note(&mut self.outcome.minimum_distance, distance);
-        note(&mut self.outcome.minimum_distance_ratio, ratio);
+    /// Notes the bodies that are nearest to touching; those that ever come nearest are an outcome of the run.
+    pub fn note_nearest(&mut self, nearest: Option<Proximity>) {
+        let Some(nearest) = nearest else { return };
+        let least = &mut self.outcome.minimum_distance_ratio;
+        if least.is_none_or(|least| nearest.ratio() < least) {
+            *least = Some(nearest.ratio());
+            self.outcome.minimum_distance = Some(nearest.distance);
+        }
     }
 
     /// The row of the series for the steps since the last call.
-    pub fn take_row(&mut self, time: f64, distance: f64, energies: &Energies) -> SeriesRow {
+    pub fn take_row(
+        &mut self,
+        time: f64,
+        nearest: Option<Proximity>,
+        energies: &Energies,
+    ) -> SeriesRow {
         let mean = |total: u64| (self.steps > 0).then(|| total as f64 / self.steps as f64);
         let row = SeriesRow {
             time_s: time,
@@ -94,7 +95,7 @@ impl Counters {
             newton_iterations: mean(self.newton_iterations),
             fluid_iterations: mean(self.fluid_iterations),
             contacts: self.contacts,
-            min_distance_m: distance.is_finite().then_some(distance),
+            min_distance_m: nearest.map(|nearest| nearest.distance),
             kinetic_energy_j: energies.kinetic,
             stretching_energy_j: energies.stretching,
             bending_energy_j: energies.bending,
@@ -110,6 +111,7 @@ impl Counters {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mechanics::contact::ContactPair;
 
     fn step(time: f64, newton_iterations: usize, contacts: usize) -> StepReport {
         StepReport {
@@ -126,7 +128,7 @@ mod tests {
     #[test]
     fn rows_hold_means_since_the_row_before_and_the_outcome_totals() {
         let mut counters = Counters::default();
-        let first = counters.take_row(0.0, f64::INFINITY, &Energies::default());
+        let first = counters.take_row(0.0, None, &Energies::default());
         assert_eq!(
             (
                 first.newton_iterations,
@@ -137,14 +139,14 @@ mod tests {
         );
         counters.add_step(&step(0.5, 2, 0));
         counters.add_step(&step(1.0, 5, 3));
-        let second = counters.take_row(1.0, 2e-3, &Energies::default());
+        let second = counters.take_row(1.0, Some(apart(2e-3, 2e-3)), &Energies::default());
         assert_eq!((second.steps, second.newton_iterations), (2, Some(3.5)));
         assert_eq!(
             (second.contacts, second.min_distance_m),
             (Some(3), Some(2e-3))
         );
         counters.add_step(&step(1.5, 9, 1));
-        let third = counters.take_row(1.5, 2e-3, &Energies::default());
+        let third = counters.take_row(1.5, Some(apart(2e-3, 2e-3)), &Energies::default());
         assert_eq!((third.steps, third.newton_iterations), (1, Some(9.0)));
         let outcome = counters.outcome;
         assert_eq!(
@@ -161,15 +163,24 @@ mod tests {
         assert_eq!(outcome.first_contact, Some(1.0));
     }
 
-    #[test]
-    fn the_smallest_distance_is_kept_and_infinity_is_none() {
-        let mut counters = Counters::default();
-        counters.add_distance(f64::INFINITY, f64::INFINITY);
-        assert_eq!(counters.outcome.minimum_distance, None);
-        for distance in [4e-3, 1e-3, 3e-3] {
-            counters.add_distance(distance, distance / 2e-3);
+    fn apart(distance: f64, threshold: f64) -> Proximity {
+        Proximity {
+            pair: ContactPair::Edges([0, 7]),
+            distance,
+            threshold,
         }
-        assert_eq!(counters.outcome.minimum_distance, Some(1e-3));
-        assert_eq!(counters.outcome.minimum_distance_ratio, Some(0.5));
+    }
+
+    #[test]
+    fn the_bodies_that_come_nearest_to_touching_are_kept() {
+        let mut counters = Counters::default();
+        counters.note_nearest(None);
+        assert_eq!(counters.outcome.minimum_distance, None);
+        // Thin rods may be nearer to each other than thick ones, and farther from touching.
+        for (distance, threshold) in [(44e-3, 22e-3), (22e-3, 22e-3), (7.9e-3, 4e-3)] {
+            counters.note_nearest(Some(apart(distance, threshold)));
+        }
+        assert_eq!(counters.outcome.minimum_distance, Some(22e-3));
+        assert_eq!(counters.outcome.minimum_distance_ratio, Some(1.0));
     }
 }

@@ -35,8 +35,6 @@ pub(crate) struct Session {
     /// Positions at the start, m.
     pub(super) placed: Vec<Vector3>,
     run_state: RunState,
-    /// Twice the largest radius, m.
-    diameter: f64,
     meter: UsageMeter,
     timeout: Option<Duration>,
     resumed_from: Option<Reached>,
@@ -127,7 +125,6 @@ impl Session {
             Mode::Dynamic { end } => OutputTimes::new(prepared.output.interval, end),
             Mode::Static | Mode::Continuation(_) => OutputTimes::only_start(),
         };
-        let radii = prepared.scene.rods.iter().map(|rod| rod.radius);
         let visible = options.progress && !matches!(prepared.mode, Mode::Static);
         let bar = Progress::bar(visible, options.among.as_ref());
         let range = match prepared.mode {
@@ -136,7 +133,6 @@ impl Session {
         };
         let mut session = Self {
             progress: Progress::new(bar, simulation.time(), range),
-            diameter: 2.0 * radii.fold(0.0, f64::max),
             directory,
             manifest,
             recorder,
@@ -320,14 +316,12 @@ impl Session {
 
     /// Writes the output that is due now.
     fn record(&mut self, simulation: &impl Advance) -> Result<(), Stop> {
-        let distance = simulation.minimum_distance();
-        self.run_state
-            .counters
-            .add_distance(distance, distance / self.diameter);
+        let nearest = simulation.nearest();
+        self.run_state.counters.note_nearest(nearest);
         let time = self.output_time(self.run_state.outputs);
         let energies = simulation.energies();
         self.run_state.counters.note_energies(&energies);
-        let row = self.run_state.counters.take_row(time, distance, &energies);
+        let row = self.run_state.counters.take_row(time, nearest, &energies);
         let frame = if self.recorder.needs_frames() {
             Frame {
                 time,

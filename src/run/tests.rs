@@ -4,6 +4,7 @@ use super::advance::Advance;
 use super::*;
 use crate::cli::ExitCode;
 use crate::mechanics::Vector3;
+use crate::mechanics::contact::{ContactPair, Proximity};
 use crate::mechanics::dynamics::{
     Energies, IntegrationParameters, Simulation, SimulationError, StepReport,
 };
@@ -110,12 +111,12 @@ impl Advance for Pendulum {
         }
     }
 
-    fn minimum_distance(&self) -> f64 {
-        if self.angle > 1.0 {
-            f64::INFINITY
-        } else {
-            2.0 + self.angle
-        }
+    fn nearest(&self) -> Option<Proximity> {
+        (self.angle <= 1.0).then_some(Proximity {
+            pair: ContactPair::Edges([0, 1]),
+            distance: 2.0 + self.angle,
+            threshold: 1.0,
+        })
     }
 
     fn frame(&self, with_forces: bool) -> Frame {

@@ -13,6 +13,9 @@ use serde::de::{
 };
 use std::fmt;
 
+/// Most faults that are looked for: each takes another pass through the document.
+const MOST_FAULTS: usize = 100;
+
 /// Decodes a document.
 ///
 /// # Errors
@@ -50,6 +53,9 @@ pub fn decode_beside<T: DeserializeOwned>(document: &Node, beside: &[&str]) -> R
                     }
                     .with_help(fault.help),
                 );
+                if issues.0.len() >= MOST_FAULTS {
+                    return Err(issues);
+                }
                 // Without its kind a table means nothing, so it goes as a whole. Elements of arrays stay,
                 // lest those after them change their numbers.
                 if steps.last().is_some_and(|step| step == KIND) {

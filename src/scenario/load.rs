@@ -3,12 +3,16 @@
 use super::document::{self, Node, Value};
 use super::error::{Located, ScenarioError};
 use super::experiments::{Experiments, TypedFile};
+use super::input_file::{self, LARGEST_TEXT};
 use super::issue::{Issue, Issues, KeyPath};
 use super::overrides;
 use super::resolve::{Context, resolve};
 use super::resolved::Scenario;
 use super::source::{Sources, Span};
 use std::path::{Path, PathBuf};
+
+/// Most files that extend each other in a row.
+const MOST_ANCESTORS: usize = 64;
 
 /// A scenario, and what it takes to point at its keys.
 #[derive(Clone, Debug)]
@@ -165,7 +169,10 @@ fn read(
         );
         ScenarioError::from(Located::new(&Sources::default(), issue, None))
     };
-    let bytes = std::fs::read(path).map_err(|error| unreadable(&error))?;
+    let bytes = input_file::read(path, LARGEST_TEXT).map_err(|message| {
+        let issue = Issue::new(KeyPath::root(), message);
+        ScenarioError::from(Located::new(&Sources::default(), issue, None))
+    })?;
     let text = String::from_utf8(bytes).map_err(|error| unreadable(&error))?;
     let canonical = path.canonicalize().map_err(|error| unreadable(&error))?;
     let directory = path.parent().unwrap_or(Path::new("")).to_owned();
@@ -220,6 +227,12 @@ fn parse_and_extend(
         return Err(refuse(
             sources,
             format!("{} extends this file in turn: a circle", path.display()),
+        ));
+    }
+    if ancestors.len() >= MOST_ANCESTORS {
+        return Err(refuse(
+            sources,
+            format!("{MOST_ANCESTORS} files extend each other in a row; allowed: no more"),
         ));
     }
     let mut merged = read(sources, ancestors, &path)?;

@@ -5,6 +5,7 @@
 //! | file | what |
 //! |---|---|
 //! | `source`, `document`, `document_text` | the texts; TOML as a tree whose every key knows its place, and back |
+//! | `input_file` | regular files of a bounded size |
 //! | `load`, `overrides` | reading a file and what it `extends`, `--set key=value` |
 //! | `decode`, `typed` | serde from the tree to the file as typed: unknown keys, wrong types |
 //! | `experiments`, `own_tables`, [`keys`] | the experiments that there are, and what defines the keys of one |
@@ -24,6 +25,7 @@ mod document_text;
 mod error;
 mod experiments;
 mod explain;
+mod input_file;
 mod issue;
 pub mod keys;
 mod load;
@@ -53,7 +55,7 @@ pub use resolved::{
     Load, LoadKind, Material, NaturalShape, Output, PathMethod, Place, Plane, Pose, Rod, Scenario,
     Scheme, Shape, Solver, Step, Stiffness, Time,
 };
-pub use sweep::{Case, CaseSet, Parameter, Search};
+pub use sweep::{Case, CaseSet, INPUTS, InputFile, Parameter, Portable, Search, earlier_id};
 pub use typed::{Quantity, SearchMethod, Vector};
 pub use typed_file::TypedFile;
 pub use units::{metres, seconds};

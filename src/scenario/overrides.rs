@@ -6,6 +6,9 @@ use super::issue::{Issue, KeyPath, did_you_mean};
 use super::source::{Sources, Span};
 use std::path::Path;
 
+/// Most steps of a dotted key; scenario files have keys of six.
+const MOST_STEPS: usize = 32;
+
 /// Sets a dotted key of the document. The value is TOML, or else plain text: `rods.0.radius=5 mm`.
 ///
 /// Tables that are missing on the way are made; elements of arrays must exist.
@@ -55,7 +58,36 @@ pub fn assign(
     value: Node,
 ) -> Result<(), (String, Option<String>)> {
     let steps: Vec<&str> = key.split('.').map(str::trim).collect();
+    if steps.len() > MOST_STEPS {
+        let message = format!(
+            "the key has {} steps; allowed: at most {MOST_STEPS}",
+            steps.len()
+        );
+        return Err((message, None));
+    }
     set(document, &steps, key_span, value)
+}
+
+/// The steps of a dotted key, elements of arrays by their numbers rather than their names; as typed from where it leads
+/// beyond the document.
+pub fn numbered_steps(document: &Node, key: &str) -> Vec<String> {
+    let mut node = Some(document);
+    let step = |step: &str| {
+        let (name, next) = match node.map(|node| &node.value) {
+            Some(Value::Table(_)) => {
+                let entry = node.and_then(|node| node.entry(step));
+                (step.to_owned(), entry.map(|entry| &entry.node))
+            }
+            Some(Value::Array(elements)) => match find_element(elements, step) {
+                Ok(index) => (index.to_string(), elements.get(index)),
+                Err(_) => (step.to_owned(), None),
+            },
+            _ => (step.to_owned(), None),
+        };
+        node = next;
+        name
+    };
+    key.split('.').map(str::trim).map(step).collect()
 }
 
 /// Reads the value as TOML; what is not TOML is text. `offset` is where it begins in its source.

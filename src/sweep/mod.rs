@@ -26,10 +26,10 @@ pub use search::{Found, SEARCH_TABLE};
 
 use crate::experiment::{DerivedNumbers, case_set_from_text, derived_numbers, prepare};
 use crate::results::{
-    CASES, CaseRecord, CaseStatus, Manifest, SweepDirectory, host_name, scenario_hash,
+    CASES, CaseRecord, CaseStatus, Manifest, SweepDirectory, host_name, scenario_hash_with_inputs,
 };
 use crate::run::{Interruption, PreparedRun, RunOptions, thread_pools};
-use crate::scenario::{Case, CaseSet, Loaded, ScenarioError};
+use crate::scenario::{Case, CaseSet, INPUTS, Loaded, Portable, ScenarioError, earlier_id};
 use case_table::CaseTable;
 use heartbeat::Heartbeat;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
@@ -85,7 +85,7 @@ impl Shard {
 pub fn run_sweep(case_set: &CaseSet, options: &SweepOptions) -> Result<SweepOutcome, SweepError> {
     let cases = all_cases(case_set);
     refuse_repeated(&cases)?;
-    let (directory, manifest) = open(case_set, &options.run)?;
+    let (directory, manifest) = open(case_set, &cases, &options.run)?;
     let case_table = CaseTable::new(&directory, case_set, manifest);
     let interruption = Interruption::watch();
     let workers = Workers::new(case_set, &directory, &case_table, options, &interruption);
@@ -139,18 +139,33 @@ fn all_and_found(
 /// # Errors
 /// As [`run_sweep`].
 pub fn establish(case_set: &CaseSet, options: &RunOptions) -> Result<(), SweepError> {
-    refuse_repeated(&all_cases(case_set))?;
-    open(case_set, options).map(drop)
+    let cases = all_cases(case_set);
+    refuse_repeated(&cases)?;
+    open(case_set, &cases, options).map(drop)
 }
 
 fn open(
     case_set: &CaseSet,
+    cases: &[Case],
     options: &RunOptions,
 ) -> Result<(SweepDirectory, Manifest), SweepError> {
     let first = check_every_value(case_set)?;
-    let manifest = first_manifest(case_set, &first, options)?;
+    let portable = case_set.portable()?;
+    let manifest = first_manifest(case_set, &first, &portable, options);
     let directory = SweepDirectory::open(&options.directory, &manifest, options.force)?;
+    directory.keep_inputs(INPUTS, inputs_of(&portable))?;
+    directory.rename_cases(
+        cases
+            .iter()
+            .map(|case| (earlier_id(&case.id), case.id.as_str())),
+    )?;
     Ok((directory, manifest))
+}
+
+/// Names and contents of the files that a sweep reads.
+fn inputs_of(portable: &Portable) -> impl Iterator<Item = (&str, &[u8])> {
+    let inputs = portable.inputs.iter();
+    inputs.map(|input| (input.name.as_str(), input.contents.as_slice()))
 }
 
 fn all_cases(case_set: &CaseSet) -> Vec<Case> {
@@ -214,18 +229,18 @@ fn refuse_repeated(cases: &[Case]) -> Result<(), SweepError> {
 fn first_manifest(
     case_set: &CaseSet,
     first: &PreparedRun,
+    portable: &Portable,
     options: &RunOptions,
-) -> Result<Manifest, SweepError> {
-    let scenario = case_set.to_toml()?;
-    Ok(Manifest {
+) -> Manifest {
+    Manifest {
         version: env!("CARGO_PKG_VERSION").into(),
         commit: option_env!("RODLAB_COMMIT").map(Into::into),
         command_line: options.command_line.clone(),
         name: case_set.name().to_owned(),
         experiment: first.experiment.clone(),
         title: first.title.clone(),
-        scenario_hash: scenario_hash(&scenario),
-        scenario,
+        scenario_hash: scenario_hash_with_inputs(&portable.toml, inputs_of(portable)),
+        scenario: portable.toml.clone(),
         rods: Vec::new(),
         host: host_name(),
         threads: rayon::current_num_threads(),
@@ -238,7 +253,7 @@ fn first_manifest(
             .into_iter()
             .collect(),
         cases: BTreeMap::new(),
-    })
+    }
 }
 
 /// Brings summary, timings and manifest of a sweep's directory up to date with its cases, and counts them.

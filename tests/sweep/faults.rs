@@ -127,7 +127,7 @@ fn bad_sweeps_exit_with_2_and_leave_nothing_behind() {
             "same length",
         ),
         (
-            "rods.rope.radius = { from = 0.001, to = 0.002, count = 10000000 }\nmaterial.density = { from = 1e3, to = 2e3, count = 100 }",
+            "rods.rope.radius = { from = 0.001, to = 0.002, count = 1000000 }\nmaterial.density = { from = 1e3, to = 2e3, count = 1000 }",
             "1000000000 cases",
         ),
     ] {

@@ -170,9 +170,9 @@ fn resample(points: &[[f64; 3]], edges: usize, closed: bool) -> Vec<Vector3> {
     (0..nodes)
         .map(|node| {
             let wanted = total * node as f64 / edges as f64;
+            // Lengths that under- or overflow make nodes that are no numbers, which whoever places the rod refuses.
             let after = lengths
                 .partition_point(|&length| length <= wanted)
-                // Lengths too large for a number leave nodes that are none, for the scene to refuse.
                 .clamp(1, corners.len() - 1);
             let (from, to) = (lengths[after - 1], lengths[after]);
             let fraction = ((wanted - from) / (to - from)).clamp(0.0, 1.0);
@@ -203,6 +203,24 @@ mod tests {
             length: 1.25,
             handedness,
             phase: 0.7,
+        }
+    }
+
+    #[test]
+    fn points_at_the_ends_of_the_range_of_numbers_do_not_panic() {
+        for size in [1e308, 1e-200] {
+            let points = vec![[size, 0.0, 0.0], [0.0, size, 0.0], [0.0, 0.0, size]];
+            for closed in [false, true] {
+                let nodes = sample(
+                    &Shape::Points {
+                        points: points.clone(),
+                    },
+                    7,
+                    closed,
+                )
+                .nodes;
+                assert_eq!(nodes.len(), if closed { 7 } else { 8 });
+            }
         }
     }
 

@@ -1,6 +1,7 @@
 //! From a validated scenario to a scene that is ready to run.
 
 pub(crate) mod curve;
+mod estimate;
 mod gripper_motion;
 mod round_rod;
 
@@ -63,6 +64,17 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
     scene.planes = scenario.planes.iter().map(place_plane).collect();
     scene.contact = contact_parameters(&scenario.contact);
     scene.fluid = fluid_model(&scenario.fluid);
+    if let Err((rod, message)) = estimate::refuse_countless_pairs(&scene) {
+        // Rods of the kind come first; their nodes are counted in [rod].
+        let built = scene.rods.len() - scenario.rods.len();
+        issues.push(Issue::new(
+            match rod.checked_sub(built) {
+                Some(rod) => KeyPath::from("rods").index(rod).key("edges"),
+                None => KeyPath::from("rod.nodes"),
+            },
+            message,
+        ));
+    }
     let mut prepared = PreparedRun {
         name: scenario.name.clone(),
         experiment: scenario.experiment.name().to_owned(),
@@ -172,7 +184,7 @@ fn refuse_short_edges(nodes: &[Vector3], closed: bool, path: &KeyPath) -> Result
     let length = |edge: usize| (nodes[(edge + 1) % nodes.len()] - nodes[edge]).norm();
     let mean = (0..edges).map(length).sum::<f64>() / edges as f64;
     if !mean.is_finite() {
-        let message = "the coordinates are too large to measure the edges";
+        let message = "the coordinates are too large, or too close together, to measure the edges";
         return Err(Issue::new(path.clone(), message));
     }
     match (0..edges).find(|&edge| length(edge) <= SHORTEST_EDGE * mean) {
@@ -494,6 +506,24 @@ moment = [1, 0, 0]
         let straight =
             "edges = 10\nshape = { kind = \"straight\", start = [0, 0, 0], end = [1, 0, 0] }";
         insta::assert_snapshot!(fault(straight, closed), @"two.toml:8:9: `rods.0.shape`: edge 3 has no length: nodes 3 and 0 lie in the same place");
+    }
+
+    #[test]
+    fn a_hundred_thousand_edges_within_a_few_diameters_are_refused_before_they_take_memory() {
+        let text = TWO_RODS
+            .replacen("edges = 10\n", "edges = 100000\n", 1)
+            .replacen("at = 10", "at = 0", 1);
+        let refused = loaded(&format!("{text}\n[contact]\n"));
+        let error = refused
+            .locate(prepare(&refused.scenario).unwrap_err())
+            .to_string();
+        assert!(error.starts_with("two.toml:8:9: `rods.0.edges`"), "{error}");
+        assert!(
+            error.contains("2.0e8 pairs of edges to look at, which take 16.0 GB"),
+            "{error}"
+        );
+        // Without contact the edges are only long.
+        assert!(prepare(&loaded(&text).scenario).is_ok());
     }
 
     #[test]

@@ -55,8 +55,21 @@ impl ContactSystem {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// The deepest penetration at the last evaluation, where it exceeds `maximum_penetration`.
-    pub fn excessive_penetration(&self) -> Option<Proximity> {
+    /// The bodies that are nearest to touching at `positions` (m): of all candidates, and of all nodes and planes, those
+    /// with the least ratio of the distance to that at which their surfaces touch.
+    pub fn nearest(&self, positions: &[Vector3]) -> Option<Proximity> {
+        let edges = self.candidates().iter().map(|pair| Proximity {
+            pair: ContactPair::Edges(pair.edges),
+            distance: edge_distance(&pair.nodes.map(|node| positions[node])),
+            threshold: self.surface.threshold(pair.edges),
+        });
+        edges
+            .chain(self.nodes_and_planes(positions))
+            .min_by(|a, b| a.ratio().total_cmp(&b.ratio()))
+    }
+
+    /// The contacts of the last evaluation.
+    pub fn touching(&self) -> impl Iterator<Item = Proximity> {
         let edges = self.contacts().iter().map(|contact| Proximity {
             pair: ContactPair::Edges(self.candidates()[contact.candidate].edges),
             distance: contact.distance,
@@ -70,8 +83,29 @@ impl ContactSystem {
             distance: contact.distance,
             threshold: contact.threshold,
         });
-        edges
-            .chain(planes)
+        edges.chain(planes)
+    }
+
+    /// Every node of the surface before every plane.
+    fn nodes_and_planes(&self, positions: &[Vector3]) -> impl Iterator<Item = Proximity> {
+        self.planes
+            .iter()
+            .enumerate()
+            .flat_map(move |(plane, body)| {
+                self.surface.nodes().iter().map(move |surface| Proximity {
+                    pair: ContactPair::NodeAndPlane {
+                        node: surface.node,
+                        plane,
+                    },
+                    distance: body.distance(&positions[surface.node]),
+                    threshold: surface.radius,
+                })
+            })
+    }
+
+    /// The deepest penetration at the last evaluation, where it exceeds `maximum_penetration`.
+    pub fn excessive_penetration(&self) -> Option<Proximity> {
+        self.touching()
             .filter(|proximity| proximity.penetration() > self.parameters().maximum_penetration)
             .min_by(|a, b| a.ratio().total_cmp(&b.ratio()))
     }
@@ -91,18 +125,8 @@ impl ContactSystem {
                 threshold,
             })
         });
-        let planes = self.planes.iter().enumerate().flat_map(|(plane, body)| {
-            self.surface.nodes().iter().map(move |surface| Proximity {
-                pair: ContactPair::NodeAndPlane {
-                    node: surface.node,
-                    plane,
-                },
-                distance: body.distance(&positions[surface.node]),
-                threshold: surface.radius,
-            })
-        });
         edges
-            .chain(planes)
+            .chain(self.nodes_and_planes(positions))
             .filter(|proximity| proximity.distance < allowed * proximity.threshold)
             .min_by(|a, b| a.ratio().total_cmp(&b.ratio()))
     }
@@ -124,18 +148,8 @@ impl ContactSystem {
             distance: *distance,
             threshold: self.surface().threshold(pair.edges) + standoff,
         });
-        let planes = self.planes().iter().enumerate().flat_map(|(plane, body)| {
-            self.surface().nodes().iter().map(move |surface| Proximity {
-                pair: ContactPair::NodeAndPlane {
-                    node: surface.node,
-                    plane,
-                },
-                distance: body.distance(&positions[surface.node]),
-                threshold: surface.radius,
-            })
-        });
         edges
-            .chain(planes)
+            .chain(self.nodes_and_planes(positions))
             .filter(|proximity| {
                 if is_barrier {
                     proximity.distance <= proximity.threshold

@@ -145,7 +145,7 @@ fn a_rod_that_lies_on_a_plane_or_on_a_post_is_borne_by_it() {
             let report = simulation.find_equilibrium().unwrap();
             println!(
                 "{model:?} {on_plane}: {} {:?}",
-                report.newton_iterations, report.minimum_distance_ratio
+                report.newton_iterations, report.nearest
             );
             assert!(report.contacts > 0);
             let lowest = |z: f64, x: &Vector3| z.min(x.z);
@@ -154,7 +154,7 @@ fn a_rod_that_lies_on_a_plane_or_on_a_post_is_borne_by_it() {
                 let gap = rod.iter().fold(f64::INFINITY, lowest) + 0.05 - RADIUS;
                 assert!(gap.abs() < 0.05 * RADIUS, "{gap}");
             } else {
-                let ratio = report.minimum_distance_ratio.unwrap();
+                let ratio = report.nearest.unwrap().ratio();
                 assert!((ratio - 1.0).abs() < 0.05, "{ratio}");
             }
             let contacts: f64 = simulation.contact_forces()[..=EDGES]

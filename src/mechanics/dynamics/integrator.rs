@@ -325,11 +325,7 @@ pub(super) fn report_contacts(system: &System, report: &mut StepReport) {
         return;
     };
     report.contacts = contact.contact_count();
-    let distances = contact.contacts().iter().map(|pair| pair.distance);
-    report.minimum_distance = distances.min_by(f64::total_cmp);
-    let ratios = contact
-        .contacts()
-        .iter()
-        .map(|pair| pair.distance / pair.threshold);
-    report.minimum_distance_ratio = ratios.min_by(f64::total_cmp);
+    report.nearest = contact
+        .touching()
+        .min_by(|a, b| a.ratio().total_cmp(&b.ratio()));
 }

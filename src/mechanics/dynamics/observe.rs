@@ -3,7 +3,7 @@
 use super::Simulation;
 use super::report::{Energies, SimulationError, SimulationState};
 use super::state::State;
-use crate::mechanics::contact::ActiveContact;
+use crate::mechanics::contact::{ActiveContact, Proximity};
 use crate::mechanics::{SceneError, Vector3};
 
 impl Simulation {
@@ -110,6 +110,12 @@ impl Simulation {
             })
     }
 
+    /// The bodies, planes included, that are nearest to touching; `None` if none is near.
+    pub fn nearest(&self) -> Option<Proximity> {
+        let contact = self.system.contact.as_ref()?;
+        contact.nearest(&self.published.positions)
+    }
+
     /// Numbers of the unknowns that are not held: node k has x, y, z at 4k..4k+2, its edge's angle at 4k+3.
     pub fn free_unknowns(&self) -> Vec<usize> {
         (0..self.state.unknowns.len())
@@ -187,5 +193,63 @@ impl Simulation {
         self.system.update_geometry(&self.state.unknowns);
         self.publish();
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::contact::ContactParameters;
+    use crate::mechanics::dynamics::IntegrationParameters;
+    use crate::mechanics::scene::{Plane, RodDescription, Scene, Stiffness};
+
+    /// A straight rod of 25 edges of 8 mm along an axis through `middle`.
+    fn rod(name: &str, radius: f64, axis: usize, middle: [f64; 3]) -> RodDescription {
+        let node = |k: i32| {
+            let mut node = Vector3::from(middle);
+            node[axis] += 8e-3 * (f64::from(k) - 12.5);
+            node
+        };
+        let stiffness = Stiffness {
+            stretching: 10.0,
+            bending: [1e-5; 2],
+            twisting: 1e-5,
+        };
+        RodDescription::uniform(name, (0..26).map(node).collect(), stiffness, radius, 0.01)
+    }
+
+    fn nearest(rods: Vec<RodDescription>, planes: Vec<Plane>) -> Proximity {
+        let scene = Scene {
+            rods,
+            planes,
+            contact: Some(ContactParameters::default()),
+            ..Scene::default()
+        };
+        let simulation = Simulation::new(&scene, &IntegrationParameters::default());
+        simulation.unwrap().nearest().unwrap()
+    }
+
+    #[test]
+    fn a_thin_rod_that_touches_a_thick_post_is_at_a_ratio_of_one() {
+        let post = RodDescription {
+            held: true,
+            ..rod("post", 20e-3, 2, [0.0; 3])
+        };
+        let thin = rod("thin", 2e-3, 0, [0.0, 22e-3, 4e-3]);
+        let nearest = nearest(vec![thin, post], Vec::new());
+        assert!((nearest.distance - 22e-3).abs() < 1e-12, "{nearest:?}");
+        assert!((nearest.ratio() - 1.0).abs() < 1e-9, "{nearest:?}");
+    }
+
+    #[test]
+    fn planes_are_bodies_that_may_be_near() {
+        let ground = Plane {
+            point: Vector3::zeros(),
+            normal: Vector3::z(),
+            friction: None,
+        };
+        let nearest = nearest(vec![rod("thin", 2e-3, 0, [0.0, 0.0, 2.5e-3])], vec![ground]);
+        assert!((nearest.distance - 2.5e-3).abs() < 1e-15, "{nearest:?}");
+        assert!((nearest.ratio() - 1.25).abs() < 1e-12, "{nearest:?}");
     }
 }

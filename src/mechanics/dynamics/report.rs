@@ -3,7 +3,7 @@
 use super::history::History;
 use super::step_control::StepControl;
 use crate::mechanics::SceneError;
-use crate::mechanics::contact::ContactMemory;
+use crate::mechanics::contact::{ContactMemory, Proximity};
 use crate::mechanics::fluid::FluidMemory;
 use crate::mechanics::rod::ReferenceFrames;
 use crate::mechanics::system::Interventions;
@@ -48,10 +48,8 @@ pub struct StepReport {
     pub retries: usize,
     /// Krylov iterations of the fluid solve.
     pub fluid_iterations: usize,
-    /// Smallest distance between centrelines in contact, m.
-    pub minimum_distance: Option<f64>,
-    /// Smallest ratio of such a distance to the one at which the surfaces touch.
-    pub minimum_distance_ratio: Option<f64>,
+    /// Of the bodies in contact, those whose distance is least over the one at which their surfaces touch.
+    pub nearest: Option<Proximity>,
     /// Work done and energy lost.
     pub exchange: Exchange,
 }

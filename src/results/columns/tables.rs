@@ -9,8 +9,8 @@ pub(super) const SERIES: &[Column] = columns! {
     "newton_iterations": "Mean number of Newton iterations per step, those of repeated steps included.",
     "fluid_iterations": "Mean number of Krylov iterations of the fluid solves per step.",
     "contacts": "Contacts that bear force at the end of the last step; empty where no step was taken.",
-    "min_distance_m": "Smallest distance between centrelines that may touch, m, looked for near contact only; empty where \
-        none is near. Surfaces touch at the sum of the radii.",
+    "min_distance_m": "Distance of the two bodies that are nearest to touching, m: between centrelines, which touch at the \
+        sum of their radii, or from a centreline to a plane. Rods are looked for near contact only; empty where none is near.",
     "kinetic_energy_j": "Kinetic energy, J.",
     "stretching_energy_j": "Elastic energy of stretching, J.",
     "bending_energy_j": "Elastic energy of bending, J.",
@@ -58,8 +58,10 @@ pub(super) const SUMMARY: &[Column] = columns! {
     "fluid_iterations_mean": "Mean number of Krylov iterations of the fluid solves per step.",
     "steps_with_contact": "Steps that ended with contact.",
     "first_contact_s": "End of the first step with contact, s; empty where there was none.",
-    "min_distance_m": "Smallest distance between centrelines at the output times, m; empty where none came near.",
-    "min_distance_ratio": "That distance over twice the largest radius: below 1 the rods penetrate each other.",
+    "min_distance_m": "Distance of the two bodies, planes included, that came nearest to touching, m; empty where none came \
+        near.",
+    "min_distance_ratio": "That distance over the one at which their surfaces touch, the sum of their radii: below 1 they \
+        penetrate each other.",
     "elastic_energy_j": "Energy of stretching, bending and twisting at the last output, J.",
     "gravitational_energy_j": "Potential of gravity at the last output, J.",
     "critical_parameter": "Path parameter of the first fold or bifurcation; empty where there is no path, or none on it.",

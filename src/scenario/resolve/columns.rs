@@ -1,5 +1,7 @@
 //! Named columns of numbers in CSV files that scenarios refer to.
 
+use super::section::LARGEST;
+use crate::scenario::input_file::{self, LARGEST_TABLE};
 use std::path::Path;
 
 /// Units that may stand behind the name of a column.
@@ -15,11 +17,11 @@ pub fn read_columns<const N: usize>(
     names: [&str; N],
 ) -> Result<Vec<(u64, [f64; N])>, String> {
     let place = path.display();
+    let bytes = input_file::read(path, LARGEST_TABLE)?;
     let mut reader = csv::ReaderBuilder::new()
         .comment(Some(b'#'))
         .trim(csv::Trim::All)
-        .from_path(path)
-        .map_err(|error| format!("{place} cannot be read: {error}"))?;
+        .from_reader(bytes.as_slice());
     let headers = reader
         .headers()
         .map_err(|error| format!("{place}: {error}"))?
@@ -59,6 +61,11 @@ pub fn read_columns<const N: usize>(
                 .ok()
                 .filter(|number: &f64| number.is_finite())
                 .ok_or_else(|| format!("{place}, line {line}: {field:?} is not a finite number"))?;
+            if component.abs() > LARGEST {
+                return Err(format!(
+                    "{place}, line {line}: {field:?} is out of range; allowed: at most {LARGEST:e} in magnitude"
+                ));
+            }
         }
         rows.push((line, row));
     }

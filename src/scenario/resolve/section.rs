@@ -49,6 +49,10 @@ pub const POISSONS_RATIO: Range = Range {
     words: "greater than -1 and at most 0.5",
 };
 
+/// Largest magnitude of a number in SI units: squares and products of three must not overflow, and nothing that is
+/// measured comes near.
+pub const LARGEST: f64 = 1e100;
+
 /// One table of the scenario: where it stands, and the faults found so far anywhere.
 ///
 /// A faulty number reads as NaN after it is reported; the scenario is thrown away in the end.
@@ -131,6 +135,13 @@ impl<'a> Section<'a> {
     /// One number.
     pub fn number<D: Dimension>(&self, key: &str, typed: &Quantity<D>, range: Range) -> f64 {
         match typed.si() {
+            Ok(value) if (range.allows)(value) && value.abs() > LARGEST => {
+                self.fault(
+                    key,
+                    format!("{value:?} is out of range; allowed: at most {LARGEST:e} in magnitude"),
+                );
+                f64::NAN
+            }
             Ok(value) if (range.allows)(value) => value,
             Ok(value) => {
                 self.fault(

@@ -7,8 +7,8 @@ use crate::scenario::issue::{Issue, Issues, KeyPath};
 use crate::scenario::source::Span;
 use crate::scenario::typed;
 
-/// Most values of one range; a slip of the fingers above it.
-pub const MOST_VALUES: usize = 10_000_000;
+/// Most values of one range: as many as a sweep may have cases.
+pub const MOST_VALUES: usize = 1_000_000;
 
 /// Keys that vary together.
 #[derive(Clone, Debug)]

@@ -7,8 +7,8 @@ use std::fmt::Write;
 
 /// Longest readable part of an id.
 const SLUG_LENGTH: usize = 60;
-/// Digits of the hash in an id.
-const HASH_DIGITS: usize = 8;
+/// Digits of the hash in an id: 64 bits, so that two of a million cases share one with a probability of 3·10⁻⁸.
+const HASH_DIGITS: usize = 16;
 
 /// One case of a sweep.
 #[derive(Clone, Debug)]
@@ -70,6 +70,11 @@ impl Case {
     }
 }
 
+/// The id that earlier versions gave to a case: theirs had half as many digits of the same hash.
+pub fn earlier_id(id: &str) -> &str {
+    &id[..id.len() - HASH_DIGITS / 2]
+}
+
 /// A slug of the last steps of the keys and their values, then a hash of all keys and values.
 fn id(parameters: &[Parameter]) -> String {
     let mut sorted: Vec<&Parameter> = parameters.iter().collect();
@@ -115,6 +120,16 @@ mod tests {
             one.id
         );
         assert_eq!(case(&[friction, radius]).id, one.id);
+    }
+
+    #[test]
+    fn earlier_ids_are_those_of_eight_digits() {
+        let id = case(&[("contact.friction", Value::Float(0.3))]).id;
+        assert!(
+            id.starts_with("friction-0.3-") && id.len() == "friction-0.3-".len() + 16,
+            "{id}"
+        );
+        assert_eq!(earlier_id(&id).len(), "friction-0.3-".len() + 8);
     }
 
     #[test]

@@ -3,30 +3,27 @@
 use super::axis::{self, Axis, sweep_path};
 use super::case::{Case, Parameter};
 use super::search::Search;
-use super::{points, sample, vary};
+use super::{input_files, points, sample, vary};
 use crate::scenario::decode::decode;
 use crate::scenario::document::{Entry, Node, Value};
-use crate::scenario::document_text;
 use crate::scenario::error::{Located, ScenarioError};
 use crate::scenario::experiments::Experiments;
 use crate::scenario::issue::{Issue, Issues, KeyPath};
 use crate::scenario::load::{self, Loaded};
 use crate::scenario::overrides;
-use crate::scenario::resolve::read_polyline;
 use crate::scenario::source::{Sources, Span};
 use crate::scenario::typed;
-use std::collections::BTreeMap;
 use std::path::Path;
 
 /// A scenario and all its cases; a single one where nothing is varied.
 #[derive(Clone, Debug)]
 pub struct CaseSet {
-    experiments: Experiments,
+    pub(super) experiments: Experiments,
     name: String,
-    sources: Sources,
+    pub(super) sources: Sources,
     /// The scenario without its sweep.
-    document: Node,
-    axes: Vec<Axis>,
+    pub(super) document: Node,
+    pub(super) axes: Vec<Axis>,
     search: Option<Search>,
     seed: Option<u64>,
 }
@@ -91,7 +88,7 @@ impl CaseSet {
             case_set.vary(&mut sources, argument)?;
         }
         case_set.sources = sources;
-        case_set.refuse_repeated_keys()?;
+        case_set.refuse_impossible_keys()?;
         Ok(case_set)
     }
 
@@ -174,26 +171,40 @@ impl CaseSet {
             let issue = Issue::new(KeyPath::root(), message);
             ScenarioError::from(Located::new(sources, issue, Some(span)))
         })?;
-        let key = &axis.keys[0].key;
-        self.axes
-            .retain(|axis| axis.keys.len() > 1 || axis.keys[0].key != *key);
+        let steps = self.steps_of(&axis.keys[0].key);
+        let others = std::mem::take(&mut self.axes).into_iter();
+        let is_other =
+            |axis: &Axis| axis.keys.len() > 1 || self.steps_of(&axis.keys[0].key) != steps;
+        let others = others.filter(is_other).collect();
+        self.axes = others;
         self.axes.push(axis);
         Ok(())
     }
 
-    fn refuse_repeated_keys(&self) -> Result<(), ScenarioError> {
-        let mut seen = BTreeMap::new();
+    /// Refuses keys that cannot vary, and keys of which one would override the other, however their paths are typed.
+    fn refuse_impossible_keys(&self) -> Result<(), ScenarioError> {
+        let mut seen: Vec<(Vec<String>, &str)> = Vec::new();
         let searched = self.search.iter().map(|search| &search.key);
         for swept in self.axes.iter().flat_map(|axis| &axis.keys).chain(searched) {
-            if seen.insert(&swept.key, ()).is_some() {
-                let issue = Issue::new(
-                    KeyPath::from(swept.key.as_str()),
-                    "this key is varied twice",
-                );
+            let steps = self.steps_of(&swept.key);
+            let message = match steps[0].as_str() {
+                "extends" | "sweep" => Some("this key cannot be varied".to_owned()),
+                _ => seen
+                    .iter()
+                    .find_map(|(other, typed)| overlap(&steps, other, typed)),
+            };
+            if let Some(message) = message {
+                let issue = Issue::new(KeyPath::from(swept.key.as_str()), message);
                 return Err(Located::new(&self.sources, issue, Some(swept.span.clone())).into());
             }
+            seen.push((steps, &swept.key));
         }
         Ok(())
+    }
+
+    /// The way to a key, with elements of arrays by their numbers.
+    fn steps_of(&self, key: &str) -> Vec<String> {
+        overrides::numbered_steps(&self.document, key)
     }
 
     /// Short name: the stem of the scenario file.
@@ -216,12 +227,10 @@ impl CaseSet {
         self.seed
     }
 
-    /// Number of cases: the product of the lengths of all axes.
+    /// Number of cases: the product of the lengths of all axes; what is too much to count is the largest number.
     pub fn count(&self) -> u128 {
-        self.axes
-            .iter()
-            .map(|axis| axis.points.len() as u128)
-            .product()
+        let lengths = self.axes.iter().map(|axis| axis.points.len() as u128);
+        lengths.fold(1, u128::saturating_mul)
     }
 
     /// The keys that vary, in the order of [`Case::parameters`]; the key of a search is the last.
@@ -283,11 +292,26 @@ impl CaseSet {
         let axes = self.axes.iter().zip(position);
         axes.flat_map(|(axis, point)| {
             let values = &axis.points[*point];
-            let pair =
-                |(swept, node): (&axis::SweptKey, &Node)| Parameter::new(&swept.key, &node.value);
+            let pair = |(swept, node): (&axis::SweptKey, &Node)| {
+                Parameter::new(&swept.key, &self.labelled(&swept.key, node).value)
+            };
             axis.keys.iter().zip(values).map(pair)
         })
         .collect()
+    }
+
+    /// A value with the names of files as ids and tables show them.
+    fn labelled(&self, key: &str, node: &Node) -> Node {
+        let mut node = node.clone();
+        let mut path = key.split('.').map(str::to_owned).collect();
+        let curve_of = |table: &str| self.experiments.curve_of(table);
+        let Ok(()) = input_files::for_each(&mut node, &mut path, &curve_of, &mut |node| {
+            if let Value::String(name) = &mut node.value {
+                *name = input_files::label(name);
+            }
+            Ok::<(), std::convert::Infallible>(())
+        });
+        node
     }
 
     /// The scenario of a case.
@@ -334,84 +358,16 @@ impl CaseSet {
             Located::new(&self.sources, issue, Some(swept.span.clone())).into()
         })
     }
+}
 
-    /// The scenario file of the whole case_set: it needs no other file and has the same cases.
-    ///
-    /// # Errors
-    /// A file of points that a shape names cannot be read.
-    pub fn to_toml(&self) -> Result<String, ScenarioError> {
-        let mut root = self.document.clone();
-        root.remove("extends");
-        if root.entry("title").is_none() {
-            push(&mut root, "title", Value::String(self.name.clone()));
-        }
-        self.inline_polylines(&mut root)?;
-        if let Value::Table(entries) = &mut root.value {
-            for entry in entries {
-                if let Some(key) = self.experiments.curve_of(&entry.key) {
-                    self.inline_corners(&mut entry.node, key)?;
-                }
-            }
-        }
-        let mut sweep = empty_table(&root.span);
-        let zips: Vec<Node> = self.axes.iter().map(axis_table).collect();
-        if !zips.is_empty() {
-            push(&mut sweep, "zip", Value::Array(zips));
-        }
-        if let Some(search) = &self.search {
-            push(&mut sweep, "search", search.typed.value.clone());
-        }
-        if self.is_sweep() {
-            push(&mut root, "sweep", sweep.value);
-        }
-        Ok(document_text::document(&root))
+/// What is wrong with varying the key at `steps` beside another, if anything is.
+fn overlap(steps: &[String], other: &[String], typed: &str) -> Option<String> {
+    if steps == other {
+        return Some(format!("this key is varied twice, as `{typed}`, too"));
     }
-
-    /// Puts the corners of all polylines in the place of the files that hold them.
-    fn inline_polylines(&self, node: &mut Node) -> Result<(), ScenarioError> {
-        let is_polyline = matches!(node.entry("kind").map(|entry| &entry.node.value),
-            Some(Value::String(kind)) if kind == "points");
-        if is_polyline {
-            self.inline_corners(node, "file")?;
-        }
-        match &mut node.value {
-            Value::Table(entries) => entries
-                .iter_mut()
-                .try_for_each(|entry| self.inline_polylines(&mut entry.node)),
-            Value::Array(elements) => elements
-                .iter_mut()
-                .try_for_each(|element| self.inline_polylines(element)),
-            _ => Ok(()),
-        }
-    }
-
-    /// Puts corners in the place of the file that `key` of a table names.
-    fn inline_corners(&self, node: &mut Node, key: &str) -> Result<(), ScenarioError> {
-        if let Some(entry) = node.entry(key)
-            && let Value::String(file) = &entry.node.value
-        {
-            let span = entry.node.span.clone();
-            let directory = &self.sources.get(span.source).directory;
-            let corners = read_polyline(&directory.join(file)).map_err(|message| {
-                let issue = Issue::new(KeyPath::from(key), message);
-                ScenarioError::from(Located::new(&self.sources, issue, Some(span.clone())))
-            })?;
-            let list = |values: Vec<Value>| {
-                let node = |value| Node {
-                    value,
-                    span: span.clone(),
-                };
-                Value::Array(values.into_iter().map(node).collect())
-            };
-            let corners = corners
-                .iter()
-                .map(|corner| list(corner.map(Value::Float).to_vec()));
-            let corners = list(corners.collect());
-            node.remove(key);
-            push(node, "points", corners);
-        }
-        Ok(())
-    }
+    (steps.starts_with(other) || other.starts_with(steps)).then(|| {
+        format!("`{typed}` is varied, too; one is a part of the other and would override it")
+    })
 }
 
 fn read_points(file: &Entry, sources: &Sources) -> Result<Axis, String> {
@@ -420,34 +376,4 @@ fn read_points(file: &Entry, sources: &Sources) -> Result<Axis, String> {
     };
     let span = &file.node.span;
     points::read(&sources.get(span.source).directory.join(name), span)
-}
-
-/// An axis as a table of `[[sweep.zip]]`.
-fn axis_table(axis: &Axis) -> Node {
-    let span = &axis.keys[0].span;
-    let mut table = empty_table(span);
-    for (number, swept) in axis.keys.iter().enumerate() {
-        let values = axis.points.iter().map(|point| point[number].clone());
-        push(&mut table, &swept.key, Value::Array(values.collect()));
-    }
-    table
-}
-
-fn empty_table(span: &Span) -> Node {
-    Node {
-        value: Value::Table(Vec::new()),
-        span: span.clone(),
-    }
-}
-
-/// Adds a key to a table.
-fn push(table: &mut Node, key: &str, value: Value) {
-    let span = table.span.clone();
-    if let Value::Table(entries) = &mut table.value {
-        entries.push(Entry {
-            key: key.to_owned(),
-            key_span: span.clone(),
-            node: Node { value, span },
-        });
-    }
 }

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `case_set` | a scenario and all its cases |
 //! | `case` | one case: its values and its id |
+//! | `portable`, `input_files` | the scenario with copies of the files that it reads |
 //! | `axis`, `range` | lists, ranges and zipped lists of values |
 //! | `sample`, `sobol` | samples of ranges |
 //! | `points`, `vary` | points from a CSV file and from the command line |
@@ -12,7 +13,9 @@
 mod axis;
 mod case;
 mod case_set;
+mod input_files;
 mod points;
+mod portable;
 mod range;
 mod sample;
 mod search;
@@ -21,6 +24,8 @@ mod sobol;
 mod tests;
 mod vary;
 
-pub use case::{Case, Parameter};
+pub use case::{Case, Parameter, earlier_id};
 pub use case_set::CaseSet;
+pub use input_files::INPUTS;
+pub use portable::{InputFile, Portable};
 pub use search::Search;

@@ -2,6 +2,7 @@
 
 use super::axis::{Axis, SweptKey};
 use crate::scenario::document::Node;
+use crate::scenario::input_file::{self, LARGEST_TEXT};
 use crate::scenario::overrides::parse_value;
 use crate::scenario::source::Span;
 use std::path::Path;
@@ -13,11 +14,11 @@ use std::path::Path;
 /// A message with the file and, for a faulty row, its line.
 pub fn read(path: &Path, span: &Span) -> Result<Axis, String> {
     let place = path.display();
+    let bytes = input_file::read(path, LARGEST_TEXT)?;
     let mut reader = csv::ReaderBuilder::new()
         .comment(Some(b'#'))
         .trim(csv::Trim::All)
-        .from_path(path)
-        .map_err(|error| format!("{place} cannot be read: {error}"))?;
+        .from_reader(bytes.as_slice());
     let headers = reader
         .headers()
         .map_err(|error| format!("{place}: {error}"))?;

@@ -1,6 +1,6 @@
 //! Sweeps as they are typed, from the text to the scenarios of the cases.
 
-use super::CaseSet;
+use super::{CaseSet, INPUTS};
 use crate::scenario::Scenario;
 use crate::scenario::tests::EXPERIMENTS;
 use proptest::prelude::*;
@@ -41,6 +41,19 @@ fn fault(sweep: &str) -> String {
     )
     .expect_err("a fault")
     .to_string()
+}
+
+/// The case set of its own portable scenario, and the directory that this lies in.
+fn copied(case_set: &CaseSet, name: &str) -> (CaseSet, tempfile::TempDir) {
+    let directory = tempfile::tempdir().unwrap();
+    let portable = case_set.portable().unwrap();
+    for input in &portable.inputs {
+        let path = directory.path().join(INPUTS).join(&input.name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, &input.contents).unwrap();
+    }
+    let again = CaseSet::from_text(*EXPERIMENTS, name, &portable.toml, directory.path());
+    (again.unwrap(), directory)
 }
 
 fn scenarios(case_set: &CaseSet) -> Vec<Scenario> {
@@ -151,13 +164,7 @@ fn the_family_as_toml_has_the_same_cases_with_the_same_ids() {
         + "[sweep]\nrods.rope.radius = [\"1 mm\", 0.002]\nmaterial.density = { from = 1e3, to = 2e3, count = 2 }\n\
            contact.friction = { from = 0.0, to = 1.0 }\nsample = { method = \"random\", count = 3 }";
     let case_set = CaseSet::from_text(*EXPERIMENTS, "rope", &text, directory.path()).unwrap();
-    let again = CaseSet::from_text(
-        *EXPERIMENTS,
-        "scenario",
-        &case_set.to_toml().unwrap(),
-        Path::new(""),
-    )
-    .unwrap();
+    let (again, _beside) = copied(&case_set, "scenario");
     assert_eq!(again.count(), 12);
     for index in 0..12 {
         assert_eq!(again.case(index).id, case_set.case(index).id);
@@ -165,7 +172,105 @@ fn the_family_as_toml_has_the_same_cases_with_the_same_ids() {
             .map(|case_set| case_set.scenario_of(index).unwrap().scenario.to_toml());
         assert_eq!(one, other);
     }
-    assert_eq!(again.to_toml().unwrap(), case_set.to_toml().unwrap());
+    assert_eq!(again.portable().unwrap(), case_set.portable().unwrap());
+}
+
+#[test]
+fn swept_files_lie_beside_the_scenario_of_the_sweep() {
+    let parent = tempfile::tempdir().unwrap();
+    let directory = parent.path().join("scenarios");
+    fs::create_dir_all(parent.path().join("data")).unwrap();
+    fs::create_dir_all(&directory).unwrap();
+    let curve = |y: f64| format!("x,y,z\n0,0,0\n0.1,{y},0\n0.2,0.1,0\n");
+    fs::write(directory.join("c1.csv"), curve(0.0)).unwrap();
+    fs::write(parent.path().join("data/c2.csv"), curve(0.01)).unwrap();
+    let poses = "time,x,y,z,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n";
+    fs::write(parent.path().join("poses.csv"), poses).unwrap();
+    let text = format!(
+        "{ROPE}[[clamps]]\nrod = \"rope\"\nat = \"start\"\nfollow = \"../poses.csv\"\n\
+         [sweep]\nrods.rope.shape = [{{ kind = \"points\", file = \"c1.csv\" }}, {{ kind = \"points\", file = \"../data/c2.csv\" }}]\n"
+    );
+    let case_set = CaseSet::from_text(*EXPERIMENTS, "rope", &text, &directory).unwrap();
+    let portable = case_set.portable().unwrap();
+    let names: Vec<&str> = portable
+        .inputs
+        .iter()
+        .map(|input| input.name.as_str())
+        .collect();
+    assert_eq!(names, ["c1.csv", "data/c2.csv", "poses.csv"]);
+    let (again, _beside) = copied(&case_set, "rope");
+    for index in 0..2 {
+        assert_eq!(again.case(index).id, case_set.case(index).id);
+    }
+    assert_eq!(scenarios(&again), scenarios(&case_set));
+    assert_eq!(again.portable().unwrap(), portable);
+
+    fs::write(parent.path().join("c1.csv"), curve(0.02)).unwrap();
+    let twice = text.replace("../data/c2.csv", "../c1.csv");
+    let case_set = CaseSet::from_text(*EXPERIMENTS, "rope", &twice, &directory).unwrap();
+    let error = case_set.portable().unwrap_err().to_string();
+    assert!(
+        error.contains("another file has the name `c1.csv`"),
+        "{error}"
+    );
+}
+
+#[test]
+fn extends_is_no_key_to_vary() {
+    for key in ["extends", "sweep", "sweep.rods.0.edges"] {
+        let text = format!("{ROPE}[sweep]\n\"{key}\" = [1, 2]");
+        let error = CaseSet::from_text(*EXPERIMENTS, "rope", &text, Path::new("")).unwrap_err();
+        assert!(error.to_string().contains("cannot be varied"), "{error}");
+    }
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("rope.toml");
+    fs::write(&path, ROPE).unwrap();
+    let varied = ["extends=a.toml,b.toml".to_owned()];
+    let error = CaseSet::load(*EXPERIMENTS, &path, &[], &varied).unwrap_err();
+    assert!(error.to_string().contains("cannot be varied"), "{error}");
+}
+
+#[test]
+fn one_key_by_two_paths_is_varied_twice() {
+    let message = fault("[sweep]\nrods.rope.edges = [4, 6]\n\"rods.0.edges\" = [8, 10]");
+    assert!(
+        message.contains("varied twice, as `rods.rope.edges`, too"),
+        "{message}"
+    );
+    let message = fault(
+        "[sweep]\nrods.rope.shape.end = [[1, 0, 0]]\nrods.0.shape = [{ kind = \"straight\", start = [0, 0, 0], end = [2, 0, 0] }]",
+    );
+    assert!(message.contains("one is a part of the other"), "{message}");
+
+    // On the command line the key replaces that of the file, whichever way it is named there.
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("rope.toml");
+    fs::write(&path, format!("{ROPE}[sweep]\nrods.rope.edges = [4, 6]")).unwrap();
+    let varied = ["rods.0.edges=8,10,12".to_owned()];
+    let case_set = CaseSet::load(*EXPERIMENTS, &path, &[], &varied).unwrap();
+    assert_eq!(case_set.keys(), ["rods.0.edges"]);
+    assert_eq!(case_set.count(), 3);
+}
+
+#[test]
+fn more_cases_than_can_be_counted_are_not_none() {
+    let range = "{ from = 1, to = 2.0, count = 65536 }";
+    let keys = ["density", "a", "b", "c", "d", "e", "f", "g"];
+    let keys = keys
+        .map(|key| format!("material.{key} = {range}\n"))
+        .concat();
+    let case_set = case_set(&format!("[sweep]\n{keys}"));
+    assert_eq!(case_set.count(), u128::MAX);
+}
+
+#[test]
+fn three_hundred_thousand_cases_have_ids_of_their_own() {
+    let mut ids = BTreeSet::new();
+    for number in 0..300_000 {
+        let value = crate::scenario::document::Value::Float(f64::from(number) * 1e-5);
+        let parameter = super::Parameter::new(&"long_name_of_a_key_".repeat(4), &value);
+        assert!(ids.insert(super::Case::new(vec![parameter]).id), "{number}");
+    }
 }
 
 #[test]
@@ -196,13 +301,7 @@ fn a_search_adds_its_key_to_the_cases() {
     );
     let scenario = case_set.searched_scenario(1, 2.0).unwrap().scenario;
     assert_eq!((scenario.rods[0].edges, scenario.rods[0].radius), (6, 2e-3));
-    let again = CaseSet::from_text(
-        *EXPERIMENTS,
-        "rope",
-        &case_set.to_toml().unwrap(),
-        Path::new(""),
-    )
-    .unwrap();
+    let (again, _beside) = copied(&case_set, "rope");
     assert_eq!(again.search().unwrap().tolerance, 0.1);
 }
 

@@ -1,8 +1,9 @@
 //! Every fault names file, line, column, key and what is allowed; nothing panics.
 
 use super::{BEAM, EXPERIMENTS, read};
-use crate::scenario::load;
+use crate::scenario::{CaseSet, from_text, load};
 use proptest::prelude::*;
+use std::path::Path;
 
 /// The messages for a text in which `from` is replaced by `to`.
 fn faults(from: &str, to: &str) -> String {
@@ -59,6 +60,59 @@ beam.toml:18:55: `clamps.0.poses.1.2`: the quaternion qw, qx, qy, qz = [2.0, 0.0
     insta::assert_snapshot!(clamped("follow = \"nowhere.csv\""), @"beam.toml:18:10: `clamps.0.follow`: nowhere.csv cannot be read: No such file or directory (os error 2)");
     insta::assert_snapshot!(clamped(&format!("{pose}\nfollow = \"nowhere.csv\"")), @"beam.toml:18:9: `clamps.0.poses`: give `follow` or `poses`, not both");
     insta::assert_snapshot!(clamped(&format!("{pose}\naxis = [1, 0, 0]")), @"beam.toml:19:8: `clamps.0.axis`: poses say how the clamp moves and turns; leave the key out");
+}
+
+#[test]
+fn dotted_keys_of_60000_levels_are_refused() {
+    let key = vec!["a"; 60_000].join(".");
+    let deep = [format!("{key}=1")];
+    let error = from_text(*EXPERIMENTS, "beam", BEAM, Path::new(""), &deep).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("60000 steps; allowed: at most 32")
+    );
+    let sweep = format!("{BEAM}\n[sweep]\n\"{key}\" = [1, 2]\n");
+    let case_set = CaseSet::from_text(*EXPERIMENTS, "beam", &sweep, Path::new("")).unwrap();
+    let error = case_set.scenario_of(0).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("60000 steps; allowed: at most 32")
+    );
+}
+
+#[test]
+fn chains_of_3000_extended_files_are_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = |number: usize| directory.path().join(format!("{number}.toml"));
+    for number in 0..3000 {
+        let text = format!("extends = \"{}.toml\"\n", number + 1);
+        std::fs::write(path(number), text).unwrap();
+    }
+    std::fs::write(path(3000), BEAM).unwrap();
+    let error = load(*EXPERIMENTS, &path(0), &[]).unwrap_err().to_string();
+    assert!(
+        error.contains("64 files extend each other in a row"),
+        "{error}"
+    );
+    // A chain that people might write is read.
+    load(*EXPERIMENTS, &path(2950), &[]).unwrap();
+}
+
+#[test]
+fn of_20000_unknown_keys_a_hundred_are_told() {
+    let keys: String = (0..20_000)
+        .map(|number| format!("key_{number} = 1\n"))
+        .collect();
+    let error = read(&format!("{keys}{BEAM}")).unwrap_err();
+    assert_eq!(error.0.len(), 100);
+}
+
+#[test]
+fn numbers_beyond_any_measure_are_refused() {
+    insta::assert_snapshot!(faults("end = [1, 0, 0]", "end = [1e308, 0, 0]"), @"beam.toml:13:56: `rods.0.shape.end.0`: 1e308 is out of range; allowed: at most 1e100 in magnitude");
+    insta::assert_snapshot!(faults("radius = \"5 mm\"", "radius = -1e308"), @"beam.toml:11:10: `rods.0.radius`: -1e308 is out of range; allowed: greater than 0");
 }
 
 #[test]

@@ -1,0 +1,74 @@
+//! The last resort: a panic is a fault of the program, whatever the input, and is told as one.
+//!
+//! Results stay resumable: files appear whole, tables are flushed row by row, and locks and leases of a process end
+//! with it.
+
+use super::output::complain;
+use std::panic::{self, AssertUnwindSafe, PanicHookInfo};
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Exit code after a panic: not bad input, and nothing that a further attempt with more time would mend.
+const EXIT_CODE: u8 = 1;
+
+/// Does the work; a panic anywhere in it ends with a message and exit code 1.
+pub fn guarded(work: impl FnOnce() -> ExitCode) -> ExitCode {
+    panic::catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| ExitCode::from(EXIT_CODE))
+}
+
+/// Has the first panic told in words; those that follow from it in other threads are not.
+pub fn announce_panics() {
+    static TOLD: AtomicBool = AtomicBool::new(false);
+    let trace = panic::take_hook();
+    panic::set_hook(Box::new(move |panic| {
+        if TOLD.swap(true, Ordering::SeqCst) {
+            return;
+        }
+        complain(&in_words(&what(panic), &place(panic)));
+        if std::env::var_os("RUST_BACKTRACE").is_some() {
+            trace(panic);
+        }
+    }));
+}
+
+fn what(panic: &PanicHookInfo<'_>) -> String {
+    let payload = panic.payload_as_str();
+    payload.unwrap_or("a panic without a message").to_owned()
+}
+
+fn place(panic: &PanicHookInfo<'_>) -> String {
+    let location = panic.location();
+    location.map_or_else(|| "an unknown place".to_owned(), ToString::to_string)
+}
+
+fn in_words(what: &str, place: &str) -> String {
+    format!(
+        "error: a fault of rodlab {}, please report it with the scenario and the command: {what} (at {place})\n\
+         results written so far are whole, and the same command continues them\n",
+        env!("CARGO_PKG_VERSION")
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_ends_with_exit_code_1() {
+        let code = |code: ExitCode| format!("{code:?}");
+        assert_eq!(
+            code(guarded(|| panic!("of this test"))),
+            code(ExitCode::from(1))
+        );
+        assert_eq!(code(guarded(|| ExitCode::from(5))), code(ExitCode::from(5)));
+    }
+
+    #[test]
+    fn a_panic_is_told_as_a_fault_of_the_program() {
+        let text = in_words("index out of bounds", "src/mechanics/scene.rs:220:31");
+        assert!(text.contains("a fault of rodlab"), "{text}");
+        assert!(text.contains("please report"), "{text}");
+        assert!(text.contains("scene.rs:220:31"), "{text}");
+        assert!(text.ends_with("continues them\n"), "{text}");
+    }
+}

@@ -1,0 +1,95 @@
+//! Files that the cases of a sweep read: which they are, and what copies of them are called.
+//!
+//! A sweep's directory holds copies in a folder of their own, so that its scenario runs as it stands. In ids and tables
+//! a file has its name without that folder and without the way to it from elsewhere (`..`, `/`): the scenario and its
+//! copy have the same cases.
+
+use crate::scenario::document::{Node, Value};
+use std::path::{Component, Path};
+
+/// Folder of the copies in the directory of a sweep.
+pub const INPUTS: &str = "inputs";
+
+/// Keys that name files wherever they stand.
+const FILE_KEYS: [&str; 2] = ["file", "follow"];
+
+/// The name of a file in ids and tables, and of its copy in [`INPUTS`].
+pub fn label(name: &str) -> String {
+    let parts: Vec<&str> = Path::new(name)
+        .components()
+        .filter_map(|part| match part {
+            Component::Normal(part) => part.to_str(),
+            _ => None,
+        })
+        .collect();
+    match parts.as_slice() {
+        [INPUTS, below @ ..] if !below.is_empty() => below.join("/"),
+        _ => parts.join("/"),
+    }
+}
+
+/// Calls `visit` with every value at or below `node`, which stands at `path`, that names a file. `curve_of` gives the
+/// key of a top table that does so, too.
+///
+/// # Errors
+/// The first of `visit`.
+pub fn for_each<E>(
+    node: &mut Node,
+    path: &mut Vec<String>,
+    curve_of: &dyn Fn(&str) -> Option<&'static str>,
+    visit: &mut dyn FnMut(&mut Node) -> Result<(), E>,
+) -> Result<(), E> {
+    match &mut node.value {
+        Value::Table(entries) => {
+            for entry in entries {
+                path.push(entry.key.clone());
+                for_each(&mut entry.node, path, curve_of, visit)?;
+                path.pop();
+            }
+            Ok(())
+        }
+        Value::Array(elements) => {
+            for (index, element) in elements.iter_mut().enumerate() {
+                path.push(index.to_string());
+                for_each(element, path, curve_of, visit)?;
+                path.pop();
+            }
+            Ok(())
+        }
+        Value::String(_) if names_a_file(path, curve_of) => visit(node),
+        _ => Ok(()),
+    }
+}
+
+fn names_a_file(path: &[String], curve_of: &dyn Fn(&str) -> Option<&'static str>) -> bool {
+    match path {
+        [table, key] if curve_of(table) == Some(key) => true,
+        [.., key] => FILE_KEYS.contains(&key.as_str()),
+        [] => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn labels_lead_nowhere_else() {
+        assert_eq!(label("c1.csv"), "c1.csv");
+        assert_eq!(label("curves/./c1.csv"), "curves/c1.csv");
+        assert_eq!(label("../../data/c1.csv"), "data/c1.csv");
+        assert_eq!(label("/data/c1.csv"), "data/c1.csv");
+        assert_eq!(label("inputs/c1.csv"), "c1.csv");
+        assert_eq!(label("inputs"), "inputs");
+    }
+
+    proptest! {
+        #[test]
+        fn a_copy_has_the_label_of_its_original(name in "[./a-z]{1,20}") {
+            let label = label(&name);
+            prop_assert_eq!(super::label(&format!("{INPUTS}/{label}")), label.clone());
+            prop_assert!(!label.starts_with('/') && !label.split('/').any(|part| part == ".."));
+        }
+    }
+}

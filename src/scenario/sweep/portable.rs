@@ -1,0 +1,149 @@
+//! The scenario of a whole sweep as one that needs nothing from elsewhere.
+
+use super::axis::Axis;
+use super::case_set::CaseSet;
+use super::input_files::{self, INPUTS};
+use crate::scenario::document::{Entry, Node, Value};
+use crate::scenario::document_text;
+use crate::scenario::error::{Located, ScenarioError};
+use crate::scenario::input_file::{self, LARGEST_TABLE};
+use crate::scenario::issue::{Issue, KeyPath};
+use crate::scenario::source::Span;
+use std::collections::BTreeMap;
+
+/// A scenario with its sweep, and all files that it reads.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Portable {
+    /// The scenario file: with the copies beside it, it has the same cases.
+    pub toml: String,
+    /// The copies, by name.
+    pub inputs: Vec<InputFile>,
+}
+
+/// A copy of a file that a sweep reads.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct InputFile {
+    /// Its name in the folder [`INPUTS`], steps joined by `/`.
+    pub name: String,
+    /// What it holds.
+    pub contents: Vec<u8>,
+}
+
+impl CaseSet {
+    /// The scenario of the whole, with copies of the files that any of its cases may read.
+    ///
+    /// # Errors
+    /// A file cannot be read, or two files would have the same name.
+    pub fn portable(&self) -> Result<Portable, ScenarioError> {
+        let mut root = self.document.clone();
+        root.remove("extends");
+        if root.entry("title").is_none() {
+            push(&mut root, "title", Value::String(self.name().to_owned()));
+        }
+        let mut copies = Copies {
+            case_set: self,
+            contents: BTreeMap::new(),
+        };
+        copies.take(&mut root, "")?;
+        let mut sweep = empty_table(&root.span);
+        let mut zips = Vec::new();
+        for axis in &self.axes {
+            let mut axis = axis.clone();
+            for point in &mut axis.points {
+                for (swept, value) in axis.keys.iter().zip(point) {
+                    copies.take(value, &swept.key)?;
+                }
+            }
+            zips.push(axis_table(&axis));
+        }
+        if !zips.is_empty() {
+            push(&mut sweep, "zip", Value::Array(zips));
+        }
+        if let Some(search) = self.search() {
+            push(&mut sweep, "search", search.typed.value.clone());
+        }
+        if self.is_sweep() {
+            push(&mut root, "sweep", sweep.value);
+        }
+        let inputs = copies.contents.into_iter();
+        Ok(Portable {
+            toml: document_text::document(&root),
+            inputs: inputs
+                .map(|(name, contents)| InputFile { name, contents })
+                .collect(),
+        })
+    }
+}
+
+/// Copies that were taken so far.
+struct Copies<'a> {
+    case_set: &'a CaseSet,
+    contents: BTreeMap<String, Vec<u8>>,
+}
+
+impl Copies<'_> {
+    /// Reads the files that are named at or below the node of a dotted key, and names their copies in their place.
+    fn take(&mut self, node: &mut Node, key: &str) -> Result<(), ScenarioError> {
+        let case_set = self.case_set;
+        let steps = key.split('.').filter(|step| !step.is_empty());
+        let mut path = steps.map(str::to_owned).collect();
+        let curve_of = |table: &str| case_set.experiments.curve_of(table);
+        input_files::for_each(node, &mut path, &curve_of, &mut |node| self.take_one(node))
+    }
+
+    fn take_one(&mut self, node: &mut Node) -> Result<(), ScenarioError> {
+        let Value::String(name) = &mut node.value else {
+            return Ok(());
+        };
+        let sources = &self.case_set.sources;
+        let fault = |message: String| {
+            let issue = Issue::new(KeyPath::root(), message);
+            ScenarioError::from(Located::new(sources, issue, Some(node.span.clone())))
+        };
+        let directory = &sources.get(node.span.source).directory;
+        let contents =
+            input_file::read(&directory.join(name.as_str()), LARGEST_TABLE).map_err(fault)?;
+        let label = input_files::label(name);
+        if self
+            .contents
+            .get(&label)
+            .is_some_and(|known| *known != contents)
+        {
+            let message = format!("another file has the name `{label}`, too; rename one of them");
+            return Err(fault(message));
+        }
+        *name = format!("{INPUTS}/{label}");
+        self.contents.insert(label, contents);
+        Ok(())
+    }
+}
+
+/// An axis as a table of `[[sweep.zip]]`.
+fn axis_table(axis: &Axis) -> Node {
+    let span = &axis.keys[0].span;
+    let mut table = empty_table(span);
+    for (number, swept) in axis.keys.iter().enumerate() {
+        let values = axis.points.iter().map(|point| point[number].clone());
+        push(&mut table, &swept.key, Value::Array(values.collect()));
+    }
+    table
+}
+
+fn empty_table(span: &Span) -> Node {
+    Node {
+        value: Value::Table(Vec::new()),
+        span: span.clone(),
+    }
+}
+
+/// Adds a key to a table.
+fn push(table: &mut Node, key: &str, value: Value) {
+    let span = table.span.clone();
+    if let Value::Table(entries) = &mut table.value {
+        entries.push(Entry {
+            key: key.to_owned(),
+            key_span: span.clone(),
+            node: Node { value, span },
+        });
+    }
+}
