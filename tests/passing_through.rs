@@ -1,8 +1,8 @@
 //! Nothing passes through anything: scenes in which rods used to, with exit code 0, and invariants that show it.
 
+use rodlab::experiment;
 use rodlab::mechanics::Vector3;
 use rodlab::mechanics::dynamics::{Simulation, SimulationError};
-use rodlab::{experiment, scenario};
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -17,7 +17,7 @@ struct Running {
 
 impl Running {
     fn new(text: &str) -> Self {
-        let loaded = scenario::from_text("scene", text, Path::new("")).unwrap();
+        let loaded = experiment::from_text("scene", text, Path::new(""), &[]).unwrap();
         let prepared = experiment::prepare(&loaded.scenario).unwrap();
         let mut first = 0;
         let rods = prepared.scene.rods.iter().map(|rod| {

@@ -9,11 +9,11 @@
 //! `RODLAB_RANDOM_SCENE=17` the one of that number, printed.
 
 use rayon::prelude::*;
+use rodlab::experiment;
 use rodlab::mechanics::Vector3;
 use rodlab::mechanics::contact::ContactSurface;
 use rodlab::mechanics::dynamics::{Simulation, SimulationError};
 use rodlab::mechanics::scene::Scene;
-use rodlab::{experiment, scenario};
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
 use std::path::Path;
@@ -210,7 +210,7 @@ enum End {
 }
 
 fn run(case: &Case) -> End {
-    let loaded = scenario::from_text("random", &case.text, Path::new("")).unwrap();
+    let loaded = experiment::from_text("random", &case.text, Path::new(""), &[]).unwrap();
     let prepared = experiment::prepare(&loaded.scenario).unwrap();
     let mut simulation = match Simulation::new(&prepared.scene, &prepared.integration) {
         Ok(simulation) => simulation,
