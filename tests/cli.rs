@@ -433,3 +433,42 @@ fn endless_inputs_are_refused() {
         assert!(words.contains("regular files"), "{stderr}");
     }
 }
+
+#[test]
+fn a_run_tells_programs_what_came_out() {
+    let directory = directory(SWING);
+    let json = |arguments: &[&str]| -> serde_json::Value {
+        let (code, stdout, stderr) = outcome(&directory, arguments);
+        assert_eq!(code, 0, "{stderr}");
+        serde_json::from_str(&stdout).unwrap_or_else(|error| panic!("{error}: {stdout}"))
+    };
+    let once = json(&["run", "swing.toml", "--json"]);
+    assert_eq!(
+        (&once["status"], &once["already_finished"]),
+        (&"finished".into(), &false.into())
+    );
+    assert_eq!(once["outcome"]["simulated_time"], 0.02);
+    let again = json(&["run", "swing.toml", "--json"]);
+    assert_eq!(again["already_finished"], true);
+    assert_eq!(again["outcome"], once["outcome"]);
+    let sweep = json(&[
+        "run",
+        "swing.toml",
+        "--json",
+        "--vary",
+        "rods.rope.edges=4,6",
+        "--out",
+        "s",
+    ]);
+    assert_eq!(sweep["cases"]["finished"], 2);
+}
+
+#[test]
+fn an_unclosed_bracket_is_one_fault_on_its_line() {
+    let directory = directory(&SWING.replace("start = [0, 0, 0], end", "start = [0, 0, 0, end"));
+    let (code, _, stderr) = outcome(&directory, &["check", "swing.toml"]);
+    assert_eq!(code, 2);
+    assert_eq!(stderr.matches("not TOML").count(), 1, "{stderr}");
+    assert!(stderr.contains("swing.toml:11:"), "{stderr}");
+    assert!(stderr.contains("is not closed"), "{stderr}");
+}

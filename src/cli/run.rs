@@ -2,7 +2,7 @@
 
 use super::arguments::{Common, refuse_too_many_threads};
 use super::failure::Failure;
-use super::output::print;
+use super::output::{print, print_json};
 use super::sweep;
 use crate::experiment::{self, try_scene};
 use crate::run::{PreparedRun, RunOptions, RunOutcome, RunStatus};
@@ -58,6 +58,9 @@ pub struct RunArguments {
     /// Run more than 100000 cases
     #[arg(long)]
     pub yes: bool,
+    /// Print what came out as JSON
+    #[arg(long, conflicts_with = "dry_run")]
+    pub json: bool,
     /// Stop with a checkpoint after this wall time, such as 90, \"10 min\" or 8h
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub timeout: Option<Duration>,
@@ -94,7 +97,28 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), Failure> {
         try_scene(&prepared)?;
         return print(&prepared.scenario_toml);
     }
-    print(&summary(&crate::run::run(&prepared, &options)?))
+    let outcome = crate::run::run(&prepared, &options)?;
+    if arguments.json {
+        return print_json(&as_json(&outcome));
+    }
+    print(&summary(&outcome))
+}
+
+/// What came out, for programs; quantities in SI units.
+fn as_json(outcome: &RunOutcome) -> serde_json::Value {
+    let resumed_from = match outcome.status {
+        RunStatus::Resumed { from } => Some(from.to_string()),
+        RunStatus::Finished | RunStatus::AlreadyFinished => None,
+    };
+    serde_json::json!({
+        "status": "finished",
+        "results": outcome.directory,
+        "already_finished": outcome.status == RunStatus::AlreadyFinished,
+        "resumed_from": resumed_from,
+        "wall_time_s": outcome.wall_time.as_secs_f64(),
+        "outcome": outcome.case,
+        "remarks": outcome.remarks,
+    })
 }
 
 /// Builds the scene of a case_set of one.

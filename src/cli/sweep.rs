@@ -2,7 +2,7 @@
 
 use super::exit_code::ExitCode;
 use super::failure::Failure;
-use super::output::print;
+use super::output::{print, print_json};
 use super::run::RunArguments;
 use crate::run::RunOptions;
 use crate::scenario::{CaseSet, Parameter};
@@ -48,7 +48,12 @@ pub fn run(
         retry_failed: arguments.retry_failed,
         fail_fast: arguments.fail_fast,
     };
-    report(case_set, &sweep::run_sweep(case_set, &options)?)
+    let outcome = sweep::run_sweep(case_set, &options)?;
+    if arguments.json {
+        print_json(&as_json(case_set, &outcome))?;
+        return verdict(&outcome);
+    }
+    report(case_set, &outcome)
 }
 
 /// Refuses numbers of cases that are more likely a slip of the fingers, and those that no memory holds.
@@ -118,6 +123,24 @@ fn cost(case_set: &CaseSet, shard: Shard, jobs: usize) -> Result<String, Failure
     Ok(format!(
         "roughly {seconds:.1} s without contact, within a factor of three"
     ))
+}
+
+/// What a sweep came to, for programs.
+fn as_json(case_set: &CaseSet, outcome: &SweepOutcome) -> serde_json::Value {
+    let found = outcome.found.iter().map(|found| {
+        serde_json::json!({
+            "case": case_set.case(found.index).id,
+            "value": found.value,
+            "interval": found.interval,
+            "evaluations": found.evaluations,
+            "failure": found.failure,
+        })
+    });
+    serde_json::json!({
+        "results": outcome.directory,
+        "cases": outcome.counts,
+        "found": found.collect::<Vec<_>>(),
+    })
 }
 
 /// Prints what a sweep came to; cases that failed decide the exit code.

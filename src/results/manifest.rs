@@ -23,7 +23,8 @@ pub const MAIN_CASE: &str = "main";
 pub struct Manifest {
     /// Version of the program.
     pub version: String,
-    /// Commit of the program, where the build was told (environment variable `RODLAB_COMMIT`).
+    /// Commit of the program: that of the clone that it was built from, or what the build was told (environment variable
+    /// `RODLAB_COMMIT`).
     pub commit: Option<String>,
     /// The last command line that wrote here.
     pub command_line: Vec<String>,

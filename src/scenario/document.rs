@@ -63,6 +63,13 @@ pub struct SyntaxError {
 pub fn parse(source: usize, text: &str) -> Result<Node, Vec<SyntaxError>> {
     let (table, errors) = DeTable::parse_recoverable(text);
     if !errors.is_empty() {
+        // The parser notices far below, and at many places, that a bracket is open.
+        if let Some(byte) = unclosed_bracket(text) {
+            return Err(vec![SyntaxError {
+                message: format!("this `{}` is not closed", &text[byte..=byte]),
+                bytes: byte..byte + 1,
+            }]);
+        }
         return Err(errors
             .into_iter()
             .map(|error| SyntaxError {
@@ -78,6 +85,56 @@ pub fn parse(source: usize, text: &str) -> Result<Node, Vec<SyntaxError>> {
             bytes: 0..0,
         },
     })
+}
+
+/// The first bracket or brace of a value that is still open where the next key, the next table or the end of the text
+/// comes.
+fn unclosed_bracket(text: &str) -> Option<usize> {
+    let bytes = text.as_bytes();
+    let mut open: Vec<usize> = Vec::new();
+    let mut in_value = false;
+    let mut place = 0;
+    while place < bytes.len() {
+        match bytes[place] {
+            b'#' => place += line_length(&text[place..]),
+            quote @ (b'"' | b'\'') => place = end_of_text(text, place, quote)?,
+            b'\n' if open.is_empty() => in_value = false,
+            b'=' if open.is_empty() => in_value = true,
+            // A key in a list: what is open was to be closed before. Inline tables have keys of their own.
+            b'=' if open.iter().all(|at| bytes[*at] == b'[') => return open.first().copied(),
+            b'[' | b'{' if in_value => open.push(place),
+            b']' | b'}' if in_value => drop(open.pop()),
+            _ => {}
+        }
+        place += 1;
+    }
+    open.first().copied()
+}
+
+fn line_length(text: &str) -> usize {
+    // The end of the line itself is looked at next.
+    text.find('\n').unwrap_or(text.len()).saturating_sub(1)
+}
+
+/// Last byte of the text in quotes that begins at `start`; `None` where it does not end.
+fn end_of_text(text: &str, start: usize, quote: u8) -> Option<usize> {
+    let bytes = text.as_bytes();
+    let triple = [quote; 3];
+    let (from, width) = match bytes[start..].starts_with(&triple) {
+        true => (start + 3, 3),
+        false => (start + 1, 1),
+    };
+    let mut place = from;
+    while place < bytes.len() {
+        match bytes[place] {
+            b'\\' if quote == b'"' => place += 1,
+            b'\n' if width == 1 => return None,
+            _ if bytes[place..].starts_with(&triple[..width]) => return Some(place + width - 1),
+            _ => {}
+        }
+        place += 1;
+    }
+    None
 }
 
 fn table_value(source: usize, table: &DeTable<'_>) -> Value {
@@ -197,5 +254,58 @@ impl Node {
             }
         }
         (key, node.span.clone())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn an_unclosed_bracket_is_reported_once_and_where_it_stands() {
+        for text in [
+            "a = 1\nb = [1, 2\nc = 3\n[d]\ne = [4]\n",
+            "a = 1\nb = [[1], [2]\n\n[d]\ne = [4]\n",
+            "# [\nb = [\"]\", ']', 2\nc = [3]\nd = [4]\n",
+            "b = { x = [1, 2 }\nc = 3\n",
+        ] {
+            let errors = parse(0, text).unwrap_err();
+            let [error] = errors.as_slice() else {
+                panic!("{text}: {errors:?}");
+            };
+            let line = text[..error.bytes.start].matches('\n').count();
+            assert!(
+                text.lines().nth(line).unwrap().starts_with("b = "),
+                "{error:?}"
+            );
+            assert!(error.message.contains("is not closed"), "{error:?}");
+        }
+    }
+
+    #[test]
+    fn other_mistakes_are_not_taken_for_brackets() {
+        for text in [
+            "a = \n",
+            "a = [1, 2]]\n",
+            "a = [1 2]\n",
+            "[a\nb = 1\n",
+            "a = \"[\n",
+        ] {
+            let errors = parse(0, text).unwrap_err();
+            assert!(
+                errors
+                    .iter()
+                    .all(|error| !error.message.contains("is not closed")),
+                "{text}"
+            );
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn no_text_makes_it_panic(text in "[a-c=\\[\\]{}\"'#\\\\ \n1µ]{0,40}") {
+            let _ = parse(0, &text);
+        }
     }
 }

@@ -18,43 +18,13 @@ pub fn json_schema(experiments: Experiments) -> Value {
 pub fn explain(experiments: Experiments, key: &str) -> Result<String, String> {
     let schema = json_schema(experiments);
     let explainer = Explainer { root: &schema };
-    let mut meanings = vec![Meaning {
-        kind: None,
-        schema: &schema,
-    }];
-    let mut walked = String::new();
-    for step in key.split('.').filter(|step| !step.is_empty()) {
-        if step.parse::<usize>().is_ok() {
-            continue;
+    let (meanings, walked) = explainer.walk(key)?;
+    if let Some((table, "kind")) = key.rsplit_once('.') {
+        let (tables, _) = explainer.walk(table)?;
+        let kinds = explainer.kinds(&tables);
+        if !kinds.is_empty() {
+            return Ok(format!("{walked}\n{kinds}"));
         }
-        let keys: Vec<(Meaning<'_>, &str)> = meanings
-            .iter()
-            .flat_map(|meaning| explainer.keys(meaning.schema))
-            .collect();
-        let found: Vec<Meaning<'_>> = keys
-            .iter()
-            .filter(|(_, name)| *name == step)
-            .map(|(meaning, _)| meaning.clone())
-            .collect();
-        if found.is_empty() {
-            let place = if walked.is_empty() {
-                "at the top of a scenario".to_owned()
-            } else {
-                format!("in `{walked}`")
-            };
-            let names = keys.iter().map(|(_, name)| *name);
-            let advice = did_you_mean(step, names).unwrap_or_else(|| {
-                let mut names: Vec<&str> = keys.iter().map(|(_, name)| *name).collect();
-                names.dedup();
-                format!("the keys are: {}", names.join(", "))
-            });
-            return Err(format!("there is no key `{step}` {place}; {advice}"));
-        }
-        meanings = found;
-        if !walked.is_empty() {
-            walked.push('.');
-        }
-        walked.push_str(step);
     }
     let mut text = String::new();
     for meaning in &meanings {
@@ -75,6 +45,68 @@ struct Explainer<'a> {
 }
 
 impl<'a> Explainer<'a> {
+    /// The meanings of a dotted key, and the key without indices.
+    ///
+    /// # Errors
+    /// A message with the nearest key.
+    fn walk(&self, key: &str) -> Result<(Vec<Meaning<'a>>, String), String> {
+        let mut meanings = vec![Meaning {
+            kind: None,
+            schema: self.root,
+        }];
+        let mut walked = String::new();
+        for step in key.split('.').filter(|step| !step.is_empty()) {
+            if step.parse::<usize>().is_ok() {
+                continue;
+            }
+            let keys: Vec<(Meaning<'_>, &str)> = meanings
+                .iter()
+                .flat_map(|meaning| self.keys(meaning.schema))
+                .collect();
+            let found: Vec<Meaning<'_>> = keys
+                .iter()
+                .filter(|(_, name)| *name == step)
+                .map(|(meaning, _)| meaning.clone())
+                .collect();
+            if found.is_empty() {
+                let place = if walked.is_empty() {
+                    "at the top of a scenario".to_owned()
+                } else {
+                    format!("in `{walked}`")
+                };
+                let names = keys.iter().map(|(_, name)| *name);
+                let advice = did_you_mean(step, names).unwrap_or_else(|| {
+                    let mut names: Vec<&str> = keys.iter().map(|(_, name)| *name).collect();
+                    names.dedup();
+                    format!("the keys are: {}", names.join(", "))
+                });
+                return Err(format!("there is no key `{step}` {place}; {advice}"));
+            }
+            meanings = found;
+            if !walked.is_empty() {
+                walked.push('.');
+            }
+            walked.push_str(step);
+        }
+        Ok((meanings, walked))
+    }
+
+    /// What tables are of which kind, a line each; nothing where there are no kinds.
+    fn kinds(&self, tables: &[Meaning<'a>]) -> String {
+        let schemas = tables.iter().flat_map(|table| self.expanded(table.schema));
+        let mut lines: Vec<String> = Vec::new();
+        for schema in schemas {
+            let Some(name) = kind(schema) else { continue };
+            let description = schema.get("description").and_then(Value::as_str);
+            let first = description.and_then(|words| words.lines().next());
+            let line = format!("  {name:?}: {}\n", first.unwrap_or_default());
+            if !lines.contains(&line) {
+                lines.push(line);
+            }
+        }
+        lines.concat()
+    }
+
     /// The schemas behind a schema: itself, what it refers to, its alternatives and its elements.
     fn expanded(&self, schema: &'a Value) -> Vec<&'a Value> {
         let mut found = vec![schema];
@@ -239,8 +271,37 @@ clamps.at
 "###);
         insta::assert_snapshot!(explain(*EXPERIMENTS, "").unwrap(), @r###"
 A rodlab scenario. Numbers are in SI units; text may carry a unit, such as "1.6 mm".
-keys: clamps, contact, continuation, experiment, extends, flagella, fluid, helix_stability, knot, loads, material, output, planes, probes, rod, rods, solver, stop_when, sweep, time, title
+keys: clamps, contact, continuation, experiment, extends, flagella, fluid, helix_stability, knot, loads, material, output, planes, probes, rod, rods, solver, stop_when, sweep, time, title, unset
 "###);
+    }
+
+    #[test]
+    fn the_kinds_of_tables_are_explained() {
+        for (key, kinds) in [
+            (
+                "rods.shape.kind",
+                &["straight", "helix", "arc", "ring", "points"][..],
+            ),
+            (
+                "loads.kind",
+                &["gravity", "force", "moment", "distributed", "drag"],
+            ),
+            ("rods.0.natural_shape.kind", &["as-placed", "curved"]),
+        ] {
+            let text = explain(*EXPERIMENTS, key).unwrap();
+            for kind in kinds {
+                let line = text
+                    .lines()
+                    .find_map(|line| line.strip_prefix(&format!("  {kind:?}: ")));
+                assert!(
+                    line.is_some_and(|words| !words.is_empty()),
+                    "{kind} in {text}"
+                );
+            }
+        }
+        // A key that is called so and tells no tables apart is explained like any other.
+        let text = explain(*EXPERIMENTS, "knot.kind").unwrap();
+        assert!(text.starts_with("knot.kind\n  "), "{text}");
     }
 
     #[test]

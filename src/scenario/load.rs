@@ -1,6 +1,6 @@
 //! Reading scenarios: the file, those it extends, overrides from the command line.
 
-use super::document::{self, Node, Value};
+use super::document::{self, Entry, Node, Value};
 use super::error::{Located, ScenarioError};
 use super::experiments::{Experiments, TypedFile};
 use super::input_file::{self, LARGEST_TEXT};
@@ -200,8 +200,17 @@ fn parse_and_extend(
         });
         ScenarioError(located.collect())
     })?;
+    let mut node = node;
+    let unset = node.remove("unset");
     let Some(entry) = node.entry("extends") else {
-        return Ok(node);
+        return match unset {
+            Some(unset) => {
+                let message = "nothing is inherited here; this key stands beside `extends`";
+                let issue = Issue::new(KeyPath::from("unset"), message);
+                Err(Located::new(sources, issue, Some(unset.key_span)).into())
+            }
+            None => Ok(node),
+        };
     };
     let refuse = |sources: &Sources, message: String| {
         let issue = Issue::new(KeyPath::from("extends"), message);
@@ -236,6 +245,37 @@ fn parse_and_extend(
         ));
     }
     let mut merged = read(sources, ancestors, &path)?;
+    if let Some(unset) = unset {
+        forget(sources, &mut merged, &unset)?;
+    }
     merged.merge(node);
     Ok(merged)
+}
+
+/// Takes the inherited keys out that `unset` lists.
+fn forget(sources: &Sources, inherited: &mut Node, unset: &Entry) -> Result<(), ScenarioError> {
+    let fault = |span: &Span, message: String, help: Option<String>| {
+        let issue = Issue::new(KeyPath::from("unset"), message).with_help(help);
+        ScenarioError::from(Located::new(sources, issue, Some(span.clone())))
+    };
+    let expected = |found: &Node| {
+        let found_words = found.description();
+        let message = format!("expected a list of dotted keys in quotes, found {found_words}");
+        fault(
+            &found.span,
+            message,
+            Some("unset = [\"time.end\"]".to_owned()),
+        )
+    };
+    let Value::Array(keys) = &unset.node.value else {
+        return Err(expected(&unset.node));
+    };
+    for key in keys {
+        let Value::String(dotted) = &key.value else {
+            return Err(expected(key));
+        };
+        overrides::remove(inherited, dotted)
+            .map_err(|(message, help)| fault(&key.span, message, help))?;
+    }
+    Ok(())
 }

@@ -37,7 +37,7 @@ pub fn apply(sources: &mut Sources, document: &mut Node, text: &str) -> Result<(
         let message = "expected keys joined by dots, such as time.end".to_owned();
         return Err(fault(sources, KeyPath::root(), message, None));
     }
-    if steps[0] == "extends" {
+    if ["extends", "unset"].contains(&steps[0]) {
         let message = "this key cannot be set from the command line".to_owned();
         return Err(fault(sources, path, message, None));
     }
@@ -66,6 +66,38 @@ pub fn assign(
         return Err((message, None));
     }
     set(document, &steps, key_span, value)
+}
+
+/// Removes a dotted key; else says what is wrong and what to type instead.
+pub fn remove(document: &mut Node, key: &str) -> Result<(), (String, Option<String>)> {
+    let steps = numbered_steps(document, key);
+    let absent = || (format!("there is no inherited key `{key}`"), None);
+    let (last, way) = steps.split_last().ok_or_else(absent)?;
+    let mut node = document;
+    for step in way {
+        node = match &mut node.value {
+            Value::Table(entries) => {
+                let entry = entries.iter_mut().find(|entry| entry.key == *step);
+                &mut entry.ok_or_else(absent)?.node
+            }
+            Value::Array(elements) => {
+                let index = find_element(elements, step)?;
+                &mut elements[index]
+            }
+            _ => return Err(absent()),
+        };
+    }
+    let names: Vec<String> = match &node.value {
+        Value::Table(entries) => entries.iter().map(|entry| entry.key.clone()).collect(),
+        _ => Vec::new(),
+    };
+    match node.remove(last) {
+        Some(_) => Ok(()),
+        None => Err((
+            absent().0,
+            did_you_mean(last, names.iter().map(String::as_str)),
+        )),
+    }
 }
 
 /// The steps of a dotted key, elements of arrays by their numbers rather than their names; as typed from where it leads

@@ -98,7 +98,7 @@ pub(super) const SEARCH: &[Column] = columns! {
 
 pub(super) const MANIFEST: &[Column] = columns! {
     "version": "Version of the program.",
-    "commit": "Commit of the program, where the build knew it (environment variable RODLAB_COMMIT); else null.",
+    "commit": "Commit of the program: of the clone that it was built from, or told to the build by RODLAB_COMMIT; else null.",
     "command_line": "The last command line that wrote here.",
     "name": "Short name of the scenario.",
     "experiment": "Its experiment.",

@@ -188,7 +188,7 @@ impl CaseSet {
         for swept in self.axes.iter().flat_map(|axis| &axis.keys).chain(searched) {
             let steps = self.steps_of(&swept.key);
             let message = match steps[0].as_str() {
-                "extends" | "sweep" => Some("this key cannot be varied".to_owned()),
+                "extends" | "unset" | "sweep" => Some("this key cannot be varied".to_owned()),
                 _ => seen
                     .iter()
                     .find_map(|(other, typed)| overlap(&steps, other, typed)),

@@ -52,6 +52,47 @@ fn a_scenario_extends_another() {
 }
 
 #[test]
+fn an_inherited_key_is_unset() {
+    let base = BEAM.replace(
+        "mode = \"static\"",
+        "step = 0.001\nend = 2.0\nscheme = \"implicit-euler\"",
+    );
+    let extended = |rest: &str| format!("extends = \"base.toml\"\n{rest}");
+    let files = [
+        ("base.toml", base.clone()),
+        (
+            "static.toml",
+            extended(
+                "unset = [\"time.end\", \"time.step\", \"time.scheme\", \"rods.beam.edges\"]\ntime.mode = \"static\"\nrods = [{ name = \"b\", radius = 1e-3, edges = 3, shape = { kind = \"straight\", start = [0, 0, 0], end = [1, 0, 0] } }]\nclamps = []\n",
+            ),
+        ),
+        ("without.toml", extended("time.mode = \"static\"\n")),
+        (
+            "again.toml",
+            "extends = \"static.toml\"\ntitle = \"again\"\n".to_owned(),
+        ),
+        ("absent.toml", extended("unset = [\"time.ends\"]\n")),
+        ("text.toml", extended("unset = \"time.end\"\n")),
+        ("alone.toml", format!("unset = [\"time.end\"]\n{base}")),
+    ];
+    let files: Vec<(&str, &str)> = files
+        .iter()
+        .map(|(name, text)| (*name, text.as_str()))
+        .collect();
+    let directory = directory(&files);
+    assert!(load_from(&directory, "without.toml", &[]).is_err());
+    assert!(load_from(&directory, "static.toml", &[]).is_ok());
+    assert_eq!(
+        load_from(&directory, "again.toml", &[]).unwrap().title,
+        "again"
+    );
+    let fault = |name| load_from(&directory, name, &[]).unwrap_err();
+    insta::assert_snapshot!(fault("absent.toml"), @"absent.toml:2:10: `unset`: there is no inherited key `time.ends` (did you mean `end`?)");
+    insta::assert_snapshot!(fault("text.toml"), @r#"text.toml:2:9: `unset`: expected a list of dotted keys in quotes, found text (unset = ["time.end"])"#);
+    insta::assert_snapshot!(fault("alone.toml"), @"alone.toml:1:1: `unset`: nothing is inherited here; this key stands beside `extends`");
+}
+
+#[test]
 fn keys_are_set_from_the_command_line() {
     let directory = directory(&[("beam.toml", BEAM)]);
     let rod = |set| {

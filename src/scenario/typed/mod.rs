@@ -39,6 +39,9 @@ pub struct ScenarioFile {
     /// merged key by key, arrays replaced.
     #[expect(dead_code, reason = "files are merged before they are decoded")]
     pub extends: Option<String>,
+    /// Keys of that file that are not inherited, such as ["time.end", "rods.beam.twist"].
+    #[expect(dead_code, reason = "files are merged before they are decoded")]
+    pub unset: Option<Vec<String>>,
     /// Material of all rods that have none of their own.
     pub material: Option<Material>,
     /// Rods that an experiment such as "flagella" builds; scenes use [[rods]].

@@ -1,0 +1,68 @@
+//! Tells the program from which commit it was built, so that results say so.
+//!
+//! Reads the files of a clone's `.git` and asks no program and no network. Where there is none, as in a package, the
+//! commit stays unknown. Only release builds are told: it would have every other one made anew at every commit. Who
+//! builds elsewhere sets the environment variable `RODLAB_COMMIT`.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+const COMMIT: &str = "RODLAB_COMMIT";
+
+fn main() {
+    println!("cargo:rerun-if-changed=build.rs");
+    println!("cargo:rerun-if-env-changed={COMMIT}");
+    let is_release = std::env::var("PROFILE").is_ok_and(|profile| profile == "release");
+    if !is_release || std::env::var_os(COMMIT).is_some() {
+        return;
+    }
+    if let Some(commit) = git_directory().and_then(|git| commit(&git)) {
+        println!("cargo:rustc-env={COMMIT}={commit}");
+    }
+}
+
+/// The folder `.git`, or that of a further working tree, which a file `.git` names.
+fn git_directory() -> Option<PathBuf> {
+    let place = PathBuf::from(std::env::var_os("CARGO_MANIFEST_DIR")?).join(".git");
+    if place.is_dir() {
+        return Some(place);
+    }
+    let text = fs::read_to_string(&place).ok()?;
+    let named = text.strip_prefix("gitdir:")?.trim();
+    Some(place.parent()?.join(named))
+}
+
+/// The commit that is checked out.
+fn commit(git: &Path) -> Option<String> {
+    // Git adds a line there at every commit and checkout.
+    let _ = watched(&git.join("logs/HEAD"));
+    let head = watched(&git.join("HEAD"))?;
+    let Some(reference) = head.trim().strip_prefix("ref:").map(str::trim) else {
+        return hash(&head);
+    };
+    // Branches of further working trees lie with those of the first.
+    let common = fs::read_to_string(git.join("commondir")).ok();
+    let common = common.map_or_else(|| git.to_owned(), |path| git.join(path.trim()));
+    let loose = watched(&common.join(reference));
+    loose.as_deref().and_then(hash).or_else(|| {
+        let packed = watched(&common.join("packed-refs"))?;
+        let line = packed
+            .lines()
+            .find(|line| line.split(' ').nth(1) == Some(reference));
+        hash(line?.split(' ').next()?)
+    })
+}
+
+/// The text of a file; a change of it builds anew.
+fn watched(path: &Path) -> Option<String> {
+    let text = fs::read_to_string(path).ok()?;
+    println!("cargo:rerun-if-changed={}", path.display());
+    Some(text)
+}
+
+/// A hash, if the text is one.
+fn hash(text: &str) -> Option<String> {
+    let text = text.trim();
+    let is_hash = text.len() >= 40 && text.bytes().all(|byte| byte.is_ascii_hexdigit());
+    is_hash.then(|| text.to_owned())
+}
