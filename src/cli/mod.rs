@@ -15,6 +15,7 @@
 
 mod arguments;
 mod check;
+mod common;
 mod completions;
 mod explain;
 mod failure;
@@ -35,11 +36,12 @@ mod solve_knot;
 mod status;
 mod submit;
 mod sweep;
+mod values;
 mod verify;
 mod view;
 
 use arguments::{Arguments, Command};
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 use failure::Failure;
 use std::process::ExitCode;
 
@@ -79,6 +81,6 @@ fn run_command(arguments: &Arguments) -> Result<(), Failure> {
         Command::Submit(command) => submit::submit(command),
         Command::Status(command) => status::status(command),
         Command::Gather(command) => gather::gather(command),
-        Command::Completions(command) => completions::completions(command),
+        Command::Completions(command) => completions::completions(command, Arguments::command()),
     }
 }
