@@ -62,7 +62,7 @@
 //! Inside [`mechanics`], [`rod`](mechanics::rod), [`contact`](mechanics::contact) and
 //! [`fluid`](mechanics::fluid) do not know each other; [`system`](mechanics::system) adds their forces up into one
 //! residual, which [`dynamics`](mechanics::dynamics) steps in time and [`statics`](mechanics::statics) brings to
-//! rest. The time step loop is [`mechanics::dynamics::Simulation::advance`]. `tests/architecture.rs` holds the
+//! rest. The time step loop is [`mechanics::dynamics::Simulation::advance`]. `tests/architecture` holds the
 //! direction of imports.
 //!
 //! All quantities are in SI units unless a name says otherwise.

@@ -1,12 +1,11 @@
-//! The arguments of the program and those common to all subcommands.
+//! The arguments of the program: its subcommands and what is common to them.
 
-use super::failure::Failure;
+use super::common::Common;
 use super::{
     calibrate, check, completions, explain, gather, guide, init, measure, plan, plot, reproduce,
     run, score, solve, status, stream, submit, trace, verify, view,
 };
-use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
-use std::io::IsTerminal;
+use clap::{Parser, Subcommand};
 
 /// A laboratory for slender elastic rods: bending, twist, contact, friction, viscous fluid.
 #[derive(Debug, Parser)]
@@ -77,101 +76,6 @@ pub enum Command {
     Calibrate(calibrate::CalibrateArguments),
     /// Print a completion script for a shell
     Completions(completions::CompletionsArguments),
-}
-
-/// Options that every subcommand has.
-#[derive(Debug, Args)]
-pub struct Common {
-    /// Threads to use; results do not depend on their number [default: one per core]
-    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    pub threads: Option<u16>,
-    /// Log more: once for what is done, twice for time steps, three times for Newton iterations
-    #[arg(short, long, global = true, action = ArgAction::Count)]
-    pub verbose: u8,
-    /// Log errors only, and show no progress
-    #[arg(short, long, global = true, conflicts_with = "verbose")]
-    pub quiet: bool,
-    /// Format of the log on standard error
-    #[arg(long, global = true, value_name = "FORMAT", default_value = "text")]
-    pub log: LogFormat,
-    /// When to use colours
-    #[arg(long, global = true, value_name = "WHEN", default_value = "auto")]
-    pub color: Color,
-}
-
-/// Formats of the log.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum LogFormat {
-    /// Lines for people.
-    Text,
-    /// One JSON object per line.
-    Json,
-}
-
-/// When to use colours.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum Color {
-    /// On a terminal, unless the environment sets `NO_COLOR`.
-    Auto,
-    /// Always.
-    Always,
-    /// Never.
-    Never,
-}
-
-impl Common {
-    /// Whether text on standard error is coloured.
-    pub fn colours_stderr(&self) -> bool {
-        self.colours(std::io::stderr().is_terminal())
-    }
-
-    /// Whether text on standard output is styled.
-    pub fn styles_stdout(&self) -> bool {
-        self.colours(std::io::stdout().is_terminal())
-    }
-
-    fn colours(&self, is_terminal: bool) -> bool {
-        match self.color {
-            Color::Always => true,
-            Color::Never => false,
-            Color::Auto => {
-                is_terminal && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
-            }
-        }
-    }
-
-    /// Sets the number of threads.
-    ///
-    /// # Errors
-    /// The system could not start them.
-    pub fn start_threads(&self) -> Result<(), Failure> {
-        let Some(threads) = self.threads else {
-            return Ok(());
-        };
-        refuse_too_many_threads("--threads", threads)?;
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(usize::from(threads))
-            .build_global()
-            .map_err(|error| Failure::System(format!("cannot start {threads} threads: {error}")))
-    }
-}
-
-/// Threads, for each processor, beyond which they only wait for each other.
-const THREADS_OF_A_PROCESSOR: usize = 16;
-
-/// Refuses numbers of threads that take longer to start than any work would.
-///
-/// # Errors
-/// [`Failure::Input`] names the option and the largest number.
-pub fn refuse_too_many_threads(option: &str, threads: u16) -> Result<(), Failure> {
-    let processors = std::thread::available_parallelism().map_or(1, usize::from);
-    let most = (THREADS_OF_A_PROCESSOR * processors).max(64);
-    if usize::from(threads) > most {
-        return Err(Failure::Input(format!(
-            "{option} {threads} is out of range; allowed on this machine of {processors} processors: 1 to {most}"
-        )));
-    }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use super::output::{print, print_json};
-use super::solve::positive_length;
+use super::values::positive_length;
 use crate::results::write_whole;
 use crate::vision::{
     Calibration, Camera, Checkerboard, HandEye, Point, VisionError, board_pose,

@@ -1,6 +1,6 @@
 //! `rodlab check`.
 
-use super::arguments::Common;
+use super::common::Common;
 use super::failure::Failure;
 use super::output::print;
 use super::run::prepare;

@@ -1,9 +1,8 @@
 //! `rodlab completions`.
 
-use super::arguments::Arguments;
 use super::failure::Failure;
 use super::output::print;
-use clap::{Args, CommandFactory};
+use clap::{Args, Command};
 use clap_complete::Shell;
 
 /// Arguments of `rodlab completions`.
@@ -16,14 +15,9 @@ pub struct CompletionsArguments {
     pub shell: Shell,
 }
 
-/// Prints a completion script.
-pub fn completions(arguments: &CompletionsArguments) -> Result<(), Failure> {
+/// Prints a completion script for the arguments of `program`.
+pub fn completions(arguments: &CompletionsArguments, mut program: Command) -> Result<(), Failure> {
     let mut script = Vec::new();
-    clap_complete::generate(
-        arguments.shell,
-        &mut Arguments::command(),
-        "rodlab",
-        &mut script,
-    );
+    clap_complete::generate(arguments.shell, &mut program, "rodlab", &mut script);
     print(&String::from_utf8_lossy(&script))
 }

@@ -1,6 +1,6 @@
 //! `rodlab guide`.
 
-use super::arguments::Common;
+use super::common::Common;
 use super::failure::Failure;
 use super::markdown::for_terminal;
 use super::output::print;

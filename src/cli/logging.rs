@@ -1,6 +1,6 @@
 //! The log on standard error.
 
-use super::arguments::{Common, LogFormat};
+use super::common::{Common, LogFormat};
 use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::util::SubscriberInitExt;

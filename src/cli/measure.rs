@@ -3,7 +3,7 @@
 use super::failure::Failure;
 use super::measure_knot::{KnotArguments, measure_knot};
 use super::output::print_json;
-use super::solve::positive_length;
+use super::values::positive_length;
 use crate::mechanics::kirchhoff::{HangingStrip, HeavyLoop};
 use clap::{Args, Subcommand};
 use serde::Serialize;

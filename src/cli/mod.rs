@@ -16,6 +16,7 @@
 mod arguments;
 mod calibrate;
 mod check;
+mod common;
 mod completions;
 mod crash;
 mod exit_code;
@@ -43,11 +44,12 @@ mod stream;
 mod submit;
 mod sweep;
 mod trace;
+mod values;
 mod verify;
 mod view;
 
 use arguments::{Arguments, Command};
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 pub(crate) use exit_code::ExitCode;
 use failure::Failure;
 use std::process;
@@ -94,6 +96,6 @@ fn run_command(arguments: &Arguments) -> Result<(), Failure> {
         Command::Trace(command) => trace::trace(command),
         Command::Score(command) => score::score(command),
         Command::Calibrate(command) => calibrate::calibrate(command),
-        Command::Completions(command) => completions::completions(command),
+        Command::Completions(command) => completions::completions(command, Arguments::command()),
     }
 }

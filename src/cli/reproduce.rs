@@ -1,6 +1,6 @@
 //! `rodlab reproduce`.
 
-use super::arguments::Common;
+use super::common::Common;
 use super::failure::Failure;
 use super::output::{complain, print};
 use crate::reproduce::{self, ARTIFACTS, Artifact, ReproduceOptions};

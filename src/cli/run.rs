@@ -1,15 +1,17 @@
 //! `rodlab run`.
 
-use super::arguments::{Common, refuse_too_many_threads};
+use super::common::{Common, refuse_too_many_threads};
 use super::failure::Failure;
 use super::output::{print, print_json};
 use super::sweep;
+use super::values::{duration, shard};
 use crate::experiment::{self, try_scene};
 use crate::run::{PreparedRun, RunOptions, RunOutcome, RunStatus};
-use crate::scenario::{CaseSet, seconds};
-use crate::sweep::Shard;
+use crate::scenario::CaseSet;
+use crate::sweep::{Shard, SweepOptions};
 use clap::Args;
 use std::fmt::Write;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -47,7 +49,7 @@ pub struct RunArguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub jobs: Option<u16>,
     /// Run only the K-th of N shares of the cases
-    #[arg(long, value_name = "K/N", default_value = "1/1", value_parser = sweep::shard)]
+    #[arg(long, value_name = "K/N", default_value = "1/1", value_parser = shard)]
     pub shard: Shard,
     /// Run cases that failed before once more
     #[arg(long)]
@@ -66,9 +68,18 @@ pub struct RunArguments {
     pub timeout: Option<Duration>,
 }
 
-fn duration(text: &str) -> Result<Duration, String> {
-    let seconds = seconds(text)?;
-    Duration::try_from_secs_f64(seconds).map_err(|_| format!("{seconds} s is no wall time"))
+impl RunArguments {
+    fn sweep_options(&self, run: RunOptions) -> SweepOptions {
+        let jobs = self.jobs.map(usize::from);
+        let jobs = jobs.unwrap_or_else(rayon::current_num_threads);
+        SweepOptions {
+            run,
+            jobs: NonZeroUsize::new(jobs).unwrap_or(NonZeroUsize::MIN),
+            shard: self.shard,
+            retry_failed: self.retry_failed,
+            fail_fast: self.fail_fast,
+        }
+    }
 }
 
 /// Runs a scenario.
@@ -89,7 +100,13 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), Failure> {
         ..RunOptions::new(directory)
     };
     if case_set.is_sweep() {
-        return sweep::run(arguments, &case_set, options);
+        sweep::refuse_too_many(&case_set, arguments.yes)?;
+        let options = arguments.sweep_options(options);
+        return if arguments.dry_run {
+            sweep::list(&case_set, &options)
+        } else {
+            sweep::run(&case_set, &options, arguments.json)
+        };
     }
     let prepared = prepare(&case_set)?;
     if arguments.dry_run {
@@ -176,19 +193,4 @@ fn summary(outcome: &RunOutcome) -> String {
         text.push('\n');
     }
     text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn time_limits_take_units() {
-        assert_eq!(duration("90"), Ok(Duration::from_secs(90)));
-        assert_eq!(duration("10 min"), Ok(Duration::from_secs(600)));
-        assert_eq!(duration("8h"), Ok(Duration::from_secs(8 * 3600)));
-        assert!(duration("-1").is_err());
-        assert!(duration("nan").is_err());
-        assert!(duration("3 m").is_err());
-    }
 }

@@ -4,9 +4,9 @@ use super::failure::Failure;
 use super::output::print_json;
 use super::solve_arm::{ForwardArguments, InverseArguments};
 use super::solve_knot::KnotInversionArguments;
+use super::values::positive_length;
 use crate::experiment::{HelixStability, estimated_critical_distance};
 use crate::mechanics::kirchhoff::{HangingStrip, HeavyLoop, Helix, critical_distance};
-use crate::scenario::metres;
 use clap::{Args, Subcommand, ValueEnum};
 use serde::Serialize;
 
@@ -216,14 +216,4 @@ fn direction(text: &str) -> Result<Helix, String> {
         );
     }
     Ok(helix)
-}
-
-/// A length above zero, in metres.
-pub(super) fn positive_length(text: &str) -> Result<f64, String> {
-    let length = metres(text)?;
-    if length > 0.0 && length.is_finite() {
-        Ok(length)
-    } else {
-        Err("must be a length above 0".into())
-    }
 }

@@ -1,7 +1,7 @@
 //! `rodlab solve knot-inversion`: the fold of the simplified knot.
 
 use super::failure::Failure;
-use super::solve::positive_length;
+use super::values::positive_length;
 use crate::knot::SimplifiedKnot;
 use crate::mechanics::kirchhoff::EndSpin;
 use clap::{Args, ValueEnum};

@@ -3,14 +3,11 @@
 use super::exit_code::ExitCode;
 use super::failure::Failure;
 use super::output::{print, print_json};
-use super::run::RunArguments;
-use crate::run::RunOptions;
 use crate::scenario::{CaseSet, Parameter};
 use crate::sweep::{
     self, Found, SEARCH_TABLE, Shard, SweepOptions, SweepOutcome, derived_numbers_of,
 };
 use std::fmt::Write;
-use std::num::NonZeroUsize;
 
 /// Cases beyond which `--yes` must be given.
 const MOST_CASES: u128 = 100_000;
@@ -19,37 +16,10 @@ const HELD_CASES: u128 = 1_000_000;
 /// Cases whose cost is derived one by one; for more it is extrapolated.
 const COSTED_CASES: usize = 1000;
 
-/// Reads `K/N`.
-pub fn shard(text: &str) -> Result<Shard, String> {
-    let (number, of) = text.split_once('/').ok_or("expected K/N, such as 1/4")?;
-    let whole = |text: &str| text.trim().parse::<usize>();
-    match (whole(number), whole(of)) {
-        (Ok(number), Ok(of)) if (1..=of).contains(&number) => Ok(Shard { number, of }),
-        _ => Err("expected K/N with 1 ≤ K ≤ N, such as 1/4".to_owned()),
-    }
-}
-
-/// Runs a sweep, or lists its cases.
-pub fn run(
-    arguments: &RunArguments,
-    case_set: &CaseSet,
-    options: RunOptions,
-) -> Result<(), Failure> {
-    refuse_too_many(case_set, arguments.yes)?;
-    let jobs = arguments.jobs.map(usize::from);
-    let jobs = jobs.unwrap_or_else(rayon::current_num_threads);
-    if arguments.dry_run {
-        return list(case_set, arguments.shard, jobs);
-    }
-    let options = SweepOptions {
-        run: options,
-        jobs: NonZeroUsize::new(jobs).unwrap_or(NonZeroUsize::MIN),
-        shard: arguments.shard,
-        retry_failed: arguments.retry_failed,
-        fail_fast: arguments.fail_fast,
-    };
-    let outcome = sweep::run_sweep(case_set, &options)?;
-    if arguments.json {
+/// Runs a sweep, and says what came of it in words or as JSON.
+pub fn run(case_set: &CaseSet, options: &SweepOptions, json: bool) -> Result<(), Failure> {
+    let outcome = sweep::run_sweep(case_set, options)?;
+    if json {
         print_json(&as_json(case_set, &outcome))?;
         return verdict(&outcome);
     }
@@ -77,7 +47,8 @@ pub fn refuse_too_many(case_set: &CaseSet, yes: bool) -> Result<(), Failure> {
 }
 
 /// Prints the cases of a share, their values and what they would cost.
-fn list(case_set: &CaseSet, shard: Shard, jobs: usize) -> Result<(), Failure> {
+pub fn list(case_set: &CaseSet, options: &SweepOptions) -> Result<(), Failure> {
+    let (shard, jobs) = (options.shard, options.jobs.get());
     sweep::check_every_value(case_set)?;
     let count = case_set.count() as usize;
     let mut text = String::new();
@@ -144,7 +115,7 @@ fn as_json(case_set: &CaseSet, outcome: &SweepOutcome) -> serde_json::Value {
 }
 
 /// Prints what a sweep came to; cases that failed decide the exit code.
-pub fn report(case_set: &CaseSet, outcome: &SweepOutcome) -> Result<(), Failure> {
+fn report(case_set: &CaseSet, outcome: &SweepOutcome) -> Result<(), Failure> {
     let mut text = format!("{}\n", outcome.counts);
     let mut line = |name: &str, value: String| {
         // Writing to a string cannot fail.
@@ -204,17 +175,4 @@ fn why(outcome: &SweepOutcome) -> String {
         return format!("not all cases were run; the same command continues in `{directory}`");
     }
     "the search did not reach its end; `search.csv` holds the reason".to_owned()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn shares_are_counted_from_one() {
-        assert_eq!(shard("2/3"), Ok(Shard { number: 2, of: 3 }));
-        for text in ["0/3", "4/3", "2", "a/b", "-1/2", "1/0"] {
-            assert!(shard(text).is_err(), "{text}");
-        }
-    }
 }

@@ -1,6 +1,6 @@
 //! `rodlab view`.
 
-use super::arguments::Common;
+use super::common::Common;
 use super::failure::Failure;
 use super::output::print;
 use crate::cell::Cell;

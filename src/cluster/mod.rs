@@ -4,19 +4,22 @@
 //! |---|---|
 //! | `request` | what is asked of Slurm |
 //! | `script` | the batch script |
-//! | `submission` | calls `sbatch`, and remembers the jobs in the results directory |
+//! | `submission` | calls `sbatch` |
+//! | `jobs` | the record of the jobs in the results directory |
 //! | `queue` | how the tasks stand, by `scontrol` |
 //!
 //! The room knows no mechanics and no scenarios: a task is a number, and what it runs is a command.
 
 mod error;
+mod jobs;
 mod queue;
 mod request;
 mod script;
 mod submission;
 
 pub use error::ClusterError;
+pub use jobs::{JOBS, Jobs, LOGS};
 pub use queue::{Task, TaskState, tasks};
 pub use request::Request;
 pub use script::{Program, script};
-pub use submission::{JOBS, Jobs, LOGS, submit};
+pub use submission::submit;

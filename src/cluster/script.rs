@@ -1,6 +1,6 @@
 //! The batch script of a job array.
 
-use super::submission::LOGS;
+use super::jobs::LOGS;
 use super::{ClusterError, Request};
 use std::path::{Path, PathBuf};
 

@@ -4,19 +4,11 @@
 use super::banded::BandedSymmetric;
 use super::block_factor::BlockFactor;
 use super::coupled_matrix::CoupledMatrix;
+use super::element::{Element, ElementMatrix};
 use super::error::{Inertia, SingularMatrix};
 use super::node_block::{NODE, NodeVector};
 use super::node_graph::NodeGraph;
 use super::symbolic::SymbolicFactor;
-
-/// Unknowns of a dense element; [`UNUSED`] fills the places that it does not need.
-pub type Element = [usize; 12];
-
-/// Entries of a dense element: row, then column, in the order of its [`Element`].
-pub type ElementMatrix = [[f64; 12]; 12];
-
-/// Marks an unused place of an [`Element`].
-pub const UNUSED: usize = usize::MAX;
 
 /// Residual, relative to |A||x| + |b| in each row, above which a solution is refined once.
 /// A stable elimination leaves 1e-15 to 1e-13; refinement costs as much as the first solution.
@@ -170,7 +162,7 @@ impl CoupledSystem {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linalg::HALF_BANDWIDTH;
+    use crate::linalg::{HALF_BANDWIDTH, UNUSED};
     use nalgebra::{DMatrix, DVector};
 
     /// A repeatable stream of numbers in [-1, 1).

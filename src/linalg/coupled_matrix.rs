@@ -1,9 +1,9 @@
 //! The sum of a symmetric band and small dense elements, as 4×4 blocks of coupled nodes.
 
 use super::banded::{BandedSymmetric, HALF_BANDWIDTH};
-use super::coupled::{Element, ElementMatrix};
+use super::element::{Element, ElementMatrix, is_free};
 use super::node_block::{Block, NODE, NodeVector};
-use super::node_graph::{NodeGraph, is_free};
+use super::node_graph::NodeGraph;
 use std::cmp::Ordering;
 
 /// The assembled matrix, with the place of every entry found beforehand.

@@ -14,6 +14,7 @@ mod banded;
 mod block_factor;
 mod coupled;
 mod coupled_matrix;
+mod element;
 mod error;
 pub(crate) mod instruction_set;
 mod node_block;
@@ -21,5 +22,6 @@ mod node_graph;
 mod symbolic;
 
 pub use banded::{BandedFactor, BandedSymmetric, HALF_BANDWIDTH};
-pub use coupled::{CoupledSystem, Element, ElementMatrix, UNUSED};
+pub use coupled::CoupledSystem;
+pub use element::{Element, ElementMatrix, UNUSED};
 pub use error::{Inertia, SingularMatrix};

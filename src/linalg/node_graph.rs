@@ -3,7 +3,7 @@
 //! The order is found for nodes, not for unknowns: the graph is sixteen times smaller, and the
 //! factorisation works on whole 4×4 blocks.
 
-use super::coupled::{Element, UNUSED};
+use super::element::{Element, is_free};
 use super::node_block::NODE;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
@@ -97,11 +97,6 @@ impl NodeGraph {
         .expect("the number of coupled nodes fits an index");
         order
     }
-}
-
-/// Whether an element's unknown takes part in the system.
-pub(super) fn is_free(unknown: usize, held: &[bool]) -> bool {
-    unknown != UNUSED && !held[unknown]
 }
 
 /// Sorts by the smaller node first.

@@ -5,7 +5,7 @@ use super::cases::{Case, Run, run_all};
 use super::helices::Helices;
 use super::inversion::Inversion;
 use super::manipulated_helix::ManipulatedHelix;
-use super::page::Page;
+use super::page::{Heading, Page};
 use super::simplified_inversion::{self, Factor};
 use super::tightening::Tightening;
 use super::{
@@ -266,7 +266,11 @@ impl<R: Run> Recipe<R> {
         report: &(dyn Fn(&str) + Sync),
     ) -> Result<Vec<PathBuf>, ReproduceError> {
         let cases = run_all(runs, options, report)?;
-        let mut page = Page::begin(artifact, options, &cases)?;
+        let heading = Heading {
+            name: artifact.name,
+            title: artifact.title,
+        };
+        let mut page = Page::begin(heading, options, &cases)?;
         (self.write)(&mut page, &cases)?;
         Ok(page.finish()?)
     }

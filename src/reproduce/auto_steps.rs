@@ -1,18 +1,12 @@
 //! Automatic steps over the whole simulated time of the thesis, beside what a small difference at the start grows to.
 
 use super::ReproduceError;
-use super::bundling::{STEP, Step};
+use super::bundling::{Bundling, STEP_VARIANTS};
 use super::cases::Case;
 use super::difference::{Difference, curve, differences, figure, nodes_of};
 use super::page::{Page, number};
 use crate::results::{SeriesRow, read_series};
 use serde::Serialize;
-
-/// Numbers of flagella.
-pub(super) const FLAGELLA: [usize; 2] = [2, 10];
-
-/// Step and widening of the helices; the first is the measure of the others.
-pub(super) const VARIANTS: [(Step, f64); 3] = [(STEP, 0.0), (Step::Auto, 0.0), (STEP, 1e-8)];
 
 /// Difference in radii that automatic steps should keep below.
 const BOUND: f64 = 0.5;
@@ -42,9 +36,9 @@ struct Row {
 }
 
 /// Writes the table and ē over time.
-pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceError> {
+pub(super) fn write(page: &mut Page, cases: &[Case<Bundling>]) -> Result<(), ReproduceError> {
     let (mut rows, mut curves) = (Vec::new(), Vec::new());
-    for variants in cases.chunks(VARIANTS.len()) {
+    for variants in cases.chunks(STEP_VARIANTS.len()) {
         let measure = nodes_of(&variants[0])?;
         let radius = variants[0].manifest.rods[0].radius;
         for (index, case) in variants.iter().enumerate() {
@@ -90,7 +84,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceErro
     )
 }
 
-fn row(case: &Case, differences: &[Difference]) -> Result<Row, ReproduceError> {
+fn row(case: &Case<Bundling>, differences: &[Difference]) -> Result<Row, ReproduceError> {
     let outcome = &case.record.outcome;
     let series = read_series(&case.directory)?;
     let bundled: Vec<&SeriesRow> = (series.iter())
@@ -141,7 +135,7 @@ fn line(row: &Row) -> Vec<String> {
 }
 
 /// What a curve shows.
-fn name(case: &Case) -> String {
+fn name(case: &Case<Bundling>) -> String {
     let what = match case.run.widening {
         0.0 => case.run.step.in_words(),
         widening => format!("helices wider by {widening:e}"),

@@ -1,7 +1,6 @@
 //! A run of bundling flagella with the parameters of the thesis, section 2.4.2.
 
 use super::cases::Run;
-use super::{auto_steps, drag_steps, figure_2_5};
 use crate::experiment::{from_text, prepare};
 use crate::run::PreparedRun;
 use std::path::Path;
@@ -95,6 +94,30 @@ const END_OF_COST: [f64; 2] = [0.4, 0.05];
 /// The same of the comparison of steps.
 const END_OF_STEPS: [f64; 2] = [20.0, 5.0];
 
+/// Distance tolerance δ by which contact models are compared, m: a fifth of that of the thesis, since ē shrinks with it. Smaller is stiffer without need.
+pub(super) const DISTANCE_TOLERANCE_OF_DIFFERENCE: f64 = 2e-6;
+/// Time steps that are compared; the first is the measure of the others.
+pub(super) const COMPARED_STEPS: [(Scheme, Step); 12] = [
+    (Scheme::BackwardDifferences, Step::Fixed(2.5e-4)),
+    (Scheme::BackwardDifferences, Step::Fixed(1e-3)),
+    (Scheme::BackwardDifferences, Step::Fixed(2e-3)),
+    (Scheme::BackwardDifferences, Step::Fixed(5e-3)),
+    (Scheme::BackwardDifferences, Step::Fixed(1e-2)),
+    (Scheme::BackwardDifferences, Step::Auto),
+    (Scheme::ImplicitEuler, Step::Fixed(1e-3)),
+    (Scheme::ImplicitEuler, Step::Fixed(2e-3)),
+    (Scheme::ImplicitEuler, Step::Fixed(5e-3)),
+    (Scheme::ImplicitEuler, Step::Fixed(1e-2)),
+    (Scheme::ImplicitEuler, Step::Fixed(2e-2)),
+    (Scheme::ImplicitEuler, Step::Auto),
+];
+
+/// Numbers of flagella with automatic steps.
+const FLAGELLA_OF_AUTO_STEPS: [usize; 2] = [2, 10];
+
+/// Step and widening of the helices; the first is the measure of the others.
+pub(super) const STEP_VARIANTS: [(Step, f64); 3] = [(STEP, 0.0), (Step::Auto, 0.0), (STEP, 1e-8)];
+
 /// Contact models that the thesis compares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ContactModel {
@@ -160,7 +183,7 @@ impl Bundling {
     /// Five flagella by both contact models, with a small distance tolerance.
     pub fn of_figure_2_5(quick: bool) -> Vec<Self> {
         Self::by_both_models(&[Self {
-            distance_tolerance: figure_2_5::DISTANCE_TOLERANCE,
+            distance_tolerance: DISTANCE_TOLERANCE_OF_DIFFERENCE,
             ..Self::free(5, END_OF_DIFFERENCE, quick)
         }])
     }
@@ -187,20 +210,20 @@ impl Bundling {
             step,
             ..Self::free(2, END_OF_STEPS, quick)
         };
-        drag_steps::STEPS.map(run).to_vec()
+        COMPARED_STEPS.map(run).to_vec()
     }
 
     /// Fixed and automatic steps over the whole time, and a small difference to compare with.
     pub fn of_auto_steps(quick: bool) -> Vec<Self> {
         let variants = |flagella| {
-            auto_steps::VARIANTS.map(|(step, widening)| Self {
+            STEP_VARIANTS.map(|(step, widening)| Self {
                 scheme: Scheme::BackwardDifferences,
                 step,
                 widening,
                 ..Self::free(flagella, END, quick)
             })
         };
-        auto_steps::FLAGELLA
+        FLAGELLA_OF_AUTO_STEPS
             .into_iter()
             .flat_map(variants)
             .collect()

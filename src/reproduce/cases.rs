@@ -1,6 +1,5 @@
 //! Runs, some at a time, each in its own results directory.
 
-use super::bundling::Bundling;
 use super::{ReproduceError, ReproduceOptions};
 use crate::results::{CaseRecord, MAIN_CASE, Manifest, scenario_hash};
 use crate::run::{PreparedRun, RunError, RunOptions, RunStatus, run, thread_pools};
@@ -34,7 +33,7 @@ pub(super) trait Run: Clone + Sync + Send {
 
 /// A run that came to an end.
 #[derive(Clone, Debug)]
-pub(super) struct Case<R = Bundling> {
+pub(super) struct Case<R> {
     /// What was run.
     pub run: R,
     /// Its results directory.

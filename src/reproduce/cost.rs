@@ -1,6 +1,7 @@
 //! What a time step costs over the number of flagella.
 
 use super::ReproduceError;
+use super::bundling::Bundling;
 use super::cases::Case;
 use super::page::{Page, number};
 use crate::figure::{AxisScale, Curve, LinePlot, PlotStyle, styled_line_plots};
@@ -20,7 +21,7 @@ struct Row {
 }
 
 /// Writes the table and the figure.
-pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceError> {
+pub(super) fn write(page: &mut Page, cases: &[Case<Bundling>]) -> Result<(), ReproduceError> {
     let rows: Vec<Row> = cases.iter().map(row).collect();
     page.text(
         "Steps of 1 ms from rest, with the search for contacts but before the flagella meet; the table says how many \
@@ -61,7 +62,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceErro
     Ok(())
 }
 
-fn row(case: &Case) -> Row {
+fn row(case: &Case<Bundling>) -> Row {
     let outcome = &case.record.outcome;
     let steps = outcome.steps as f64;
     Row {

@@ -1,6 +1,7 @@
 //! The normalised difference ē of two runs (thesis Eq. 2.28).
 
 use super::ReproduceError;
+use super::bundling::Bundling;
 use super::cases::Case;
 use super::page::Page;
 use crate::figure::{AxisScale, Curve, LinePlot, PlotStyle, styled_line_plots};
@@ -19,7 +20,7 @@ pub(super) struct Difference {
 ///
 /// # Errors
 /// [`ResultsError`] where `nodes.csv` is not to be read.
-pub(super) fn nodes_of(case: &Case) -> Result<Vec<NodePositions>, ResultsError> {
+pub(super) fn nodes_of(case: &Case<Bundling>) -> Result<Vec<NodePositions>, ResultsError> {
     let count = |rod: &RodRecord| rod.nodes;
     read_nodes(&case.directory, case.manifest.rods.iter().map(count).sum())
 }

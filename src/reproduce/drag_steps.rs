@@ -1,27 +1,11 @@
 //! What time steps lose against a fine solution.
 
 use super::ReproduceError;
-use super::bundling::{Scheme, Step};
+use super::bundling::Bundling;
 use super::cases::Case;
 use super::difference::{Difference, curve, differences, figure, nodes_of};
 use super::page::{Page, number};
 use serde::Serialize;
-
-/// Time steps that are compared; the first is the measure of the others.
-pub(super) const STEPS: [(Scheme, Step); 12] = [
-    (Scheme::BackwardDifferences, Step::Fixed(2.5e-4)),
-    (Scheme::BackwardDifferences, Step::Fixed(1e-3)),
-    (Scheme::BackwardDifferences, Step::Fixed(2e-3)),
-    (Scheme::BackwardDifferences, Step::Fixed(5e-3)),
-    (Scheme::BackwardDifferences, Step::Fixed(1e-2)),
-    (Scheme::BackwardDifferences, Step::Auto),
-    (Scheme::ImplicitEuler, Step::Fixed(1e-3)),
-    (Scheme::ImplicitEuler, Step::Fixed(2e-3)),
-    (Scheme::ImplicitEuler, Step::Fixed(5e-3)),
-    (Scheme::ImplicitEuler, Step::Fixed(1e-2)),
-    (Scheme::ImplicitEuler, Step::Fixed(2e-2)),
-    (Scheme::ImplicitEuler, Step::Auto),
-];
 
 /// A row of the CSV file; differences are ē of thesis Eq. 2.28.
 #[derive(Serialize)]
@@ -40,7 +24,7 @@ struct Row {
 }
 
 /// Writes the table and ē over time.
-pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceError> {
+pub(super) fn write(page: &mut Page, cases: &[Case<Bundling>]) -> Result<(), ReproduceError> {
     let fine = nodes_of(&cases[0])?;
     let radius = cases[0].manifest.rods[0].radius;
     let contact = cases[0].record.outcome.first_contact;
@@ -80,7 +64,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceErro
     )
 }
 
-fn row(case: &Case, differences: &[Difference], contact: Option<f64>) -> Row {
+fn row(case: &Case<Bundling>, differences: &[Difference], contact: Option<f64>) -> Row {
     let outcome = &case.record.outcome;
     let largest_until = |end: f64| {
         differences

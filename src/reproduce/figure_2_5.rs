@@ -4,18 +4,17 @@
 //! microns apart, which the bundle amplifies. The figure compares them where both are close to the rigid limit.
 
 use super::ReproduceError;
+use super::bundling::{Bundling, DISTANCE_TOLERANCE_OF_DIFFERENCE};
 use super::cases::Case;
 use super::difference::{Difference, differences, nodes_of};
 use super::page::Page;
 use crate::figure::{Curve, LinePlot, line_plots};
 
-/// Distance tolerance δ of the figure, m: a fifth of that of the thesis, since ē shrinks with it. Smaller is stiffer without need.
-pub(super) const DISTANCE_TOLERANCE: f64 = 2e-6;
 /// Time after the first contact over which the difference is summed up, s.
 const FIRST_SECONDS: f64 = 20.0;
 
 /// Writes the difference over time; the cases are IMC and IPC.
-pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceError> {
+pub(super) fn write(page: &mut Page, cases: &[Case<Bundling>]) -> Result<(), ReproduceError> {
     let [imc, ipc] = [&cases[0], &cases[1]].map(nodes_of);
     let radius = cases[0].manifest.rods[0].radius;
     let rows = differences(&imc?, &ipc?, radius);
@@ -27,7 +26,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceErro
     page.text(&format!(
         "ē is the mean distance of the nodes between IMC and IPC in radii (thesis Eq. 2.28). Largest over the \
          whole time: {all:.4}; the axis of the thesis' figure, 250 s long, ends at 0.1. The distance tolerance is \
-         {DISTANCE_TOLERANCE:e} m in both models, a fifth of the thesis' 1e-5 m: the rest distances of the two force laws \
+         {DISTANCE_TOLERANCE_OF_DIFFERENCE:e} m in both models, a fifth of the thesis' 1e-5 m: the rest distances of the two force laws \
          differ by a part of it."
     ));
     let contacts = [&cases[0], &cases[1]].map(|case| case.record.outcome.first_contact);

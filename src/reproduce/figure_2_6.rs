@@ -1,6 +1,7 @@
 //! Figure 2.6: friction in pictures.
 
 use super::ReproduceError;
+use super::bundling::Bundling;
 use super::cases::Case;
 use super::page::Page;
 use crate::report::rods_figure;
@@ -18,7 +19,7 @@ struct Row {
 }
 
 /// Writes a row of snapshots for each friction coefficient.
-pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceError> {
+pub(super) fn write(page: &mut Page, cases: &[Case<Bundling>]) -> Result<(), ReproduceError> {
     let rows: Vec<Row> = cases.iter().map(row).collect();
     page.csv(&rows)?;
     for case in cases {
@@ -30,7 +31,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceErro
     Ok(())
 }
 
-fn row(case: &Case) -> Row {
+fn row(case: &Case<Bundling>) -> Row {
     let outcome = &case.record.outcome;
     Row {
         friction: case.run.friction,

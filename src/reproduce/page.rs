@@ -1,16 +1,25 @@
 //! The files of an artefact: CSV, Markdown, figures, and a manifest that says how they were made.
 
+use super::ReproduceOptions;
 use super::cases::{Case, Run};
-use super::{Artifact, ReproduceOptions};
 use crate::results::{CaseStatus, MANIFEST, ResultsError, write_whole};
 use crate::run::thread_pools::threads_of_a_job;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
+/// What a page is called.
+#[derive(Clone, Copy)]
+pub(super) struct Heading {
+    /// Name of the artefact, for commands, directories and files.
+    pub name: &'static str,
+    /// What it shows, with its number.
+    pub title: &'static str,
+}
+
 /// The directory of an artefact while it is written.
 pub(super) struct Page {
-    artifact: &'static Artifact,
+    heading: Heading,
     directory: PathBuf,
     manifest: PageManifest,
     markdown: String,
@@ -51,11 +60,11 @@ struct CaseNote {
 impl Page {
     /// Makes the directory and the head of the page.
     pub fn begin<R: Run>(
-        artifact: &'static Artifact,
+        heading: Heading,
         options: &ReproduceOptions,
         cases: &[Case<R>],
     ) -> Result<Self, ResultsError> {
-        let directory = options.directory.join(artifact.name());
+        let directory = options.directory.join(heading.name);
         std::fs::create_dir_all(&directory).map_err(|source| ResultsError::Io {
             action: "create",
             path: directory.clone(),
@@ -72,10 +81,10 @@ impl Page {
             was_finished: case.was_finished,
         };
         Ok(Self {
-            markdown: head(artifact, options, cases),
+            markdown: head(heading, options, cases),
             manifest: PageManifest {
-                artifact: artifact.name(),
-                title: artifact.title(),
+                artifact: heading.name,
+                title: heading.title,
                 version: env!("CARGO_PKG_VERSION"),
                 commit: option_env!("RODLAB_COMMIT"),
                 command_line: options.command_line.clone(),
@@ -84,7 +93,7 @@ impl Page {
                 jobs: options.jobs,
                 cases: cases.iter().map(note).collect(),
             },
-            artifact,
+            heading,
             directory,
             written: Vec::new(),
         })
@@ -92,7 +101,7 @@ impl Page {
 
     /// What directories and files of the artefact are called.
     pub fn name(&self) -> &'static str {
-        self.artifact.name()
+        self.heading.name
     }
 
     /// Writes rows as a CSV file, called like the artefact.
@@ -102,7 +111,7 @@ impl Page {
             writer.serialize(row).expect("plain rows go into memory");
         }
         let bytes = writer.into_inner().expect("memory takes all bytes");
-        self.file(&format!("{}.csv", self.artifact.name()), &bytes)
+        self.file(&format!("{}.csv", self.heading.name), &bytes)
     }
 
     /// Writes a figure and shows it on the page.
@@ -162,8 +171,8 @@ impl Page {
 }
 
 /// Title, command, and what a reader must know of times and timings.
-fn head<R: Run>(artifact: &Artifact, options: &ReproduceOptions, cases: &[Case<R>]) -> String {
-    let mut text = format!("# {}\n\n", artifact.title());
+fn head<R: Run>(heading: Heading, options: &ReproduceOptions, cases: &[Case<R>]) -> String {
+    let mut text = format!("# {}\n\n", heading.title);
     let mut add = |paragraph: String| {
         // Writing to a string cannot fail.
         let _ = write!(text, "{paragraph}\n\n");
@@ -171,7 +180,7 @@ fn head<R: Run>(artifact: &Artifact, options: &ReproduceOptions, cases: &[Case<R
     let quick = if options.quick { " --quick" } else { "" };
     add(format!(
         "Made by `rodlab reproduce {}{quick}`, version {}.",
-        artifact.name(),
+        heading.name,
         env!("CARGO_PKG_VERSION")
     ));
     let longest = cases

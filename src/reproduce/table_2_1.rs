@@ -1,8 +1,7 @@
 //! Table 2.1: IMC against IPC.
 
 use super::ReproduceError;
-use super::bundling::ContactModel;
-use super::bundling::FLAGELLA;
+use super::bundling::{Bundling, ContactModel, FLAGELLA};
 use super::cases::Case;
 use super::page::{Page, count, number};
 use crate::figure::{Curve, LinePlot, line_plots};
@@ -71,7 +70,7 @@ struct Row {
 }
 
 /// Writes table and figure; the cases are those of IMC, then those of IPC.
-pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceError> {
+pub(super) fn write(page: &mut Page, cases: &[Case<Bundling>]) -> Result<(), ReproduceError> {
     let barrier = &cases[FLAGELLA.len()..];
     let thesis = IMC.iter().chain(&IPC);
     let rows: Vec<Row> = cases
@@ -121,7 +120,11 @@ pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceErro
     Ok(())
 }
 
-fn row(case: &Case, printed: &Printed, barrier: Option<(&Case, &Printed)>) -> Row {
+fn row(
+    case: &Case<Bundling>,
+    printed: &Printed,
+    barrier: Option<(&Case<Bundling>, &Printed)>,
+) -> Row {
     let outcome = &case.record.outcome;
     let run_time = case.record.wall_time_with_contact;
     let is_penalty = case.run.model == ContactModel::Imc;

@@ -1,6 +1,7 @@
 //! Table 2.2: friction.
 
 use super::ReproduceError;
+use super::bundling::Bundling;
 use super::cases::Case;
 use super::page::{Page, count, number};
 use crate::figure::{Curve, LinePlot, line_plots};
@@ -43,7 +44,7 @@ struct Row {
 }
 
 /// Writes table and figure.
-pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceError> {
+pub(super) fn write(page: &mut Page, cases: &[Case<Bundling>]) -> Result<(), ReproduceError> {
     let rows: Vec<Row> = cases.iter().zip(&THESIS).map(row).collect();
     page.text(
         "Iterations and times are means and totals over the steps with contact, as in the thesis, whose \
@@ -81,7 +82,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case]) -> Result<(), ReproduceErro
     Ok(())
 }
 
-fn row((case, thesis): (&Case, &(f64, f64, f64))) -> Row {
+fn row((case, thesis): (&Case<Bundling>, &(f64, f64, f64))) -> Row {
     let outcome = &case.record.outcome;
     let &(thesis_iterations_per_step, thesis_total_iterations, thesis_simulated_end_s) = thesis;
     Row {

@@ -1,7 +1,7 @@
 //! `branch.csv`: a row per point of a path of equilibria.
 
 use super::ResultsError;
-use super::directory::BRANCH;
+use super::files::BRANCH;
 use super::stream::read_rows;
 use serde::{Deserialize, Serialize};
 use std::path::Path;

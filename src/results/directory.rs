@@ -2,90 +2,12 @@
 
 use super::atomic::TEMPORARY_PREFIX;
 use super::checkpoint::SLOTS;
-use super::manifest::MANIFEST;
+use super::files::{FILES, LOCK, MANIFEST, VTK_COLLECTION, VTK_FOLDER};
 use super::vtk::is_frame_name;
 use super::{Manifest, ResultsError};
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
-
-/// The resolved scenario, runnable as it stands.
-pub const SCENARIO: &str = "scenario.toml";
-/// A row per output time.
-pub const SERIES: &str = "series.csv";
-/// Node positions at each output time.
-pub const NODES: &str = "nodes.csv";
-/// Node velocities and forces at each output time.
-pub const NODE_FORCES: &str = "node_forces.csv";
-/// A row per case: outcomes.
-pub const SUMMARY: &str = "summary.csv";
-/// A row per case: cost.
-pub const TIMINGS: &str = "timings.csv";
-/// The rods at several times, drawn from the node positions.
-pub const RODS_FIGURE: &str = "rods.svg";
-/// The series over time, drawn.
-pub const SERIES_FIGURE: &str = "series.svg";
-/// Outcomes of a sweep over its parameters, drawn.
-pub const SWEEP_FIGURE: &str = "sweep.svg";
-/// Traction of a knot over its tightness, drawn.
-pub const TRACTION_FIGURE: &str = "traction.svg";
-/// Points of a path of equilibria.
-pub const BRANCH: &str = "branch.csv";
-/// Its branches, drawn.
-pub const BRANCH_FIGURE: &str = "branch.svg";
-/// The interactive page of the rods in motion.
-pub const PAGE: &str = "view.html";
-/// The ParaView collection.
-pub const VTK_COLLECTION: &str = "rods.pvd";
-/// Where helical rods lose stability, a row per direction.
-pub const BOUNDARY: &str = "boundary.csv";
-/// That boundary against theory.
-pub const COMPARISON: &str = "comparison.csv";
-/// That boundary as a surface for ParaView.
-pub const SURFACE: &str = "boundary.vtp";
-/// Sections of that boundary, drawn.
-pub const SECTION_FIGURES: [&str; 3] = [
-    "section_kappa_tau.svg",
-    "section_kappa_omega.svg",
-    "section_tau_omega.svg",
-];
-/// Folder of the frames of the collection.
-pub const VTK_FOLDER: &str = "vtk";
-/// Held locked by the process that writes.
-pub(super) const LOCK: &str = ".lock";
-
-/// What a run may write: names in a results directory, swept by `--force`.
-const FILES: [&str; 29] = [
-    SCENARIO,
-    SERIES,
-    NODES,
-    NODE_FORCES,
-    SUMMARY,
-    TIMINGS,
-    VTK_COLLECTION,
-    RODS_FIGURE,
-    SERIES_FIGURE,
-    SWEEP_FIGURE,
-    TRACTION_FIGURE,
-    "rods.png",
-    "series.png",
-    "sweep.png",
-    "traction.png",
-    BRANCH,
-    BRANCH_FIGURE,
-    "branch.png",
-    PAGE,
-    BOUNDARY,
-    COMPARISON,
-    SURFACE,
-    SECTION_FIGURES[0],
-    SECTION_FIGURES[1],
-    SECTION_FIGURES[2],
-    "section_kappa_tau.png",
-    "section_kappa_omega.png",
-    "section_tau_omega.png",
-    MANIFEST,
-];
 
 /// What was found at the place of a results directory.
 pub enum Opened {
@@ -292,6 +214,7 @@ pub(super) fn not_writable(path: &Path) -> impl FnOnce(io::Error) -> ResultsErro
 #[cfg(test)]
 mod tests {
     use super::super::CaseStatus;
+    use super::super::files::{PAGE, SCENARIO, SERIES};
     use super::super::manifest::tests::example;
     use super::*;
     use crate::cli::ExitCode;

@@ -1,6 +1,6 @@
 //! `node_forces.csv`: velocities, forces and twist of the nodes at each output time.
 
-use super::directory::NODE_FORCES;
+use super::files::NODE_FORCES;
 use super::frame::{Frame, node_places};
 use super::stream::{CsvStream, read_rows};
 use super::{ResultsError, RodRecord};

@@ -12,10 +12,12 @@
 
 mod atomic;
 mod branch;
+mod case_record;
 mod checkpoint;
 mod columns;
 mod directory;
 mod error;
+mod files;
 mod forces;
 mod frame;
 mod lease;
@@ -35,23 +37,22 @@ mod vtk;
 pub(crate) use atomic::sync;
 pub use atomic::{replace_own, write_whole};
 pub use branch::{BranchKind, BranchRow, read_branches};
+pub use case_record::{CaseRecord, CaseStatus};
 pub use checkpoint::CheckpointFiles;
 pub use columns::{
     Column, ColumnGroup, Described, FILES, FileDescription, describe, files_with_column,
 };
-pub use directory::{
-    BOUNDARY, BRANCH, BRANCH_FIGURE, COMPARISON, NODE_FORCES, NODES, Opened, PAGE, RODS_FIGURE,
-    ResultsDirectory, SCENARIO, SECTION_FIGURES, SERIES, SERIES_FIGURE, SUMMARY, SURFACE,
-    SWEEP_FIGURE, TIMINGS, TRACTION_FIGURE, VTK_COLLECTION, VTK_FOLDER,
-};
+pub use directory::{Opened, ResultsDirectory};
 pub use error::ResultsError;
+pub use files::{
+    BOUNDARY, BRANCH, BRANCH_FIGURE, COMPARISON, MANIFEST, NODE_FORCES, NODES, PAGE, RODS_FIGURE,
+    SCENARIO, SECTION_FIGURES, SERIES, SERIES_FIGURE, SUMMARY, SURFACE, SWEEP_FIGURE, TIMINGS,
+    TRACTION_FIGURE, VTK_COLLECTION, VTK_FOLDER,
+};
 pub use forces::{NodeForces, read_node_forces};
 pub use frame::Frame;
 pub use lease::{HEARTBEAT, Lease, LeaseAttempt, Leases, Owner, host_name};
-pub use manifest::{
-    CaseRecord, CaseStatus, MAIN_CASE, MANIFEST, Manifest, RodRecord, scenario_hash,
-    scenario_hash_with_inputs,
-};
+pub use manifest::{MAIN_CASE, Manifest, RodRecord, scenario_hash, scenario_hash_with_inputs};
 pub use nodes::{NodePositions, read_nodes};
 pub use outcome::{CaseOutcome, Ending};
 pub use recorder::{Recorder, RecorderPlan, StreamLengths};

@@ -1,6 +1,6 @@
 //! `nodes.csv`: where the nodes are at each output time.
 
-use super::directory::NODES;
+use super::files::NODES;
 use super::frame::{Frame, node_places};
 use super::stream::{CsvStream, read_rows};
 use super::{ResultsError, RodRecord};

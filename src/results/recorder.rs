@@ -1,6 +1,6 @@
 //! Writes each output time to all files that grow during a run.
 
-use super::directory::{NODE_FORCES, NODES, SERIES};
+use super::files::{NODE_FORCES, NODES, SERIES};
 use super::forces::write_forces;
 use super::frame::Frame;
 use super::nodes::write_nodes;

@@ -1,7 +1,7 @@
 //! `series.csv`: a row per output time.
 
 use super::ResultsError;
-use super::directory::SERIES;
+use super::files::SERIES;
 use super::stream::{header_of, read_rows};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};

@@ -3,7 +3,7 @@
 //! The summary holds what is the same on every machine; what is not is in the timings.
 
 use super::atomic::write_whole_before;
-use super::directory::{SUMMARY, TIMINGS};
+use super::files::{SUMMARY, TIMINGS};
 use super::stream::header_of;
 use super::{CaseOutcome, CaseStatus, NamedValues, ResultsError, Usage, Value};
 use serde::{Deserialize, Serialize};

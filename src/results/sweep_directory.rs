@@ -1,8 +1,9 @@
 //! The directory of a sweep: a results directory for each case, and tables of all.
 
 use super::directory::{
-    LOCK, is_own_folder, not_writable, recognise, remove_own, remove_results, sweep_temporary_files,
+    is_own_folder, not_writable, recognise, remove_own, remove_results, sweep_temporary_files,
 };
+use super::files::LOCK;
 use super::{Leases, Manifest, ResultsError, SCENARIO, write_whole};
 use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions};

@@ -6,7 +6,7 @@
 //!
 //! Format: VTK User's Guide, "VTK File Formats", XML PolyData, version 1.0.
 
-use super::directory::{VTK_COLLECTION, VTK_FOLDER};
+use super::files::{VTK_COLLECTION, VTK_FOLDER};
 use super::frame::{Frame, node_places};
 use super::{ResultsError, RodRecord, write_whole};
 use nalgebra::Vector3;

@@ -27,10 +27,10 @@ pub use controller::{Controller, ControllerObject};
 pub use error::RunError;
 pub(crate) use interruption::Interruption;
 pub use observer::{Finding, Observer, ObserverObject, Sample};
-pub use prepared::{Mode, OutputPlan, PreparedRun};
+pub use prepared::{Mode, OutputPlan, PreparedRun, TableRun};
 pub use progress::AmongBars;
 pub use stop::StopRequest;
-pub use table::{TableJob, TableRun};
+pub use table::TableJob;
 
 use crate::mechanics::dynamics::Simulation;
 use crate::results::{CaseOutcome, MAIN_CASE, Manifest, Opened, ResultsDirectory, scenario_hash};
@@ -39,7 +39,6 @@ use session::Session;
 use std::fmt;
 use std::path::PathBuf;
 use std::time::Duration;
-use stop::Stop;
 
 /// How to run, as opposed to what.
 #[derive(Clone, Debug)]

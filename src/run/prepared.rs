@@ -1,9 +1,10 @@
 //! A run that is ready to start: what every experiment builds from its scenario.
 
-use super::{Controller, Observer, TableRun};
+use super::{Controller, Observer, RunError, RunOptions, RunOutcome, StopRequest};
 use crate::mechanics::dynamics::IntegrationParameters;
 use crate::mechanics::scene::Scene;
 use crate::mechanics::statics::PathPlan;
+use std::fmt::Debug;
 use std::sync::Arc;
 
 /// A scenario turned into mechanics, with all that the run loop needs to know.
@@ -39,6 +40,20 @@ impl PreparedRun {
         let mut observers = self.observers.iter();
         observers.find_map(|observer| (**observer).as_any().downcast_ref())
     }
+}
+
+/// What fills a table: a [`TableJob`](super::TableJob), whatever its rows are.
+pub trait TableRun: Debug + Send + Sync {
+    /// Computes the rows that are missing and concludes.
+    ///
+    /// # Errors
+    /// See [`RunError`].
+    fn run(
+        &self,
+        prepared: &PreparedRun,
+        options: &RunOptions,
+        stop_requested: &dyn Fn() -> Option<StopRequest>,
+    ) -> Result<RunOutcome, RunError>;
 }
 
 /// Whether the scene moves in time or rests.

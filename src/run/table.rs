@@ -3,6 +3,7 @@
 //! Rows are computed in blocks, in parallel, and written in their order. A run that was interrupted goes on after
 //! the last block that is in the file: the table is its own checkpoint.
 
+use super::prepared::{PreparedRun, TableRun};
 use super::records::manifest_of_call;
 use super::stop::{Stop, StopRequest};
 use super::{Reached, RunError, RunOptions, RunOutcome, RunStatus};
@@ -10,7 +11,6 @@ use crate::results::{
     CaseOutcome, CaseRecord, CaseStatus, CsvStream, MAIN_CASE, Manifest, Opened, ResultsDirectory,
     ResultsError, Usage, UsageMeter, WholeRows, read_whole_rows, scenario_hash, sync,
 };
-use crate::run::PreparedRun;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -41,20 +41,6 @@ pub trait TableJob: Debug + Send + Sync {
     /// # Errors
     /// Files that cannot be written.
     fn conclude(&self, rows: &[Self::Row], directory: &Path) -> Result<Vec<String>, ResultsError>;
-}
-
-/// A [`TableJob`] whatever its rows are.
-pub trait TableRun: Debug + Send + Sync {
-    /// Computes the rows that are missing and concludes.
-    ///
-    /// # Errors
-    /// See [`RunError`].
-    fn run(
-        &self,
-        prepared: &PreparedRun,
-        options: &RunOptions,
-        stop_requested: &dyn Fn() -> Option<StopRequest>,
-    ) -> Result<RunOutcome, RunError>;
 }
 
 impl<Job: TableJob> TableRun for Job {

@@ -21,8 +21,8 @@ mod search;
 mod workers;
 
 pub use error::SweepError;
-pub use outcome::{CaseCounts, SweepOutcome};
-pub use search::{Found, SEARCH_TABLE};
+pub use outcome::{CaseCounts, Found, SweepOutcome};
+pub use search::SEARCH_TABLE;
 
 use crate::experiment::{DerivedNumbers, case_set_from_text, derived_numbers, prepare};
 use crate::results::{

@@ -1,11 +1,26 @@
 //! What a sweep came to.
 
-use super::search::Found;
 use crate::results::CaseStatus;
 use crate::run::StopRequest;
 use serde::Serialize;
 use std::fmt;
 use std::path::PathBuf;
+
+/// What one search found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// Index of the case of the keys that are not searched.
+    pub index: usize,
+    /// The value of the searched key, in the unit in which the ends of the interval were typed; `None` where
+    /// the search came to no end.
+    pub value: Option<f64>,
+    /// Ends of the last interval.
+    pub interval: [f64; 2],
+    /// Cases that it took.
+    pub evaluations: usize,
+    /// Why it came to no end.
+    pub failure: Option<String>,
+}
 
 /// What a sweep came to.
 #[derive(Clone, Debug)]

@@ -4,6 +4,7 @@
 
 use super::case_table::record_in;
 use super::objective::objective;
+use super::outcome::Found;
 use super::workers::{Job, Workers};
 use super::{SweepError, thread_pools};
 use crate::results::{CASES, CaseRecord, CaseStatus, ResultsError, SweepDirectory, write_whole};
@@ -15,22 +16,6 @@ use std::sync::Mutex;
 
 /// What the searches found, a row per case of the keys that are not searched.
 pub const SEARCH_TABLE: &str = "search.csv";
-
-/// What one search found.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Found {
-    /// Index of the case of the keys that are not searched.
-    pub index: usize,
-    /// The value of the searched key, in the unit in which the ends of the interval were typed; `None` where
-    /// the search came to no end.
-    pub value: Option<f64>,
-    /// Ends of the last interval.
-    pub interval: [f64; 2],
-    /// Cases that it took.
-    pub evaluations: usize,
-    /// Why it came to no end.
-    pub failure: Option<String>,
-}
 
 /// Why a search ends early.
 enum SearchFailure {

@@ -1,9 +1,9 @@
 //! Imports run in one direction: every room imports only the rooms that the plan of the house allows, and inside a room
-//! no two parts import each other.
+//! no files import each other in a circle.
 
 mod source;
 
-use source::{ItemPath, Source, imports, plain, sources, test_items};
+use source::{ItemPath, Source, exports, imports, plain, sources, test_items};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
@@ -61,14 +61,17 @@ const MECHANICS: Table = &[
     ("rod", &[]),
     ("contact", &[]),
     ("fluid", &[]),
+    ("error", &["rod", "fluid"]),
     ("kirchhoff", &[]),
     ("error", &["rod", "fluid"]),
     ("scene", &["contact", "fluid"]),
-    ("system", &["rod", "contact", "scene"]),
+    ("system", &["rod", "contact", "error", "scene"]),
     ("statics", &["rod", "system"]),
     (
         "dynamics",
-        &["rod", "contact", "fluid", "scene", "system", "statics"],
+        &[
+            "rod", "contact", "fluid", "error", "scene", "system", "statics",
+        ],
     ),
 ];
 
@@ -100,6 +103,7 @@ fn faults(sources: &[Source], above: &[&str], table: Table) -> Vec<String> {
             .filter(|same| *same)
             .map(|_| path[above.len()].clone())
     };
+    let modules = by_module(sources);
     let mut faults = BTreeSet::new();
     for source in sources {
         let Some(room) = below(&source.module) else {
@@ -110,7 +114,10 @@ fn faults(sources: &[Source], above: &[&str], table: Table) -> Vec<String> {
             continue;
         }
         let allowed = reachable(table, &room);
-        for other in source.imports.iter().filter_map(below) {
+        for import in &source.imports {
+            let Some(other) = below(&origin(import, &modules)) else {
+                continue;
+            };
             let is_room = table.iter().any(|(name, _)| *name == other);
             if is_room && other != room && !allowed.contains(other.as_str()) {
                 faults.insert(format!("{} imports {other}", source.file.display()));
@@ -138,24 +145,20 @@ fn kinds_of_experiments_do_not_know_each_other() {
     assert!(faults.is_empty(), "{faults:#?}");
 }
 
-/// Circles of modules of one folder that go through a folder; parent and child may import each other.
-#[test]
-fn no_folder_is_part_of_a_circle() {
-    let sources = crate_sources();
+/// Circles of files and folders that lie in one folder: the graph of the imports there, with a folder as one, by folders.
+fn circles(sources: &[Source]) -> Vec<String> {
+    let modules = by_module(sources);
     let mut folders: BTreeMap<ItemPath, BTreeMap<String, BTreeSet<String>>> = BTreeMap::new();
-    let modules: BTreeSet<&ItemPath> = sources.iter().map(|source| &source.module).collect();
-    for source in &sources {
+    for source in sources {
         for import in &source.imports {
-            // The folder in which the two part company.
-            let pairs = source.module.iter().zip(import);
+            let import = origin(import, &modules);
+            // The folder in which the two part company; a parent and its child do not.
+            let pairs = source.module.iter().zip(&import);
             let shared = pairs.take_while(|(one, other)| one == other).count();
             let (Some(from), Some(to)) = (source.module.get(shared), import.get(shared)) else {
                 continue;
             };
-            let is_module = modules
-                .iter()
-                .any(|module| module.starts_with(&import[..=shared]));
-            if is_module {
+            if modules.contains_key(&import[..=shared]) {
                 let folder = folders.entry(import[..shared].to_vec()).or_default();
                 folder.entry(from.clone()).or_default().insert(to.clone());
             }
@@ -163,25 +166,74 @@ fn no_folder_is_part_of_a_circle() {
     }
     let mut circles = Vec::new();
     for (folder, graph) in &folders {
+        let mut known = BTreeSet::new();
         for start in graph.keys() {
-            let path: ItemPath = folder.iter().chain([start]).cloned().collect();
-            let has_parts =
-                |module: &&&ItemPath| module.len() > path.len() && module.starts_with(&path);
-            if modules.iter().find(has_parts).is_none() {
-                continue;
-            }
-            let mut reached = BTreeSet::new();
-            let mut next: Vec<&String> = graph[start].iter().collect();
-            while let Some(module) = next.pop() {
-                if reached.insert(module) {
-                    next.extend(graph.get(module).into_iter().flatten());
-                }
-            }
-            if reached.contains(start) {
-                circles.push(format!("{}::{start}", folder.join("::")));
+            let circle: Vec<&str> = reached(graph, start)
+                .into_iter()
+                .filter(|other| reached(graph, other).contains(start))
+                .map(String::as_str)
+                .collect();
+            if !circle.is_empty() && known.insert(circle.clone()) {
+                circles.push(format!("{}: {}", folder.join("::"), circle.join(", ")));
             }
         }
     }
+    circles
+}
+
+/// Everything that can be reached along arrows from `start`.
+fn reached<'a>(
+    graph: &'a BTreeMap<String, BTreeSet<String>>,
+    start: &'a String,
+) -> BTreeSet<&'a String> {
+    let mut reached = BTreeSet::new();
+    let mut next = vec![start];
+    while let Some(module) = next.pop() {
+        let imported = graph.get(module).into_iter().flatten();
+        next.extend(imported.filter(|other| reached.insert(*other)));
+    }
+    reached
+}
+
+fn by_module(sources: &[Source]) -> BTreeMap<&[String], &Source> {
+    let modules = sources.iter();
+    modules
+        .map(|source| (source.module.as_slice(), source))
+        .collect()
+}
+
+/// Where a path leads once the modules on its way have handed it on.
+fn origin(path: &[String], modules: &BTreeMap<&[String], &Source>) -> ItemPath {
+    let mut path = path.to_vec();
+    // A path that is handed on more often than there are modules goes round in circles.
+    for _ in modules {
+        let depth = (0..path.len())
+            .rev()
+            .find(|depth| modules.contains_key(&path[..*depth]));
+        let Some(depth) = depth.filter(|depth| !modules.contains_key(&path[..=*depth])) else {
+            break;
+        };
+        let exports = &modules[&path[..depth]].exports;
+        let Some(export) = exports
+            .iter()
+            .find(|export| export.last() == path.get(depth))
+        else {
+            break;
+        };
+        let names = export.iter().chain(&path[depth + 1..]);
+        let next = names.cloned().collect();
+        if next == path {
+            break;
+        }
+        path = next;
+    }
+    path
+}
+
+/// Parent and child may import each other, whatever lies beside each other in a folder may not.
+#[test]
+fn no_files_import_each_other_in_a_circle() {
+    let circles = circles(&crate_sources());
     assert!(circles.is_empty(), "in circles: {circles:#?}");
 }
 
@@ -262,4 +314,41 @@ fn what_follows_a_test_is_read() {
         .map(|path| path.join("::"))
         .collect();
     assert_eq!(paths, ["run::Y", "knot::H"]);
+}
+
+#[test]
+fn circles_are_found_between_files_and_folders_and_through_what_is_handed_on() {
+    let source = |module: &str, code: &str| {
+        let module: ItemPath = module.split("::").map(str::to_owned).collect();
+        Source {
+            file: module.iter().collect(),
+            imports: imports(code, &module),
+            exports: exports(code, &module),
+            module,
+        }
+    };
+    let found = |other: [&str; 2]| {
+        circles(&[
+            source("room", "pub use a::{A, f}; pub(crate) use b::part::B;"),
+            source("room::a", "use super::b::part::B; use crate::room::Room;"),
+            source("room::b", "pub use part::B; use std::fs;"),
+            source("room::b::part", "use super::super::Room; use super::X;"),
+            source(other[0], other[1]),
+        ])
+    };
+    // A parent and its children may import each other.
+    assert!(found(["room::c", "use super::A; use super::B;"]).is_empty());
+    for import in [
+        "crate::room::a::A",
+        "super::super::{X, A}",
+        "super::super::f",
+    ] {
+        let code = format!("use {import};");
+        assert_eq!(found(["room::b::other", &code]), ["room: a, b"], "{import}");
+    }
+    let three = found([
+        "room::a::c",
+        "use crate::other::X; use crate::room::B as Other;",
+    ]);
+    assert!(three.is_empty(), "{three:?}");
 }

@@ -14,6 +14,8 @@ pub struct Source {
     pub module: ItemPath,
     /// Everything of this crate that it names outside its tests, by its full path.
     pub imports: Vec<ItemPath>,
+    /// What it hands on under names of its own: `pub use` of other files, by full paths.
+    pub exports: Vec<ItemPath>,
 }
 
 /// All files below a folder that are not tests.
@@ -40,11 +42,12 @@ pub fn sources(folder: &Path) -> Vec<Source> {
         .filter_map(|(file, code)| {
             let module = module_of(&file, folder);
             let is_test = tests.iter().any(|test| module.starts_with(test));
-            let imports = imports(&test_items(&code).0, &module);
-            (!is_test).then_some(Source {
+            let code = test_items(&code).0;
+            (!is_test).then(|| Source {
                 file,
+                imports: imports(&code, &module),
+                exports: exports(&code, &module),
                 module,
-                imports,
             })
         })
         .collect()
@@ -208,6 +211,26 @@ pub fn imports(code: &str, module: &[String]) -> Vec<ItemPath> {
             };
             tree(&code[start + root.len()..], base.to_vec(), &mut found);
         }
+    }
+    found
+}
+
+/// Every path that the module hands on, in full; one of another crate looks like a part of the module.
+pub fn exports(code: &str, module: &[String]) -> Vec<ItemPath> {
+    let mut found = Vec::new();
+    for (start, _) in code.match_indices("use ") {
+        let before = code[..start].trim_end();
+        if !(before.ends_with("pub")
+            || before.ends_with("pub(crate)")
+            || before.ends_with("pub(super)"))
+        {
+            continue;
+        }
+        let path = &code[start + "use ".len()..];
+        match path.strip_prefix("crate::") {
+            Some(below) => tree(below, Vec::new(), &mut found),
+            None => tree(path, module.to_vec(), &mut found),
+        };
     }
     found
 }

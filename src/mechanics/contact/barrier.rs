@@ -14,7 +14,7 @@
 //! The force alone separates the surfaces; that no Newton step jumps over the barrier is the task of
 //! [`step_bound`](super::step_bound).
 
-use super::normal_law::NormalResponse;
+use super::normal_response::NormalResponse;
 
 /// Force N h̄²/(k δ) in the middle of the barrier, x = 1/2: (1 + 2 ln 2)/2.
 const FORCE_IN_THE_MIDDLE: f64 = 0.5 + std::f64::consts::LN_2;

@@ -11,67 +11,8 @@
 use super::candidates::approach;
 use super::closest_points::ClosestPoints;
 use super::contact_system::ContactSystem;
-use super::contacts::{ActiveContact, PlaneContact};
+use super::contacts::{ActiveContact, Bodies, ContactConstraint, PlaneContact};
 use crate::mechanics::Vector3;
-
-/// What a constraint is between.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Bodies {
-    /// Index of the candidate pair of edges.
-    Edges(usize),
-    /// Index of the plane, under the first node.
-    Plane(usize),
-}
-
-/// A contact as a constraint.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ContactConstraint {
-    bodies: Bodies,
-    /// The nodes; a plane has one, four times.
-    pub nodes: [usize; 4],
-    /// Weights of the nodes in the motion at the contact.
-    pub weights: [f64; 4],
-    /// Normal, from the second body to the first, and two tangents.
-    pub frame: [Vector3; 3],
-    /// Gap between the surfaces, m.
-    pub gap: f64,
-    /// Friction coefficient μ.
-    pub friction: f64,
-    /// Distance at which the surfaces touch, m.
-    threshold: f64,
-    /// Force on the first body, N.
-    force: Vector3,
-}
-
-impl ContactConstraint {
-    fn new(
-        bodies: Bodies,
-        nodes: [usize; 4],
-        weights: [f64; 4],
-        normal: Vector3,
-        [gap, threshold, friction]: [f64; 3],
-    ) -> Self {
-        let axis = Vector3::ith(normal.iamin(), 1.0);
-        let tangent = normal.cross(&axis).normalize();
-        Self {
-            bodies,
-            nodes,
-            weights,
-            frame: [normal, tangent, normal.cross(&tangent)],
-            gap,
-            friction,
-            threshold,
-            force: Vector3::zeros(),
-        }
-    }
-
-    /// Relative motion at the contact for a motion of all nodes.
-    pub fn relative_motion(&self, of_node: impl Fn(usize) -> Vector3) -> Vector3 {
-        (0..4)
-            .map(|m| of_node(self.nodes[m]) * self.weights[m])
-            .sum()
-    }
-}
 
 impl ContactSystem {
     /// Lists the contacts that the unhindered motion from `positions`, of at most `reaches` (m) per node, may close,

@@ -3,9 +3,9 @@
 use super::broad_phase::BroadPhase;
 use super::candidates::{Candidates, approach};
 use super::closest_points::edge_distance;
-use super::constraints::ContactConstraint;
 use super::contacts::{
-    ActiveContact, CandidatePair, EdgeJacobian, ForceCorrections, PlaneContact, PlaneJacobian,
+    ActiveContact, CandidatePair, ContactConstraint, EdgeJacobian, ForceCorrections, PlaneContact,
+    PlaneJacobian,
 };
 use super::multipliers::{Multipliers, Slots};
 use super::parameters::ContactParameters;

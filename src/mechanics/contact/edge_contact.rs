@@ -18,7 +18,7 @@ use super::closest_points::ClosestPoints;
 use super::contacts::EdgeJacobian;
 use super::distance::{DistanceDerivatives, WEIGHT_RATES};
 use super::friction::FrictionLaw;
-use super::normal_law::NormalResponse;
+use super::normal_response::NormalResponse;
 use crate::mechanics::Vector3;
 
 /// The sliding of four nodes over a time step.

@@ -8,7 +8,7 @@
 //! | `broad_phase`, `candidates` | pairs of edges that may touch, kept over many steps |
 //! | `closest_points`, `distance` | centreline distance Δ of two edges and its derivatives (thesis Eqs. 2.3–2.6) |
 //! | `parameters` | the contact model and its numbers |
-//! | `normal_law`, `potential`, `barrier` | contact energy of a gap: Eqs. 2.15, 2.16 or the barrier of Eq. 2.1 |
+//! | `normal_law`, `normal_response`, `potential`, `barrier` | contact energy of a gap: Eqs. 2.15, 2.16 or the barrier of Eq. 2.1 |
 //! | `continuous_collision`, `step_bound` | how far a step may go without crossing the barrier |
 //! | `certificate` | that nothing has passed through anything in a step |
 //! | `constraints`, `coulomb_problem` | contacts as constraints, and their forces by complementarity (thesis 3.3) |
@@ -16,7 +16,8 @@
 //! | `edge_contact`, `plane_contact` | force and Jacobian of one contact |
 //! | `multipliers`, `tractions` | normal forces and friction that Newton's method carries along |
 //! | `stiffness` | the adaptive contact stiffness (Eqs. 2.18, 2.19) |
-//! | `contact_system`, `evaluation`, `contacts` | all contacts of a scene |
+//! | `contacts` | what is known of a single contact |
+//! | `contact_system`, `evaluation` | all contacts of a scene |
 //! | `proximity` | least distance, penetration, overlaps of a new scene |
 //! | `touching` | where surfaces touch, for pictures |
 //! | `memory` | what a restart needs |
@@ -38,6 +39,7 @@ mod friction;
 mod memory;
 mod multipliers;
 mod normal_law;
+mod normal_response;
 mod parameters;
 mod plane_contact;
 mod potential;
@@ -52,10 +54,10 @@ mod tests;
 mod touching;
 mod tractions;
 
-pub use constraints::ContactConstraint;
 pub use contact_system::ContactSystem;
 pub use contacts::{
-    ActiveContact, CandidatePair, EdgeJacobian, ForceCorrections, PlaneContact, PlaneJacobian,
+    ActiveContact, CandidatePair, ContactConstraint, EdgeJacobian, ForceCorrections, PlaneContact,
+    PlaneJacobian,
 };
 pub(crate) use coulomb_problem::CoulombProblem;
 pub use memory::{ContactMemory, MismatchedMemory};

@@ -29,7 +29,7 @@
 
 use super::candidates::carried_over;
 use super::contacts::CandidatePair;
-use super::normal_law::NormalResponse;
+use super::normal_response::NormalResponse;
 
 /// Part of a multiplier that one iteration may take away.
 ///

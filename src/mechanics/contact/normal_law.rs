@@ -1,18 +1,8 @@
 //! The normal force law of one contact: that of the contact model, for its size and the present stiffness.
 
+use super::normal_response::NormalResponse;
 use super::parameters::{ContactModel, ContactParameters};
 use super::{barrier, potential};
-
-/// Energy of a gap and its derivatives.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct NormalResponse {
-    /// Energy E, J.
-    pub energy: f64,
-    /// Normal force N = −dE/dΔ, N, never negative.
-    pub force: f64,
-    /// dN/dΔ, N/m, never positive.
-    pub force_slope: f64,
-}
 
 /// Why complementarity never asks for a law.
 const RIGID: &str = "the forces of rigid contact are constraints, no functions of the gap";

@@ -7,7 +7,7 @@
 
 use super::contacts::PlaneJacobian;
 use super::friction::FrictionLaw;
-use super::normal_law::NormalResponse;
+use super::normal_response::NormalResponse;
 use crate::mechanics::Vector3;
 
 /// The sliding of a node over a plane.

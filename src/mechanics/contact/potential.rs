@@ -13,7 +13,7 @@
 //! of the force at the lower joint, and by the jump to zero, 2e-13 of the energy at touch, at the upper one. The
 //! potential ends at [`REACH`], where the force has fallen below rounding error.
 
-use super::normal_law::NormalResponse;
+use super::normal_response::NormalResponse;
 
 /// Distance between the surfaces, in units of δ, beyond which there is no force.
 ///

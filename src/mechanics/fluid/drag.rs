@@ -1,5 +1,6 @@
 //! The fluid as the rods feel it: forces on nodes from their positions and velocities.
 
+use super::report::FluidReport;
 use super::stokeslet_drag::{StokesletDrag, StokesletMemory};
 use super::{Filament, FluidError, FluidModel, resistive_force_theory};
 use crate::mechanics::{Matrix3, Vector3};
@@ -24,15 +25,6 @@ enum Method {
 /// Everything of a [`Fluid`] that influences its later results; what a checkpoint holds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FluidMemory(Option<StokesletMemory>);
-
-/// What a computation of the drag took.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct FluidReport {
-    /// Krylov iterations; zero for resistive force theory, which solves nothing.
-    pub iterations: usize,
-    /// Relative residual of the velocities, ‖u − A f/(8πη)‖/‖u‖.
-    pub residual: f64,
-}
 
 impl Fluid {
     /// A fluid around filaments, no two of which share a node.

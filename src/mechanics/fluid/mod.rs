@@ -16,6 +16,7 @@
 //! | `coarse_space` | the coarse one, from aggregates of filaments |
 //! | `gmres`, `initial_guess` | solving A f = 8πη u, warm-started |
 //! | `stokeslet_drag` | a time series of such solves (thesis Eq. 2.27) |
+//! | `report` | what a computation of the drag took |
 //! | `resistive_force_theory` | the cheap model: local coefficients along and across |
 //!
 //! # What it costs
@@ -58,17 +59,19 @@ mod operator;
 mod patch;
 mod preconditioner;
 mod quadrature;
+mod report;
 mod resistive_force_theory;
 mod segment;
 mod stokeslet_drag;
 #[cfg(test)]
 mod tests;
 
-pub use drag::{Fluid, FluidMemory, FluidReport};
+pub use drag::{Fluid, FluidMemory};
 pub use error::FluidError;
 pub use filament::Filament;
 pub use model::FluidModel;
 pub use operator::FlowOperator;
 pub use quadrature::{segment_integral_by_quadrature, segment_integral_error};
+pub use report::FluidReport;
 pub use resistive_force_theory::DragCoefficients;
 pub use segment::segment_integral;

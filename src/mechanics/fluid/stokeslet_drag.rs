@@ -1,11 +1,11 @@
 //! Drag by regularized Stokeslet segments: one resistance problem per time step.
 
 use super::chain::{Link, links};
-use super::drag::FluidReport;
 use super::flow::Flow;
 use super::gmres::{Convergence, Gmres, dot};
 use super::initial_guess::{InitialGuess, KEPT};
 use super::preconditioner::{NEIGHBOURHOOD, Preconditioner};
+use super::report::FluidReport;
 use super::{Filament, FluidError};
 use crate::mechanics::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};

@@ -1,8 +1,8 @@
 //! Stretching of [`LANES`] edges at a time, and what the spin of their frames adds: the formulas of
 //! [`super::edge`] and [`super::holonomy`] lane by lane.
 
+use super::discretization::Edge;
 use super::edge::{stretching_gradient, stretching_hessian};
-use super::elastic::Edge;
 use super::frame_lanes::{FrameLanes, TransportLanes, VectorLanes, set_vector};
 use super::holonomy::holonomy_hessian;
 use crate::linalg::instruction_set::{LANES, Lanes, kernel};

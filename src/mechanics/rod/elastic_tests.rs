@@ -3,7 +3,8 @@
 use super::*;
 use crate::linalg::instruction_set::InstructionSet;
 use crate::mechanics::rod::transport::{any_normal, rotated};
-use crate::mechanics::rod::{Placement, ReferenceFrames};
+use crate::mechanics::rod::vertex::{VertexStiffness, VertexStrains};
+use crate::mechanics::rod::{GhostEdge, Placement, ReferenceFrames};
 
 const NODES: usize = 21;
 

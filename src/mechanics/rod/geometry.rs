@@ -1,12 +1,12 @@
 //! Edges, frames and strains of all rods at one set of unknowns.
 
+use super::discretization::{ElasticRods, GhostEdge};
 use super::edge_lanes::EdgeLanes;
 use super::frame_lanes::{self, every_lane, vector};
 use super::topology::{STRIDE, position};
 use super::transport::unwrapped;
 use super::vertex::EdgeFrame;
 use super::vertex_lanes::VertexLanes;
-use super::{ElasticRods, GhostEdge};
 use crate::linalg::instruction_set::{InstructionSet, LANES};
 use crate::mechanics::Vector3;
 use serde::{Deserialize, Serialize};

@@ -9,6 +9,7 @@
 //! time-parallel frames), Kaldor et al. 2010 (twist that counts turns), Panetta et al. 2019 (the corrected
 //! Hessian).
 
+mod discretization;
 pub mod edge;
 mod edge_lanes;
 mod elastic;
@@ -22,7 +23,8 @@ pub mod vertex;
 mod vertex_hessian;
 mod vertex_lanes;
 
-pub use elastic::{Edge, ElasticEnergy, ElasticRods, GhostEdge, Vertex, VertexUnknowns};
+pub use discretization::{Edge, ElasticRods, GhostEdge, Vertex, VertexUnknowns};
+pub use elastic::ElasticEnergy;
 pub use geometry::{ReferenceFrames, RodGeometry};
 pub use holonomy::holonomy_jacobian;
 pub use placement::{Placement, PlacementError};

@@ -1,6 +1,6 @@
 //! A polyline with material frames: how a rod is placed, and what its natural strains are.
 
-use super::elastic::GhostEdge;
+use super::discretization::GhostEdge;
 use super::topology::RodRange;
 use super::transport::{any_normal, normal_part, parallel_transport, rotated, signed_angle};
 use super::vertex::{EdgeFrame, VertexStrains, curvatures};

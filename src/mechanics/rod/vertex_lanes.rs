@@ -1,6 +1,6 @@
 //! Strains, gradient and Hessian of [`LANES`] vertices at a time: the formulas of [`super::vertex`] lane by lane.
 
-use super::elastic::Vertex;
+use super::discretization::Vertex;
 use super::frame_lanes::{FrameLanes, VectorLanes, every_lane, set_vector, vector};
 use super::transport::parallel_transport;
 use super::vertex::{self, EdgeFrame, VertexGradient, VertexStiffness, VertexStrains};

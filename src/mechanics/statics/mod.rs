@@ -5,6 +5,7 @@
 //! that move.
 
 mod equilibrium;
+mod inner_product;
 mod nearby;
 mod neutral;
 mod path;

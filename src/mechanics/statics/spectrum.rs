@@ -1,8 +1,8 @@
 //! Eigenpairs of the Hessian, H v = μ B v, by inverse iteration (Golub & Van Loan, Matrix Computations,
 //! 4th ed., sec. 8.2.2). B weighs angles by the square of the shortest edge, so that μ is in N/m.
 
+use super::inner_product::{inner, normalise, scale_angles};
 use super::neutral::NeutralModes;
-use crate::mechanics::rod::STRIDE;
 use crate::mechanics::system::System;
 
 /// Most iterations. The lowest two eigenvalues of a rod are seldom closer than a tenth of the lowest;
@@ -10,6 +10,8 @@ use crate::mechanics::system::System;
 const ITERATIONS: usize = 60;
 /// Relative change at which the eigenvalue counts as found.
 const TOLERANCE: f64 = 1e-10;
+/// Largest eigenvalue of a motion without stiffness over the shift of the Hessian.
+const LARGEST_NEUTRAL_EIGENVALUE: f64 = 0.1;
 /// Growth of the shift until the Hessian is positive.
 const SHIFT_GROWTH: f64 = 2.0;
 /// Most growths: by then the shift is beyond every stiffness.
@@ -66,21 +68,76 @@ pub(super) fn inverse_iteration(
     Some(1.0 / inverse)
 }
 
-/// B v.
-pub(super) fn scale_angles(vector: &mut [f64], weight: f64) {
-    let angles = vector.iter_mut().skip(STRIDE - 1).step_by(STRIDE);
-    angles.for_each(|angle| *angle *= weight);
+/// Finds all motions without stiffness with the factors of the Hessian at an equilibrium, to which `shift` (N/m) was
+/// added; forgets those known before.
+pub(super) fn find_neutral_modes(
+    neutral: &mut NeutralModes,
+    system: &mut System,
+    unknowns: usize,
+    shift: f64,
+) {
+    neutral.clear();
+    while neutral.count() < unknowns {
+        let mut vector = vec![0.0; unknowns];
+        let Some(eigenvalue) = inverse_iteration(system, &mut vector, neutral) else {
+            return;
+        };
+        if (eigenvalue - shift).abs() > LARGEST_NEUTRAL_EIGENVALUE * shift {
+            return;
+        }
+        neutral.push(vector);
+    }
 }
 
-/// a·B b.
-pub(super) fn inner(a: &[f64], b: &[f64], weight: f64) -> f64 {
-    let terms = a.iter().zip(b).enumerate();
-    terms
-        .map(|(k, (a, b))| a * b * if k % STRIDE == 3 { weight } else { 1.0 })
-        .sum()
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::Vector3;
+    use crate::mechanics::scene::{RodDescription, Scene, Stiffness};
+    use crate::mechanics::statics::find_equilibrium;
+    use std::f64::consts::TAU;
 
-fn normalise(vector: &mut [f64], weight: f64) {
-    let norm = inner(vector, vector, weight).sqrt();
-    vector.iter_mut().for_each(|entry| *entry /= norm);
+    const EDGES: usize = 24;
+
+    /// A free ring that is straight by nature.
+    fn ring(bending: [f64; 2]) -> Scene {
+        let node = |k: usize| {
+            let angle = TAU * k as f64 / EDGES as f64;
+            Vector3::new(angle.cos(), angle.sin(), 0.0)
+        };
+        let centreline = (0..EDGES).map(node).collect();
+        let stiffness = Stiffness {
+            stretching: 1e4,
+            bending,
+            twisting: 1.0,
+        };
+        Scene {
+            rods: vec![RodDescription {
+                closed: true,
+                first_director: Some(Vector3::z()),
+                ..RodDescription::uniform("ring", centreline, stiffness, 1e-2, 1.0)
+            }],
+            ..Scene::default()
+        }
+    }
+
+    #[test]
+    fn a_round_ring_moves_rigidly_and_rolls_and_a_flat_one_does_not_roll() {
+        for (bending, expected) in [([1.0, 1.0], 7), ([1.0, 5.0], 6)] {
+            let mut system = System::new(&ring(bending)).unwrap();
+            let mut unknowns = system.assembly.unknowns.clone();
+            find_equilibrium(&mut system, &mut unknowns, 1e-9).unwrap();
+            let (shift, weight) = (1e-6, system.assembly.shortest_edge.powi(2));
+            system.linearize(&unknowns, None);
+            system.shift(shift, shift * weight);
+            assert_eq!(system.factor().unwrap().unwrap().negative, 0);
+            let mut modes = NeutralModes::new(weight);
+            find_neutral_modes(&mut modes, &mut system, unknowns.len(), shift);
+            assert_eq!(modes.count(), expected);
+            // A shift of the whole ring is one of them, or a sum of some.
+            let mut rigid: Vec<f64> = (0..unknowns.len()).map(|k| f64::from(k % 4 == 1)).collect();
+            modes.remove_from(&mut rigid);
+            assert!(rigid.iter().all(|entry| entry.abs() < 1e-6));
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! The discrete rod against theory, in bands of distance.
 
-use super::boundary::{BoundaryRow, Outcome};
+use super::row::{BoundaryRow, Outcome};
 use crate::results::{COMPARISON, ResultsError, write_whole};
 use serde::Serialize;
 use std::path::Path;
@@ -138,7 +138,7 @@ pub fn remarks(rows: &[BoundaryRow], comparison: &Comparison) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::boundary::Part;
+    use super::super::row::Part;
     use super::*;
 
     fn row(theory: f64, difference: f64) -> BoundaryRow {

@@ -11,7 +11,8 @@
 //! | `kind`, `keys` | the experiment and its table |
 //! | `discrete_rod` | the clamped rod: at once on a helix, or straight with ends to be moved |
 //! | `critical_distance` | the loss of stability along one direction |
-//! | `boundary` | a row of `boundary.csv`: rod, theory, contact |
+//! | `boundary` | all directions: rod, theory, contact |
+//! | `row` | a row of `boundary.csv` |
 //! | `comparison`, `sections`, `surface` | tables and figures of the boundary |
 
 mod boundary;
@@ -20,13 +21,14 @@ mod critical_distance;
 mod discrete_rod;
 mod keys;
 mod kind;
+mod row;
 mod sections;
 mod surface;
 
-pub use boundary::{BoundaryRow, Part, read_boundary};
 pub use comparison::compare;
 pub use critical_distance::{discrete_critical_distance, estimated_critical_distance};
 pub use discrete_rod::DiscreteRod;
 pub use keys::{HelixSearch, HelixStability};
 pub use kind::HelixStabilityKind;
+pub use row::{BoundaryRow, Part, read_boundary};
 pub use sections::section_figures;

@@ -1,6 +1,6 @@
 //! Sections of the boundary, the discrete rod over theory.
 
-use super::boundary::{BoundaryRow, Part, read_boundary};
+use super::row::{BoundaryRow, Part, read_boundary};
 use crate::figure::{Curve, LinePlot, PlotStyle, styled_line_plots};
 use crate::results::{ResultsError, SECTION_FIGURES, write_whole};
 use std::path::Path;

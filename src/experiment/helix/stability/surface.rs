@@ -1,6 +1,6 @@
 //! The boundary as a surface: triangles between neighbouring directions.
 
-use super::boundary::{BoundaryRow, Part, read_boundary};
+use super::row::{BoundaryRow, Part, read_boundary};
 use crate::figure::{ColouredSurface, surface_page};
 use crate::results::{PAGE, ResultsError, SURFACE, Surface, write_surface, write_whole};
 use delaunator::{Point, triangulate};

@@ -1,11 +1,11 @@
 //! Critical points: where the number of negative eigenvalues changes between two points of a path, and
 //! where other branches leave from there.
 
-use super::location::{Location, PointKind};
-use super::tracer::{Tangent, Tracer};
-use crate::mechanics::statics::spectrum::{inner, inverse_iteration, scale_angles};
+use super::location::{Location, Origin, PointKind, Tangent};
+use super::tracer::Tracer;
+use crate::mechanics::statics::inner_product::{inner, scale_angles};
+use crate::mechanics::statics::spectrum::inverse_iteration;
 use crate::mechanics::system::System;
-use serde::{Deserialize, Serialize};
 
 /// Arclength to which a critical point is located; 1 is the range of the parameter.
 const TOLERANCE: f64 = 1e-8;
@@ -18,14 +18,6 @@ const MOST_IN_A_STEP: usize = 8;
 const LARGEST_COUPLING: f64 = 1e-4;
 /// Halvings of the first step onto a new branch.
 const HALVINGS: usize = 6;
-
-/// Where another branch leaves.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct Origin {
-    location: Location,
-    /// Direction of the branch: plus or minus the null vector.
-    direction: Tangent,
-}
 
 impl Tracer {
     /// Hands out the critical points between `here` and `next`, which lies `step` ahead along `tangent`.

@@ -1,4 +1,4 @@
-//! Places on a path.
+//! Places on a path, and the directions in which it goes on from there.
 
 use crate::mechanics::rod::ReferenceFrames;
 use crate::mechanics::statics::neutral::NeutralModes;
@@ -14,6 +14,21 @@ pub(super) struct Location {
     pub negative: usize,
     /// Its null vectors.
     pub neutral: NeutralModes,
+}
+
+/// Direction of the path, of length 1 in the norm of [`Tracer::inner`](super::tracer::Tracer::inner).
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Tangent {
+    pub unknowns: Vec<f64>,
+    pub parameter: f64,
+}
+
+/// Where another branch leaves.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Origin {
+    pub location: Location,
+    /// Direction of the branch: plus or minus the null vector.
+    pub direction: Tangent,
 }
 
 /// What happens to the path at a point.

@@ -1,12 +1,11 @@
 //! Walking along a path: predict along the tangent, correct, look for critical points, adapt the step.
 
 use super::bordered::{Bordered, Condition};
-use super::critical::Origin;
-use super::location::{Location, PathPoint, PointKind};
+use super::location::{Location, Origin, PathPoint, PointKind, Tangent};
 use super::plan::{PathMethod, PathPlan};
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::statics::equilibrium::{extent, find_equilibrium};
-use crate::mechanics::statics::spectrum::lowest_eigenvalue;
+use crate::mechanics::statics::spectrum::{find_neutral_modes, lowest_eigenvalue};
 use crate::mechanics::system::{Divergence, System};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
@@ -29,13 +28,6 @@ const NOT_BETWEEN: Divergence = Divergence {
     residual: f64::NAN,
     unknown: 0,
 };
-
-/// Direction of the path, of length 1 in the norm of [`Tracer::inner`].
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct Tangent {
-    pub unknowns: Vec<f64>,
-    pub parameter: f64,
-}
 
 /// Branches that ended within the range of the parameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -328,7 +320,7 @@ impl Tracer {
         let unknowns = self.place(system, &location);
         if self.bordered.linearize(system, &unknowns).is_some() {
             let shift = self.bordered.shift;
-            location.neutral.find(system, unknowns.len(), shift);
+            find_neutral_modes(&mut location.neutral, system, unknowns.len(), shift);
         }
         self.hand_out(system, &location, PointKind::Regular, 0.0);
         self.points += 1;

@@ -1,4 +1,9 @@
-//! One call of `run` on a results directory: begin or continue, integrate, conclude.
+//! One call of `run` on a results directory: begin or continue, proceed, conclude.
+//!
+//! `integrate` proceeds in time, `follow` along a path of equilibria.
+
+mod follow;
+mod integrate;
 
 use super::advance::Advance;
 use super::counters::Counters;
@@ -9,16 +14,14 @@ use super::path::{PathAtWork, PathCheckpoint};
 use super::progress::Progress;
 use super::records::{manifest_of_call, recorder_plan, rod_records};
 use super::stop::{Stop, StopRequest};
-use super::{Reached, RunError, RunOptions, RunOutcome, RunStatus};
+use super::{Mode, PreparedRun, Reached, RunError, RunOptions, RunOutcome, RunStatus};
 use crate::mechanics::Vector3;
-use crate::mechanics::dynamics::{SimulationError, StepReport};
+use crate::mechanics::dynamics::SimulationError;
 use crate::results::{
     CaseRecord, CaseStatus, CheckpointFiles, Frame, MANIFEST, Manifest, Recorder, ResultsDirectory,
     ResultsError, StreamLengths, Usage, UsageMeter, Value, scenario_hash, sync,
 };
-use crate::run::{Mode, PreparedRun};
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// A run at work.
@@ -31,16 +34,16 @@ pub(crate) struct Session {
     last_checkpoint: Instant,
     times: OutputTimes,
     /// The path of equilibria that is followed.
-    pub(super) path: Option<PathAtWork>,
+    path: Option<PathAtWork>,
     /// Positions at the start, m.
-    pub(super) placed: Vec<Vector3>,
+    placed: Vec<Vector3>,
     run_state: RunState,
     meter: UsageMeter,
     timeout: Option<Duration>,
     resumed_from: Option<Reached>,
-    pub(super) progress: Progress,
+    progress: Progress,
     /// What else is to be told at the end, a line each.
-    pub(super) remarks: Vec<String>,
+    remarks: Vec<String>,
     /// Who observes and who acts.
     participants: Participants,
 }
@@ -184,54 +187,9 @@ impl Session {
         }
     }
 
-    fn integrate(
-        &mut self,
-        simulation: &mut impl Advance,
-        stop_requested: &dyn Fn() -> Option<StopRequest>,
-    ) -> Result<(), Stop> {
-        while self.run_state.outputs <= self.times.last() {
-            let target = self.times.time(self.run_state.outputs);
-            while simulation.time() < target {
-                self.ask_to_stop(stop_requested)?;
-                self.write_checkpoint_if_due(simulation)?;
-                let start = Instant::now();
-                let until = self.control(simulation)?.min(target);
-                let report = simulation.advance(until)?;
-                if report.contacts > 0 {
-                    self.meter.add_step_with_contact(start.elapsed());
-                }
-                self.run_state.counters.add_step(&report);
-                self.sample_if_due(simulation)?;
-                self.progress.update(&report);
-            }
-            self.record(simulation)?;
-            if self.has_ended() {
-                break;
-            }
-        }
-        Ok(())
-    }
-
     /// Whether an observer has seen all that the run was for.
-    pub(crate) fn has_ended(&self) -> bool {
+    fn has_ended(&self) -> bool {
         self.run_state.counters.outcome.ending.is_some()
-    }
-
-    /// Lets controllers act before a step; returns when the next of them must act again, s.
-    fn control(&mut self, simulation: &mut impl Advance) -> Result<f64, Stop> {
-        let now = simulation.time();
-        let mut until = f64::INFINITY;
-        let Some(simulation) = simulation.simulation_mut() else {
-            return Ok(until);
-        };
-        for controller in &mut self.participants.controllers {
-            controller.act(simulation)?;
-            let next = controller.next_time();
-            if next > now {
-                until = until.min(next);
-            }
-        }
-        Ok(until)
     }
 
     /// What observers see now.
@@ -242,18 +200,6 @@ impl Session {
             steps: counters.outcome.steps,
             exchange: counters.exchange,
         })
-    }
-
-    /// Lets observers look that are due, at times that do not depend on those of outputs.
-    fn sample_if_due(&mut self, simulation: &impl Advance) -> Result<(), Stop> {
-        let Some(sample) = self.sample_of(simulation) else {
-            return Ok(());
-        };
-        let time = simulation.time();
-        let observers = self.participants.observers.iter_mut();
-        let due = observers.filter(|observer| observer.is_due(time));
-        let findings: Vec<Finding> = due.map(|observer| observer.sample(&sample)).collect();
-        self.conclude_from(findings)
     }
 
     /// Ends or fails the run where an observer found reason to.
@@ -271,10 +217,7 @@ impl Session {
     }
 
     /// Stops where a stop is requested or the time limit is reached.
-    pub(crate) fn ask_to_stop(
-        &self,
-        stop_requested: &dyn Fn() -> Option<StopRequest>,
-    ) -> Result<(), Stop> {
+    fn ask_to_stop(&self, stop_requested: &dyn Fn() -> Option<StopRequest>) -> Result<(), Stop> {
         if let Some(request) = stop_requested() {
             return Err(request.into());
         }
@@ -289,22 +232,6 @@ impl Session {
     fn reason_to_stop(&self, stop_requested: &dyn Fn() -> Option<StopRequest>) -> Stop {
         let asked = self.ask_to_stop(stop_requested);
         asked.err().unwrap_or(Stop::Interrupted)
-    }
-
-    /// Path of a file of the results.
-    pub(crate) fn file(&self, name: &str) -> PathBuf {
-        self.directory.file(name)
-    }
-
-    /// Writes a point of a path, whose parameter stands for the time.
-    pub(crate) fn record_point(
-        &mut self,
-        simulation: &impl Advance,
-        report: &StepReport,
-        critical: bool,
-    ) -> Result<(), Stop> {
-        self.run_state.counters.add_point(report, critical);
-        self.record(simulation)
     }
 
     /// Time of an output, s; the parameter of a point on a path.
@@ -346,10 +273,7 @@ impl Session {
     }
 
     /// Writes a checkpoint where the last is old.
-    pub(crate) fn write_checkpoint_if_due(
-        &mut self,
-        simulation: &impl Advance,
-    ) -> Result<(), ResultsError> {
+    fn write_checkpoint_if_due(&mut self, simulation: &impl Advance) -> Result<(), ResultsError> {
         if self.last_checkpoint.elapsed() < self.checkpoint_every {
             return Ok(());
         }

@@ -1,0 +1,15 @@
+//! Dense elements, which couple unknowns that lie apart in the band.
+
+/// Unknowns of a dense element; [`UNUSED`] fills the places that it does not need.
+pub type Element = [usize; 12];
+
+/// Entries of a dense element: row, then column, in the order of its [`Element`].
+pub type ElementMatrix = [[f64; 12]; 12];
+
+/// Marks an unused place of an [`Element`].
+pub const UNUSED: usize = usize::MAX;
+
+/// Whether an element's unknown takes part in a system that keeps the place of those `held`.
+pub(super) fn is_free(unknown: usize, held: &[bool]) -> bool {
+    unknown != UNUSED && !held[unknown]
+}

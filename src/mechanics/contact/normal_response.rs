@@ -1,0 +1,12 @@
+//! What a normal force law says of a gap.
+
+/// Energy of a gap and its derivatives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct NormalResponse {
+    /// Energy E, J.
+    pub energy: f64,
+    /// Normal force N = −dE/dΔ, N, never negative.
+    pub force: f64,
+    /// dN/dΔ, N/m, never positive.
+    pub force_slope: f64,
+}

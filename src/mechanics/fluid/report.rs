@@ -1,0 +1,10 @@
+//! What a computation of the drag took.
+
+/// What a computation of the drag took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FluidReport {
+    /// Krylov iterations; zero for resistive force theory, which solves nothing.
+    pub iterations: usize,
+    /// Relative residual of the velocities, ‖u − A f/(8πη)‖/‖u‖.
+    pub residual: f64,
+}
