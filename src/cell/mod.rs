@@ -6,7 +6,7 @@
 //! | file | what |
 //! |---|---|
 //! | `typed` | every key of a cell file, as typed |
-//! | `resolve`, `resolve_chain` | units, ranges, names: from the file as typed to the [`Cell`] |
+//! | `resolve`, `resolve_chain`, `resolver` | units, ranges, names: from the file as typed to the [`Cell`] |
 //! | `resolved` | the [`Cell`] |
 //! | `surroundings`, `plan` | collision checks; joint trajectories along a path of a hand |
 //! | `streaming` | a joint trajectory with the drivers that it moves |
@@ -18,6 +18,7 @@ mod report;
 mod resolve;
 mod resolve_chain;
 mod resolved;
+mod resolver;
 mod streaming;
 mod surroundings;
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! An arm of a cell file: its chain from URDF or from its own joints, limits, tool, shapes.
 
-use super::resolve::Resolver;
 use super::resolved::Arm;
+use super::resolver::Resolver;
 use super::typed::{self, FixedJoint, MovingJoint, OneOrMany};
 use crate::robot::{
     Body, Chain, Joint, JointKind, Limits, MOST_JOINTS, Motion, Pose, Segment, Shape, read_urdf,

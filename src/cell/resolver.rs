@@ -1,0 +1,184 @@
+//! Reading the keys of a cell file: units, ranges, poses and drivers, and what is wrong with them.
+
+use super::resolved::Driver;
+use super::typed::{self, CellFile};
+use crate::robot::{Pose, pose};
+use crate::scenario::dimension::{Angle, Dimension, Dimensionless, Length};
+use crate::scenario::{Issue, Issues, KeyPath, Quantity, TypedFile, Vector};
+use nalgebra::{Translation3, UnitQuaternion};
+use std::cell::RefCell;
+use std::path::PathBuf;
+
+/// Reads keys and notes what is wrong with them; faulty ones are replaced by harmless values, so that all faults of a
+/// file are found together.
+pub(super) struct Resolver<'a> {
+    pub issues: RefCell<Issues>,
+    pub warnings: RefCell<Vec<String>>,
+    pub file: &'a TypedFile<CellFile>,
+}
+
+impl Resolver<'_> {
+    pub fn fault(&self, path: &KeyPath, message: impl Into<String>) {
+        self.issue(Issue::new(path.clone(), message));
+    }
+
+    pub fn issue(&self, issue: Issue) {
+        self.issues.borrow_mut().push(issue);
+    }
+
+    /// A file named at `path`.
+    pub fn file_at(&self, path: &KeyPath, name: &str) -> PathBuf {
+        self.file.directory_of(path).join(name)
+    }
+
+    pub fn si<D: Dimension>(&self, path: &KeyPath, quantity: &Quantity<D>) -> f64 {
+        quantity.si().unwrap_or_else(|message| {
+            self.fault(path, message);
+            1.0
+        })
+    }
+
+    pub fn positive(&self, path: &KeyPath, value: f64) -> f64 {
+        if value > 0.0 && value.is_finite() {
+            return value;
+        }
+        self.fault(path, format!("{value} must be above 0"));
+        1.0
+    }
+
+    pub fn vector<D: Dimension>(&self, path: &KeyPath, vector: Option<&Vector<D>>) -> [f64; 3] {
+        let mut components = [0.0; 3];
+        for (k, component) in vector.into_iter().flatten().enumerate() {
+            components[k] = self.si(&path.index(k), component);
+        }
+        components
+    }
+
+    pub fn sides(&self, path: &KeyPath, size: &Vector<Length>) -> [f64; 3] {
+        let sides = self.vector(path, Some(size));
+        for (k, side) in sides.iter().enumerate() {
+            self.positive(&path.index(k), *side);
+        }
+        sides
+    }
+
+    /// A pose by position and either quaternion or angles.
+    pub fn pose(
+        &self,
+        path: &KeyPath,
+        position: Option<&Vector<Length>>,
+        quaternion: Option<&[Quantity<Dimensionless>; 4]>,
+        rpy: Option<&Vector<Angle>>,
+    ) -> Pose {
+        let position = self.vector(&path.key("position"), position);
+        let [roll, pitch, yaw] = self.vector(&path.key("rpy"), rpy);
+        let mut rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+        if let Some(quaternion) = quaternion {
+            let key = path.key("quaternion");
+            if rpy.is_some() {
+                self.fault(&key, "either `quaternion` or `rpy` may be given, not both");
+            }
+            let mut parts = [0.0; 4];
+            for (k, part) in quaternion.iter().enumerate() {
+                parts[k] = self.si(&key.index(k), part);
+            }
+            let norm = parts.iter().map(|part| part * part).sum::<f64>().sqrt();
+            match pose([0.0; 3], parts) {
+                Some(turned) if (norm - 1.0).abs() < 1e-3 => rotation = turned.rotation,
+                _ => self.fault(
+                    &key,
+                    format!("w, x, y, z must have length 1 within 0.001, found {norm:.6}"),
+                ),
+            }
+        }
+        Pose::from_parts(Translation3::from(position), rotation)
+    }
+
+    pub fn driver(&self, path: &KeyPath, driver: &typed::Driver, is_axis: bool) -> Driver {
+        let allowed = match driver {
+            typed::Driver::File(_) => true,
+            typed::Driver::Stepper(_) => is_axis,
+            typed::Driver::Rosbridge(_) | typed::Driver::Ros1(_) => !is_axis,
+        };
+        if !allowed {
+            let allowed = if is_axis {
+                "file, stepper"
+            } else {
+                "file, rosbridge, ros1"
+            };
+            self.fault(
+                &path.key("kind"),
+                format!("this kind does not fit here; allowed: {allowed}"),
+            );
+        }
+        match driver {
+            typed::Driver::File(file) => {
+                let json_lines = match file.format.as_deref() {
+                    None | Some("csv") => false,
+                    Some("json-lines") => true,
+                    Some(other) => {
+                        self.fault(
+                            &path.key("format"),
+                            format!("{other:?} is not known here; allowed: csv, json-lines"),
+                        );
+                        false
+                    }
+                };
+                Driver::File {
+                    path: (file.path != "-").then(|| self.file_at(&path.key("path"), &file.path)),
+                    json_lines,
+                }
+            }
+            typed::Driver::Rosbridge(bridge) => {
+                let ros = bridge.ros.unwrap_or(1);
+                if !(1..=2).contains(&ros) {
+                    self.fault(&path.key("ros"), format!("{ros}; allowed: 1 or 2"));
+                }
+                let port = bridge
+                    .address
+                    .rsplit_once(':')
+                    .map(|(_, port)| port.parse());
+                if !matches!(port, Some(Ok(1..=u16::MAX))) {
+                    self.fault(
+                        &path.key("address"),
+                        "host and port are needed, as in \"192.168.1.5:9090\"",
+                    );
+                }
+                Driver::Rosbridge {
+                    address: bridge.address.clone(),
+                    ros,
+                    action: bridge.action.clone(),
+                    joint_states: bridge.joint_states.clone(),
+                }
+            }
+            typed::Driver::Ros1(ros) => {
+                let authority = ros.master.strip_prefix("http://").unwrap_or_default();
+                let port = authority
+                    .trim_end_matches('/')
+                    .rsplit_once(':')
+                    .map(|(_, port)| port.parse());
+                if !matches!(port, Some(Ok(1..=u16::MAX))) {
+                    self.fault(
+                        &path.key("master"),
+                        "an address is needed, as in \"http://192.168.1.5:11311\"",
+                    );
+                }
+                Driver::Ros1 {
+                    master: ros.master.clone(),
+                    action: ros.action.clone(),
+                    joint_states: ros.joint_states.clone(),
+                }
+            }
+            typed::Driver::Stepper(stepper) => {
+                if stepper.steps_per_turn == 0 {
+                    self.fault(&path.key("steps_per_turn"), "0 must be above 0");
+                }
+                Driver::Stepper {
+                    port: stepper.port.clone(),
+                    baud: stepper.baud.unwrap_or(115_200),
+                    steps_per_turn: stepper.steps_per_turn.max(1),
+                }
+            }
+        }
+    }
+}
