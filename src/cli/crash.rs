@@ -3,7 +3,7 @@
 //! Results stay resumable: files appear whole, tables are flushed row by row, and locks and leases of a process end
 //! with it.
 
-use super::output::complain;
+use super::standard_error;
 use std::panic::{self, AssertUnwindSafe, PanicHookInfo};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -24,7 +24,7 @@ pub fn announce_panics() {
         if TOLD.swap(true, Ordering::SeqCst) {
             return;
         }
-        complain(&in_words(&what(panic), &place(panic)));
+        standard_error::report(&in_words(&what(panic), &place(panic)));
         if std::env::var_os("RUST_BACKTRACE").is_some() {
             trace(panic);
         }

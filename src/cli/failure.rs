@@ -1,7 +1,7 @@
 //! Why the program fails, what it says and its exit code.
 
 use super::exit_code::ExitCode;
-use super::output::complain;
+use super::standard_error;
 use crate::cluster::ClusterError;
 use crate::mechanics::dynamics::SimulationError;
 use crate::report::{PlotError, ViewError};
@@ -74,7 +74,7 @@ impl ExitCode for Failure {
 impl Failure {
     /// Says what is wrong on standard error.
     pub fn report(&self, colour: bool) {
-        complain(&self.in_words(colour));
+        standard_error::report(&self.in_words(colour));
     }
 
     /// What is wrong, whole lines.

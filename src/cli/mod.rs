@@ -39,6 +39,7 @@ mod score;
 mod solve;
 mod solve_arm;
 mod solve_knot;
+mod standard_error;
 mod status;
 mod stream;
 mod submit;

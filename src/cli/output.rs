@@ -1,4 +1,4 @@
-//! Writing to standard output and standard error.
+//! Writing to standard output.
 
 use super::failure::Failure;
 use serde::Serialize;
@@ -16,15 +16,6 @@ pub fn print(text: &str) -> Result<(), Failure> {
         ))),
         _ => Ok(()),
     }
-}
-
-/// Writes text to standard error. Where that is closed or full, there is nobody left to tell: the exit code says what
-/// happened, and stays what it is.
-pub fn complain(text: &str) {
-    let mut stderr = std::io::stderr().lock();
-    let _ = stderr
-        .write_all(text.as_bytes())
-        .and_then(|()| stderr.flush());
 }
 
 /// Writes a value to standard output as JSON, with a line per key.

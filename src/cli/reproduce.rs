@@ -2,7 +2,8 @@
 
 use super::common::Common;
 use super::failure::Failure;
-use super::output::{complain, print};
+use super::output::print;
+use super::standard_error;
 use crate::reproduce::{self, ARTIFACTS, Artifact, ReproduceOptions};
 use clap::Args;
 use std::path::PathBuf;
@@ -57,7 +58,7 @@ pub fn reproduce(arguments: &ReproduceArguments, common: &Common) -> Result<(), 
     };
     let report = |line: &str| {
         if !common.quiet {
-            complain(&format!("{line}\n"));
+            standard_error::report(&format!("{line}\n"));
         }
     };
     let written = reproduce::reproduce(artifact, &options, &report)?;
