@@ -28,6 +28,10 @@ fn strands_of_the_public_benchmark_are_found() {
             let truth = decode_labels(&truth).expect("labels");
             let found = trace(&picture, &TraceOptions::default()).expect("strands");
             assert_eq!(found.strands.len(), set, "{name}");
+            for point in found.strands.iter().flat_map(|strand| &strand.points) {
+                let inside = point.x > -1.0 && point.y > -1.0 && point.x < 672.0 && point.y < 896.0;
+                assert!(inside, "{name}: {point} lies outside of the picture");
+            }
             let dice = instance_dice(&found.labels, &truth).expect("the same size");
             println!("{name}: mean instance Dice {:.4}", dice.mean);
             assert!(dice.mean > 0.95, "{name}: {dice:?}");

@@ -360,6 +360,15 @@ fn extend_end(
     step: f64,
     stop: Option<Point>,
 ) {
+    // At the border no chord is measured, and what is smoothed may lie a little beyond it.
+    while points.len() > 3
+        && points
+            .last()
+            .is_some_and(|point| !in_picture(contrast, *point))
+    {
+        points.pop();
+        widths.pop();
+    }
     let (Some(last), Some(width)) = (points.last().copied(), widths.last().copied()) else {
         return;
     };
@@ -389,6 +398,12 @@ fn extend_end(
         let end = points.len() - 1;
         points[end] = place(reach);
     }
+}
+
+/// Whether a point lies on a pixel of the picture.
+fn in_picture(contrast: &Contrast, point: Point) -> bool {
+    let (width, height) = (contrast.width as f64, contrast.height as f64);
+    point.x >= -0.5 && point.y >= -0.5 && point.x < width - 0.5 && point.y < height - 0.5
 }
 
 /// Direction at the end of a strand, and how much it turns per length, from the last two widths.
