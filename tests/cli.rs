@@ -399,7 +399,7 @@ fn a_full_or_closed_standard_error_changes_no_exit_code() {
         "-vv",
         "swing.toml",
         "--set",
-        "time.end=1e6",
+        "time.end=4000",
         "--timeout",
         "0.3",
     ];
