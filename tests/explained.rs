@@ -1,7 +1,7 @@
 //! Every file and every column that the program writes is explained by `rodlab explain`.
 
 use assert_cmd::Command;
-use rodlab::results::{Described, describe};
+use rodlab::experiment::{Described, describe};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;

@@ -2,8 +2,8 @@
 
 use super::failure::Failure;
 use super::output::print;
-use crate::experiment;
-use crate::results::{Described, FILES, FileDescription, describe, files_with_column};
+use crate::experiment::{self, Described, describe, described_files, files_with_column};
+use crate::results::FileDescription;
 use crate::scenario::did_you_mean;
 use clap::Args;
 use std::fmt::Write;
@@ -29,37 +29,40 @@ pub fn explain(arguments: &ExplainArguments) -> Result<(), Failure> {
 
 fn explanation(key: &str) -> Result<String, String> {
     match describe(key) {
-        Some(Described::File(file)) => Ok(file_in_words(file)),
+        Some(Described::File(files)) => Ok(file_in_words(&files)),
         Some(Described::Column(file, column)) => {
             Ok(column_in_words(file, column.name, column.meaning))
         }
-        Some(Described::NoColumn(file, name)) => column_of_a_key(file, name),
+        Some(Described::NoColumn(files, name)) => column_of_a_key(&files, name),
         None if key.is_empty() => Ok(experiment::explain(key)? + &files()),
         None => experiment::explain(key).or_else(|error| column_anywhere(key).ok_or(error)),
     }
 }
 
 /// Tables of a sweep have the varied keys as columns, too.
-fn column_of_a_key(file: &FileDescription, name: &str) -> Result<String, String> {
-    let of_sweeps = ["summary.csv", "search.csv"].contains(&file.names[0]);
+fn column_of_a_key(files: &[&FileDescription], name: &str) -> Result<String, String> {
+    let file = files[0].names[0];
+    let of_sweeps = ["summary.csv", "search.csv"].contains(&file);
     if of_sweeps
         && name.contains('.')
         && let Ok(words) = experiment::explain(name)
     {
         return Ok(words);
     }
-    let columns: Vec<&str> = file.columns().map(|column| column.name).collect();
+    let columns = files.iter().flat_map(|file| file.columns());
+    let columns: Vec<&str> = columns.map(|column| column.name).collect();
     let advice =
         did_you_mean(name, columns.iter().copied()).unwrap_or_else(|| match columns.is_empty() {
             true => "it is no table".to_owned(),
             false => format!("it has: {}", columns.join(", ")),
         });
-    Err(format!("`{}` has no `{name}`; {advice}", file.names[0]))
+    Err(format!("`{file}` has no `{name}`; {advice}"))
 }
 
 /// A column whose file was not named.
 fn column_anywhere(name: &str) -> Option<String> {
     let words: String = files_with_column(name)
+        .into_iter()
         .map(|(file, column)| column_in_words(file, column.name, column.meaning))
         .collect();
     (!words.is_empty()).then_some(words)
@@ -69,11 +72,12 @@ fn column_in_words(file: &FileDescription, name: &str, meaning: &str) -> String 
     format!("{}: {name}\n  {meaning}\n", file.names[0])
 }
 
-fn file_in_words(file: &FileDescription) -> String {
-    let mut text = format!("{}\n  {}\n", file.names.join(", "), file.meaning);
-    let width = file.columns().map(|column| column.name.len()).max();
+fn file_in_words(files: &[&FileDescription]) -> String {
+    let mut text = format!("{}\n  {}\n", files[0].names.join(", "), files[0].meaning);
+    let columns = files.iter().flat_map(|file| file.columns());
+    let width = columns.map(|column| column.name.len()).max();
     let width = width.unwrap_or_default();
-    for group in file.groups {
+    for group in files.iter().flat_map(|file| file.groups) {
         // Writing to a string cannot fail.
         let _ = match group.when {
             "" => writeln!(text),
@@ -87,7 +91,12 @@ fn file_in_words(file: &FileDescription) -> String {
 }
 
 fn files() -> String {
-    let names: Vec<&str> = FILES.iter().map(|file| file.names[0]).collect();
+    let mut names: Vec<&str> = Vec::new();
+    for file in described_files() {
+        if !names.contains(&file.names[0]) {
+            names.push(file.names[0]);
+        }
+    }
     format!("results: {}\n", names.join(", "))
 }
 

@@ -1,7 +1,7 @@
 //! What makes a kind of experiment: everything that the rest of the house asks of it.
 
 use crate::mechanics::scene::Scene;
-use crate::results::ResultsError;
+use crate::results::{FileDescription, ResultsError};
 use crate::run::PreparedRun;
 use crate::scenario::keys::ExperimentKeys;
 use crate::scenario::{Issue, Scenario, ScenarioError};
@@ -39,8 +39,8 @@ pub trait Kind: ExperimentKeys {
         None
     }
 
-    /// The files of its own in a results directory, and its columns in the common ones.
-    fn files(&self) -> &'static [FileNote] {
+    /// The files of its own in a results directory, and its columns in the common ones, for `rodlab explain`.
+    fn files(&self) -> &'static [FileDescription] {
         &[]
     }
 
@@ -98,17 +98,6 @@ impl Serialize for OwnNumbers {
         table.serialize_entry(self.key, &self.json)?;
         table.end()
     }
-}
-
-/// What stands in a file of a results directory.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct FileNote {
-    /// Name of the file.
-    pub name: &'static str,
-    /// What it holds, in one sentence.
-    pub summary: &'static str,
-    /// Its columns and what they mean, in one sentence each; of a common file only those beside the common ones.
-    pub columns: &'static [(&'static str, &'static str)],
 }
 
 /// What `rodlab view` shows of a run.

@@ -12,6 +12,7 @@
 //! | `scene`, `flagella`, `knot`, `helix` | the kinds |
 
 mod derived;
+mod described;
 mod flagella;
 pub(crate) mod helix;
 mod kind;
@@ -25,10 +26,11 @@ mod scene;
 mod tests;
 
 pub use derived::{DerivedNumbers, DerivedRod, derived_numbers};
+pub use described::{Described, describe, described_files, files_with_column};
 pub use helix::stability::{
     HelixSearch, HelixStability, discrete_critical_distance, estimated_critical_distance,
 };
-pub use kind::{FigureError, FileNote, Kind, OwnNumbers, Page};
+pub use kind::{FigureError, Kind, OwnNumbers, Page};
 pub use knot::{
     KnotEnding, KnotMonitor, KnotObserver, KnotOutcome, KnotRow, KnotSample, read_knot_series,
 };

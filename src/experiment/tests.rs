@@ -89,25 +89,25 @@ fn each_kind_runs_has_figures_and_says_what_its_files_hold() {
         let own = kind.figures(directory.path()).unwrap();
         for (name, svg) in &own {
             assert!(svg.starts_with("<svg"), "{name}");
-            let note = kind.files().iter().find(|note| note.name == *name);
-            assert!(note.is_some(), "{kind:?}: nothing is said of {name}");
+            let said = kind.files().iter().any(|file| file.names.contains(name));
+            assert!(said, "{kind:?}: nothing is said of {name}");
         }
-        for note in kind.files() {
-            assert!(note.summary.ends_with('.'), "{note:?}");
-            assert!(note.columns.iter().all(|(_, words)| words.ends_with('.')));
-            let path = directory.path().join(note.name);
-            if !note.name.ends_with(".csv") {
+        for file in kind.files() {
+            assert!(file.meaning.ends_with('.'), "{file:?}");
+            assert!(file.columns().all(|column| column.meaning.ends_with('.')));
+            let name = file.names[0];
+            if !name.ends_with(".csv") {
                 continue;
             }
-            let table = Table::read(&path).unwrap();
-            let said: Vec<&str> = note.columns.iter().map(|(column, _)| *column).collect();
+            let table = Table::read(&directory.path().join(name)).unwrap();
+            let said: Vec<&str> = file.columns().map(|column| column.name).collect();
             let there: Vec<&str> = table.columns().iter().map(String::as_str).collect();
             // Of common files the last columns are those of the kind.
-            let own = match note.name {
+            let own = match name {
                 SERIES | SUMMARY => &there[there.len() - said.len()..],
                 _ => &there[..],
             };
-            assert_eq!(own, said, "{kind:?}: {}", note.name);
+            assert_eq!(own, said, "{kind:?}: {name}");
         }
     }
 }

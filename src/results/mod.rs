@@ -39,9 +39,8 @@ pub use atomic::{replace_own, write_whole};
 pub use branch::{BranchKind, BranchRow, read_branches};
 pub use case_record::{CaseRecord, CaseStatus};
 pub use checkpoint::CheckpointFiles;
-pub use columns::{
-    Column, ColumnGroup, Described, FILES, FileDescription, describe, files_with_column,
-};
+pub(crate) use columns::columns;
+pub use columns::{Column, ColumnGroup, FILES, FileDescription, always, file, table};
 pub use directory::{Opened, ResultsDirectory};
 pub use error::ResultsError;
 pub use files::{

@@ -47,6 +47,7 @@ const ROOMS: Table = &[
 /// Parts of `experiment`: the kinds do not know each other.
 const EXPERIMENT: Table = &[
     ("derived", &["kind"]),
+    ("described", &["kind"]),
     ("prepare", &["kind", "probes"]),
     ("probes", &[]),
     ("scene", &["kind"]),

@@ -7,11 +7,11 @@ use super::observer::KnotObserver;
 use super::tied_knot::{determinant_of_kind, determinant_of_rods};
 use super::tightening;
 use super::traction_figure::traction_figure;
-use crate::experiment::kind::{FigureError, FileNote, Kind, OwnNumbers};
+use crate::experiment::kind::{FigureError, Kind, OwnNumbers};
 use crate::experiment::prepare::try_scene;
 use crate::mechanics::Vector3;
 use crate::mechanics::scene::Scene;
-use crate::results::TRACTION_FIGURE;
+use crate::results::{FileDescription, TRACTION_FIGURE};
 use crate::run::{Mode, PreparedRun, RunError};
 use crate::scenario::keys::{CommonTables, ExperimentKeys, OwnTable, Request, Section};
 use crate::scenario::{Contact, Experiment, Issue, KeyPath, Scenario, Time};
@@ -101,7 +101,7 @@ impl Kind for TighteningKind {
         derived(run)
     }
 
-    fn files(&self) -> &'static [FileNote] {
+    fn files(&self) -> &'static [FileDescription] {
         &FILES
     }
 
@@ -127,7 +127,7 @@ impl Kind for InversionKind {
         derived(run)
     }
 
-    fn files(&self) -> &'static [FileNote] {
+    fn files(&self) -> &'static [FileDescription] {
         &FILES
     }
 

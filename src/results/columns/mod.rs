@@ -1,22 +1,19 @@
 //! What the files of a results directory hold, column by column, in words: `rodlab explain series`.
 //!
-//! The one place for these words. `tests/explained.rs` runs scenarios of every kind and fails where a file or a
-//! column that they write is missing here. `tables` has the columns of all runs, `knot` and `helix` those that their
-//! experiments add.
+//! Here are the files of every run; a kind of experiment describes those that it adds, and its columns in the common
+//! ones, in its own folder. `tests/explained.rs` runs scenarios of every kind and fails where a file or a column that
+//! they write is not described.
 
 /// A list of columns, each as `name: meaning`.
 macro_rules! columns {
     ($($name:literal: $meaning:literal),* $(,)?) => {
-        &[$(Column { name: $name, meaning: $meaning }),*]
+        &[$($crate::results::Column { name: $name, meaning: $meaning }),*]
     };
 }
+pub(crate) use columns;
 
-mod helix;
-mod knot;
 mod tables;
 
-use helix::{BOUNDARY, COMPARISON};
-use knot::{KNOT_SERIES, KNOT_SUMMARY};
 use tables::{BRANCH, MANIFEST, NODE_FORCES, NODES, SEARCH, SERIES, SLURM, SUMMARY, TIMINGS};
 
 /// A column of a table, or a key of a JSON file.
@@ -48,17 +45,6 @@ pub struct FileDescription {
     pub groups: &'static [ColumnGroup],
 }
 
-/// What a key of `rodlab explain` such as `series.contacts` stands for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Described<'a> {
-    /// A file.
-    File(&'static FileDescription),
-    /// A column of a file.
-    Column(&'static FileDescription, &'static Column),
-    /// A file that has no such column.
-    NoColumn(&'static FileDescription, &'a str),
-}
-
 impl FileDescription {
     /// All its columns.
     pub fn columns(&self) -> impl Iterator<Item = &'static Column> {
@@ -66,7 +52,7 @@ impl FileDescription {
     }
 
     /// How it is called in keys: tables and JSON files also without their ending.
-    fn calls_itself(&self, word: &str) -> bool {
+    pub fn is_called(&self, word: &str) -> bool {
         self.names.iter().any(|&name| {
             let stem = name.strip_suffix(".csv").or(name.strip_suffix(".json"));
             word == name || stem == Some(word)
@@ -74,39 +60,8 @@ impl FileDescription {
     }
 }
 
-/// Looks up a file or a column: `series.csv`, `series`, `series.contacts` or `series.csv.contacts`. `None` where the
-/// key names no file.
-pub fn describe(key: &str) -> Option<Described<'_>> {
-    if let Some(file) = FILES.iter().find(|file| file.calls_itself(key)) {
-        return Some(Described::File(file));
-    }
-    // The longest name of a file counts, so that `series.csv.contacts` is no column `csv.contacts`.
-    let dots = key.rmatch_indices('.').map(|(place, _)| place);
-    for place in dots {
-        let (word, column) = (&key[..place], &key[place + 1..]);
-        if let Some(file) = FILES.iter().find(|file| file.calls_itself(word)) {
-            let found = file.columns().find(|known| known.name == column);
-            return Some(match found {
-                Some(column) => Described::Column(file, column),
-                None => Described::NoColumn(file, column),
-            });
-        }
-    }
-    None
-}
-
-/// The files that have a column of this name.
-pub fn files_with_column(
-    name: &str,
-) -> impl Iterator<Item = (&'static FileDescription, &'static Column)> {
-    FILES.iter().flat_map(move |file| {
-        let columns = file.columns().filter(move |column| column.name == name);
-        columns.map(move |column| (file, column))
-    })
-}
-
 /// A file whose columns are always there.
-const fn table(
+pub const fn table(
     names: &'static [&'static str],
     meaning: &'static str,
     groups: &'static [ColumnGroup],
@@ -118,11 +73,13 @@ const fn table(
     }
 }
 
-const fn file(names: &'static [&'static str], meaning: &'static str) -> FileDescription {
+/// A file that is no table.
+pub const fn file(names: &'static [&'static str], meaning: &'static str) -> FileDescription {
     table(names, meaning, &[])
 }
 
-const fn always(columns: &'static [Column]) -> ColumnGroup {
+/// Columns that are always there.
+pub const fn always(columns: &'static [Column]) -> ColumnGroup {
     ColumnGroup { when: "", columns }
 }
 
@@ -131,13 +88,7 @@ pub const FILES: &[FileDescription] = &[
     table(
         &["series.csv"],
         "A row per output time. Means are over the steps since the row before; they are empty in the first row.",
-        &[
-            always(SERIES),
-            ColumnGroup {
-                when: "where a knot is pulled",
-                columns: KNOT_SERIES,
-            },
-        ],
+        &[always(SERIES)],
     ),
     table(
         &["nodes.csv"],
@@ -153,13 +104,7 @@ pub const FILES: &[FileDescription] = &[
         &["summary.csv"],
         "A row per case with its scalar outcomes, the same bytes on every machine. Of a sweep, the columns after `case` \
          are the varied keys, in SI units.",
-        &[
-            always(SUMMARY),
-            ColumnGroup {
-                when: "where a knot is pulled",
-                columns: KNOT_SUMMARY,
-            },
-        ],
+        &[always(SUMMARY)],
     ),
     table(
         &["timings.csv"],
@@ -170,18 +115,6 @@ pub const FILES: &[FileDescription] = &[
         &["branch.csv"],
         "A row per point of a path of equilibria (time.mode = \"continuation\"), branch after branch.",
         &[always(BRANCH)],
-    ),
-    table(
-        &["boundary.csv"],
-        "Where clamped helical rods lose stability (experiment \"helix-stability\"), a row per direction of \
-         (κ, τ, ω): curvature, torsion, twisting moment. Distances are norms ‖(κ, τ, ω)‖ for a rod of length 1 and \
-         bending stiffness 1.",
-        &[always(BOUNDARY)],
-    ),
-    table(
-        &["comparison.csv"],
-        "boundary.csv against theory, a row per band of distances.",
-        &[always(COMPARISON)],
     ),
     table(
         &["search.csv"],
@@ -225,10 +158,6 @@ pub const FILES: &[FileDescription] = &[
          nodes. ParaView's filter \"Tube\" with \"Vary Radius: By Absolute Scalar\" draws the rods as they are.",
     ),
     file(
-        &["boundary.vtp"],
-        "The boundary of boundary.csv as a surface for ParaView.",
-    ),
-    file(
         &["rods.svg", "rods.png"],
         "The rods at up to four times, evenly spread over the run. By `rodlab plot`; needs nodes.csv.",
     ),
@@ -241,23 +170,8 @@ pub const FILES: &[FileDescription] = &[
         "Outcomes of a sweep over the varied keys. By `rodlab plot` and `rodlab gather`.",
     ),
     file(
-        &["traction.svg", "traction.png"],
-        "Traction of a knot over its tightness, beside the laws of its theory. By `rodlab plot`.",
-    ),
-    file(
         &["branch.svg", "branch.png"],
         "Displacement and energy over the parameter of a path, stable and unstable. By `rodlab plot`.",
-    ),
-    file(
-        &[
-            "section_kappa_tau.svg",
-            "section_kappa_omega.svg",
-            "section_tau_omega.svg",
-            "section_kappa_tau.png",
-            "section_kappa_omega.png",
-            "section_tau_omega.png",
-        ],
-        "Plane sections of the boundary of stable helices, beside theory.",
     ),
     file(
         &["own.svg", "own.png"],
@@ -280,30 +194,6 @@ pub const FILES: &[FileDescription] = &[
 mod tests {
     use super::*;
     use std::collections::BTreeSet;
-
-    #[test]
-    fn files_and_columns_are_found_with_and_without_their_ending() {
-        let contacts = |key| match describe(key) {
-            Some(Described::Column(file, column)) => (file.names[0], column.name),
-            other => panic!("{key}: {other:?}"),
-        };
-        for key in ["series.contacts", "series.csv.contacts"] {
-            assert_eq!(contacts(key), ("series.csv", "contacts"));
-        }
-        for key in ["series", "series.csv"] {
-            assert!(
-                matches!(describe(key), Some(Described::File(file)) if file.names == ["series.csv"])
-            );
-        }
-        assert!(matches!(describe("rods.png"), Some(Described::File(_))));
-        assert!(matches!(
-            describe("series.contact"),
-            Some(Described::NoColumn(_, "contact"))
-        ));
-        assert_eq!(describe("rods"), None);
-        assert_eq!(describe("contact.friction"), None);
-        assert_eq!(files_with_column("first_contact_s").count(), 1);
-    }
 
     #[test]
     fn names_are_unique() {

@@ -2,12 +2,13 @@
 
 use super::boundary::Boundary;
 use super::discrete_rod::first_scene;
+use super::files::FILES;
 use super::keys::{HelixTables, TABLES, resolve};
 use super::sections::section_figures;
 use super::surface::boundary_page;
-use crate::experiment::kind::{FigureError, FileNote, Kind, Page};
+use crate::experiment::kind::{FigureError, Kind, Page};
 use crate::mechanics::scene::Scene;
-use crate::results::{BOUNDARY, COMPARISON, PAGE, ResultsError, SECTION_FIGURES, SURFACE};
+use crate::results::{BOUNDARY, FileDescription, ResultsError};
 use crate::run::PreparedRun;
 use crate::scenario::keys::{CommonTables, ExperimentKeys, OwnTable, Request, Section};
 use crate::scenario::{Contact, Experiment, Fluid, Issue, Scenario, Time};
@@ -16,109 +17,6 @@ use std::sync::Arc;
 
 /// Where clamped helical rods lose stability.
 pub struct HelixStabilityKind;
-
-/// The files of the boundary.
-static FILES: [FileNote; 7] = [
-    FileNote {
-        name: BOUNDARY,
-        summary: "The loss of stability along each direction of the (κ, τ, ω) space, of a rod of length 1 and bending \
-                  stiffness 1.",
-        columns: &[
-            (
-                "part",
-                "Part of the boundary: its surface, or one of the sections kappa_tau (ω = 0), kappa_omega (τ = 0) and \
-                 tau_omega (κ = 0).",
-            ),
-            ("kappa", "Unit direction: curvature κ."),
-            ("tau", "Unit direction: torsion τ."),
-            ("omega", "Unit direction: twisting moment ω."),
-            (
-                "outcome",
-                "What becomes of the rod: buckles, touches_itself before, stable up to the largest distance, or \
-                 no_convergence.",
-            ),
-            (
-                "critical",
-                "Distance ‖(κ, τ, ω)‖ at which the discrete rod loses stability; empty where it does not.",
-            ),
-            (
-                "extrapolated",
-                "The same in the limit of a fine mesh; empty where it is not asked for.",
-            ),
-            (
-                "theory",
-                "The same by the conjugate points of the smooth rod; empty where there are none up to 100.",
-            ),
-            ("relative_difference", "critical/theory − 1."),
-            (
-                "relative_difference_extrapolated",
-                "extrapolated/theory − 1.",
-            ),
-            (
-                "contact",
-                "Distance at which the rod first touches itself; empty where it loses stability before.",
-            ),
-        ],
-    },
-    FileNote {
-        name: COMPARISON,
-        summary: "The discrete rod against theory, in bands of distance.",
-        columns: &[
-            ("quantity", "What is compared: critical or extrapolated."),
-            ("from", "Least distance of the band, by theory."),
-            (
-                "to",
-                "Largest distance of the band, by theory; empty where there is no end.",
-            ),
-            ("directions", "Directions for which both have a value."),
-            (
-                "mean_difference",
-                "Mean of the relative difference, without sign.",
-            ),
-            (
-                "largest_difference",
-                "Largest relative difference, without sign.",
-            ),
-            (
-                "within_2e_4",
-                "Part of the directions that differ by at most 0.02 %.",
-            ),
-            (
-                "within_1e_3",
-                "Part of the directions that differ by at most 0.1 %.",
-            ),
-            (
-                "within_5e_3",
-                "Part of the directions that differ by at most 0.5 %.",
-            ),
-        ],
-    },
-    FileNote {
-        name: SECTION_FIGURES[0],
-        summary: "Section ω = 0 of the boundary, the discrete rod over theory.",
-        columns: &[],
-    },
-    FileNote {
-        name: SECTION_FIGURES[1],
-        summary: "Section τ = 0 of the boundary, the discrete rod over theory.",
-        columns: &[],
-    },
-    FileNote {
-        name: SECTION_FIGURES[2],
-        summary: "Section κ = 0 of the boundary, the discrete rod over theory.",
-        columns: &[],
-    },
-    FileNote {
-        name: SURFACE,
-        summary: "The boundary as a surface, for ParaView.",
-        columns: &[],
-    },
-    FileNote {
-        name: PAGE,
-        summary: "The boundary as an interactive surface.",
-        columns: &[],
-    },
-];
 
 fn tables(scenario: &Scenario) -> &HelixTables {
     let tables = scenario.experiment.tables();
@@ -183,7 +81,7 @@ impl Kind for HelixStabilityKind {
         Ok(())
     }
 
-    fn files(&self) -> &'static [FileNote] {
+    fn files(&self) -> &'static [FileDescription] {
         &FILES
     }
 

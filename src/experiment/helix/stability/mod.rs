@@ -19,6 +19,7 @@ mod boundary;
 mod comparison;
 mod critical_distance;
 mod discrete_rod;
+mod files;
 mod keys;
 mod kind;
 mod row;

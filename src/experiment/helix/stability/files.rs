@@ -1,8 +1,39 @@
-//! Tables of the stability of helices.
+//! What a search for the boundary of stable helices leaves in a results directory, in words.
 
-use super::Column;
+use crate::results::{Column, FileDescription, always, columns, file, table};
 
-pub(super) const BOUNDARY: &[Column] = columns! {
+/// The files of the boundary.
+pub static FILES: [FileDescription; 4] = [
+    table(
+        &["boundary.csv"],
+        "Where clamped helical rods lose stability (experiment \"helix-stability\"), a row per direction of \
+         (κ, τ, ω): curvature, torsion, twisting moment. Distances are norms ‖(κ, τ, ω)‖ for a rod of length 1 and \
+         bending stiffness 1.",
+        &[always(BOUNDARY)],
+    ),
+    table(
+        &["comparison.csv"],
+        "boundary.csv against theory, a row per band of distances.",
+        &[always(COMPARISON)],
+    ),
+    file(
+        &["boundary.vtp"],
+        "The boundary of boundary.csv as a surface for ParaView.",
+    ),
+    file(
+        &[
+            "section_kappa_tau.svg",
+            "section_kappa_omega.svg",
+            "section_tau_omega.svg",
+            "section_kappa_tau.png",
+            "section_kappa_omega.png",
+            "section_tau_omega.png",
+        ],
+        "Plane sections of the boundary of stable helices, beside theory.",
+    ),
+];
+
+const BOUNDARY: &[Column] = columns! {
     "part": "surface, or the plane section: kappa_tau (ω = 0), kappa_omega (τ = 0), tau_omega (κ = 0, straight rods).",
     "kappa": "Curvature of the unit direction.",
     "tau": "Torsion of the unit direction.",
@@ -17,7 +48,7 @@ pub(super) const BOUNDARY: &[Column] = columns! {
     "contact": "Distance at which the rod first touches itself; empty where it does not before it buckles.",
 };
 
-pub(super) const COMPARISON: &[Column] = columns! {
+const COMPARISON: &[Column] = columns! {
     "quantity": "What is compared with theory: critical or extrapolated of boundary.csv.",
     "from": "Least distance of the band, by theory.",
     "to": "Largest distance of the band, by theory; empty where there is no end.",
