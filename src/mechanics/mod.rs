@@ -8,6 +8,7 @@ pub mod dynamics;
 mod error;
 pub mod fluid;
 pub mod kirchhoff;
+pub mod random;
 pub mod rod;
 pub mod scene;
 pub mod statics;

@@ -4,7 +4,7 @@ use super::rods::{clamp, unit_rod};
 use super::{Check, Expectation, GroupError};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::ContactParameters;
-use crate::mechanics::kirchhoff::numerics::uniform_numbers;
+use crate::mechanics::random::uniform_numbers;
 use crate::mechanics::scene::{NaturalShape, Plane, RodDescription, Scene};
 use crate::mechanics::system::{Stage, System};
 use std::f64::consts::TAU;

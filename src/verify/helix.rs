@@ -3,8 +3,8 @@
 use super::{Check, Expectation, GroupError};
 use crate::experiment::helix::stability::{DiscreteRod, HelixSearch, discrete_critical_distance};
 use crate::mechanics::dynamics::SimulationError;
-use crate::mechanics::kirchhoff::numerics::uniform_numbers;
 use crate::mechanics::kirchhoff::{HeavyLoop, Helix, critical_distance};
+use crate::mechanics::random::uniform_numbers;
 use std::f64::consts::TAU;
 
 const CONJUGATE_POINT: Expectation = Expectation {

@@ -6,8 +6,8 @@ use crate::experiment::helix::manipulation::{
 };
 use crate::experiment::helix::stability::DiscreteRod;
 use crate::mechanics::dynamics::{IntegrationParameters, Simulation, SimulationError, StepSize};
-use crate::mechanics::kirchhoff::numerics::uniform_numbers;
 use crate::mechanics::kirchhoff::{Helix, critical_distance};
+use crate::mechanics::random::uniform_numbers;
 use std::f64::consts::TAU;
 
 const SLOW: Expectation = Expectation {

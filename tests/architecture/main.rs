@@ -64,6 +64,7 @@ const MECHANICS: Table = &[
     ("fluid", &[]),
     ("error", &["rod", "fluid"]),
     ("kirchhoff", &[]),
+    ("random", &[]),
     ("error", &["rod", "fluid"]),
     ("scene", &["contact", "fluid"]),
     ("system", &["rod", "contact", "error", "scene"]),

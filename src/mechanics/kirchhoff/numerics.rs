@@ -78,19 +78,6 @@ pub fn gauss_legendre(points: usize) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// Repeatable uniform random numbers in [0, 1): SplitMix64 (Steele, Lea & Flood 2014).
-pub fn uniform_numbers(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^= z >> 31;
-        (z >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

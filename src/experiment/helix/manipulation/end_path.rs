@@ -2,7 +2,7 @@
 
 use crate::experiment::helix::stability::DiscreteRod;
 use crate::mechanics::kirchhoff::Helix;
-use crate::mechanics::kirchhoff::numerics::uniform_numbers;
+use crate::mechanics::random::uniform_numbers;
 use crate::mechanics::scene::{Motion, piecewise_linear};
 use crate::mechanics::{UnitQuaternion, Vector3};
 
