@@ -194,22 +194,24 @@ impl System {
             self.relative_tolerance
         };
         let unknowns = STRIDE * range.first_node..STRIDE * (range.first_node + range.nodes);
-        let largest = unknowns.clone().fold(0.0_f64, |largest, k| {
-            let reaction = if self.assembly.held[k] {
-                self.residual[k]
-            } else {
-                0.0
-            };
-            let force = (self.dead_forces[k].abs())
-                .max(acting[k].abs())
-                .max(reaction.abs());
-            largest.max(weights[k % STRIDE] * force)
-        });
+        let rounding = self.tolerances[rod].rounding;
+        let (mut largest, mut reactions) = (0.0_f64, 0.0_f64);
+        for k in unknowns.clone() {
+            let weight = weights[k % STRIDE];
+            largest = largest.max(weight * self.dead_forces[k].abs().max(acting[k].abs()));
+            if self.assembly.held[k] {
+                reactions = reactions.max(weight * self.residual[k].abs());
+            }
+        }
+        // A clamp of a rod on which nothing else acts may still feel what rounding leaves of its elastic forces.
+        if reactions > rounding {
+            largest = largest.max(reactions);
+        }
         unknowns.filter(|&k| !self.assembly.held[k]).all(|k| {
             let weight = weights[k % STRIDE];
             let load = weight * self.dead_forces[k].abs();
             let allowed = if largest == 0.0 {
-                self.tolerances[rod].rounding
+                rounding
             } else if load > 0.0 && !in_contact[k / STRIDE] {
                 self.relative_tolerance * load
             } else {
