@@ -8,6 +8,7 @@
 //! | `toml file:NAME` | the same, and written as `NAME` for the commands of the page |
 //! | `toml extends:FILE` | keys laid over those of `FILE` |
 //! | `toml after:FILE` | a continuation of the text of `FILE` |
+//! | `toml cell` | keys of a cell file, no scenario |
 //! | `sh` | commands, run in their order in one folder for each page |
 //! | `sh set:KEY:VALUE` | run with `--set KEY=VALUE`, so that they end soon |
 //! | `sh dry-run` | `rodlab run` with `--dry-run`, other commands not at all: they take too long |
@@ -131,7 +132,10 @@ fn scenarios_load() {
     for (page, text) in pages() {
         let blocks = blocks(text);
         let folder = folder(&blocks);
-        for block in blocks.iter().filter(|block| block.is("toml")) {
+        let scenarios = blocks
+            .iter()
+            .filter(|block| block.is("toml") && !block.says("cell"));
+        for block in scenarios {
             let mut text = block.text.clone();
             for base in block.values("extends") {
                 text = format!("extends = {base:?}\n{text}");
