@@ -9,7 +9,7 @@ use tempfile::TempDir;
 const SWING: &str = r#"
 experiment = "scene"
 material = { youngs_modulus = "1 MPa", poissons_ratio = 0.5, density = 1000.0 }
-time = { step = "1 ms", end = "20 ms" }
+time = { step = "1 ms", end = "20 ms", scheme = "implicit-euler" }
 output = { interval = "5 ms" }
 
 [[rods]]

@@ -56,38 +56,39 @@ fn one_command_leaves_boundary_comparison_sections_and_surface() {
             .unwrap()
             .contains("webgl2")
     );
-    let surface = fs::read_to_string(out.join("boundary.vtp")).unwrap();
+    let surface = fs::read(out.join("boundary.vtp")).unwrap();
+    let surface = String::from_utf8_lossy(&surface);
     assert!(surface.contains("<Polys>") && surface.contains("NumberOfPoints=\"6"));
 
     let mut rows = csv::Reader::from_path(out.join("boundary.csv")).unwrap();
     let headers = rows.headers().unwrap().clone();
     let column = |name: &str| headers.iter().position(|header| header == name).unwrap();
-    let [kappa, tau, fate, critical, difference] = [
+    let [kappa, tau, outcome, critical, difference] = [
         "kappa",
         "tau",
-        "fate",
+        "outcome",
         "critical",
         "relative_difference_extrapolated",
     ]
     .map(column);
-    let mut fates = Vec::new();
+    let mut outcomes = Vec::new();
     for row in rows.records() {
         let row = row.unwrap();
-        fates.push(row[fate].to_owned());
+        outcomes.push(row[outcome].to_owned());
         // Distances are empty where there is none, never a number without meaning.
-        assert_eq!(row[critical].is_empty(), &row[fate] == "stable");
+        assert_eq!(row[critical].is_empty(), &row[outcome] == "stable");
         if !row[difference].is_empty() {
             let difference: f64 = row[difference].parse().unwrap();
             assert!(difference.abs() < 0.05, "{row:?}");
         }
         // A rod bent to a ring touches itself at its ends before it buckles.
         if row[kappa].parse::<f64>() == Ok(1.0) && row[tau].parse::<f64>() == Ok(0.0) {
-            assert_eq!(&row[fate], "touches_itself");
+            assert_eq!(&row[outcome], "touches_itself");
         }
     }
-    assert_eq!(fates.len(), 793);
+    assert_eq!(outcomes.len(), 793);
     for fate in ["buckles", "touches_itself", "stable"] {
-        assert!(fates.iter().any(|found| found == fate), "{fate}");
+        assert!(outcomes.iter().any(|found| found == fate), "{fate}");
     }
 }
 

@@ -88,7 +88,8 @@ fn sweeps_and_figures_have_the_columns_of_probes() {
         "root_force_z_last_n",
     ];
     let printed = rodlab(path, &figure);
-    let drawn = fs::read_to_string(path.join(printed.trim())).unwrap();
+    let svg = printed.lines().next().unwrap();
+    let drawn = fs::read_to_string(path.join(svg)).unwrap();
     assert!(drawn.contains("Root force z last in N"), "{drawn}");
 }
 

@@ -5,7 +5,7 @@
  *
  * STEP is PD3 (pin 3), DIR is PD2 (pin 2), ENABLE (low) is PD4 (pin 4). 115200 baud, 8N1.
  *
- * Frames: sequence, kind, data, CRC-16/CCITT-FALSE (high byte first), COBS-stuffed, then a zero. Numbers are little-endian.
+ * Frames: sequence, kind, data, CRC-16/GENIBUS (high byte first), COBS-stuffed, then a zero. Numbers are little-endian.
  *   0x01 hello                     begin anew: empties the queue, forgives the watchdog, sets the sequence
  *   0x02 move  i32 steps, u32 us   so many steps, evenly spread over so many microseconds
  *   0x03 status
@@ -133,7 +133,8 @@ static uint16_t checksum(const uint8_t *bytes, uint8_t count)
         for (uint8_t bit = 0; bit < 8; bit++)
             crc = crc & 0x8000 ? crc << 1 ^ 0x1021 : crc << 1;
     }
-    return crc;
+    /* Inverted: else a zero repeated behind a checksum that ends with one would pass. */
+    return ~crc;
 }
 
 static void acknowledge(uint8_t sequence, uint8_t status)

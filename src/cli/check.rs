@@ -64,8 +64,9 @@ pub fn check(arguments: &CheckArguments, common: &Common) -> Result<(), Failure>
 
 /// Whether a file describes a robot cell: scenarios have no arms and no axes.
 fn is_cell(path: &Path) -> bool {
-    let text = std::fs::read_to_string(path).unwrap_or_default();
-    text.lines().any(|line| {
+    // What cannot be read is left to the reader of scenarios, which says why.
+    let bytes = crate::scenario::read_text_file(path).unwrap_or_default();
+    String::from_utf8_lossy(&bytes).lines().any(|line| {
         let line = line.trim_start();
         line.starts_with("[[arms]]") || line.starts_with("[[axes]]")
     })
@@ -75,7 +76,7 @@ fn print_cell(path: &Path, report: &CellReport, json: bool) -> Result<(), Failur
     if json {
         return print(&format!("{}\n", report.to_json()));
     }
-    print(&format!("{}: good\n{report}", path.display()))
+    print(&format!("{}: valid\n{report}", path.display()))
 }
 
 /// What is known of a scenario; of a sweep, the numbers are those of its first case.

@@ -40,6 +40,14 @@ pub fn read(path: &Path, largest: u64) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
+/// Reads a text file of the size that scenarios may have.
+///
+/// # Errors
+/// A message that names the file.
+pub fn read_text_file(path: &Path) -> Result<Vec<u8>, String> {
+    read(path, LARGEST_TEXT)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

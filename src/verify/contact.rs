@@ -193,12 +193,13 @@ fn energy(simulation: &Simulation) -> f64 {
     energies.kinetic + energies.elastic()
 }
 
-/// T/N of the force √(N² + T²) between two edges.
+/// T/N of the force between two edges, along their normal and across it.
 fn friction_ratio(contact: &ActiveContact) -> f64 {
     let on_first_edge: Vector3 = contact.force[..6]
         .chunks_exact(3)
         .map(Vector3::from_column_slice)
         .sum();
-    let ratio = on_first_edge.norm() / contact.normal_force;
-    (ratio * ratio - 1.0).max(0.0).sqrt()
+    let normal = contact.normal.normalize();
+    let along = on_first_edge.dot(&normal);
+    (on_first_edge - normal * along).norm() / along
 }

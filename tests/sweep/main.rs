@@ -16,7 +16,7 @@ use tempfile::TempDir;
 const SWINGS: &str = r#"
 experiment = "scene"
 material = { youngs_modulus = "1 MPa", poissons_ratio = 0.5, density = 1000.0 }
-time = { step = "1 ms", end = "0.5 s" }
+time = { step = "1 ms", end = "0.5 s", scheme = "implicit-euler" }
 output = { interval = "10 ms" }
 
 [[rods]]

@@ -540,8 +540,8 @@ moment = [1, 0, 0]
         let mut names = Vec::new();
         for entry in std::fs::read_dir(directory).unwrap() {
             let path = entry.unwrap().path();
-            // Curves and points lie beside the scenarios that name them.
-            if path.extension().is_some_and(|ending| ending == "csv") {
+            // Curves, points and robot cells lie beside the scenarios.
+            if path.is_dir() || path.extension().is_some_and(|ending| ending == "csv") {
                 continue;
             }
             let case_set = case_set(&path, &[], &[]).unwrap_or_else(|error| panic!("{error}"));

@@ -28,9 +28,9 @@ pub struct ActiveContact {
     pub distance: f64,
     /// Distance at which the surfaces touch, h_i + h_j, m.
     pub threshold: f64,
-    /// Unit normal, from the second edge to the first.
+    /// Normal, from the second edge to the first; of unit length, but shorter by some 1e-5 where closest points are smoothed.
     pub normal: Vector3,
-    /// Magnitude of the normal force of one edge on the other, N.
+    /// Normal force of one edge on the other per length of the normal, N.
     pub normal_force: f64,
     /// Force on the four nodes, friction included, N.
     pub force: [f64; 12],

@@ -41,13 +41,17 @@ impl Sliding {
 }
 
 /// Force on the four nodes of a normal force and a friction `traction` per normal force, N.
+///
+/// The normal of smoothed closest points is shorter than 1 by some 1e-5, and so is the force N n along it: friction is that
+/// of the force as it is.
 pub(super) fn edge_force(
     closest: &ClosestPoints,
     normal_force: f64,
     traction: &Vector3,
 ) -> [f64; 12] {
     let weights = closest.weights();
-    let direction = closest.normal() + traction;
+    let normal = closest.normal();
+    let direction = normal + traction * normal.norm();
     std::array::from_fn(|row| normal_force * weights[row / 3] * direction[row % 3])
 }
 
@@ -89,7 +93,7 @@ pub(super) fn edge_jacobian(
     jacobian
 }
 
-/// d = n + t and ∂d.
+/// d = n + |n| t and ∂d.
 fn direction_with_friction(
     distance: &DistanceDerivatives,
     sliding: &Sliding,
@@ -107,6 +111,12 @@ fn direction_with_friction(
     let by_position = traction.by_velocity / sliding.time_step;
 
     let turn = &distance.normal_jacobian;
+    let length = distance.normal.norm();
+    // ∂|n|
+    let stretch: [f64; 12] = std::array::from_fn(|column| {
+        let along = (0..3).map(|axis| distance.normal[axis] * turn[axis][column]);
+        along.sum::<f64>() / length
+    });
     let jacobian = std::array::from_fn(|axis| {
         std::array::from_fn(|column| {
             let turned: f64 = (0..3)
@@ -114,13 +124,12 @@ fn direction_with_friction(
                 .sum();
             let slid = by_ratio[0][axis] * distance.ratio_gradients[0][column]
                 + by_ratio[1][axis] * distance.ratio_gradients[1][column];
-            turn[axis][column]
-                + turned
-                + slid
-                + distance.weights[column / 3] * by_position[(axis, column % 3)]
+            let traction_rate =
+                turned + slid + distance.weights[column / 3] * by_position[(axis, column % 3)];
+            turn[axis][column] + length * traction_rate + traction.value[axis] * stretch[column]
         })
     });
-    (distance.normal + traction.value, jacobian)
+    (distance.normal + traction.value * length, jacobian)
 }
 
 #[cfg(test)]

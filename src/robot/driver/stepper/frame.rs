@@ -1,14 +1,15 @@
 //! Frames: a sequence number, a kind, data and a checksum, stuffed so that no byte of them is zero, and a zero.
 //!
 //! The stuffing is Consistent Overhead Byte Stuffing (Cheshire & Baker 1999): wherever a receiver begins to listen, the
-//! next zero is the end of a frame. The checksum is CRC-16/CCITT-FALSE.
+//! next zero is the end of a frame. The checksum is CRC-16/GENIBUS.
 
 /// Longest frame, bytes before stuffing.
 pub const LONGEST: usize = 32;
 
-/// CRC-16/CCITT-FALSE: polynomial 0x1021 from 0xFFFF.
+/// CRC-16/GENIBUS: polynomial 0x1021 from 0xFFFF, inverted. Without the inversion a frame whose checksum ends with a zero
+/// would pass, too, where the line repeats that zero.
 pub fn checksum(bytes: &[u8]) -> u16 {
-    bytes.iter().fold(0xFFFF, |mut crc, byte| {
+    !bytes.iter().fold(0xFFFF, |mut crc, byte| {
         crc ^= u16::from(*byte) << 8;
         for _ in 0..8 {
             crc = if crc & 0x8000 == 0 {
@@ -79,7 +80,20 @@ mod tests {
 
     #[test]
     fn the_checksum_is_the_standard_one() {
-        assert_eq!(checksum(b"123456789"), 0x29B1);
+        assert_eq!(checksum(b"123456789"), 0xD64E);
+    }
+
+    #[test]
+    fn zeros_repeated_behind_a_frame_are_noticed() {
+        for sequence in 0..=255 {
+            for data in 0..=255 {
+                let plain = [sequence, 2, data];
+                let sum = checksum(&plain).to_be_bytes();
+                let longer = [&plain[..], &sum, &[0]].concat();
+                let (body, tail) = longer.split_at(longer.len() - 2);
+                assert_ne!(checksum(body).to_be_bytes(), tail, "{plain:?}");
+            }
+        }
     }
 
     proptest! {
