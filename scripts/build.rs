@@ -1,7 +1,7 @@
 //! Tells the program from which commit it was built, so that results say so.
 //!
 //! Reads the files of a clone's `.git` and asks no program and no network. Where there is none, as in a package, the
-//! commit stays unknown. Only release builds are told: it would have every other one made anew at every commit. Who
+//! commit stays unknown. Only release builds are told: others would be built anew at every commit. Who
 //! builds elsewhere sets the environment variable `RODLAB_COMMIT`.
 
 use std::fs;
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 const COMMIT: &str = "RODLAB_COMMIT";
 
 fn main() {
-    println!("cargo:rerun-if-changed=build.rs");
+    println!("cargo:rerun-if-changed=scripts/build.rs");
     println!("cargo:rerun-if-env-changed={COMMIT}");
     let is_release = std::env::var("PROFILE").is_ok_and(|profile| profile == "release");
     if !is_release || std::env::var_os(COMMIT).is_some() {
