@@ -122,8 +122,8 @@ fn slip_work(case: &Case<Tightening>) -> Result<Option<f64>, ReproduceError> {
         (Some(first), Some(last)) => last.friction_loss_j - first.friction_loss_j,
         _ => 0.0,
     };
-    let rubs = case.run.friction > 0.0 && loss > 0.0;
-    Ok(rubs.then(|| rows.windows(2).map(slip).sum::<f64>() / loss))
+    let slides = case.run.friction > 0.0 && loss > 0.0;
+    Ok(slides.then(|| rows.windows(2).map(slip).sum::<f64>() / loss))
 }
 
 fn mean(rows: &[Row]) -> Option<Loose> {

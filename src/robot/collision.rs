@@ -53,7 +53,7 @@ pub struct Surroundings {
     pairs: Vec<Pair>,
 }
 
-/// Two shapes: by arm and index, or a standing box where the arm is `None`.
+/// Two shapes: by arm and index, or an upright box where the arm is `None`.
 #[derive(Clone, Copy, Debug)]
 struct Pair {
     first: (usize, usize),
@@ -203,17 +203,12 @@ impl Surroundings {
     fn distance(&self, pair: &Pair, poses: &[Vec<Pose>]) -> f64 {
         let (arm, index) = pair.first;
         let first = (self.members[arm].bodies[index].shape, &poses[arm][index]);
-        let standing;
+        let upright;
         let second = match pair.second {
             (Some(arm), index) => (self.members[arm].bodies[index].shape, &poses[arm][index]),
             (None, index) => {
-                standing = &self.boxes[index];
-                (
-                    Shape::Box {
-                        half: standing.half,
-                    },
-                    &standing.pose,
-                )
+                upright = &self.boxes[index];
+                (Shape::Box { half: upright.half }, &upright.pose)
             }
         };
         distance(first, second)

@@ -191,8 +191,8 @@ mod tests {
             let off = inner.map(|point| {
                 let [x, y, _]: [f64; 3] = point.pose.translation.vector.into();
                 let turned = point.pose.rotation.euler_angles().2;
-                let astray = (turned - y.atan2(x)).rem_euclid(std::f64::consts::TAU);
-                (x.hypot(y) - 1.0).abs() + astray.min(std::f64::consts::TAU - astray)
+                let deviation = (turned - y.atan2(x)).rem_euclid(std::f64::consts::TAU);
+                (x.hypot(y) - 1.0).abs() + deviation.min(std::f64::consts::TAU - deviation)
             });
             off.fold(0.0, f64::max)
         };
@@ -208,10 +208,10 @@ mod tests {
         let at = |x: f64, y: f64| pose_of_angles([x, y, 0.0], [0.0; 3]);
         let points = subdivide(&[at(0.0, 0.0), at(0.1, 0.0), at(0.1, 0.1)], 1e-3);
         assert_eq!(points.len(), 201);
-        let astray = |point: &PathPoint| {
+        let deviation = |point: &PathPoint| {
             let [x, y, _]: [f64; 3] = point.pose.translation.vector.into();
             (x - 0.1).abs().min(y.abs())
         };
-        assert!(points.iter().all(|point| astray(point) < 1e-15));
+        assert!(points.iter().all(|point| deviation(point) < 1e-15));
     }
 }

@@ -156,12 +156,12 @@ impl Driver for StepperDriver {
 
     /// The motor does not know its angle: where it stands is the first point.
     fn start(&mut self, trajectory: &PartTrajectory) -> Result<(), DriverError> {
-        let standing = self.ask(Request::Status)?;
-        self.zero = trajectory.points[0][0] - f64::from(standing.position) * self.radians_per_step;
+        let status = self.ask(Request::Status)?;
+        self.zero = trajectory.points[0][0] - f64::from(status.position) * self.radians_per_step;
         self.motion = Some(Motion {
             trajectory: trajectory.clone(),
             sent: 0.0,
-            steps: i64::from(standing.position),
+            steps: i64::from(status.position),
         });
         self.feed(0.0)
     }
