@@ -166,7 +166,8 @@ impl System {
         if let Some(stage) = stage {
             add_inertia(&self.assembly, &self.loads, stage, unknowns, &mut acting);
         }
-        let mut in_contact = vec![false; self.assembly.rods.nodes];
+        let mut in_contact = std::mem::take(&mut self.in_contact);
+        in_contact.fill(false);
         if let Some(contact) = &self.contact {
             add_contact_forces(contact, &mut acting, &mut in_contact);
         }
@@ -175,6 +176,7 @@ impl System {
             .filter(|(rod, _)| self.tolerances[*rod].force.is_finite())
             .all(|(rod, range)| self.is_rod_balanced(rod, range, &acting, &in_contact));
         self.corrected_residual = acting;
+        self.in_contact = in_contact;
         balanced
     }
 

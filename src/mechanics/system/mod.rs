@@ -99,6 +99,8 @@ pub struct System {
     /// Residual of the last evaluation, N and N m; at held unknowns what holds them.
     pub residual: Vec<f64>,
     corrected_residual: Vec<f64>,
+    /// Scratch: which nodes are in contact.
+    in_contact: Vec<bool>,
     dead_forces: Vec<f64>,
     /// Forces (N) and moments (N m) of another solver on the unknowns.
     pub external_forces: Vec<f64>,
@@ -143,6 +145,7 @@ impl System {
             committed_time: 0.0,
             residual: vec![0.0; assembly.unknowns.len()],
             corrected_residual: vec![0.0; assembly.unknowns.len()],
+            in_contact: vec![false; assembly.rods.nodes],
             dead_forces: vec![0.0; assembly.unknowns.len()],
             external_forces: vec![0.0; assembly.unknowns.len()],
             positions: vec![Vector3::zeros(); assembly.rods.nodes],
