@@ -122,6 +122,14 @@ fn report(case_set: &CaseSet, outcome: &SweepOutcome) -> Result<(), Failure> {
         let _ = writeln!(text, "{name:<24}{value}");
     };
     line("results", outcome.directory.display().to_string());
+    match outcome.counts.remarked {
+        0 => {}
+        1 => line("remarks", "on 1 case: see `remarks` in summary.csv".into()),
+        count => line(
+            "remarks",
+            format!("on {count} cases: see `remarks` in summary.csv"),
+        ),
+    }
     for found in &outcome.found {
         line("found", found_in_words(case_set, found));
     }

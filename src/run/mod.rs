@@ -89,8 +89,6 @@ pub struct RunOutcome {
     pub wall_time: Duration,
     /// What people want to see first of what was observed: names and texts, a line each.
     pub highlights: Vec<(String, String)>,
-    /// What else is to be told, a line each.
-    pub remarks: Vec<String>,
 }
 
 /// What a successful call of [`run`] did.
@@ -193,7 +191,6 @@ impl RunOutcome {
             wall_time: record
                 .map(|record| record.usage().wall_time)
                 .unwrap_or_default(),
-            remarks: Vec::new(),
         }
     }
 }
