@@ -22,6 +22,7 @@ mod table;
 #[cfg(test)]
 mod tests;
 pub(crate) mod thread_pools;
+mod trial;
 
 pub use controller::{Controller, ControllerObject};
 pub use error::RunError;
@@ -31,6 +32,7 @@ pub use prepared::{Mode, OutputPlan, PreparedRun, TableRun};
 pub use progress::AmongBars;
 pub use stop::StopRequest;
 pub use table::TableJob;
+pub use trial::{Forecast, forecast};
 
 use crate::mechanics::dynamics::Simulation;
 use crate::results::{CaseOutcome, MAIN_CASE, Manifest, Opened, ResultsDirectory, scenario_hash};

@@ -44,6 +44,10 @@ pub trait TableJob: Debug + Send + Sync {
 }
 
 impl<Job: TableJob> TableRun for Job {
+    fn rows(&self) -> usize {
+        self.count()
+    }
+
     fn run(
         &self,
         prepared: &PreparedRun,
