@@ -5,7 +5,7 @@
 //! overlap by no more than the bound, linked rings stay linked, momentum is conserved where nothing holds it, and implicit
 //! Euler gains no energy.
 //!
-//! 200 scenes by default; `RODLAB_RANDOM_SCENES=10000 cargo test --release --test random_scenes` runs as many as you like, and
+//! 200 scenes by default; `RODLAB_RANDOM_SCENES=10000 cargo test --release random_scenes::` runs as many as you like, and
 //! `RODLAB_RANDOM_SCENE=17` the one of that number, printed.
 
 use rayon::prelude::*;
