@@ -253,6 +253,7 @@ fn first_manifest(
             .into_iter()
             .collect(),
         cases: BTreeMap::new(),
+        files: BTreeMap::new(),
     }
 }
 
