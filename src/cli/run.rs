@@ -134,7 +134,7 @@ fn as_json(outcome: &RunOutcome) -> serde_json::Value {
         "resumed_from": resumed_from,
         "wall_time_s": outcome.wall_time.as_secs_f64(),
         "outcome": outcome.case,
-        "remarks": outcome.remarks,
+        "remarks": outcome.case.remarks,
     })
 }
 
@@ -178,6 +178,9 @@ fn summary(outcome: &RunOutcome) -> String {
     if let Some(distance) = case.minimum_distance {
         line("smallest distance", format!("{:.4} mm", 1e3 * distance));
     }
+    if let Some(gap) = case.mean_gap {
+        line("mean gap of contacts", format!("{:.3} µm", 1e6 * gap));
+    }
     for (name, value) in &outcome.highlights {
         line(name, value.clone());
     }
@@ -188,7 +191,7 @@ fn summary(outcome: &RunOutcome) -> String {
         "wall time",
         format!("{:.2} s", outcome.wall_time.as_secs_f64()),
     );
-    for remark in &outcome.remarks {
+    for remark in &case.remarks {
         text += remark;
         text.push('\n');
     }

@@ -23,6 +23,7 @@ mod table;
 #[cfg(test)]
 mod tests;
 pub(crate) mod thread_pools;
+mod trial;
 
 pub use controller::{Controller, ControllerObject};
 pub use error::RunError;
@@ -33,6 +34,7 @@ pub use prepared::{Mode, OutputPlan, PreparedRun, TableRun};
 pub use progress::AmongBars;
 pub use stop::StopRequest;
 pub use table::TableJob;
+pub use trial::{Forecast, forecast};
 
 use crate::mechanics::dynamics::Simulation;
 use crate::results::{CaseOutcome, MAIN_CASE, Manifest, Opened, ResultsDirectory, scenario_hash};
@@ -91,8 +93,6 @@ pub struct RunOutcome {
     pub wall_time: Duration,
     /// What people want to see first of what was observed: names and texts, a line each.
     pub highlights: Vec<(String, String)>,
-    /// What else is to be told, a line each.
-    pub remarks: Vec<String>,
 }
 
 /// What a successful call of [`run`] did.
@@ -195,7 +195,6 @@ impl RunOutcome {
             wall_time: record
                 .map(|record| record.usage().wall_time)
                 .unwrap_or_default(),
-            remarks: Vec::new(),
         }
     }
 }

@@ -117,7 +117,7 @@ impl System {
     }
 
     /// Node at which a vertex lies.
-    fn node_of(&self, vertex: &Vertex) -> usize {
+    pub(super) fn node_of(&self, vertex: &Vertex) -> usize {
         let rods = &self.assembly.rods;
         if vertex.after < rods.nodes {
             return vertex.after;
@@ -126,7 +126,8 @@ impl System {
         rods.rods[rod].end_of(vertex.before)
     }
 
-    fn strains(&self, index: usize, vertex: &Vertex) -> VertexStrains {
+    /// Strains of a vertex at the last evaluation.
+    pub(super) fn strains(&self, index: usize, vertex: &Vertex) -> VertexStrains {
         let edges = &self.geometry.edges;
         VertexStrains {
             curvature: vertex::curvatures(&edges[vertex.before], &edges[vertex.after]),
