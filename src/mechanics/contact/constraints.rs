@@ -15,9 +15,14 @@ use super::contacts::{ActiveContact, Bodies, ContactConstraint, PlaneContact};
 use crate::mechanics::Vector3;
 
 impl ContactSystem {
-    /// Lists the contacts that the unhindered motion from `positions`, of at most `reaches` (m) per node, may close,
-    /// without forces. Friction slows the motion since `previous`.
-    pub fn list_constraints(&mut self, positions: &[Vector3], reaches: &[f64]) {
+    /// Lists the contacts that the unhindered motion from `positions`, of at most `reaches` (m) per node, may close, with
+    /// the forces that they had among `earlier` ones, or else along their normals in the last step, to begin with.
+    pub fn list_constraints(
+        &mut self,
+        positions: &[Vector3],
+        reaches: &[f64],
+        earlier: &[ContactConstraint],
+    ) {
         let slack = self.parameters().reach();
         self.constraints.clear();
         self.candidates.motion(positions, &mut self.motion);
@@ -54,6 +59,33 @@ impl ContactSystem {
                 }
             }
         }
+        self.warm_start(earlier);
+    }
+
+    /// Forces of constraints before iterations, N.
+    fn warm_start(&mut self, earlier: &[ContactConstraint]) {
+        let slots = self.slots();
+        let mut known = earlier.iter().peekable();
+        for constraint in &mut self.constraints {
+            // Both lists are in the order of candidates, then planes with their nodes.
+            while known
+                .next_if(|other| other.order() < constraint.order())
+                .is_some()
+            {}
+            let same = known.next_if(|other| other.order() == constraint.order());
+            constraint.force = match (same, earlier.is_empty()) {
+                (Some(other), _) => other.force,
+                (None, true) => {
+                    let slot = match constraint.bodies {
+                        Bodies::Edges(candidate) => candidate,
+                        Bodies::Plane(plane) => slots.over_plane(plane, constraint.nodes[0]),
+                    };
+                    let committed = self.multipliers.committed().get(slot);
+                    constraint.normal * committed.copied().unwrap_or(0.0)
+                }
+                (None, false) => Vector3::zeros(),
+            };
+        }
     }
 
     /// The contacts that [`Self::list_constraints`] found.
@@ -61,25 +93,18 @@ impl ContactSystem {
         &self.constraints
     }
 
-    /// Gives the listed contacts their forces, N, and drops those without; `components` has the component along the normal
-    /// for each, or those along all three axes of its frame.
-    pub fn load_constraints(&mut self, components: &[f64]) {
-        let directions = components.len() / self.constraints.len().max(1);
-        for (constraint, components) in self
-            .constraints
-            .iter_mut()
-            .zip(components.chunks(directions.max(1)))
-        {
-            let axes = constraint.frame.iter().zip(components);
-            constraint.force = axes.map(|(axis, component)| axis * *component).sum();
+    /// Gives the listed contacts their forces, N, and drops those without.
+    pub fn load_constraints(&mut self, forces: &[Vector3]) {
+        for (constraint, force) in self.constraints.iter_mut().zip(forces) {
+            constraint.force = *force;
         }
         self.constraints
             .retain(|constraint| constraint.force != Vector3::zeros());
     }
 
-    /// Drops all constraints with their forces.
-    pub fn release_constraints(&mut self) {
-        self.constraints.clear();
+    /// Drops all constraints with their forces, and returns them.
+    pub fn release_constraints(&mut self) -> Vec<ContactConstraint> {
+        std::mem::take(&mut self.constraints)
     }
 
     /// Writes the forces of the loaded constraints as contacts, with the gaps at `positions`.
@@ -92,14 +117,14 @@ impl ContactSystem {
                 threshold,
                 ..
             } = *constraint;
-            let normal_force = force.dot(&constraint.frame[0]);
+            let normal_force = force.dot(&constraint.normal);
             match constraint.bodies {
                 Bodies::Edges(candidate) => self.contacts.push(ActiveContact {
                     candidate,
                     nodes,
                     distance: ClosestPoints::of(&nodes.map(|node| positions[node])).distance(),
                     threshold,
-                    normal: constraint.frame[0],
+                    normal: constraint.normal,
                     normal_force,
                     force: std::array::from_fn(|row| weights[row / 3] * force[row % 3]),
                 }),

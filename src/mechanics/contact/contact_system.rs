@@ -7,6 +7,7 @@ use super::contacts::{
     ActiveContact, CandidatePair, ContactConstraint, EdgeJacobian, ForceCorrections, PlaneContact,
     PlaneJacobian,
 };
+use super::iterate::Iterate;
 use super::multipliers::{Multipliers, Slots};
 use super::parameters::ContactParameters;
 use super::stiffness::adapted_stiffness;
@@ -39,6 +40,9 @@ pub struct ContactSystem {
     pub(super) carried_tractions: Tractions,
     pub(super) stiffness: f64,
     least_stiffness: f64,
+    /// Least stiffness of contacts of each node; empty where it is the same for all.
+    least_of_nodes: Vec<f64>,
+    pub(super) iterate: Iterate,
     /// How far every node has moved since the candidates were built, m; scratch.
     pub(super) motion: Vec<f64>,
     pub(super) broad_phase: BroadPhase,
@@ -50,15 +54,13 @@ pub struct ContactSystem {
     /// Friction per normal force of the contacts.
     pub(super) tractions: Vec<Vector3>,
     pub(super) jacobians: Vec<EdgeJacobian>,
-    /// What to add to the forces to have those of the linear laws, and those of the multipliers, N.
+    /// What to add to the forces to have those of the linear laws, N.
     pub(super) linear_corrections: Vec<[f64; 12]>,
-    pub(super) multiplier_corrections: Vec<[f64; 12]>,
     pub(super) plane_contacts: Vec<PlaneContact>,
     /// Friction per normal force of the plane contacts.
     pub(super) plane_tractions: Vec<Vector3>,
     pub(super) plane_jacobians: Vec<PlaneJacobian>,
     pub(super) plane_linear_corrections: Vec<[f64; 3]>,
-    pub(super) plane_multiplier_corrections: Vec<[f64; 3]>,
     /// Contacts of the complementarity model.
     pub(super) constraints: Vec<ContactConstraint>,
     pub(super) energy: f64,
@@ -86,6 +88,8 @@ impl ContactSystem {
             tractions: Vec::new(),
             stiffness: least_stiffness,
             least_stiffness,
+            least_of_nodes: Vec::new(),
+            iterate: Iterate::default(),
             motion: Vec::new(),
             broad_phase: BroadPhase::default(),
             swept_pairs: Vec::new(),
@@ -93,12 +97,10 @@ impl ContactSystem {
             contacts: Vec::new(),
             jacobians: Vec::new(),
             linear_corrections: Vec::new(),
-            multiplier_corrections: Vec::new(),
             plane_contacts: Vec::new(),
             plane_tractions: Vec::new(),
             plane_jacobians: Vec::new(),
             plane_linear_corrections: Vec::new(),
-            plane_multiplier_corrections: Vec::new(),
             constraints: Vec::new(),
             energy: 0.0,
             contact_count: 0,
@@ -177,7 +179,6 @@ impl ContactSystem {
             });
         self.jacobians.clear();
         self.linear_corrections.clear();
-        self.multiplier_corrections.clear();
     }
 
     /// Rebuilds the candidates for these positions in any case; without positions there are none.
@@ -204,22 +205,25 @@ impl ContactSystem {
 
     /// Starts the Newton iterations of a step: until [`Self::commit_multipliers`] or
     /// [`Self::abandon_multipliers`] the Jacobians are those of the force law linearised at the normal forces
-    /// that the iteration carries along, the first ones those of the last step.
-    pub fn begin_iterations(&mut self) {
+    /// and tractions that the iteration carries along, which begin with those of the last step. `mobilities` says how far a
+    /// unit force moves each node within the step by inertia alone, m/N: zero where it is held.
+    pub fn begin_iterations(&mut self, mobilities: &[f64]) {
         if self.parameters.is_complementarity() {
             return;
         }
-        let factor = self
-            .parameters
-            .stiffness_per_force(self.surface.largest_moving_radius());
-        let expected = self.stiffness / factor;
-        self.multipliers.begin(self.slots(), expected);
+        self.iterate.begin(mobilities);
+        self.multipliers.begin(self.slots());
         self.carried_tractions.begin(self.slots());
     }
 
     /// Whether the Jacobians are those of the carried normal forces.
     pub fn uses_multipliers(&self) -> bool {
         self.multipliers.in_use()
+    }
+
+    /// Says whether the last correction was small against the radii; before, Jacobians leave out how contacts turn.
+    pub fn set_moved_slightly(&mut self, slightly: bool) {
+        self.iterate.moved_slightly = slightly;
     }
 
     /// Goes on with Jacobians at the present gaps.
@@ -315,14 +319,6 @@ impl ContactSystem {
         }
     }
 
-    /// What to add to the same forces to have those of the multipliers, N.
-    pub fn multiplier_corrections(&self) -> ForceCorrections<'_> {
-        ForceCorrections {
-            edges: &self.multiplier_corrections,
-            planes: &self.plane_multiplier_corrections,
-        }
-    }
-
     /// Active plane contacts of the last evaluation, sorted by plane and node.
     pub fn plane_contacts(&self) -> &[PlaneContact] {
         &self.plane_contacts
@@ -341,6 +337,38 @@ impl ContactSystem {
     /// Contact stiffness k.
     pub fn stiffness(&self) -> f64 {
         self.stiffness
+    }
+
+    /// Gives contacts a least stiffness of their own: the smaller one of their two bodies, of which the given ones are those
+    /// of every node. Infinite for a node that yields to the other body alone, as that of an obstacle.
+    ///
+    /// A soft rod presses with its own forces on a stiff one.
+    pub fn set_least_stiffness_of_nodes(&mut self, least: Vec<f64>) {
+        self.least_of_nodes = least;
+    }
+
+    /// Contact stiffness between two nodes; a node twice for contact with a plane.
+    pub(super) fn stiffness_between(&self, first: usize, second: usize) -> f64 {
+        let least = match self.least_of_nodes.as_slice() {
+            [] => return self.stiffness,
+            nodes => nodes[first].min(nodes[second]),
+        };
+        if least.is_finite() {
+            self.stiffness.max(least)
+        } else {
+            self.stiffness
+        }
+    }
+
+    /// Makes all contacts of the last evaluation stiffer, by this factor at least.
+    pub fn stiffen(&mut self, factor: f64) {
+        let pairs = self.contacts.iter().map(|c| [c.nodes[0], c.nodes[2]]);
+        let planes = self.plane_contacts.iter().map(|c| [c.node; 2]);
+        let stiffest = pairs
+            .chain(planes)
+            .map(|[first, second]| self.stiffness_between(first, second))
+            .fold(self.stiffness, f64::max);
+        self.stiffness = factor * stiffest;
     }
 
     /// Sets the contact stiffness k.

@@ -8,6 +8,17 @@ pub type EdgeJacobian = [[f64; 12]; 12];
 /// Derivative of the force of a plane on a node with respect to the node's position, N/m.
 pub type PlaneJacobian = [[f64; 3]; 3];
 
+/// A contact as a linear function of the coordinates of its four nodes; a plane has one, the first.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Linearised<J> {
+    /// Derivative of its force, N/m.
+    pub jacobian: J,
+    /// Derivative of its gap.
+    pub gap_gradient: [f64; 12],
+    /// Derivative of its friction per normal force, 1/m; zero without friction.
+    pub traction_gradient: [[f64; 12]; 3],
+}
+
 /// A pair of edges that may touch before the candidates are next updated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct CandidatePair {
@@ -62,6 +73,15 @@ pub(super) enum Bodies {
     Plane(usize),
 }
 
+/// Where the matrix of a constraint belongs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ConstraintPlace {
+    /// A candidate pair of edges.
+    Candidate(usize),
+    /// A node over a plane.
+    Node(usize),
+}
+
 /// A contact as a constraint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactConstraint {
@@ -70,8 +90,8 @@ pub struct ContactConstraint {
     pub nodes: [usize; 4],
     /// Weights of the nodes in the motion at the contact.
     pub weights: [f64; 4],
-    /// Normal, from the second body to the first, and two tangents.
-    pub frame: [Vector3; 3],
+    /// Normal, from the second body to the first.
+    pub normal: Vector3,
     /// Gap between the surfaces, m.
     pub gap: f64,
     /// Friction coefficient μ.
@@ -79,10 +99,26 @@ pub struct ContactConstraint {
     /// Distance at which the surfaces touch, m.
     pub(super) threshold: f64,
     /// Force on the first body, N.
-    pub(super) force: Vector3,
+    pub force: Vector3,
 }
 
 impl ContactConstraint {
+    /// Its place among all constraints.
+    pub(super) fn order(&self) -> (bool, usize, usize) {
+        match self.bodies {
+            Bodies::Edges(candidate) => (false, candidate, 0),
+            Bodies::Plane(plane) => (true, plane, self.nodes[0]),
+        }
+    }
+
+    /// Where its matrix belongs.
+    pub fn place(&self) -> ConstraintPlace {
+        match self.bodies {
+            Bodies::Edges(candidate) => ConstraintPlace::Candidate(candidate),
+            Bodies::Plane(_) => ConstraintPlace::Node(self.nodes[0]),
+        }
+    }
+
     /// A constraint without force yet.
     pub(super) fn new(
         bodies: Bodies,
@@ -91,13 +127,11 @@ impl ContactConstraint {
         normal: Vector3,
         [gap, threshold, friction]: [f64; 3],
     ) -> Self {
-        let axis = Vector3::ith(normal.iamin(), 1.0);
-        let tangent = normal.cross(&axis).normalize();
         Self {
             bodies,
             nodes,
             weights,
-            frame: [normal, tangent, normal.cross(&tangent)],
+            normal,
             gap,
             friction,
             threshold,

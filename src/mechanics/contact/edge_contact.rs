@@ -15,7 +15,7 @@
 //! Without friction the Jacobian is −k∇²E, symmetric to rounding error.
 
 use super::closest_points::ClosestPoints;
-use super::contacts::EdgeJacobian;
+use super::contacts::{EdgeJacobian, Linearised};
 use super::distance::{DistanceDerivatives, WEIGHT_RATES};
 use super::friction::FrictionLaw;
 use super::normal_response::NormalResponse;
@@ -56,18 +56,27 @@ pub(super) fn edge_force(
 }
 
 /// Derivative of [`edge_force`] with respect to the coordinates of the four nodes, N/m, for the friction law linearised
-/// at the slip given with `sliding` (m/s).
+/// at the slip given with `sliding` (m/s); without that of normal and contact points unless the contact `turns`.
+///
+/// What turning adds is of the order of N/Δ and of either sign. While forces and contact points are still those of a guess
+/// it leads astray: a force that is far too large makes the system indefinite. Without it the Jacobian of frictionless
+/// contact is positive.
 pub(super) fn edge_jacobian(
     nodes: &[Vector3; 4],
     closest: &ClosestPoints,
     response: &NormalResponse,
     sliding: Option<(&Sliding, Vector3)>,
-) -> EdgeJacobian {
-    let distance = DistanceDerivatives::of(nodes, closest);
+    turns: bool,
+) -> Linearised<EdgeJacobian> {
+    let mut distance = DistanceDerivatives::of(nodes, closest);
+    if !turns {
+        distance.normal_jacobian = Default::default();
+        distance.ratio_gradients = Default::default();
+    }
     let gradient = distance.gradient();
-    let (direction, direction_jacobian) = match sliding {
+    let (direction, direction_jacobian, rates) = match sliding {
         Some((sliding, at)) => direction_with_friction(&distance, sliding, &at),
-        None => (distance.normal, distance.normal_jacobian),
+        None => (distance.normal, distance.normal_jacobian, [[0.0; 12]; 3]),
     };
     let mut jacobian = [[0.0; 12]; 12];
     for node in 0..4 {
@@ -90,15 +99,19 @@ pub(super) fn edge_jacobian(
             }
         }
     }
-    jacobian
+    Linearised {
+        jacobian,
+        gap_gradient: gradient,
+        traction_gradient: rates,
+    }
 }
 
-/// d = n + |n| t and ∂d.
+/// d = n + |n| t, ∂d and ∂t.
 fn direction_with_friction(
     distance: &DistanceDerivatives,
     sliding: &Sliding,
     at: &Vector3,
-) -> (Vector3, [[f64; 12]; 3]) {
+) -> (Vector3, [[f64; 12]; 3], [[f64; 12]; 3]) {
     let velocity = sliding.relative_velocity(&distance.weights);
     let traction = sliding
         .law
@@ -117,19 +130,24 @@ fn direction_with_friction(
         let along = (0..3).map(|axis| distance.normal[axis] * turn[axis][column]);
         along.sum::<f64>() / length
     });
-    let jacobian = std::array::from_fn(|axis| {
+    let rates: [[f64; 12]; 3] = std::array::from_fn(|axis| {
         std::array::from_fn(|column| {
             let turned: f64 = (0..3)
                 .map(|other| traction.by_normal[(axis, other)] * turn[other][column])
                 .sum();
             let slid = by_ratio[0][axis] * distance.ratio_gradients[0][column]
                 + by_ratio[1][axis] * distance.ratio_gradients[1][column];
-            let traction_rate =
-                turned + slid + distance.weights[column / 3] * by_position[(axis, column % 3)];
-            turn[axis][column] + length * traction_rate + traction.value[axis] * stretch[column]
+            turned + slid + distance.weights[column / 3] * by_position[(axis, column % 3)]
         })
     });
-    (distance.normal + traction.value * length, jacobian)
+    let jacobian = std::array::from_fn(|axis| {
+        std::array::from_fn(|column| {
+            turn[axis][column]
+                + length * rates[axis][column]
+                + traction.value[axis] * stretch[column]
+        })
+    });
+    (distance.normal + traction.value * length, jacobian, rates)
 }
 
 #[cfg(test)]
@@ -291,7 +309,8 @@ mod tests {
                 |x| printed_force(x.as_slice(), &[], &case.closest, case.radius, None),
                 &flat(&case.nodes),
             );
-            let found = edge_jacobian(&case.nodes, &case.closest, &case.response(), None);
+            let found =
+                edge_jacobian(&case.nodes, &case.closest, &case.response(), None, true).jacobian;
             assert!(relative_error(found.as_flattened(), &rows(&expected)) < 1e-6);
             let transposed: EdgeJacobian =
                 std::array::from_fn(|r| std::array::from_fn(|c| found[c][r]));
@@ -324,7 +343,9 @@ mod tests {
                 &case.closest,
                 &response,
                 Some((&sliding, case.slip())),
-            );
+                true,
+            )
+            .jacobian;
             let error = relative_error(found.as_flattened(), &rows(&expected));
             assert!(error < 1e-6, "{error:e} {:?}", case.closest.free);
         }

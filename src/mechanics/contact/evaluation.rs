@@ -6,13 +6,17 @@ use super::contact_system::ContactSystem;
 use super::contacts::{ActiveContact, PlaneContact};
 use super::edge_contact::{Sliding, edge_force, edge_jacobian};
 use super::friction::{FrictionLaw, slip};
-use super::multipliers::LinearLaw;
+use super::multipliers::{LinearLaw, Moved};
 use super::normal_law::NormalLaw;
 use super::normal_response::NormalResponse;
 use super::plane_contact::{NodeSliding, plane_force, plane_jacobian};
 use super::surface::ContactNode;
 use super::tractions::LinearTraction;
 use crate::mechanics::Vector3;
+
+/// Least gap at which a barrier is evaluated while forces are carried along, in units of δ: its force is then some 10⁴
+/// times that of contacts at rest, and no balance possible.
+const COUNTED_PART: f64 = 1e-4;
 
 /// The positions at which contact is evaluated.
 #[derive(Clone, Copy)]
@@ -53,6 +57,18 @@ struct TouchingEdges {
     force: [f64; 12],
 }
 
+/// What the linearised laws of a contact begin with.
+struct Touch {
+    gap: f64,
+    law: NormalLaw,
+    response: NormalResponse,
+    /// Friction law, and the size of the step, s.
+    friction: Option<(FrictionLaw, f64)>,
+    normal: Vector3,
+    slip: Vector3,
+    traction: Vector3,
+}
+
 impl ContactSystem {
     /// Finds the active contacts at `positions` and evaluates energy, forces and Jacobians.
     ///
@@ -89,8 +105,8 @@ impl ContactSystem {
         };
         self.evaluate_edges(motion, with_jacobians);
         self.evaluate_planes(motion, with_jacobians);
-        if with_jacobians {
-            self.multipliers.advance();
+        if with_jacobians && self.multipliers.in_use() {
+            self.iterate.linearised_at(positions);
         }
     }
 
@@ -99,12 +115,10 @@ impl ContactSystem {
         self.tractions.clear();
         self.jacobians.clear();
         self.linear_corrections.clear();
-        self.multiplier_corrections.clear();
         self.plane_contacts.clear();
         self.plane_tractions.clear();
         self.plane_jacobians.clear();
         self.plane_linear_corrections.clear();
-        self.plane_multiplier_corrections.clear();
         self.energy = 0.0;
         self.contact_count = 0;
     }
@@ -130,8 +144,9 @@ impl ContactSystem {
             if !loaded && gap >= reach {
                 continue;
             }
-            let law = NormalLaw::new(&parameters, 0.5 * threshold, self.stiffness);
-            let response = law.response(gap);
+            let stiffness = self.stiffness_between(pair.nodes[0], pair.nodes[2]);
+            let law = NormalLaw::new(&parameters, 0.5 * threshold, stiffness);
+            let response = law.response(self.counted_gap(gap));
             let sliding = friction.map(|law| Sliding {
                 law,
                 velocities: pair.nodes.map(|node| motion.velocity(node)),
@@ -173,70 +188,90 @@ impl ContactSystem {
         }
     }
 
-    /// Adds the Jacobian of two edges, and the differences between the force of their laws, that of the linearised
-    /// laws, and that of the carried normal force and traction.
+    /// Adds the Jacobian of two edges, and the difference between the force of their laws and that of the linearised
+    /// ones.
     fn linearize_edges(&mut self, edges: &TouchingEdges) {
-        let normal = edges.closest.normal();
-        let pressure =
-            self.linear_normal_law(edges.candidate, edges.gap, &edges.law, edges.response);
-        let law = edges.sliding.as_ref().map(|sliding| &sliding.law);
-        let friction =
-            self.linear_friction_law(edges.candidate, law, &normal, &edges.slip, edges.traction);
+        let slot = edges.candidate;
         let sliding = edges.sliding.as_ref();
-        self.jacobians.push(edge_jacobian(
+        let (pressure, friction) = self.linear_laws(
+            slot,
+            &Touch {
+                gap: edges.gap,
+                law: edges.law,
+                response: edges.response,
+                friction: sliding.map(|sliding| (sliding.law, sliding.time_step)),
+                normal: edges.closest.normal(),
+                slip: edges.slip,
+                traction: edges.traction,
+            },
+            |system| {
+                let nodes = &system.candidates.pairs()[slot].nodes;
+                let weights = edges.closest.weights();
+                system.iterate.moved(nodes, &weights, &edges.nodes)
+            },
+        );
+        let carries = self.multipliers.in_use();
+        let linearised = edge_jacobian(
             &edges.nodes,
             &edges.closest,
             &pressure.tangent,
             sliding.map(|sliding| (sliding, friction.slip)),
-        ));
-        let [linear, carried] =
-            corrections(&pressure, &friction, edges.force, |force, traction| {
-                edge_force(&edges.closest, force, traction)
-            });
-        self.linear_corrections.push(linear);
-        self.multiplier_corrections.push(carried);
-    }
-
-    /// The normal force law of a slot, linearised where its multiplier is.
-    fn linear_normal_law(
-        &mut self,
-        slot: usize,
-        gap: f64,
-        law: &NormalLaw,
-        response: NormalResponse,
-    ) -> LinearLaw {
-        let linear = self.multipliers.linear_law(
-            slot,
-            gap,
-            &response,
-            |gap| law.response(gap),
-            |force| law.gap_of_force(force),
+            !carries || self.iterate.moved_slightly,
         );
-        linear.unwrap_or(LinearLaw {
-            tangent: response,
-            force: response.force,
-        })
+        self.jacobians.push(linearised.jacobian);
+        if carries {
+            self.multipliers
+                .keep(slot, &pressure, &linearised.gap_gradient);
+            self.carried_tractions
+                .keep(slot, &friction, &linearised.traction_gradient);
+        }
+        self.linear_corrections.push(correction(
+            &pressure,
+            &friction,
+            edges.force,
+            |force, traction| edge_force(&edges.closest, force, traction),
+        ));
     }
 
-    /// The friction law of a slot, where there is one, linearised where its traction is.
-    fn linear_friction_law(
-        &mut self,
+    /// The laws of a slot, linearised where its multipliers are; `moved` says how its nodes have moved.
+    fn linear_laws(
+        &self,
         slot: usize,
-        law: Option<&FrictionLaw>,
-        normal: &Vector3,
-        slip: &Vector3,
-        traction: Vector3,
-    ) -> LinearTraction {
-        match law {
-            Some(law) if self.multipliers.in_use() => {
-                self.carried_tractions.linear_law(slot, law, normal, slip)
+        touch: &Touch,
+        moved: impl Fn(&Self) -> Moved,
+    ) -> (LinearLaw, LinearTraction) {
+        let at_present = LinearTraction::at_present(touch.slip, touch.traction);
+        if !self.multipliers.in_use() {
+            let pressure = LinearLaw {
+                tangent: touch.response,
+                force: touch.response.force,
+            };
+            return (pressure, at_present);
+        }
+        let moved = moved(self);
+        let pressure = self
+            .multipliers
+            .linear_law(slot, touch.gap, &touch.law, &moved);
+        let force = pressure.tangent.force;
+        let friction = match touch.friction {
+            Some((law, time_step)) if force > 0.0 => {
+                let resistance = moved.inertia * time_step / force;
+                let (normal, slip) = (&touch.normal, &touch.slip);
+                self.carried_tractions
+                    .linear_law(slot, &law, normal, slip, &moved, resistance)
             }
-            _ => LinearTraction {
-                slip: *slip,
-                value: traction,
-                present: traction,
-                carried: traction,
-            },
+            _ => at_present,
+        };
+        (pressure, friction)
+    }
+
+    /// The gap at which forces are evaluated, m: iterations that carry forces along may pass a barrier on their way to
+    /// the solution before it, where no number would be left.
+    fn counted_gap(&self, gap: f64) -> f64 {
+        if self.parameters.is_barrier() && self.multipliers.in_use() {
+            gap.max(COUNTED_PART * self.parameters.distance_tolerance)
+        } else {
+            gap
         }
     }
 
@@ -255,8 +290,9 @@ impl ContactSystem {
                 if !loaded && gap >= reach {
                     continue;
                 }
-                let law = NormalLaw::new(&self.parameters, radius, self.stiffness);
-                let response = law.response(gap);
+                let stiffness = self.stiffness_between(node, node);
+                let law = NormalLaw::new(&self.parameters, radius, stiffness);
+                let response = law.response(self.counted_gap(gap));
                 let sliding = friction.map(|law| NodeSliding {
                     law,
                     velocity: motion.velocity(node),
@@ -278,25 +314,37 @@ impl ContactSystem {
                 });
                 self.plane_tractions.push(traction);
                 if with_jacobians {
-                    let pressure = self.linear_normal_law(slot, gap, &law, response);
-                    let friction = self.linear_friction_law(
-                        slot,
-                        friction.as_ref(),
-                        &plane.normal,
-                        &slip,
+                    let position = motion.positions[node];
+                    let touch = Touch {
+                        gap,
+                        law,
+                        response,
+                        friction: friction.map(|law| (law, motion.time_step)),
+                        normal: plane.normal,
+                        slip,
                         traction,
-                    );
-                    self.plane_jacobians.push(plane_jacobian(
+                    };
+                    let (pressure, friction) = self.linear_laws(slot, &touch, |system| {
+                        system.iterate.moved(&[node], &[1.0], &[position])
+                    });
+                    let linearised = plane_jacobian(
                         &plane.normal,
                         &pressure.tangent,
                         sliding.as_ref().map(|sliding| (sliding, friction.slip)),
+                    );
+                    self.plane_jacobians.push(linearised.jacobian);
+                    if self.multipliers.in_use() {
+                        self.multipliers
+                            .keep(slot, &pressure, &linearised.gap_gradient);
+                        self.carried_tractions
+                            .keep(slot, &friction, &linearised.traction_gradient);
+                    }
+                    self.plane_linear_corrections.push(correction(
+                        &pressure,
+                        &friction,
+                        force,
+                        |force, traction| plane_force(&plane.normal, force, traction),
                     ));
-                    let [linear, carried] =
-                        corrections(&pressure, &friction, force, |force, traction| {
-                            plane_force(&plane.normal, force, traction)
-                        });
-                    self.plane_linear_corrections.push(linear);
-                    self.plane_multiplier_corrections.push(carried);
                 }
                 self.energy += response.energy;
                 self.contact_count += usize::from(gap < tolerance);
@@ -305,21 +353,16 @@ impl ContactSystem {
     }
 }
 
-/// What to add to `force` to have that of the linearised laws, and to have that of the carried normal force and traction;
-/// `with` gives the force of a normal force and a traction.
-fn corrections<const N: usize>(
+/// What to add to `force` to have that of the linearised laws; `with` gives the force of a normal force and a traction.
+fn correction<const N: usize>(
     pressure: &LinearLaw,
     friction: &LinearTraction,
     force: [f64; N],
     with: impl Fn(f64, &Vector3) -> [f64; N],
-) -> [[f64; N]; 2] {
+) -> [f64; N] {
     // The product of force and direction, linearised where the Jacobian is: N d₀ + N₀ (d − d₀).
     let normal_force = pressure.tangent.force;
     let pressed = with(pressure.force, &friction.value);
     let [slid, base] = [&friction.present, &friction.value].map(|t| with(normal_force, t));
-    let carried = with(normal_force, &friction.carried);
-    [
-        std::array::from_fn(|k| pressed[k] + (slid[k] - base[k]) - force[k]),
-        std::array::from_fn(|k| carried[k] - force[k]),
-    ]
+    std::array::from_fn(|k| pressed[k] + (slid[k] - base[k]) - force[k])
 }

@@ -17,6 +17,11 @@ use crate::mechanics::{Matrix3, Vector3};
 /// K₂ν, the slope of the smoothing (Eq. 2.10).
 const SLOPE: f64 = 15.0;
 
+/// Iterations of [`FrictionLaw::resolved`], which mostly takes two or three.
+const RESOLVING_ITERATIONS: usize = 30;
+/// Relative change of the speed that ends them: its square is below what matters.
+const RESOLVED_CHANGE: f64 = 1e-6;
+
 /// Coulomb friction with a slip tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct FrictionLaw {
@@ -51,6 +56,7 @@ impl FrictionLaw {
     }
 
     /// The slip (m/s) of a friction per normal force below μ.
+    #[cfg(test)]
     pub fn slip_of_traction(&self, traction: &Vector3) -> Vector3 {
         let relative = traction.norm() / self.coefficient;
         if relative == 0.0 {
@@ -58,6 +64,28 @@ impl FrictionLaw {
         }
         let speed = 2.0 * self.slip_tolerance / SLOPE * libm::atanh(relative);
         traction * (-speed / (relative * self.coefficient))
+    }
+
+    /// The slip u (m/s) with t(u) − c u = `sum` for c = `resistance` (s/m).
+    pub fn resolved(&self, sum: &Vector3, resistance: f64) -> Vector3 {
+        let size = sum.norm();
+        if size == 0.0 {
+            return Vector3::zeros();
+        }
+        // μ tanh(kρ) + c ρ = ‖sum‖ is concave in ρ: from below Newton's method is monotone.
+        let rate = 0.5 * SLOPE / self.slip_tolerance;
+        let stiffest = self.coefficient * rate + resistance;
+        let mut speed = ((size - self.coefficient) / resistance).max(size / stiffest);
+        for _ in 0..RESOLVING_ITERATIONS {
+            let smoothed = libm::tanh(rate * speed);
+            let excess = self.coefficient * smoothed + resistance * speed - size;
+            let slope = self.coefficient * rate * (1.0 - smoothed * smoothed) + resistance;
+            speed -= excess / slope;
+            if excess.abs() < RESOLVED_CHANGE * slope * speed {
+                break;
+            }
+        }
+        sum * (-speed / size)
     }
 
     /// Derivative of [`Self::traction_of_slip`], s/m.

@@ -11,10 +11,10 @@
 //! | `normal_law`, `normal_response`, `potential`, `barrier` | contact energy of a gap: Eqs. 2.15, 2.16 or the barrier of Eq. 2.1 |
 //! | `continuous_collision`, `step_bound` | how far a step may go without crossing the barrier |
 //! | `certificate` | that nothing has passed through anything in a step |
-//! | `constraints`, `coulomb_problem` | contacts as constraints, and their forces by complementarity (thesis 3.3) |
+//! | `constraints` | contacts as constraints, whose forces are found by complementarity (thesis 3.3) |
 //! | `friction` | Coulomb friction, smoothed near zero slip (Eqs. 2.7–2.14) |
 //! | `edge_contact`, `plane_contact` | force and Jacobian of one contact |
-//! | `multipliers`, `tractions` | normal forces and friction that Newton's method carries along |
+//! | `multipliers`, `tractions`, `iterate` | normal forces and friction that Newton's method carries along |
 //! | `stiffness` | the adaptive contact stiffness (Eqs. 2.18, 2.19) |
 //! | `contacts` | what is known of a single contact |
 //! | `contact_system`, `evaluation` | all contacts of a scene |
@@ -32,11 +32,11 @@ mod constraints;
 mod contact_system;
 mod contacts;
 mod continuous_collision;
-mod coulomb_problem;
 mod distance;
 mod edge_contact;
 mod evaluation;
 mod friction;
+mod iterate;
 mod memory;
 mod multipliers;
 mod normal_law;
@@ -59,10 +59,9 @@ mod tractions;
 pub(crate) use closest_points::edge_distance;
 pub use contact_system::ContactSystem;
 pub use contacts::{
-    ActiveContact, CandidatePair, ContactConstraint, EdgeJacobian, ForceCorrections, PlaneContact,
-    PlaneJacobian,
+    ActiveContact, CandidatePair, ConstraintPlace, ContactConstraint, EdgeJacobian,
+    ForceCorrections, PlaneContact, PlaneJacobian,
 };
-pub(crate) use coulomb_problem::CoulombProblem;
 pub use memory::{ContactMemory, MismatchedMemory};
 pub use parameters::{ContactModel, ContactParameters};
 pub use proximity::{ContactPair, Proximity};

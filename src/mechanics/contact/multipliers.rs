@@ -2,47 +2,45 @@
 //!
 //! Every candidate pair of edges has a slot, and after them every node over every plane (see [`Slots`]).
 //!
-//!
 //! The contact force falls to a third within δ/30 of gap, a distance that rods cross many times within one
 //! time step. Newton's method on the gap alone sees no force a little too far out, and one that is out
 //! by orders of magnitude a little too far in; it then needs an iteration for every factor of e. So each
-//! pair keeps its normal force λ from the last step, and the force law N(g) is linearised not at the present gap g but at
-//! the gap that belongs to λ,
+//! pair keeps its normal force λ from the last step, and Newton's method is that for the pair of equations
 //!
 //! ```text
-//! N ≈ λ + N′(g_λ) (g − g_λ),   N(g_λ) = λ,
+//! R(q, λ) = 0,   λ = N(g(q)),
 //! ```
 //!
-//! which is Newton's method for the pair of equations R(q, λ) = 0, g(q) = N⁻¹(λ), with λ eliminated: the
-//! matrix has the same pattern, and the solution is the same. Interior point methods treat their barriers
-//! so. After each iteration λ takes the value of the linear law at the new gap, but loses no more than
-//! [`LARGEST_LOSS`] of itself, since no force is negative.
+//! with λ eliminated: the matrix has the same pattern, and the solution is the same. Interior point methods treat their
+//! barriers so. After an iteration λ has the value of the linear law at the displacements that the linear system has
+//! found, which know nothing of how the gap g curves. The two need not agree. The law is next linearised between them, at
+//! the force λ* and the gap g* with
 //!
-//! Where a contact slides over a node it passes from one pair to the next. The new pair has hardly a force
-//! to start from, but a gap that is known well, since it is that of the old pair; so a force that the
-//! present gap gives is trusted up to [`TRUSTED_FRACTION`] of the largest force. So is that of a contact that begins: where
-//! the predictor overlaps by some δ, the law gives a force that is too large by eight orders of magnitude, each of which
-//! would take half an iteration to lose.
+//! ```text
+//! λ* = N(g*),   λ* − ρ g* = λ − ρ g,
+//! ```
 //!
-//! Two flagella in a bundle (1 ms steps) take 2.7 iterations a step so, against 4.3 with the law at the
-//! present gap.
+//! with the inertia ρ = 1/Σ(w² h²/m) of the two bodies at their contact points: as large a gap as this force opens within a
+//! step. This is a step of the primal–dual active set method (Hintermüller, Ito and Kunisch 2002, Eq. 2.3): a contact
+//! presses where λ > ρ g, whatever the last iteration took it for, with a force of the size that removes the overlap, and
+//! is open where not.
+//!
+//! Active sets may cycle, release a contact, find it crossed, and close it again. A contact that opens therefore keeps the
+//! part [`KEPT_PART`] of its force for an iteration, until corrections are small.
+//!
+//! A pile of 50 rods takes 4 iterations a step so without friction, against 5 with laws linearised at λ alone.
 
 use super::candidates::carried_over;
 use super::contacts::CandidatePair;
+use super::normal_law::{LEAST_FORCE, NormalLaw};
 use super::normal_response::NormalResponse;
+use crate::mechanics::Vector3;
 
-/// Part of a multiplier that one iteration may take away.
+/// Part of its force that a contact keeps in the iteration in which it opens.
 ///
-/// Smaller steps keep the iteration near contacts that come back; a contact that truly opens should be gone
+/// Without any, one step in a hundred of a pile cycles through active sets; a contact that truly opens should be gone
 /// within two or three iterations.
-const LARGEST_LOSS: f64 = 0.98;
-
-/// Part of the largest force of the last step up to which forces of present gaps are trusted.
-///
-/// The prediction errs by some δ/30, so larger forces may be out by factors, which cost an iteration each;
-/// smaller ones are not worth it. In a bundle of two flagella 0.1 takes 2.7 iterations a step, 0.5 takes 2.9, 3
-/// takes 3.2, and none at all 3.8.
-const TRUSTED_FRACTION: f64 = 0.1;
+const KEPT_PART: f64 = 0.02;
 
 /// Where the contacts of a scene keep what they carry from step to step: candidate pairs first, then every node over
 /// every plane.
@@ -68,48 +66,69 @@ impl Slots {
     }
 }
 
-/// How evaluations treat the multipliers.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Phase {
-    /// The force law is linearised at the present gap.
-    #[default]
-    Unused,
-    /// The first iteration of a step linearises at the forces of the last step.
-    Fresh,
-    /// Later ones first bring the forces up to date.
-    Advancing,
+/// How the nodes of a contact have moved since the last linearisation, m, and how they resist.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Moved {
+    /// Displacements of the four nodes; a plane has one, the first.
+    pub displacements: [Vector3; 4],
+    /// Inertia ρ of the contact points, N/m.
+    pub inertia: f64,
+    /// Whether corrections have become small.
+    pub slightly: bool,
 }
 
-/// The normal forces of all slots.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Multipliers {
-    phase: Phase,
-    /// Forces at the end of the last accepted step, N, one per slot.
-    committed: Vec<f64>,
-    /// Force of present gaps that is trusted, N.
-    trusted: f64,
-    /// Forces in the present iteration, N.
-    present: Vec<f64>,
+impl Moved {
+    /// A linear form of the displacements.
+    pub fn along(&self, rates: &[f64; 12]) -> f64 {
+        let nodes = self.displacements.iter().zip(rates.as_chunks::<3>().0);
+        nodes
+            .map(|(moved, [x, y, z])| x * moved.x + y * moved.y + z * moved.z)
+            .sum()
+    }
 }
 
-/// The force law of one pair as the linear system sees it.
+/// The force law of one contact as the linear system sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LinearLaw {
-    /// λ and N′(g_λ), for the Jacobian.
+    /// λ* and N′(g*), for the Jacobian.
     pub tangent: NormalResponse,
     /// Force of the linear law at the present gap, N.
     pub force: f64,
 }
 
+/// The normal force of a slot as a linear function of displacements.
+#[derive(Clone, Copy, Debug, Default)]
+struct Tangent {
+    /// Without displacements, N.
+    value: f64,
+    /// By displacements, N/m.
+    rates: [f64; 12],
+    /// Force λ* at which the law was linearised, N.
+    force: f64,
+}
+
+/// The normal forces of all slots.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Multipliers {
+    in_use: bool,
+    /// Forces at the end of the last accepted step, N, one per slot.
+    committed: Vec<f64>,
+    /// Linear laws of the last linearisation.
+    tangents: Vec<Tangent>,
+}
+
 impl Multipliers {
-    /// Starts the iterations of a step from the committed forces; where there are none, forces up to about `expected`, N,
-    /// are to come.
-    pub fn begin(&mut self, slots: Slots, expected: f64) {
+    /// Starts the iterations of a step from the committed forces.
+    pub fn begin(&mut self, slots: Slots) {
         self.committed.resize(slots.count(), 0.0);
-        self.present.clone_from(&self.committed);
-        let largest = self.committed.iter().copied().fold(0.0, f64::max);
-        self.trusted = TRUSTED_FRACTION * if largest > 0.0 { largest } else { expected };
-        self.phase = Phase::Fresh;
+        self.tangents.clear();
+        let constant = |&force: &f64| Tangent {
+            value: force,
+            force,
+            ..Tangent::default()
+        };
+        self.tangents.extend(self.committed.iter().map(constant));
+        self.in_use = true;
     }
 
     /// Takes over the forces of an accepted step, slot by slot; those not given are zero.
@@ -119,13 +138,13 @@ impl Multipliers {
         for (slot, force) in forces {
             self.committed[slot] = force;
         }
-        self.phase = Phase::Unused;
+        self.in_use = false;
     }
 
-    /// Carries the committed forces over to a new list of candidates; both lists are sorted.
+    /// Carries all forces over to a new list of candidates; both lists are sorted.
     pub fn carry_over(&mut self, old: &[CandidatePair], new: &[CandidatePair]) {
         self.committed = carried_over(old, &self.committed, new);
-        self.phase = Phase::Unused;
+        self.tangents = carried_over(old, &self.tangents, new);
     }
 
     /// Forces at the end of the last accepted step, N, one per slot.
@@ -136,75 +155,57 @@ impl Multipliers {
     /// Continues from stored forces.
     pub fn restore(&mut self, committed: &[f64]) {
         self.committed = committed.to_vec();
-        self.phase = Phase::Unused;
+        self.in_use = false;
     }
 
     /// Linearises at the present gaps from now on.
     pub fn abandon(&mut self) {
-        self.phase = Phase::Unused;
+        self.in_use = false;
     }
 
     /// Whether iterations use the multipliers.
     pub fn in_use(&self) -> bool {
-        self.phase != Phase::Unused
+        self.in_use
     }
 
     /// Whether the contact of a slot bears force by its multiplier, wherever it is.
     pub fn is_loaded(&self, slot: usize) -> bool {
-        self.in_use() && self.present[slot] > 0.0
+        self.in_use && self.tangents[slot].force > 0.0
     }
 
-    /// The next evaluation with Jacobians brings the forces up to date.
-    pub fn advance(&mut self) {
-        if self.phase == Phase::Fresh {
-            self.phase = Phase::Advancing;
+    /// The law of a slot at `gap`, m.
+    pub fn linear_law(&self, slot: usize, gap: f64, law: &NormalLaw, moved: &Moved) -> LinearLaw {
+        let tangent = &self.tangents[slot];
+        let wanted = tangent.value + moved.along(&tangent.rates);
+        let (mut force, mut at) = law.resolved(wanted, gap, moved.inertia);
+        let kept = KEPT_PART * tangent.force;
+        if force < kept && kept > LEAST_FORCE && !moved.slightly {
+            (force, at) = (kept, law.gap_of_force(kept));
         }
-    }
-
-    /// The law of a slot at `gap`, whose own response there is `response`; `None` where it is
-    /// linearised at that gap. `law` gives the response of a gap, `inverse` the gap of a force.
-    pub fn linear_law(
-        &mut self,
-        slot: usize,
-        gap: f64,
-        response: &NormalResponse,
-        law: impl Fn(f64) -> NormalResponse,
-        inverse: impl Fn(f64) -> f64,
-    ) -> Option<LinearLaw> {
-        if !self.in_use() {
-            return None;
-        }
-        let known = self.present[slot];
-        let trusted = response.force.min(self.trusted);
-        if known == 0.0 && trusted == response.force {
-            self.present[slot] = trusted;
-            return None;
-        }
-        let at = |force: f64| {
-            let gap_of_force = inverse(force);
-            let tangent = law(gap_of_force);
-            (
-                tangent,
-                tangent.force + tangent.force_slope * (gap - gap_of_force),
-            )
-        };
-        let next = if known > 0.0 && self.phase == Phase::Advancing {
-            at(known).1.max((1.0 - LARGEST_LOSS) * known)
+        let tangent = if force > 0.0 {
+            law.response(at)
         } else {
-            known
+            NormalResponse::default()
         };
-        let force = next.max(trusted);
-        self.present[slot] = force;
-        let (tangent, linear) = at(force);
-        Some(LinearLaw {
+        LinearLaw {
             tangent,
-            force: linear,
-        })
+            force: tangent.force + tangent.force_slope * (gap - at),
+        }
+    }
+
+    /// Keeps the linear law of a slot, whose gap changes with the displacements by `gradient`.
+    pub fn keep(&mut self, slot: usize, law: &LinearLaw, gradient: &[f64; 12]) {
+        self.tangents[slot] = Tangent {
+            value: law.force,
+            rates: gradient.map(|rate| law.tangent.force_slope * rate),
+            force: law.tangent.force,
+        };
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::parameters::{ContactModel, ContactParameters};
     use super::*;
 
     fn pair(i: usize, j: usize) -> CandidatePair {
@@ -241,55 +242,105 @@ mod tests {
         assert_eq!(multipliers.committed(), [2.0, 7.0, 8.0]);
     }
 
-    /// The law N(g) = e⁻ᵍ.
-    fn law(gap: f64) -> NormalResponse {
-        NormalResponse {
-            energy: 0.0,
-            force: (-gap).exp(),
-            force_slope: -(-gap).exp(),
+    const TOLERANCE: f64 = 1e-5;
+
+    fn laws() -> [NormalLaw; 2] {
+        [
+            ContactModel::ImplicitContact,
+            ContactModel::IncrementalPotential,
+        ]
+        .map(|model| {
+            let parameters = ContactParameters {
+                model,
+                distance_tolerance: TOLERANCE,
+                stiffness_factor: if model == ContactModel::ImplicitContact {
+                    1e5
+                } else {
+                    1.0
+                },
+                ..ContactParameters::default()
+            };
+            NormalLaw::new(&parameters, 1e-3, parameters.stiffness_per_force(1e-3))
+        })
+    }
+
+    /// Two bodies on a line that resist by `inertia`, N/m.
+    fn moved(by: f64, inertia: f64) -> Moved {
+        let mut displacements = [Vector3::zeros(); 4];
+        displacements[0].x = by;
+        Moved {
+            displacements,
+            inertia,
+            slightly: false,
         }
     }
 
-    fn inverse(force: f64) -> f64 {
-        -force.ln()
+    /// Iterations that find the gap of a mass with inertia `inertia`, that would be at `free` without contact and bore
+    /// `force` in the last step.
+    fn iterations(law: &NormalLaw, inertia: f64, free: f64, force: f64) -> usize {
+        let mut multipliers = Multipliers::default();
+        multipliers.restore(&[force]);
+        multipliers.begin(slots(1));
+        let (mut gap, mut step) = (free, 0.0);
+        for iteration in 0..60 {
+            let (wanted, found) = (inertia * (gap - free), law.response(gap).force);
+            if (wanted - found).abs() < 1e-6 * wanted.max(1e-3) {
+                return iteration;
+            }
+            let linear = multipliers.linear_law(0, gap, law, &moved(step, inertia));
+            let mut gradient = [0.0; 12];
+            gradient[0] = 1.0;
+            multipliers.keep(0, &linear, &gradient);
+            step = (linear.force - wanted) / (inertia - linear.tangent.force_slope);
+            gap += step;
+        }
+        usize::MAX
+    }
+
+    #[test]
+    fn contacts_close_open_and_rest_within_few_iterations() {
+        let mut most = 0;
+        for law in laws() {
+            for inertia in [1.0, 15.0, 1e3] {
+                for force in [0.0, 1e-4, 1e-2, 1.0] {
+                    for free in [-1e-3, -1e-5, 1e-7, 5e-6, 1e-5, 1e-4, 1e-3] {
+                        most = most.max(iterations(&law, inertia, free, force));
+                    }
+                }
+            }
+        }
+        assert!(most <= 9, "{most}");
     }
 
     #[test]
     fn a_linear_law_touches_the_force_law_at_its_force() {
-        let mut multipliers = Multipliers::default();
-        multipliers.restore(&[2.0]);
-        multipliers.begin(slots(1), 1.0);
-        // At the gap of the force itself the two agree; half a unit farther the tangent is lower.
-        let linear = multipliers
-            .linear_law(0, inverse(2.0), &law(inverse(2.0)), law, inverse)
-            .unwrap();
-        assert!((linear.force - 2.0).abs() < 1e-15);
-        let gap = inverse(2.0) + 0.5;
-        let linear = multipliers
-            .linear_law(0, gap, &law(gap), law, inverse)
-            .unwrap();
-        assert!((linear.force - 1.0).abs() < 1e-15);
-        // The next iteration starts from there, and never from less than nothing.
-        multipliers.advance();
-        multipliers.linear_law(0, gap, &law(gap), law, inverse);
-        assert!((multipliers.present[0] - 1.0).abs() < 1e-15);
-        multipliers.linear_law(0, gap + 9.0, &law(gap + 9.0), law, inverse);
-        assert!((multipliers.present[0] - 0.02).abs() < 1e-15);
-        // A gap that comes near is trusted up to a tenth of the largest force, which was 2.
-        multipliers.linear_law(0, inverse(5.0), &law(inverse(5.0)), law, inverse);
-        assert!((multipliers.present[0] - 0.2).abs() < 1e-15);
+        for law in laws() {
+            let mut multipliers = Multipliers::default();
+            multipliers.restore(&[2.0]);
+            multipliers.begin(slots(1));
+            // At the gap of the force itself nothing is to be moved.
+            let gap = law.gap_of_force(2.0);
+            let linear = multipliers.linear_law(0, gap, &law, &moved(0.0, 10.0));
+            assert!((linear.tangent.force - 2.0).abs() < 1e-9 && (linear.force - 2.0).abs() < 1e-9);
+            // One that is far apart opens, at first not wholly.
+            let opening = multipliers.linear_law(0, 1.0, &law, &moved(0.0, 10.0));
+            assert!((opening.tangent.force / (KEPT_PART * 2.0) - 1.0).abs() < 1e-9);
+            let slightly = Moved {
+                slightly: true,
+                ..moved(0.0, 10.0)
+            };
+            let open = multipliers.linear_law(0, 1.0, &law, &slightly);
+            assert_eq!((open.tangent.force, open.force), (0.0, 0.0));
+        }
     }
 
     #[test]
-    fn a_contact_that_begins_with_overlap_bears_what_is_believed() {
-        let mut multipliers = Multipliers::default();
-        multipliers.begin(slots(2), 3.0);
-        let deep = multipliers.linear_law(0, -9.0, &law(-9.0), law, inverse);
-        assert!((multipliers.present[0] - 0.3).abs() < 1e-15);
-        let line = 0.3 * (1.0 - (-9.0 - inverse(0.3)));
-        assert!((deep.unwrap().force / line - 1.0).abs() < 1e-14);
-        // One that is far enough bears what its gap says.
-        let far = multipliers.linear_law(1, 2.0, &law(2.0), law, inverse);
-        assert_eq!((far, multipliers.present[1]), (None, law(2.0).force));
+    fn a_contact_that_begins_with_overlap_bears_what_removes_it() {
+        for law in laws() {
+            let mut multipliers = Multipliers::default();
+            multipliers.begin(slots(1));
+            let deep = multipliers.linear_law(0, -1e-3, &law, &moved(0.0, 15.0));
+            assert!((deep.tangent.force / (15.0 * 1e-3) - 1.0).abs() < 0.02);
+        }
     }
 }

@@ -7,6 +7,15 @@ use super::{barrier, potential};
 /// Why complementarity never asks for a law.
 const RIGID: &str = "the forces of rigid contact are constraints, no functions of the gap";
 
+/// Iterations of [`NormalLaw::resolved`], which mostly takes one or two.
+const RESOLVING_ITERATIONS: usize = 30;
+/// Largest change of the logarithm of the force in one of them.
+const LARGEST_CHANGE: f64 = 4.0;
+/// Change of the logarithm of the force after which its square is below what matters.
+const RESOLVED_CHANGE: f64 = 1e-3;
+/// Forces below count as none, N: far below what matters, and far from where their inverse overflows.
+pub(super) const LEAST_FORCE: f64 = 1e-30;
+
 /// A normal force law N(g).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NormalLaw {
@@ -56,5 +65,39 @@ impl NormalLaw {
             }
             ContactModel::Complementarity => unreachable!("{RIGID}"),
         }
+    }
+
+    /// The force λ* (N) and the gap g* (m) with λ* = N(g*) and λ* − ρ g* = `force` − ρ `gap`, for ρ = `inertia` (N/m); no
+    /// force where none can be told from zero.
+    pub fn resolved(&self, force: f64, gap: f64, inertia: f64) -> (f64, f64) {
+        let sum = force - inertia * gap;
+        // Convex in the logarithm of λ: Newton's method from above is monotone, and from the right size quick.
+        let mut found = force.max(sum);
+        if found <= 0.0 {
+            let open = -sum / inertia;
+            found = if open > 0.0 {
+                self.response(open).force
+            } else {
+                0.0
+            };
+            if found <= LEAST_FORCE {
+                return (0.0, open);
+            }
+        }
+        let mut at = self.gap_of_force(found);
+        for _ in 0..RESOLVING_ITERATIONS {
+            let slope = self.response(at).force_slope;
+            let excess = found - inertia * at - sum;
+            let change = -excess / (found * (1.0 - inertia / slope));
+            found *= libm::exp(change.clamp(-LARGEST_CHANGE, LARGEST_CHANGE));
+            if !(found > LEAST_FORCE) {
+                return (0.0, at);
+            }
+            at = self.gap_of_force(found);
+            if change.abs() < RESOLVED_CHANGE {
+                break;
+            }
+        }
+        (found, at)
     }
 }

@@ -1,7 +1,7 @@
 //! What a normal force law says of a gap.
 
 /// Energy of a gap and its derivatives.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct NormalResponse {
     /// Energy E, J.
     pub energy: f64,

@@ -5,7 +5,7 @@
 //!
 //! F = N (n + t(n, v)), ∂F = (dN/dΔ) (n + t) nᵀ + N (∂t/∂v)/Δt, v = (x − xⁿ)/Δt.
 
-use super::contacts::PlaneJacobian;
+use super::contacts::{Linearised, PlaneJacobian};
 use super::friction::FrictionLaw;
 use super::normal_response::NormalResponse;
 use crate::mechanics::Vector3;
@@ -32,18 +32,28 @@ pub(super) fn plane_jacobian(
     normal: &Vector3,
     response: &NormalResponse,
     sliding: Option<(&NodeSliding, Vector3)>,
-) -> PlaneJacobian {
+) -> Linearised<PlaneJacobian> {
+    let mut traction_gradient = [[0.0; 12]; 3];
     let jacobian = match sliding {
         Some((sliding, at)) => {
             let traction = sliding
                 .law
                 .traction_derivatives(normal, &sliding.velocity, &at);
+            for (row, gradient) in traction_gradient.iter_mut().enumerate() {
+                for column in 0..3 {
+                    gradient[column] = traction.by_velocity[(row, column)] / sliding.time_step;
+                }
+            }
             (normal + traction.value) * normal.transpose() * response.force_slope
                 + traction.by_velocity * (response.force / sliding.time_step)
         }
         None => normal * normal.transpose() * response.force_slope,
     };
-    std::array::from_fn(|row| std::array::from_fn(|column| jacobian[(row, column)]))
+    Linearised {
+        jacobian: std::array::from_fn(|row| std::array::from_fn(|column| jacobian[(row, column)])),
+        gap_gradient: std::array::from_fn(|column| if column < 3 { normal[column] } else { 0.0 }),
+        traction_gradient,
+    }
 }
 
 #[cfg(test)]
@@ -83,7 +93,7 @@ mod tests {
                 };
                 let (response, sliding) = evaluate(&position);
                 let at = slip(&normal, &sliding.velocity);
-                let found = plane_jacobian(&normal, &response, Some((&sliding, at)));
+                let found = plane_jacobian(&normal, &response, Some((&sliding, at))).jacobian;
                 let step = 1e-5 * radius;
                 let expected: [[f64; 3]; 3] = std::array::from_fn(|row| {
                     std::array::from_fn(|column| {

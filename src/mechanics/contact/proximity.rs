@@ -110,6 +110,14 @@ impl ContactSystem {
             .min_by(|a, b| a.ratio().total_cmp(&b.ratio()))
     }
 
+    /// Whether surfaces touch or overlap at the last evaluation that a barrier should have kept apart.
+    pub fn touches_barrier(&self) -> bool {
+        self.parameters().is_barrier()
+            && self
+                .touching()
+                .any(|proximity| proximity.distance <= proximity.threshold)
+    }
+
     /// The deepest penetration at `positions` (m), where it exceeds `maximum_penetration`. The candidates must be
     /// complete there.
     pub fn excessive_penetration_at(&mut self, positions: &[Vector3]) -> Option<Proximity> {

@@ -4,7 +4,7 @@
 //! touch. With the stiffness k and, for the implicit contact model, r = 15 N h̄²/(2 k δ),
 //!
 //! - implicit contact (Eq. 2.15): ln(1 + eᵗ)/(1 + e⁻ᵗ) = r at t = −15 g/δ, so that g ≈ −(δ/30) ln r for r ≪ 1, which is
-//!   always so at the adaptive stiffness k = s F, F = max‖F‖ near contact and at least EI/L² of the stiffest rod: a force N
+//!   always so at the adaptive stiffness k = s F, F = max‖F‖ near contact and at least EI/L² of the softer rod: a force N
 //!   needs g ≈ (δ/30) ln(2 s δ F/(15 h̄² N));
 //! - barrier (Eq. 2.1): w (w + 2 ln(1 + w))/(1 + w) = N h̄²/(k δ) at g = δ/(1 + w); with its stiffness, g = δ/2 at N = F, and
 //!   g ≈ δ (1 − 0.63 √(N/F)) for much smaller forces;

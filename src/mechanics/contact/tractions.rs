@@ -3,30 +3,38 @@
 //! The smoothed law of Coulomb is all but flat where surfaces slide and steep where they stick, and its
 //! scale, the slip tolerance, is far below the speeds that occur: Newton's method on the slip speed alone
 //! overshoots rest from either side, and its line search crawls towards it. So each pair keeps its traction t
-//! (friction per normal force) from the last step, and where t says that the surfaces stick, the law t(u) is linearised
-//! not at the present slip u but at the slip that belongs to t,
+//! (friction per normal force) from the last step, as `multipliers` does for normal forces (there is more on the idea).
+//! After an iteration t has the value of the linear law, cut to the cone of Coulomb, and the law t(u) is next linearised at
+//! the slip u* with
 //!
 //! ```text
-//! t ≈ t₀ + t′(u₀) (u − u₀),   t(u₀) = t₀,
+//! t(u*) − c u* = t − c u,   c = ρ h/λ,
 //! ```
 //!
-//! as `multipliers` does for normal forces (there is more on the idea). After each iteration t takes the value of the
-//! linear law at the new slip, cut to the cone of Coulomb. Surfaces count as sticking where ‖t‖ is below
-//! [`STICKING_PART`] of μ, and where t drives the slip instead of opposing it: slip that has turned round within an
-//! iteration has passed through rest. Where they slide the law is linearised at the present slip.
+//! with the inertia ρ of the contact points, the step h and the normal force λ: where |t − c u| < μ surfaces stick,
+//! whatever the last iteration took them for, at the slip that belongs to this traction, and elsewhere they slide along it.
+//! This is Newton's method for Alart and Curnier's function (1991), with the smoothed law in place of the disk. A slip
+//! that has turned round within an iteration lowers |t − c u|: it has passed through rest.
 //!
-//! Two flagella in a tangle at μ = 1 take 8 iterations per millisecond so, against 80 with the law at the present slip.
+//! As long as c is no larger than what truly resists the slip, sticking and sliding are found within a few iterations
+//! without cycles. Elasticity makes that larger than ρ, since neighbours that stick hold a node, but not for all slips of
+//! many contacts at once: so c begins at [`BEGINNING_PART`] times as much, and falls where slips go back and forth.
+//!
+//! A pile of 50 rods at μ = 0.3 (1 ms steps) takes 8 iterations a step while it falls in and no line searches, and two
+//! thirds as many steps as with a law linearised at t or at u.
 
 use super::candidates::carried_over;
 use super::contacts::CandidatePair;
 use super::friction::{FrictionLaw, tangential};
-use super::multipliers::Slots;
-use crate::mechanics::{Matrix3, Vector3};
+use super::multipliers::{Moved, Slots};
+use crate::mechanics::Vector3;
 
-/// Part of the friction coefficient up to which a traction counts as that of sticking surfaces.
-///
-/// Nearer to one the stiffness of sticking at that traction, which falls like 1 − ‖t‖²/μ², is too small to stop slip.
-const STICKING_PART: f64 = 0.999;
+/// c of the first iterations in units of ρ h/λ. In the pile 1 takes 6 % more iterations, and 10 fails in some steps.
+const BEGINNING_PART: f64 = 4.0;
+/// Reversals of the slip of one contact within a step before c falls.
+const FREE_REVERSALS: u8 = 3;
+/// Part of c that remains after each further reversal.
+const PART_AFTER_REVERSAL: f64 = 0.25;
 
 /// The friction law of one pair as the linear system sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,22 +45,32 @@ pub(super) struct LinearTraction {
     pub value: Vector3,
     /// Value of the linear law at the present slip.
     pub present: Vector3,
-    /// The traction that is carried along.
-    pub carried: Vector3,
+    /// How often the slip has turned round in the step.
+    reversals: u8,
 }
 
-/// A linear law t(u) = value + slope (u − slip).
+impl LinearTraction {
+    /// The law linearised at the present slip.
+    pub fn at_present(slip: Vector3, value: Vector3) -> Self {
+        Self {
+            slip,
+            value,
+            present: value,
+            reversals: 0,
+        }
+    }
+}
+
+/// The traction of a slot as a linear function of displacements.
 #[derive(Clone, Copy, Debug)]
 struct Tangent {
+    /// Without displacements.
     value: Vector3,
-    slope: Matrix3,
+    /// By displacements, 1/m.
+    rates: [[f64; 12]; 3],
+    /// Slip at which the law was linearised, m/s.
     slip: Vector3,
-}
-
-impl Tangent {
-    fn at(&self, slip: &Vector3) -> Vector3 {
-        self.value + self.slope * (slip - self.slip)
-    }
+    reversals: u8,
 }
 
 /// The tractions of all slots, as in [`multipliers`](super::multipliers); those without contact are not known.
@@ -71,14 +89,13 @@ impl Tractions {
         self.tangents.clear();
         let constant = |value: &Vector3| Tangent {
             value: *value,
-            slope: Matrix3::zeros(),
+            rates: [[0.0; 12]; 3],
             slip: Vector3::zeros(),
+            reversals: 0,
         };
-        self.tangents.extend(
-            self.committed
-                .iter()
-                .map(|known| known.as_ref().map(constant)),
-        );
+        let known = self.committed.iter();
+        self.tangents
+            .extend(known.map(|known| known.as_ref().map(constant)));
     }
 
     /// At the end of the last accepted step, one per slot.
@@ -100,42 +117,52 @@ impl Tractions {
         }
     }
 
-    /// Carries the committed tractions over to a new list of candidates; both lists are sorted.
+    /// Carries all tractions over to a new list of candidates; both lists are sorted.
     pub fn carry_over(&mut self, old: &[CandidatePair], new: &[CandidatePair]) {
         self.committed = carried_over(old, &self.committed, new);
+        self.tangents = carried_over(old, &self.tangents, new);
     }
 
-    /// The law of a slot at the slip `slip` (m/s) on surfaces with the unit normal `normal`.
+    /// The law of a slot at the slip `slip` (m/s) on surfaces with the unit normal `normal`; `resistance` is ρ h/λ, s/m.
     pub fn linear_law(
-        &mut self,
+        &self,
         slot: usize,
         law: &FrictionLaw,
         normal: &Vector3,
         slip: &Vector3,
+        moved: &Moved,
+        resistance: f64,
     ) -> LinearTraction {
-        let tangent = &mut self.tangents[slot];
-        let carried = match tangent {
-            Some(tangent) => cut(tangential(normal, &tangent.at(slip)), law.coefficient),
-            None => law.traction_of_slip(slip),
-        };
-        let sticking = STICKING_PART * law.coefficient;
-        let at = if tangent.is_some() && (carried.norm() < sticking || carried.dot(slip) > 0.0) {
-            law.slip_of_traction(&cut(carried, sticking))
-        } else {
-            *slip
-        };
-        let next = Tangent {
-            value: law.traction_of_slip(&at),
-            slope: law.slope(&at),
-            slip: at,
-        };
-        *tangent = Some(next);
+        let mut wanted = Vector3::zeros();
+        let (mut before, mut reversals) = (Vector3::zeros(), 0);
+        if let Some(tangent) = &self.tangents[slot] {
+            let change = Vector3::from(tangent.rates.map(|rates| moved.along(&rates)));
+            wanted = cut(
+                tangential(normal, &(tangent.value + change)),
+                law.coefficient,
+            );
+            (before, reversals) = (tangent.slip, tangent.reversals);
+        }
+        let excess = i32::from(reversals.saturating_sub(FREE_REVERSALS));
+        let resistance = resistance * BEGINNING_PART * PART_AFTER_REVERSAL.powi(excess);
+        let at = law.resolved(&(wanted - slip * resistance), resistance);
+        let value = law.traction_of_slip(&at);
         LinearTraction {
             slip: at,
-            value: next.value,
-            present: next.at(slip),
-            carried,
+            value,
+            present: value + law.slope(&at) * (slip - at),
+            reversals: reversals.saturating_add(u8::from(before.dot(&at) < 0.0)),
         }
+    }
+
+    /// Keeps the linear law of a slot, whose traction changes with the displacements by `rates`, 1/m.
+    pub fn keep(&mut self, slot: usize, law: &LinearTraction, rates: &[[f64; 12]; 3]) {
+        self.tangents[slot] = Some(Tangent {
+            value: law.present,
+            rates: *rates,
+            slip: law.slip,
+            reversals: law.reversals,
+        });
     }
 }
 
@@ -152,6 +179,7 @@ fn cut(vector: Vector3, length: f64) -> Vector3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mechanics::Matrix3;
 
     const LAW: FrictionLaw = FrictionLaw {
         coefficient: 0.8,
@@ -179,19 +207,63 @@ mod tests {
         tractions
     }
 
+    const STEP: f64 = 1e-3;
+
+    /// One step of Newton's method for t(u), with a slip that changes by displacements over [`STEP`].
+    fn linearised(
+        tractions: &mut Tractions,
+        normal: &Vector3,
+        slip: &Vector3,
+        moved: &Moved,
+        resistance: f64,
+    ) -> LinearTraction {
+        let linear = tractions.linear_law(0, &LAW, normal, slip, moved, resistance);
+        let slope = LAW.slope(&linear.slip) / STEP;
+        let rates = std::array::from_fn(|row| {
+            std::array::from_fn(|column| {
+                if column < 3 {
+                    slope[(row, column)]
+                } else {
+                    0.0
+                }
+            })
+        });
+        tractions.keep(0, &linear, &rates);
+        linear
+    }
+
+    fn moved(by: Vector3) -> Moved {
+        let mut displacements = [Vector3::zeros(); 4];
+        displacements[0] = by;
+        Moved {
+            displacements,
+            inertia: 1.0,
+            slightly: false,
+        }
+    }
+
     /// Iterations that find the slip u of a body with c (u − w) = t(u), from the slip and the traction of a step
-    /// before; c = m/(h N) in s/m, and w is the slip without friction.
-    fn iterations(inertia: f64, free_slip: Vector3, mut slip: Vector3, traction: Vector3) -> usize {
+    /// before; c = m/(h N) in s/m, and w is the slip without friction. `known` is the part of c that is known.
+    fn iterations(
+        inertia: f64,
+        known: f64,
+        free_slip: Vector3,
+        mut slip: Vector3,
+        traction: Vector3,
+    ) -> usize {
         let mut tractions = starting_from(traction);
+        let mut change = Vector3::zeros();
         for iteration in 0..100 {
             let residual = (slip - free_slip) * inertia - LAW.traction_of_slip(&slip);
             if residual.norm() < 1e-6 {
                 return iteration;
             }
-            let linear = tractions.linear_law(0, &LAW, &Vector3::z(), &slip);
+            let by = moved(change * STEP);
+            let linear = linearised(&mut tractions, &Vector3::z(), &slip, &by, known * inertia);
             let matrix = Matrix3::identity() * inertia - LAW.slope(&linear.slip);
-            let right_side = linear.present - (slip - free_slip) * inertia;
-            slip += matrix.try_inverse().unwrap() * right_side;
+            change =
+                matrix.try_inverse().unwrap() * (linear.present - (slip - free_slip) * inertia);
+            slip += change;
         }
         usize::MAX
     }
@@ -211,47 +283,50 @@ mod tests {
             sticking(0.5),
             sticking(0.9),
         ];
-        let mut most = 0;
-        for inertia in [1.0, 10.0, 1e2, 1e3, 1e4] {
-            for (slip, traction) in before {
-                // Without friction the body would pass with so much of the force that friction can bear.
-                for part in [0.3, 0.9, 1.1, 2.0, 30.0] {
-                    let free_slip = Vector3::x() * (part * LAW.coefficient / inertia);
-                    let count = iterations(inertia, free_slip, slip, traction);
-                    most = most.max(count);
+        // Where c is four times too small, exact, and four times too large.
+        for (known, allowed) in [(1.0 / 16.0, 8), (0.25, 6), (1.0, 14)] {
+            let mut most = 0;
+            for inertia in [1.0, 10.0, 1e2, 1e3, 1e4] {
+                for (slip, traction) in before {
+                    // Without friction the body would pass with so much of the force that friction can bear.
+                    for part in [0.3, 0.9, 1.1, 2.0, 30.0] {
+                        let free_slip = Vector3::x() * (part * LAW.coefficient / inertia);
+                        let count = iterations(inertia, known, free_slip, slip, traction);
+                        most = most.max(count);
+                    }
                 }
             }
+            assert!(most <= allowed, "{known}: {most}");
         }
-        assert!(most <= 10, "{most}");
     }
 
     #[test]
     fn a_sticking_law_touches_the_friction_law_at_its_traction() {
         let traction = Vector3::new(0.3, -0.4, 0.0);
         let mut tractions = starting_from(traction);
-        // Far from the slip of the traction, and opposed by it.
-        let slip = Vector3::new(-2e-3, 1e-3, 0.0);
-        let linear = tractions.linear_law(0, &LAW, &Vector3::z(), &slip);
-        assert!((linear.value - traction).norm() < 1e-14);
-        assert!((LAW.traction_of_slip(&linear.slip) - traction).norm() < 1e-14);
-        let slope = LAW.slope(&linear.slip);
-        let expected = traction + slope * (slip - linear.slip);
-        assert!((linear.present - expected).norm() < 1e-12 * expected.norm());
-        // The next iteration has the value of the linear law, within the cone of Coulomb.
-        let next = tractions.linear_law(0, &LAW, &Vector3::z(), &slip);
-        assert!((next.carried - cut(expected, LAW.coefficient)).norm() < 1e-14);
+        let slip = LAW.slip_of_traction(&traction);
+        let rest = moved(Vector3::zeros());
+        let linear = linearised(&mut tractions, &Vector3::z(), &slip, &rest, 10.0);
+        assert!((linear.value - traction).norm() < 1e-6);
+        assert!((linear.present - LAW.traction_of_slip(&slip)).norm() < 1e-6);
+        // A displacement changes the traction by the slope of sticking, within the cone of Coulomb.
+        let far = moved(Vector3::x());
+        let next = linearised(&mut tractions, &Vector3::z(), &slip, &far, 10.0);
+        assert!(next.value.norm() <= LAW.coefficient);
+        assert!((next.value + Vector3::x() * LAW.coefficient).norm() < 0.02 * LAW.coefficient);
     }
 
     #[test]
     fn surfaces_that_slide_and_new_pairs_have_the_law_at_their_slip() {
-        let slip = Vector3::new(3e-4, 0.0, 0.0);
+        let slip = Vector3::new(3e-1, 0.0, 0.0);
         let mut sliding = starting_from(Vector3::x() * -LAW.coefficient);
         let mut unknown = Tractions::default();
         unknown.begin(one_slot());
-        for tractions in [&mut sliding, &mut unknown] {
-            let linear = tractions.linear_law(0, &LAW, &Vector3::z(), &slip);
-            assert_eq!(linear.slip, slip);
-            assert_eq!(linear.present, LAW.traction_of_slip(&slip));
+        let rest = moved(Vector3::zeros());
+        for (tractions, least) in [(&mut sliding, 0.3), (&mut unknown, 0.28)] {
+            let linear = linearised(tractions, &Vector3::z(), &slip, &rest, 10.0);
+            assert!((linear.slip.x - 0.3).abs() < 0.3 - least + 1e-9);
+            assert!((linear.present - LAW.traction_of_slip(&slip)).norm() < 1e-9);
         }
     }
 
@@ -262,12 +337,12 @@ mod tests {
         let velocity = Vector3::new(2e-6, 0.0, 0.05);
         let slip = crate::mechanics::contact::friction::slip(&normal, &velocity);
         let mut tractions = starting_from(Vector3::x() * -0.01);
-        for _ in 0..20 {
-            tractions.linear_law(0, &LAW, &normal, &slip);
+        let rest = moved(Vector3::zeros());
+        for _ in 0..40 {
+            linearised(&mut tractions, &normal, &slip, &rest, 1e5);
         }
-        let found = tractions.linear_law(0, &LAW, &normal, &slip);
-        assert!((found.present - LAW.traction_of_slip(&slip)).norm() < 1e-12);
-        assert!((found.slip - slip).norm() < 1e-12 * LAW.slip_tolerance);
+        let found = linearised(&mut tractions, &normal, &slip, &rest, 1e5);
+        assert!((found.present - LAW.traction_of_slip(&slip)).norm() < 1e-9);
     }
 
     #[test]

@@ -320,7 +320,7 @@ fn same_time(sizes: &StepSize) -> f64 {
 /// Makes contact stiffer.
 pub(super) fn stiffen_contact(system: &mut System) {
     if let Some(contact) = &mut system.contact {
-        contact.set_stiffness(STIFFENING * contact.stiffness());
+        contact.stiffen(STIFFENING);
     }
 }
 

@@ -8,6 +8,8 @@ use tracing::trace;
 /// When Newton's method stops.
 #[derive(Clone, Copy, Debug)]
 pub struct Stopping {
+    /// Radius of the thinnest rod that moves, m.
+    pub radius: f64,
     /// Largest correction of a position, m.
     pub displacement: f64,
     /// Farthest that an iteration may move a position, m; one that would move farther has left the solution near the
@@ -27,8 +29,13 @@ pub struct Newton {
     direction: Vec<f64>,
 }
 
-/// Iterations in which contact forces are carried along; a step that needs more goes on without.
-const MULTIPLIER_ITERATIONS: usize = 10;
+/// Iterations in which contact forces are carried along; a step that needs more begins again without.
+const CARRYING_ITERATIONS: usize = 30;
+/// Farthest that such an iteration moves a position, in radii: rods that fall move a radius within a step, and beyond two
+/// nothing is known of what they meet.
+const FARTHEST_CARRIED: f64 = 2.0;
+/// Correction of a position, in radii, from which down normals and contact points are those of the solution.
+const SLIGHT_MOVE: f64 = 1e-2;
 /// Iterations that must lower the residual to [`TRIAL_REDUCTION`] of its largest value in them, or a smaller step is
 /// the cheaper way.
 ///
@@ -66,9 +73,14 @@ impl Newton {
         // Whether a whole correction has been made.
         let mut is_corrected = false;
         let mut largest_imbalance = 0.0_f64;
-        system.begin_iterations();
+        let carries = system.uses_multipliers();
+        let limit = if carries {
+            CARRYING_ITERATIONS
+        } else {
+            stopping.iterations
+        };
         system.linearize(unknowns, Some(stage));
-        for iteration in 0..=stopping.iterations {
+        for iteration in 0..=limit {
             let imbalance = system.imbalance();
             let Imbalance {
                 ratio, residual, ..
@@ -85,10 +97,10 @@ impl Newton {
                 residual,
                 unknown: imbalance.unknown,
             };
-            if !residual.is_finite() || iteration == stopping.iterations {
+            if !residual.is_finite() || iteration == limit {
                 return Err(failed);
             }
-            if stopping.gives_up && iteration > 0 && iteration % TRIAL_ITERATIONS == 0 {
+            if !carries && stopping.gives_up && iteration > 0 && iteration % TRIAL_ITERATIONS == 0 {
                 if ratio > TRIAL_REDUCTION * largest_imbalance {
                     return Err(failed);
                 }
@@ -111,11 +123,12 @@ impl Newton {
             }
             self.start.copy_from_slice(unknowns);
             let before = Progress::of(system, &self.direction);
-            let expected = system
-                .uses_multipliers()
-                .then(|| system.squared_linear_residual());
             self.move_by(1.0, unknowns);
-            let longest = system.largest_step(&self.start, unknowns);
+            let longest = if carries {
+                (FARTHEST_CARRIED * stopping.radius / largest_move(&self.direction)).min(1.0)
+            } else {
+                system.largest_step(&self.start, unknowns)
+            };
             if longest < 1.0 {
                 self.move_by(longest, unknowns);
             }
@@ -130,10 +143,9 @@ impl Newton {
                 continue;
             }
             let after = Progress::of(system, &self.direction);
+            system.set_moved_slightly(last_move <= SLIGHT_MOVE * stopping.radius);
             system.linearize(unknowns, Some(stage));
-            let accepted = after.suffices(&before)
-                || iteration < MULTIPLIER_ITERATIONS
-                    && expected.is_some_and(|e| system.squared_multiplier_residual() <= e);
+            let accepted = carries || after.suffices(&before);
             if !accepted && stopping.gives_up {
                 return Err(Divergence {
                     iterations: iteration + 1,
@@ -141,7 +153,6 @@ impl Newton {
                 });
             }
             if !accepted {
-                system.abandon_multipliers();
                 let length = self.line_search(system, stage, unknowns, &before, &after, longest);
                 last_move = length * largest_move(&self.direction);
                 is_corrected = false;

@@ -13,6 +13,12 @@ use crate::mechanics::{Matrix3, Vector3};
 /// Times that contact forces and the rods under them are found in turn before the step counts as failed.
 const CONTACT_PASSES: usize = 30;
 
+/// The first of them, which move the rods by what the linearised step with contact forces says, as Newton's method would for
+/// both together; later ones leave that to its line search.
+const COMMON_PASSES: usize = 20;
+/// Farthest that one of these moves a position, in radii.
+const FARTHEST_CORRECTION: f64 = 2.0;
+
 /// Part of the free way that a shortened predictor goes: less than all, so that it is free in spite of rounding.
 const PREDICTED_PART: f64 = 0.9;
 
@@ -45,6 +51,8 @@ pub(super) struct Workspace {
     /// Velocity at the end of the step.
     pub next_velocity: Vec<f64>,
     newton: Newton,
+    /// The prediction; scratch.
+    prediction: Vec<f64>,
 }
 
 impl Workspace {
@@ -67,6 +75,7 @@ impl Workspace {
                 velocity: velocity.clone(),
             },
             next_velocity: velocity.clone(),
+            prediction: unknowns.clone(),
             newton: Newton::new(unknowns.len()),
         }
     }
@@ -107,12 +116,11 @@ impl Workspace {
         goal: f64,
     ) -> Result<Attempt, Failure> {
         let step = goal - state.time;
-        self.shorten_prediction(system, state)?;
         self.adapt_contact_stiffness(setting, system, state);
         let tolerance = setting.parameters.force_tolerance;
         system.set_tolerances(tolerance, &state.unknowns, Some(&self.stage));
         let stopping = stopping(setting, system, step);
-        let iterations = self.solve(system, &stopping)?;
+        let iterations = self.solve_by_either_way(system, state, &stopping)?;
         // A stiffer contact mends this, but for forces by complementarity, whose overlap `certify` finds.
         if !system.has_constraints()
             && let Some(contact) = &system.contact
@@ -141,6 +149,36 @@ impl Workspace {
         Ok(Attempt { iterations, error })
     }
 
+    /// Newton's method with carried contact forces from the prediction as it is; where that fails, from one that crosses
+    /// no contact, with line searches.
+    fn solve_by_either_way(
+        &mut self,
+        system: &mut System,
+        state: &State,
+        stopping: &Stopping,
+    ) -> Result<usize, Failure> {
+        self.prediction.copy_from_slice(&self.trial.unknowns);
+        if !system.candidates_are_complete(&self.trial.unknowns) {
+            system.update_candidates(&self.trial.unknowns);
+        }
+        system.begin_iterations(&self.stage);
+        let (iterations, failure) = match self.solve(system, stopping) {
+            Ok(iterations) if !system.touches_barrier() => return Ok(iterations),
+            Ok(iterations) => (iterations, None),
+            Err(failure) => (failure.iterations(), Some(failure)),
+        };
+        let has_other_way = system.uses_multipliers() && !stopping.gives_up;
+        if let Some(failure) = failure
+            && !has_other_way
+        {
+            return Err(failure);
+        }
+        self.trial.unknowns.copy_from_slice(&self.prediction);
+        system.abandon_multipliers();
+        self.shorten_prediction(system, state)?;
+        Ok(iterations + self.solve(system, stopping)?)
+    }
+
     /// Newton's method, in turn with the contact forces of complementarity, until no contact is missing; returns the
     /// iterations.
     fn solve(&mut self, system: &mut System, stopping: &Stopping) -> Result<usize, Failure> {
@@ -157,6 +195,10 @@ impl Workspace {
                 balanced = moved <= stopping.displacement;
                 if !balanced && passes == CONTACT_PASSES {
                     return Err(Failure::NoContactForces { iterations });
+                }
+                if !balanced && passes <= COMMON_PASSES {
+                    system.take_correction(trial, FARTHEST_CORRECTION * stopping.radius);
+                    continue;
                 }
             }
             iterations += self
@@ -278,6 +320,7 @@ fn stopping(setting: &Setting, system: &System, step: f64) -> Stopping {
     let Setting { parameters, radius } = setting;
     let whole = parameters.step.largest();
     Stopping {
+        radius: *radius,
         displacement: parameters.displacement_tolerance * radius,
         trust_radius: parameters.scheme.rules().trust_radius() * radius,
         iterations: parameters.maximum_iterations,

@@ -1,14 +1,18 @@
 //! Contact forces by complementarity: the linearised step with Signorini's and Coulomb's laws (thesis 3.3).
 //!
-//! Newton's system of a step without contact, A δq = −R, and the forces λ at the contacts, which act on the
-//! unknowns by the transpose of the rows H of their gaps and slips, give
+//! Newton's system of a step without contact is A δq = −R. With the forces λ at the contacts, which act on the unknowns by
+//! the transpose of the rows H of their gaps and slips, it is
 //!
 //! ```text
-//! δq = A⁻¹ (Hᵀλ − R),   w = g + H δq = D λ + (g − H A⁻¹R),   D = H A⁻¹ Hᵀ,
+//! A δq = Hᵀλ − R,   w = g + H δq,
 //! ```
 //!
-//! with the Delassus operator D, by a solution with the factors of A for each row. The laws between λ and w
-//! are those of [`CoulombProblem`].
+//! with 0 ≤ λ_n ⊥ w_n ≥ 0 (Eq. 3.1) and ‖λ_t‖ ≤ μ λ_n, λ_t = −μ λ_n w_t/‖w_t‖ where w_t ≠ 0 (Eq. 3.2); `rigid_contact` has
+//! the laws of a single contact. They hold together where Alart and Curnier's function (Eq. 3.3) vanishes, whose roots
+//! Newton's method finds: with the contacts in the state that the last iteration suggests (open, sticking, sliding) the laws
+//! are linear, and one factorisation of the sparse matrix A + Hᵀ K H solves them all, K being the stiffness of contacts
+//! that hardly yield and whose forces of the last iteration count as well (proximal point: what they yield vanishes).
+//! Beginning with the forces of the step before, this takes as many iterations as it takes to find the states.
 //!
 //! Solved once per step this is the two-step method of the thesis: forces explicit, then the rods. Here it is
 //! repeated around Newton's method for the rods under these forces, until the forces found anew would move
@@ -16,21 +20,25 @@
 //! the step.
 //!
 //! **What holds.** No creep in sticking; sliding exactly at μ; contact forces in balance; no restitution. Gaps
-//! are never less than zero by more than the square of that tolerance over the edge length, and the
-//! millionth of the motion that contact prevents.
+//! are never less than zero by more than the square of that tolerance over the edge length.
 //!
 //! **What does not.** Nothing keeps edges from passing through each other between two configurations without
-//! overlap: that takes steps in which rods move by less than their radius. With friction the laws may have
-//! several solutions, or none; a step whose contact problem is not solved counts as failed and is halved.
-//! How contacts that do the same work share their force is up to a small compliance. The cost is a solution
-//! per contact and direction that may close, and the cube of the number of those that press.
+//! overlap: the certificate of the step finds that, and it is halved. With friction the laws may have
+//! several solutions, or none; a step whose contact problem is not solved counts as failed and is halved, too.
+//! How contacts that do the same work share their force is left to where the iteration begins.
 
+use super::rigid_contact::{RigidContact, State};
 use super::{Stage, System, copy_positions};
 use crate::linalg::SingularMatrix;
 use crate::mechanics::Vector3;
-use crate::mechanics::contact::{ContactConstraint, ContactSystem, CoulombProblem};
+use crate::mechanics::contact::{ContactConstraint, ContactSystem};
 use crate::mechanics::rod::{STRIDE, topology::position};
-use nalgebra::{DMatrix, DVector};
+
+/// Iterations before the contact problem counts as unsolved, and goes on with other directions of contacts; most take three
+/// to eight.
+const ITERATIONS: usize = 30;
+/// Largest violation of the laws of a solution, relative to the largest force.
+const TOLERANCE: f64 = 1e-9;
 
 /// Why no contact forces were found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,7 +64,7 @@ impl System {
 
     /// Finds the contact forces of the step `stage` linearised at `unknowns`; they act until the next call.
     /// Returns the largest move of a node that they and the other forces would cause, m: small where `unknowns`
-    /// are the solution already.
+    /// are the solution already, infinite where the forces do not obey the laws yet.
     ///
     /// # Errors
     /// [`NoContactForces`].
@@ -68,14 +76,23 @@ impl System {
         let Some(mut contact) = self.contact.take() else {
             return Ok(0.0);
         };
-        contact.release_constraints();
+        let earlier = contact.release_constraints();
         let found = if contact.candidates().is_empty() && !self.has_planes {
             Ok(0.0)
         } else {
-            self.load_constraints(&mut contact, unknowns, stage)
+            self.load_constraints(&mut contact, &earlier, unknowns, stage)
         };
         self.contact = Some(contact);
         found
+    }
+
+    /// Adds the correction that [`Self::find_contact_forces`] found last to the unknowns, or the part that moves no position
+    /// farther than `farthest`, m.
+    pub fn take_correction(&self, unknowns: &mut [f64], farthest: f64) {
+        let part = (farthest / largest_move(&self.correction)).min(1.0);
+        for (own, correction) in unknowns.iter_mut().zip(&self.correction) {
+            *own += part * correction;
+        }
     }
 
     /// Lists the constraints of `contact`, taken out of the system, and loads them with their forces; returns the
@@ -83,6 +100,7 @@ impl System {
     fn load_constraints(
         &mut self,
         contact: &mut ContactSystem,
+        earlier: &[ContactConstraint],
         unknowns: &[f64],
         stage: &Stage,
     ) -> Result<f64, NoContactForces> {
@@ -96,69 +114,99 @@ impl System {
             .map(|node| position(&correction, node).norm())
             .collect();
         copy_positions(unknowns, &mut self.positions);
-        contact.list_constraints(&self.positions, &reaches);
-        let forces = self.solve_constraints(contact.constraints(), stage, &mut correction)?;
-        contact.load_constraints(forces.as_slice());
-        let moved = largest_move(&correction);
+        contact.list_constraints(&self.positions, &reaches, earlier);
+        let mut moved = 0.0;
+        if !contact.constraints().is_empty() {
+            let (forces, solved) = self.solve_constraints(contact, stage, &mut correction)?;
+            contact.load_constraints(&forces);
+            if !solved {
+                moved = f64::INFINITY;
+            }
+        }
+        let moved = largest_move(&correction).max(moved);
         self.correction = correction;
         Ok(moved)
     }
 
-    /// The forces of all constraints, and the correction of the unknowns with them in place of that without.
+    /// The forces of all constraints, N, whether they obey the laws, and the correction of the unknowns with them.
     fn solve_constraints(
         &mut self,
-        constraints: &[ContactConstraint],
+        contact: &ContactSystem,
         stage: &Stage,
         correction: &mut [f64],
-    ) -> Result<DVector<f64>, NoContactForces> {
-        let has_friction = constraints
+    ) -> Result<(Vec<Vector3>, bool), NoContactForces> {
+        let mut contacts: Vec<RigidContact> = contact
+            .constraints()
             .iter()
-            .any(|constraint| constraint.friction > 0.0);
-        let directions = if has_friction { 3 } else { 1 };
-        let rows = directions * constraints.len();
-        let row_of = |row: usize| (&constraints[row / directions], row % directions);
-        let unknowns = correction.len();
-        let mut responses = std::mem::take(&mut self.responses);
-        responses.clear();
-        responses.resize(rows * unknowns, 0.0);
-        let mut free = DVector::zeros(rows);
-        for (row, response) in responses.chunks_exact_mut(unknowns).enumerate() {
-            let (constraint, axis) = row_of(row);
-            let moved = constraint.relative_motion(|node| {
-                let so_far = self.positions[node] - stage.positions[node];
-                let slid = if axis > 0 { so_far } else { Vector3::zeros() };
-                position(correction, node) + slid
-            });
-            free[row] = moved.dot(&constraint.frame[axis]);
-            if axis == 0 {
-                free[row] += constraint.gap;
+            .map(|constraint| {
+                let slid =
+                    constraint.relative_motion(|node| self.positions[node] - stage.positions[node]);
+                RigidContact::new(constraint, slid, self.inertia_at(constraint, stage))
+            })
+            .collect();
+        for _ in 0..ITERATIONS {
+            let states: Vec<State> = contacts.iter_mut().map(RigidContact::advance).collect();
+            let matrices = contact.constraints().iter().zip(&states);
+            self.matrix.set_constraints(
+                contact,
+                matrices.map(|(constraint, state)| (constraint.place(), state.matrix(constraint))),
+            );
+            self.factor()?;
+            self.correct_by(contact.constraints(), &states, correction);
+            self.matrix.solve(correction)?;
+            if correction.iter().any(|entry| !entry.is_finite()) {
+                return Err(NoContactForces::Unsolved);
             }
+            let mut largest = 0.0_f64;
+            let mut violation = 0.0_f64;
+            let constraints = contact.constraints().iter().zip(&states);
+            for (rigid, (constraint, state)) in contacts.iter_mut().zip(constraints) {
+                let moved = constraint.relative_motion(|node| position(correction, node));
+                let force = rigid.follow(state, &moved);
+                largest = largest.max(force.norm());
+                violation = violation.max(rigid.violation());
+            }
+            if violation <= TOLERANCE * largest {
+                return Ok((contacts.iter().map(RigidContact::force).collect(), true));
+            }
+        }
+        Ok((contacts.iter().map(RigidContact::force).collect(), false))
+    }
+
+    /// Inertia ρ of the contact points of a constraint within the step, N/m.
+    fn inertia_at(&self, constraint: &ContactConstraint, stage: &Stage) -> f64 {
+        let square = stage.step * stage.acceleration_step;
+        let mobility: f64 = (constraint.nodes.iter().zip(constraint.weights))
+            .filter(|(node, _)| !self.assembly.held[STRIDE * **node])
+            .map(|(&node, weight)| weight * weight * square / self.assembly.masses[STRIDE * node])
+            .sum();
+        if mobility > 0.0 { 1.0 / mobility } else { 1.0 }
+    }
+
+    /// Writes −R with the constant part of the contact forces into `correction`.
+    fn correct_by(
+        &self,
+        constraints: &[ContactConstraint],
+        states: &[State],
+        correction: &mut [f64],
+    ) {
+        for ((entry, residual), held) in correction
+            .iter_mut()
+            .zip(&self.residual)
+            .zip(&self.assembly.held)
+        {
+            *entry = if *held { 0.0 } else { -residual };
+        }
+        for (constraint, state) in constraints.iter().zip(states) {
             for (&node, weight) in constraint.nodes.iter().zip(constraint.weights) {
-                for component in 0..3 {
-                    let unknown = STRIDE * node + component;
+                for axis in 0..3 {
+                    let unknown = STRIDE * node + axis;
                     if !self.assembly.held[unknown] {
-                        response[unknown] += weight * constraint.frame[axis][component];
+                        correction[unknown] += weight * state.force[axis];
                     }
                 }
             }
-            self.matrix.solve(response)?;
         }
-        let response_to = |row: usize| &responses[row * unknowns..][..unknowns];
-        let delassus = DMatrix::from_fn(rows, rows, |row, column| {
-            let (constraint, axis) = row_of(row);
-            let moved = constraint.relative_motion(|node| position(response_to(column), node));
-            moved.dot(&constraint.frame[axis])
-        });
-        let friction = constraints.iter().map(|constraint| constraint.friction);
-        let problem = CoulombProblem::new(delassus, free, friction.collect());
-        let forces = problem.solve().map_err(|_| NoContactForces::Unsolved)?;
-        for (row, force) in forces.iter().enumerate() {
-            for (own, response) in correction.iter_mut().zip(response_to(row)) {
-                *own += force * response;
-            }
-        }
-        self.responses = responses;
-        Ok(forces)
     }
 }
 

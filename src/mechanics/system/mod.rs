@@ -20,6 +20,7 @@ mod loads;
 mod newton_matrix;
 mod residual;
 mod resultants;
+mod rigid_contact;
 mod strain;
 mod touching;
 
@@ -38,7 +39,7 @@ pub use strain::{LargestStrains, SectionScale, Strain};
 use touching::contact_of;
 pub use touching::name_overlap;
 
-use super::contact::{ContactModel, ContactSystem, ForceCorrections};
+use super::contact::{ContactModel, ContactSystem};
 use super::rod::{
     ElasticEnergy, GhostEdge, ReferenceFrames, RodGeometry, STRIDE, topology::position,
 };
@@ -107,9 +108,10 @@ pub struct System {
     positions: Vec<Vector3>,
     nodal_forces: Vec<Vector3>,
     displacements: Vec<Vector3>,
-    /// Scratch of the complementarity model: a correction of the unknowns, and one response of them per row.
+    /// Scratch: how far a unit force moves each node within a step by inertia, m/N.
+    mobilities: Vec<f64>,
+    /// Scratch of the complementarity model: a correction of the unknowns.
     correction: Vec<f64>,
-    responses: Vec<f64>,
     has_planes: bool,
     /// Corners of schedules, in the order of time.
     events: Vec<Event>,
@@ -137,6 +139,9 @@ impl System {
                 .planes
                 .iter()
                 .any(|plane| plane.friction.unwrap_or(friction) > 0.0);
+        let is_rigid = contact
+            .as_ref()
+            .is_some_and(|contact| contact.parameters().is_complementarity());
         let mut system = Self {
             geometry: RodGeometry::new(&assembly.rods),
             reference: assembly.reference.clone(),
@@ -154,9 +159,15 @@ impl System {
             switched: false,
             nodal_forces: vec![Vector3::zeros(); assembly.rods.nodes],
             displacements: vec![Vector3::zeros(); assembly.rods.nodes],
+            mobilities: Vec::new(),
             correction: Vec::new(),
-            responses: Vec::new(),
-            matrix: NewtonMatrix::new(&assembly, &loads, friction_between_rods, friction_on_planes),
+            matrix: NewtonMatrix::new(
+                &assembly,
+                &loads,
+                friction_between_rods,
+                friction_on_planes,
+                friction_on_planes || is_rigid,
+            ),
             tolerances: vec![RodTolerance::default(); assembly.rods.rods.len()],
             relative_tolerance: 0.0,
             contact,
@@ -333,7 +344,7 @@ impl System {
     /// # Errors
     /// A system that is singular to working precision.
     pub fn direction(&mut self, direction: &mut [f64]) -> Result<(), SingularMatrix> {
-        self.correct_residual(ContactSystem::linear_corrections);
+        self.correct_residual();
         for k in 0..direction.len() {
             let held = self.assembly.held[k];
             direction[k] = if held {
@@ -363,11 +374,11 @@ impl System {
         self.matrix.solve(right_hand_side)
     }
 
-    /// Writes the residual with other contact forces.
-    fn correct_residual(&mut self, of: fn(&ContactSystem) -> ForceCorrections<'_>) {
+    /// Writes the residual with the contact forces of the linearised laws.
+    fn correct_residual(&mut self) {
         self.corrected_residual.copy_from_slice(&self.residual);
         let Some(contact) = &self.contact else { return };
-        let corrections = of(contact);
+        let corrections = contact.linear_corrections();
         for (pair, correction) in contact.contacts().iter().zip(corrections.edges) {
             for (corner, &node) in pair.nodes.iter().enumerate() {
                 for axis in 0..3 {
@@ -382,22 +393,30 @@ impl System {
         }
     }
 
-    /// Sum of squares of the residual with the contact forces of the linearised laws, N².
-    pub fn squared_linear_residual(&mut self) -> f64 {
-        self.correct_residual(ContactSystem::linear_corrections);
-        self.square(&self.corrected_residual)
-    }
-
-    /// Sum of squares of the residual with the contact forces of the multipliers, N².
-    pub fn squared_multiplier_residual(&mut self) -> f64 {
-        self.correct_residual(ContactSystem::multiplier_corrections);
-        self.square(&self.corrected_residual)
-    }
-
     /// Lets Newton's method carry contact forces along, those of the last step at first.
-    pub fn begin_iterations(&mut self) {
+    pub fn begin_iterations(&mut self, stage: &Stage) {
+        let Some(contact) = &mut self.contact else {
+            return;
+        };
+        let (masses, held) = (&self.assembly.masses, &self.assembly.held);
+        let square = stage.step * stage.acceleration_step;
+        self.mobilities.clear();
+        self.mobilities
+            .extend((0..self.positions.len()).map(|node| {
+                let unknown = STRIDE * node;
+                if held[unknown] {
+                    0.0
+                } else {
+                    square / masses[unknown]
+                }
+            }));
+        contact.begin_iterations(&self.mobilities);
+    }
+
+    /// Says whether the last correction was small against the radii.
+    pub fn set_moved_slightly(&mut self, slightly: bool) {
         if let Some(contact) = &mut self.contact {
-            contact.begin_iterations();
+            contact.set_moved_slightly(slightly);
         }
     }
 

@@ -7,7 +7,7 @@ use crate::linalg::{
     BandedFactor, BandedSymmetric, CoupledSystem, Element, ElementMatrix, Inertia, SingularMatrix,
     UNUSED,
 };
-use crate::mechanics::contact::ContactSystem;
+use crate::mechanics::contact::{ConstraintPlace, ContactSystem};
 use crate::mechanics::rod::{ElasticRods, ReferenceFrames, RodGeometry, STRIDE};
 use std::ops::Range;
 
@@ -16,7 +16,7 @@ const ZERO: ElementMatrix = [[0.0; 12]; 12];
 /// The Jacobian and its factors; storage is reused, patterns are kept as long as the contact candidates.
 ///
 /// Elements are numbered: closing vertices of rings, moments, contact candidates, then (with friction on
-/// planes) one per node. Rods that couple nowhere are factored as a band.
+/// planes, or rigid contact) one per node. Rods that couple nowhere are factored as a band.
 pub struct NewtonMatrix {
     band: BandedSymmetric,
     factor: BandedFactor,
@@ -32,7 +32,8 @@ pub struct NewtonMatrix {
     /// Elements of contacts active in this linearisation.
     active: Vec<(usize, ElementMatrix)>,
     contact_elements: Vec<Element>,
-    friction_on_planes: bool,
+    /// Whether contact of nodes with planes has elements of its own.
+    lists_nodes: bool,
     uses_band: bool,
     spin_moment: Vec<f64>,
 }
@@ -43,6 +44,7 @@ impl NewtonMatrix {
         loads: &Loads,
         friction: bool,
         friction_on_planes: bool,
+        lists_nodes: bool,
     ) -> Self {
         let dimension = assembly.unknowns.len();
         let mut permanent = assembly.rods.elements.clone();
@@ -59,7 +61,7 @@ impl NewtonMatrix {
             closing: assembly.rods.elements.len(),
             active: Vec::new(),
             contact_elements: Vec::new(),
-            friction_on_planes,
+            lists_nodes,
             uses_band: true,
             spin_moment: vec![0.0; assembly.rods.nodes + assembly.rods.ghosts],
         }
@@ -154,7 +156,7 @@ impl NewtonMatrix {
             .iter()
             .zip(contact.plane_jacobians())
         {
-            if self.friction_on_planes {
+            if self.lists_nodes {
                 let mut matrix = ZERO;
                 for i in 0..3 {
                     for j in 0..3 {
@@ -172,6 +174,29 @@ impl NewtonMatrix {
                 }
             }
         }
+        self.list_elements_of(contact);
+    }
+
+    /// Takes the matrices of constraints in place of those of contacts.
+    pub fn set_constraints(
+        &mut self,
+        contact: &ContactSystem,
+        matrices: impl Iterator<Item = (ConstraintPlace, ElementMatrix)>,
+    ) {
+        let first = self.permanent.len();
+        let candidates = contact.candidates().len();
+        self.active.clear();
+        self.active.extend(matrices.map(|(place, matrix)| {
+            let index = match place {
+                ConstraintPlace::Candidate(candidate) => candidate,
+                ConstraintPlace::Node(node) => candidates + node,
+            };
+            (first + index, matrix)
+        }));
+        self.list_elements_of(contact);
+    }
+
+    fn list_elements_of(&mut self, contact: &ContactSystem) {
         let couples = !self.active.is_empty() || !self.permanent.is_empty();
         if self.coupled.is_none() && couples {
             self.list_contact_elements(contact);
@@ -189,7 +214,7 @@ impl NewtonMatrix {
             }
             self.contact_elements.push(element);
         }
-        if self.friction_on_planes {
+        if self.lists_nodes {
             for node in 0..self.held.len() / STRIDE {
                 let mut element = [UNUSED; 12];
                 for axis in 0..3 {

@@ -34,8 +34,30 @@ pub(super) fn contact_of(
         friction: plane.friction.unwrap_or(parameters.friction),
     });
     let stiffness_per_force = parameters.stiffness_per_force(surface.largest_moving_radius());
-    let least_stiffness = stiffness_per_force * assembly.force_scale;
-    let mut contact = ContactSystem::new(parameters, surface, planes.collect(), least_stiffness);
+    // That of the forces that bend each rod: neither a stiff post nor its stiffness belongs to what a soft rod meets.
+    let least_of_rods = || {
+        let rods = scene.rods.iter().zip(&assembly.scales);
+        rods.map(|(rod, scale)| {
+            if rod.held {
+                f64::INFINITY
+            } else {
+                stiffness_per_force * scale.force
+            }
+        })
+    };
+    let least = least_of_rods().fold(f64::INFINITY, f64::min);
+    let least = if least.is_finite() {
+        least
+    } else {
+        stiffness_per_force * assembly.force_scale
+    };
+    let mut contact = ContactSystem::new(parameters, surface, planes.collect(), least);
+    let ranges = assembly.rods.rods.iter().zip(least_of_rods());
+    contact.set_least_stiffness_of_nodes(
+        ranges
+            .flat_map(|(range, least)| std::iter::repeat_n(least, range.nodes))
+            .collect(),
+    );
     let mut positions = vec![Vector3::zeros(); assembly.rods.nodes];
     copy_positions(&assembly.unknowns, &mut positions);
     if let Some(overlap) = contact.initial_overlaps(&positions).first() {
@@ -56,6 +78,13 @@ impl System {
         copy_positions(unknowns, &mut self.positions);
         let overlap = contact.excessive_penetration_at(&self.positions)?;
         Some(name_overlap(&overlap, contact, &self.assembly))
+    }
+
+    /// Whether surfaces touch at the last evaluation that a barrier should have kept apart.
+    pub fn touches_barrier(&self) -> bool {
+        self.contact
+            .as_ref()
+            .is_some_and(ContactSystem::touches_barrier)
     }
 
     /// Names two edges that pass through each other, or nearly so, on the straight paths of all nodes from one set of

@@ -1,0 +1,200 @@
+//! Signorini's and Coulomb's laws of a single contact, as a linear law of the state it is thought to be in.
+//!
+//! With the inertia ρ of the contact points (N/m), the wanted force λ of the last linear law and the gap and slip w that
+//! came with it, the projections
+//!
+//! ```text
+//! λ_n* = (λ_n − ρ w_n)₊,   λ_t* = P(λ_t − ρ w_t)
+//! ```
+//!
+//! on the half line and on the disk of radius μ λ_n* tell the state (Alart and Curnier 1991): open, sticking where the disk
+//! holds λ_t − ρ w_t, else sliding. λ* = λ is the solution. The law that follows is linear in the motion m of the contact
+//! points: λ = λ* − K w with a stiffness far above all others in the directions that are shut, and friction that turns with
+//! the slip while its size follows the normal force where they slide.
+
+use crate::linalg::ElementMatrix;
+use crate::mechanics::contact::ContactConstraint;
+use crate::mechanics::{Matrix3, Vector3};
+
+/// Stiffness of directions that are shut, in units of ρ: contacts that do the same work, as at the joint of two edges,
+/// share their force, and rounding leaves ten digits of it.
+const SHUT: f64 = 1e6;
+/// Part of its force that a contact keeps in the iteration in which it opens, and its stiffness then in units of ρ, lest
+/// iterations cycle.
+const KEPT_PART: f64 = 0.02;
+const KEPT_STIFFNESS: f64 = 20.0;
+/// Resistance to slip in units of ρ, as for the smoothed law of friction, and what of it remains after reversals of the
+/// slip.
+const BEGINNING_PART: f64 = 4.0;
+const FREE_REVERSALS: i32 = 3;
+const PART_AFTER_REVERSAL: f64 = 0.25;
+/// Changes between sticking and sliding after which the slip is damped, by ρ times powers of two up to this one.
+const FREE_CHANGES: i32 = 3;
+const MOST_GOINGS: i32 = 6;
+
+/// A contact between iterations.
+pub(super) struct RigidContact {
+    normal: Vector3,
+    friction: f64,
+    /// Gap and slip where the motion is zero, m.
+    start: Vector3,
+    inertia: f64,
+    /// Force of the last linear law, N.
+    wanted: Vector3,
+    /// Gap and slip w, m.
+    apart: Vector3,
+    /// Its projection λ*, N.
+    projected: Vector3,
+    /// Whether it kept a part of its force when it opened.
+    kept: bool,
+    slid: Vector3,
+    reversals: i32,
+    /// Whether it slid in the last iteration, and how often that has changed.
+    slides: bool,
+    changes: i32,
+}
+
+/// A linear law λ = `force` − `stiffness` m of the motion m of the contact points.
+pub(super) struct State {
+    pub force: Vector3,
+    stiffness: Matrix3,
+}
+
+impl RigidContact {
+    /// A contact whose points have moved by `slid` (m) since the step began, with the force that it has to begin with.
+    pub fn new(constraint: &ContactConstraint, slid: Vector3, inertia: f64) -> Self {
+        let normal = constraint.normal;
+        let along = slid - normal * normal.dot(&slid);
+        let start = normal * constraint.gap + along;
+        Self {
+            normal,
+            friction: constraint.friction,
+            start,
+            inertia,
+            wanted: constraint.force,
+            apart: start,
+            projected: constraint.force,
+            kept: false,
+            slid: Vector3::zeros(),
+            reversals: 0,
+            slides: false,
+            changes: 0,
+        }
+    }
+
+    /// The force λ*, N.
+    pub fn force(&self) -> Vector3 {
+        self.projected
+    }
+
+    /// By how much λ, w break the laws, N.
+    pub fn violation(&mut self) -> f64 {
+        let (pressure, traction, _) = self.project();
+        self.projected = self.normal * pressure + traction;
+        (self.projected - self.wanted).norm()
+    }
+
+    /// λ_n*, λ_t*, and λ_t − ρ w_t.
+    fn project(&self) -> (f64, Vector3, Vector3) {
+        let split = |vector: &Vector3| {
+            let along = self.normal.dot(vector);
+            (along, vector - self.normal * along)
+        };
+        let ((wanted, drag), (gap, slip)) = (split(&self.wanted), split(&self.apart));
+        let pressure = (wanted - self.inertia * gap).max(0.0);
+        let disk = self.friction * pressure;
+        let excess = (self.reversals - FREE_REVERSALS).max(0);
+        let resistance = self.inertia * BEGINNING_PART * PART_AFTER_REVERSAL.powi(excess);
+        let towards = cut(drag, disk) - slip * resistance;
+        (pressure, cut(towards, disk), towards)
+    }
+
+    /// The law of the state that the last iteration suggests.
+    pub fn advance(&mut self) -> State {
+        let before = self.projected.dot(&self.normal);
+        let (mut pressure, traction, towards) = self.project();
+        let shut = SHUT * self.inertia;
+        let mut stiffness = shut;
+        let opens = pressure < KEPT_PART * before && !self.kept;
+        if opens {
+            pressure = KEPT_PART * before;
+            stiffness = KEPT_STIFFNESS * self.inertia;
+        }
+        self.kept = opens;
+        self.projected = self.normal * pressure + traction;
+        if pressure <= 0.0 {
+            return State {
+                force: Vector3::zeros(),
+                stiffness: Matrix3::zeros(),
+            };
+        }
+        let pressing = self.normal * self.normal.transpose() * stiffness;
+        let along = Matrix3::identity() - self.normal * self.normal.transpose();
+        let disk = self.friction * pressure;
+        let slides = towards.norm() > disk;
+        self.changes += i32::from(slides != self.slides);
+        self.slides = slides;
+        let mut damped = Vector3::zeros();
+        let rubbing = if self.friction == 0.0 {
+            Matrix3::zeros()
+        } else if opens {
+            along * stiffness
+        } else if !slides {
+            along * shut
+        } else {
+            let size = towards.norm();
+            let direction = towards / size;
+            let reversed = self.slid.dot(&direction) < 0.0;
+            self.slid = direction;
+            self.reversals += i32::from(reversed);
+            // Perpendicular to the slip, that of the disk's projection.
+            let turn = (BEGINNING_PART * self.inertia * disk / (size - disk)).min(shut);
+            // A slip that comes and goes approaches its end by degrees.
+            let goings = (self.changes - FREE_CHANGES).clamp(0, MOST_GOINGS);
+            let damping = if goings > 0 {
+                self.inertia * 2f64.powi(goings)
+            } else {
+                0.0
+            };
+            let slip = direction.dot(&self.apart);
+            damped = direction * (damping * slip);
+            (along - direction * direction.transpose()) * turn
+                + direction * self.normal.transpose() * (self.friction * stiffness)
+                + direction * direction.transpose() * damping
+        };
+        let stiffness = pressing + rubbing;
+        State {
+            force: self.projected + damped - stiffness * self.start,
+            stiffness,
+        }
+    }
+
+    /// Takes over what the solution of all linear laws moves the contact points by, m; returns the force of its law, N.
+    pub fn follow(&mut self, state: &State, moved: &Vector3) -> Vector3 {
+        self.apart = self.start + moved;
+        self.wanted = state.force - state.stiffness * moved;
+        self.wanted
+    }
+}
+
+impl State {
+    /// What it adds to Newton's matrix, N/m.
+    pub fn matrix(&self, constraint: &ContactConstraint) -> ElementMatrix {
+        let weights = &constraint.weights;
+        std::array::from_fn(|row| {
+            std::array::from_fn(|column| {
+                weights[row / 3] * weights[column / 3] * self.stiffness[(row % 3, column % 3)]
+            })
+        })
+    }
+}
+
+/// The vector, shortened to `length` where it is longer.
+fn cut(vector: Vector3, length: f64) -> Vector3 {
+    let norm = vector.norm();
+    if norm > length {
+        vector * (length / norm)
+    } else {
+        vector
+    }
+}
