@@ -209,6 +209,8 @@ impl ContactSystem {
     /// unit force moves each node within the step by inertia alone, m/N: zero where it is held.
     pub fn begin_iterations(&mut self, mobilities: &[f64]) {
         if self.parameters.is_complementarity() {
+            // Each step begins with what a checkpoint holds.
+            self.constraints.clear();
             return;
         }
         self.iterate.begin(mobilities);
