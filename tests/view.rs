@@ -1,7 +1,7 @@
 //! The 3-D page in a real browser: it draws, it moves, it does not complain.
 
-use assert_cmd::Command;
 use crate::browser::Browser;
+use assert_cmd::Command;
 use std::fs;
 use std::path::{Path, PathBuf};
 
