@@ -13,6 +13,7 @@ mod guide;
 mod helix_boundary;
 mod incremental_potential;
 mod knots;
+mod linking_number;
 mod passing_through;
 mod probes;
 mod random_scenes;

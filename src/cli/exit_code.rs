@@ -48,7 +48,7 @@ impl ExitCode for ResultsError {
             | Self::NotOwn { .. }
             | Self::Locked { .. }
             | Self::NotWritable { .. } => 2,
-            Self::Damaged { .. } | Self::Io { .. } => 1,
+            Self::Damaged { .. } | Self::Altered { .. } | Self::Io { .. } => 1,
         }
     }
 }
@@ -90,6 +90,7 @@ impl ExitCode for ReproduceError {
         match self {
             Self::Run(error) => error.exit_code(),
             Self::Results(error) => error.exit_code(),
+            Self::WouldReplace { .. } => 2,
             Self::Threads(_) => 1,
         }
     }

@@ -8,12 +8,17 @@ use crate::reproduce::{self, ARTIFACTS, Artifact, ReproduceOptions};
 use clap::Args;
 use std::path::PathBuf;
 
+/// Where pages go.
+const PUBLISHED: &str = "results/reproduced";
+/// Where short versions of them go, which must not take the place of those.
+const QUICK: &str = "results/reproduced-quick";
+
 /// Arguments of `rodlab reproduce`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   rodlab reproduce --list
-  rodlab reproduce tab2.1 --quick
+  rodlab reproduce tab2.1 --quick            a short version, in results/reproduced-quick
   rodlab reproduce tab2.2 --jobs 4
 
 Finished runs are not repeated, interrupted ones continue. With --jobs 1 a run has the machine to itself and its
@@ -25,15 +30,23 @@ pub struct ReproduceArguments {
     /// List what can be reproduced and its rough cost
     #[arg(long, conflicts_with = "artifact")]
     pub list: bool,
-    /// Simulate a short time only; the page says so
+    /// Simulate a short time only; the page says so, and goes into a folder of its own
     #[arg(long)]
     pub quick: bool,
     /// Where artefacts go, each into a folder of its name; their runs go into the folder `cases`
-    #[arg(long, value_name = "DIR", default_value = "results/reproduced")]
-    pub out: PathBuf,
+    /// [default: results/reproduced, with --quick results/reproduced-quick]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
     /// Runs to make at a time; they share the threads
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
     pub jobs: u16,
+}
+
+impl ReproduceArguments {
+    fn directory(&self) -> PathBuf {
+        let usual = if self.quick { QUICK } else { PUBLISHED };
+        self.out.clone().unwrap_or_else(|| usual.into())
+    }
 }
 
 fn artifact(name: &str) -> Result<&'static Artifact, String> {
@@ -47,7 +60,7 @@ pub fn reproduce(arguments: &ReproduceArguments, common: &Common) -> Result<(), 
         return print(&list());
     };
     let options = ReproduceOptions {
-        directory: arguments.out.clone(),
+        directory: arguments.directory(),
         quick: arguments.quick,
         jobs: usize::from(arguments.jobs),
         // Pages are for others: where the program lies on this machine is none of their business.

@@ -80,6 +80,15 @@ pub enum ReproduceError {
     /// Results could not be written or read.
     #[error(transparent)]
     Results(#[from] ResultsError),
+    /// A short version would take the place of the whole page.
+    #[error(
+        "`{}` holds the page of the whole artefact, which --quick does not replace; choose another folder with --out",
+        page.display()
+    )]
+    WouldReplace {
+        /// The folder of the page.
+        page: PathBuf,
+    },
     /// The system could not start the threads of a run.
     #[error("cannot start the threads of a run: {0}")]
     Threads(String),
@@ -94,6 +103,10 @@ pub fn reproduce(
     options: &ReproduceOptions,
     report: &(dyn Fn(&str) + Sync),
 ) -> Result<Vec<PathBuf>, ReproduceError> {
+    let page = options.directory.join(artifact.name());
+    if options.quick && page::is_whole(&page) {
+        return Err(ReproduceError::WouldReplace { page });
+    }
     artifact.recipe.make(artifact, options, report)
 }
 
@@ -144,6 +157,36 @@ mod tests {
             let table = fs::read_to_string(page.join(format!("{}.csv", artifact.name()))).unwrap();
             assert!(table.lines().count() > 1);
         }
+    }
+
+    #[test]
+    fn a_quick_look_does_not_replace_the_published_page() {
+        let directory = tempfile::tempdir().unwrap();
+        let artifact = Artifact::named("fig2.6").unwrap();
+        let options = options(directory.path(), 1);
+        let whole = ReproduceOptions {
+            quick: false,
+            ..options.clone()
+        };
+        let page = directory.path().join("fig2.6/README.md");
+        let shortened = |options: &ReproduceOptions| {
+            let made = artifact
+                .recipe
+                .make_shortened(artifact, 2, options, &|_| {});
+            made.unwrap();
+            fs::read_to_string(&page).unwrap()
+        };
+        let published = shortened(&whole);
+        let error = reproduce(artifact, &options, &|_| {}).unwrap_err();
+        assert!(
+            matches!(error, ReproduceError::WouldReplace { .. }),
+            "{error}"
+        );
+        assert_eq!(fs::read_to_string(&page).unwrap(), published);
+        // A quick page may be replaced by a whole one, and by another quick one.
+        fs::remove_dir_all(directory.path().join("fig2.6")).unwrap();
+        shortened(&options);
+        assert!(!page::is_whole(&directory.path().join("fig2.6")));
     }
 
     #[test]

@@ -57,6 +57,13 @@ struct CaseNote {
     was_finished: bool,
 }
 
+/// Whether a folder holds the page of a whole artefact, no short version.
+pub(super) fn is_whole(page: &Path) -> bool {
+    let manifest = std::fs::read(page.join(MANIFEST)).ok();
+    let manifest = manifest.and_then(|bytes| serde_json::from_slice(&bytes).ok());
+    manifest.is_some_and(|manifest: serde_json::Value| manifest["quick"] == false)
+}
+
 impl Page {
     /// Makes the directory and the head of the page.
     pub fn begin<R: Run>(

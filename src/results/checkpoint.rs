@@ -65,10 +65,14 @@ impl CheckpointFiles {
     /// Reads the newest checkpoint that is whole and that `accept` takes; `None` where there is none.
     ///
     /// A checkpoint that cannot be used is named in a warning and the older one is tried.
+    ///
+    /// # Errors
+    /// [`ResultsError::Altered`] of `accept` where a whole checkpoint was not taken for that and no other was taken: what
+    /// lies beside it is not what it speaks of.
     pub fn read<P: DeserializeOwned, T>(
         &mut self,
         mut accept: impl FnMut(P) -> Result<T, ResultsError>,
-    ) -> Option<T> {
+    ) -> Result<Option<T>, ResultsError> {
         let mut found: Vec<(u64, PathBuf, Vec<u8>)> = Vec::new();
         for slot in SLOTS {
             let path = self.directory.join(slot);
@@ -82,19 +86,25 @@ impl CheckpointFiles {
             }
         }
         found.sort_by_key(|(sequence, ..)| std::cmp::Reverse(*sequence));
+        let mut altered = None;
         for (sequence, path, payload) in found {
-            let accepted = postcard::from_bytes(&payload)
-                .map_err(|error| error.to_string())
-                .and_then(|payload| accept(payload).map_err(|error| error.to_string()));
+            let accepted = match postcard::from_bytes(&payload) {
+                Ok(payload) => accept(payload),
+                Err(error) => Err(ResultsError::Damaged {
+                    path: path.clone(),
+                    reason: error.to_string(),
+                }),
+            };
             match accepted {
                 Ok(accepted) => {
                     self.next_sequence = sequence + 1;
-                    return Some(accepted);
+                    return Ok(Some(accepted));
                 }
-                Err(reason) => warn_unusable(&path, &reason),
+                Err(error @ ResultsError::Altered { .. }) => drop(altered.get_or_insert(error)),
+                Err(error) => warn_unusable(&path, &error.to_string()),
             }
         }
-        None
+        altered.map_or(Ok(None), Err)
     }
 
     /// Whether there is any checkpoint, usable or not.
@@ -186,7 +196,7 @@ mod tests {
     }
 
     fn read(directory: &Path) -> Option<Payload> {
-        files(directory).read(Ok::<Payload, _>)
+        files(directory).read(Ok::<Payload, _>).unwrap()
     }
 
     #[test]
@@ -232,7 +242,7 @@ mod tests {
                 Ok(found)
             }
         });
-        assert_eq!(refused.unwrap().0, 0);
+        assert_eq!(refused.unwrap().unwrap().0, 0);
         let newest = directory.path().join(SLOTS[1]);
         let whole = fs::read(&newest).unwrap();
         fs::write(&newest, &whole[..whole.len() - 1]).unwrap();
@@ -248,7 +258,7 @@ mod tests {
         let directory = tempfile::tempdir().unwrap();
         files(directory.path()).write(&payload(0)).unwrap();
         let mut other = CheckpointFiles::new(directory.path(), &scenario_hash("a = 2"));
-        assert!(other.read(Ok::<Payload, _>).is_none());
+        assert!(other.read(Ok::<Payload, _>).unwrap().is_none());
     }
 
     proptest! {

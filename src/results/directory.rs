@@ -3,6 +3,7 @@
 use super::atomic::TEMPORARY_PREFIX;
 use super::checkpoint::SLOTS;
 use super::files::{FILES, LOCK, MANIFEST, VTK_COLLECTION, VTK_FOLDER};
+use super::mark::check_files;
 use super::vtk::is_frame_name;
 use super::{Manifest, ResultsError};
 use std::fs::{self, File, OpenOptions, TryLockError};
@@ -33,18 +34,21 @@ impl ResultsDirectory {
     /// # Errors
     /// [`ResultsError::NotResults`] for a directory with other files and no manifest, even with `force`;
     /// [`ResultsError::AnotherScenario`]; [`ResultsError::Locked`] where another process writes;
-    /// [`ResultsError::NotWritable`]; [`ResultsError::Damaged`] where the manifest is no manifest.
+    /// [`ResultsError::NotWritable`]; [`ResultsError::Damaged`] where the manifest is no manifest;
+    /// [`ResultsError::Altered`] where a finished run left other files than those that are there.
     pub fn open(path: &Path, scenario_hash: &str, force: bool) -> Result<Opened, ResultsError> {
         // Without a lock first, so that a finished directory may be read-only or a foreign one stays untouched.
         if let Some(manifest) = recognise(path, scenario_hash, force)?
             && manifest.is_finished()
         {
+            check_files(path, &manifest.files)?;
             return Ok(Opened::Finished(manifest));
         }
         fs::create_dir_all(path).map_err(not_writable(path))?;
         let lock = lock(path)?;
         let unfinished = match recognise(path, scenario_hash, force)? {
             Some(manifest) if manifest.is_finished() => {
+                check_files(path, &manifest.files)?;
                 return Ok(Opened::Finished(manifest));
             }
             found => found,

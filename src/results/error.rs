@@ -62,6 +62,18 @@ pub enum ResultsError {
         /// What is wrong with it.
         reason: String,
     },
+    /// A file is not what the run wrote.
+    #[error(
+        "`{}` {what}: these are no longer the results that were written; put it back as it was, or start over with --force \
+         (of a sweep: remove the folder of the case)",
+        path.display()
+    )]
+    Altered {
+        /// The file, or the folder of a series.
+        path: PathBuf,
+        /// What is wrong with it.
+        what: String,
+    },
     /// Reading or writing failed during a run, for example because the disk is full.
     #[error("cannot {action} `{}`: {source}", path.display())]
     Io {

@@ -3,6 +3,7 @@
 use super::atomic::place_whole;
 use super::case_record::{CaseRecord, CaseStatus};
 use super::files::{MANIFEST, SCENARIO};
+use super::mark::FileMarks;
 use super::{ResultsError, SummaryRow, write_summary, write_timings, write_whole};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -49,6 +50,9 @@ pub struct Manifest {
     pub seeds: BTreeMap<String, u64>,
     /// The cases by id; a single run is the case `main`.
     pub cases: BTreeMap<String, CaseRecord>,
+    /// Length and hash of each file that grew during the run, as it was left.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub files: FileMarks,
 }
 
 /// What readers of `nodes.csv` need to know of a rod.
@@ -102,13 +106,19 @@ impl Manifest {
         place_whole(&directory.join(SCENARIO), self.scenario.as_bytes())
     }
 
-    /// Writes summary, timings and manifest of a run that ends.
-    pub fn conclude(&mut self, directory: &Path, record: CaseRecord) -> Result<(), ResultsError> {
+    /// Writes summary, timings and manifest of a run that ends and leaves `files`.
+    pub fn conclude(
+        &mut self,
+        directory: &Path,
+        record: CaseRecord,
+        files: FileMarks,
+    ) -> Result<(), ResultsError> {
         let row = SummaryRow::new(MAIN_CASE, record.status, &record.outcome);
         write_summary(directory, &[row])?;
         write_timings(directory, &[(MAIN_CASE, record.usage())])?;
         self.cases.insert(MAIN_CASE.into(), record);
         self.end = Some(jiff::Timestamp::now());
+        self.files = files;
         self.write(directory)
     }
 
@@ -188,6 +198,7 @@ pub(super) mod tests {
                     error: None,
                 },
             )]),
+            files: FileMarks::new(),
         }
     }
 

@@ -8,7 +8,8 @@
 //! that share it who works on which.
 //!
 //! Files that are written once appear whole ([`write_whole`]); files that grow are flushed at each output
-//! time and cut back to the length noted in the checkpoint when a run is continued.
+//! time and cut back to the length noted in the checkpoint when a run is continued. Checkpoint and manifest hold their
+//! lengths and hashes ([`FileMark`]), by which files that were removed or changed are noticed.
 
 mod atomic;
 mod branch;
@@ -22,6 +23,7 @@ mod forces;
 mod frame;
 mod lease;
 mod manifest;
+mod mark;
 mod nodes;
 mod outcome;
 mod recorder;
@@ -52,9 +54,10 @@ pub use forces::{NodeForces, read_node_forces};
 pub use frame::Frame;
 pub use lease::{HEARTBEAT, Lease, LeaseAttempt, Leases, Owner, host_name};
 pub use manifest::{MAIN_CASE, Manifest, RodRecord, scenario_hash, scenario_hash_with_inputs};
+pub use mark::{FileMark, FileMarks, check_files, check_lengths};
 pub use nodes::{NodePositions, read_nodes};
 pub use outcome::{CaseOutcome, Ending};
-pub use recorder::{Recorder, RecorderPlan, StreamLengths};
+pub use recorder::{Recorder, RecorderPlan};
 pub use series::{SeriesRow, read_series, read_series_as, series_columns};
 pub use stream::{CsvStream, WholeRows, read_whole_rows};
 pub use summary::{SummaryRow, write_summary, write_sweep_summary, write_timings};

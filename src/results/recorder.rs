@@ -1,12 +1,12 @@
 //! Writes each output time to all files that grow during a run.
 
-use super::files::{NODE_FORCES, NODES, SERIES};
+use super::files::{NODE_FORCES, NODES, SERIES, VTK_FOLDER};
 use super::forces::write_forces;
 use super::frame::Frame;
+use super::mark::{FileMark, FileMarks, Marker, marked_frames};
 use super::nodes::write_nodes;
 use super::stream::CsvStream;
 use super::{ResultsError, RodRecord, SeriesRow, Value, vtk};
-use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 /// Which files a run writes beside `series.csv`.
@@ -22,14 +22,6 @@ pub struct RecorderPlan {
     pub vtk: bool,
 }
 
-/// How far the streams have come, to be kept in a checkpoint.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct StreamLengths {
-    series: u64,
-    nodes: Option<u64>,
-    forces: Option<u64>,
-}
-
 /// The files of a run that grow.
 pub struct Recorder {
     directory: PathBuf,
@@ -38,7 +30,8 @@ pub struct Recorder {
     observed: Vec<String>,
     nodes: Option<CsvStream>,
     forces: Option<CsvStream>,
-    vtk: bool,
+    /// What was written to frames so far.
+    frames: Option<Marker>,
 }
 
 impl Recorder {
@@ -54,35 +47,32 @@ impl Recorder {
             observed: plan.observed,
             nodes: plan.nodes.then(|| stream(NODES)).transpose()?,
             forces: plan.forces.then(|| stream(NODE_FORCES)).transpose()?,
-            vtk: plan.vtk,
+            frames: plan.vtk.then(Marker::default),
             directory: directory.to_owned(),
             rods,
         })
     }
 
-    /// Continues all files where a checkpoint left them; what was written later is dropped.
+    /// Continues all files where a checkpoint marked them; what was written later is dropped.
     ///
     /// # Errors
-    /// [`ResultsError::Damaged`] where a file is shorter than at the checkpoint.
+    /// [`ResultsError::Altered`] where a file is not what it was at the checkpoint.
     pub fn continue_at(
         directory: &Path,
         rods: Vec<RodRecord>,
         plan: RecorderPlan,
-        lengths: StreamLengths,
+        marks: &FileMarks,
     ) -> Result<Self, ResultsError> {
-        let stream = |name: &str, length| CsvStream::continue_at(&directory.join(name), length);
+        let nothing = FileMark::default();
+        let marked = |name: &str| marks.get(name).unwrap_or(&nothing);
+        let stream = |name: &str| CsvStream::continue_at(&directory.join(name), marked(name));
+        let frames = || marked_frames(directory, marked(VTK_FOLDER));
         Ok(Self {
-            series: stream(SERIES, lengths.series)?,
+            series: stream(SERIES)?,
             observed: plan.observed,
-            nodes: lengths
-                .nodes
-                .map(|length| stream(NODES, length))
-                .transpose()?,
-            forces: lengths
-                .forces
-                .map(|length| stream(NODE_FORCES, length))
-                .transpose()?,
-            vtk: plan.vtk,
+            nodes: plan.nodes.then(|| stream(NODES)).transpose()?,
+            forces: plan.forces.then(|| stream(NODE_FORCES)).transpose()?,
+            frames: plan.vtk.then(frames).transpose()?,
             directory: directory.to_owned(),
             rods,
         })
@@ -90,7 +80,7 @@ impl Recorder {
 
     /// Whether the frames must hold velocities and forces.
     pub fn needs_forces(&self) -> bool {
-        self.forces.is_some() || self.vtk
+        self.forces.is_some() || self.frames.is_some()
     }
 
     /// Whether frames are written at all.
@@ -113,35 +103,44 @@ impl Recorder {
         if let Some(forces) = &mut self.forces {
             write_forces(forces, &self.rods, frame)?;
         }
-        if self.vtk {
-            vtk::write_frame(&self.directory, index, &self.rods, frame)?;
+        if let Some(frames) = &mut self.frames {
+            frames.update(&vtk::write_frame(
+                &self.directory,
+                index,
+                &self.rods,
+                frame,
+            )?);
         }
         // Last, so that a time in the series is there in all files.
         self.series.write_with(row, &self.observed, observed)?;
         self.series.flush()
     }
 
-    /// Puts all files on the disk, `times` being those of all outputs so far; tells how long they are.
-    pub fn sync(
-        &mut self,
-        times: impl Iterator<Item = f64>,
-    ) -> Result<StreamLengths, ResultsError> {
-        if self.vtk {
-            vtk::write_collection(&self.directory, times)?;
+    /// Puts all files on the disk, `times` being those of all outputs so far, and marks them.
+    ///
+    /// # Errors
+    /// [`ResultsError::Altered`] where one was removed or replaced meanwhile, [`ResultsError::Io`].
+    pub fn sync(&mut self, times: impl Iterator<Item = f64>) -> Result<FileMarks, ResultsError> {
+        let mut marks = FileMarks::from([(SERIES.to_owned(), self.series.sync()?)]);
+        for (name, stream) in [(NODES, &mut self.nodes), (NODE_FORCES, &mut self.forces)] {
+            if let Some(stream) = stream {
+                marks.insert(name.to_owned(), stream.sync()?);
+            }
         }
-        Ok(StreamLengths {
-            series: self.series.sync()?,
-            nodes: self.nodes.as_mut().map(CsvStream::sync).transpose()?,
-            forces: self.forces.as_mut().map(CsvStream::sync).transpose()?,
-        })
+        if let Some(frames) = &self.frames {
+            vtk::write_collection(&self.directory, times)?;
+            marks.insert(VTK_FOLDER.to_owned(), frames.mark());
+        }
+        Ok(marks)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::read_series_as;
+    use crate::results::{check_files, read_series_as};
     use nalgebra::Vector3;
+    use serde::Deserialize;
     use std::fs;
 
     fn rods() -> Vec<RodRecord> {
@@ -262,10 +261,10 @@ mod tests {
 
         let mut recorder = Recorder::create(cut.path(), rods(), all()).unwrap();
         recorder.record(0, &row(0.0), &[], &frame(0.0)).unwrap();
-        let lengths = recorder.sync([0.0].into_iter()).unwrap();
+        let marks = recorder.sync([0.0].into_iter()).unwrap();
         recorder.record(1, &row(77.0), &[], &frame(77.0)).unwrap();
         drop(recorder);
-        let mut recorder = Recorder::continue_at(cut.path(), rods(), all(), lengths).unwrap();
+        let mut recorder = Recorder::continue_at(cut.path(), rods(), all(), &marks).unwrap();
         for k in 1..4 {
             recorder
                 .record(k, &row(k as f64), &[], &frame(k as f64))
@@ -283,5 +282,38 @@ mod tests {
                 |directory: &tempfile::TempDir| fs::read(directory.path().join(name)).unwrap();
             assert_eq!(read(&whole), read(&cut), "{name}");
         }
+    }
+
+    #[test]
+    fn a_missing_frame_and_a_garbled_one_are_noticed_on_continuing() {
+        let directory = tempfile::tempdir().unwrap();
+        let mut recorder = Recorder::create(directory.path(), rods(), all()).unwrap();
+        for k in 0..3 {
+            recorder
+                .record(k, &row(k as f64), &[], &frame(k as f64))
+                .unwrap();
+        }
+        let marks = recorder.sync((0..3).map(|k| k as f64)).unwrap();
+        check_files(directory.path(), &marks).unwrap();
+        let path = directory.path().join("vtk/rods_000001.vtp");
+        let whole = fs::read(&path).unwrap();
+        let mut garbled = whole.clone();
+        *garbled.last_mut().unwrap() ^= 1;
+        for (bytes, what) in [
+            (None, "rods_000001.vtp` is missing"),
+            (Some(&garbled), "vtk` does not hold"),
+        ] {
+            fs::remove_file(&path).unwrap();
+            if let Some(bytes) = bytes {
+                fs::write(&path, bytes).unwrap();
+            }
+            let continued = Recorder::continue_at(directory.path(), rods(), all(), &marks);
+            let checked = check_files(directory.path(), &marks);
+            for error in [continued.err().unwrap(), checked.unwrap_err()] {
+                assert!(error.to_string().contains(what), "{error}");
+            }
+            fs::write(&path, &whole).unwrap();
+        }
+        Recorder::continue_at(directory.path(), rods(), all(), &marks).unwrap();
     }
 }

@@ -1,9 +1,10 @@
 //! A CSV file that grows row by row and can be cut back to an earlier length.
 
+use super::mark::{self, FileMark, MarkedFile};
 use super::{ResultsError, Value};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, OpenOptions};
 use std::io::{self, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
@@ -11,7 +12,7 @@ use std::path::{Path, PathBuf};
 /// shortest form that reads back to the same bits.
 pub struct CsvStream {
     path: PathBuf,
-    writer: csv::Writer<File>,
+    writer: csv::Writer<MarkedFile>,
     /// Whether the names of the columns are still to be written.
     is_empty: bool,
 }
@@ -19,42 +20,62 @@ pub struct CsvStream {
 impl CsvStream {
     /// Starts an empty stream; an old file of that name is overwritten.
     pub fn create(path: &Path) -> Result<Self, ResultsError> {
-        let file = File::create(path).map_err(ResultsError::io("create", path))?;
-        Ok(Self::over(path, file, true))
+        let file = MarkedFile::create(path).map_err(ResultsError::io("create", path))?;
+        Ok(Self::over(path, file))
     }
 
-    /// Continues a stream after its first `length` bytes; later rows are dropped.
+    /// Continues a stream where it was marked; later rows are dropped.
     ///
     /// # Errors
-    /// [`ResultsError::Io`] where the file cannot be opened, [`ResultsError::Damaged`] where it is shorter.
-    pub fn continue_at(path: &Path, length: u64) -> Result<Self, ResultsError> {
-        let mut file = OpenOptions::new()
-            .write(true)
-            .open(path)
-            .map_err(ResultsError::io("open", path))?;
-        let present = file
-            .metadata()
-            .map_err(ResultsError::io("read", path))?
-            .len();
-        if present < length {
-            return Err(ResultsError::Damaged {
-                path: path.to_owned(),
-                reason: format!("it has {present} bytes, but the checkpoint was made at {length}"),
-            });
-        }
-        file.set_len(length)
-            .and_then(|()| file.seek(SeekFrom::End(0)))
-            .map_err(ResultsError::io("cut back", path))?;
-        Ok(Self::over(path, file, length == 0))
+    /// [`ResultsError::Altered`] where something else stands there, [`ResultsError::Io`].
+    pub fn continue_at(path: &Path, mark: &FileMark) -> Result<Self, ResultsError> {
+        Self::continue_if(path, mark.bytes, |file| {
+            mark::compare(path, mark, file.marker())
+        })
     }
 
-    fn over(path: &Path, file: File, is_empty: bool) -> Self {
+    /// Continues a stream after its first `length` bytes, which nobody has marked; later rows are dropped.
+    ///
+    /// # Errors
+    /// [`ResultsError::Altered`] where the file is shorter, [`ResultsError::Io`].
+    pub fn continue_unmarked(path: &Path, length: u64) -> Result<Self, ResultsError> {
+        Self::continue_if(path, length, |_| Ok(()))
+    }
+
+    fn continue_if(
+        path: &Path,
+        length: u64,
+        check: impl FnOnce(&MarkedFile) -> Result<(), ResultsError>,
+    ) -> Result<Self, ResultsError> {
+        let opened = OpenOptions::new().read(true).write(true).open(path);
+        let file = match opened {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                return Err(mark::missing(path.to_owned()));
+            }
+            opened => opened.map_err(ResultsError::io("open", path))?,
+        };
+        let file = MarkedFile::after(file, length).map_err(ResultsError::io("read", path))?;
+        if file.bytes() < length {
+            let what = format!("has {} bytes instead of {length}", file.bytes());
+            let path = path.to_owned();
+            return Err(ResultsError::Altered { path, what });
+        }
+        check(&file)?;
+        let mut opened = file.file();
+        opened
+            .set_len(length)
+            .and_then(|()| opened.seek(SeekFrom::End(0)))
+            .map_err(ResultsError::io("cut back", path))?;
+        Ok(Self::over(path, file))
+    }
+
+    fn over(path: &Path, file: MarkedFile) -> Self {
         Self {
             path: path.to_owned(),
+            is_empty: file.bytes() == 0,
             writer: csv::WriterBuilder::new()
                 .has_headers(false)
                 .from_writer(file),
-            is_empty,
         }
     }
 
@@ -94,13 +115,22 @@ impl CsvStream {
             .map_err(ResultsError::io("write", &self.path))
     }
 
-    /// Flushes, waits until the bytes are on the disk, and returns the length of the file.
-    pub fn sync(&mut self) -> Result<u64, ResultsError> {
+    /// Flushes, waits until the bytes are on the disk, and marks them.
+    ///
+    /// # Errors
+    /// [`ResultsError::Altered`] where the file was removed or replaced meanwhile, [`ResultsError::Io`].
+    pub fn sync(&mut self) -> Result<FileMark, ResultsError> {
         self.flush()?;
-        let mut file: &File = self.writer.get_ref();
-        file.sync_data()
-            .and_then(|()| file.stream_position())
-            .map_err(ResultsError::io("write", &self.path))
+        let marked = self.writer.get_ref();
+        let synced = marked.file().sync_data();
+        synced.map_err(ResultsError::io("write", &self.path))?;
+        if !marked.is_in_place(&self.path) {
+            return Err(ResultsError::Altered {
+                path: self.path.clone(),
+                what: "was removed or replaced while the run wrote it".to_owned(),
+            });
+        }
+        Ok(marked.mark())
     }
 }
 
@@ -126,7 +156,7 @@ pub(super) fn read_whole_lines(path: &Path) -> Result<Vec<u8>, ResultsError> {
 pub struct WholeRows<Row> {
     /// The rows but a last one in part.
     pub rows: Vec<Row>,
-    /// Bytes up to there, for [`CsvStream::continue_at`].
+    /// Bytes up to there, for [`CsvStream::continue_unmarked`].
     pub length: u64,
 }
 
@@ -194,11 +224,11 @@ mod tests {
         let mut stream = CsvStream::create(&cut).unwrap();
         let empty = stream.sync().unwrap();
         (0..4).for_each(|k| stream.write(&row(k)).unwrap());
-        let length = stream.sync().unwrap();
+        let mark = stream.sync().unwrap();
         (4..7).for_each(|k| stream.write(&row(k + 100)).unwrap());
         drop(stream);
-        for (start, length) in [(4, length), (0, empty)] {
-            let mut stream = CsvStream::continue_at(&cut, length).unwrap();
+        for (start, mark) in [(4, mark), (0, empty)] {
+            let mut stream = CsvStream::continue_at(&cut, &mark).unwrap();
             (start..10).for_each(|k| stream.write(&row(k)).unwrap());
             stream.flush().unwrap();
             assert_eq!(fs::read(&whole).unwrap(), fs::read(&cut).unwrap());
@@ -206,13 +236,41 @@ mod tests {
     }
 
     #[test]
-    fn a_file_shorter_than_the_checkpoint_is_refused() {
+    fn a_stream_that_was_cut_garbled_or_removed_is_refused_and_left_as_it_is() {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join("series.csv");
-        fs::write(&path, "time_s\n0.0\n").unwrap();
-        let error = CsvStream::continue_at(&path, 1000).err().unwrap();
-        assert!(matches!(error, ResultsError::Damaged { .. }), "{error}");
-        assert_eq!(fs::read(&path).unwrap(), b"time_s\n0.0\n");
+        let mut stream = CsvStream::create(&path).unwrap();
+        (0..4).for_each(|k| stream.write(&row(k)).unwrap());
+        let mark = stream.sync().unwrap();
+        let whole = fs::read(&path).unwrap();
+        let mut garbled = whole.clone();
+        garbled[20] ^= 1;
+        for (bytes, what) in [(&whole[..30], "30 bytes"), (&garbled, "not hold")] {
+            fs::write(&path, bytes).unwrap();
+            let error = CsvStream::continue_at(&path, &mark).err().unwrap();
+            assert!(matches!(error, ResultsError::Altered { .. }), "{error}");
+            assert!(error.to_string().contains(what), "{error}");
+            assert_eq!(fs::read(&path).unwrap(), bytes);
+        }
+        fs::remove_file(&path).unwrap();
+        let error = CsvStream::continue_at(&path, &mark).err().unwrap();
+        assert!(error.to_string().contains("is missing"), "{error}");
+        assert_eq!(error.exit_code(), 1);
+    }
+
+    #[test]
+    fn series_deleted_during_a_run_are_noticed() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("series.csv");
+        let mut stream = CsvStream::create(&path).unwrap();
+        stream.write(&row(0)).unwrap();
+        stream.sync().unwrap();
+        fs::remove_file(&path).unwrap();
+        stream.write(&row(1)).unwrap();
+        let error = stream.sync().unwrap_err();
+        assert!(error.to_string().contains("was removed"), "{error}");
+        fs::write(&path, "another").unwrap();
+        assert!(stream.sync().is_err());
     }
 
     #[test]

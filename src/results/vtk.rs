@@ -13,19 +13,21 @@ use nalgebra::Vector3;
 use std::fs;
 use std::path::Path;
 
-/// Writes frame number `index` of the series in a results directory.
+/// Writes frame number `index` of the series in a results directory; returns its bytes.
 pub(super) fn write_frame(
     directory: &Path,
     index: usize,
     rods: &[RodRecord],
     frame: &Frame,
-) -> Result<(), ResultsError> {
+) -> Result<Vec<u8>, ResultsError> {
     let folder = directory.join(VTK_FOLDER);
     if folder.is_symlink() {
         return Err(ResultsError::Link { path: folder });
     }
     fs::create_dir_all(&folder).map_err(ResultsError::io("create", &folder))?;
-    write_whole(&directory.join(frame_name(index)), &poly_data(rods, frame))
+    let bytes = poly_data(rods, frame);
+    write_whole(&directory.join(frame_name(index)), &bytes)?;
+    Ok(bytes)
 }
 
 /// Writes the collection that gives each frame its time.
@@ -44,7 +46,8 @@ pub(super) fn write_collection(
     write_whole(&directory.join(VTK_COLLECTION), text.as_bytes())
 }
 
-fn frame_name(index: usize) -> String {
+/// Where a frame lies in a results directory.
+pub(super) fn frame_name(index: usize) -> String {
     format!("{VTK_FOLDER}/rods_{index:06}.vtp")
 }
 

@@ -2,7 +2,9 @@
 
 use crate::mechanics::dynamics::Energies;
 use crate::mechanics::statics::{EndedEarly, PathPoint, PointKind, Tracer};
-use crate::results::{BRANCH, BranchKind, BranchRow, CsvStream, ResultsDirectory, ResultsError};
+use crate::results::{
+    BRANCH, BranchKind, BranchRow, CsvStream, FileMark, ResultsDirectory, ResultsError,
+};
 use serde::{Deserialize, Serialize};
 
 /// A path at work.
@@ -19,8 +21,8 @@ pub(crate) struct PathAtWork {
 pub(crate) struct PathCheckpoint {
     tracer: Tracer,
     parameters: Vec<f64>,
-    /// Bytes of `branch.csv`.
-    length: u64,
+    /// How far `branch.csv` has come.
+    branches: FileMark,
 }
 
 impl PathAtWork {
@@ -40,7 +42,7 @@ impl PathAtWork {
     ) -> Result<Self, ResultsError> {
         Ok(Self {
             tracer: checkpoint.tracer,
-            branches: CsvStream::continue_at(&directory.file(BRANCH), checkpoint.length)?,
+            branches: CsvStream::continue_at(&directory.file(BRANCH), &checkpoint.branches)?,
             parameters: checkpoint.parameters,
         })
     }
@@ -50,7 +52,7 @@ impl PathAtWork {
         Ok(PathCheckpoint {
             tracer: self.tracer.clone(),
             parameters: self.parameters.clone(),
-            length: self.branches.sync()?,
+            branches: self.branches.sync()?,
         })
     }
 
@@ -68,10 +70,14 @@ impl PathAtWork {
         Ok(())
     }
 
-    /// Puts `branch.csv` on the disk at the end of the path; returns what is to be told of it.
-    pub fn conclude(&mut self) -> Result<Vec<String>, ResultsError> {
-        self.branches.sync()?;
-        Ok(remarks(self.tracer.ended_early()))
+    /// Puts `branch.csv` on the disk and marks it.
+    pub fn sync(&mut self) -> Result<FileMark, ResultsError> {
+        self.branches.sync()
+    }
+
+    /// What is to be told at the end of the path.
+    pub fn remarks(&self) -> Vec<String> {
+        remarks(self.tracer.ended_early())
     }
 }
 

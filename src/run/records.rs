@@ -56,5 +56,6 @@ pub(crate) fn manifest_of_call(
         continuations: earlier.map_or(0, |manifest| manifest.continuations) + u32::from(continued),
         seeds: BTreeMap::new(),
         cases: BTreeMap::from([(MAIN_CASE.into(), running)]),
+        files: BTreeMap::new(),
     }
 }

@@ -8,8 +8,9 @@ use super::records::manifest_of_call;
 use super::stop::{Stop, StopRequest};
 use super::{Reached, RunError, RunOptions, RunOutcome, RunStatus};
 use crate::results::{
-    CaseOutcome, CaseRecord, CaseStatus, CsvStream, MAIN_CASE, Manifest, Opened, ResultsDirectory,
-    ResultsError, Usage, UsageMeter, WholeRows, read_whole_rows, scenario_hash, sync,
+    CaseOutcome, CaseRecord, CaseStatus, CsvStream, FileMark, FileMarks, MAIN_CASE, Manifest,
+    Opened, ResultsDirectory, ResultsError, Usage, UsageMeter, WholeRows, check_files,
+    read_whole_rows, scenario_hash, sync,
 };
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
@@ -75,12 +76,13 @@ fn run_table<Job: TableJob>(
         let case = manifest.cases.get(MAIN_CASE)?;
         Some(case.usage())
     });
-    let WholeRows { rows, length } = rows_so_far::<Job>(&directory, job.count());
+    let WholeRows { rows, length } = rows_so_far::<Job>(&directory, job.count())?;
     let mut session = TableSession {
         meter: UsageMeter::start(),
         earlier: earlier.unwrap_or_default(),
         rows,
         length,
+        mark: None,
         job,
         directory,
         options,
@@ -128,6 +130,8 @@ struct TableSession<'a, Job: TableJob> {
     rows: Vec<Job::Row>,
     /// Bytes of the table that hold them at the start.
     length: u64,
+    /// The table as it was written last.
+    mark: Option<FileMark>,
 }
 
 impl<Job: TableJob> TableSession<'_, Job> {
@@ -135,9 +139,10 @@ impl<Job: TableJob> TableSession<'_, Job> {
         let path = self.directory.file(Job::TABLE);
         let mut stream = match self.length {
             0 => CsvStream::create(&path)?,
-            length => CsvStream::continue_at(&path, length)?,
+            length => CsvStream::continue_unmarked(&path, length)?,
         };
         sync(self.directory.path())?;
+        self.mark = Some(stream.sync()?);
         let bar = self.bar();
         while self.rows.len() < self.job.count() {
             if let Some(request) = stop_requested() {
@@ -150,7 +155,7 @@ impl<Job: TableJob> TableSession<'_, Job> {
             for row in &block {
                 stream.write(row)?;
             }
-            stream.sync()?;
+            self.mark = Some(stream.sync()?);
             bar.inc(block.len() as u64);
             self.rows.extend(block);
             // Not before the first block: each call gets on, however short its time.
@@ -208,7 +213,9 @@ impl<Job: TableJob> TableSession<'_, Job> {
             self.usage(),
             stop.map(Stop::reason),
         );
-        manifest.conclude(self.directory.path(), record)?;
+        let table = self.mark.clone().map(|mark| (Job::TABLE.to_owned(), mark));
+        let files = FileMarks::from_iter(table);
+        manifest.conclude(self.directory.path(), record, files)?;
         Ok(outcome)
     }
 }
@@ -219,21 +226,32 @@ fn block_after(done: usize, count: usize) -> Range<usize> {
 }
 
 /// What stands of an unfinished table, nothing where it cannot be read.
-fn rows_so_far<Job: TableJob>(directory: &ResultsDirectory, count: usize) -> WholeRows<Job::Row> {
+///
+/// # Errors
+/// [`ResultsError::Altered`] where the call before left something else.
+fn rows_so_far<Job: TableJob>(
+    directory: &ResultsDirectory,
+    count: usize,
+) -> Result<WholeRows<Job::Row>, ResultsError> {
     let nothing = WholeRows {
         rows: Vec::new(),
         length: 0,
     };
+    let Some(unfinished) = directory.unfinished() else {
+        return Ok(nothing);
+    };
+    // A call that was killed has marked nothing.
+    check_files(directory.path(), &unfinished.files)?;
     let path = directory.file(Job::TABLE);
-    if directory.unfinished().is_none() || !path.exists() {
-        return nothing;
+    if !path.exists() {
+        return Ok(nothing);
     }
-    match read_whole_rows(&path) {
+    Ok(match read_whole_rows(&path) {
         Ok(whole) if whole.rows.len() <= count => whole,
         Ok(_) => nothing,
         Err(error) => {
             tracing::warn!("{error}: starting again");
             nothing
         }
-    }
+    })
 }

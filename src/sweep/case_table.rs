@@ -3,7 +3,7 @@
 use super::outcome::CaseCounts;
 use crate::results::{
     CaseRecord, CaseStatus, MAIN_CASE, Manifest, ResultsError, SummaryRow, SweepDirectory,
-    write_sweep_summary, write_timings,
+    check_lengths, write_sweep_summary, write_timings,
 };
 use crate::scenario::{Case, CaseSet, Parameter};
 use std::collections::BTreeMap;
@@ -31,9 +31,17 @@ struct State {
 }
 
 /// The record of the case in a directory; `None` where it was not begun.
+///
+/// # Errors
+/// [`ResultsError::Altered`] where files of a finished case are missing, or are not as long as they were.
 pub(super) fn record_in(directory: &Path) -> Result<Option<CaseRecord>, ResultsError> {
-    let manifest = Manifest::read(directory)?;
-    Ok(manifest.and_then(|mut manifest| manifest.cases.remove(MAIN_CASE)))
+    let Some(mut manifest) = Manifest::read(directory)? else {
+        return Ok(None);
+    };
+    if manifest.is_finished() {
+        check_lengths(directory, &manifest.files)?;
+    }
+    Ok(manifest.cases.remove(MAIN_CASE))
 }
 
 impl<'a> CaseTable<'a> {

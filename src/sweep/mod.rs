@@ -250,6 +250,7 @@ fn first_manifest(
             .into_iter()
             .collect(),
         cases: BTreeMap::new(),
+        files: BTreeMap::new(),
     }
 }
 

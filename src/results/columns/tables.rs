@@ -120,6 +120,8 @@ pub(super) const MANIFEST: &[Column] = columns! {
     "seeds": "Seeds of random choices by name.",
     "cases": "By id: status, outcome (the numbers of summary.csv), cost (wall_time in s, ...) and error, the reason why it ended \
         early. A single run is the case `main`.",
+    "files": "Length (bytes) and BLAKE3 hash of each file that grew during the run, as it was left; of `vtk`, those of all \
+        frames one after the other. What was removed or changed since is noticed when the same command is given again.",
 };
 
 pub(super) const SLURM: &[Column] = columns! {

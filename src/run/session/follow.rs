@@ -41,7 +41,7 @@ impl Session {
                 break;
             }
         }
-        self.remarks.extend(path.conclude()?);
+        self.remarks.extend(path.remarks());
         self.path = Some(path);
         Ok(())
     }

@@ -18,8 +18,9 @@ use super::{Mode, PreparedRun, Reached, RunError, RunOptions, RunOutcome, RunSta
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::SimulationError;
 use crate::results::{
-    CaseRecord, CaseStatus, CheckpointFiles, Frame, MANIFEST, Manifest, Recorder, ResultsDirectory,
-    ResultsError, StreamLengths, Usage, UsageMeter, Value, scenario_hash, sync,
+    BRANCH, CaseRecord, CaseStatus, CheckpointFiles, FileMarks, Frame, MANIFEST, Manifest,
+    Recorder, ResultsDirectory, ResultsError, Usage, UsageMeter, Value, check_lengths,
+    scenario_hash, sync,
 };
 use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
@@ -64,7 +65,7 @@ struct RunState {
 #[derive(Serialize, Deserialize)]
 struct Checkpoint<S> {
     state: S,
-    lengths: StreamLengths,
+    files: FileMarks,
     run_state: RunState,
     path: Option<PathCheckpoint>,
 }
@@ -87,15 +88,14 @@ impl Session {
         };
         let mut checkpoints = CheckpointFiles::new(directory.path(), &hash);
         let continued = checkpoints.read(|mut checkpoint: Checkpoint<S::State>| {
-            let lengths = checkpoint.lengths;
             let (rods, plan) = (rods.clone(), plan.clone());
-            let recorder = Recorder::continue_at(directory.path(), rods, plan, lengths)?;
+            let recorder = Recorder::continue_at(directory.path(), rods, plan, &checkpoint.files)?;
             let mut restored = participants.clone();
             restored.restore(&checkpoint.run_state.participants, directory.path())?;
             let path = checkpoint.path.take();
             let path = path.map(|path| PathAtWork::resume(path, &directory));
             Ok((checkpoint, restored, recorder, path.transpose()?))
-        });
+        })?;
         if continued.is_none() && checkpoints.exist() {
             tracing::warn!(
                 "no usable checkpoint in `{}`: starting again",
@@ -282,7 +282,7 @@ impl Session {
     }
 
     fn write_checkpoint(&mut self, simulation: &impl Advance) -> Result<(), ResultsError> {
-        let lengths = self.sync_outputs()?;
+        let files = self.sync_outputs()?;
         // Without it the checkpoint would not be known for what it is.
         sync(&self.directory.file(MANIFEST))?;
         let run_state = RunState {
@@ -292,7 +292,7 @@ impl Session {
         };
         self.checkpoints.write(&Checkpoint {
             state: simulation.state(),
-            lengths,
+            files,
             run_state,
             path: self.path.as_mut().map(PathAtWork::checkpoint).transpose()?,
         })?;
@@ -300,11 +300,22 @@ impl Session {
         Ok(())
     }
 
-    fn sync_outputs(&mut self) -> Result<StreamLengths, ResultsError> {
+    fn sync_outputs(&mut self) -> Result<FileMarks, ResultsError> {
         let times: Vec<f64> = (0..self.run_state.outputs)
             .map(|index| self.output_time(index))
             .collect();
         self.recorder.sync(times.into_iter())
+    }
+
+    /// Puts all files on the disk and marks them as the run leaves them.
+    fn leave_outputs(&mut self) -> Result<FileMarks, ResultsError> {
+        let mut files = self.sync_outputs()?;
+        if let Some(path) = &mut self.path {
+            files.insert(BRANCH.to_owned(), path.sync()?);
+        }
+        // Frames were written one by one, and might have been removed since.
+        check_lengths(self.directory.path(), &files)?;
+        Ok(files)
     }
 
     fn usage(&self) -> Usage {
@@ -319,7 +330,7 @@ impl Session {
     ) -> Result<RunOutcome, RunError> {
         let directory = self.directory.path().to_owned();
         let result = result
-            .and_then(|()| Ok(self.sync_outputs().map(drop)?))
+            .and_then(|()| Ok(self.leave_outputs()?))
             .or_else(|stop| {
                 // A checkpoint that cannot be written is the graver news.
                 if stop.leaves_sound_state() && self.reached(simulation) != Reached::Start {
@@ -329,14 +340,15 @@ impl Session {
             });
         let status = result
             .as_ref()
-            .map_or_else(Stop::status, |()| CaseStatus::Finished);
+            .map_or_else(Stop::status, |_| CaseStatus::Finished);
         let reason = result.as_ref().err().map(Stop::reason);
         self.remarks.extend(simulation.remarks());
         let observers = self.participants.observers.iter();
         self.remarks.extend(observers.flat_map(|one| one.remarks()));
-        let written = self.write_tables(status, reason);
+        let files = result.as_ref().ok().cloned().unwrap_or_default();
+        let written = self.write_tables(status, reason, files);
         match result {
-            Ok(()) => written?,
+            Ok(_) => written?,
             // Whatever hinders the tables now has most likely ended the run itself.
             Err(stop) => {
                 return Err(stop.into_error(self.reached(simulation), directory));
@@ -360,6 +372,7 @@ impl Session {
         &mut self,
         status: CaseStatus,
         error: Option<String>,
+        files: FileMarks,
     ) -> Result<(), ResultsError> {
         let path = self.directory.path();
         let outcome = &mut self.run_state.counters.outcome;
@@ -367,6 +380,6 @@ impl Session {
         outcome.remarks.clone_from(&self.remarks);
         let outcome = outcome.clone();
         let record = CaseRecord::with_usage(status, outcome, self.usage(), error);
-        self.manifest.conclude(path, record)
+        self.manifest.conclude(path, record, files)
     }
 }

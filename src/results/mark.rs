@@ -1,0 +1,231 @@
+//! Marks of files: what a run wrote, so that a later look notices when something else stands there.
+
+use super::ResultsError;
+use super::files::VTK_FOLDER;
+use super::vtk::frame_name;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+
+/// Bytes that are read at a time.
+const BLOCK: usize = 1 << 16;
+
+/// Length and hash of a file; of a series of frames, those of all its files one after the other.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FileMark {
+    /// Length, bytes.
+    pub bytes: u64,
+    /// BLAKE3 hash of the contents, in hexadecimal.
+    pub blake3: String,
+}
+
+/// The marks of the files that grow during a run, by their names in the results directory.
+pub type FileMarks = BTreeMap<String, FileMark>;
+
+/// Marks what passes through it.
+#[derive(Clone, Default)]
+pub(super) struct Marker {
+    hasher: blake3::Hasher,
+    bytes: u64,
+}
+
+impl Marker {
+    /// Takes note of further bytes.
+    pub fn update(&mut self, bytes: &[u8]) {
+        self.hasher.update(bytes);
+        self.bytes += bytes.len() as u64;
+    }
+
+    /// Takes note of further bytes of a file, at most `most`.
+    fn read(&mut self, file: impl Read, most: u64) -> io::Result<()> {
+        let mut file = file.take(most);
+        let mut block = vec![0; BLOCK];
+        loop {
+            match file.read(&mut block)? {
+                0 => return Ok(()),
+                read => self.update(&block[..read]),
+            }
+        }
+    }
+
+    /// Bytes so far.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// The mark of all bytes so far.
+    pub fn mark(&self) -> FileMark {
+        FileMark {
+            bytes: self.bytes,
+            blake3: self.hasher.finalize().to_hex().to_string(),
+        }
+    }
+}
+
+/// A file whose contents are marked as they are written.
+pub(super) struct MarkedFile {
+    file: File,
+    marker: Marker,
+}
+
+impl MarkedFile {
+    /// An empty file.
+    pub fn create(path: &Path) -> io::Result<Self> {
+        Ok(Self {
+            file: File::create(path)?,
+            marker: Marker::default(),
+        })
+    }
+
+    /// Reads the first `length` bytes of a file that is open for reading and writing; what is written comes after them.
+    pub fn after(mut file: File, length: u64) -> io::Result<Self> {
+        let mut marker = Marker::default();
+        marker.read(&mut file, length)?;
+        Ok(Self { file, marker })
+    }
+
+    /// The file.
+    pub fn file(&self) -> &File {
+        &self.file
+    }
+
+    /// The mark of what was read and written.
+    pub fn mark(&self) -> FileMark {
+        self.marker.mark()
+    }
+
+    /// The same, to be compared.
+    pub fn marker(&self) -> &Marker {
+        &self.marker
+    }
+
+    /// Its bytes.
+    pub fn bytes(&self) -> u64 {
+        self.marker.bytes()
+    }
+
+    /// Whether the name still leads to this file, whole.
+    pub fn is_in_place(&self, path: &Path) -> bool {
+        let (Ok(named), Ok(open)) = (fs::metadata(path), self.file.metadata()) else {
+            return false;
+        };
+        // What is no regular file, such as a device, has no length.
+        is_same_file(&named, &open) && (!open.is_file() || open.len() == self.marker.bytes())
+    }
+}
+
+impl Write for MarkedFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.file.write(bytes)?;
+        self.marker.update(&bytes[..written]);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+#[cfg(unix)]
+fn is_same_file(one: &fs::Metadata, other: &fs::Metadata) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    (one.dev(), one.ino()) == (other.dev(), other.ino())
+}
+
+#[cfg(not(unix))]
+fn is_same_file(_: &fs::Metadata, _: &fs::Metadata) -> bool {
+    true
+}
+
+/// Checks that files in a results directory are those that were marked, by length and hash.
+///
+/// # Errors
+/// [`ResultsError::Altered`] names the first that is not.
+pub fn check_files(directory: &Path, marks: &FileMarks) -> Result<(), ResultsError> {
+    check_lengths(directory, marks)?;
+    marks.iter().try_for_each(|(name, mark)| {
+        if name == VTK_FOLDER {
+            return marked_frames(directory, mark).map(drop);
+        }
+        let path = directory.join(name);
+        let mut marker = Marker::default();
+        File::open(&path)
+            .and_then(|file| marker.read(file, u64::MAX))
+            .map_err(ResultsError::io("read", &path))?;
+        compare(&path, mark, &marker)
+    })
+}
+
+/// Checks the lengths alone, which takes no time.
+///
+/// # Errors
+/// [`ResultsError::Altered`] names the first that differs.
+pub fn check_lengths(directory: &Path, marks: &FileMarks) -> Result<(), ResultsError> {
+    marks.iter().try_for_each(|(name, mark)| {
+        let path = directory.join(name);
+        let length = match name.as_str() {
+            VTK_FOLDER => length_of_frames(directory, mark.bytes)?,
+            _ => length_of(&path)?,
+        };
+        if length == mark.bytes {
+            return Ok(());
+        }
+        let what = format!("has {length} bytes instead of the {} written", mark.bytes);
+        Err(ResultsError::Altered { path, what })
+    })
+}
+
+fn length_of(path: &Path) -> Result<u64, ResultsError> {
+    let found = fs::metadata(path).map_err(|_| missing(path.to_owned()))?;
+    Ok(found.len())
+}
+
+/// Length of the frames that hold the first `bytes` of them.
+fn length_of_frames(directory: &Path, bytes: u64) -> Result<u64, ResultsError> {
+    let (mut length, mut index) = (0, 0);
+    while length < bytes {
+        length += length_of(&directory.join(frame_name(index)))?.max(1);
+        index += 1;
+    }
+    Ok(length)
+}
+
+/// Reads the frames that were marked, to go on after them.
+///
+/// # Errors
+/// [`ResultsError::Altered`] names a frame that is missing, or the folder.
+pub(super) fn marked_frames(directory: &Path, mark: &FileMark) -> Result<Marker, ResultsError> {
+    let mut marker = Marker::default();
+    let mut index = 0;
+    while marker.bytes() < mark.bytes {
+        let path = directory.join(frame_name(index));
+        let file = File::open(&path).map_err(|_| missing(path.clone()))?;
+        let before = marker.bytes();
+        let read = marker.read(file, u64::MAX);
+        read.map_err(ResultsError::io("read", &path))?;
+        if marker.bytes() == before {
+            return Err(missing(path));
+        }
+        index += 1;
+    }
+    compare(&directory.join(VTK_FOLDER), mark, &marker)?;
+    Ok(marker)
+}
+
+/// Compares what was read with what was written.
+pub(super) fn compare(path: &Path, mark: &FileMark, read: &Marker) -> Result<(), ResultsError> {
+    if read.mark() == *mark {
+        return Ok(());
+    }
+    Err(ResultsError::Altered {
+        path: path.to_owned(),
+        what: "does not hold what was written".to_owned(),
+    })
+}
+
+pub(super) fn missing(path: PathBuf) -> ResultsError {
+    let what = "is missing".to_owned();
+    ResultsError::Altered { path, what }
+}
