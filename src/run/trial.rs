@@ -231,7 +231,7 @@ mod tests {
         assert!(forecast.processor_time.is_none());
         let text = forecast.to_string();
         assert!(
-            text.contains("unknown") && text.contains("faster than waves"),
+            text.contains("unknown") && text.contains("theory of rods"),
             "{text}"
         );
     }
