@@ -22,6 +22,7 @@ mod crash;
 mod exit_code;
 mod explain;
 mod failure;
+mod figure_arguments;
 mod gather;
 mod guide;
 mod init;
