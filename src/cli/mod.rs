@@ -23,6 +23,7 @@ mod deployed_rod;
 mod exit_code;
 mod explain;
 mod failure;
+mod figure_arguments;
 mod gather;
 mod guide;
 mod init;
