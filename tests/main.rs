@@ -21,3 +21,4 @@ mod robots;
 mod sweep;
 mod view;
 mod vision;
+mod vtk;
