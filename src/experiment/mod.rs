@@ -23,6 +23,8 @@ mod prepare;
 mod probes;
 #[cfg(test)]
 mod probes_tests;
+#[cfg(test)]
+mod remark_tests;
 mod scene;
 #[cfg(test)]
 mod tests;

@@ -5,6 +5,7 @@ mod controller;
 mod counters;
 mod error;
 mod interruption;
+mod linking;
 mod observer;
 mod output_times;
 #[cfg(test)]
@@ -27,6 +28,7 @@ mod trial;
 pub use controller::{Controller, ControllerObject};
 pub use error::RunError;
 pub(crate) use interruption::Interruption;
+pub use linking::LinkingGuard;
 pub use observer::{Finding, Observer, ObserverObject, Sample};
 pub use prepared::{Mode, OutputPlan, PreparedRun, TableRun};
 pub use progress::AmongBars;

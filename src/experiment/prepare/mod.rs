@@ -13,7 +13,7 @@ use crate::mechanics::fluid::FluidModel;
 use crate::mechanics::scene as mechanics;
 use crate::mechanics::statics::{PathMethod, PathPlan};
 use crate::run::RunError;
-use crate::run::{Mode, OutputPlan, PreparedRun};
+use crate::run::{LinkingGuard, Mode, Observer, OutputPlan, PreparedRun};
 use crate::scenario::{
     self, Clamp, Contact, Continuation, Fluid, Hold, Issue, Issues, KeyPath, Load, LoadKind,
     NaturalShape, Place, Plane, Rod, Scenario, Scheme, Step, Time, did_you_mean,
@@ -100,6 +100,10 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
     };
     if let Err(issue) = kind.attach(scenario, &mut prepared) {
         issues.push(issue);
+    }
+    if prepared.table.is_none() {
+        let guard = LinkingGuard::of(&prepared.scene);
+        (prepared.observers).extend(guard.map(|guard| Box::new(guard) as Box<dyn Observer>));
     }
     if let Err(found) = probes::add(&mut prepared, scenario) {
         found.0.into_iter().for_each(|issue| issues.push(issue));

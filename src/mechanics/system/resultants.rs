@@ -108,6 +108,14 @@ impl System {
         energy
     }
 
+    /// Twist of all vertices of a rod, rad.
+    pub fn total_twist(&self, rod: usize) -> f64 {
+        let nodes = self.assembly.rods.rods[rod].node_indices();
+        let vertices = self.assembly.rods.vertices.iter().enumerate();
+        let own = vertices.filter(|(_, vertex)| nodes.contains(&self.node_of(vertex)));
+        own.map(|(index, _)| self.geometry.twist(index)).sum()
+    }
+
     /// Node at which a vertex lies.
     pub(super) fn node_of(&self, vertex: &Vertex) -> usize {
         let rods = &self.assembly.rods;
