@@ -23,3 +23,4 @@ mod robots;
 mod sweep;
 mod view;
 mod vision;
+mod vtk;
