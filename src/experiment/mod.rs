@@ -116,6 +116,11 @@ pub fn json_schema() -> serde_json::Value {
     scenario::json_schema(*EXPERIMENTS)
 }
 
+/// The SI unit of a key of scenario files, if it has one.
+pub fn unit(key: &str) -> Option<String> {
+    scenario::unit(*EXPERIMENTS, key)
+}
+
 /// Explains a dotted key; see [`scenario::explain`].
 ///
 /// # Errors
