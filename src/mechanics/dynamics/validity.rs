@@ -6,11 +6,11 @@
 
 use super::parameters::Scheme;
 use super::report::{Energies, StepReport};
+use super::validity_memory::{Gain, LargeStrain, ValidityMemory};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::edge_distance;
 use crate::mechanics::scene::{Clamp, Load, LoadKind, RodDescription, Scene};
 use crate::mechanics::system::{SectionScale, Strain, System};
-use serde::{Deserialize, Serialize};
 use tracing::warn;
 
 /// Stretch that is remarked: Hooke's law and an area that stays the same err by as much, the first power of the strain.
@@ -33,41 +33,6 @@ enum Kind {
     Stretch,
     Bending,
     Twist,
-}
-
-/// The largest strain of a kind, and since when it has been beyond its bound.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct LargeStrain {
-    size: f64,
-    node: usize,
-    time: f64,
-    since: f64,
-}
-
-/// The largest gain of energy, over the largest energy.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Gain {
-    relative: f64,
-    since: f64,
-}
-
-/// What has been seen so far: part of the state that checkpoints hold.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct ValidityMemory {
-    steps: usize,
-    /// Energy at the start, J.
-    start: Option<f64>,
-    /// What clamps did less what was lost since, J.
-    taken_in: f64,
-    /// Largest kinetic and elastic energy so far, J.
-    largest: f64,
-    /// Whether energy can only come from clamps, so that any other gain is an error of the scheme.
-    is_conservative: bool,
-    stretch: Option<LargeStrain>,
-    bending: Option<LargeStrain>,
-    twist: Option<LargeStrain>,
-    gain: Option<Gain>,
-    small_steps: Option<String>,
 }
 
 /// Watches a simulation.
