@@ -28,13 +28,14 @@
 //! may import, too):
 //!
 //! ```text
-//! cli            ──> sweep, verify, reproduce, cell, vision, guide, cluster
+//! cli            ──> sweep, verify, reproduce, cell, vision, plan, guide, cluster
 //! sweep, verify  ──> experiment
 //! reproduce      ──> report
 //! report         ──> experiment
 //! experiment     ──> run, knot, scenario, figure
 //! run            ──> mechanics, results
 //! knot           ──> mechanics
+//! plan           ──> mechanics
 //! mechanics      ──> linalg
 //! cell           ──> robot, scenario, figure
 //! vision         ──> figure
@@ -50,6 +51,7 @@
 //! | [`sweep`], [`verify`], [`reproduce`] | many cases; physics checks; tables and figures of the thesis |
 //! | [`report`] | figures and pages of a results directory |
 //! | [`knot`] | knots from parameters, the knot determinant, theory of tightening |
+//! | [`plan`] | patterns, optimal grasps, trajectories of a gripper |
 //! | [`mechanics`] | rods, contact, fluid, time stepping, equilibria |
 //! | [`linalg`] | banded and sparse factorisations |
 //! | [`robot`] | kinematic chains, inverse kinematics, joint paths, time, drivers |
@@ -76,6 +78,7 @@ pub mod guide;
 pub mod knot;
 pub mod linalg;
 pub mod mechanics;
+pub mod plan;
 pub mod report;
 pub mod reproduce;
 pub mod results;

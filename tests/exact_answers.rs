@@ -125,3 +125,61 @@ fn shapes_without_meaning_are_refused() {
         assert_eq!((code, stdout.as_str()), (2, ""), "{arguments:?}");
     }
 }
+
+#[test]
+fn a_grasp_is_found_both_ways_and_in_all() {
+    let asked = ["solve", "grasp", "--suspended-length", "8", "--curvature"];
+    let of = |more: &[&str]| answer(&[&asked[..], more].concat());
+    let exact = of(&["-1.5"]);
+    for (axis, expected) in [1.29871653775, -4.72571818121, 5.14302216855]
+        .iter()
+        .enumerate()
+    {
+        let found = exact["position"][axis].as_f64().unwrap();
+        assert!((found - expected).abs() < 1e-6, "{exact}");
+    }
+    assert_eq!(
+        (&exact["stable"], &exact["branch"]),
+        (&true.into(), &1.into())
+    );
+    let discrete = of(&["-1.5", "--method", "der", "--edges", "100"]);
+    for axis in 0..3 {
+        let difference = |key: &str| {
+            let value = |found: &Value| found[key][axis].as_f64().unwrap();
+            (value(&discrete) - value(&exact)).abs()
+        };
+        assert!(difference("position") < 4e-3);
+        assert!(difference("rotation_vector") < 8e-4);
+    }
+    let all = of(&["0", "--all"]);
+    let solutions = all["solutions"].as_array().unwrap();
+    assert!(solutions.len() > 9, "{all}");
+    assert_eq!(solutions[0]["stable"], true);
+    assert!(solutions.iter().any(|solution| solution["stable"] == false));
+}
+
+#[test]
+fn grasps_out_of_range_are_refused() {
+    for (arguments, complaint) in [
+        (
+            ["--suspended-length=0", "--curvature=0"],
+            "between 0.1 and 100",
+        ),
+        (
+            ["--suspended-length=nan", "--curvature=0"],
+            "between 0.1 and 100",
+        ),
+        (
+            ["--suspended-length=5", "--curvature=13"],
+            "between −12 and 12",
+        ),
+    ] {
+        let (code, stdout, stderr) = rodlab(&[&["solve", "grasp"], &arguments[..]].concat());
+        assert_eq!((code, stdout.as_str()), (2, ""), "{arguments:?}");
+        assert!(stderr.contains(complaint), "{stderr}");
+    }
+    let soft = ["--suspended-length=5", "--curvature=0", "--stretch=-1"];
+    let (code, _, stderr) = rodlab(&[&["solve", "grasp"], &soft[..]].concat());
+    assert_eq!(code, 2);
+    assert!(stderr.contains("100 or more"), "{stderr}");
+}

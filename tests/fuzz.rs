@@ -2,7 +2,7 @@
 //!
 //! Inputs are mutants of what the repository holds: lines and numbers of scenarios, options, tables, checkpoints and
 //! manifests are removed, doubled, exchanged and replaced by what people and disks come up with. The same number of cases
-//! gives the same mutants everywhere. `RODLAB_FUZZ_CASES=1000000 cargo test --release --test fuzz` tries more than the
+//! gives the same mutants everywhere. `RODLAB_FUZZ_CASES=1000000 cargo test --release fuzz::` tries more than the
 //! hundred thousand of continuous integration.
 
 use rodlab::cell::Cell;

@@ -1,9 +1,9 @@
 //! Nothing passes through anything: scenes in which rods used to, with exit code 0, and invariants that show it.
 
+use crate::linking_number::linking_number;
 use rodlab::experiment;
 use rodlab::mechanics::Vector3;
 use rodlab::mechanics::dynamics::{Simulation, SimulationError};
-use std::f64::consts::PI;
 use std::path::Path;
 
 struct Running {
@@ -64,30 +64,6 @@ impl Running {
         let part = edge[0][axis] / (edge[0][axis] - edge[1][axis]);
         edge[0].z + part * (edge[1].z - edge[0].z)
     }
-}
-
-/// Gauss's linking number of two closed polylines, by the solid angle of every pair of edges (Klenin and Langowski 2000).
-fn linking_number(first: &[Vector3], second: &[Vector3]) -> f64 {
-    let mut sum = 0.0;
-    for i in 0..first.len() {
-        let [a, b] = [first[i], first[(i + 1) % first.len()]];
-        for j in 0..second.len() {
-            let [c, d] = [second[j], second[(j + 1) % second.len()]];
-            let sides = [c - a, d - a, d - b, c - b];
-            let normals: [Vector3; 4] =
-                std::array::from_fn(|k| sides[k].cross(&sides[(k + 1) % 4]).normalize());
-            let angle: f64 = (0..4)
-                .map(|k| {
-                    normals[k]
-                        .dot(&normals[(k + 1) % 4])
-                        .clamp(-1.0, 1.0)
-                        .asin()
-                })
-                .sum();
-            sum += angle * (b - a).cross(&(d - c)).dot(&sides[0]).signum();
-        }
-    }
-    sum / (4.0 * PI)
 }
 
 fn two_crossing_rods(model: &str, time: &str, speed: f64) -> String {

@@ -5,16 +5,17 @@
 //! overlap by no more than the bound, linked rings stay linked, momentum is conserved where nothing holds it, and implicit
 //! Euler gains no energy.
 //!
-//! 200 scenes by default; `RODLAB_RANDOM_SCENES=10000 cargo test --release --test random_scenes` runs as many as you like, and
+//! 200 scenes by default; `RODLAB_RANDOM_SCENES=10000 cargo test --release random_scenes::` runs as many as you like, and
 //! `RODLAB_RANDOM_SCENE=17` the one of that number, printed.
 
+use crate::linking_number::linking_number;
 use rayon::prelude::*;
 use rodlab::experiment;
 use rodlab::mechanics::Vector3;
 use rodlab::mechanics::contact::ContactSurface;
 use rodlab::mechanics::dynamics::{Simulation, SimulationError};
 use rodlab::mechanics::scene::Scene;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -381,30 +382,6 @@ fn distance(a: Vector3, b: Vector3, c: Vector3, d: Vector3) -> f64 {
     } else {
         ends
     }
-}
-
-/// Gauss's linking number of two closed polylines, by the solid angle of every pair of edges (Klenin and Langowski 2000).
-fn linking_number(first: &[Vector3], second: &[Vector3]) -> f64 {
-    let mut sum = 0.0;
-    for i in 0..first.len() {
-        let [a, b] = [first[i], first[(i + 1) % first.len()]];
-        for j in 0..second.len() {
-            let [c, d] = [second[j], second[(j + 1) % second.len()]];
-            let sides = [c - a, d - a, d - b, c - b];
-            let normals: [Vector3; 4] =
-                std::array::from_fn(|k| sides[k].cross(&sides[(k + 1) % 4]).normalize());
-            let angle: f64 = (0..4)
-                .map(|k| {
-                    normals[k]
-                        .dot(&normals[(k + 1) % 4])
-                        .clamp(-1.0, 1.0)
-                        .asin()
-                })
-                .sum();
-            sum += angle * (b - a).cross(&(d - c)).dot(&sides[0]).signum();
-        }
-    }
-    sum / (4.0 * PI)
 }
 
 fn number(variable: &str) -> Option<u64> {

@@ -75,12 +75,7 @@ fn flagella(head: &str) -> PreparedRun {
     ];
     let scenario = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/flagella_m2.toml");
     let loaded = rodlab::experiment::load(&scenario, &overrides).unwrap();
-    let mut prepared = prepare(&loaded.scenario).unwrap();
-    prepared.scene.rods.swap(0, 1);
-    for clamp in &mut prepared.scene.clamps {
-        clamp.rod = 1 - clamp.rod;
-    }
-    prepared
+    prepare(&loaded.scenario).unwrap()
 }
 
 /// The drag of the released code: points 2 to 4.

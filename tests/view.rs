@@ -1,9 +1,7 @@
 //! The 3-D page in a real browser: it draws, it moves, it does not complain.
 
-mod browser;
-
+use crate::browser::Browser;
 use assert_cmd::Command;
-use browser::Browser;
 use std::fs;
 use std::path::{Path, PathBuf};
 

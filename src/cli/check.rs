@@ -6,6 +6,7 @@ use super::output::print;
 use super::run::prepare;
 use crate::cell::{Cell, CellReport};
 use crate::experiment::{DerivedNumbers, case_set, derived_numbers, try_scene};
+use crate::run::{Forecast, forecast};
 use crate::sweep::check_every_value;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -45,12 +46,14 @@ pub fn check(arguments: &CheckArguments, common: &Common) -> Result<(), Failure>
             continue;
         }
         match check_one(path, &arguments.overrides) {
-            Ok(checked) if arguments.json => print(&format!("{}\n", checked.numbers.to_json()))?,
+            Ok(checked) if arguments.json => print(&format!("{}\n", checked.to_json()))?,
             Ok(checked) => print(&format!(
-                "{}: {}\n{}",
+                "{}: {}\n{}  {:<26}{}\n",
                 path.display(),
                 checked.in_words(),
-                checked.numbers
+                checked.numbers,
+                "processor time",
+                checked.forecast
             ))?,
             Err(failure) => {
                 if let Some(earlier) = last.replace(failure) {
@@ -83,9 +86,16 @@ fn print_cell(path: &Path, report: &CellReport, json: bool) -> Result<(), Failur
 struct Checked {
     cases: u128,
     numbers: DerivedNumbers,
+    forecast: Forecast,
 }
 
 impl Checked {
+    fn to_json(&self) -> serde_json::Value {
+        let mut json = self.numbers.to_json();
+        json["cost"] = serde_json::to_value(&self.forecast).expect("numbers are JSON values");
+        json
+    }
+
     fn in_words(&self) -> String {
         match self.cases {
             1 => "valid".to_owned(),
@@ -105,5 +115,6 @@ fn check_one(path: &Path, overrides: &[String]) -> Result<Checked, Failure> {
     Ok(Checked {
         cases: case_set.count(),
         numbers: derived_numbers(&prepared),
+        forecast: forecast(&prepared),
     })
 }

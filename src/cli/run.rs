@@ -93,7 +93,9 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), Failure> {
     let deadline = arguments
         .timeout
         .and_then(|limit| Instant::now().checked_add(limit));
-    deadline.map(end_set_up_at);
+    if let Some(deadline) = deadline {
+        end_set_up_at(deadline);
+    }
     let case_set =
         experiment::case_set(&arguments.scenario, &arguments.overrides, &arguments.vary)?;
     let directory = arguments
@@ -159,7 +161,7 @@ fn as_json(outcome: &RunOutcome) -> serde_json::Value {
         "resumed_from": resumed_from,
         "wall_time_s": outcome.wall_time.as_secs_f64(),
         "outcome": outcome.case,
-        "remarks": outcome.remarks,
+        "remarks": outcome.case.remarks,
     })
 }
 
@@ -203,6 +205,9 @@ fn summary(outcome: &RunOutcome) -> String {
     if let Some(distance) = case.minimum_distance {
         line("smallest distance", format!("{:.4} mm", 1e3 * distance));
     }
+    if let Some(gap) = case.mean_gap {
+        line("mean gap of contacts", format!("{:.3} µm", 1e6 * gap));
+    }
     for (name, value) in &outcome.highlights {
         line(name, value.clone());
     }
@@ -213,7 +218,7 @@ fn summary(outcome: &RunOutcome) -> String {
         "wall time",
         format!("{:.2} s", outcome.wall_time.as_secs_f64()),
     );
-    for remark in &outcome.remarks {
+    for remark in &case.remarks {
         text += remark;
         text.push('\n');
     }

@@ -3,6 +3,7 @@
 use super::failure::Failure;
 use super::output::print_json;
 use super::solve_arm::{ForwardArguments, InverseArguments};
+use super::solve_grasp::GraspArguments;
 use super::solve_knot::KnotInversionArguments;
 use super::values::positive_length;
 use crate::experiment::{HelixStability, estimated_critical_distance};
@@ -22,6 +23,7 @@ Examples:
   rodlab solve knot-inversion --unknotting-number 3 --radius \"1.6 mm\"
   rodlab solve loop-height --gravito-bending-length \"3 cm\"
   rodlab solve hanging-plate --length 0.2 --gravito-bending-length 0.1
+  rodlab solve grasp --suspended-length 10 --curvature 0.5 --stretch 2087
   rodlab solve ik --cell scenarios/cells/six_joints.toml --pose=0.4,0.1,0.2,0,1,0,0 --all
 
 The gravito-bending length L_gb of a rod is (E h²/(8 ρ g))^(1/3) with its radius h, that of a strip
@@ -62,6 +64,19 @@ each end of the braid has turned back by `rotation_rad`. The defaults are the th
         #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
         gravito_bending_length: f64,
     },
+    /// Where and how a gripper must hold a rod that it lays on a table
+    #[command(after_help = "\
+Examples:
+  rodlab solve grasp --suspended-length 10 --curvature 0.5
+  rodlab solve grasp --suspended-length 10 --curvature 0.5 --stretch 2087 --method der --edges 200
+  rodlab solve grasp --suspended-length 17.68 --curvature 0 --all
+
+Lengths are in gravito-bending lengths L_gb, forces in EI/L_gb². The frame: the contact node is the origin, its tangent
+x, z points up, and positive curvature turns to y. `position` is that of the gripper; `rotation_vector` and
+`quaternion` (w, x, y, z) turn the frame of the contact node into that of the gripper, without twist;
+`contact_force` is that of the lying rod on the suspended one. `stable`: with both ends held. `branch` 1 is the
+gentle one, the local minimum 1 of thesis Fig. 5.4. `feasible`: the rod stays above the table and presses on it.")]
+    Grasp(GraspArguments),
     /// Where the joints of an arm bring its hand
     #[command(after_help = "\
 Example:
@@ -135,6 +150,7 @@ pub fn solve(arguments: &SolveArguments) -> Result<(), Failure> {
     match &arguments.problem {
         Problem::Helix(arguments) => print_json(&helix(arguments)?),
         Problem::KnotInversion(arguments) => print_json(&arguments.solve()?),
+        Problem::Grasp(arguments) => print_json(&arguments.solve()?),
         Problem::Fk(arguments) => print_json(&arguments.solve()?),
         Problem::Ik(arguments) => print_json(&arguments.solve()?),
         Problem::LoopHeight {

@@ -4,17 +4,15 @@ use super::exit_code::ExitCode;
 use super::failure::Failure;
 use super::output::{print, print_json};
 use crate::scenario::{CaseSet, Parameter};
-use crate::sweep::{
-    self, Found, SEARCH_TABLE, Shard, SweepOptions, SweepOutcome, derived_numbers_of,
-};
+use crate::sweep::{self, Found, SEARCH_TABLE, Shard, SweepOptions, SweepOutcome, forecast_of};
 use std::fmt::Write;
 
 /// Cases beyond which `--yes` must be given.
 const MOST_CASES: u128 = 100_000;
 /// Cases beyond which a sweep does not fit into memory: each takes up to a kilobyte.
 const HELD_CASES: u128 = 1_000_000;
-/// Cases whose cost is derived one by one; for more it is extrapolated.
-const COSTED_CASES: usize = 1000;
+/// Cases that are tried, for a second each, to learn what all of them cost.
+const TRIED_CASES: usize = 3;
 
 /// Runs a sweep, and says what came of it in words or as JSON.
 pub fn run(case_set: &CaseSet, options: &SweepOptions, json: bool) -> Result<(), Failure> {
@@ -77,22 +75,25 @@ pub fn list(case_set: &CaseSet, options: &SweepOptions) -> Result<(), Failure> {
     print(&text)
 }
 
-/// An estimate of the time that the cases take.
+/// An estimate of the time that the cases take: some are tried.
 fn cost(case_set: &CaseSet, shard: Shard, jobs: usize) -> Result<String, Failure> {
     let indices: Vec<usize> = shard.indices(case_set.count() as usize).collect();
-    let costed = indices.len().min(COSTED_CASES);
-    let mut seconds = 0.0;
-    for place in 0..costed {
-        // Spread over the sweep: its ends may cost differently.
-        let index = indices[place * indices.len() / costed];
-        match derived_numbers_of(case_set, index)?.rough_wall_time {
+    let tried = indices.len().min(TRIED_CASES);
+    let (mut seconds, mut trial) = (0.0, 0.0);
+    for place in 0..tried {
+        // Spread over the sweep, its ends among them, which may cost differently.
+        let index = indices[place * (indices.len() - 1) / (tried - 1).max(1)];
+        let forecast = forecast_of(case_set, index)?;
+        trial += forecast.trial_time;
+        match forecast.processor_time {
             Some(time) => seconds += time,
             None => return Ok("no estimate of the time they take".to_owned()),
         }
     }
-    let seconds = seconds * indices.len() as f64 / (costed.max(1) * jobs) as f64;
+    let seconds = seconds * indices.len() as f64 / tried.max(1) as f64;
     Ok(format!(
-        "roughly {seconds:.1} s without contact, within a factor of three"
+        "roughly {seconds:.1} s of processor time, {:.1} s for each job, by trials of {tried} of them for {trial:.1} s",
+        seconds / jobs.min(indices.len()).max(1) as f64
     ))
 }
 
@@ -122,6 +123,14 @@ fn report(case_set: &CaseSet, outcome: &SweepOutcome) -> Result<(), Failure> {
         let _ = writeln!(text, "{name:<24}{value}");
     };
     line("results", outcome.directory.display().to_string());
+    match outcome.counts.remarked {
+        0 => {}
+        1 => line("remarks", "on 1 case: see `remarks` in summary.csv".into()),
+        count => line(
+            "remarks",
+            format!("on {count} cases: see `remarks` in summary.csv"),
+        ),
+    }
     for found in &outcome.found {
         line("found", found_in_words(case_set, found));
     }

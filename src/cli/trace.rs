@@ -26,7 +26,6 @@ pub struct TraceArguments {
     /// #rrggbb[:radius], pick:u,v[:radius] or hsv:h-h,s-s,v-v
     #[arg(
         long,
-        alias = "color",
         value_name = "RULE",
         default_value = "auto",
         conflicts_with = "mask"

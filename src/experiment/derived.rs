@@ -15,14 +15,6 @@ const STEPS_PER_TURN: f64 = 400.0;
 /// Steps per period of the lowest bending mode in the advised step.
 const STEPS_PER_PERIOD: f64 = 50.0;
 
-/// Newton iterations of a usual step.
-const ITERATIONS: f64 = 3.0;
-/// Time of one Newton iteration per node on one core, s: measured, right to a factor of three.
-const SECONDS_PER_NODE: f64 = 0.4e-6;
-/// Time of a fluid solve by regularized Stokeslets per pair of nodes, s: measured, right to a factor of
-/// three.
-const SECONDS_PER_FLUID_PAIR: f64 = 14e-9;
-
 /// Numbers that follow from a scenario.
 #[derive(Clone, Debug, Serialize)]
 pub struct DerivedNumbers {
@@ -47,9 +39,6 @@ pub struct DerivedNumbers {
     pub lost_per_period: Option<f64>,
     /// Steps of the whole run; `None` in a static run or with automatic steps.
     pub steps: Option<f64>,
-    /// Wall time of the whole run on one core without contact, s, right to a factor of three; `None` where
-    /// the number of steps is.
-    pub rough_wall_time: Option<f64>,
 }
 
 /// Numbers of one rod.
@@ -100,7 +89,6 @@ pub fn derived_numbers(prepared: &PreparedRun) -> DerivedNumbers {
         lost_per_period: lost_per_period(prepared, &rods),
         steps,
         own: kind_named(&prepared.experiment).and_then(|kind| kind.derived(prepared)),
-        rough_wall_time: steps.map(|steps| steps * seconds_per_step(scene)),
         rods,
     }
 }
@@ -256,35 +244,10 @@ fn lost_per_period(prepared: &PreparedRun, rods: &[DerivedRod]) -> Option<f64> {
     (period > 0.0).then_some(1.0 - kept)
 }
 
-fn seconds_per_step(scene: &Scene) -> f64 {
-    let nodes: usize = scene
-        .rods
-        .iter()
-        .filter(|rod| !rod.held)
-        .map(|rod| rod.centreline.len())
-        .sum();
-    let nodes = nodes as f64;
-    let fluid = match scene.fluid {
-        Some(FluidModel::RegularizedStokeslets { .. }) => SECONDS_PER_FLUID_PAIR * nodes * nodes,
-        Some(FluidModel::Resistive { .. }) | None => 0.0,
-    };
-    ITERATIONS * SECONDS_PER_NODE * nodes + fluid
-}
-
-/// A wall time in words.
-fn in_words(seconds: f64) -> String {
-    match seconds {
-        ..1.0 => "less than a second".to_owned(),
-        ..120.0 => format!("about {seconds:.0} s"),
-        ..7200.0 => format!("about {:.0} min", seconds / 60.0),
-        _ => format!("about {:.0} h", seconds / 3600.0),
-    }
-}
-
 impl DerivedNumbers {
-    /// The numbers as one line of JSON.
-    pub fn to_json(&self) -> String {
-        serde_json::to_string(self).expect("numbers and names are JSON values")
+    /// The numbers as JSON.
+    pub fn to_json(&self) -> serde_json::Value {
+        serde_json::to_value(self).expect("numbers and names are JSON values")
     }
 }
 
@@ -341,9 +304,6 @@ impl fmt::Display for DerivedNumbers {
                 "implicit Euler loses",
                 format!("{:.2} % of the slowest swing per period", 100.0 * lost),
             )?;
-        }
-        if let Some(seconds) = self.rough_wall_time {
-            line("wall time, one core", in_words(seconds))?;
         }
         Ok(())
     }

@@ -11,6 +11,8 @@
 //! | `derived` | numbers for `rodlab check` |
 //! | `scene`, `flagella`, `knot`, `helix` | the kinds |
 
+#[cfg(test)]
+mod contact_tests;
 mod derived;
 mod described;
 mod flagella;

@@ -47,6 +47,7 @@ pages! {
     equilibria
     knots
     helices
+    deployment
     fluid
     results
     probes

@@ -17,7 +17,7 @@ pub struct TightenedKnot {
 /// The inversion point by both measures of the thesis, as l̄_k.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct InversionPoint {
-    /// Where the traction begins to fall; `None` where it does not.
+    /// Where the traction begins to fall as the loop does; `None` where neither does.
     pub by_force: Option<f64>,
     /// Where the height of the loop has come to zero; `None` where it has not.
     pub by_height: Option<f64>,
@@ -29,9 +29,11 @@ const LYING: f64 = 1.0;
 const UPRIGHT: f64 = 3.0;
 /// Decrease of l̄_k within which an inverting loop falls. That of a trefoil, which closes and does not invert, takes 10.
 const FALLING: f64 = 3.0;
-/// Decrease of l̄_k within which the traction falls in an inversion. In the same distance the corners of the polyline,
+/// Decrease of l̄_k within which the traction falls in an inversion, and by which that may begin after the loop lies. In the same distance the corners of the polyline,
 /// slipping over each other, move it by less than [`FALL`].
 const DURING: f64 = 1.0;
+/// Decrease of l̄_k over which tractions are kept: those from a fall before the loop was last seen to stand.
+const REMEMBERED: f64 = 2.0 * FALLING + DURING;
 /// Least part of its traction that an inverting knot loses.
 const FALL: f64 = 0.3;
 /// Part of the steepest fall at which another that begins later is as good: vibrations before the fall do not decide
@@ -40,15 +42,22 @@ const NEARLY: f64 = 0.95;
 
 /// Watches a knot while it is pulled tight, and finds where it inverts.
 ///
-/// By force that is the start of the steepest fall of F̄: where F̄ loses the largest part of itself while l̄_k decreases
-/// by 1, if that is 0.3 and more; the last such place where several are nearly as good.
+/// By height that is where the loop has come to lie on the braid, if it stood within the last 3 of l̄_k. By force it is the
+/// start of the steepest fall of F̄ while the loop falls: where F̄ loses the largest part of itself while l̄_k decreases by
+/// 1, if that is 0.3 and more; the last such place where several are nearly as good.
+///
+/// Tractions fall steeply elsewhere, too: at the start of a pull from a loose knot, when the friction of the settled strands
+/// gives way, and when the corners of a tight knot jerk. The loop tells them apart, so that there is no inversion by force
+/// without one by height.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct InversionWatch {
     /// l̄_k when the loop was last seen to stand.
     upright: Option<f64>,
-    /// l̄_k and F̄ while l̄_k last decreased by [`DURING`].
+    /// l̄_k and F̄ while l̄_k last decreased by [`REMEMBERED`].
     recent: VecDeque<(f64, f64)>,
-    /// Largest part of itself that F̄ has lost; 0 as long as that is less than [`FALL`].
+    /// Greatest and least l̄_k at which a fall of the traction may begin: about where the loop fell.
+    falling: Option<[f64; 2]>,
+    /// Largest part of itself that F̄ lost there.
     steepest: f64,
     point: InversionPoint,
 }
@@ -56,8 +65,19 @@ pub struct InversionWatch {
 impl InversionWatch {
     /// Looks at the knot, whose l̄_k never increases.
     pub fn look(&mut self, knot: &TightenedKnot) {
-        self.watch_height(knot);
-        self.watch_force(knot);
+        self.remember(knot);
+        match self.falling {
+            None => {
+                self.watch_height(knot);
+                for end in 0..self.recent.len() {
+                    self.watch_force(end);
+                }
+            }
+            Some([_, least]) if knot.length >= least - DURING => {
+                self.watch_force(self.recent.len() - 1);
+            }
+            Some(_) => {}
+        }
     }
 
     /// The inversion point as far as it has been seen.
@@ -65,36 +85,57 @@ impl InversionWatch {
         self.point
     }
 
+    /// Why there is no inversion point by force, in a sentence, where there is one by height.
+    pub fn remark(&self) -> Option<String> {
+        let height = self.point.by_height?;
+        self.point.by_force.is_none().then(|| {
+            format!(
+                "no inversion point by force: while the loop fell, at l̄_k = {height:.2}, the traction lost {:.0} % of itself, less than the {:.0} % that tell an inversion from other changes",
+                100.0 * self.steepest,
+                100.0 * FALL
+            )
+        })
+    }
+
+    fn remember(&mut self, knot: &TightenedKnot) {
+        while (self.recent.front()).is_some_and(|(length, _)| length - knot.length > REMEMBERED) {
+            self.recent.pop_front();
+        }
+        self.recent.push_back((knot.length, knot.force));
+    }
+
     fn watch_height(&mut self, knot: &TightenedKnot) {
         let Some(height) = knot.height else { return };
         if height > UPRIGHT {
             self.upright = Some(knot.length);
         }
-        let upright_before = |length: f64| length - knot.length <= FALLING;
-        if height < LYING && self.upright.is_some_and(upright_before) {
-            self.point.by_height.get_or_insert(knot.length);
+        let Some(upright) = self.upright else { return };
+        if height < LYING && upright - knot.length <= FALLING {
+            self.point.by_height = Some(knot.length);
+            self.falling = Some([upright + FALLING, knot.length - DURING]);
         }
     }
 
-    fn watch_force(&mut self, knot: &TightenedKnot) {
-        while (self.recent.front()).is_some_and(|(length, _)| length - knot.length > DURING) {
-            self.recent.pop_front();
-        }
-        let fall = |&(_, force): &(f64, f64)| {
-            if force > 0.0 {
-                1.0 - knot.force / force
-            } else {
-                0.0
-            }
+    /// Looks at the falls of the traction that end at the sample `end` of the recent ones.
+    fn watch_force(&mut self, end: usize) {
+        let Some([greatest, least]) = self.falling else {
+            return;
         };
-        let steepest = self.recent.iter().map(fall).fold(0.0, f64::max);
-        if steepest > self.steepest.max(FALL) {
-            self.steepest = steepest;
-            let is_start = |seen: &&(f64, f64)| fall(seen) >= NEARLY * steepest;
-            let start = self.recent.iter().rev().find(is_start);
-            self.point.by_force = start.map(|(length, _)| *length);
+        let (length, force) = self.recent[end];
+        let starts = self.recent.range(..end).filter(|&&(start, from)| {
+            start - length <= DURING && (least..=greatest).contains(&start) && from > 0.0
+        });
+        let falls = starts.map(|&(start, from)| (start, 1.0 - force / from));
+        let steepest = falls.clone().map(|(_, fall)| fall).fold(0.0, f64::max);
+        if steepest <= self.steepest {
+            return;
         }
-        self.recent.push_back((knot.length, knot.force));
+        self.steepest = steepest;
+        if steepest > FALL {
+            let mut latest = falls.rev();
+            let start = latest.find(|(_, fall)| *fall >= NEARLY * steepest);
+            self.point.by_force = start.map(|(start, _)| start);
+        }
     }
 }
 
@@ -145,6 +186,47 @@ mod tests {
         assert_eq!(point.by_force, Some(150.0));
         assert_eq!(point.by_height, Some(149.5));
         assert!((point.difference().unwrap() - 0.5 / 149.75).abs() < 1e-15);
+    }
+
+    /// The traction of the settled friction, which gives way at the start of a pull from a loose knot, and a jerk of the
+    /// tight knot long after its inversion.
+    #[test]
+    fn inversion_by_force_is_no_transient_of_the_start_nor_a_later_jerk() {
+        let mut record = pull_record(0.5);
+        for knot in &mut record {
+            knot.force *= match knot.length {
+                199.0.. => 8.0,
+                ..=119.0 => 0.2,
+                _ => 1.0,
+            };
+        }
+        let point = inversion_point(&record);
+        assert_eq!(
+            (point.by_force, point.by_height),
+            (Some(150.0), Some(149.5))
+        );
+        let mut loose = record.clone();
+        loose.truncate(150);
+        assert_eq!(inversion_point(&loose), InversionPoint::default());
+    }
+
+    #[test]
+    fn an_inversion_by_height_alone_says_why() {
+        let mut watch = InversionWatch::default();
+        for knot in pull_record(0.5) {
+            let force = 1.0 / (knot.length * knot.length);
+            watch.look(&TightenedKnot { force, ..knot });
+        }
+        assert_eq!(
+            (watch.point().by_force, watch.point().by_height),
+            (None, Some(149.5))
+        );
+        let remark = watch.remark().unwrap();
+        assert!(
+            remark.contains("149.50") && remark.contains("30 %"),
+            "{remark}"
+        );
+        assert_eq!(InversionWatch::default().remark(), None);
     }
 
     #[test]

@@ -26,6 +26,9 @@ pub struct CaseOutcome {
     pub minimum_distance: Option<f64>,
     /// That distance over the one at which their surfaces touch.
     pub minimum_distance_ratio: Option<f64>,
+    /// Mean over the outputs with contact of the gap between surfaces that touch, weighted by their normal forces, m.
+    #[serde(default)]
+    pub mean_gap: Option<f64>,
     /// Energy of stretching, bending and twisting at the last output, J.
     pub elastic_energy: Option<f64>,
     /// Potential of gravity there, J.
@@ -36,6 +39,9 @@ pub struct CaseOutcome {
     /// thing that was observed.
     #[serde(default, alias = "knot")]
     pub observed: NamedValues,
+    /// What else people should know of the case, a sentence each: strains beyond the theory of rods and the like.
+    #[serde(default)]
+    pub remarks: Vec<String>,
     /// Why the run ended before its time, as it should; `None` where it did not.
     #[serde(default)]
     pub ending: Option<Ending>,

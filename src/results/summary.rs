@@ -37,12 +37,17 @@ pub struct SummaryRow {
     pub min_distance_m: Option<f64>,
     /// The same over the distance at which their surfaces touch.
     pub min_distance_ratio: Option<f64>,
+    /// Mean gap between the surfaces that touch, weighted by their normal forces; empty where none do.
+    pub mean_gap_m: Option<f64>,
     /// Elastic energy at the last output.
     pub elastic_energy_j: Option<f64>,
     /// Potential of gravity at the last output.
     pub gravitational_energy_j: Option<f64>,
     /// Path parameter of the first fold or bifurcation; empty where there is no path, or none on it.
     pub critical_parameter: Option<f64>,
+    /// What people should know of the case, sentences joined by "; ".
+    #[serde(default)]
+    pub remarks: String,
     /// What observers say of the case: further columns of tables with a case that has them.
     #[serde(skip)]
     pub observed: NamedValues,
@@ -69,9 +74,11 @@ impl SummaryRow {
             first_contact_s: outcome.first_contact,
             min_distance_m: outcome.minimum_distance,
             min_distance_ratio: outcome.minimum_distance_ratio,
+            mean_gap_m: outcome.mean_gap,
             elastic_energy_j: outcome.elastic_energy,
             gravitational_energy_j: outcome.gravitational_energy,
             critical_parameter: outcome.critical_parameter,
+            remarks: outcome.remarks.join("; "),
             observed: outcome.observed.clone(),
         }
     }
@@ -186,6 +193,7 @@ mod tests {
             steps_with_contact: 4,
             newton_iterations_with_contact: 14,
             first_contact: Some(2.5),
+            remarks: vec!["stretched, by 7 %".into(), "bent".into()],
             ..CaseOutcome::default()
         };
         let rows = [
@@ -196,11 +204,11 @@ mod tests {
         let text = fs::read_to_string(directory.path().join(SUMMARY)).unwrap();
         assert_eq!(
             text.lines().nth(1),
-            Some("main,finished,10.0,8,0,2.5,3.5,0.0,4,2.5,,,,,")
+            Some("main,finished,10.0,8,0,2.5,3.5,0.0,4,2.5,,,,,,,\"stretched, by 7 %; bent\"")
         );
         assert_eq!(
             text.lines().nth(2),
-            Some("none,time-limit,0.0,0,0,,,,0,,,,,,")
+            Some("none,time-limit,0.0,0,0,,,,0,,,,,,,,")
         );
         let mut reader = csv::Reader::from_path(directory.path().join(SUMMARY)).unwrap();
         let read: Vec<SummaryRow> = reader.deserialize().map(Result::unwrap).collect();
@@ -227,7 +235,7 @@ mod tests {
         write_summary(directory.path(), &rows).unwrap();
         let text = fs::read_to_string(directory.path().join(SUMMARY)).unwrap();
         let lines: Vec<&str> = text.lines().collect();
-        assert!(lines[0].ends_with(",critical_parameter,tip_z_m,knot,turns"));
+        assert!(lines[0].ends_with(",critical_parameter,remarks,tip_z_m,knot,turns"));
         assert!(lines[1].ends_with(",,,,"), "{}", lines[1]);
         assert!(lines[2].ends_with(",0.5,reef,"), "{}", lines[2]);
         assert!(lines[3].ends_with(",,,3"), "{}", lines[3]);

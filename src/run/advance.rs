@@ -38,6 +38,10 @@ pub(crate) trait Advance {
     fn energies(&self) -> Energies;
     /// The bodies that are nearest to touching; `None` if none is near.
     fn nearest(&self) -> Option<Proximity>;
+    /// Mean gap between surfaces in contact, weighted by their forces, m; `None` where nothing touches.
+    fn mean_gap(&self) -> Option<f64>;
+    /// What people should know of it so far, a sentence each.
+    fn remarks(&self) -> Vec<String>;
     /// The nodes now; with velocities and forces where asked for.
     fn frame(&self, with_forces: bool) -> Frame;
     /// The simulation at which observers look; `None` in a double without one, which nobody observes.
@@ -92,6 +96,14 @@ impl Advance for Simulation {
 
     fn nearest(&self) -> Option<Proximity> {
         self.nearest()
+    }
+
+    fn mean_gap(&self) -> Option<f64> {
+        self.mean_gap()
+    }
+
+    fn remarks(&self) -> Vec<String> {
+        self.remarks()
     }
 
     fn frame(&self, with_forces: bool) -> Frame {

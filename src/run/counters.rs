@@ -17,6 +17,8 @@ pub(crate) struct Counters {
     fluid_iterations: u64,
     last_step: Option<f64>,
     contacts: Option<usize>,
+    /// Sum of the mean gaps at the outputs with contact, m, and their number.
+    gaps: (f64, u64),
 }
 
 impl Counters {
@@ -78,6 +80,15 @@ impl Counters {
             *least = Some(nearest.ratio());
             self.outcome.minimum_distance = Some(nearest.distance);
         }
+    }
+
+    /// Notes the mean gap of what touches at an output (m); the mean of all outputs is an outcome of the run.
+    pub fn note_gap(&mut self, gap: Option<f64>) {
+        let Some(gap) = gap else { return };
+        let (sum, outputs) = &mut self.gaps;
+        *sum += gap;
+        *outputs += 1;
+        self.outcome.mean_gap = Some(*sum / *outputs as f64);
     }
 
     /// The row of the series for the steps since the last call.

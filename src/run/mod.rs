@@ -6,6 +6,7 @@ mod counters;
 mod end_state;
 mod error;
 mod interruption;
+mod linking;
 mod observer;
 mod output_times;
 #[cfg(test)]
@@ -23,11 +24,13 @@ mod table;
 #[cfg(test)]
 mod tests;
 pub(crate) mod thread_pools;
+mod trial;
 
 pub use controller::{Controller, ControllerObject};
 pub use end_state::start_from;
 pub use error::RunError;
 pub(crate) use interruption::{Interruption, is_attended};
+pub use linking::LinkingGuard;
 pub use observer::{Finding, Observer, ObserverObject, Sample};
 pub use prepared::{Mode, OutputPlan, PreparedRun, TableRun};
 pub use progress::AmongBars;
@@ -35,6 +38,7 @@ pub(crate) use records::rod_records;
 pub use stop::StopRequest;
 pub(crate) use stop::StopRequests;
 pub use table::TableJob;
+pub use trial::{Forecast, forecast};
 
 use crate::mechanics::dynamics::Simulation;
 use crate::results::{CaseOutcome, MAIN_CASE, Manifest, Opened, ResultsDirectory, scenario_hash};
@@ -93,8 +97,6 @@ pub struct RunOutcome {
     pub wall_time: Duration,
     /// What people want to see first of what was observed: names and texts, a line each.
     pub highlights: Vec<(String, String)>,
-    /// What else is to be told, a line each.
-    pub remarks: Vec<String>,
 }
 
 /// What a successful call of [`run`] did.
@@ -215,7 +217,6 @@ impl RunOutcome {
             wall_time: record
                 .map(|record| record.usage().wall_time)
                 .unwrap_or_default(),
-            remarks: Vec::new(),
         }
     }
 }

@@ -254,7 +254,7 @@ fn a_run_with_a_gripper_that_is_killed_again_and_again_ends_with_the_same_bytes(
             }
         };
         assert!(interruptions >= 5, "{interruptions}");
-        assert_eq!(continued.remarks, outcome.remarks);
+        assert_eq!(continued.case.remarks, outcome.case.remarks);
         assert_eq!(continued.case, outcome.case);
         for name in [SERIES, NODES, SUMMARY] {
             let read =
@@ -312,7 +312,7 @@ fn columns_and_outcomes_of_observers_are_in_the_tables() {
     let lowest = outcome.case.observed.number("lowest_m");
     assert_eq!(summary.numbers("lowest_m").unwrap(), [lowest]);
     assert!(lowest.unwrap() < -0.01);
-    assert_eq!(outcome.remarks, ["seen 13 times"]);
+    assert_eq!(outcome.case.remarks, ["seen 13 times"]);
 }
 
 #[test]

@@ -47,6 +47,8 @@ impl PreparedRun {
 
 /// What fills a table: a [`TableJob`](super::TableJob), whatever its rows are.
 pub trait TableRun: Debug + Send + Sync {
+    /// Number of rows.
+    fn rows(&self) -> usize;
     /// Computes the rows that are missing and concludes.
     ///
     /// # Errors

@@ -47,6 +47,10 @@ pub trait TableJob: Debug + Send + Sync {
 }
 
 impl<Job: TableJob> TableRun for Job {
+    fn rows(&self) -> usize {
+        self.count()
+    }
+
     fn run(
         &self,
         prepared: &PreparedRun,
@@ -98,10 +102,10 @@ fn run_table<Job: TableJob>(
         let path = session.directory.path();
         Ok(job.conclude(&session.rows, path)?)
     });
-    let written = session.write_tables(&mut manifest, result.as_ref().err());
+    let written = session.write_tables(&mut manifest, &result);
     let path = session.directory.path().to_owned();
     match result {
-        Ok(remarks) => {
+        Ok(_) => {
             let case = written?;
             Ok(RunOutcome {
                 directory: path,
@@ -114,7 +118,6 @@ fn run_table<Job: TableJob>(
                 case,
                 wall_time: session.usage().wall_time,
                 highlights: Vec::new(),
-                remarks,
             })
         }
         Err(stop) => {
@@ -208,10 +211,14 @@ impl<Job: TableJob> TableSession<'_, Job> {
     fn write_tables(
         &self,
         manifest: &mut Manifest,
-        stop: Option<&Stop>,
+        result: &Result<Vec<String>, Stop>,
     ) -> Result<CaseOutcome, ResultsError> {
         // There are no steps to speak of.
-        let outcome = CaseOutcome::default();
+        let outcome = CaseOutcome {
+            remarks: result.as_ref().cloned().unwrap_or_default(),
+            ..CaseOutcome::default()
+        };
+        let stop = result.as_ref().err();
         let status = stop.map_or(CaseStatus::Finished, Stop::status);
         let record = CaseRecord::with_usage(
             status,

@@ -129,6 +129,14 @@ impl Advance for Pendulum {
         })
     }
 
+    fn mean_gap(&self) -> Option<f64> {
+        None
+    }
+
+    fn remarks(&self) -> Vec<String> {
+        Vec::new()
+    }
+
     fn frame(&self, with_forces: bool) -> Frame {
         let bob = Vector3::new(self.angle.sin(), 0.0, -self.angle.cos());
         let velocities = if with_forces {

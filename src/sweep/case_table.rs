@@ -99,6 +99,10 @@ impl<'a> CaseTable<'a> {
         let mut counts = CaseCounts::default();
         for case in cases {
             let record = self.known(&case.id);
+            let remarked = record
+                .as_ref()
+                .is_some_and(|record| !record.outcome.remarks.is_empty());
+            counts.remarked += usize::from(remarked);
             counts.add(record.map_or(CaseStatus::Pending, |record| record.status));
         }
         counts

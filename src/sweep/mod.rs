@@ -24,11 +24,11 @@ pub use error::SweepError;
 pub use outcome::{CaseCounts, Found, SweepOutcome};
 pub use search::SEARCH_TABLE;
 
-use crate::experiment::{DerivedNumbers, case_set_from_text, derived_numbers, prepare};
+use crate::experiment::{case_set_from_text, prepare};
 use crate::results::{
     CASES, CaseRecord, CaseStatus, Manifest, SweepDirectory, host_name, scenario_hash_with_inputs,
 };
-use crate::run::{Interruption, PreparedRun, RunOptions, thread_pools};
+use crate::run::{Forecast, Interruption, PreparedRun, RunOptions, forecast, thread_pools};
 use crate::scenario::{Case, CaseSet, INPUTS, Loaded, Portable, ScenarioError, earlier_id};
 use case_table::CaseTable;
 use heartbeat::Heartbeat;
@@ -181,19 +181,16 @@ fn all_cases(case_set: &CaseSet) -> Vec<Case> {
         .collect()
 }
 
-/// What a case would cost, roughly, and the number of its unknowns.
+/// What a case would cost, by a trial.
 ///
 /// # Errors
 /// What is wrong with its scenario.
-pub fn derived_numbers_of(
-    case_set: &CaseSet,
-    index: usize,
-) -> Result<DerivedNumbers, ScenarioError> {
+pub fn forecast_of(case_set: &CaseSet, index: usize) -> Result<Forecast, ScenarioError> {
     let loaded = match case_set.search() {
         Some(search) => case_set.searched_scenario(index, search.from)?,
         None => case_set.scenario_of(index)?,
     };
-    Ok(derived_numbers(&prepared(&loaded)?))
+    Ok(forecast(&prepared(&loaded)?))
 }
 
 fn prepared(loaded: &Loaded) -> Result<PreparedRun, ScenarioError> {

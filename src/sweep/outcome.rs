@@ -52,6 +52,8 @@ pub struct CaseCounts {
     pub invalid: usize,
     /// Results could not be written.
     pub failed: usize,
+    /// Cases, however they stand, of which something is remarked: see the column `remarks` of the summary.
+    pub remarked: usize,
 }
 
 impl CaseCounts {

@@ -18,6 +18,7 @@ mod helix_manipulation;
 mod localized_buckling;
 mod page;
 mod rods;
+mod spatial_rods;
 mod statics;
 mod symmetry;
 #[cfg(test)]
@@ -38,9 +39,10 @@ type CheckGroup = fn(full: bool) -> Result<Vec<Check>, GroupError>;
 type GroupError = Box<dyn Error + Send + Sync>;
 
 /// All groups, in the order of the table.
-const GROUPS: [(&str, CheckGroup); 14] = [
+const GROUPS: [(&str, CheckGroup); 15] = [
     ("derivatives", derivatives::checks),
     ("statics", statics::checks),
+    ("spatial rods", spatial_rods::checks),
     ("vibration", vibration::checks),
     ("buckling", buckling::checks),
     ("continuation", continuation::checks),

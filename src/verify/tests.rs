@@ -23,6 +23,11 @@ fn statics_pass() {
 }
 
 #[test]
+fn spatial_rods_pass() {
+    assert_passes("spatial rods");
+}
+
+#[test]
 fn vibration_passes() {
     assert_passes("vibration");
 }

@@ -1,11 +1,12 @@
 //! The keys of flagella: as typed, as resolved, and the way from the one to the other.
 
 use crate::scenario::keys::{
-    AngularVelocity, FINITE, Length, NON_NEGATIVE, OwnTable, POSITIVE, Quantity, Request,
+    Angle, AngularVelocity, FINITE, Length, NON_NEGATIVE, OwnTable, POSITIVE, Quantity, Request,
 };
 use crate::scenario::{BuilderRod, Material};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
 
 /// The table of this experiment.
 pub static TABLES: [OwnTable; 1] = [OwnTable::new::<TypedFlagella>(
@@ -32,6 +33,10 @@ pub struct TypedFlagella {
     pub axial_length: Option<Quantity<Length>>,
     /// Side of the polygon on whose corners the axes stand. Not needed for a single flagellum.
     pub side: Option<Quantity<Length>>,
+    /// Direction of the first axis from the centre of the polygon, an angle about z (axes point from head to tip) from the
+    /// direction in which every helix begins, seen from its own axis. Default: "180 deg", the first helix begins towards the
+    /// centre, as in the released code of the thesis. It matters for odd numbers of flagella; multiples of 360°/count are alike.
+    pub orientation: Option<Quantity<Angle>>,
     /// Rate of turning of the heads. Positive makes right-handed helices push towards their heads, as
     /// bacteria swim, and bundle: the heads then turn clockwise seen from the tips.
     pub angular_velocity: Option<Quantity<AngularVelocity>>,
@@ -56,6 +61,8 @@ pub struct Flagella {
     pub axial_length: f64,
     /// Side of the polygon on whose corners the axes stand, m.
     pub side: f64,
+    /// Direction of the first axis from the centre of the polygon, from that in which the helices begin, rad.
+    pub orientation: f64,
     /// Rate of turning of the heads, rad/s.
     pub angular_velocity: f64,
     /// Whether a straight inlet and a ramp lead from the axis to the helix.
@@ -104,6 +111,7 @@ pub fn resolve(request: &Request<'_>) -> Option<FlagellaTables> {
     let helix_radius = section.required("helix_radius", &typed.helix_radius, POSITIVE);
     let pitch = section.required("pitch", &typed.pitch, POSITIVE);
     let axial_length = section.required("axial_length", &typed.axial_length, POSITIVE);
+    let orientation = section.with_default("orientation", &typed.orientation, FINITE, PI);
     let angular_velocity = section.required("angular_velocity", &typed.angular_velocity, FINITE);
     Some(FlagellaTables {
         material: built.material,
@@ -114,6 +122,7 @@ pub fn resolve(request: &Request<'_>) -> Option<FlagellaTables> {
             pitch,
             axial_length,
             side,
+            orientation,
             angular_velocity,
             hook,
             head: typed.head.unwrap_or(Head::Node),

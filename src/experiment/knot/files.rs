@@ -49,7 +49,8 @@ const SERIES: &[Column] = columns! {
 const SUMMARY: &[Column] = columns! {
     "may_invert": "Whether an inversion was looked for: in overhand knots of unknotting number 2 and more, and in all of \
         \"knot-inversion\".",
-    "inversion_by_force": "l̄_k at which the traction fell most steeply as the knot inverted; empty where it did not.",
+    "inversion_by_force": "l̄_k at which the traction began to fall most steeply while the loop fell onto the braid; empty where the loop did not \
+        fall, or the traction by less than 30 %.",
     "inversion_by_height": "l̄_k at which the loop had come to lie on the braid; empty where it did not.",
     "inversion_difference": "Difference of the two over their mean.",
     "kinetic_over_elastic": "Largest kinetic over elastic energy at the output times while the ends moved, before the inversion.",

@@ -101,7 +101,8 @@ impl Observer for KnotMonitor {
     }
 
     fn remarks(&self) -> Vec<String> {
-        self.outcome().remark().into_iter().collect()
+        let remarks = [self.outcome().remark(), self.watch.remark()];
+        remarks.into_iter().flatten().collect()
     }
 
     fn highlights(&self, outcome: &CaseOutcome) -> Vec<(String, String)> {

@@ -14,7 +14,7 @@ use crate::mechanics::scene as mechanics;
 use crate::mechanics::statics::{PathMethod, PathPlan};
 use crate::results::read_end_state;
 use crate::run::RunError;
-use crate::run::{Mode, OutputPlan, PreparedRun, rod_records, start_from};
+use crate::run::{LinkingGuard, Mode, Observer, OutputPlan, PreparedRun, rod_records, start_from};
 use crate::scenario::{
     self, Clamp, Contact, Continuation, Fluid, Hold, Issue, Issues, KeyPath, Load, LoadKind,
     NaturalShape, Place, Plane, Rod, Scenario, Scheme, Step, Time, did_you_mean,
@@ -112,6 +112,10 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
         let message =
             "this experiment places its rods itself, again and again; leave the table out";
         issues.push(Issue::new(KeyPath::from("start"), message));
+    }
+    if prepared.table.is_none() {
+        let guard = LinkingGuard::of(&prepared.scene);
+        (prepared.observers).extend(guard.map(|guard| Box::new(guard) as Box<dyn Observer>));
     }
     if let Err(found) = probes::add(&mut prepared, scenario) {
         found.0.into_iter().for_each(|issue| issues.push(issue));

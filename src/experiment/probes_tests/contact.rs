@@ -1,4 +1,4 @@
-//! Forces of contact and friction.
+//! Forces of contact and friction, and the gap at which surfaces rest.
 
 use super::{RESTING, near, ran, weight_of};
 
@@ -77,4 +77,37 @@ kind = "drag""#,
     assert!((up + down).norm() < 1e-12 * up.norm());
     assert_eq!(run.last("up_normal_n"), run.last("down_normal_n"));
     assert_eq!(run.last("own_normal_n"), Some(0.0));
+}
+
+/// A light rod that lies on a plane bears on it with its weight, N a node, while the stiffness is that of its EI/L².
+#[test]
+fn contact_gap_is_that_of_the_force_law() {
+    let (tolerance, radius) = (1e-4_f64, 0.004_f64);
+    let bending = 1e7 * std::f64::consts::PI / 4.0 * radius.powi(4);
+    let load = weight_of(0.2) / 20.0 / (bending / 0.04);
+    let penalty = (2e5 * tolerance / (15.0 * radius * radius * load)).ln() / 30.0;
+    let relative = |w: f64| w * (w + 2.0 * w.ln_1p()) / (1.0 + w) / (0.5 + 2f64.ln());
+    let nearness = (1..)
+        .map(|k| 1e-4 * f64::from(k))
+        .find(|&w| relative(w) > load);
+    let barrier = 1.0 / (1.0 + nearness.unwrap());
+    for (model, expected, allowed) in [
+        ("imc", penalty, 0.01),
+        ("ipc", barrier, 0.01),
+        ("complementarity", 0.0, 1e-6),
+    ] {
+        let text = RESTING.replace("\"imc\"", &format!("{model:?}"));
+        let gap = ran(&text).summary.numbers("mean_gap_m").unwrap()[0].unwrap();
+        assert!(
+            (gap / tolerance - expected).abs() < allowed,
+            "{model}: {gap:e} instead of {expected} δ"
+        );
+    }
+}
+
+#[test]
+fn without_contact_there_is_no_mean_gap() {
+    let hovering = RESTING.replace("[0, 0, -9.81]", "[0, 0, 0.01]");
+    let run = ran(&hovering);
+    assert_eq!(run.summary.numbers("mean_gap_m").unwrap()[0], None);
 }

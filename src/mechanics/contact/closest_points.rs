@@ -132,7 +132,7 @@ impl ClosestPoints {
 }
 
 /// Centreline distance Δ of two edges, m.
-pub(super) fn edge_distance(nodes: &[Vector3; 4]) -> f64 {
+pub(crate) fn edge_distance(nodes: &[Vector3; 4]) -> f64 {
     ClosestPoints::of(nodes).distance()
 }
 

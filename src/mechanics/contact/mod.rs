@@ -19,6 +19,7 @@
 //! | `contacts` | what is known of a single contact |
 //! | `contact_system`, `evaluation` | all contacts of a scene |
 //! | `proximity` | least distance, penetration, overlaps of a new scene |
+//! | `rest_gap` | how far apart surfaces rest |
 //! | `touching` | where surfaces touch, for pictures |
 //! | `memory` | what a restart needs |
 
@@ -44,6 +45,7 @@ mod parameters;
 mod plane_contact;
 mod potential;
 mod proximity;
+mod rest_gap;
 mod step_bound;
 mod stiffness;
 mod surface;
@@ -54,6 +56,7 @@ mod tests;
 mod touching;
 mod tractions;
 
+pub(crate) use closest_points::edge_distance;
 pub use contact_system::ContactSystem;
 pub use contacts::{
     ActiveContact, CandidatePair, ContactConstraint, EdgeJacobian, ForceCorrections, PlaneContact,

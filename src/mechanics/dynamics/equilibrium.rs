@@ -73,7 +73,7 @@ impl Simulation {
         }
         self.rest_at(&trial);
         self.validity
-            .check_stretch(&self.system, &trial, self.state.time);
+            .check_strains(&self.system, &trial, self.state.time);
         report_contacts(&self.system, &mut report);
         debug!(
             time = report.time,

@@ -37,6 +37,8 @@ pub(super) struct Integrator {
     small_steps: usize,
     /// Why a step failed last, and what to try.
     last_failure: String,
+    /// What was said of small steps since it was last looked at.
+    pub said: Option<String>,
 }
 
 impl Integrator {
@@ -74,6 +76,7 @@ impl Integrator {
             fluid,
             small_steps: 0,
             last_failure: String::new(),
+            said: None,
         })
     }
 
@@ -241,10 +244,12 @@ impl Integrator {
         } else if report.step < SMALL_PART * whole && !self.last_failure.is_empty() {
             self.small_steps += 1;
             if self.small_steps == SMALL_STEPS {
-                warn!(
+                let message = format!(
                     "at t = {:.6e} s: {SMALL_STEPS} steps have been far smaller than the {whole} s asked for, now {:.3e} s: {}",
                     report.time, report.step, self.last_failure
                 );
+                warn!("{message}");
+                self.said = Some(message);
             }
         }
     }

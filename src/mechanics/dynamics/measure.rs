@@ -35,6 +35,12 @@ impl Simulation {
         self.system.resultants()
     }
 
+    /// Twist of the material frame of a rod from one end to the other, rad: whole turns count, and where a clamp holds a
+    /// frame it goes over that.
+    pub fn total_twist(&self, rod: usize) -> f64 {
+        self.system.total_twist(rod)
+    }
+
     /// Nodes on which planes press in the last step.
     pub fn plane_contacts(&self) -> &[PlaneContact] {
         let contact = self.system.contact.as_ref();

@@ -13,7 +13,7 @@
 //! | `integrator` | the step |
 //! | `drag`, `exchange` | forces of the fluid; work and losses of a step |
 //! | `equilibrium`, `path` | statics of the same scene |
-//! | `validity` | warnings of strains beyond the theory, and of energy from nowhere |
+//! | `validity` | remarks on strains beyond the theory, on energy from nowhere, on steps far smaller than asked for |
 //! | `report`, `failure`, `observe` | what is reported, why a step fails, what can be seen |
 
 mod drag;

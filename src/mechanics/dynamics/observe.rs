@@ -118,6 +118,18 @@ impl Simulation {
         contact.nearest(&self.published.positions)
     }
 
+    /// Mean gap between surfaces in contact, weighted by their normal forces, in the last step, m; `None` where nothing
+    /// touches.
+    pub fn mean_gap(&self) -> Option<f64> {
+        self.system.contact.as_ref()?.mean_gap()
+    }
+
+    /// What people should know of the motion so far, a sentence each: strains beyond the theory of rods, energy that came
+    /// from nowhere, steps far smaller than asked for.
+    pub fn remarks(&self) -> Vec<String> {
+        self.validity.remarks(&self.system)
+    }
+
     /// Numbers of the unknowns that are not held: node k has x, y, z at 4k..4k+2, its edge's angle at 4k+3.
     pub fn free_unknowns(&self) -> Vec<usize> {
         (0..self.state.unknowns.len())
@@ -187,6 +199,7 @@ impl Simulation {
             reference: self.system.reference.clone(),
             control: self.integrator.control,
             interventions: self.system.interventions(),
+            validity: self.validity.memory.clone(),
             contact: self.system.contact.as_ref().map(|contact| contact.memory()),
             fluid: self.integrator.fluid.memory(),
         }
@@ -223,6 +236,7 @@ impl Simulation {
             history: state.history,
         };
         self.integrator.control = state.control;
+        self.validity.memory = state.validity;
         self.system
             .resume(state.time, &self.state.unknowns, &state.reference);
         self.system.forget_pattern();

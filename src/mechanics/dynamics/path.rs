@@ -49,6 +49,9 @@ impl Simulation {
             self.system.drive(self.state.time, &mut self.state.unknowns);
             self.system.evaluate(&self.state.unknowns, None);
             self.publish();
+            let unknowns = &self.state.unknowns;
+            self.validity
+                .check_strains(&self.system, unknowns, self.state.time);
         }
         Ok(point)
     }

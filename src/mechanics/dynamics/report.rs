@@ -2,6 +2,7 @@
 
 use super::history::History;
 use super::step_control::StepControl;
+use super::validity::ValidityMemory;
 use crate::mechanics::SceneError;
 use crate::mechanics::contact::{ContactMemory, Proximity};
 use crate::mechanics::fluid::FluidMemory;
@@ -27,6 +28,8 @@ pub struct SimulationState {
     pub control: StepControl,
     /// What was done to clamps and loads since the start.
     pub interventions: Interventions,
+    /// What is to be remarked of the motion.
+    pub validity: ValidityMemory,
     /// Contact candidates and stiffness.
     pub contact: Option<ContactMemory>,
     /// Force history and preconditioner of the fluid.

@@ -87,13 +87,35 @@ impl Simulation {
             .step(&mut self.system, &mut self.state, until, goes_on);
         self.publish();
         if let Ok(Some(report)) = &result {
-            let mut validity = self.validity;
+            let mut validity = std::mem::take(&mut self.validity);
             let scheme = self.integrator.setting.parameters.scheme;
             let unknowns = &self.state.unknowns;
             validity.after_step(&self.system, scheme, report, unknowns, || self.energies());
+            if let Some(said) = self.integrator.said.take() {
+                validity.note_small_steps(said);
+            }
             self.validity = validity;
         }
-        result
+        result.map_err(|error| self.explain(error))
+    }
+
+    /// Says so where a motion finds no step any more because of an impact beyond the theory.
+    fn explain(&self, error: SimulationError) -> SimulationError {
+        let Published {
+            positions,
+            velocities,
+            ..
+        } = &self.published;
+        let SimulationError::NoConvergence { time, .. } = &error else {
+            return error;
+        };
+        let impact = self
+            .validity
+            .fast_impact(&self.system, positions, velocities);
+        match impact {
+            Some(reason) => SimulationError::Unphysical(format!("at t = {time:.6e} s {reason}")),
+            None => error,
+        }
     }
 
     /// Copies the state into the arrays that observers read.

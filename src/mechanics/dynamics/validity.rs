@@ -1,25 +1,57 @@
-//! What a simulation says of itself: strains beyond the theory, energy that comes from nowhere.
+//! What a simulation says of itself: strains beyond the theory, energy that comes from nowhere, steps far smaller than asked
+//! for.
 //!
-//! Both are warnings in the log, once in a simulation: the numbers are what the model gives, but not what a rod does.
+//! Each is a warning in the log when it first happens, and a remark at the end with its largest size: the numbers are what
+//! the model gives, but not what a rod does.
 
 use super::parameters::Scheme;
 use super::report::{Energies, StepReport};
-use crate::mechanics::scene::{Clamp, Load, LoadKind, Scene};
-use crate::mechanics::system::System;
+use crate::mechanics::Vector3;
+use crate::mechanics::contact::edge_distance;
+use crate::mechanics::scene::{Clamp, Load, LoadKind, RodDescription, Scene};
+use crate::mechanics::system::{SectionScale, Strain, System};
+use serde::{Deserialize, Serialize};
 use tracing::warn;
 
-/// Stretch beyond which a warning is due: the theory of rods is one of small strains, and Hooke's law holds no farther.
+/// Stretch that is remarked: Hooke's law and an area that stays the same err by as much, the first power of the strain.
 const LARGEST_STRETCH: f64 = 0.05;
+/// Strain of the outer fibres by bending, and shear of the surface by twist, that are remarked: by the symmetry of the
+/// section what the theory leaves out is of the second power, 4 % of the moment at this size.
+const LARGEST_BEND: f64 = 0.2;
 /// Gain of energy that is no more rounding, Newton's method or a swing of the midpoint rule, over the largest energy so far.
 const LARGEST_GAIN: f64 = 0.05;
+/// Distance of centrelines over the sum of the radii within which rods count as meeting.
+const NEAR: f64 = 1.5;
 /// Steps between two looks, which cost some thousandths of a step each.
 const INTERVAL: usize = 16;
 
-/// Watches a simulation.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Validity {
-    /// Whether energy can only come from clamps, so that any other gain is an error of the scheme.
-    is_conservative: bool,
+/// What a rod may suffer too much of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Stretch,
+    Bending,
+    Twist,
+}
+
+/// The largest strain of a kind, and since when it has been beyond its bound.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct LargeStrain {
+    size: f64,
+    node: usize,
+    time: f64,
+    since: f64,
+}
+
+/// The largest gain of energy, over the largest energy.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Gain {
+    relative: f64,
+    since: f64,
+}
+
+/// What has been seen so far: part of the state that checkpoints hold.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ValidityMemory {
     steps: usize,
     /// Energy at the start, J.
     start: Option<f64>,
@@ -27,8 +59,53 @@ pub(super) struct Validity {
     taken_in: f64,
     /// Largest kinetic and elastic energy so far, J.
     largest: f64,
-    has_warned_of_stretch: bool,
-    has_warned_of_energy: bool,
+    /// Whether energy can only come from clamps, so that any other gain is an error of the scheme.
+    is_conservative: bool,
+    stretch: Option<LargeStrain>,
+    bending: Option<LargeStrain>,
+    twist: Option<LargeStrain>,
+    gain: Option<Gain>,
+    small_steps: Option<String>,
+}
+
+/// Watches a simulation.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Validity {
+    sections: Vec<SectionScale>,
+    /// Speed √(EA/ρA) of waves of stretching in each rod, m/s; infinite in those that are held.
+    wave_speeds: Vec<f64>,
+    pub memory: ValidityMemory,
+}
+
+impl Kind {
+    const ALL: [Self; 3] = [Self::Stretch, Self::Bending, Self::Twist];
+
+    fn bound(self) -> f64 {
+        match self {
+            Self::Stretch => LARGEST_STRETCH,
+            Self::Bending | Self::Twist => LARGEST_BEND,
+        }
+    }
+
+    fn suffered(self, size: f64) -> &'static str {
+        match self {
+            Self::Stretch if size > 0.0 => "stretched",
+            Self::Stretch => "compressed",
+            Self::Bending => "bent to a strain of its outer fibres",
+            Self::Twist => "twisted to a shear of its surface",
+        }
+    }
+
+    fn theory(self) -> &'static str {
+        match self {
+            Self::Stretch => {
+                "the theory of rods holds for a few per cent, and errs by as much as the stretch"
+            }
+            Self::Bending | Self::Twist => {
+                "the theory of rods errs by about the square of that, 4 % at 20 %"
+            }
+        }
+    }
 }
 
 impl Validity {
@@ -49,39 +126,95 @@ impl Validity {
                 || !motion.orientation.is_empty()
         };
         Self {
-            is_conservative: scene.fluid.is_none()
-                && scene.contact.is_none()
-                && scene.loads.iter().all(is_accounted_for)
-                && !scene.clamps.iter().any(turns),
-            steps: 0,
-            start: None,
-            taken_in: 0.0,
-            largest: 0.0,
-            has_warned_of_stretch: false,
-            has_warned_of_energy: false,
+            sections: scene.rods.iter().map(SectionScale::of).collect(),
+            wave_speeds: scene.rods.iter().map(wave_speed).collect(),
+            memory: ValidityMemory {
+                is_conservative: scene.fluid.is_none()
+                    && scene.contact.is_none()
+                    && scene.loads.iter().all(is_accounted_for)
+                    && !scene.clamps.iter().any(turns),
+                ..ValidityMemory::default()
+            },
         }
     }
 
     /// Work is done that is not counted: other forces act than those of the scene, or a clamp moves otherwise.
     pub fn stop_counting_energy(&mut self) {
-        self.is_conservative = false;
+        self.memory.is_conservative = false;
     }
 
-    /// Looks at the stretch of all edges at `unknowns`.
-    pub fn check_stretch(&mut self, system: &System, unknowns: &[f64], time: f64) {
-        if self.has_warned_of_stretch {
+    /// Looks at the strains of all rods at `unknowns`, where the system was evaluated last.
+    pub fn check_strains(&mut self, system: &System, unknowns: &[f64], time: f64) {
+        let found = system.largest_strains(unknowns, &self.sections);
+        self.note_strain(system, Kind::Stretch, found.stretch, time);
+        self.note_strain(system, Kind::Bending, found.bending, time);
+        self.note_strain(system, Kind::Twist, found.twist, time);
+    }
+
+    fn note_strain(&mut self, system: &System, kind: Kind, found: Option<Strain>, time: f64) {
+        let Some(Strain { size, node }) = found.filter(|found| found.size.abs() > kind.bound())
+        else {
             return;
+        };
+        let kept = match kind {
+            Kind::Stretch => &mut self.memory.stretch,
+            Kind::Bending => &mut self.memory.bending,
+            Kind::Twist => &mut self.memory.twist,
+        };
+        if kept.is_none_or(|kept| kept.size.abs() < size.abs()) {
+            let since = kept.map(|kept| kept.since);
+            *kept = Some(LargeStrain {
+                size,
+                node,
+                time,
+                since: since.unwrap_or(time),
+            });
+            if since.is_none() {
+                let (rod, node) = system.assembly.locate(node);
+                warn!(
+                    "at t = {time:.4} s rod `{}` is {} by {:.0} % at node {node}: {}",
+                    system.assembly.names[rod],
+                    kind.suffered(size),
+                    100.0 * size.abs(),
+                    kind.theory()
+                );
+            }
         }
-        if let Some(strain) = system.largest_stretch(unknowns, LARGEST_STRETCH) {
-            self.has_warned_of_stretch = true;
-            let (rod, node) = system.assembly.locate(strain.node);
-            warn!(
-                "at t = {time:.4} s rod `{}` is {} by {:.0} % at node {node}: the theory of rods holds for a few per cent",
-                system.assembly.names[rod],
-                strain.kind,
-                100.0 * strain.size
-            );
+    }
+
+    /// Names two rods that meet faster than waves of stretching run in one of them, from which such an impact cannot escape
+    /// along the rod: its strain is then of the order of one. For motions that find no step any more.
+    pub fn fast_impact(
+        &self,
+        system: &System,
+        positions: &[Vector3],
+        velocities: &[Vector3],
+    ) -> Option<String> {
+        let contact = system.contact.as_ref()?;
+        let mut fastest: Option<(f64, String)> = None;
+        for pair in contact.candidates() {
+            let [a, b] = [pair.nodes[0], pair.nodes[2]].map(|node| system.assembly.locate(node).0);
+            let radii = system.assembly.radii[a] + system.assembly.radii[b];
+            if a == b || edge_distance(&pair.nodes.map(|node| positions[node])) > NEAR * radii {
+                continue;
+            }
+            let mean = |k: usize| 0.5 * (velocities[pair.nodes[k]] + velocities[pair.nodes[k + 1]]);
+            let speed = (mean(0) - mean(2)).norm();
+            let wave = self.wave_speeds[a].min(self.wave_speeds[b]);
+            if speed > wave && fastest.as_ref().is_none_or(|(found, _)| *found < speed) {
+                let [a, b] = [a, b].map(|rod| &system.assembly.names[rod]);
+                let reason = format!(
+                    "rods `{a}` and `{b}` meet at {speed:.3} m/s, faster than waves of stretching run in them ({wave:.3} m/s): such an impact crushes a rod, and the theory of rods does not hold for it"
+                );
+                fastest = Some((speed, reason));
+            }
         }
+        fastest.map(|(_, reason)| reason)
+    }
+
+    /// Keeps what was said of steps that stay far smaller than asked for.
+    pub fn note_small_steps(&mut self, message: String) {
+        self.memory.small_steps.get_or_insert(message);
     }
 
     /// After a step: looks now and then.
@@ -94,26 +227,82 @@ impl Validity {
         energies: impl Fn() -> Energies,
     ) {
         let (time, exchange) = (report.time, &report.exchange);
-        self.taken_in += exchange.clamp_work - exchange.friction_loss - exchange.drag_loss;
-        self.steps += 1;
-        if self.steps % INTERVAL != 1 {
+        self.memory.taken_in += exchange.clamp_work - exchange.friction_loss - exchange.drag_loss;
+        self.memory.steps += 1;
+        if self.memory.steps % INTERVAL != 1 {
             return;
         }
-        self.check_stretch(system, unknowns, time);
+        self.check_strains(system, unknowns, time);
         // Implicit Euler takes energy and never gives any.
-        if scheme == Scheme::ImplicitEuler || !self.is_conservative || self.has_warned_of_energy {
+        let memory = &mut self.memory;
+        if scheme == Scheme::ImplicitEuler || !memory.is_conservative {
             return;
         }
         let now = energies();
-        self.largest = self.largest.max(now.kinetic + now.elastic());
-        let start = *self.start.get_or_insert(now.total() - self.taken_in);
-        let gain = now.total() - self.taken_in - start;
-        if gain > LARGEST_GAIN * self.largest {
-            self.has_warned_of_energy = true;
-            warn!(
-                "at t = {time:.4} s the rods have gained {gain:.3e} J that nothing gave them, {:.0} % of their energy: the time step is too large for this scheme; take smaller steps, step = \"auto\", or scheme = \"implicit-euler\"",
-                100.0 * gain / self.largest
-            );
+        memory.largest = memory.largest.max(now.kinetic + now.elastic());
+        let start = *memory.start.get_or_insert(now.total() - memory.taken_in);
+        let gain = now.total() - memory.taken_in - start;
+        if gain > LARGEST_GAIN * memory.largest {
+            let relative = gain / memory.largest;
+            let earlier = memory.gain;
+            memory.gain = Some(Gain {
+                relative: earlier.map_or(relative, |earlier| earlier.relative.max(relative)),
+                since: earlier.map_or(time, |earlier| earlier.since),
+            });
+            if earlier.is_none() {
+                warn!(
+                    "at t = {time:.4} s the rods have gained {gain:.3e} J that nothing gave them, {:.0} % of their energy: {GAINING}",
+                    100.0 * relative
+                );
+            }
         }
     }
+
+    /// What people should know of the whole motion, a sentence each.
+    pub fn remarks(&self, system: &System) -> Vec<String> {
+        let memory = &self.memory;
+        let strains = Kind::ALL.map(|kind| {
+            let kept = match kind {
+                Kind::Stretch => memory.stretch,
+                Kind::Bending => memory.bending,
+                Kind::Twist => memory.twist,
+            };
+            kept.map(|kept| {
+                let (rod, node) = system.assembly.locate(kept.node);
+                let when = match kept.time {
+                    0.0 => String::new(),
+                    time => format!(
+                        ", t = {time:.4} s; beyond {:.0} % from {:.4} s",
+                        100.0 * kind.bound(),
+                        kept.since
+                    ),
+                };
+                format!(
+                    "rod `{}` was {} by up to {:.0} % (node {node}{when}): {}",
+                    system.assembly.names[rod],
+                    kind.suffered(kept.size),
+                    100.0 * kept.size.abs(),
+                    kind.theory()
+                )
+            })
+        });
+        let gain = memory.gain.map(|gain| {
+            format!(
+                "from t = {:.4} s the rods gained energy that nothing gave them, up to {:.0} % of theirs: {GAINING}",
+                gain.since,
+                100.0 * gain.relative
+            )
+        });
+        let rest = [gain, memory.small_steps.clone()];
+        strains.into_iter().chain(rest).flatten().collect()
+    }
 }
+
+fn wave_speed(rod: &RodDescription) -> f64 {
+    if rod.held {
+        return f64::INFINITY;
+    }
+    (rod.stiffness.stretching / rod.mass_per_length).sqrt()
+}
+
+const GAINING: &str = "the time step is too large for this scheme; take smaller steps, step = \"auto\", or scheme = \"implicit-euler\"";

@@ -10,6 +10,7 @@
 //! | `heavy_loop` | height of a rod that is folded over onto itself |
 //! | `helix` | helical equilibria and the linearised equations about them |
 //! | `conjugate_point` | first loss of stability of a helix with clamped ends |
+//! | `spatial_cantilever` | cantilever in space, of any section and natural shape, by multiple shooting |
 //! | `straight_rod` | the same for the straight rod, twisted and pulled, in closed form |
 //! | `suspended_loop` | a loop held at its two ends only, in space |
 //! | `numerics` | bisection, Runge–Kutta and quadrature |
@@ -20,6 +21,7 @@ mod hanging_strip;
 mod heavy_loop;
 mod helix;
 pub mod numerics;
+mod spatial_cantilever;
 mod straight_rod;
 mod suspended_loop;
 
@@ -28,5 +30,6 @@ pub use conjugate_point::{CriticalDistance, critical_distance};
 pub use hanging_strip::{HangingStrip, StripError};
 pub use heavy_loop::HeavyLoop;
 pub use helix::Helix;
+pub use spatial_cantilever::SpatialCantilever;
 pub use straight_rod::stability_determinant;
 pub use suspended_loop::{EndSpin, LoopEnds, SuspendedLoop};

@@ -180,7 +180,7 @@ impl Descent {
                 let lengthening = self.lengthening(system, shift, &scale);
                 let factor = limit(&mut self.direction, system, scale.largest_move, lengthening);
                 let is_whole = factor >= 1.0;
-                match self.step(system, unknowns, &scale, shift == 0.0) {
+                match self.step(system, unknowns, &scale, shift == 0.0, factor.min(1.0)) {
                     Some(1.0) => {
                         corrections += usize::from(shift == 0.0 && is_whole);
                         shift /= SHIFT_GROWTH * SHIFT_GROWTH;
@@ -214,14 +214,15 @@ impl Descent {
         }
     }
 
-    /// Looks for a better configuration along the direction; leaves it in `trial` and returns its part of the
-    /// whole step, `None` where there is none.
+    /// Looks for a better configuration along the direction, which was cut to `factor` of the solution; leaves it in
+    /// `trial` and returns its part of the whole step, `None` where there is none.
     fn step(
         &mut self,
         system: &mut System,
         unknowns: &[f64],
         scale: &Scale,
         positive: bool,
+        factor: f64,
     ) -> Option<f64> {
         let whole = scale.norm(&self.direction);
         let start = Start {
@@ -245,7 +246,10 @@ impl Descent {
                 } else {
                     self.correction.copy_from_slice(&system.residual);
                     let solved = system.solve(&mut self.correction).is_ok();
-                    solved && scale.norm(&self.correction) <= (1.0 - 0.25 * length) * whole
+                    // Of the way to the solution, as it was before it was limited, this step goes so far. With a shift that
+                    // is no solution: what remains may be as long.
+                    let part = if positive { length * factor } else { 0.0 };
+                    solved && factor * scale.norm(&self.correction) <= (1.0 - 0.25 * part) * whole
                 };
                 if accepted {
                     return Some(part);

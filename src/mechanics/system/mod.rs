@@ -35,7 +35,7 @@ use loads::Loads;
 use newton_matrix::NewtonMatrix;
 pub use residual::TERMS;
 pub use resultants::Resultants;
-pub use strain::Strain;
+pub use strain::{LargestStrains, SectionScale, Strain};
 use touching::contact_of;
 pub use touching::name_overlap;
 

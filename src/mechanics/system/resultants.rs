@@ -108,8 +108,16 @@ impl System {
         energy
     }
 
+    /// Twist of all vertices of a rod, rad.
+    pub fn total_twist(&self, rod: usize) -> f64 {
+        let nodes = self.assembly.rods.rods[rod].node_indices();
+        let vertices = self.assembly.rods.vertices.iter().enumerate();
+        let own = vertices.filter(|(_, vertex)| nodes.contains(&self.node_of(vertex)));
+        own.map(|(index, _)| self.geometry.twist(index)).sum()
+    }
+
     /// Node at which a vertex lies.
-    fn node_of(&self, vertex: &Vertex) -> usize {
+    pub(super) fn node_of(&self, vertex: &Vertex) -> usize {
         let rods = &self.assembly.rods;
         if vertex.after < rods.nodes {
             return vertex.after;
@@ -118,7 +126,8 @@ impl System {
         rods.rods[rod].end_of(vertex.before)
     }
 
-    fn strains(&self, index: usize, vertex: &Vertex) -> VertexStrains {
+    /// Strains of a vertex at the last evaluation.
+    pub(super) fn strains(&self, index: usize, vertex: &Vertex) -> VertexStrains {
         let edges = &self.geometry.edges;
         VertexStrains {
             curvature: vertex::curvatures(&edges[vertex.before], &edges[vertex.after]),

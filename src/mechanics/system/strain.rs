@@ -1,38 +1,92 @@
 //! The largest strains, against what the theory of rods is for.
+//!
+//! Outer fibres of a rod that is bent by Δκ beyond its natural curvature stretch by c Δκ, and its surface shears by c Δτ
+//! where it is twisted by Δτ per length; c is the distance of the outer fibres from the centreline, h for a circular section.
 
 use super::System;
 use crate::mechanics::rod::topology::position;
+use crate::mechanics::scene::RodDescription;
 
-/// A large strain.
+/// What a rod suffers most.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Strain {
-    /// "stretched" or "compressed".
-    pub kind: &'static str,
-    /// Its size: 0.1 is 10 %.
+    /// Its size: 0.1 is 10 %. A stretch has a sign.
     pub size: f64,
-    /// A node of the whole scene next to it.
+    /// A node of the whole scene at it.
     pub node: usize,
 }
 
+/// The largest strains of all rods that are no obstacles, by size; `None` where there are none.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LargestStrains {
+    /// Stretch of an edge, compression below zero.
+    pub stretch: Option<Strain>,
+    /// Strain of the outer fibres by bending.
+    pub bending: Option<Strain>,
+    /// Shear at the surface by twist.
+    pub twist: Option<Strain>,
+}
+
+/// What tells the strains of a section from those of its centreline.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SectionScale {
+    /// Distances of the outer fibres that bending about the first and the second director strains, m.
+    fibres: [f64; 2],
+    /// Bending stiffness EI₂, N m².
+    bending_2: f64,
+}
+
+impl SectionScale {
+    /// Of a rod. c_i = 2 √(EI_i/EA) is h for a circular section, and 15 % more than half the side of a rectangle; where
+    /// stiffnesses are given freely, it is that of the ellipse that would have them.
+    pub fn of(rod: &RodDescription) -> Self {
+        let stiffness = &rod.stiffness;
+        let fibre = |bending: f64| 2.0 * (bending / stiffness.stretching).sqrt();
+        Self {
+            fibres: stiffness.bending.map(fibre),
+            bending_2: stiffness.bending[1],
+        }
+    }
+}
+
 impl System {
-    /// The largest stretch or compression of an edge at `unknowns`, where it is beyond `least`.
-    pub fn largest_stretch(&self, unknowns: &[f64], least: f64) -> Option<Strain> {
-        let edges = self.assembly.rods.edges.iter();
-        let strains = edges
-            .filter(|edge| !self.assembly.obstacle[edge.start])
-            .map(|edge| {
+    /// The largest strains at `unknowns`; those of bending and twist at the last evaluation. `sections`: of each rod.
+    pub fn largest_strains(&self, unknowns: &[f64], sections: &[SectionScale]) -> LargestStrains {
+        let rods = &self.assembly.rods;
+        let mut largest = LargestStrains::default();
+        for edge in &rods.edges {
+            if !self.assembly.obstacle[edge.start] {
                 let span = position(unknowns, edge.end) - position(unknowns, edge.start);
-                (edge.start, span.norm() / edge.natural_length - 1.0)
-            });
-        let (node, strain) = strains.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
-        (strain.abs() > least).then(|| Strain {
-            kind: if strain > 0.0 {
-                "stretched"
-            } else {
-                "compressed"
-            },
-            size: strain.abs(),
-            node,
-        })
+                let stretch = span.norm() / edge.natural_length - 1.0;
+                keep_larger(&mut largest.stretch, stretch, edge.start);
+            }
+        }
+        for (index, vertex) in rods.vertices.iter().enumerate() {
+            let node = self.node_of(vertex);
+            if self.assembly.obstacle[node] {
+                continue;
+            }
+            let section = &sections[self.assembly.locate(node).0];
+            let [fibre_1, fibre_2] = section.fibres;
+            let strains = self.strains(index, vertex);
+            // κ¹ = m₂·κb turns about m₂.
+            let inverse_length = 2.0 * vertex.stiffness.bending[0] / section.bending_2;
+            let mean = |axis: usize| {
+                let of_edge = |k: usize| strains.curvature[k] - vertex.natural.curvature[k];
+                0.5 * inverse_length * (of_edge(axis) + of_edge(axis + 2))
+            };
+            let bending = (fibre_2 * mean(0)).hypot(fibre_1 * mean(1));
+            keep_larger(&mut largest.bending, bending, node);
+            let twist = inverse_length * (strains.twist - vertex.natural.twist);
+            let rim = std::f64::consts::FRAC_1_SQRT_2 * fibre_1.hypot(fibre_2);
+            keep_larger(&mut largest.twist, rim * twist.abs(), node);
+        }
+        largest
+    }
+}
+
+fn keep_larger(kept: &mut Option<Strain>, size: f64, node: usize) {
+    if kept.is_none_or(|kept| kept.size.abs() < size.abs()) {
+        *kept = Some(Strain { size, node });
     }
 }

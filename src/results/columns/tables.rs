@@ -84,9 +84,15 @@ pub(super) const SUMMARY: &[Column] = columns! {
         near.",
     "min_distance_ratio": "That distance over the one at which their surfaces touch, the sum of their radii: below 1 they \
         penetrate each other.",
+    "mean_gap_m": "How far apart surfaces rest that touch, m: distance of the centrelines less the sum of the radii (of a node \
+        from a plane, less its radius), mean over all pairs of edges and all nodes at planes that bear force, weighted by \
+        their normal forces, then over the outputs with contact; negative where they penetrate, empty where nothing touches.",
     "elastic_energy_j": "Energy of stretching, bending and twisting at the last output, J.",
     "gravitational_energy_j": "Potential of gravity at the last output, J.",
     "critical_parameter": "Path parameter of the first fold or bifurcation; empty where there is no path, or none on it.",
+    "remarks": "What people should know of the case, sentences joined by \"; \": strains beyond the theory of rods (stretch by \
+        more than 5 %, outer fibres by bending or twist by more than 20 %), energy that nothing gave, steps far smaller than \
+        asked for, and what the experiment adds; empty where there is nothing to remark.",
 };
 
 pub(super) const TIMINGS: &[Column] = columns! {

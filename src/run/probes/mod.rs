@@ -12,6 +12,7 @@ mod gauss;
 mod quantity;
 mod statistic;
 
+pub(super) use gauss::{linking_number, writhe};
 pub use quantity::{ContactPartner, Quantity};
 pub use statistic::Summary;
 

@@ -102,7 +102,7 @@ mod tests {
                 Err(error) => panic!("{error}"),
             }
         };
-        assert!(interruptions > 3 && outcome.remarks.is_empty());
+        assert!(interruptions > 3 && outcome.case.remarks.is_empty());
         for name in [BRANCH, SERIES, NODES, SUMMARY] {
             let read = |directory: &tempfile::TempDir| fs::read(directory.path().join(name)).ok();
             assert!(read(&whole) == read(&pieces), "{name}");
@@ -114,9 +114,9 @@ mod tests {
         let directory = tempfile::tempdir().unwrap();
         let outcome = run_until(&column(5), &options(directory.path()), &|| None).unwrap();
         assert!(
-            outcome.remarks[0].contains("most_points"),
+            outcome.case.remarks[0].contains("most_points"),
             "{:?}",
-            outcome.remarks
+            outcome.case.remarks
         );
     }
 

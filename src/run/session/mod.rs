@@ -272,6 +272,7 @@ impl Session {
     fn record(&mut self, simulation: &impl Advance) -> Result<(), Stop> {
         let nearest = simulation.nearest();
         self.run_state.counters.note_nearest(nearest);
+        self.run_state.counters.note_gap(simulation.mean_gap());
         let time = self.output_time(self.run_state.outputs);
         let energies = simulation.energies();
         self.run_state.counters.note_energies(&energies);
@@ -374,6 +375,9 @@ impl Session {
             .as_ref()
             .map_or_else(Stop::status, |_| CaseStatus::Finished);
         let reason = result.as_ref().err().map(Stop::reason);
+        self.remarks.extend(simulation.remarks());
+        let observers = self.participants.observers.iter();
+        self.remarks.extend(observers.flat_map(|one| one.remarks()));
         let files = result.as_ref().ok().cloned().unwrap_or_default();
         let wall_time = self.usage().wall_time.as_secs_f64();
         let how = status.in_words();
@@ -388,8 +392,6 @@ impl Session {
         }
         self.checkpoints.remove()?;
         let observers = &self.participants.observers;
-        let remarks = observers.iter().flat_map(|one| one.remarks());
-        self.remarks.extend(remarks);
         let case = self.run_state.counters.outcome.clone();
         Ok(RunOutcome {
             directory,
@@ -399,7 +401,6 @@ impl Session {
             highlights: participants::highlights(observers, &case),
             wall_time: self.usage().wall_time,
             case,
-            remarks: self.remarks,
         })
     }
 
@@ -412,6 +413,7 @@ impl Session {
         let path = self.directory.path();
         let outcome = &mut self.run_state.counters.outcome;
         outcome.observed = participants::outcomes(&self.participants.observers);
+        outcome.remarks.clone_from(&self.remarks);
         let outcome = outcome.clone();
         let record = CaseRecord::with_usage(status, outcome, self.usage(), error);
         self.manifest.conclude(path, record, files)

@@ -21,6 +21,7 @@ const ROOMS: Table = &[
             "reproduce",
             "cell",
             "vision",
+            "plan",
             "guide",
             "cluster",
         ],
@@ -32,6 +33,7 @@ const ROOMS: Table = &[
     ("experiment", &["run", "knot", "scenario", "figure"]),
     ("run", &["mechanics", "results"]),
     ("knot", &["mechanics"]),
+    ("plan", &["mechanics"]),
     ("mechanics", &["linalg"]),
     ("cell", &["robot", "scenario", "figure"]),
     ("robot", &[]),
@@ -237,6 +239,28 @@ fn origin(path: &[String], modules: &BTreeMap<&[String], &Source>) -> ItemPath {
 fn no_files_import_each_other_in_a_circle() {
     let circles = circles(&crate_sources());
     assert!(circles.is_empty(), "in circles: {circles:#?}");
+}
+
+/// A file that nothing names is not compiled, and its tests would be lost without a word.
+#[test]
+fn every_file_of_tests_is_part_of_the_one_binary() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests");
+    let main = fs::read_to_string(folder.join("main.rs")).expect("the root of the tests");
+    let named: BTreeSet<String> = main
+        .lines()
+        .filter_map(|line| line.strip_prefix("mod ")?.strip_suffix(';'))
+        .map(str::to_owned)
+        .collect();
+    let mut present = BTreeSet::new();
+    for entry in fs::read_dir(&folder).expect("the folder of the tests") {
+        let path = entry.expect("an entry").path();
+        let name = path.file_stem().expect("a name").to_string_lossy();
+        let is_module = path.is_file() || path.join("mod.rs").is_file();
+        if is_module && name != "main" {
+            present.insert(name.into_owned());
+        }
+    }
+    assert_eq!(named, present);
 }
 
 /// The table in the documentation of the crate: lines such as `sweep, verify ──> experiment`.

@@ -1,0 +1,89 @@
+//! Meshes for the suspended rod.
+//!
+//! Disturbances of the rod decay over 1/√|n|, and the pattern's curvature and the turn upwards lie within a few L_gb of
+//! the contact node. The first mesh follows this; where the shape asks for more, intervals are split.
+
+use super::gauss::{RULE, STAGES};
+use super::shape::Shape;
+use super::{GraspProblem, WEIGHT};
+
+/// Decay lengths in an interval far from the contact node.
+const DECAY_LENGTHS: f64 = 2.5;
+/// Intervals per L_gb at the contact node, beside the above, and over which length they become fewer.
+const DENSITY_AT_CONTACT: f64 = 1.2;
+const CONTACT_LENGTH: f64 = 2.5;
+/// Fewest intervals.
+const FEWEST: usize = 3;
+/// Most intervals.
+const MOST: usize = 4000;
+/// Points at which the density is added up, per L_gb.
+const RESOLUTION: f64 = 8.0;
+
+/// By how much the equations may be missed at the ends of intervals, times the length of the interval: the polynomials
+/// are of the fifth degree, but exact to order 10 at the ends, so that the shape errs by about the square of this.
+const DEFECT: f64 = 1e-4;
+
+/// Intervals per length.
+fn density(problem: &GraspProblem, s: f64) -> f64 {
+    let decay = (1.0 + WEIGHT * s).sqrt();
+    let contact = DENSITY_AT_CONTACT * (1.0 + 0.5 * problem.curvature.abs());
+    decay / DECAY_LENGTHS + contact * (-s / CONTACT_LENGTH).exp()
+}
+
+/// The first mesh: points from 0 to the gripper.
+pub fn first_mesh(problem: &GraspProblem) -> Vec<f64> {
+    let length = problem.suspended_length;
+    let points = (RESOLUTION * length).ceil().max(16.0) as usize;
+    let step = length / points as f64;
+    let mut sums = Vec::with_capacity(points + 1);
+    sums.push(0.0);
+    let mut sum = 0.0;
+    for point in 0..points {
+        sum += step * density(problem, (point as f64 + 0.5) * step);
+        sums.push(sum);
+    }
+    let intervals = (sum.ceil() as usize).clamp(FEWEST, MOST);
+    let mut mesh = Vec::with_capacity(intervals + 1);
+    mesh.push(0.0);
+    let mut point = 0;
+    for interval in 1..intervals {
+        let wanted = sum * interval as f64 / intervals as f64;
+        while sums[point + 1] < wanted {
+            point += 1;
+        }
+        let part = (wanted - sums[point]) / (sums[point + 1] - sums[point]);
+        mesh.push((point as f64 + part) * step);
+    }
+    mesh.push(length);
+    mesh
+}
+
+/// A mesh that is finer where the shape needs it; `None` where it needs it nowhere, or would need too many intervals.
+pub fn finer_mesh(shape: &Shape) -> Option<Vec<f64>> {
+    let mut mesh = vec![0.0];
+    for (index, interval) in shape.intervals.iter().enumerate() {
+        let end = interval.start + interval.length;
+        let force = shape.internal_force(end);
+        let (tangent, moment) = (shape.tangents[index + 1], shape.moments[index + 1]);
+        let stretch = 1.0 + shape.problem.stretch_compliance * force.dot(&tangent);
+        let mut turn = RULE.end_slope[0] * shape.tangents[index];
+        let mut change = RULE.end_slope[0] * shape.moments[index];
+        for stage in 0..STAGES {
+            turn += RULE.end_slope[stage + 1] * interval.tangents[stage];
+            change += RULE.end_slope[stage + 1] * interval.moments[stage];
+        }
+        turn -= interval.length * moment.cross(&tangent);
+        change += interval.length * stretch * tangent.cross(&force);
+        // The moment is a derivative of the tangent: what it misses counts over the length of the interval.
+        let defect = turn.norm().max(interval.length.min(1.0) * change.norm());
+        let parts = (defect / DEFECT).powf(1.0 / (STAGES + 1) as f64);
+        let parts = parts.ceil().clamp(1.0, 4.0) as usize;
+        for part in 1..=parts {
+            mesh.push(interval.start + interval.length * part as f64 / parts as f64);
+        }
+    }
+    if let Some(last) = mesh.last_mut() {
+        *last = shape.problem.suspended_length;
+    }
+    (mesh.len() > shape.intervals.len() + 1 && mesh.len() <= MOST).then_some(mesh)
+}

@@ -1,0 +1,134 @@
+//! The grasp that a shape asks for.
+
+use super::gauss::{RULE, STAGES};
+use super::interval::eliminate;
+use super::shape::Shape;
+use super::stability::unstable_modes;
+use super::{GraspProblem, Vector3};
+use crate::mechanics::{Matrix3, UnitQuaternion};
+use nalgebra::Rotation3;
+
+/// How far below the table a rod may dip that counts as above it, in L_gb: rounding.
+const TOUCH: f64 = 1e-9;
+
+/// Where and how the gripper holds the rod; lengths in L_gb, forces in EI/L_gb².
+///
+/// The contact node is the origin, its tangent x̂, and ẑ points up from the table; positive curvature turns to +ŷ.
+#[derive(Clone, Debug)]
+pub struct Grasp {
+    /// What it answers.
+    pub problem: GraspProblem,
+    /// q_M.
+    pub position: Vector3,
+    /// The frame of the rod at the gripper against that at the contact node: the rod is not twisted.
+    pub rotation: UnitQuaternion,
+    /// Force of the rod that lies on the suspended part, −n(0).
+    pub contact_force: Vector3,
+    /// What is left at convergence: of the continuous rod the moment at the gripper and x_M n_y(0) − κ̄, of the discrete
+    /// one the force at a node.
+    pub residual: f64,
+    /// Lowest height of the suspended part.
+    pub lowest: f64,
+    /// Ways in which the rod gives way with both ends held.
+    pub unstable_modes: usize,
+}
+
+impl Grasp {
+    /// The grasp of a rod in balance.
+    pub fn of(shape: &Shape) -> Self {
+        let Ends {
+            position,
+            rotation,
+            lowest,
+        } = ends(shape);
+        let force = shape.internal_force(0.0);
+        let left = shape.moments.last().map_or(0.0, |moment| moment.norm());
+        let identity = position.x * force.y - shape.problem.curvature;
+        Self {
+            problem: shape.problem,
+            position,
+            rotation,
+            contact_force: -force,
+            residual: left.max(identity.abs()),
+            lowest,
+            unstable_modes: unstable_modes(shape),
+        }
+    }
+
+    /// Whether no small push brings the rod out of this shape while both ends are held.
+    pub fn is_stable(&self) -> bool {
+        self.unstable_modes == 0
+    }
+
+    /// The constraints of thesis Eq. 5.6: the rod stays above the table and presses on it at the contact node.
+    pub fn is_feasible(&self) -> bool {
+        self.lowest >= -TOUCH && self.contact_force.z >= 0.0
+    }
+}
+
+struct Ends {
+    position: Vector3,
+    rotation: UnitQuaternion,
+    lowest: f64,
+}
+
+/// r' = λ t and the twist-free frame d' = M × d, by the same collocation as the shape.
+fn ends(shape: &Shape) -> Ends {
+    let compliance = shape.problem.stretch_compliance;
+    let mut position = Vector3::zeros();
+    let mut director = Vector3::y();
+    let mut lowest: f64 = 0.0;
+    for interval in &shape.intervals {
+        let h = interval.length;
+        let slopes: [Vector3; STAGES] = std::array::from_fn(|k| {
+            let force = shape.internal_force(interval.place(k));
+            let tangent = interval.tangents[k];
+            (1.0 + compliance * force.dot(&tangent)) * tangent
+        });
+        let mut end = position;
+        for j in 0..STAGES {
+            let rise: f64 = (0..STAGES).map(|k| RULE.matrix[j][k] * slopes[k].z).sum();
+            lowest = lowest.min(position.z + h * rise);
+            end += h * RULE.weights[j] * slopes[j];
+        }
+        position = end;
+        lowest = lowest.min(position.z);
+        director = carried(director, &interval.moments, h);
+    }
+    let tangent = shape.tangents.last().copied().unwrap_or(Vector3::x());
+    // Unit and perpendicular but for round-off, which the quaternion must not inherit.
+    let tangent = tangent.normalize();
+    let director = (director - director.dot(&tangent) * tangent).normalize();
+    let frame = Matrix3::from_columns(&[tangent, director, tangent.cross(&director)]);
+    Ends {
+        position,
+        rotation: UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(frame)),
+        lowest,
+    }
+}
+
+/// d' = M × d over one interval.
+fn carried(director: Vector3, moments: &[Vector3; STAGES], h: f64) -> Vector3 {
+    let mut system = [[0.0; 3 * STAGES + 1]; 3 * STAGES];
+    for j in 0..STAGES {
+        for k in 0..STAGES {
+            let block = -(h * RULE.matrix[j][k]) * moments[k].cross_matrix();
+            for row in 0..3 {
+                for column in 0..3 {
+                    system[3 * j + row][3 * k + column] = block[(row, column)];
+                }
+            }
+        }
+        for row in 0..3 {
+            system[3 * j + row][3 * j + row] += 1.0;
+            system[3 * j + row][3 * STAGES] = director[row];
+        }
+    }
+    eliminate(&mut system);
+    let mut end = director;
+    for k in 0..STAGES {
+        let stage = Vector3::from_fn(|row, _| system[3 * k + row][3 * STAGES]);
+        end += h * RULE.weights[k] * moments[k].cross(&stage);
+    }
+    end
+}

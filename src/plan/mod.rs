@@ -1,0 +1,3 @@
+//! Plans: what a gripper must do so that a rod comes to lie where it should.
+
+pub mod grasp;

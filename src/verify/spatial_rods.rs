@@ -1,0 +1,296 @@
+//! Scenario files of rods that bend and twist in space, against Kirchhoff's rod.
+//!
+//! Other checks build their scenes from plain data; these begin with the text of a file, so that they see which way
+//! keys are understood: the sides of a section, the director, the signs of natural curvatures and twist, of forces and
+//! moments, the handedness of a helix. The theory has its own numbers.
+
+use super::{Check, Expectation, GroupError};
+use crate::experiment;
+use crate::mechanics::Vector3;
+use crate::mechanics::dynamics::Simulation;
+use crate::mechanics::kirchhoff::SpatialCantilever;
+use std::f64::consts::{PI, TAU};
+use std::path::Path;
+
+const KIRCHHOFF: Expectation = Expectation {
+    formula: "m' = −r' × n, m·dᵢ = Kᵢ (uᵢ − ûᵢ)",
+    source: "Kirchhoff rod, multiple shooting",
+};
+const ORDER: Expectation = Expectation {
+    formula: "log₂(error at N / error at 2N)",
+    source: "second order",
+};
+/// Steps of the theory, a multiple of all numbers of edges.
+const STEPS: usize = 400;
+const GRAVITY: f64 = 9.81;
+
+/// A scenario file, and what the theory makes of what it says.
+struct Case {
+    name: &'static str,
+    text: &'static str,
+    /// Edges of the coarser mesh; the finer has twice as many.
+    edges: usize,
+    theory: SpatialCantilever<fn(f64) -> [f64; 3]>,
+    /// Largest distance of a node from the theory, extrapolated from both meshes, over the length.
+    bound: f64,
+}
+
+/// Order of convergence and limit of the equilibria of scenario files.
+pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
+    let mut checks = Vec::new();
+    for case in cases() {
+        checks.extend(case.checks(&[])?);
+    }
+    Ok(checks)
+}
+
+fn cases() -> [Case; 7] {
+    let weight = Vector3::new(0.0, 0.0, -1000.0 * GRAVITY * 12e-3 * 4e-3);
+    let tilted = Vector3::new(0.0, 0.8, 0.6);
+    let wire = Vector3::new(0.0, 0.0, -8000.0 * GRAVITY * PI * 1e-6);
+    [
+        Case {
+            name: "tilted strip, its weight",
+            text: include_str!("scenes/tilted_strip.toml"),
+            edges: 50,
+            theory: SpatialCantilever {
+                load_per_length: weight,
+                ..strip(Vector3::x(), tilted, |_| [0.0; 3])
+            },
+            bound: 2e-5,
+        },
+        Case {
+            name: "tilted strip, weight and end force",
+            text: include_str!("scenes/pulled_strip.toml"),
+            edges: 50,
+            theory: SpatialCantilever {
+                load_per_length: weight,
+                end_force: Vector3::new(-0.05, 0.2, 0.1),
+                ..strip(Vector3::x(), tilted, |_| [0.0; 3])
+            },
+            bound: 2e-5,
+        },
+        Case {
+            name: "tilted strip, wind and end moment",
+            text: include_str!("scenes/turned_strip.toml"),
+            edges: 50,
+            theory: SpatialCantilever {
+                load_per_length: Vector3::new(0.1, -0.3, 0.2),
+                end_moment: Vector3::new(0.0, -0.03, 0.0),
+                ..strip(Vector3::x(), tilted, |_| [0.0; 3])
+            },
+            bound: 2e-5,
+        },
+        Case {
+            name: "strip with natural curvatures and twist, its weight",
+            text: include_str!("scenes/curved_strip.toml"),
+            edges: 50,
+            theory: SpatialCantilever {
+                load_per_length: weight,
+                ..strip(Vector3::x(), tilted, |_| [1.2, -0.7, 2.5])
+            },
+            bound: 2e-5,
+        },
+        Case {
+            name: "strip with a helix as natural shape, its weight",
+            text: include_str!("scenes/coiled_strip.toml"),
+            edges: 50,
+            theory: SpatialCantilever {
+                load_per_length: weight,
+                ..strip(tilted, Vector3::new(-0.8, -0.36, 0.48), coiled)
+            },
+            bound: 1e-4,
+        },
+        Case {
+            name: "helical spring, its weight",
+            text: include_str!("scenes/hanging_spring.toml"),
+            edges: 100,
+            theory: SpatialCantilever {
+                load_per_length: wire,
+                ..spring()
+            },
+            bound: 1e-4,
+        },
+        Case {
+            name: "helical spring, end force",
+            text: include_str!("scenes/pulled_spring.toml"),
+            edges: 100,
+            theory: SpatialCantilever {
+                end_force: Vector3::new(0.01, -0.02, -0.05),
+                ..spring()
+            },
+            bound: 1e-4,
+        },
+    ]
+}
+
+/// A strip of 1 m without load, 12 mm wide along the director and 4 mm thick, E = 1 GPa, ν = 1/2.
+fn strip(
+    tangent: Vector3,
+    director: Vector3,
+    natural: fn(f64) -> [f64; 3],
+) -> SpatialCantilever<fn(f64) -> [f64; 3]> {
+    let (young, width, thickness) = (1e9, 12e-3_f64, 4e-3_f64);
+    SpatialCantilever {
+        length: 1.0,
+        stiffness: [
+            young * width * thickness.powi(3) / 12.0,
+            young * thickness * width.powi(3) / 12.0,
+            young / 3.0 * torsion_constant(width, thickness),
+        ],
+        stretching: young * width * thickness,
+        natural,
+        director,
+        tangent,
+        load_per_length: Vector3::zeros(),
+        end_force: Vector3::zeros(),
+        end_moment: Vector3::zeros(),
+    }
+}
+
+/// Natural curvatures of a right-handed helix of radius 0.2 m and pitch 2π · 0.15 m in a frame without twist whose
+/// first director is 0.8 n + 0.6 b at the start.
+///
+/// The curvature vector about which the tangent turns is κ b, and the binormal turns by τ per length against the frame:
+/// b = cos(τs) b₀ − sin(τs) n₀, with b₀ = (0.6, 0.8) and n₀ = (0.8, −0.6) in the frame.
+fn coiled(s: f64) -> [f64; 3] {
+    let [curvature, torsion] = curvature_and_torsion(0.2, 0.15);
+    let (sine, cosine) = (torsion * s).sin_cos();
+    [
+        curvature * (0.6 * cosine - 0.8 * sine),
+        curvature * (0.8 * cosine + 0.6 * sine),
+        0.0,
+    ]
+}
+
+/// A right-handed spring of four turns about −z from the direction of x on, of round wire, 1 mm in radius, E = 0.3 GPa,
+/// ν = 1/2, without load. Its first director is the binormal, which turns with τ.
+fn spring() -> SpatialCantilever<fn(f64) -> [f64; 3]> {
+    let (young, wire, radius, rise) = (0.3e9, 1e-3_f64, SPRING_RADIUS, SPRING_RISE);
+    let per_turn = radius.hypot(rise) * TAU;
+    let bending = young * PI * wire.powi(4) / 4.0;
+    let tangent = Vector3::new(0.0, -radius, -rise).normalize();
+    SpatialCantilever {
+        length: 4.0 * per_turn,
+        stiffness: [bending, bending, 2.0 / 3.0 * bending],
+        stretching: young * PI * wire.powi(2),
+        natural: |_| {
+            let [curvature, torsion] = curvature_and_torsion(SPRING_RADIUS, SPRING_RISE);
+            [curvature, 0.0, torsion]
+        },
+        director: tangent.cross(&-Vector3::x()),
+        tangent,
+        load_per_length: Vector3::zeros(),
+        end_force: Vector3::zeros(),
+        end_moment: Vector3::zeros(),
+    }
+}
+
+const SPRING_RADIUS: f64 = 20e-3;
+/// Pitch over 2π.
+const SPRING_RISE: f64 = 15e-3 / TAU;
+
+/// Curvature and torsion of a right-handed helix of radius a and pitch 2πb: a and b over a² + b².
+fn curvature_and_torsion(radius: f64, rise: f64) -> [f64; 2] {
+    [radius, rise].map(|part| part / (radius * radius + rise * rise))
+}
+
+/// Saint-Venant's J of a rectangle with sides a ≥ b: a b³ (1/3 − 64 b/(π⁵ a) Σ tanh(nπa/2b)/n⁵), n odd.
+fn torsion_constant(a: f64, b: f64) -> f64 {
+    let odd = (0..40).rev().map(|k| f64::from(2 * k + 1));
+    let sum: f64 = odd.map(|n| (0.5 * n * PI * a / b).tanh() / n.powi(5)).sum();
+    a * b.powi(3) * (1.0 / 3.0 - 64.0 * b / (PI.powi(5) * a) * sum)
+}
+
+impl Case {
+    /// Order and extrapolated shape, with keys of the scenario set to other values.
+    fn checks(&self, overrides: &[&str]) -> Result<[Check; 2], GroupError> {
+        let exact = self.theory.points(STEPS).ok_or("no continuous solution")?;
+        let [coarse, fine] = [
+            equilibrium(self.text, self.edges, overrides)?,
+            equilibrium(self.text, 2 * self.edges, overrides)?,
+        ];
+        let farthest = |nodes: &[Vector3]| {
+            let stride = STEPS / (nodes.len() - 1);
+            let points = exact.iter().step_by(stride);
+            let distances = nodes
+                .iter()
+                .zip(points)
+                .map(|(x, point)| (x - point).norm());
+            distances.fold(0.0, f64::max) / self.theory.length
+        };
+        let extrapolated: Vec<Vector3> = coarse
+            .iter()
+            .zip(fine.iter().step_by(2))
+            .map(|(coarse, fine)| fine + (fine - coarse) / 3.0)
+            .collect();
+        let order = (farthest(&coarse) / farthest(&fine)).log2();
+        let (name, edges) = (self.name, self.edges);
+        let [of_order, of_limit] = [
+            format!("{name}, {edges} to {} edges: order", 2 * edges),
+            format!("{name}, extrapolated: farthest node"),
+        ];
+        let distance = farthest(&extrapolated);
+        Ok([
+            ORDER.scaled(of_order, "", 2.0, order, 1.0, 0.2),
+            KIRCHHOFF.scaled(of_limit, "L", 0.0, distance, 1.0, self.bound),
+        ])
+    }
+}
+
+/// Nodes at rest, from the clamp.
+fn equilibrium(text: &str, edges: usize, overrides: &[&str]) -> Result<Vec<Vector3>, GroupError> {
+    let mut keys = vec![format!("rods.0.edges={edges}")];
+    keys.extend(overrides.iter().map(|&key| key.to_owned()));
+    let loaded = experiment::from_text("scene", text, Path::new(""), &keys)?;
+    let prepared = experiment::prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?;
+    let mut simulation = Simulation::new(&prepared.scene, &prepared.integration)?;
+    simulation.find_equilibrium()?;
+    let nodes = simulation.positions();
+    Ok(nodes.iter().map(|x| x - nodes[0]).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::verify::Verdict;
+
+    /// Each key that has a sign or a side, the other way round: the shape is then far from that of the theory.
+    #[test]
+    fn whatever_is_the_wrong_way_round_is_seen() {
+        let wrong: [(usize, &[&str]); 16] = [
+            (0, &["rods.0.director=[0, 0.8, -0.6]"]),
+            (
+                0,
+                &[
+                    "rods.0.cross_section.width=4 mm",
+                    "rods.0.cross_section.thickness=12 mm",
+                ],
+            ),
+            (1, &["loads.1.force=[0.05, 0.2, 0.1]"]),
+            (1, &["loads.1.force=[-0.05, -0.2, 0.1]"]),
+            (2, &["loads.0.force_per_length=[0.102, -0.306, 0.204]"]),
+            (2, &["loads.1.moment=[0, 0.03, 0]"]),
+            (2, &["loads.1.moment=[0, -0.0306, 0]"]),
+            (3, &["rods.0.natural_twist=-2.5"]),
+            (3, &["rods.0.natural_curvature=[-1.2, -0.7]"]),
+            (3, &["rods.0.natural_curvature=[1.2, 0.7]"]),
+            (3, &["rods.0.natural_curvature=[-0.7, 1.2]"]),
+            (4, &["rods.0.natural_shape.handedness=left"]),
+            (4, &["rods.0.director=[0.8, -0.36, 0.48]"]),
+            (5, &["rods.0.shape.handedness=left"]),
+            (5, &["loads.0.acceleration=[0, 0, 9.81]"]),
+            (6, &["rods.0.shape.handedness=left"]),
+        ];
+        let cases = cases();
+        for (index, overrides) in wrong {
+            let [_, limit] = cases[index].checks(overrides).unwrap();
+            assert_eq!(limit.verdict(), Verdict::Fail, "{overrides:?}");
+            assert!(
+                limit.error > 20.0 * limit.bound,
+                "{overrides:?}: only {:e}",
+                limit.error
+            );
+        }
+    }
+}

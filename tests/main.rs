@@ -1,0 +1,25 @@
+//! The program and the library from outside, and what holds for the whole house. All of them are one binary, so that the
+//! library is linked once: a new file here needs its line below.
+
+mod architecture;
+mod browser;
+mod cli;
+mod cluster;
+mod continuation;
+mod cross_sections;
+mod exact_answers;
+mod explained;
+mod fuzz;
+mod guide;
+mod helix_boundary;
+mod incremental_potential;
+mod knots;
+mod linking_number;
+mod passing_through;
+mod probes;
+mod random_scenes;
+mod reference_trajectory;
+mod robots;
+mod sweep;
+mod view;
+mod vision;
