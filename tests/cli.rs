@@ -402,6 +402,9 @@ fn check_goes_through_all_files_and_speaks_json() {
     assert_eq!(code, 0);
     let numbers: serde_json::Value = serde_json::from_str(&stdout).unwrap();
     assert_eq!(numbers["rods"][0]["nodes"], 9);
+    // A short run is tried to its end.
+    assert_eq!(numbers["cost"]["part"], 1.0);
+    assert!(numbers["cost"]["processor_time"].is_number());
 }
 
 #[test]

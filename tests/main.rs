@@ -7,6 +7,7 @@ mod cli;
 mod cluster;
 mod continuation;
 mod cross_sections;
+mod deployment;
 mod exact_answers;
 mod explained;
 mod fuzz;

@@ -97,6 +97,7 @@ impl ExitCode for ReproduceError {
             Self::Results(error) => error.exit_code(),
             Self::WouldReplace { .. } => 2,
             Self::Threads(_) => 1,
+            Self::NoTable { .. } | Self::NotRedrawn { .. } => 2,
         }
     }
 }

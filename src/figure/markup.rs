@@ -43,9 +43,12 @@ pub fn is_page(head: &[u8]) -> bool {
         && head.contains(r#"<meta name="generator" content="rodlab"#)
 }
 
-/// Whether the beginning of a file is that of a picture as we draw them: SVG or PNG.
+/// Whether the beginning of a file is that of a picture as we draw them: SVG, PNG or PDF.
 pub fn is_picture(head: &[u8]) -> bool {
-    head.starts_with(b"<svg") || head.starts_with(b"<?xml") || head.starts_with(b"\x89PNG")
+    let beginnings: [&[u8]; 4] = [b"<svg", b"<?xml", b"\x89PNG", b"%PDF-"];
+    beginnings
+        .iter()
+        .any(|beginning| head.starts_with(beginning))
 }
 
 /// JSON as it stands in a script element, which a name such as `</script>` must not end.

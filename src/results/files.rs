@@ -52,7 +52,7 @@ pub const VTK_FOLDER: &str = "vtk";
 pub(super) const LOCK: &str = ".lock";
 
 /// What a run may write: names in a results directory, swept by `--force`.
-pub(super) const FILES: [&str; 31] = [
+pub(super) const FILES: [&str; 39] = [
     SCENARIO,
     SERIES,
     NODES,
@@ -83,5 +83,13 @@ pub(super) const FILES: [&str; 31] = [
     "section_kappa_tau.png",
     "section_kappa_omega.png",
     "section_tau_omega.png",
+    "rods.pdf",
+    "series.pdf",
+    "sweep.pdf",
+    "traction.pdf",
+    "branch.pdf",
+    "section_kappa_tau.pdf",
+    "section_kappa_omega.pdf",
+    "section_tau_omega.pdf",
     MANIFEST,
 ];

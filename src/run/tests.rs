@@ -641,7 +641,7 @@ fn a_static_run_writes_one_row_at_time_zero() {
 #[test]
 fn results_can_be_plotted() {
     let directory = uninterrupted();
-    let figures = crate::report::plot_results(directory.path()).unwrap();
+    let figures = crate::report::plot_results(directory.path(), &Default::default()).unwrap();
     assert_eq!(figures.len(), 4);
     let rods = fs::read_to_string(&figures[0]).unwrap();
     assert!(

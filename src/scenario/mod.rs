@@ -43,7 +43,7 @@ mod units;
 
 pub use error::{Located, ScenarioError};
 pub use experiments::Experiments;
-pub use explain::{explain, json_schema};
+pub use explain::{explain, json_schema, unit};
 pub use input_file::read_text_file;
 pub use issue::{Issue, Issues, KeyPath, did_you_mean};
 pub use load::{Loaded, from_text, load};

@@ -5,7 +5,7 @@
 mod movie;
 mod packing;
 
-pub use movie::{Field, Movie, MovieCase, MovieFrame, MoviePlane, MovieRod};
+pub use movie::{Field, Movie, MovieCase, MovieFrame, MoviePlane, MovieRod, MovieSeries};
 
 use super::markup::{escape, fill, json_in_script, version};
 use super::palette::Color;
@@ -28,13 +28,15 @@ const PARTS: [(&str, &str); 7] = [
 ];
 
 /// The program of the page, in the order of its parts.
-const SCRIPTS: [&str; 7] = [
+const SCRIPTS: [&str; 9] = [
     include_str!("page/movie.js"),
     include_str!("page/colours.js"),
     include_str!("page/camera.js"),
     include_str!("page/renderer.js"),
     include_str!("page/player.js"),
     include_str!("page/gestures.js"),
+    include_str!("page/chart.js"),
+    include_str!("page/export.js"),
     include_str!("page/page.js"),
 ];
 
@@ -93,6 +95,7 @@ fn describe(case: &MovieCase, bounds: &Bounds, fields: &[(&Field, ColorRange)]) 
                 "nodes": rod.nodes,
                 "closed": rod.closed,
                 "radius": rod.radius,
+                "held": rod.held,
             })
         })
         .collect();
@@ -100,6 +103,11 @@ fn describe(case: &MovieCase, bounds: &Bounds, fields: &[(&Field, ColorRange)]) 
         .planes
         .iter()
         .map(|plane| json!({ "point": plane.point, "normal": plane.normal }))
+        .collect();
+    let series: Vec<Value> = case
+        .series
+        .iter()
+        .map(|series| json!({ "name": series.name, "unit": series.unit }))
         .collect();
     let fields: Vec<Value> = fields
         .iter()
@@ -125,6 +133,8 @@ fn describe(case: &MovieCase, bounds: &Bounds, fields: &[(&Field, ColorRange)]) 
         "size": bounds.size.as_slice(),
         "frames": case.frames.len(),
         "fields": fields,
+        "series": series,
+        "branches": case.branches,
     })
 }
 
@@ -142,6 +152,7 @@ mod tests {
             nodes: 3,
             closed: false,
             radius: 0.05,
+            held: false,
         };
         let frame = |k: usize| {
             let angle = 0.4 * k as f64;
@@ -173,6 +184,12 @@ mod tests {
                 signed: false,
                 values: (0..5).map(|k| vec![f64::from(k); 6]).collect(),
             }],
+            series: vec![MovieSeries {
+                name: "Energy".into(),
+                unit: "J".into(),
+                values: vec![Some(0.5), None, Some(1.5), Some(2.0), Some(2.5)],
+            }],
+            branches: None,
         }
     }
 

@@ -99,7 +99,7 @@ impl Simulation {
         result.map_err(|error| self.explain(error))
     }
 
-    /// Says so where a motion finds no step any more because of an impact beyond the theory.
+    /// Says so where a motion finds no step any more because rods are crushed, or about to be.
     fn explain(&self, error: SimulationError) -> SimulationError {
         let Published {
             positions,
@@ -112,7 +112,8 @@ impl Simulation {
         let impact = self
             .validity
             .fast_impact(&self.system, positions, velocities);
-        match impact {
+        let crushed = || self.validity.crushed(&self.system, &self.state.unknowns);
+        match impact.or_else(crushed) {
             Some(reason) => SimulationError::Unphysical(format!("at t = {time:.6e} s {reason}")),
             None => error,
         }

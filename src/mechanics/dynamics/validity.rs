@@ -18,6 +18,8 @@ const LARGEST_STRETCH: f64 = 0.05;
 /// Strain of the outer fibres by bending, and shear of the surface by twist, that are remarked: by the symmetry of the
 /// section what the theory leaves out is of the second power, 4 % of the moment at this size.
 const LARGEST_BEND: f64 = 0.2;
+/// Stretch at which a lack of convergence is no wonder.
+const CRUSHING: f64 = 0.5;
 /// Gain of energy that is no more rounding, Newton's method or a swing of the midpoint rule, over the largest energy so far.
 const LARGEST_GAIN: f64 = 0.05;
 /// Distance of centrelines over the sum of the radii within which rods count as meeting.
@@ -195,21 +197,40 @@ impl Validity {
         for pair in contact.candidates() {
             let [a, b] = [pair.nodes[0], pair.nodes[2]].map(|node| system.assembly.locate(node).0);
             let radii = system.assembly.radii[a] + system.assembly.radii[b];
-            if a == b || edge_distance(&pair.nodes.map(|node| positions[node])) > NEAR * radii {
+            if edge_distance(&pair.nodes.map(|node| positions[node])) > NEAR * radii {
                 continue;
             }
             let mean = |k: usize| 0.5 * (velocities[pair.nodes[k]] + velocities[pair.nodes[k + 1]]);
             let speed = (mean(0) - mean(2)).norm();
             let wave = self.wave_speeds[a].min(self.wave_speeds[b]);
             if speed > wave && fastest.as_ref().is_none_or(|(found, _)| *found < speed) {
-                let [a, b] = [a, b].map(|rod| &system.assembly.names[rod]);
+                let [first, second] = [a, b].map(|rod| &system.assembly.names[rod]);
+                let who = if a == b {
+                    format!("parts of rod `{first}`")
+                } else {
+                    format!("rods `{first}` and `{second}`")
+                };
                 let reason = format!(
-                    "rods `{a}` and `{b}` meet at {speed:.3} m/s, faster than waves of stretching run in them ({wave:.3} m/s): such an impact crushes a rod, and the theory of rods does not hold for it"
+                    "{who} meet at {speed:.3} m/s, faster than waves of stretching run there ({wave:.3} m/s): such an impact crushes a rod, and the theory of rods does not hold for it"
                 );
                 fastest = Some((speed, reason));
             }
         }
         fastest.map(|(_, reason)| reason)
+    }
+
+    /// Names a rod that is stretched or compressed to where Hooke's law means nothing, for motions that find no step any more.
+    pub fn crushed(&self, system: &System, unknowns: &[f64]) -> Option<String> {
+        let found = system.largest_strains(unknowns, &self.sections).stretch?;
+        (found.size.abs() > CRUSHING).then(|| {
+            let (rod, node) = system.assembly.locate(found.node);
+            format!(
+                "rod `{}` is {} by {:.0} % at node {node} and no step is found any more: the theory of rods holds for a few per cent",
+                system.assembly.names[rod],
+                Kind::Stretch.suffered(found.size),
+                100.0 * found.size.abs()
+            )
+        })
     }
 
     /// Keeps what was said of steps that stay far smaller than asked for.
