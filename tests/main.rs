@@ -10,6 +10,7 @@ mod cross_sections;
 mod deployment;
 mod exact_answers;
 mod explained;
+mod fuzz;
 mod guide;
 mod helix_boundary;
 mod incremental_potential;

@@ -26,11 +26,21 @@ pub fn fill(template: &str, parts: &[(&str, &str)]) -> String {
     filled + rest
 }
 
+/// The version that makes pages, with the commit where that is known.
+pub fn version() -> String {
+    let version = env!("CARGO_PKG_VERSION");
+    option_env!("RODLAB_COMMIT").map_or_else(
+        || version.to_owned(),
+        |commit| format!("{version} ({commit})"),
+    )
+}
+
 /// Whether the beginning of a file is that of a page of ours.
 pub fn is_page(head: &[u8]) -> bool {
     let head = String::from_utf8_lossy(head);
     head.starts_with("<!DOCTYPE html>")
-        && head.contains(r#"<meta name="generator" content="rodlab">"#)
+        // Earlier versions did not say which they were.
+        && head.contains(r#"<meta name="generator" content="rodlab"#)
 }
 
 /// Whether the beginning of a file is that of a picture as we draw them: SVG, PNG or PDF.

@@ -10,6 +10,10 @@ pub const SERIES: &str = "series.csv";
 pub const NODES: &str = "nodes.csv";
 /// Node velocities and forces at each output time.
 pub const NODE_FORCES: &str = "node_forces.csv";
+/// The state in which the run ended.
+pub const END_STATE: &str = "end_state.csv";
+/// The state from which it started, where it did not start as placed.
+pub const START: &str = "start_state.csv";
 /// A row per case: outcomes.
 pub const SUMMARY: &str = "summary.csv";
 /// A row per case: cost.
@@ -48,11 +52,13 @@ pub const VTK_FOLDER: &str = "vtk";
 pub(super) const LOCK: &str = ".lock";
 
 /// What a run may write: names in a results directory, swept by `--force`.
-pub(super) const FILES: [&str; 37] = [
+pub(super) const FILES: [&str; 39] = [
     SCENARIO,
     SERIES,
     NODES,
     NODE_FORCES,
+    END_STATE,
+    START,
     SUMMARY,
     TIMINGS,
     VTK_COLLECTION,

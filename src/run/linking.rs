@@ -54,7 +54,7 @@ struct Linking {
 }
 
 impl LinkingGuard {
-    /// A guard of the closed rods of a scene as they are placed; `None` where there is nothing to guard: no closed rod that
+    /// A guard of the closed rods of a scene as they start; `None` where there is nothing to guard: no closed rod that
     /// moves, or no contact, without which rods may pass through each other.
     pub fn of(scene: &Scene) -> Option<Self> {
         let rods: Vec<ClosedRod> = (scene.rods.iter().enumerate())
@@ -68,8 +68,17 @@ impl LinkingGuard {
         if scene.contact.is_none() || rods.iter().all(|rod| rod.held) {
             return None;
         }
+        let nodes = |rod: &ClosedRod| {
+            let before = &scene.rods[..rod.index];
+            let first: usize = before.iter().map(|rod| rod.centreline.len()).sum();
+            let placed = &scene.rods[rod.index].centreline[..];
+            match &scene.start {
+                Some(start) => &start.positions[first..first + placed.len()],
+                None => placed,
+            }
+        };
         let mut seen = Linking::default();
-        seen.add_pairs(&rods, |rod| &scene.rods[rod.index].centreline);
+        seen.add_pairs(&rods, nodes);
         Some(Self {
             rods,
             seen,

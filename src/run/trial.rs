@@ -8,9 +8,9 @@
 use super::{Mode, PreparedRun, Reached, RunError, RunOptions, StopRequest, run_until};
 use crate::results::UsageMeter;
 use serde::Serialize;
-use std::cell::Cell;
 use std::fmt;
 use std::path::Path;
+use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 /// Processor time of a stage, and the time on the clock after which it ends whatever other programs take.
@@ -101,12 +101,13 @@ fn try_stage(prepared: &PreparedRun, directory: &Path) -> (Stage, f64) {
         let usage = meter.usage();
         usage.cpu_time.unwrap_or(usage.wall_time)
     };
-    let looked = Cell::new(Instant::now());
+    let looked = Mutex::new(Instant::now());
     let over = || {
-        if looked.get().elapsed() < LOOK {
+        let mut looked = looked.lock().expect("no thread panics with this lock");
+        if looked.elapsed() < LOOK {
             return None;
         }
-        looked.set(Instant::now());
+        *looked = Instant::now();
         let is_over = spent() >= STAGE || meter.wall_time() >= PATIENCE;
         is_over.then_some(StopRequest::TimeLimit)
     };

@@ -7,7 +7,7 @@ mod packing;
 
 pub use movie::{Field, Movie, MovieCase, MovieFrame, MoviePlane, MovieRod, MovieSeries};
 
-use super::markup::{escape, fill, json_in_script};
+use super::markup::{escape, fill, json_in_script, version};
 use super::palette::Color;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -48,7 +48,13 @@ pub fn movie_page(movie: &Movie) -> String {
     let (header, blobs) = data(movie);
     let data = format!("<script type=\"application/json\" id=\"movie\">{header}</script>\n{blobs}");
     let (title, script) = (escape(&movie.title), SCRIPTS.concat());
-    let own = [("title", &title[..]), ("script", &script), ("data", &data)];
+    let version = version();
+    let own = [
+        ("version", &version[..]),
+        ("title", &title),
+        ("script", &script),
+        ("data", &data),
+    ];
     fill(PAGE, &[&PARTS[..], &own].concat())
 }
 
@@ -135,6 +141,7 @@ fn describe(case: &MovieCase, bounds: &Bounds, fields: &[(&Field, ColorRange)]) 
 #[cfg(test)]
 mod tests {
     use super::super::View;
+    use super::super::markup::is_page;
     use super::*;
     use nalgebra::Vector3;
 
@@ -199,6 +206,10 @@ mod tests {
         let page = page();
         assert!(!page.contains("{{"), "a part is missing");
         assert!(page.contains("<title>Spin &amp; &lt;touch&gt;"));
+        // The version that made it, by which a reader finds what has changed since.
+        let generator = format!("content=\"rodlab {}", env!("CARGO_PKG_VERSION"));
+        assert!(page.contains(&generator));
+        assert!(is_page(page.as_bytes()));
         for reference in ["http://", "https://", "src=", "href=", "@import", "url("] {
             assert!(!page.contains(reference), "{reference}");
         }

@@ -98,13 +98,14 @@ impl Workspace {
     }
 
     /// Solves the stage of a step to `goal` from its prediction; leaves the end of the step in `trial` and
-    /// `next_velocity`.
+    /// `next_velocity`. Fails where `goes_on` says no.
     pub fn attempt(
         &mut self,
         setting: &Setting,
         system: &mut System,
         state: &State,
         goal: f64,
+        goes_on: &dyn Fn() -> bool,
     ) -> Result<Attempt, Failure> {
         let step = goal - state.time;
         self.shorten_prediction(system, state)?;
@@ -112,7 +113,7 @@ impl Workspace {
         let tolerance = setting.parameters.force_tolerance;
         system.set_tolerances(tolerance, &state.unknowns, Some(&self.stage));
         let stopping = stopping(setting, system, step);
-        let iterations = self.solve(system, &stopping)?;
+        let iterations = self.solve(system, &stopping, goes_on)?;
         // A stiffer contact mends this, but for forces by complementarity, whose overlap `certify` finds.
         if !system.has_constraints()
             && let Some(contact) = &system.contact
@@ -143,7 +144,12 @@ impl Workspace {
 
     /// Newton's method, in turn with the contact forces of complementarity, until no contact is missing; returns the
     /// iterations.
-    fn solve(&mut self, system: &mut System, stopping: &Stopping) -> Result<usize, Failure> {
+    fn solve(
+        &mut self,
+        system: &mut System,
+        stopping: &Stopping,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Result<usize, Failure> {
         let trial = &mut self.trial.unknowns;
         let (mut iterations, mut passes) = (0, 0);
         loop {
@@ -161,7 +167,7 @@ impl Workspace {
             }
             iterations += self
                 .newton
-                .solve(system, &self.stage, trial, stopping)
+                .solve(system, &self.stage, trial, stopping, goes_on)
                 .map_err(Failure::Newton)?;
             // A contact may be missing where rods have moved far; then go on with new candidates.
             let complete = system.candidates_are_complete(trial);

@@ -20,6 +20,7 @@ mod loads;
 mod newton_matrix;
 mod residual;
 mod resultants;
+mod start;
 mod strain;
 mod touching;
 
@@ -127,7 +128,10 @@ impl System {
     /// # Errors
     /// [`SceneError`] names what is impossible, overlapping rods among it.
     pub fn new(scene: &Scene) -> Result<Self, SceneError> {
-        let assembly = Assembly::new(scene)?;
+        let mut assembly = Assembly::new(scene)?;
+        if let Some(start) = &scene.start {
+            assembly.begin_at(start)?;
+        }
         let loads = Loads::new(&scene.loads, &assembly)?;
         let contact = contact_of(scene, &assembly)?;
         let friction = scene.contact.map_or(0.0, |parameters| parameters.friction);
