@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use crate::plan::deployment::DeployedRod;
-use crate::scenario::dimension::Length;
+use crate::scenario::dimension::{Density, Length};
 use crate::scenario::{Issue, Issues, KeyPath, Quantity, TypedFile};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -15,9 +15,14 @@ pub struct RodFile {
     pub title: String,
     /// The rod.
     pub rod: DeployedRod,
+    /// Mass per volume, kg/m³. For the shape it does not matter beside the gravito-bending length.
+    pub density: f64,
     /// Coefficients of friction with tables, by name.
     pub friction: BTreeMap<String, f64>,
 }
+
+/// Density where none is given, kg/m³.
+const DENSITY: f64 = 1000.0;
 
 #[derive(Debug, Deserialize)]
 struct Typed {
@@ -27,6 +32,7 @@ struct Typed {
     gravito_bending_length: Quantity<Length>,
     radius: Quantity<Length>,
     length: Quantity<Length>,
+    density: Option<Quantity<Density>>,
     #[serde(default)]
     friction: BTreeMap<String, f64>,
 }
@@ -56,6 +62,19 @@ impl RodFile {
             radius: length("radius", &typed.radius),
             length: length("length", &typed.length),
         };
+        let density = typed.density.as_ref().map_or(Ok(DENSITY), |density| {
+            density.si().and_then(|density| {
+                if density > 0.0 && density.is_finite() {
+                    Ok(density)
+                } else {
+                    Err(format!("{density} kg/m³ must be above 0"))
+                }
+            })
+        });
+        let density = density.unwrap_or_else(|message| {
+            issues.push(Issue::new(root.key("density"), message));
+            DENSITY
+        });
         for (name, friction) in &typed.friction {
             if !(*friction >= 0.0 && friction.is_finite()) {
                 let key = root.key("friction").key(name);
@@ -66,6 +85,7 @@ impl RodFile {
         let found = Self {
             title: typed.title.clone().unwrap_or_else(|| stem.into_owned()),
             rod,
+            density,
             friction: typed.friction.clone(),
         };
         Ok(issues.or_ok(found).map_err(|issues| file.locate(issues))?)

@@ -20,6 +20,7 @@ mod common;
 mod completions;
 mod crash;
 mod deployed_rod;
+mod deployment_files;
 mod exit_code;
 mod explain;
 mod failure;

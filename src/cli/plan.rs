@@ -27,8 +27,8 @@ Examples:
   rodlab plan deployment --pattern circle:0.1 --rod scenarios/rods/pink_vps.toml --scheme intuitive --out results/circle
 
 Writes trajectory.csv (time_s, x_m, y_m, z_m, qw, qx, qy, qz: what a clamp follows, and `rodlab plan joints` reads),
-trajectory.json, pattern.csv (s_m, x_m, y_m, curvature_per_m, friction_demand) and deployment.svg, and prints what the
-pattern asks of the rod and the table. The table is z = 0; the gripper's x axis is the tangent of the rod, towards the
+trajectory.json, pattern.csv (s_m, x_m, y_m, curvature_per_m, friction_demand), deployment.svg and a scenario of the
+landing, landing.toml with rod.csv; prints what the pattern asks of the rod and the table. The table is z = 0; the gripper's x axis is the tangent of the rod, towards the
 gripper. `rodlab guide deployment` says more.")]
     Deployment(Box<DeploymentArguments>),
     /// A joint trajectory along poses of the hand

@@ -1,23 +1,24 @@
 //! `rodlab plan deployment`.
 
 use super::deployed_rod::RodFile;
+use super::deployment_files::{
+    edges, landing, nodes_csv, pattern_csv, trajectory_csv, trajectory_json,
+};
 use super::failure::Failure;
 use super::output::print_json;
 use super::values::positive_length;
 use crate::plan::deployment::{
     DeployedRod, DeploymentError, Feasibility, GripperPose, Scheme, deployment_figure,
-    friction_demand, lead_in_length, trajectory,
+    friction_demand, hanging_rod, lead_in_length, long_enough, trajectory,
 };
 use crate::plan::pattern::{
-    Circle, Crossing, Line, Pattern, PatternError, PatternPoint, PlaneCurve, Point, Sine,
-    crossings, read_svg,
+    Circle, Crossing, Line, Pattern, PatternError, PlaneCurve, Point, Sine, crossings, read_svg,
 };
 use crate::results::write_whole;
 use crate::scenario::{metres, read_text_file};
 use crate::vision::read_curve;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `rodlab plan deployment`.
@@ -78,6 +79,8 @@ enum LeadInLength {
     Given(f64),
 }
 
+/// Least number of points at which a pattern is checked.
+const FINENESS: f64 = 8000.0;
 /// Most poses.
 const MOST_POSES: f64 = 100_000.0;
 
@@ -111,22 +114,6 @@ struct CrossingReport {
     y_m: f64,
 }
 
-#[derive(Serialize)]
-struct TrajectoryFile<'a> {
-    pattern: &'a str,
-    rod: &'a str,
-    scheme: SchemeName,
-    gravito_bending_length_m: f64,
-    poses: Vec<PoseEntry>,
-}
-
-#[derive(Serialize)]
-struct PoseEntry {
-    time_s: f64,
-    position_m: [f64; 3],
-    quaternion: [f64; 4],
-}
-
 impl DeploymentArguments {
     /// Plans, and writes trajectory, pattern and figure.
     pub fn plan(&self) -> Result<(), Failure> {
@@ -134,6 +121,8 @@ impl DeploymentArguments {
         let rod = file.rod;
         let friction = self.friction(&file)?;
         let pattern = self.pattern(&rod)?;
+        // Before anything is sampled: it may be very long.
+        long_enough(&rod, &pattern).map_err(|error| self.refused(&error))?;
         if pattern.length() / self.step > MOST_POSES {
             return Err(Failure::Input(format!(
                 "--step {} m cuts {:.4} m into more than {MOST_POSES} poses",
@@ -142,8 +131,11 @@ impl DeploymentArguments {
             )));
         }
         let points = pattern.sampled(self.step);
-        let checks = Feasibility::of(&points, pattern.lead_in(), &rod, friction)
-            .map_err(|error| self.refused(&error))?;
+        // Corners lie between poses.
+        let finely = (0.25 * rod.radius).min(pattern.length() / FINENESS);
+        let fine = pattern.sampled(self.step.min(finely));
+        let checks =
+            Feasibility::of(&fine, &rod, friction).map_err(|error| self.refused(&error))?;
         let scheme = match self.scheme {
             SchemeName::Optimal => Scheme::Optimal,
             SchemeName::Intuitive => Scheme::Intuitive,
@@ -156,12 +148,23 @@ impl DeploymentArguments {
             .collect();
         let title = format!("{} along {}", file.title, self.pattern);
         let figure = deployment_figure(&title, &points, &poses, &demands, friction, &crossings);
-        let named = [
-            ("trajectory.csv", self.trajectory_csv(&poses)),
-            ("trajectory.json", self.trajectory_json(&poses, &file)?),
+        let duration = pattern.length() / self.speed;
+        let mut named = vec![
+            ("trajectory.csv", trajectory_csv(&poses, self.speed)),
+            (
+                "trajectory.json",
+                trajectory_json(&poses, self.speed, &self.pattern, &file)?,
+            ),
             ("pattern.csv", pattern_csv(&points, &demands)),
             ("deployment.svg", figure),
         ];
+        if scheme == Scheme::Optimal {
+            let hanging =
+                hanging_rod(&points[0], &rod, edges(&rod)).map_err(|error| self.refused(&error))?;
+            named.push(("rod.csv", nodes_csv(&hanging)));
+            let scenario = landing(&file, &self.pattern, friction, duration);
+            named.push(("landing.toml", scenario));
+        }
         std::fs::create_dir_all(&self.out).map_err(|error| {
             Failure::System(format!("{} cannot be made: {error}", self.out.display()))
         })?;
@@ -188,7 +191,7 @@ impl DeploymentArguments {
             crossings: crossings.iter().map(CrossingReport::of).collect(),
             unstable_poses: poses.iter().filter(|pose| is_unstable(pose)).count(),
             poses: poses.len(),
-            duration_s: pattern.length() / self.speed,
+            duration_s: duration,
             files,
         })
     }
@@ -339,45 +342,6 @@ impl DeploymentArguments {
             Some(wanted) => Err(self.no_pattern(&PatternError::NoStroke { wanted, count })),
         }
     }
-
-    fn time(&self, pose: &GripperPose) -> f64 {
-        pose.s / self.speed
-    }
-
-    fn trajectory_csv(&self, poses: &[GripperPose]) -> String {
-        let mut text = String::from("time_s,x_m,y_m,z_m,qw,qx,qy,qz\n");
-        for pose in poses {
-            let ([x, y, z], [w, i, j, k]) = parts(pose);
-            // Writing to a string does not fail.
-            let _ = writeln!(
-                text,
-                "{:.9},{x:.9},{y:.9},{z:.9},{w:.12},{i:.12},{j:.12},{k:.12}",
-                self.time(pose)
-            );
-        }
-        text
-    }
-
-    fn trajectory_json(&self, poses: &[GripperPose], file: &RodFile) -> Result<String, Failure> {
-        let poses = poses.iter().map(|pose| {
-            let (position_m, quaternion) = parts(pose);
-            PoseEntry {
-                time_s: self.time(pose),
-                position_m,
-                quaternion,
-            }
-        });
-        let whole = TrajectoryFile {
-            pattern: &self.pattern,
-            rod: &file.title,
-            scheme: self.scheme,
-            gravito_bending_length_m: file.rod.gravito_bending_length,
-            poses: poses.collect(),
-        };
-        let text = serde_json::to_string_pretty(&whole)
-            .map_err(|error| Failure::System(error.to_string()))?;
-        Ok(text + "\n")
-    }
 }
 
 impl CrossingReport {
@@ -393,28 +357,6 @@ impl CrossingReport {
 
 fn is_unstable(pose: &GripperPose) -> bool {
     pose.grasp.as_ref().is_some_and(|grasp| !grasp.is_stable())
-}
-
-/// Position and quaternion w, x, y, z, without negative zeros.
-fn parts(pose: &GripperPose) -> ([f64; 3], [f64; 4]) {
-    let turned = pose.rotation;
-    let position: [f64; 3] = pose.position.into();
-    (
-        position.map(|part| part + 0.0),
-        [turned.w, turned.i, turned.j, turned.k].map(|part| part + 0.0),
-    )
-}
-
-fn pattern_csv(points: &[PatternPoint], demands: &[f64]) -> String {
-    let mut text = String::from("s_m,x_m,y_m,curvature_per_m,friction_demand\n");
-    for (point, demand) in points.iter().zip(demands) {
-        let _ = writeln!(
-            text,
-            "{:.9},{:.9},{:.9},{:.9},{demand:.9}",
-            point.s, point.position.x, point.position.y, point.curvature
-        );
-    }
-    text
 }
 
 fn lead_in(text: &str) -> Result<LeadInLength, String> {

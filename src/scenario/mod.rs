@@ -64,6 +64,6 @@ pub use units::{metres, seconds};
 /// Physical dimensions, for [`Quantity`].
 pub mod dimension {
     pub use super::units::{
-        Angle, AngularVelocity, Dimension, Dimensionless, Length, Time, Velocity,
+        Angle, AngularVelocity, Density, Dimension, Dimensionless, Length, Time, Velocity,
     };
 }

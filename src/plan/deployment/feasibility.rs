@@ -2,7 +2,7 @@
 
 use super::{DeployedRod, DeploymentError};
 use crate::plan::grasp::GraspProblem;
-use crate::plan::pattern::PatternPoint;
+use crate::plan::pattern::{Pattern, PatternPoint};
 
 /// Friction that a lead-in may ask for.
 const LEAD_IN_DEMAND: f64 = 0.1;
@@ -27,6 +27,28 @@ pub fn lead_in_length(rod: &DeployedRod, curvature: f64) -> f64 {
     }
 }
 
+/// Whether the gripper still has something to hold when the pattern ends.
+///
+/// # Errors
+/// [`DeploymentError::TooLong`].
+pub fn long_enough(rod: &DeployedRod, pattern: &Pattern) -> Result<(), DeploymentError> {
+    let (length, lead_in) = (pattern.length(), pattern.lead_in());
+    let least = length + GraspProblem::LENGTHS[0] * rod.gravito_bending_length;
+    if rod.length >= least {
+        return Ok(());
+    }
+    Err(DeploymentError::TooLong {
+        pattern_m: length,
+        lead_in: if lead_in > 0.0 {
+            format!(" with a lead-in of {lead_in:.4} m (--lead-in)")
+        } else {
+            String::new()
+        },
+        rod_m: rod.length,
+        least_m: least,
+    })
+}
+
 /// What a pattern asks for, at worst.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Feasibility {
@@ -43,31 +65,15 @@ pub struct Feasibility {
 }
 
 impl Feasibility {
-    /// Checks a pattern; `friction` is that of the table.
+    /// Checks a pattern at closely spaced points; `friction` is that of the table.
     ///
     /// # Errors
-    /// The pattern is too long or too sharp for the rod. That it slides is no error: it is said.
+    /// The pattern is too sharp for the rod. That it slides is no error: it is said.
     pub fn of(
         points: &[PatternPoint],
-        lead_in: f64,
         rod: &DeployedRod,
         friction: Option<f64>,
     ) -> Result<Self, DeploymentError> {
-        let length = points.last().map_or(0.0, |point| point.s);
-        let least = length + GraspProblem::LENGTHS[0] * rod.gravito_bending_length;
-        if rod.length < least {
-            let lead_in = if lead_in > 0.0 {
-                format!(" with a lead-in of {lead_in:.4} m (--lead-in)")
-            } else {
-                String::new()
-            };
-            return Err(DeploymentError::TooLong {
-                pattern_m: length,
-                lead_in,
-                rod_m: rod.length,
-                least_m: least,
-            });
-        }
         let demand = |point: &PatternPoint| friction_demand(rod, point);
         let worst = |value: &dyn Fn(&PatternPoint) -> f64| {
             let values = points.iter().map(|point| (value(point), point.s));

@@ -5,15 +5,18 @@
 //! | `rod` | the rod by its gravito-bending length and radius |
 //! | `trajectory` | poses of the gripper |
 //! | `feasibility` | friction, bending and length that the pattern needs |
+//! | `landing` | the hanging rod at the start |
 //! | `figure` | pattern, path of the gripper and friction demand |
 
 mod feasibility;
 mod figure;
+mod landing;
 mod rod;
 mod trajectory;
 
-pub use feasibility::{Feasibility, friction_demand, lead_in_length};
+pub use feasibility::{Feasibility, friction_demand, lead_in_length, long_enough};
 pub use figure::deployment_figure;
+pub use landing::hanging_rod;
 pub use rod::DeployedRod;
 pub use trajectory::{GripperPose, Scheme, trajectory};
 

@@ -20,7 +20,7 @@ pub enum Scheme {
 pub struct GripperPose {
     /// Arc length of the contact node, m.
     pub s: f64,
-    /// Place, m; the table is z = 0.
+    /// Place, m. The table is z = 0, and the lying rod's centreline a radius above it.
     pub position: Vector3,
     /// Orientation: its x axis is the tangent of the rod, towards the gripper; the frame of the rod that lies on the
     /// table, (t, ẑ × t, ẑ), goes over into it without twist.
@@ -60,8 +60,9 @@ fn lying(point: &PatternPoint) -> UnitQuaternion {
     UnitQuaternion::from_axis_angle(&Vector3::z_axis(), point.angle)
 }
 
-fn contact(point: &PatternPoint) -> Vector3 {
-    Vector3::new(point.position.x, point.position.y, 0.0)
+/// The centreline of the lying rod.
+fn contact(point: &PatternPoint, rod: &DeployedRod) -> Vector3 {
+    Vector3::new(point.position.x, point.position.y, rod.radius)
 }
 
 fn optimal(
@@ -83,7 +84,7 @@ fn optimal(
     let lying = lying(point);
     Ok(GripperPose {
         s: point.s,
-        position: contact(point) + unit * (lying * grasp.position),
+        position: contact(point, rod) + unit * (lying * grasp.position),
         rotation: lying * grasp.rotation,
         grasp: Some(grasp),
     })
@@ -93,7 +94,7 @@ fn intuitive(point: &PatternPoint, rod: &DeployedRod) -> GripperPose {
     let upright = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), -FRAC_PI_2);
     GripperPose {
         s: point.s,
-        position: contact(point) + (rod.length - point.s) * Vector3::z(),
+        position: contact(point, rod) + (rod.length - point.s) * Vector3::z(),
         rotation: lying(point) * upright,
         grasp: None,
     }
