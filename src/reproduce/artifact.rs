@@ -6,8 +6,8 @@ use super::helices::Helices;
 use super::inversion::Inversion;
 use super::manipulated_helix::ManipulatedHelix;
 use super::page::{Heading, Page};
-use super::redraw::FiguresOfTable;
 use super::simplified_inversion::{self, Factor};
+use super::table::FiguresOfTable;
 use super::tightening::Tightening;
 use super::{
     ReproduceError, ReproduceOptions, auto_steps, cost, drag_steps, figure_2_5, figure_2_6,

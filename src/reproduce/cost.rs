@@ -4,7 +4,7 @@ use super::ReproduceError;
 use super::bundling::Bundling;
 use super::cases::Case;
 use super::page::{Page, PageFigure, number};
-use super::redraw::rows_of;
+use super::table::rows_of;
 use crate::figure::{AxisScale, Curve, LinePlot, Look, PlotStyle, styled_line_plots};
 use serde::{Deserialize, Serialize};
 use std::path::Path;

@@ -8,7 +8,7 @@ use super::bundling::{Bundling, DISTANCE_TOLERANCE_OF_DIFFERENCE};
 use super::cases::Case;
 use super::difference::{Difference, differences, nodes_of};
 use super::page::{Page, PageFigure};
-use super::redraw::rows_of;
+use super::table::rows_of;
 use crate::figure::{Curve, LinePlot, line_plots};
 use std::path::Path;
 

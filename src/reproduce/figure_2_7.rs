@@ -4,7 +4,7 @@ use super::ReproduceError;
 use super::cases::Case;
 use super::overhand_law;
 use super::page::{Page, PageFigure, number};
-use super::redraw::rows_of;
+use super::table::rows_of;
 use super::tightening::{FRICTIONS, Tightening, density_in_words, pulled_rows};
 use crate::experiment::{KnotOutcome, KnotRow};
 use crate::figure::{Curve, LinePlot, Look, line_plots};

@@ -4,7 +4,7 @@ use super::ReproduceError;
 use super::cases::Case;
 use super::overhand_law::{HEADER, line};
 use super::page::{Page, PageFigure};
-use super::redraw::rows_of;
+use super::table::rows_of;
 use super::tightening::{FRICTION_OF_FIGURE_2_8, Tightening, density_in_words, pulled_rows};
 use crate::figure::{AxisScale, Curve, LinePlot, Look, PlotStyle, styled_line_plots};
 use crate::knot::jawed_shortening;

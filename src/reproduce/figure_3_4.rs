@@ -6,7 +6,7 @@ use super::inversion::Inversion;
 use super::inversion_page::{Row, figure, plots, rows, runs_of, table};
 use super::inversion_pictures::{Moment, pictures, side_view};
 use super::page::{Page, PageFigure};
-use super::redraw::rows_of;
+use super::table::rows_of;
 use std::path::Path;
 
 /// What distinguishes the runs of [`Inversion::of_figure_3_4`].

@@ -4,7 +4,7 @@ use super::ReproduceError;
 use super::cases::Case;
 use super::inversion::Inversion;
 use super::page::{Page, PageFigure, number};
-use super::redraw::rows_of;
+use super::table::rows_of;
 use crate::figure::{Curve, LinePlot, line_plots};
 use crate::knot::SimplifiedKnot;
 use crate::mechanics::kirchhoff::EndSpin;

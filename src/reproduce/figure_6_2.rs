@@ -4,7 +4,7 @@ use super::ReproduceError;
 use super::cases::Case;
 use super::helices::Helices;
 use super::page::{Page, PageFigure, number};
-use super::redraw::rows_of;
+use super::table::rows_of;
 use crate::experiment::helix::stability::{BoundaryRow, Part, compare, read_boundary, sections_of};
 use crate::figure::{Curve, LinePlot, line_plots};
 use crate::results::{PAGE, SURFACE};

@@ -4,7 +4,7 @@ use super::ReproduceError;
 use super::cases::Case;
 use super::manipulated_helix::{DIRECTION, ManipulatedHelix, UNDISTURBED, observations};
 use super::page::{Page, PageFigure, number};
-use super::redraw::rows_of;
+use super::table::rows_of;
 use crate::experiment::helix::manipulation::{Buckling, Observation};
 use crate::figure::{Curve, LinePlot, Look, PlotStyle, styled_line_plots};
 use crate::mechanics::kirchhoff::critical_distance;

@@ -13,6 +13,7 @@
 //! | `manipulated_helix` | a helical rod manipulated in time (thesis 6.3) |
 //! | `cases` | running the runs |
 //! | `page` | CSV, Markdown and manifest of an artefact |
+//! | `table` | that CSV, read again |
 //! | `redraw` | its figures again from its CSV |
 //! | `table_2_1`, `table_2_2`, `figure_2_5` to `figure_2_8` | one artefact each |
 //! | `figure_3_4`, `inversion_factors` | figures 3.4 and 3.5 to 3.7; `inversion_page` and `inversion_pictures` are their parts |
@@ -50,6 +51,7 @@ mod overhand_law;
 mod page;
 mod redraw;
 mod simplified_inversion;
+mod table;
 mod table_2_1;
 mod table_2_2;
 mod tightening;

@@ -3,13 +3,9 @@
 use super::page::{PageFigure, write_figures};
 use super::{Artifact, ReproduceError, ReproduceOptions};
 use crate::figure::Format;
-use crate::results::{ResultsError, read_whole_rows, write_whole};
-use serde::de::DeserializeOwned;
+use crate::results::{ResultsError, write_whole};
 use std::fs;
-use std::path::{Path, PathBuf};
-
-/// The figures of a page from its table.
-pub(super) type FiguresOfTable = fn(&Path) -> Result<Vec<PageFigure>, ReproduceError>;
+use std::path::PathBuf;
 
 /// Draws the figures of an artefact again, and sets their captions; returns the files written.
 ///
@@ -44,11 +40,6 @@ pub fn redraw(
         written.push(page);
     }
     Ok(written)
-}
-
-/// The rows of a table.
-pub(super) fn rows_of<Row: DeserializeOwned>(table: &Path) -> Result<Vec<Row>, ReproduceError> {
-    Ok(read_whole_rows(table)?.rows)
 }
 
 /// A page with the caption of a figure that it shows.

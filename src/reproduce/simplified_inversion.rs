@@ -5,7 +5,7 @@ use super::cases::Case;
 use super::figure_3_9::SPINS;
 use super::inversion::Inversion;
 use super::page::{Page, PageFigure, number};
-use super::redraw::rows_of;
+use super::table::rows_of;
 use crate::figure::{Curve, LinePlot, Look, line_plots};
 use crate::knot::SimplifiedKnot;
 use serde::{Deserialize, Serialize};

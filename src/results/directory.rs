@@ -3,9 +3,8 @@
 use super::atomic::TEMPORARY_PREFIX;
 use super::checkpoint::SLOTS;
 use super::difference::{difference, holds, without_remarks};
-use super::files::{FILES, LOCK, MANIFEST, VTK_COLLECTION, VTK_FOLDER};
+use super::files::{FILES, LOCK, MANIFEST, VTK_COLLECTION, VTK_FOLDER, is_frame_name};
 use super::mark::check_files;
-use super::vtk::is_frame_name;
 use super::{Manifest, ResultsError};
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind};

@@ -51,6 +51,19 @@ pub const VTK_FOLDER: &str = "vtk";
 /// Held locked by the process that writes.
 pub(super) const LOCK: &str = ".lock";
 
+/// Where a frame lies in a results directory.
+pub(super) fn frame_name(index: usize) -> String {
+    format!("{VTK_FOLDER}/rods_{index:06}.vtp")
+}
+
+/// Whether a file in the folder of frames is called like one of them.
+pub(super) fn is_frame_name(name: &str) -> bool {
+    let number = name
+        .strip_prefix("rods_")
+        .and_then(|rest| rest.strip_suffix(".vtp"));
+    number.is_some_and(|number| number.len() >= 6 && number.bytes().all(|b| b.is_ascii_digit()))
+}
+
 /// What a run may write: names in a results directory, swept by `--force`.
 pub(super) const FILES: [&str; 39] = [
     SCENARIO,

@@ -468,6 +468,14 @@ impl Advance for Slow {
         self.0.energies()
     }
 
+    fn mean_gap(&self) -> Option<f64> {
+        self.0.mean_gap()
+    }
+
+    fn remarks(&self) -> Vec<String> {
+        self.0.remarks()
+    }
+
     fn nearest(&self) -> Option<Proximity> {
         self.0.nearest()
     }
