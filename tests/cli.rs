@@ -127,8 +127,121 @@ fn results_of_another_scenario_are_refused() {
     let (code, stdout, stderr) = outcome(&directory, &thicker);
     assert_eq!((code, stdout.as_str()), (2, ""));
     assert!(stderr.contains("another scenario"), "{stderr}");
+    let key = "\n  rods.rope.radius: 0.005, now 0.006\n";
+    assert!(stderr.contains(key), "{stderr}");
     let after = fs::read(directory.path().join("results/swing/nodes.csv")).unwrap();
     assert_eq!(before, after);
+}
+
+#[test]
+fn a_title_and_fewer_files_ask_for_no_force() {
+    let directory = directory(SWING);
+    let run = |set: &str| outcome(&directory, &["run", "swing.toml", "--set", set]);
+    assert_eq!(run("output.vtk=true").0, 0);
+    for set in ["title=Swinging", "output.vtk=false"] {
+        let (code, stdout, stderr) = run(set);
+        assert_eq!(code, 0, "{stderr}");
+        assert!(stdout.starts_with("already finished"), "{stdout}");
+    }
+    // What is missing cannot be made up.
+    let (code, _, stderr) = run("output.forces=true");
+    assert_eq!(code, 2);
+    assert!(
+        stderr.contains("output.forces: false, now true"),
+        "{stderr}"
+    );
+}
+
+const HANG: &str = r#"
+experiment = "scene"
+material = { youngs_modulus = "1 MPa", poissons_ratio = 0.5, density = 1000.0 }
+rods = [{ name = "rope", radius = "5 mm", edges = 12, shape = { kind = "straight", start = [0, 0, 0], end = [0.3, 0, 0] } }]
+clamps = [{ rod = "rope", at = "start" }, { rod = "rope", at = "end", hold = "position" }]
+loads = [{ kind = "gravity", acceleration = [0, 0, -9.81] }]
+time = { mode = "static" }
+"#;
+
+const RELEASE: &str = r#"
+extends = "hang.toml"
+clamps = [{ rod = "rope", at = "start" }]
+start = { from = "results/hang" }
+time = { mode = "dynamic", end = "50 ms", step = "1 ms" }
+output = { interval = "10 ms" }
+"#;
+
+#[test]
+fn a_run_starts_from_the_end_of_another() {
+    let directory = tempfile::tempdir().unwrap();
+    for (name, text) in [("hang", HANG), ("release", RELEASE)] {
+        fs::write(directory.path().join(format!("{name}.toml")), text).unwrap();
+    }
+    let (code, _, stderr) = outcome(&directory, &["run", "release.toml"]);
+    assert_eq!(code, 2);
+    assert!(stderr.contains("results/hang"), "{stderr}");
+    for name in ["hang.toml", "release.toml"] {
+        let (code, _, stderr) = outcome(&directory, &["run", name]);
+        assert_eq!((code, stderr.as_str()), (0, ""));
+    }
+    let rows = |place: &str| -> Vec<Vec<String>> {
+        let nodes = directory.path().join(place).join("nodes.csv");
+        let mut reader = csv::Reader::from_path(nodes).unwrap();
+        let rows = reader.records().map(|row| row.unwrap());
+        rows.map(|row| row.iter().map(str::to_owned).collect())
+            .collect()
+    };
+    let (hung, released) = (rows("results/hang"), rows("results/release"));
+    for (before, after) in hung.iter().zip(&released) {
+        assert_eq!(before[3..6], after[3..6]);
+    }
+    let height = |row: &[String]| row[5].parse::<f64>().unwrap();
+    assert!(height(&released[released.len() - 1]) < height(&hung[12]) - 5e-3);
+    // The rod clamped at both ends as before is at rest.
+    let (code, _, stderr) = outcome(
+        &directory,
+        &[
+            "run",
+            "hang.toml",
+            "--set",
+            "start.from=results/hang",
+            "--out",
+            "results/again",
+        ],
+    );
+    assert_eq!((code, stderr.as_str()), (0, ""));
+    for (before, after) in hung.iter().zip(&rows("results/again")) {
+        for axis in 3..6 {
+            let [before, after] = [before, after].map(|row| row[axis].parse::<f64>().unwrap());
+            assert!((before - after).abs() < 1e-9, "{before} {after}");
+        }
+    }
+    // The results run as they stand, wherever the first run is now.
+    fs::remove_dir_all(directory.path().join("results/hang")).unwrap();
+    let again = ["run", "results/release/scenario.toml", "--out", "copy"];
+    assert_eq!(outcome(&directory, &again).0, 0);
+    assert_eq!(rows("copy"), released);
+    let start = directory.path().join("results/release/start_state.csv");
+    let text = fs::read_to_string(&start).unwrap();
+    fs::write(&start, text.replacen("rope,5,", "rope,5,0", 1)).unwrap();
+    let (code, _, stderr) = outcome(&directory, &again);
+    assert_eq!(code, 2);
+    assert!(stderr.contains("its hash is"), "{stderr}");
+    // Other rods are told.
+    let (code, _, stderr) = outcome(
+        &directory,
+        &[
+            "check",
+            "release.toml",
+            "--set",
+            "start.from=results/release",
+            "--set",
+            "rods.rope.edges=13",
+        ],
+    );
+    assert_eq!(code, 2);
+    assert!(
+        stderr.contains("`rope` of 13 nodes; needed: `rope` of 14 nodes"),
+        "{stderr}"
+    );
 }
 
 #[test]
@@ -289,6 +402,9 @@ fn check_goes_through_all_files_and_speaks_json() {
     assert_eq!(code, 0);
     let numbers: serde_json::Value = serde_json::from_str(&stdout).unwrap();
     assert_eq!(numbers["rods"][0]["nodes"], 9);
+    // A short run is tried to its end.
+    assert_eq!(numbers["cost"]["part"], 1.0);
+    assert!(numbers["cost"]["processor_time"].is_number());
 }
 
 #[test]

@@ -81,5 +81,8 @@ fn settle(rods: usize, model: &str) {
     assert!(steps <= STEPS + STEPS / 20, "{model}: {steps} steps");
     assert!(repeated <= STEPS / 20, "{model}: {repeated} repeated");
     assert!(mean <= 6.0, "{model}: {mean} iterations a step");
-    assert!(kinetic < 1e-2 * fastest, "{model}: {kinetic} of {fastest} J");
+    assert!(
+        kinetic < 1e-2 * fastest,
+        "{model}: {kinetic} of {fastest} J"
+    );
 }

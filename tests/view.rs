@@ -138,6 +138,223 @@ fn play_goes_on_and_pause_stops() {
     );
 }
 
+/// A column that is pressed until it has buckled: equilibria along a path with three branches.
+const COLUMN: &str = "scenarios/euler_column.toml";
+
+/// Makes the page of a scenario of the house.
+fn page_of(scenario: &str, directory: &Path, overrides: &[&str]) -> PathBuf {
+    let scenario = Path::new(env!("CARGO_MANIFEST_DIR")).join(scenario);
+    let scenario = scenario.to_string_lossy().into_owned();
+    let run = [&["run", &scenario, "--out", "results"][..], overrides].concat();
+    for arguments in [&run[..], &["view", "results", "--out", "page.html"]] {
+        Command::new(env!("CARGO_BIN_EXE_rodlab"))
+            .current_dir(directory)
+            .args(arguments)
+            .assert()
+            .success();
+    }
+    directory.join("page.html")
+}
+
+fn is_seen(browser: &mut Browser, id: &str) -> bool {
+    let height = format!("document.getElementById('{id}').getBoundingClientRect().height > 0");
+    browser.evaluate(&height) == true
+}
+
+#[test]
+fn equilibria_are_not_played_as_a_motion_with_a_speed() {
+    let directory = tempfile::tempdir().unwrap();
+    let page = page_of(COLUMN, directory.path(), &[]);
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    browser.open(&page);
+    for id in ["play", "speed", "video"] {
+        assert!(!is_seen(&mut browser, id), "{id}");
+    }
+    assert!(is_seen(&mut browser, "time"));
+    let clock = |browser: &mut Browser| {
+        let text = browser.evaluate("document.getElementById('clock').textContent");
+        text.as_str().unwrap().to_owned()
+    };
+    assert!(clock(&mut browser).starts_with("parameter 0, branch 0"));
+    browser.press("End");
+    assert!(clock(&mut browser).starts_with("parameter 6, branch 2"));
+    browser.press(" ");
+    assert!(clock(&mut browser).starts_with("parameter 6, branch 2"));
+    let colours = browser.evaluate("document.getElementById('colour').textContent");
+    assert!(!colours.as_str().unwrap().contains("speed"), "{colours}");
+    // All three branches end at the same parameter; the chart does not join them.
+    browser.set("plot", "Bending energy");
+    let pieces = browser
+        .evaluate("document.querySelector('#chart path').getAttribute('d').split('M').length - 1");
+    assert_eq!(pieces, 3);
+    keep("path.png", &browser.screenshot());
+    assert!(
+        browser.complaints().is_empty(),
+        "{:?}",
+        browser.complaints()
+    );
+}
+
+#[test]
+fn rods_at_rest_have_no_time_bar() {
+    let directory = tempfile::tempdir().unwrap();
+    let cantilever = r#"
+experiment = "scene"
+material = { youngs_modulus = "100 MPa", poissons_ratio = 0.5, density = 1000.0 }
+time = { mode = "static" }
+clamps = [{ rod = "beam", at = "start" }]
+loads = [{ kind = "gravity", acceleration = [0, 0, -9.81] }]
+[[rods]]
+name = "beam"
+radius = "5 mm"
+edges = 20
+shape = { kind = "straight", start = [0, 0, 0], end = [1, 0, 0] }
+"#;
+    let file = directory.path().join("beam.toml");
+    fs::write(&file, cantilever).unwrap();
+    let page = page_of(&file.to_string_lossy(), directory.path(), &[]);
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    browser.open(&page);
+    for id in ["transport", "plot-choice", "video"] {
+        assert!(!is_seen(&mut browser, id), "{id}");
+    }
+    assert!(is_seen(&mut browser, "picture"));
+    keep("rest.png", &browser.screenshot());
+}
+
+/// Lowest and highest row of a picture with a strong colour.
+fn rows_of_rods(png: &[u8]) -> [u32; 2] {
+    let image = image::load_from_memory(png).expect("a PNG").to_rgb8();
+    let spread = |pixel: &[u8; 3]| pixel.iter().max().unwrap() - pixel.iter().min().unwrap();
+    let coloured = image
+        .enumerate_pixels()
+        .filter(|(.., pixel)| spread(&pixel.0) > 60);
+    coloured.fold([u32::MAX, 0], |[top, bottom], (_, y, _)| {
+        [top.min(y), bottom.max(y)]
+    })
+}
+
+#[test]
+fn the_fit_leaves_room_for_the_bar_on_large_and_small_screens() {
+    let directory = tempfile::tempdir().unwrap();
+    // A rod as tall as the screen allows.
+    let upright = SCENARIO.replace(
+        "[-0.15, 0, 0.03], end = [0.1, 0, 0.03]",
+        "[0, 0, 0.05], end = [0, 0, 0.45]",
+    );
+    fs::write(directory.path().join("upright.toml"), upright).unwrap();
+    let file = directory.path().join("upright.toml");
+    let page = page_of(
+        &file.to_string_lossy(),
+        directory.path(),
+        &["--set", "time.end=10ms"],
+    );
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    for (width, height) in [(1280, 800), (390, 800), (800, 390)] {
+        browser.resize(width, height);
+        browser.open(&page);
+        let edge = |browser: &mut Browser, id: &str, side: &str| {
+            let place = format!("document.getElementById('{id}').getBoundingClientRect().{side}");
+            browser.evaluate(&place).as_f64().unwrap()
+        };
+        let bar = edge(&mut browser, "transport", "top");
+        assert!(edge(&mut browser, "transport", "right") <= f64::from(width));
+        let cards = if width < 640 {
+            edge(&mut browser, "legend", "bottom").max(edge(&mut browser, "about", "bottom"))
+        } else {
+            0.0
+        };
+        keep(&format!("fit_{width}x{height}.png"), &browser.screenshot());
+        browser.press("h");
+        let [top, bottom] = rows_of_rods(&browser.screenshot());
+        assert!(
+            f64::from(bottom) < bar,
+            "{width}x{height}: {bottom} below {bar}"
+        );
+        assert!(
+            f64::from(top) > cards,
+            "{width}x{height}: {top} above {cards}"
+        );
+        // It fills most of what is free.
+        let free = bar - cards;
+        assert!(
+            f64::from(bottom - top) > 0.5 * free,
+            "{width}x{height}: {top} {bottom}"
+        );
+        browser.press("h");
+    }
+    assert!(
+        browser.complaints().is_empty(),
+        "{:?}",
+        browser.complaints()
+    );
+}
+
+#[test]
+fn series_are_plotted_and_pictures_and_videos_saved() {
+    let directory = tempfile::tempdir().unwrap();
+    let page = page(directory.path());
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    browser.open(&page);
+    assert!(!is_seen(&mut browser, "chart-card"));
+    let plots = browser.evaluate(
+        "[...document.getElementById('plot').options].map(one => one.textContent).join()",
+    );
+    assert!(
+        plots.as_str().unwrap().contains("Kinetic energy"),
+        "{plots}"
+    );
+    browser.set("plot", "Kinetic energy");
+    assert!(is_seen(&mut browser, "chart-card"));
+    browser.set("time", "20");
+    let value = browser.evaluate("document.getElementById('chart-value').textContent");
+    assert!(value.as_str().unwrap().ends_with(" J"), "{value}");
+    keep("chart.png", &browser.screenshot());
+    // A file that is offered for download is noted instead.
+    browser.evaluate(
+        "window.saved = []; HTMLAnchorElement.prototype.click = function () {
+           const name = this.download;
+           fetch(this.href).then(one => one.blob()).then(blob => saved.push(`${name} ${blob.type} ${blob.size}`)); };",
+    );
+    let saved = |browser: &mut Browser, count: usize| -> String {
+        let wait = format!(
+            "new Promise(done => {{ const look = () => saved.length >= {count} ? done(saved.at(-1)) : setTimeout(look, 50); look(); }})"
+        );
+        browser.evaluate(&wait).as_str().unwrap().to_owned()
+    };
+    let size = |file: &str| file.rsplit(' ').next().unwrap().parse::<usize>().unwrap();
+    browser.press("s");
+    let picture = saved(&mut browser, 1);
+    assert!(
+        picture.starts_with("a-rod-falls-on-another.png image/png ") && size(&picture) > 5_000,
+        "{picture}"
+    );
+    browser.set("speed", "0.1");
+    browser.press("v");
+    let video = saved(&mut browser, 2);
+    assert!(
+        video.starts_with("a-rod-falls-on-another.webm video/webm") && size(&video) > 5_000,
+        "{video}"
+    );
+    assert_eq!(
+        browser.evaluate("document.getElementById('time').value"),
+        "24"
+    );
+    assert!(
+        browser.complaints().is_empty(),
+        "{:?}",
+        browser.complaints()
+    );
+}
+
 /// Keeps a picture for people to look at.
 fn keep(name: &str, png: &[u8]) {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("screenshots");

@@ -40,6 +40,7 @@ impl Cell {
             nodes: points.len(),
             closed: false,
             radius: *radius,
+            held: false,
         });
         let case = MovieCase {
             name: "main".into(),
@@ -61,6 +62,8 @@ impl Cell {
                 })
                 .collect(),
             fields: Vec::new(),
+            series: Vec::new(),
+            branches: None,
         };
         movie_page(&Movie {
             title: self.title.clone(),

@@ -16,7 +16,7 @@ pub struct Common {
     /// Log errors only, and show no progress
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     pub quiet: bool,
-    /// Format of the log on standard error
+    /// Format of the log on standard error; "json" says what is done, as -v does
     #[arg(long, global = true, value_name = "FORMAT", default_value = "text")]
     pub log: LogFormat,
     /// When to use colours

@@ -3,17 +3,15 @@
 //! Results stay resumable: files appear whole, tables are flushed row by row, and locks and leases of a process end
 //! with it.
 
+use super::exit_code::PANIC;
 use super::standard_error;
 use std::panic::{self, AssertUnwindSafe, PanicHookInfo};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Exit code after a panic: not bad input, and nothing that a further attempt with more time would mend.
-const EXIT_CODE: u8 = 1;
-
 /// Does the work; a panic anywhere in it ends with a message and exit code 1.
 pub fn guarded(work: impl FnOnce() -> ExitCode) -> ExitCode {
-    panic::catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| ExitCode::from(EXIT_CODE))
+    panic::catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| ExitCode::from(PANIC))
 }
 
 /// Has the first panic told in words; those that follow from it in other threads are not.

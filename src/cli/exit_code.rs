@@ -7,6 +7,11 @@ use crate::results::ResultsError;
 use crate::run::{RunError, StopRequest};
 use crate::sweep::{SweepError, SweepOutcome};
 
+/// Exit code where the time limit was reached.
+pub(super) const TIME_LIMIT: u8 = 5;
+/// Exit code after a panic: not bad input, and nothing that a further attempt with more time would mend.
+pub(super) const PANIC: u8 = 1;
+
 /// What the program returns.
 pub(crate) trait ExitCode {
     /// Its exit code.
@@ -31,7 +36,7 @@ impl ExitCode for RunError {
             // Nothing was written yet: whatever the mechanics refuses, the input is at fault.
             Self::Scene(_) => 2,
             Self::Simulation { source, .. } => source.exit_code(),
-            Self::TimeLimit { .. } => 5,
+            Self::TimeLimit { .. } => TIME_LIMIT,
             Self::Interrupted { .. } => 130,
             Self::Results(error) => error.exit_code(),
         }
@@ -77,8 +82,8 @@ impl ExitCode for SweepOutcome {
             _ if count.invalid > 0 => 2,
             _ if count.unphysical > 0 => 4,
             _ if count.no_convergence > 0 => 3,
-            Some(StopRequest::TimeLimit) => 5,
-            None if count.unfinished > 0 => 5,
+            Some(StopRequest::TimeLimit) => TIME_LIMIT,
+            None if count.unfinished > 0 => TIME_LIMIT,
             None if searches_failed => 3,
             None => 0,
         }
@@ -92,6 +97,7 @@ impl ExitCode for ReproduceError {
             Self::Results(error) => error.exit_code(),
             Self::WouldReplace { .. } => 2,
             Self::Threads(_) => 1,
+            Self::NoTable { .. } | Self::NotRedrawn { .. } => 2,
         }
     }
 }
@@ -131,6 +137,7 @@ mod tests {
                 counts,
                 interrupted,
                 found: Vec::new(),
+                tables_are_old: false,
             }
             .exit_code()
         };

@@ -3,6 +3,7 @@
 use super::failure::Failure;
 use super::output::print;
 use super::sweep::verdict;
+use crate::figure::FigureOptions;
 use crate::report::plot_results;
 use crate::sweep;
 use clap::Args;
@@ -24,7 +25,7 @@ pub struct GatherArguments {
 /// Makes the tables and figures of a sweep from its cases.
 pub fn gather(arguments: &GatherArguments) -> Result<(), Failure> {
     let outcome = sweep::gather(&arguments.directory)?;
-    let figures: String = plot_results(&arguments.directory)?
+    let figures: String = plot_results(&arguments.directory, &FigureOptions::default())?
         .iter()
         .map(|path| format!("{}\n", path.display()))
         .collect();

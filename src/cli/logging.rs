@@ -12,6 +12,8 @@ use tracing_subscriber::util::SubscriberInitExt;
 pub fn start(common: &Common) {
     let level = match (common.quiet, common.verbose) {
         (true, _) => LevelFilter::ERROR,
+        // A log for programs is asked for to be read.
+        (false, 0) if common.log == LogFormat::Json => LevelFilter::INFO,
         (false, 0) => LevelFilter::WARN,
         (false, 1) => LevelFilter::INFO,
         (false, 2) => LevelFilter::DEBUG,

@@ -2,6 +2,7 @@
 
 use super::failure::Failure;
 use super::output::{print, print_json};
+use super::plan_deployment::DeploymentArguments;
 use super::solve_arm::ArmChoice;
 use crate::cell::{Place, PlanError, PlanRequest, read_poses};
 use crate::results::write_whole;
@@ -18,6 +19,18 @@ pub struct PlanArguments {
 
 #[derive(Debug, Subcommand)]
 enum What {
+    /// A gripper's trajectory that lays a rod along a pattern
+    #[command(after_help = "\
+Examples:
+  rodlab plan deployment --pattern scenarios/patterns/A.svg --rod scenarios/rods/green_vps.toml --out results/letter_a
+  rodlab plan deployment --pattern traced.csv --size \"25 cm\" --rod scenarios/rods/rope.toml --friction steel --out results/traced
+  rodlab plan deployment --pattern circle:0.1 --rod scenarios/rods/pink_vps.toml --scheme intuitive --out results/circle
+
+Writes trajectory.csv (time_s, x_m, y_m, z_m, qw, qx, qy, qz: what a clamp follows, and `rodlab plan joints` reads),
+trajectory.json, pattern.csv (s_m, x_m, y_m, curvature_per_m, friction_demand), deployment.svg and a scenario of the
+landing, landing.toml with rod.csv; prints what the pattern asks of the rod and the table. The table is z = 0; the gripper's x axis is the tangent of the rod, towards the
+gripper. `rodlab guide deployment` says more.")]
+    Deployment(Box<DeploymentArguments>),
     /// A joint trajectory along poses of the hand
     #[command(after_help = "\
 Examples:
@@ -56,7 +69,13 @@ struct JointsArguments {
 
 /// Plans and prints a trajectory.
 pub fn plan(arguments: &PlanArguments) -> Result<(), Failure> {
-    let What::Joints(arguments) = &arguments.what;
+    match &arguments.what {
+        What::Deployment(arguments) => arguments.plan(),
+        What::Joints(arguments) => joints(arguments),
+    }
+}
+
+fn joints(arguments: &JointsArguments) -> Result<(), Failure> {
     let (cell, arm) = arguments.arm.read()?;
     let path =
         read_poses(&arguments.trajectory).map_err(|error| Failure::Input(error.to_string()))?;

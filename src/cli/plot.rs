@@ -1,8 +1,9 @@
 //! `rodlab plot`.
 
 use super::failure::Failure;
+use super::figure_arguments::FigureArguments;
 use super::output::print;
-use crate::figure::AxisScale;
+use crate::figure::{AxisScale, Format};
 use crate::report::{CustomFigure, custom_figure, plot_results, write_figure};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -25,9 +26,12 @@ pub struct PlotArguments {
     /// Logarithmic axes [default: where numbers are positive and range over a decade]
     #[arg(long, value_name = "AXES", requires = "y")]
     pub log_axes: Option<LogAxes>,
-    /// Where to write a figure of your own, as .svg and .png [default: own.svg in the directory]
+    /// Where to write a figure of your own; the ending .pdf writes that format alone [default: own in the directory]
     #[arg(long, value_name = "FILE", requires = "y")]
     pub out: Option<PathBuf>,
+    /// How figures are drawn
+    #[command(flatten)]
+    pub figures: FigureArguments,
 }
 
 const EXAMPLES: &str = "\
@@ -36,8 +40,10 @@ Examples:
   rodlab plot results/sweep                      outcomes over the varied keys
   rodlab plot results/flagella_quick --y bending_energy_j min_distance_m
   rodlab plot results/sweep --x contact.friction --y newton_iterations_mean --group flagella.count --log-axes y
+  rodlab plot results/flagella_quick --format pdf --width 85mm --font-size 8     for a column of a journal
 
-Every figure is written as SVG and as PNG.";
+Figures are written as SVG and as PNG unless --format says otherwise. Their text is outlines of letters, so that they
+look the same everywhere.";
 
 /// Which axes are logarithmic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -66,8 +72,18 @@ impl LogAxes {
 
 /// Draws the figures of a results directory, or one of the user's own, and prints where they are.
 pub fn plot(arguments: &PlotArguments) -> Result<(), Failure> {
+    let asks_for_pdf = arguments
+        .out
+        .as_deref()
+        .is_some_and(|path| path.extension() == Some("pdf".as_ref()));
+    let usual: &[Format] = if asks_for_pdf {
+        &[Format::Pdf]
+    } else {
+        &[Format::Svg, Format::Png]
+    };
+    let options = arguments.figures.options(usual)?;
     let written = if arguments.y.is_empty() {
-        plot_results(&arguments.directory)?
+        plot_results(&arguments.directory, &options)?
     } else {
         let figure = CustomFigure {
             x: arguments.x.clone(),
@@ -75,10 +91,10 @@ pub fn plot(arguments: &PlotArguments) -> Result<(), Failure> {
             group: arguments.group.clone(),
             scales: arguments.log_axes.map(LogAxes::scales),
         };
-        let svg = custom_figure(&arguments.directory, &figure)?;
+        let figure = custom_figure(&arguments.directory, &figure)?;
         let own = || arguments.directory.join("own.svg");
         let path = arguments.out.clone().unwrap_or_else(own);
-        write_figure(&path, &svg)?.to_vec()
+        write_figure(&path, &figure, &options)?
     };
     let lines: String = written
         .iter()

@@ -2,8 +2,10 @@
 
 use super::common::Common;
 use super::failure::Failure;
+use super::figure_arguments::FigureArguments;
 use super::output::print;
 use super::standard_error;
+use crate::figure::Format;
 use crate::reproduce::{self, ARTIFACTS, Artifact, ReproduceOptions};
 use clap::Args;
 use std::path::PathBuf;
@@ -20,6 +22,7 @@ Examples:
   rodlab reproduce --list
   rodlab reproduce tab2.1 --quick            a short version, in results/reproduced-quick
   rodlab reproduce tab2.2 --jobs 4
+  rodlab reproduce fig2.7 --redraw --format pdf --width 85mm --font-size 8     for a column of a journal
 
 Finished runs are not repeated, interrupted ones continue. With --jobs 1 a run has the machine to itself and its
 wall times can be compared.")]
@@ -40,6 +43,12 @@ pub struct ReproduceArguments {
     /// Runs to make at a time; they share the threads
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
     pub jobs: u16,
+    /// Draw the figures again from the table beside the page, without any run
+    #[arg(long, conflicts_with_all = ["quick", "list", "jobs"])]
+    pub redraw: bool,
+    /// How figures are drawn
+    #[command(flatten)]
+    pub figures: FigureArguments,
 }
 
 impl ReproduceArguments {
@@ -68,13 +77,18 @@ pub fn reproduce(arguments: &ReproduceArguments, common: &Common) -> Result<(), 
             .chain(std::env::args_os().skip(1))
             .map(|argument| argument.to_string_lossy().into_owned())
             .collect(),
+        figures: arguments.figures.options(&[Format::Svg])?,
     };
     let report = |line: &str| {
         if !common.quiet {
             standard_error::report(&format!("{line}\n"));
         }
     };
-    let written = reproduce::reproduce(artifact, &options, &report)?;
+    let written = if arguments.redraw {
+        reproduce::redraw(artifact, &options)?
+    } else {
+        reproduce::reproduce(artifact, &options, &report)?
+    };
     let lines: String = written
         .iter()
         .map(|path| format!("{}\n", path.display()))

@@ -1,19 +1,21 @@
 //! `rodlab run`.
 
 use super::common::{Common, refuse_too_many_threads};
+use super::exit_code::TIME_LIMIT;
 use super::failure::Failure;
 use super::output::{print, print_json};
+use super::standard_error;
 use super::sweep;
 use super::values::{duration, shard};
 use crate::experiment::{self, try_scene};
-use crate::run::{PreparedRun, RunOptions, RunOutcome, RunStatus};
+use crate::run::{PreparedRun, RunOptions, RunOutcome, RunStatus, is_attended};
 use crate::scenario::CaseSet;
 use crate::sweep::{Shard, SweepOptions};
 use clap::Args;
 use std::fmt::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Arguments of `rodlab run`.
 #[derive(Debug, Args)]
@@ -63,7 +65,7 @@ pub struct RunArguments {
     /// Print what came out as JSON
     #[arg(long, conflicts_with = "dry_run")]
     pub json: bool,
-    /// Stop with a checkpoint after this wall time, such as 90, \"10 min\" or 8h
+    /// Stop with a checkpoint this long after the start of the program, such as 90, \"10 min\" or 8h
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub timeout: Option<Duration>,
 }
@@ -87,6 +89,13 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), Failure> {
     if let Some(jobs) = arguments.jobs {
         refuse_too_many_threads("--jobs", jobs)?;
     }
+    // A time so long that clocks do not know its end is no limit.
+    let deadline = arguments
+        .timeout
+        .and_then(|limit| Instant::now().checked_add(limit));
+    if let Some(deadline) = deadline {
+        end_set_up_at(deadline);
+    }
     let case_set =
         experiment::case_set(&arguments.scenario, &arguments.overrides, &arguments.vary)?;
     let directory = arguments
@@ -96,7 +105,7 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), Failure> {
     let options = RunOptions {
         force: arguments.force,
         progress: !common.quiet,
-        timeout: arguments.timeout,
+        deadline,
         ..RunOptions::new(directory)
     };
     if case_set.is_sweep() {
@@ -119,6 +128,24 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), Failure> {
         return print_json(&as_json(&outcome));
     }
     print(&summary(&outcome))
+}
+
+/// Time that set-up has in any case.
+const SET_UP: Duration = Duration::from_millis(800);
+
+/// Ends the program at a moment, should it still be setting up: there is nothing to save yet.
+fn end_set_up_at(deadline: Instant) {
+    // Usual set-ups are over by then, however short the time.
+    let limit = deadline.max(Instant::now() + SET_UP);
+    std::thread::spawn(move || {
+        std::thread::sleep(limit.saturating_duration_since(Instant::now()));
+        if !is_attended() {
+            standard_error::report(
+                "error: time limit reached before the first step; nothing was lost, the same command begins again\n",
+            );
+            std::process::exit(TIME_LIMIT.into());
+        }
+    });
 }
 
 /// What came out, for programs; quantities in SI units.

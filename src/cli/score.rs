@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use super::output::{print, print_json};
-use crate::figure;
+use crate::figure::{Format, Paper};
 use crate::results::write_whole;
 use crate::vision::{
     CurveError, SCORE_POINTS, Score, read_curve, score as score_curves, score_figure,
@@ -123,9 +123,11 @@ pub fn score(arguments: &ScoreArguments) -> Result<(), Failure> {
 }
 
 fn write_figure(out: &Path, found: &Score, result: &Path, pattern: &Path) -> Result<(), Failure> {
-    let title = format!("{} on {}", result.display(), pattern.display());
-    let svg = score_figure(found, &title);
-    write_whole(&out.with_extension("svg"), svg.as_bytes())?;
-    write_whole(&out.with_extension("png"), &figure::png(&svg))?;
+    let [result, pattern] = [result, pattern].map(|path| path.display().to_string());
+    let svg = score_figure(found, &result, &pattern).svg(&Paper::default());
+    for format in [Format::Svg, Format::Png] {
+        let path = out.with_extension(format.ending());
+        write_whole(&path, &format.encode(&svg))?;
+    }
     Ok(())
 }

@@ -172,7 +172,12 @@ fn found_in_words(case_set: &CaseSet, found: &Found) -> String {
 fn why(outcome: &SweepOutcome) -> String {
     let directory = outcome.directory.display();
     if outcome.interrupted.is_some() {
-        return format!("stopped; the same command continues in `{directory}`");
+        let tables = if outcome.tables_are_old {
+            format!("; its tables are not up to date, `rodlab gather {directory}` writes them")
+        } else {
+            String::new()
+        };
+        return format!("stopped; the same command continues in `{directory}`{tables}");
     }
     if outcome.counts.not_good() > 0 {
         return format!(

@@ -24,9 +24,9 @@ pub struct TraceArguments {
     pub image: PathBuf,
     /// Which colours are rod: auto, pen, black, white, a hue (red, orange, yellow, green, cyan, blue, purple, pink),
     /// #rrggbb[:radius], pick:u,v[:radius] or hsv:h-h,s-s,v-v
+    // No alias "color": that is an option of all subcommands.
     #[arg(
         long,
-        alias = "color",
         value_name = "RULE",
         default_value = "auto",
         conflicts_with = "mask"

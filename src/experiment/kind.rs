@@ -1,5 +1,6 @@
 //! What makes a kind of experiment: everything that the rest of the house asks of it.
 
+use crate::figure::Figure;
 use crate::mechanics::scene::Scene;
 use crate::results::{FileDescription, ResultsError};
 use crate::run::PreparedRun;
@@ -44,11 +45,11 @@ pub trait Kind: ExperimentKeys {
         &[]
     }
 
-    /// Draws its own figures of a run, as SVG with the names of their files; none where the run wrote nothing for them.
+    /// Its own figures of a run, with the names of their files as SVG; none where the run wrote nothing for them.
     ///
     /// # Errors
     /// [`FigureError`] where files of the run cannot be read.
-    fn figures(&self, _directory: &Path) -> Result<Vec<(&'static str, String)>, FigureError> {
+    fn figures(&self, _directory: &Path) -> Result<Vec<(&'static str, Figure)>, FigureError> {
         Ok(Vec::new())
     }
 

@@ -23,6 +23,8 @@ mod prepare;
 mod probes;
 #[cfg(test)]
 mod probes_tests;
+#[cfg(test)]
+mod remark_tests;
 mod scene;
 #[cfg(test)]
 mod tests;
@@ -112,6 +114,11 @@ pub fn case_set_from_text(
 /// JSON Schema of scenario files; see [`scenario::json_schema`].
 pub fn json_schema() -> serde_json::Value {
     scenario::json_schema(*EXPERIMENTS)
+}
+
+/// The SI unit of a key of scenario files, if it has one.
+pub fn unit(key: &str) -> Option<String> {
+    scenario::unit(*EXPERIMENTS, key)
 }
 
 /// Explains a dotted key; see [`scenario::explain`].

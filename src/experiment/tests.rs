@@ -1,6 +1,7 @@
 //! Every kind in the list has all its parts.
 
 use super::{KINDS, Kind, explain, from_text, json_schema, prepare};
+use crate::figure::{FigureOptions, Paper};
 use crate::mechanics::dynamics::Simulation;
 use crate::report::plot_results;
 use crate::results::{SERIES, SUMMARY, Table};
@@ -84,10 +85,11 @@ fn each_kind_runs_has_figures_and_says_what_its_files_hold() {
             ..RunOptions::new(directory.path())
         };
         run(&run_, &options).unwrap_or_else(|error| panic!("{kind:?}: {error}"));
-        let figures = plot_results(directory.path()).unwrap();
+        let figures = plot_results(directory.path(), &FigureOptions::default()).unwrap();
         assert!(!figures.is_empty(), "{kind:?}");
         let own = kind.figures(directory.path()).unwrap();
-        for (name, svg) in &own {
+        for (name, figure) in &own {
+            let svg = figure.svg(&Paper::default());
             assert!(svg.starts_with("<svg"), "{name}");
             let said = kind.files().iter().any(|file| file.names.contains(name));
             assert!(said, "{kind:?}: nothing is said of {name}");

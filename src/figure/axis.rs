@@ -1,7 +1,5 @@
-//! Linear and logarithmic axes.
+//! Linear and logarithmic axes, and their ticks.
 
-use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
-use plotters::coord::types::RangedCoordf64;
 use std::ops::Range;
 
 /// How numbers lie along an axis.
@@ -34,35 +32,62 @@ impl AxisScale {
 /// An axis of a plot: a range of numbers and how they lie along it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Axis {
-    scale: AxisScale,
-    range: Range<f64>,
+    pub scale: AxisScale,
+    pub range: Range<f64>,
+    /// Whether only whole numbers lie on it.
+    is_whole: bool,
 }
+
+/// Ticks of an axis.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Ticks {
+    /// Values and what stands beside them.
+    pub labelled: Vec<(f64, String)>,
+    /// Values between them.
+    pub small: Vec<f64>,
+    /// The power of ten by which labels are to be multiplied, as it stands at the end of the axis.
+    pub factor: Option<String>,
+}
+
+/// Numbers closer to zero are zero: sums of steps miss it by rounding, and no figure is about less.
+const ZERO: f64 = 1e-290;
+/// Ranges smaller than this part of their numbers are round-off: the axis shows a constant.
+const ROUND_OFF: f64 = 1e-12;
 
 impl Axis {
     /// An axis with a little room around the values that have a place on it; never empty.
-    pub fn around(scale: AxisScale, values: impl Iterator<Item = f64>) -> Self {
-        let (low, high) = extremes(values.filter(|value| scale.holds(*value)));
+    pub fn around(scale: AxisScale, values: impl Iterator<Item = f64> + Clone) -> Self {
+        let values = values.filter(|value| scale.holds(*value));
+        let (low, high) = extremes(values.clone());
+        let is_whole = scale == AxisScale::Linear
+            && values.clone().any(|value| low < value && value < high)
+            && values.into_iter().all(|value| value.fract() == 0.0);
+        let size = low.abs().max(high.abs());
         let range = match scale {
             _ if low > high && scale == AxisScale::Logarithmic => 1.0..10.0,
             _ if low > high => 0.0..1.0,
+            AxisScale::Linear if size < ZERO => -1.0..1.0,
+            AxisScale::Linear if high - low <= ROUND_OFF * size => {
+                low - 0.05 * size..high + 0.05 * size
+            }
             AxisScale::Linear => {
-                let size = if high > low {
-                    high - low
-                } else {
-                    low.abs().max(f64::MIN_POSITIVE)
-                };
-                low - 0.02 * size..high + 0.02 * size
+                let room = 0.03 * (high - low);
+                low - room..high + room
             }
             AxisScale::Logarithmic => {
                 let room = (high / low).powf(0.03).max(1.05);
                 low / room..high * room
             }
         };
-        Self { scale, range }
+        Self {
+            scale,
+            range,
+            is_whole,
+        }
     }
 
     /// Place of a value along the axis, 0 to 1.
-    fn part(&self, value: f64) -> f64 {
+    pub fn part(&self, value: f64) -> f64 {
         let Range { start, end } = self.range;
         match self.scale {
             AxisScale::Linear => (value - start) / (end - start),
@@ -70,57 +95,110 @@ impl Axis {
         }
     }
 
-    /// Powers of ten; between them 2 and 5 times those where the axis holds few of them, every other one or
-    /// fewer where it holds too many.
-    fn decades(&self, most: usize) -> Vec<f64> {
+    /// Ticks, at most `most` of them with labels (at least 2 are asked for).
+    pub fn ticks(&self, most: usize) -> Ticks {
+        match self.scale {
+            AxisScale::Linear => self.linear_ticks(most.max(2)),
+            AxisScale::Logarithmic => self.logarithmic_ticks(most.max(2)),
+        }
+    }
+
+    /// The smallest round step that makes at most `most` ticks.
+    fn linear_ticks(&self, most: usize) -> Ticks {
         let Range { start, end } = self.range;
-        let (first, last) = (start.log10().floor() as i32, end.log10().ceil() as i32);
+        let count = |step: f64| (end / step).floor() - (start / step).ceil() + 1.0;
+        let mut power = ((end - start) / most as f64).log10().floor() as i32;
+        let step = loop {
+            let steps = [1.0, 2.0, 5.0].map(|factor| factor * 10f64.powi(power));
+            let fits = |step: &f64| count(*step) <= most as f64 && (*step >= 1.0 || !self.is_whole);
+            if let Some(step) = steps.into_iter().find(fits) {
+                break step;
+            }
+            power += 1;
+        };
+        let first = (start / step).ceil();
+        let values: Vec<f64> = (0..count(step) as usize)
+            .map(|k| step * (first + k as f64))
+            .collect();
+        let largest = values.iter().map(|value| value.abs()).fold(0.0, f64::max);
+        let exponent = match largest {
+            0.0 => 0,
+            largest if (1e-2..1e5).contains(&largest) => 0,
+            largest => power_of(largest),
+        };
+        let unit = 10f64.powi(exponent);
+        let decimals = (exponent - power_of(step)).clamp(0, 12) as usize;
+        let label = |value: f64| number_label(value / unit, decimals);
+        Ticks {
+            labelled: values.iter().map(|value| (*value, label(*value))).collect(),
+            small: Vec::new(),
+            factor: (exponent != 0).then(|| format!("×10^{{{exponent}}}")),
+        }
+    }
+
+    /// Powers of ten; 2 and 5 times those too where the axis holds few of them, every other one or fewer where it
+    /// holds too many.
+    fn logarithmic_ticks(&self, most: usize) -> Ticks {
+        let Range { start, end } = self.range;
         let holds = |value: &f64| (start..=end).contains(value);
+        let (first, last) = (power_of(start), power_of(end) + 1);
         let decades = (end / start).log10();
-        let factors: &[f64] = if decades < 0.7 {
-            &[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]
-        } else if decades < 2.2 {
+        if decades < 0.5 {
+            // Too short for ratios: round numbers tell more.
+            return Self {
+                scale: AxisScale::Linear,
+                ..self.clone()
+            }
+            .linear_ticks(most.min(5));
+        }
+        let factors: &[f64] = if decades < 1.7 {
             &[1.0, 2.0, 5.0]
         } else {
             &[1.0]
         };
-        let stride = ((last - first) as usize).div_ceil(most.max(1)).max(1);
-        (first..=last)
-            .step_by(stride)
-            .flat_map(|power| factors.iter().map(move |factor| factor * 10f64.powi(power)))
-            .filter(holds)
-            .collect()
-    }
-}
-
-impl Ranged for Axis {
-    type FormatOption = NoDefaultFormatting;
-    type ValueType = f64;
-
-    fn map(&self, value: &f64, (low, high): (i32, i32)) -> i32 {
-        low + (self.part(*value) * f64::from(high - low)).round() as i32
-    }
-
-    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
-        match self.scale {
-            AxisScale::Linear => RangedCoordf64::from(self.range.clone()).key_points(hint),
-            AxisScale::Logarithmic => self.decades(hint.bold_points()),
+        let stride = ((last - first) as usize).div_ceil(most).max(1);
+        let times = |power: i32, factor: f64| factor * 10f64.powi(power);
+        let values: Vec<(f64, i32, f64)> = (first..=last)
+            .filter(|power| power.rem_euclid(stride as i32) == 0)
+            .flat_map(|power| {
+                let value = move |factor: &f64| (times(power, *factor), power, *factor);
+                factors.iter().map(value)
+            })
+            .filter(|(value, ..)| holds(value))
+            .collect();
+        let is_plain =
+            factors.len() > 1 && values.iter().all(|(value, ..)| (1e-3..1e5).contains(value));
+        let label = |&(value, power, factor): &(f64, i32, f64)| {
+            let label = if is_plain {
+                number_label(value, (-power).max(0) as usize)
+            } else if factor == 1.0 {
+                format!("10^{{{power}}}")
+            } else {
+                format!("{factor}·10^{{{power}}}")
+            };
+            (value, label)
+        };
+        let between =
+            (first..=last).flat_map(|power| (2..10).map(move |k| times(power, f64::from(k))));
+        Ticks {
+            labelled: values.iter().map(label).collect(),
+            small: if stride == 1 {
+                between.filter(holds).collect()
+            } else {
+                (first..=last)
+                    .map(|power| times(power, 1.0))
+                    .filter(holds)
+                    .collect()
+            },
+            factor: None,
         }
     }
-
-    fn range(&self) -> Range<f64> {
-        self.range.clone()
-    }
 }
 
-impl ValueFormatter<f64> for Axis {
-    fn format_ext(&self, value: &f64) -> String {
-        let step = match self.scale {
-            AxisScale::Linear => (self.range.end - self.range.start) / 5.0,
-            AxisScale::Logarithmic => *value,
-        };
-        number_label(*value, step)
-    }
+/// The power of ten that is not above a size.
+fn power_of(size: f64) -> i32 {
+    // Rounding must not push a power of ten below itself.
+    (size.log10() + 1e-12).floor() as i32
 }
 
 /// Least and greatest of the finite values; reversed where there are none.
@@ -131,30 +209,18 @@ fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
     })
 }
 
-/// A number with as many digits as tell it from another `step` away, in scientific form where it is small or
-/// large.
-fn number_label(value: f64, step: f64) -> String {
-    let power = |size: f64| size.log10().floor() as i32;
-    let size = value.abs();
-    // Ticks that are sums of steps miss zero by rounding.
-    if size < 1e-9 * step {
-        return "0".into();
-    }
-    let without_zeros = |text: String| match text.split_once('.') {
-        Some(_) => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        None => text,
+/// A number with at most so many decimals, and none that say nothing.
+fn number_label(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    let text = match text.split_once('.') {
+        Some(_) => text.trim_end_matches('0').trim_end_matches('.'),
+        None => &text,
     };
-    if (1e-3..1e5).contains(&size) {
-        let decimals = (1 - power(step)).clamp(0, 12) as usize;
-        return without_zeros(format!("{value:.decimals$}"));
+    match text.strip_prefix('-') {
+        Some("0") => "0".into(),
+        Some(size) => format!("−{size}"),
+        None => text.into(),
     }
-    let exponent = power(size);
-    let decimals = (1 + exponent - power(step)).clamp(0, 12) as usize;
-    let mantissa = value / 10f64.powi(exponent);
-    format!(
-        "{}e{exponent}",
-        without_zeros(format!("{mantissa:.decimals$}"))
-    )
 }
 
 #[cfg(test)]
@@ -165,21 +231,18 @@ mod tests {
         Axis::around(scale, values.iter().copied())
     }
 
-    #[test]
-    fn equal_ratios_are_equal_steps_of_a_logarithmic_axis() {
-        let axis = axis(AxisScale::Logarithmic, &[1e-3, 1.0, 1e3, -4.0, f64::NAN]);
-        let places = [1e-3, 1.0, 1e3].map(|value| axis.map(&value, (0, 60_000)));
-        assert_eq!(places[1], 30_000);
-        assert!((places[0] + places[2] - 60_000).abs() <= 1 && places[0] > 0);
+    fn labels(scale: AxisScale, values: &[f64], most: usize) -> (Vec<String>, Option<String>) {
+        let ticks = axis(scale, values).ticks(most);
+        let labels = ticks.labelled.into_iter().map(|(_, label)| label);
+        (labels.collect(), ticks.factor)
     }
 
     #[test]
-    fn ticks_are_powers_of_ten_or_few_steps_between() {
-        let ticks = |values: &[f64]| axis(AxisScale::Logarithmic, values).decades(6);
-        assert_eq!(ticks(&[1.0, 10.0, 1e4]), [1.0, 10.0, 100.0, 1e3, 1e4]);
-        assert_eq!(ticks(&[1.0, 20.0]), [1.0, 2.0, 5.0, 10.0, 20.0]);
-        assert_eq!(ticks(&[2.0, 3.0]), [2.0, 3.0]);
-        assert!(ticks(&[1e-12, 1e12]).len() <= 8);
+    fn equal_ratios_are_equal_steps_of_a_logarithmic_axis() {
+        let axis = axis(AxisScale::Logarithmic, &[1e-3, 1.0, 1e3, -4.0, f64::NAN]);
+        let places = [1e-3, 1.0, 1e3].map(|value| axis.part(value));
+        assert!((places[1] - 0.5).abs() < 1e-12);
+        assert!((places[0] + places[2] - 1.0).abs() < 1e-12 && places[0] > 0.0);
     }
 
     #[test]
@@ -192,29 +255,59 @@ mod tests {
     }
 
     #[test]
-    fn axes_are_never_empty() {
-        for scale in [AxisScale::Linear, AxisScale::Logarithmic] {
-            for values in [&[][..], &[0.0], &[3.0], &[-2.0, -2.0]] {
-                let range = axis(scale, values).range();
-                assert!(range.start < range.end, "{scale:?} {values:?} {range:?}");
-            }
-        }
+    fn linear_ticks_are_round_and_share_a_power_of_ten() {
+        let linear = |values: &[f64]| labels(AxisScale::Linear, values, 6);
+        assert_eq!(
+            linear(&[0.0, 1.0]).0,
+            ["0", "0.2", "0.4", "0.6", "0.8", "1"]
+        );
+        assert_eq!(linear(&[-1.0, 1.0]).0, ["−1", "−0.5", "0", "0.5", "1"]);
+        let (small, factor) = linear(&[0.0, 3e-7]);
+        assert_eq!(small, ["0", "1", "2", "3"]);
+        assert_eq!(factor.as_deref(), Some("×10^{-7}"));
+        let (large, factor) = linear(&[1.0e6, 1.2e6]);
+        assert_eq!(large, ["1", "1.05", "1.1", "1.15", "1.2"]);
+        assert_eq!(factor.as_deref(), Some("×10^{6}"));
     }
 
     #[test]
-    fn labels_have_the_digits_that_tell_ticks_apart() {
-        for (value, step, label) in [
-            (0.0, 1.0, "0"),
-            (1e-17, 0.1, "0"),
-            (0.30000000000000004, 0.1, "0.3"),
-            (-12.5, 0.5, "-12.5"),
-            (500.0, 500.0, "500"),
-            (0.0020027, 1e-7, "0.0020027"),
-            (1.5e-7, 0.5e-7, "1.5e-7"),
-            (1e-6, 1e-6, "1e-6"),
-            (-2.5e8, 1e7, "-2.5e8"),
-        ] {
-            assert_eq!(number_label(value, step), label);
+    fn whole_numbers_have_no_ticks_between() {
+        assert_eq!(
+            labels(AxisScale::Linear, &[1.0, 2.0, 3.0], 9).0,
+            ["1", "2", "3"]
+        );
+        assert_eq!(
+            labels(AxisScale::Linear, &[1.0, 2.5, 3.0], 5).0,
+            ["1", "1.5", "2", "2.5", "3"]
+        );
+    }
+
+    #[test]
+    fn logarithmic_ticks_are_powers_of_ten_or_few_steps_between() {
+        let logarithmic = |values: &[f64], most| labels(AxisScale::Logarithmic, values, most).0;
+        let powers = ["10^{0}", "10^{1}", "10^{2}", "10^{3}", "10^{4}"];
+        assert_eq!(logarithmic(&[1.0, 1e4], 6), powers);
+        assert_eq!(logarithmic(&[1.0, 20.0], 6), ["1", "2", "5", "10", "20"]);
+        let tiny = ["10^{-6}", "2·10^{-6}", "5·10^{-6}", "10^{-5}"];
+        assert_eq!(logarithmic(&[1e-6, 1e-5], 6), tiny);
+        assert!(logarithmic(&[1e-12, 1e12], 6).len() <= 7);
+        assert_eq!(logarithmic(&[2.0, 3.0], 3), ["2", "2.5", "3"]);
+    }
+
+    #[test]
+    fn a_constant_has_a_few_finite_ticks_whatever_its_size() {
+        for value in [0.0, 3.0, -2e-9, 1e-308, 5e-324, 1e12, 1e300, -1e300] {
+            for other in [value, value * (1.0 + 2e-16)] {
+                let ticks = axis(AxisScale::Linear, &[value, other]).ticks(5);
+                assert!(
+                    (1..=5).contains(&ticks.labelled.len()),
+                    "{value}: {ticks:?}"
+                );
+                for (at, label) in &ticks.labelled {
+                    assert!(at.is_finite() && !label.contains("inf"), "{value}: {label}");
+                    assert!(label.len() < 8, "{value}: {label}");
+                }
+            }
         }
     }
 }

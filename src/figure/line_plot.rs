@@ -1,251 +1,187 @@
 //! Curves over a common axis, one plot above the other.
 
-use super::axis::{Axis, AxisScale};
-use super::palette;
-use plotters::prelude::*;
-use plotters::style::RGBColor;
-
-/// A plot of one or more curves.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LinePlot {
-    /// Name and unit of the vertical axis.
-    pub label: String,
-    /// The curves.
-    pub curves: Vec<Curve>,
-}
-
-/// A curve and its name.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Curve {
-    /// Name in the legend; no legend is drawn for a single curve.
-    pub name: String,
-    /// The points; the curve is broken where there is no value.
-    pub points: Vec<(f64, Option<f64>)>,
-}
-
-impl Curve {
-    /// The stretches of the curve between its breaks, on axes of the given scales.
-    fn stretches(
-        &self,
-        [horizontal, vertical]: [AxisScale; 2],
-    ) -> impl Iterator<Item = Vec<(f64, f64)>> {
-        let stretches = self
-            .points
-            .split(move |(x, y)| !(horizontal.holds(*x) && y.is_some_and(|y| vertical.holds(y))));
-        stretches.map(|stretch| {
-            stretch
-                .iter()
-                .filter_map(|(x, y)| Some((*x, (*y)?)))
-                .collect()
-        })
-    }
-}
-
-/// Width of the page and height of a plot without its legend, pixels.
-const WIDTH: u32 = 800;
-const BODY: u32 = 194;
-
-/// Grid points per pixel: plotters rounds all coordinates to a grid, on which smooth curves would be stairs.
-const FINENESS: u32 = 8;
+use super::Figure;
+use super::axis::{Axis, AxisScale, Ticks};
+use super::curve::{LinePlot, styles};
+use super::drawing::{Anchor, Drawing, Words};
+use super::legend::Legend;
+use super::paper::Paper;
+use super::plot_axes::{
+    Axes, Frame, GAP, TICK, draw_horizontal, draw_vertical, ticks_that_fit, widest_label,
+};
+use super::plot_curves::{draw_curve, draw_sample};
 
 /// How plots are drawn.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct PlotStyle {
     /// Scale of the common horizontal axis.
     pub horizontal: AxisScale,
     /// Scales of the vertical axes, plot by plot; linear where there is none.
     pub vertical: Vec<AxisScale>,
-    /// Whether each point is marked.
-    pub marks: bool,
-    /// Names of curves whose points are marked and not joined: what is compared with a law.
-    pub unjoined: Vec<String>,
-    /// Names of curves that are dashed: predictions.
-    pub dashed: Vec<String>,
-    /// Height of each plot without its legend, pixels; the usual one where it is 0.
-    pub height: u32,
+    /// Height of each plot over the size of the letters; the usual one where it is 0.
+    pub height: f64,
+    /// Whether a unit is as long upwards as to the right: for shapes.
+    pub is_to_scale: bool,
 }
 
-/// Draws plots one above the other as an SVG, all over the same horizontal axis, with linear axes.
-pub fn line_plots(plots: &[LinePlot], horizontal_label: &str) -> String {
-    styled_line_plots(plots, horizontal_label, &PlotStyle::default())
+/// Plots one above the other over the same horizontal axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LineFigure {
+    plots: Vec<LinePlot>,
+    horizontal_label: String,
+    style: PlotStyle,
 }
 
-/// Draws plots one above the other as an SVG, all over the same horizontal axis. Curves are broken where a
-/// point has no place on a logarithmic axis.
-pub fn styled_line_plots(plots: &[LinePlot], horizontal_label: &str, style: &PlotStyle) -> String {
-    let mut svg = String::new();
-    let legends: Vec<Legend> = (0..plots.len())
-        .map(|index| {
-            let above = index.checked_sub(1).map(|above| &plots[above]);
-            Legend::of(&plots[index], above)
-        })
-        .collect();
-    let body_height = if style.height == 0 {
-        BODY
-    } else {
-        style.height
-    };
-    let heights = legends.iter().map(|legend| legend.height + body_height);
-    let (width, height) = (WIDTH, heights.sum::<u32>().max(body_height));
-    let (fine_width, fine_height) = (pixels(width), pixels(height));
-    {
-        let page = SVGBackend::with_string(&mut svg, (fine_width, fine_height)).into_drawing_area();
-        page.fill(&WHITE).expect(DRAWN_IN_MEMORY);
-        let across = plots.iter().flat_map(points).map(|(x, _)| x);
-        let horizontal = Axis::around(style.horizontal, across);
-        let mut rest = page.clone();
-        for (index, (plot, legend)) in plots.iter().zip(&legends).enumerate() {
-            let (head, below) = rest.split_vertically(pixels(legend.height));
-            let (body, below) = below.split_vertically(pixels(body_height));
-            let scale = style.vertical.get(index).copied().unwrap_or_default();
-            let vertical = Axis::around(scale, points(plot).filter_map(|(_, y)| y));
-            let axes = Axes {
-                scales: [style.horizontal, scale],
-                horizontal: horizontal.clone(),
-                vertical,
-                horizontal_label,
+/// Plots one above the other, all over the same horizontal axis, with linear axes.
+pub fn line_plots(plots: impl Into<Vec<LinePlot>>, horizontal_label: &str) -> Figure {
+    styled_line_plots(plots, horizontal_label, PlotStyle::default())
+}
+
+/// Plots one above the other, all over the same horizontal axis. Curves are broken where a point has no place on a
+/// logarithmic axis.
+pub fn styled_line_plots(
+    plots: impl Into<Vec<LinePlot>>,
+    horizontal_label: &str,
+    style: PlotStyle,
+) -> Figure {
+    Figure::Lines(LineFigure {
+        plots: plots.into(),
+        horizontal_label: horizontal_label.into(),
+        style,
+    })
+}
+
+/// Lengths over the size of the letters.
+const MARGIN: f64 = 0.5;
+/// Room for a line of text.
+const TEXT: f64 = 1.3;
+/// Heights of a plot: the usual one, and that over the width which is not exceeded.
+const HEIGHT: f64 = 14.0;
+const HEIGHT_OVER_WIDTH: f64 = 0.5;
+const TALLEST_OVER_WIDTH: f64 = 0.8;
+/// Room above a plot without a legend.
+const HEAD: f64 = 0.8;
+
+impl LineFigure {
+    /// The plots.
+    pub fn plots(&self) -> &[LinePlot] {
+        &self.plots
+    }
+
+    /// Name and unit of the horizontal axis.
+    pub fn horizontal_label(&self) -> &str {
+        &self.horizontal_label
+    }
+
+    /// Draws the figure as SVG.
+    pub(super) fn svg(&self, paper: &Paper) -> String {
+        let em = paper.em;
+        let across = self.plots.iter().flat_map(points);
+        let across = across.filter_map(|(x, y)| y.map(|_| x));
+        let horizontal = Axis::around(self.style.horizontal, across);
+        let scale = |index: usize| self.style.vertical.get(index).copied().unwrap_or_default();
+        let verticals: Vec<Axis> = self
+            .plots
+            .iter()
+            .enumerate()
+            .map(|(index, plot)| Axis::around(scale(index), points(plot).filter_map(|(_, y)| y)))
+            .collect();
+        let height = self.height_of_a_plot(paper);
+        let ticks: Vec<Ticks> = verticals
+            .iter()
+            .map(|axis| axis.ticks((height / (2.2 * em)) as usize))
+            .collect();
+        let widest = ticks.iter().map(widest_label).fold(0.0, f64::max);
+        let left = em * (MARGIN + TEXT + GAP + widest + GAP + TICK);
+        let mut right = paper.width - em * (MARGIN + 0.8);
+        let mut height = height;
+        if self.style.is_to_scale
+            && let [vertical] = &verticals[..]
+        {
+            let size = |axis: &Axis| axis.range.end - axis.range.start;
+            let most = TALLEST_OVER_WIDTH * paper.width;
+            let unit = ((right - left) / size(&horizontal)).min(most / size(vertical));
+            (right, height) = (left + unit * size(&horizontal), unit * size(vertical));
+        }
+        let below = ticks_that_fit(&horizontal, right - left, em);
+        let mut drawing = Drawing::new(paper.width);
+        let mut top = em * MARGIN;
+        for (index, plot) in self.plots.iter().enumerate() {
+            let above = index.checked_sub(1).map(|above| &self.plots[above]);
+            let legend = Legend::between(left, paper.width - em * MARGIN, names(plot, above), em);
+            let styles = styles(&plot.curves);
+            legend.draw(top, &mut drawing, |index, ends, height, drawing| {
+                draw_sample(&styles[index], ends, height, em, drawing);
+            });
+            let room = if ticks[index].factor.is_some() {
+                TEXT
+            } else {
+                HEAD
             };
-            legend.draw(plot, &head);
-            draw(plot, &body, axes, style);
-            rest = below;
-        }
-        page.present().expect(DRAWN_IN_MEMORY);
-    }
-    // The size on the page; the view box keeps the fine grid.
-    svg.replacen(
-        &format!("width=\"{fine_width}\" height=\"{fine_height}\""),
-        &format!("width=\"{width}\" height=\"{height}\""),
-        1,
-    )
-}
-
-const DRAWN_IN_MEMORY: &str = "an SVG drawn in memory does not fail";
-
-type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
-
-/// The axes of one plot.
-struct Axes<'a> {
-    scales: [AxisScale; 2],
-    horizontal: Axis,
-    vertical: Axis,
-    horizontal_label: &'a str,
-}
-
-/// Pixels in units of the fine grid.
-fn pixels(count: u32) -> u32 {
-    FINENESS * count
-}
-
-fn font() -> FontDesc<'static> {
-    ("sans-serif", pixels(13)).into_font()
-}
-
-fn draw(plot: &LinePlot, area: &Area, axes: Axes, style: &PlotStyle) {
-    let font = font();
-    let mut chart = ChartBuilder::on(area)
-        .margin_left(pixels(8))
-        .margin_right(pixels(16))
-        .x_label_area_size(pixels(44))
-        .y_label_area_size(pixels(84))
-        .build_cartesian_2d(axes.horizontal, axes.vertical)
-        .expect(DRAWN_IN_MEMORY);
-    chart
-        .configure_mesh()
-        .light_line_style(TRANSPARENT)
-        .bold_line_style(BLACK.mix(0.1).stroke_width(pixels(1)))
-        .axis_style(BLACK.stroke_width(pixels(1)))
-        .label_style(font)
-        .set_all_tick_mark_size(pixels(4))
-        .x_desc(axes.horizontal_label)
-        .y_desc(&plot.label)
-        .y_labels(5)
-        .draw()
-        .expect(DRAWN_IN_MEMORY);
-    for (index, curve) in plot.curves.iter().enumerate() {
-        let joined = !style.unjoined.contains(&curve.name);
-        for stretch in curve.stretches(axes.scales) {
-            if style.marks || !joined {
-                let mark =
-                    |point: &(f64, f64)| Circle::new(*point, pixels(3), color(index).filled());
-                let marks: Vec<_> = stretch.iter().map(mark).collect();
-                chart.draw_series(marks).expect(DRAWN_IN_MEMORY);
+            top += legend.height() + em * room;
+            let frame = Frame {
+                left,
+                right,
+                top,
+                bottom: top + height,
+            };
+            let axes = Axes {
+                frame,
+                horizontal: &horizontal,
+                vertical: &verticals[index],
+            };
+            draw_vertical(&axes, &ticks[index], &plot.label, em, &mut drawing);
+            let is_last = index + 1 == self.plots.len();
+            draw_horizontal(&axes, &below, is_last, em, &mut drawing);
+            for (curve, style) in plot.curves.iter().zip(&styles) {
+                draw_curve(curve, style, &axes, em, &mut drawing);
             }
-            // A single point is no line.
-            if joined && stretch.len() > 1 {
-                let line = color(index).stroke_width(pixels(2));
-                if style.dashed.contains(&curve.name) {
-                    let series = DashedLineSeries::new(stretch, pixels(6), pixels(5), line);
-                    chart.draw_series(series).expect(DRAWN_IN_MEMORY);
-                } else {
-                    let series = LineSeries::new(stretch, line);
-                    chart.draw_series(series).expect(DRAWN_IN_MEMORY);
-                }
-            }
+            top += height + em * TICK;
         }
+        let names = [
+            (&self.horizontal_label, 0.5 * (left + right), Anchor::Middle),
+            (
+                &below.factor.clone().unwrap_or_default(),
+                right,
+                Anchor::End,
+            ),
+        ];
+        for (text, x, anchor) in names {
+            let base = top + em * (GAP + 2.0 * TEXT);
+            drawing.text(Words {
+                text,
+                at: [x, base],
+                size: em,
+                anchor,
+                upright: false,
+            });
+        }
+        drawing.finish(top + em * (GAP + 2.0 * TEXT + 0.3 + MARGIN))
     }
-}
 
-/// Names of the curves above a plot, each behind a stroke of its colour, in as many rows as they need.
-struct Legend {
-    /// Left ends of the strokes and the rows they stand in, pixels.
-    places: Vec<(u32, u32)>,
-    /// Height of all rows, pixels.
-    height: u32,
-}
-
-impl Legend {
-    /// Height of a row, and of the space above a plot without a legend, pixels.
-    const ROW: u32 = 26;
-    /// Where rows begin, pixels: above the vertical axis.
-    const LEFT: u32 = 92;
-
-    /// No names stand over a single curve, nor where they are those of the plot above.
-    fn of(plot: &LinePlot, above: Option<&LinePlot>) -> Self {
-        let names = |plot: &LinePlot| -> Vec<String> {
-            plot.curves.iter().map(|curve| curve.name.clone()).collect()
-        };
-        let repeats = above.is_some_and(|above| names(above) == names(plot));
-        let named = if plot.curves.len() > 1 && !repeats {
-            plot.curves.as_slice()
+    fn height_of_a_plot(&self, paper: &Paper) -> f64 {
+        let asked = if self.style.height > 0.0 {
+            self.style.height
         } else {
-            &[]
+            HEIGHT
         };
-        let (mut x, mut row) = (Self::LEFT, 0);
-        let mut places = Vec::new();
-        for curve in named {
-            let width = 44 + 8 * curve.name.chars().count() as u32;
-            if x + width > WIDTH && x > Self::LEFT {
-                (x, row) = (Self::LEFT, row + 1);
-            }
-            places.push((x, row));
-            x += width;
-        }
-        Self {
-            places,
-            height: Self::ROW * (row + 1),
-        }
-    }
-
-    fn draw(&self, plot: &LinePlot, area: &Area) {
-        let stroke = pixels(16) as i32;
-        for (index, (curve, &(x, row))) in plot.curves.iter().zip(&self.places).enumerate() {
-            let (x, y) = (pixels(x) as i32, pixels(14 + Self::ROW * row) as i32);
-            let style = color(index).stroke_width(pixels(2));
-            let line = PathElement::new([(x, y), (x + stroke, y)], style);
-            let beside = (x + stroke * 3 / 2, y - pixels(6) as i32);
-            let name = Text::new(curve.name.as_str(), beside, font());
-            area.draw(&line).expect(DRAWN_IN_MEMORY);
-            area.draw(&name).expect(DRAWN_IN_MEMORY);
-        }
+        (asked * paper.em).min(HEIGHT_OVER_WIDTH * paper.width)
     }
 }
 
-fn color(index: usize) -> RGBColor {
-    let [red, green, blue] = palette::Color::of(index).bytes();
-    RGBColor(red, green, blue)
+/// The names of the curves where there are several, and not those of the plot above.
+fn names(plot: &LinePlot, above: Option<&LinePlot>) -> Vec<String> {
+    let of = |plot: &LinePlot| -> Vec<String> {
+        plot.curves.iter().map(|curve| curve.name.clone()).collect()
+    };
+    let names = of(plot);
+    if names.len() < 2 || above.is_some_and(|above| of(above) == names) {
+        return Vec::new();
+    }
+    names
 }
 
-fn points(plot: &LinePlot) -> impl Iterator<Item = (f64, Option<f64>)> {
+fn points(plot: &LinePlot) -> impl Iterator<Item = (f64, Option<f64>)> + Clone {
     plot.curves
         .iter()
         .flat_map(|curve| curve.points.iter().copied())
@@ -253,37 +189,48 @@ fn points(plot: &LinePlot) -> impl Iterator<Item = (f64, Option<f64>)> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::curve::Curve;
+    use super::super::palette::Color;
     use super::*;
 
     fn curve(name: &str, scale: f64) -> Curve {
-        Curve {
-            name: name.into(),
-            points: (0..50)
-                .map(|k| 0.1 * f64::from(k))
-                .map(|t| (t, Some(scale * t.sin())))
-                .collect(),
+        let points = (0..50).map(|k| 0.1 * f64::from(k));
+        let points = points.map(|t| (t, Some(scale * t.sin())));
+        Curve::new(name, points.collect())
+    }
+
+    fn plot(label: &str, curves: Vec<Curve>) -> LinePlot {
+        LinePlot {
+            label: label.into(),
+            curves,
         }
     }
 
+    fn svg(plots: Vec<LinePlot>) -> String {
+        line_plots(plots, "Time in s").svg(&Paper::default())
+    }
+
+    fn count(svg: &str, words: &str) -> usize {
+        svg.matches(&format!("aria-label=\"{words}\"")).count()
+    }
+
     #[test]
-    fn every_curve_is_drawn_and_legends_stand_where_there_are_several() {
-        let several = LinePlot {
-            label: "Energy in J".into(),
-            curves: vec![curve("kinetic", 1.0), curve("bending", 2.0)],
-        };
-        let single = LinePlot {
-            label: "Contacts".into(),
-            curves: vec![curve("contacts", 3.0)],
-        };
-        let svg = line_plots(&[several, single], "Time in s");
-        for word in ["Energy in J", "kinetic", "bending", "Contacts", "Time in s"] {
-            assert!(svg.contains(word), "{word}");
+    fn the_horizontal_axis_is_labelled_once_below_all_plots() {
+        let two = || vec![curve("kinetic", 1.0), curve("bending", 2.0)];
+        let svg = svg(vec![
+            plot("Energy in J", two()),
+            plot("Power in W", two()),
+            plot("Contacts", vec![curve("contacts", 3.0)]),
+        ]);
+        for words in ["Energy in J", "Power in W", "Contacts", "Time in s"] {
+            assert_eq!(count(&svg, words), 1, "{words}");
         }
-        assert!(!svg.contains("contacts"));
+        // A tick that the vertical axes have not.
+        assert_eq!(count(&svg, "4"), 1);
+        // Names stand above the first of two plots that have the same, and above no single curve.
+        assert_eq!((count(&svg, "kinetic"), count(&svg, "contacts")), (1, 0));
         for index in 0..2 {
-            let [red, green, blue] = palette::Color::of(index).bytes();
-            let color = format!("#{red:02X}{green:02X}{blue:02X}");
-            assert!(svg.contains(&color), "{color}");
+            assert!(svg.contains(&Color::of(index).hex()));
         }
     }
 
@@ -295,120 +242,42 @@ mod tests {
             (2.0, Some(f64::INFINITY)),
             (3.0, None),
         ];
-        let constant = Curve {
-            name: "constant".into(),
-            points,
-        };
-        let zero = Curve {
-            name: "zero".into(),
-            points: vec![(0.0, Some(0.0)), (1.0, Some(0.0))],
-        };
-        let empty = Curve {
-            name: "empty".into(),
-            points: vec![],
-        };
-        for curve in [constant, zero, empty] {
-            let svg = line_plots(
-                &[LinePlot {
-                    label: "y".into(),
-                    curves: vec![curve],
-                }],
-                "x",
-            );
-            assert!(svg.ends_with("</svg>\n") && !svg.contains("NaN"));
+        let zero = vec![(0.0, Some(0.0)), (1.0, Some(0.0))];
+        for points in [points, zero, vec![]] {
+            let svg = svg(vec![plot("y", vec![Curve::new("one", points)])]);
+            assert!(svg.ends_with("</svg>\n") && !svg.contains("NaN") && !svg.contains("inf"));
         }
+        assert!(svg(vec![]).ends_with("</svg>\n"));
     }
 
     #[test]
-    fn a_curve_is_broken_where_there_is_no_value() {
-        let values = [Some(1.0), Some(2.0), None, Some(3.0), Some(4.0), Some(5.0)];
-        let points = values
-            .into_iter()
-            .enumerate()
-            .map(|(k, y)| (k as f64, y))
-            .collect();
-        let curve = Curve {
-            name: "broken".into(),
-            points,
-        };
-        let lengths: Vec<usize> = curve
-            .stretches([AxisScale::Linear; 2])
-            .map(|stretch| stretch.len())
-            .collect();
-        assert_eq!(lengths, [2, 3]);
-        let svg = line_plots(
-            &[LinePlot {
-                label: "y".into(),
-                curves: vec![curve],
-            }],
-            "x",
-        );
-        let [red, green, blue] = palette::Color::of(0).bytes();
-        assert_eq!(
-            svg.matches(&format!("stroke=\"#{red:02X}{green:02X}{blue:02X}\""))
-                .count(),
-            2
-        );
+    fn points_without_a_value_take_no_room() {
+        let points = vec![(0.0, Some(0.0)), (1.0, Some(1.0)), (1000.0, None)];
+        let svg = svg(vec![plot("y", vec![Curve::new("one", points)])]);
+        assert_eq!((count(&svg, "0.8"), count(&svg, "1000")), (2, 0));
     }
 
     #[test]
-    fn what_has_no_place_on_a_logarithmic_axis_breaks_the_curve() {
-        let values = [1.0, 10.0, 0.0, -3.0, 100.0];
-        let curve = Curve {
-            name: "broken".into(),
-            points: (1..).map(f64::from).zip(values.map(Some)).collect(),
-        };
-        let scales = [AxisScale::Linear, AxisScale::Logarithmic];
-        let stretches: Vec<usize> = curve.stretches(scales).map(|one| one.len()).collect();
-        assert_eq!(stretches.iter().filter(|length| **length > 0).count(), 2);
-        let plot = LinePlot {
-            label: "y".into(),
-            curves: vec![curve],
-        };
+    fn shapes_are_drawn_to_scale() {
+        let points = [(0.0, 0.0), (4.0, 0.0), (4.0, 1.0)];
+        let points = points.map(|(x, y)| (x, Some(y))).to_vec();
         let style = PlotStyle {
-            vertical: vec![AxisScale::Logarithmic],
-            marks: true,
+            is_to_scale: true,
             ..PlotStyle::default()
         };
-        let svg = styled_line_plots(&[plot], "x", &style);
-        assert_eq!(svg.matches("<circle").count(), 3);
-        assert!(!svg.contains("NaN"));
-    }
-
-    #[test]
-    fn a_dashed_curve_is_drawn_in_many_strokes() {
-        let plot = LinePlot {
-            label: "y".into(),
-            curves: vec![Curve {
-                name: "predicted".into(),
-                points: vec![(1.0, Some(0.0)), (1.0, Some(2.0))],
-            }],
-        };
-        let strokes = |dashed: &[&str]| {
-            let style = PlotStyle {
-                dashed: dashed.iter().map(|name| (*name).to_owned()).collect(),
-                ..PlotStyle::default()
-            };
-            let svg = styled_line_plots(std::slice::from_ref(&plot), "x", &style);
-            let [red, green, blue] = palette::Color::of(0).bytes();
-            svg.matches(&format!("stroke=\"#{red:02X}{green:02X}{blue:02X}\""))
-                .count()
-        };
-        assert_eq!(strokes(&[]), 1);
-        assert!(strokes(&["predicted"]) > 5);
-    }
-
-    #[test]
-    fn many_names_stand_in_several_rows() {
-        let plot = LinePlot {
-            label: "y".into(),
-            curves: (0..20)
-                .map(|k| curve(&format!("curve number {k}"), 1.0))
-                .collect(),
-        };
-        assert!(Legend::of(&plot, Some(&plot)).places.is_empty());
-        let legend = Legend::of(&plot, None);
-        assert!(legend.height >= 4 * Legend::ROW, "{}", legend.height);
-        assert!(legend.places.iter().all(|(x, _)| *x < WIDTH - 100));
+        let plots = [plot("y", vec![Curve::new("corner", points)])];
+        let svg = styled_line_plots(plots, "x", style).svg(&Paper::default());
+        let stroke = format!("stroke=\"{}\"", Color::of(0).hex());
+        let line = svg.lines().find(|line| line.contains(&stroke)).unwrap();
+        let (_, data) = line.split_once("d=\"M").unwrap();
+        let numbers: Vec<f64> = data
+            .split('"')
+            .next()
+            .unwrap()
+            .split(['L', ' '])
+            .map(|number| number.parse().unwrap())
+            .collect();
+        let [along, up] = [numbers[2] - numbers[0], numbers[3] - numbers[5]];
+        assert!((along / up - 4.0).abs() < 1e-3, "{numbers:?}");
     }
 }

@@ -26,16 +26,29 @@ pub fn fill(template: &str, parts: &[(&str, &str)]) -> String {
     filled + rest
 }
 
+/// The version that makes pages, with the commit where that is known.
+pub fn version() -> String {
+    let version = env!("CARGO_PKG_VERSION");
+    option_env!("RODLAB_COMMIT").map_or_else(
+        || version.to_owned(),
+        |commit| format!("{version} ({commit})"),
+    )
+}
+
 /// Whether the beginning of a file is that of a page of ours.
 pub fn is_page(head: &[u8]) -> bool {
     let head = String::from_utf8_lossy(head);
     head.starts_with("<!DOCTYPE html>")
-        && head.contains(r#"<meta name="generator" content="rodlab">"#)
+        // Earlier versions did not say which they were.
+        && head.contains(r#"<meta name="generator" content="rodlab"#)
 }
 
-/// Whether the beginning of a file is that of a picture as we draw them: SVG or PNG.
+/// Whether the beginning of a file is that of a picture as we draw them: SVG, PNG or PDF.
 pub fn is_picture(head: &[u8]) -> bool {
-    head.starts_with(b"<svg") || head.starts_with(b"<?xml") || head.starts_with(b"\x89PNG")
+    let beginnings: [&[u8]; 4] = [b"<svg", b"<?xml", b"\x89PNG", b"%PDF-"];
+    beginnings
+        .iter()
+        .any(|beginning| head.starts_with(beginning))
 }
 
 /// JSON as it stands in a script element, which a name such as `</script>` must not end.

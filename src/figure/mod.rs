@@ -1,25 +1,57 @@
-//! Pictures of plain curves and rows, as SVG and PNG.
+//! Pictures of plain curves and rows, as SVG, PNG and PDF.
 //!
-//! [`snapshots()`] draws rods as shaded tubes at several times; [`line_plots`] draws curves over time;
-//! [`movie_page`] makes the interactive page of rods in motion, [`surface_page`] that of a surface.
+//! A [`Figure`] holds what is shown: [`snapshots()`] rods as shaded tubes at several times, [`line_plots`] curves over
+//! a common axis. It is drawn on a [`Paper`], whose width and size of letters set everything else, and kept in a
+//! [`Format`]. [`movie_page`] makes the interactive page of rods in motion, [`surface_page`] that of a surface.
 
 mod axis;
+mod curve;
+mod drawing;
+mod font;
+mod legend;
 mod line_plot;
 mod markup;
 mod palette;
+mod paper;
+mod pdf;
+mod plot_axes;
+mod plot_curves;
 mod raster;
 mod snapshots;
 mod surface;
+mod text;
 mod tube;
 mod view;
 mod viewer;
 
 pub use axis::AxisScale;
-pub use line_plot::{Curve, LinePlot, PlotStyle, line_plots, styled_line_plots};
+pub use curve::{Curve, LinePlot, Look};
+pub use line_plot::{LineFigure, PlotStyle, line_plots, styled_line_plots};
 pub use markup::{is_page, is_picture};
-pub use raster::png;
-pub use snapshots::{Snapshot, snapshots};
+pub use paper::{FigureOptions, Format, Paper};
+pub use snapshots::{Plane, RodsFigure, Snapshot, snapshots};
 pub use surface::{ColouredSurface, surface_page};
 pub use tube::RodCurve;
 pub use view::View;
-pub use viewer::{Field, Movie, MovieCase, MovieFrame, MoviePlane, MovieRod, movie_page};
+pub use viewer::{
+    Field, Movie, MovieCase, MovieFrame, MoviePlane, MovieRod, MovieSeries, movie_page,
+};
+
+/// A figure, not drawn yet.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Figure {
+    /// Curves over a common axis.
+    Lines(LineFigure),
+    /// Rods at several times.
+    Rods(RodsFigure),
+}
+
+impl Figure {
+    /// Draws the figure as SVG.
+    pub fn svg(&self, paper: &Paper) -> String {
+        match self {
+            Self::Lines(figure) => figure.svg(paper),
+            Self::Rods(figure) => figure.svg(paper),
+        }
+    }
+}

@@ -4,7 +4,8 @@
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Color(pub [f64; 3]);
 
-/// The palette of Okabe and Ito (2008) without its black, and with yellow last: it is pale on white.
+/// The palette of Okabe and Ito (2008), with a grey in the place of its black, which is for axes, and without its
+/// yellow, which is pale on white.
 const OKABE_ITO: [[u8; 3]; 7] = [
     [0, 114, 178],
     [213, 94, 0],
@@ -12,7 +13,7 @@ const OKABE_ITO: [[u8; 3]; 7] = [
     [204, 121, 167],
     [230, 159, 0],
     [86, 180, 233],
-    [240, 228, 66],
+    [110, 110, 110],
 ];
 
 impl Color {

@@ -13,6 +13,17 @@ pub struct RodCurve {
     pub closed: bool,
     /// Radius, m.
     pub radius: f64,
+    /// Whether it is an obstacle, which does not move.
+    pub held: bool,
+}
+
+/// The colour of a rod of a number; obstacles are grey.
+pub(super) fn rod_color(index: usize, held: bool) -> Color {
+    if held {
+        Color::BLACK.towards(Color::WHITE, 0.55)
+    } else {
+        Color::of(index)
+    }
 }
 
 /// Where the picture lies on the page: pixels = origin + scale · metres, downwards.
@@ -65,7 +76,13 @@ pub(super) fn tubes(rods: &[RodCurve], view: &View, placement: &Placement) -> St
     let mut pieces = Vec::new();
     for (index, rod) in rods.iter().enumerate() {
         let farness = |nearness: f64| (near - nearness) / depth;
-        pieces.extend(rod_pieces(rod, Color::of(index), view, placement, farness));
+        pieces.extend(rod_pieces(
+            rod,
+            rod_color(index, rod.held),
+            view,
+            placement,
+            farness,
+        ));
     }
     pieces.sort_by(|a: &Piece, b: &Piece| a.nearness.total_cmp(&b.nearness));
     pieces.into_iter().map(|piece| piece.svg).collect()
@@ -208,6 +225,7 @@ mod tests {
                 .collect(),
             closed: false,
             radius: 2e-3,
+            held: false,
         }
     }
 

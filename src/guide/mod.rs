@@ -144,6 +144,19 @@ mod tests {
     }
 
     #[test]
+    fn the_table_of_speed_mixes_no_machines() {
+        let speed = page("performance").unwrap().text;
+        let table: Vec<&str> = speed.lines().filter(|line| line.starts_with('|')).collect();
+        assert!(table.len() > 8);
+        for line in table {
+            assert_eq!(line.matches('|').count(), 5, "{line}");
+            for other in ["thesis", "PyElastica", "MuJoCo", "other codes"] {
+                assert!(!line.contains(other), "{line}");
+            }
+        }
+    }
+
+    #[test]
     fn topics_are_found_however_they_are_typed() {
         for topic in ["exit-codes", "exit_codes", "Exit codes"] {
             assert_eq!(page(topic).unwrap().name, "exit_codes");

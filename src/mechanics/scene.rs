@@ -23,6 +23,25 @@ pub struct Scene {
     pub contact: Option<ContactParameters>,
     /// Surrounding fluid; `None` is a vacuum.
     pub fluid: Option<FluidModel>,
+    /// Where and how everything starts, if not as placed.
+    pub start: Option<Start>,
+}
+
+/// The state in which a scene of the same rods ended. Arrays are over all nodes, rod after rod.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Start {
+    /// Positions, m.
+    pub positions: Vec<Vector3>,
+    /// First material director of the edge that starts at each node; zero where none starts.
+    pub directors: Vec<Vector3>,
+    /// Twist between the edges on either side of each node, rad, whole turns included; 0 at free ends.
+    pub twist: Vec<f64>,
+    /// Velocities, m/s; empty where rods start as their descriptions say.
+    pub velocities: Vec<Vector3>,
+    /// Rate at which the edge that starts at each node turns about itself, rad/s; as long as `velocities`.
+    pub spins: Vec<f64>,
+    /// Tangent and first director of the clamp that held the frame at each node.
+    pub walls: Vec<Option<[Vector3; 2]>>,
 }
 
 /// One rod as placed at time zero.

@@ -1,3 +1,5 @@
 //! Plans: what a gripper must do so that a rod comes to lie where it should.
 
+pub mod deployment;
 pub mod grasp;
+pub mod pattern;

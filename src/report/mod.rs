@@ -1,9 +1,13 @@
 //! Figures and pages of a results directory: what `plot` and `view` show.
 
+mod branches;
 mod case_folders;
+mod labels;
 mod plot;
 mod view;
 
 pub(crate) use plot::rods_figure;
-pub use plot::{CustomFigure, PlotError, custom_figure, plot_results, write_figure};
+pub use plot::{
+    CustomFigure, PlotError, custom_figure, plot_results, write_figure, write_in_formats,
+};
 pub use view::{ViewError, WrittenPage, write_page};

@@ -7,6 +7,7 @@ use super::inversion::Inversion;
 use super::manipulated_helix::ManipulatedHelix;
 use super::page::{Heading, Page};
 use super::simplified_inversion::{self, Factor};
+use super::table::FiguresOfTable;
 use super::tightening::Tightening;
 use super::{
     ReproduceError, ReproduceOptions, auto_steps, cost, drag_steps, figure_2_5, figure_2_6,
@@ -31,6 +32,7 @@ pub static ARTIFACTS: [Artifact; 20] = [
         recipe: &Recipe {
             runs: Bundling::of_table_2_1,
             write: table_2_1::write,
+            figures_of_table: Some(table_2_1::figures_of_table),
         },
     },
     Artifact {
@@ -39,6 +41,7 @@ pub static ARTIFACTS: [Artifact; 20] = [
         recipe: &Recipe {
             runs: Bundling::of_table_2_2,
             write: table_2_2::write,
+            figures_of_table: Some(table_2_2::figures_of_table),
         },
     },
     Artifact {
@@ -47,6 +50,7 @@ pub static ARTIFACTS: [Artifact; 20] = [
         recipe: &Recipe {
             runs: Bundling::of_figure_2_5,
             write: figure_2_5::write,
+            figures_of_table: Some(figure_2_5::figures_of_table),
         },
     },
     Artifact {
@@ -55,6 +59,7 @@ pub static ARTIFACTS: [Artifact; 20] = [
         recipe: &Recipe {
             runs: Bundling::of_figure_2_6,
             write: figure_2_6::write,
+            figures_of_table: None,
         },
     },
     Artifact {
@@ -63,6 +68,7 @@ pub static ARTIFACTS: [Artifact; 20] = [
         recipe: &Recipe {
             runs: Tightening::of_figure_2_7,
             write: figure_2_7::write,
+            figures_of_table: Some(figure_2_7::figures_of_table),
         },
     },
     Artifact {
@@ -71,6 +77,7 @@ pub static ARTIFACTS: [Artifact; 20] = [
         recipe: &Recipe {
             runs: Tightening::of_figure_2_8,
             write: figure_2_8::write,
+            figures_of_table: Some(figure_2_8::figures_of_table),
         },
     },
     Artifact {
@@ -79,6 +86,7 @@ pub static ARTIFACTS: [Artifact; 20] = [
         recipe: &Recipe {
             runs: Inversion::of_figure_3_4,
             write: figure_3_4::write,
+            figures_of_table: Some(figure_3_4::figures_of_table),
         },
     },
     Artifact {
@@ -87,6 +95,7 @@ pub static ARTIFACTS: [Artifact; 20] = [
         recipe: &Recipe {
             runs: Inversion::of_figure_3_5,
             write: |page, cases| inversion_factors::write(page, &inversion_factors::RADIUS, cases),
+            figures_of_table: Some(|table| inversion_factors::figures_of_table("fig3.5", table)),
         },
     },
     Artifact {
@@ -95,6 +104,7 @@ pub static ARTIFACTS: [Artifact; 20] = [
         recipe: &Recipe {
             runs: Inversion::of_figure_3_6,
             write: |page, cases| inversion_factors::write(page, &inversion_factors::NUMBER, cases),
+            figures_of_table: Some(|table| inversion_factors::figures_of_table("fig3.6", table)),
         },
     },
     Artifact {
@@ -105,6 +115,7 @@ pub static ARTIFACTS: [Artifact; 20] = [
             write: |page, cases| {
                 inversion_factors::write(page, &inversion_factors::FRICTION, cases)
             },
+            figures_of_table: Some(|table| inversion_factors::figures_of_table("fig3.7", table)),
         },
     },
     Artifact {
@@ -113,6 +124,7 @@ pub static ARTIFACTS: [Artifact; 20] = [
         recipe: &Recipe {
             runs: |quick| vec![Inversion::of_figure_3_5(quick)[0]],
             write: figure_3_9::write,
+            figures_of_table: Some(figure_3_9::figures_of_table),
         },
     },
     Artifact {
@@ -121,6 +133,9 @@ pub static ARTIFACTS: [Artifact; 20] = [
         recipe: &Recipe {
             runs: Inversion::of_figure_3_5,
             write: |page, cases| simplified_inversion::write(page, Factor::Radius, cases),
+            figures_of_table: Some(|table| {
+                simplified_inversion::figures_of_table("fig3.10", Factor::Radius, table)
+            }),
         },
     },
     Artifact {
@@ -129,6 +144,9 @@ pub static ARTIFACTS: [Artifact; 20] = [
         recipe: &Recipe {
             runs: Inversion::of_figure_3_6,
             write: |page, cases| simplified_inversion::write(page, Factor::UnknottingNumber, cases),
+            figures_of_table: Some(|table| {
+                simplified_inversion::figures_of_table("fig3.11", Factor::UnknottingNumber, table)
+            }),
         },
     },
     Artifact {
@@ -137,6 +155,7 @@ pub static ARTIFACTS: [Artifact; 20] = [
         recipe: &Recipe {
             runs: |quick| vec![Helices::of_the_thesis(quick)],
             write: figure_6_2::write,
+            figures_of_table: Some(figure_6_2::figures_of_table),
         },
     },
     Artifact {
@@ -145,6 +164,7 @@ pub static ARTIFACTS: [Artifact; 20] = [
         recipe: &Recipe {
             runs: ManipulatedHelix::of_figure_6_5,
             write: figure_6_5::write,
+            figures_of_table: Some(figure_6_5::figures_of_table),
         },
     },
     Artifact {
@@ -153,6 +173,7 @@ pub static ARTIFACTS: [Artifact; 20] = [
         recipe: &Recipe {
             runs: |quick| vec![Helices::of_the_thesis(quick)],
             write: figure_6_2::write_section,
+            figures_of_table: Some(figure_6_2::figures_of_section),
         },
     },
     Artifact {
@@ -161,6 +182,7 @@ pub static ARTIFACTS: [Artifact; 20] = [
         recipe: &Recipe {
             runs: Tightening::of_convergence,
             write: knot_convergence::write,
+            figures_of_table: None,
         },
     },
     Artifact {
@@ -169,6 +191,7 @@ pub static ARTIFACTS: [Artifact; 20] = [
         recipe: &Recipe {
             runs: Bundling::of_cost,
             write: cost::write,
+            figures_of_table: Some(cost::figures_of_table),
         },
     },
     Artifact {
@@ -177,6 +200,7 @@ pub static ARTIFACTS: [Artifact; 20] = [
         recipe: &Recipe {
             runs: Bundling::of_drag_steps,
             write: drag_steps::write,
+            figures_of_table: None,
         },
     },
     Artifact {
@@ -185,6 +209,7 @@ pub static ARTIFACTS: [Artifact; 20] = [
         recipe: &Recipe {
             runs: Bundling::of_auto_steps,
             write: auto_steps::write,
+            figures_of_table: None,
         },
     },
 ];
@@ -227,12 +252,17 @@ impl fmt::Debug for Artifact {
 struct Recipe<R> {
     runs: fn(quick: bool) -> Vec<R>,
     write: fn(&mut Page, &[Case<R>]) -> Result<(), ReproduceError>,
+    /// Its figures from its table alone, where they hold no more.
+    figures_of_table: Option<FiguresOfTable>,
 }
 
 /// A [`Recipe`] of whatever runs.
 pub(super) trait AnyRecipe: Sync {
     /// Rough cost of all runs on one core, s.
     fn cost(&self, quick: bool) -> f64;
+
+    /// The figures from the table alone.
+    fn figures_of_table(&self) -> Option<FiguresOfTable>;
 
     /// Makes the runs and writes the page; returns the files written.
     fn make(
@@ -279,6 +309,10 @@ impl<R: Run> Recipe<R> {
 impl<R: Run> AnyRecipe for Recipe<R> {
     fn cost(&self, quick: bool) -> f64 {
         (self.runs)(quick).iter().map(Run::cost).sum()
+    }
+
+    fn figures_of_table(&self) -> Option<FiguresOfTable> {
+        self.figures_of_table
     }
 
     fn make(

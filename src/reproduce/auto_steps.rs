@@ -79,7 +79,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Bundling>]) -> Result<(), Rep
     figure(
         page,
         "auto-steps",
-        "Difference ē from steps of 1 ms, in radii",
+        "Mean difference ē of the nodes from steps of 1 ms with the same number of flagella",
         curves,
     )
 }

@@ -1,7 +1,7 @@
 //! Runs, some at a time, each in its own results directory.
 
 use super::{ReproduceError, ReproduceOptions};
-use crate::results::{CaseRecord, MAIN_CASE, Manifest, scenario_hash};
+use crate::results::{CaseRecord, MAIN_CASE, Manifest};
 use crate::run::{PreparedRun, RunError, RunOptions, RunStatus, run, thread_pools};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -80,7 +80,7 @@ pub(super) fn run_all<R: Run>(
 fn run_one<R: Run>(asked: &R, options: &ReproduceOptions) -> Result<Case<R>, ReproduceError> {
     let prepared = asked.prepare();
     // Another version of the program may resolve the scenario to something else: that is another run.
-    let hash = scenario_hash(&prepared.scenario_toml);
+    let hash = blake3::hash(prepared.scenario_toml.as_bytes()).to_hex();
     let name = format!("{}-{}", asked.id(), &hash[..HASH_DIGITS]);
     let directory = options.directory.join(CASES).join(name);
     let run_options = RunOptions {

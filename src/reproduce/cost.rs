@@ -3,16 +3,18 @@
 use super::ReproduceError;
 use super::bundling::Bundling;
 use super::cases::Case;
-use super::page::{Page, number};
-use crate::figure::{AxisScale, Curve, LinePlot, PlotStyle, styled_line_plots};
-use serde::Serialize;
+use super::page::{Page, PageFigure, number};
+use super::table::rows_of;
+use crate::figure::{AxisScale, Curve, LinePlot, Look, PlotStyle, styled_line_plots};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 /// A row of the CSV file.
-#[derive(Serialize)]
+#[derive(Serialize, Deserialize)]
 struct Row {
     flagella: usize,
     nodes: usize,
-    status: &'static str,
+    status: String,
     steps: u64,
     steps_with_contact: u64,
     iterations_per_step: f64,
@@ -40,26 +42,34 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Bundling>]) -> Result<(), Rep
     let lines: Vec<Vec<String>> = rows.iter().map(line).collect();
     page.table(&header, &lines);
     page.csv(&rows)?;
+    Ok(page.figure(&figure(&rows))?)
+}
+
+/// The figure from the table alone.
+pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
+    Ok(vec![figure(&rows_of::<Row>(table)?)])
+}
+
+fn figure(rows: &[Row]) -> PageFigure {
     let milliseconds = |row: &Row| row.cpu_time_per_step_s.map(|time| 1e3 * time);
+    let points = rows
+        .iter()
+        .map(|row| (row.flagella as f64, milliseconds(row)));
     let plot = LinePlot {
-        label: "Processor time in ms".into(),
-        curves: vec![Curve {
-            name: "rodlab".into(),
-            points: rows
-                .iter()
-                .map(|row| (row.flagella as f64, milliseconds(row)))
-                .collect(),
-        }],
+        label: "Processor time of a step in ms".into(),
+        curves: vec![Curve::new("rodlab", points.collect()).looking(Look::Marks)],
     };
     let style = PlotStyle {
         horizontal: AxisScale::Logarithmic,
         vertical: vec![AxisScale::Logarithmic],
-        marks: true,
         ..PlotStyle::default()
     };
-    let figure = styled_line_plots(&[plot], "Number of flagella", &style);
-    page.figure("cost", "Processor time of a step of 1 ms", &figure)?;
-    Ok(())
+    let figure = styled_line_plots([plot], "Number of flagella", style);
+    PageFigure::new(
+        "cost",
+        "Processor time of a step of 1 ms over the number of flagella",
+        figure,
+    )
 }
 
 fn row(case: &Case<Bundling>) -> Row {
@@ -68,7 +78,7 @@ fn row(case: &Case<Bundling>) -> Row {
     Row {
         flagella: case.run.flagella,
         nodes: case.manifest.rods.iter().map(|rod| rod.nodes).sum(),
-        status: case.status(),
+        status: case.status().into(),
         steps: outcome.steps,
         steps_with_contact: outcome.steps_with_contact,
         iterations_per_step: outcome.newton_iterations as f64 / steps,

@@ -3,13 +3,16 @@
 use super::ReproduceError;
 use super::bundling::Bundling;
 use super::cases::Case;
-use super::page::Page;
+use super::page::{Page, PageFigure};
 use crate::figure::{AxisScale, Curve, LinePlot, PlotStyle, styled_line_plots};
 use crate::results::{NodePositions, ResultsError, RodRecord, read_nodes};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+
+/// Height of the figure over the size of its letters.
+const HEIGHT: f64 = 24.0;
 
 /// How far two runs are apart at a time; a row of CSV files.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Difference {
     pub time_s: f64,
     /// ē: mean distance of the nodes over the radius h.
@@ -49,13 +52,9 @@ pub(super) fn differences(
 
 /// ē over time as a curve of a plot.
 pub(super) fn curve(name: String, differences: &[Difference]) -> Curve {
-    Curve {
-        name,
-        points: differences
-            .iter()
-            .map(|row| (row.time_s, Some(row.mean_difference_radii)))
-            .collect(),
-    }
+    let points = differences.iter();
+    let points = points.map(|row| (row.time_s, Some(row.mean_difference_radii)));
+    Curve::new(name, points.collect())
 }
 
 /// Adds a figure of such curves over time, ē on a logarithmic axis.
@@ -66,15 +65,16 @@ pub(super) fn figure(
     curves: Vec<Curve>,
 ) -> Result<(), ReproduceError> {
     let plot = LinePlot {
-        label: "ē".into(),
+        label: "ē in radii".into(),
         curves,
     };
     let style = PlotStyle {
         vertical: vec![AxisScale::Logarithmic],
+        height: HEIGHT,
         ..PlotStyle::default()
     };
-    let figure = styled_line_plots(&[plot], "Time in s", &style);
-    Ok(page.figure(name, caption, &figure)?)
+    let figure = styled_line_plots([plot], "Time in s", style);
+    Ok(page.figure(&PageFigure::new(name, caption, figure))?)
 }
 
 #[cfg(test)]

@@ -1,10 +1,11 @@
 //! What time steps lose against a fine solution.
 
 use super::ReproduceError;
-use super::bundling::Bundling;
+use super::bundling::{Bundling, Scheme, Step};
 use super::cases::Case;
 use super::difference::{Difference, curve, differences, figure, nodes_of};
 use super::page::{Page, number};
+use crate::figure::{Curve, Look};
 use serde::Serialize;
 
 /// A row of the CSV file; differences are ē of thesis Eq. 2.28.
@@ -33,8 +34,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Bundling>]) -> Result<(), Rep
         let differences = differences(&fine, &nodes_of(case)?, radius);
         rows.push(row(case, &differences, contact));
         if index > 0 {
-            let name = format!("{}, {}", case.run.scheme.key(), case.run.step.in_words());
-            curves.push(curve(name, &differences));
+            curves.push(named(&case.run, &differences));
         }
     }
     page.text(
@@ -59,9 +59,31 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Bundling>]) -> Result<(), Rep
     figure(
         page,
         "drag-steps",
-        "Difference ē from the finest solution in radii",
+        "Mean difference ē of the nodes from the finest solution; a colour for each step, dashed where the scheme is \
+         implicit Euler",
         curves,
     )
+}
+
+/// Steps that have a colour of their own, whatever the scheme, s.
+const STEPS: [f64; 5] = [1e-3, 2e-3, 5e-3, 1e-2, 2e-2];
+
+/// ē of a run: its colour tells the step, its line the scheme.
+fn named(run: &Bundling, differences: &[Difference]) -> Curve {
+    let step = match run.step {
+        Step::Fixed(step) => format!("{step} s"),
+        Step::Auto => "auto".into(),
+    };
+    let kin = match run.step {
+        Step::Fixed(step) => STEPS.iter().position(|known| *known == step),
+        Step::Auto => None,
+    };
+    let (name, look) = match run.scheme {
+        Scheme::BackwardDifferences => ("backward differences", Look::Line),
+        Scheme::ImplicitEuler => ("implicit Euler", Look::Dashed),
+    };
+    let curve = curve(format!("{name}, {step}"), differences);
+    curve.looking(look).like(kin.unwrap_or(STEPS.len()))
 }
 
 fn row(case: &Case<Bundling>, differences: &[Difference], contact: Option<f64>) -> Row {
@@ -97,4 +119,26 @@ fn line(row: &Row) -> Vec<String> {
         number(row.difference_before_contact_radii, 3),
         number(row.difference_radii, 3),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_two_curves_of_drag_steps_look_alike() {
+        let runs = Bundling::of_drag_steps(false);
+        let curves: Vec<Curve> = runs[1..].iter().map(|run| named(run, &[])).collect();
+        assert!(curves.len() > 7);
+        for (index, curve) in curves.iter().enumerate() {
+            let alike = |other: &&Curve| other.look == curve.look && other.kin == curve.kin;
+            let other = curves[..index].iter().find(alike);
+            assert!(
+                other.is_none(),
+                "{} {:?}",
+                curve.name,
+                other.map(|other| &other.name)
+            );
+        }
+    }
 }

@@ -7,8 +7,10 @@ use super::ReproduceError;
 use super::bundling::{Bundling, DISTANCE_TOLERANCE_OF_DIFFERENCE};
 use super::cases::Case;
 use super::difference::{Difference, differences, nodes_of};
-use super::page::Page;
+use super::page::{Page, PageFigure};
+use super::table::rows_of;
 use crate::figure::{Curve, LinePlot, line_plots};
+use std::path::Path;
 
 /// Time after the first contact over which the difference is summed up, s.
 const FIRST_SECONDS: f64 = 20.0;
@@ -39,21 +41,24 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Bundling>]) -> Result<(), Rep
         ));
     }
     page.csv(&rows)?;
+    Ok(page.figure(&figure(&rows))?)
+}
+
+/// The figure from the table alone.
+pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
+    Ok(vec![figure(&rows_of::<Difference>(table)?)])
+}
+
+fn figure(rows: &[Difference]) -> PageFigure {
+    let points = rows.iter();
+    let points = points.map(|row| (row.time_s, Some(row.mean_difference_radii)));
     let plot = LinePlot {
-        label: "ē".into(),
-        curves: vec![Curve {
-            name: "rodlab".into(),
-            points: rows
-                .iter()
-                .map(|row| (row.time_s, Some(row.mean_difference_radii)))
-                .collect(),
-        }],
+        label: "ē in radii".into(),
+        curves: vec![Curve::new("rodlab", points.collect())],
     };
-    let figure = line_plots(&[plot], "Time in s");
-    page.figure(
+    PageFigure::new(
         "fig2.5c",
-        "Difference ē between IMC and IPC in radii",
-        &figure,
-    )?;
-    Ok(())
+        "Mean difference ē of the nodes between IMC and IPC, five flagella",
+        line_plots([plot], "Time in s"),
+    )
 }

@@ -3,7 +3,7 @@
 use super::ReproduceError;
 use super::bundling::Bundling;
 use super::cases::Case;
-use super::page::Page;
+use super::page::{Page, PageFigure};
 use crate::report::rods_figure;
 use serde::Serialize;
 
@@ -25,8 +25,11 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Bundling>]) -> Result<(), Rep
     for case in cases {
         let friction = case.run.friction;
         let name = format!("fig2.6_mu{friction}");
-        let snapshots = rods_figure(&case.directory, &case.manifest.rods)?;
-        page.figure(&name, &format!("μ = {friction}"), &snapshots)?;
+        let snapshots = rods_figure(&case.directory, &case.manifest)?;
+        let caption = format!(
+            "Two flagella, μ = {friction}, from the beginning to the end of the simulated time"
+        );
+        page.figure(&PageFigure::new(&name, &caption, snapshots))?;
     }
     Ok(())
 }

@@ -3,15 +3,17 @@
 use super::ReproduceError;
 use super::cases::Case;
 use super::overhand_law;
-use super::page::{Page, number};
+use super::page::{Page, PageFigure, number};
+use super::table::rows_of;
 use super::tightening::{FRICTIONS, Tightening, density_in_words, pulled_rows};
 use crate::experiment::{KnotOutcome, KnotRow};
-use crate::figure::{Curve, LinePlot, line_plots};
+use crate::figure::{Curve, LinePlot, Look, line_plots};
 use crate::knot::{TREFOIL_FRICTION, audoly_traction};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 /// A row of the CSV file.
-#[derive(Clone, Serialize)]
+#[derive(Clone, Serialize, Deserialize)]
 struct Row {
     friction: f64,
     radius_m: f64,
@@ -32,28 +34,11 @@ struct Loose {
 
 /// Writes traction over tightness, and what becomes of it as ε → 0.
 pub(super) fn write(page: &mut Page, cases: &[Case<Tightening>]) -> Result<(), ReproduceError> {
-    let (mut rows, mut plots) = (Vec::new(), Vec::new());
+    let mut rows = Vec::new();
     let (mut loose, mut balances, mut by_law) = (Vec::new(), Vec::new(), Vec::new());
     for (index, case) in cases.iter().enumerate() {
         let measured = measured(case)?;
         if index < FRICTIONS.len() {
-            let points = |value: fn(&Row) -> f64| {
-                measured
-                    .iter()
-                    .map(|row| (row.epsilon, Some(value(row))))
-                    .collect()
-            };
-            let curve = |name: &str, points| Curve {
-                name: name.into(),
-                points,
-            };
-            plots.push(LinePlot {
-                label: format!("F̄, μ = {}", case.run.friction),
-                curves: vec![
-                    curve("rodlab", points(|row| row.force_normalized)),
-                    curve("Eq. 2.29", points(|row| row.audoly_2007)),
-                ],
-            });
             if case.run.friction > 0.0 {
                 let friction = vec![case.run.friction.to_string()];
                 by_law.push([friction, overhand_law::line(case)?].concat());
@@ -72,12 +57,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Tightening>]) -> Result<(), R
     }
     page.csv(&rows)?;
     page.text(&density_in_words());
-    let svg = line_plots(&plots, "ε = √(h/R)");
-    page.figure(
-        "fig2.7",
-        "Traction F̄ = F h²/EI over tightness of a trefoil",
-        &svg,
-    )?;
+    page.figure(&traction(&rows))?;
     page.text(
         "The energy balance, and the work of friction, were all strands to slip by as much as the ends move:",
     );
@@ -139,12 +119,12 @@ fn mean(rows: &[Row]) -> Option<Loose> {
     })
 }
 
-/// Value at ε = 0 of the polynomial through points (ε, y), by Lagrange's formula.
-fn extrapolated(points: &[(f64, f64)]) -> f64 {
+/// Value at x of the polynomial through points, by Lagrange's formula.
+fn interpolated(points: &[(f64, f64)], at: f64) -> f64 {
     let weight = |own: usize| {
         let others = points.iter().enumerate().filter(|(other, _)| *other != own);
         others
-            .map(|(_, (x, _))| x / (x - points[own].0))
+            .map(|(_, (x, _))| (x - at) / (x - points[own].0))
             .product::<f64>()
     };
     points
@@ -165,15 +145,10 @@ fn limit(page: &mut Page, loose: &[Loose]) -> Result<(), ReproduceError> {
     };
     let table: Vec<Vec<String>> = loose.iter().map(|knot| cells(knot).to_vec()).collect();
     page.table(&["ε", "(F̄ − μ P h²/EI)/(ε⁴/2)", "σ = P h²/(EI ε³)"], &table);
-    let mut by_tightness: Vec<&Loose> = loose.iter().collect();
-    by_tightness.sort_by(|a, b| a.epsilon.total_cmp(&b.epsilon));
-    if by_tightness.len() >= 3 {
-        let limit = |value: fn(&Loose) -> f64| {
-            let points: Vec<(f64, f64)> = by_tightness
-                .iter()
-                .map(|knot| (knot.epsilon, value(knot)))
-                .collect();
-            let [line, parabola] = [2, 3].map(|count| extrapolated(&points[..count]));
+    if loose.len() >= 3 {
+        let limit = |value: Measure| {
+            let points = by_tightness(loose, value);
+            let [line, parabola] = [2, 3].map(|count| interpolated(&points[..count], 0.0));
             format!("{parabola:.3} ± {:.3}", (parabola - line).abs())
         };
         page.text(&format!(
@@ -189,26 +164,96 @@ fn limit(page: &mut Page, loose: &[Loose]) -> Result<(), ReproduceError> {
          has σ = 0.975 at n = 1 and ε → 0, twice too much, for its braid is a uniform double helix; that this is near what \
          knots of usual thickness have is chance.",
     );
+    Ok(page.figure(&loose_limit(loose))?)
+}
+
+/// The figures from the table alone.
+pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
+    let rows = rows_of::<Row>(table)?;
+    let runs = rows.chunk_by(|a, b| (a.friction, a.radius_m) == (b.friction, b.radius_m));
+    let loose: Vec<Loose> = runs.skip(FRICTIONS.len()).filter_map(mean).collect();
+    Ok(vec![traction(&rows), loose_limit(&loose)])
+}
+
+/// Traction over tightness, a plot for each friction coefficient.
+fn traction(rows: &[Row]) -> PageFigure {
+    let runs = rows.chunk_by(|a, b| (a.friction, a.radius_m) == (b.friction, b.radius_m));
+    let plots: Vec<LinePlot> = runs
+        .take(FRICTIONS.len())
+        .map(|rows| {
+            let points = |value: fn(&Row) -> f64| {
+                let points = rows.iter().map(|row| (row.epsilon, Some(value(row))));
+                points.collect()
+            };
+            LinePlot {
+                label: format!("F̄, μ = {}", rows[0].friction),
+                curves: vec![
+                    Curve::new("rodlab", points(|row| row.force_normalized)),
+                    Curve::new("Eq. 2.29", points(|row| row.audoly_2007)).looking(Look::Dashed),
+                ],
+            }
+        })
+        .collect();
+    PageFigure::new(
+        "fig2.7",
+        "Traction F̄ = F h²/EI over tightness of a trefoil; dashed, the law of loose knots, Eq. 2.29",
+        line_plots(plots, "ε = √(h/R)"),
+    )
+}
+
+/// A number of a loose knot.
+type Measure = fn(&Loose) -> f64;
+
+/// A number of loose knots over their tightness, loose ones first.
+fn by_tightness(loose: &[Loose], value: Measure) -> Vec<(f64, f64)> {
+    let points = loose.iter().map(|knot| (knot.epsilon, value(knot)));
+    let mut points: Vec<(f64, f64)> = points.collect();
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    points
+}
+
+/// The loose limit: what was measured, the line and the parabola by which it is extrapolated, and Eq. 2.29.
+fn loose_limit(loose: &[Loose]) -> PageFigure {
+    let plot = |label: &str, value: Measure, theory: f64| {
+        let points = by_tightness(loose, value);
+        let farthest = points.last().map_or(0.0, |point| point.0);
+        let drawn = |points: &[(f64, f64)]| points.iter().map(|(x, y)| (*x, Some(*y))).collect();
+        let through = |count: usize| -> Vec<(f64, f64)> {
+            let on = points.get(..count).unwrap_or_default();
+            let places = (0..=40).map(|k| farthest * f64::from(k) / 40.0);
+            let curve = places.map(|x| (x, interpolated(on, x)));
+            if on.is_empty() {
+                Vec::new()
+            } else {
+                curve.collect()
+            }
+        };
+        LinePlot {
+            label: label.into(),
+            curves: vec![
+                Curve::new("rodlab", drawn(&points)).looking(Look::Marks),
+                Curve::new("parabola through the three thinnest", drawn(&through(3)))
+                    .looking(Look::Dashed)
+                    .like(0),
+                Curve::new("line through the two thinnest", drawn(&through(2)))
+                    .looking(Look::Dashed)
+                    .like(6),
+                Curve::new("Eq. 2.29", vec![(0.0, Some(theory))])
+                    .looking(Look::OpenMarks)
+                    .like(1),
+            ],
+        }
+    };
     let plots = [
-        (
-            "(F̄ − μ P h²/EI)/(ε⁴/2)",
-            (|knot| knot.frictionless) as fn(&Loose) -> f64,
-        ),
-        ("σ", |knot| knot.sigma),
-    ]
-    .map(|(label, value)| LinePlot {
-        label: label.into(),
-        curves: vec![Curve {
-            name: "rodlab".into(),
-            points: by_tightness
-                .iter()
-                .map(|knot| (knot.epsilon, Some(value(knot))))
-                .collect(),
-        }],
-    });
-    let svg = line_plots(&plots, "ε = √(h/R)");
-    page.figure("fig2.7_limit", "The loose limit of a trefoil", &svg)?;
-    Ok(())
+        plot("(F̄ − μ P h²/EI)/(ε⁴/2)", |knot| knot.frictionless, 1.0),
+        plot("σ = P h²/(EI ε³)", |knot| knot.sigma, TREFOIL_FRICTION),
+    ];
+    PageFigure::new(
+        "fig2.7_limit",
+        "The loose limit of a trefoil: means over runs of ever thinner rods, how they are extrapolated to ε = 0, and \
+         the limit by Eq. 2.29",
+        line_plots(plots, "ε = √(h/R)"),
+    )
 }
 
 #[cfg(test)]
@@ -216,9 +261,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn polynomials_are_extrapolated_exactly() {
+    fn polynomials_are_interpolated_exactly() {
         let parabola = |x: f64| 0.5 - 2.0 * x + 3.0 * x * x;
         let points = [0.1, 0.2, 0.4].map(|x| (x, parabola(x)));
-        assert!((extrapolated(&points) - 0.5).abs() < 1e-14);
+        for at in [0.0, 0.3, 1.0] {
+            assert!((interpolated(&points, at) - parabola(at)).abs() < 1e-13);
+        }
     }
 }

@@ -3,14 +3,16 @@
 use super::ReproduceError;
 use super::cases::Case;
 use super::overhand_law::{HEADER, line};
-use super::page::Page;
+use super::page::{Page, PageFigure};
+use super::table::rows_of;
 use super::tightening::{FRICTION_OF_FIGURE_2_8, Tightening, density_in_words, pulled_rows};
-use crate::figure::{Curve, LinePlot, line_plots};
+use crate::figure::{AxisScale, Curve, LinePlot, Look, PlotStyle, styled_line_plots};
 use crate::knot::jawed_shortening;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 /// A row of the CSV file.
-#[derive(Clone, Copy, Serialize)]
+#[derive(Clone, Copy, Serialize, Deserialize)]
 struct Row {
     unknotting_number: usize,
     /// n² F̄.
@@ -24,30 +26,14 @@ struct Row {
 /// Writes traction over shortening, both scaled with n².
 pub(super) fn write(page: &mut Page, cases: &[Case<Tightening>]) -> Result<(), ReproduceError> {
     let mut all = Vec::new();
-    let mut curves = Vec::new();
     let mut table = Vec::new();
     for case in cases {
         let rows = measured(case)?;
         let n = case.run.unknotting_number;
-        curves.push(Curve {
-            name: format!("n = {n}"),
-            points: rows
-                .iter()
-                .map(|row| (row.scaled_shortening, Some(row.scaled_force)))
-                .collect(),
-        });
         table.push([vec![n.to_string()], line(case)?].concat());
         all.extend(rows);
     }
     page.csv(&all)?;
-    let largest = all.iter().map(|row| row.scaled_force).fold(0.0, f64::max);
-    curves.push(Curve {
-        name: "Eq. 2.30".into(),
-        points: (1..=200)
-            .map(|k| largest * f64::from(k) / 200.0)
-            .map(|force| (jawed_shortening(force, FRICTION_OF_FIGURE_2_8), Some(force)))
-            .collect(),
-    });
     page.text(&density_in_words());
     page.text("A knot leaves the law where it inverts. Before that, over tenths of the way:");
     page.table(&[["n"].as_slice(), &HEADER].concat(), &table);
@@ -60,13 +46,58 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Tightening>]) -> Result<(), R
          ε ≪ 2 μ σ, or n is large; at n = 1 it is the larger part. That both errors have opposite signs keeps the \
          trefoil near the law at this friction; with more friction it is farther from it (figure 2.7).",
     );
+    Ok(page.figure(&figure(&all))?)
+}
+
+/// The figure from the table alone.
+pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
+    Ok(vec![figure(&rows_of::<Row>(table)?)])
+}
+
+fn figure(rows: &[Row]) -> PageFigure {
+    let knots = rows.chunk_by(|a, b| a.unknotting_number == b.unknotting_number);
+    let mut curves: Vec<Curve> = knots
+        .map(|rows| {
+            let points = rows.iter();
+            let points = points.map(|row| (row.scaled_shortening, Some(row.scaled_force)));
+            let name = format!("n = {}", rows[0].unknotting_number);
+            Curve::new(name, points.collect())
+        })
+        .collect();
+    let pulled = || {
+        rows.iter()
+            .map(|row| row.scaled_force)
+            .filter(|force| *force > 0.0)
+    };
+    let (least, largest) = (
+        pulled().fold(f64::INFINITY, f64::min),
+        pulled().fold(0.0, f64::max),
+    );
+    if least < largest {
+        let law = (0..=200)
+            .map(|k| least * (largest / least).powf(f64::from(k) / 200.0))
+            .map(|force| (jawed_shortening(force, FRICTION_OF_FIGURE_2_8), Some(force)));
+        curves.push(
+            Curve::new("Eq. 2.30", law.collect())
+                .looking(Look::Dashed)
+                .like(6),
+        );
+    }
     let plot = LinePlot {
-        label: "n² F̄".into(),
+        label: "n² F̄ = n² F h²/EI".into(),
         curves,
     };
-    let svg = line_plots(&[plot], "n² h/e");
-    page.figure("fig2.8", "Traction over shortening of overhand knots", &svg)?;
-    Ok(())
+    let style = PlotStyle {
+        horizontal: AxisScale::Logarithmic,
+        vertical: vec![AxisScale::Logarithmic],
+        height: 26.0,
+        ..PlotStyle::default()
+    };
+    PageFigure::new(
+        "fig2.8",
+        "Traction over shortening of overhand knots; dashed, the law of Eq. 2.30. Where a curve falls, its knot inverts",
+        styled_line_plots([plot], "n² h/e", style),
+    )
 }
 
 fn measured(case: &Case<Tightening>) -> Result<Vec<Row>, ReproduceError> {

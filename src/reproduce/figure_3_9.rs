@@ -3,16 +3,18 @@
 use super::ReproduceError;
 use super::cases::Case;
 use super::inversion::Inversion;
-use super::page::{Page, number};
+use super::page::{Page, PageFigure, number};
+use super::table::rows_of;
 use crate::figure::{Curve, LinePlot, line_plots};
-use crate::knot::{Equilibrium, SimplifiedKnot};
+use crate::knot::SimplifiedKnot;
 use crate::mechanics::kirchhoff::EndSpin;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 /// A row of the CSV file: a knot held at a rotation, or one in equilibrium, which has no columns for energy and moment.
-#[derive(Serialize)]
+#[derive(Serialize, Deserialize)]
 struct Row {
-    end_spin: &'static str,
+    end_spin: String,
     length_normalized: f64,
     rotation_rad: f64,
     energy_normalized: Option<f64>,
@@ -33,25 +35,18 @@ const LENGTHS: [f64; 3] = [137.5, 150.0, 175.0];
 /// Largest l̄_k of the equilibria drawn.
 const LARGEST_LENGTH: f64 = 250.0;
 
+/// Equilibria whose rotations differ by more are of different pieces, rad.
+const GAP: f64 = 0.3;
+
 /// Writes energies, moments, equilibria, and how the fold moves with the conditions at the ends of the loop.
 pub(super) fn write(page: &mut Page, cases: &[Case<Inversion>]) -> Result<(), ReproduceError> {
     let mut rows = Vec::new();
-    let [mut energies, mut moments, mut equilibria] = [const { Vec::new() }; 3];
     for (name, spin) in SPINS {
         let knot = SimplifiedKnot::of_thesis(NUMBER, spin);
         for length in LENGTHS {
             let turned = knot.over_rotation(length);
-            let curve = |value: fn(&crate::knot::RotatedKnot) -> f64| Curve {
-                name: format!("{name}, l̄_k = {length}"),
-                points: turned
-                    .iter()
-                    .map(|knot| (knot.rotation, Some(value(knot))))
-                    .collect(),
-            };
-            energies.push(curve(|knot| knot.energy));
-            moments.push(curve(|knot| knot.moment));
             rows.extend(turned.iter().map(|knot| Row {
-                end_spin: name,
+                end_spin: name.into(),
                 length_normalized: length,
                 rotation_rad: knot.rotation,
                 energy_normalized: Some(knot.energy),
@@ -60,16 +55,12 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Inversion>]) -> Result<(), Re
         }
         let pieces = knot.equilibria();
         rows.extend(pieces.iter().flatten().map(|point| Row {
-            end_spin: name,
+            end_spin: name.into(),
             length_normalized: point.length,
             rotation_rad: point.rotation,
             energy_normalized: None,
             moment_normalized: None,
         }));
-        equilibria.push(Curve {
-            name: name.into(),
-            points: drawn(&pieces),
-        });
     }
     page.csv(&rows)?;
     page.text(
@@ -77,22 +68,9 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Inversion>]) -> Result<(), Re
          ε = 0.7, n = 3. The ends of the loop lie on the axis of the braid and are either clamped, GJ/EI = 2/3, or free \
          to spin about their tangents; then the loop snaps over by itself near θ = π/2, where its curve ends.",
     );
-    let plot = |label: &str, curves| LinePlot {
-        label: label.into(),
-        curves,
-    };
-    let svg = line_plots(&[plot("Ē", energies), plot("∂Ē/∂θ", moments)], "θ, rad");
-    page.figure(
-        "fig3.9",
-        "Energy of the simplified knot over the rotation",
-        &svg,
-    )?;
-    let svg = line_plots(&[plot("θ, rad", equilibria)], "l̄_k");
-    page.figure(
-        "fig3.9_equilibria",
-        "Rotation in equilibrium over l̄_k: where a curve turns back, the knot inverts",
-        &svg,
-    )?;
+    for figure in figures(&rows) {
+        page.figure(&figure)?;
+    }
     let simulated = cases
         .first()
         .and_then(|case| Inversion::outcome(case).inversion_by_height);
@@ -112,13 +90,73 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Inversion>]) -> Result<(), Re
     Ok(())
 }
 
-/// Points of the equilibria in the range drawn, with a gap between pieces.
-fn drawn(pieces: &[Vec<Equilibrium>]) -> Vec<(f64, Option<f64>)> {
+/// The figures from the table alone.
+pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
+    Ok(figures(&rows_of::<Row>(table)?).into())
+}
+
+/// Energy and moment over the rotation, and the equilibria.
+fn figures(rows: &[Row]) -> [PageFigure; 2] {
+    let held = rows.chunk_by(|a, b| {
+        let is_same = a.end_spin == b.end_spin && a.length_normalized == b.length_normalized;
+        is_same && a.energy_normalized.is_some() == b.energy_normalized.is_some()
+    });
+    let held: Vec<&[Row]> = held
+        .filter(|rows| rows[0].energy_normalized.is_some())
+        .collect();
+    let over_rotation = |label: &str, value: fn(&Row) -> Option<f64>| LinePlot {
+        label: label.into(),
+        curves: held
+            .iter()
+            .map(|rows| {
+                let Row {
+                    end_spin,
+                    length_normalized,
+                    ..
+                } = &rows[0];
+                let name = format!("{end_spin}, l̄_{{k}} = {length_normalized}");
+                let points = rows.iter().map(|row| (row.rotation_rad, value(row)));
+                Curve::new(name, points.collect())
+            })
+            .collect(),
+    };
+    let plots = [
+        over_rotation("Ē", |row| row.energy_normalized),
+        over_rotation("∂Ē/∂θ", |row| row.moment_normalized),
+    ];
+    let equilibria = SPINS.iter().map(|(name, _)| {
+        let rows = rows.iter();
+        let rows = rows.filter(|row| row.end_spin == *name && row.energy_normalized.is_none());
+        Curve::new(*name, equilibria(&rows.collect::<Vec<_>>()))
+    });
+    let equilibria = LinePlot {
+        label: "θ in rad".into(),
+        curves: equilibria.collect(),
+    };
+    [
+        PageFigure::new(
+            "fig3.9",
+            "Energy of the simplified knot and its derivative over the rotation of the ends of the loop",
+            line_plots(plots, "θ in rad"),
+        ),
+        PageFigure::new(
+            "fig3.9_equilibria",
+            "Rotation in equilibrium over the size of the knot: where a curve turns back, the knot inverts",
+            line_plots([equilibria], "l̄_{k}"),
+        ),
+    ]
+}
+
+/// Points of the equilibria in the range drawn, with a gap between pieces, which lie far apart.
+fn equilibria(rows: &[&Row]) -> Vec<(f64, Option<f64>)> {
     let mut points = Vec::new();
-    for piece in pieces {
-        let inside = piece.iter().filter(|point| point.length < LARGEST_LENGTH);
-        points.extend(inside.map(|point| (point.length, Some(point.rotation))));
-        points.push((LARGEST_LENGTH, None));
+    for (index, row) in rows.iter().enumerate() {
+        let before = index.checked_sub(1).map(|before| rows[before]);
+        if before.is_some_and(|before| (before.rotation_rad - row.rotation_rad).abs() > GAP) {
+            points.push((row.length_normalized, None));
+        }
+        let is_drawn = row.length_normalized < LARGEST_LENGTH;
+        points.push((row.length_normalized, is_drawn.then_some(row.rotation_rad)));
     }
     points
 }

@@ -3,11 +3,12 @@
 use super::ReproduceError;
 use super::cases::Case;
 use super::helices::Helices;
-use super::page::{Page, number};
-use crate::experiment::helix::stability::{
-    BoundaryRow, Part, compare, read_boundary, section_figures,
-};
+use super::page::{Page, PageFigure, number};
+use super::table::rows_of;
+use crate::experiment::helix::stability::{BoundaryRow, Part, compare, read_boundary, sections_of};
+use crate::figure::{Curve, LinePlot, line_plots};
 use crate::results::{PAGE, SURFACE};
+use std::path::Path;
 
 /// Writes the whole boundary: table, surface, sections, comparison with theory.
 pub(super) fn write(page: &mut Page, cases: &[Case<Helices>]) -> Result<(), ReproduceError> {
@@ -27,9 +28,8 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Helices>]) -> Result<(), Repr
              what became of the rod: most buckle, some touch themselves before, near (0, 1, 2) they stay stable."
         ));
         comparison(page, &rows);
-        for (name, svg) in section_figures(&case.directory)? {
-            let caption = format!("The boundary in a plane, `{name}`");
-            page.figure(name.trim_end_matches(".svg"), &caption, &svg)?;
+        for figure in sections(&rows) {
+            page.figure(&figure)?;
         }
     }
     Ok(())
@@ -49,11 +49,70 @@ pub(super) fn write_section(
              in this plane; here it is held against the conjugate points of the smooth rod.",
         );
         comparison(page, &rows);
-        if let Some((_, svg)) = section_figures(&case.directory)?.first() {
-            page.figure("fig6.6", "The boundary at ω = 0", svg)?;
+        for figure in section(&rows) {
+            page.figure(&figure)?;
         }
     }
     Ok(())
+}
+
+/// The figures of the whole boundary from its table alone.
+pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
+    Ok(sections(&rows_of(table)?))
+}
+
+/// The figure of the section ω = 0 from its table alone.
+pub(super) fn figures_of_section(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
+    Ok(section(&rows_of(table)?))
+}
+
+fn sections(rows: &[BoundaryRow]) -> Vec<PageFigure> {
+    let planes = ["ω = 0", "τ = 0", "κ = 0, straight rods"];
+    let figures = sections_of(rows).into_iter().zip(planes);
+    let figure = |((name, figure), plane): ((&str, _), &str)| {
+        let caption = format!(
+            "The boundary in the plane {plane}: the rod is stable on the side of the origin. Line, the smooth rod by \
+             conjugate points; marks, the discrete rod"
+        );
+        PageFigure::new(name.trim_end_matches(".svg"), &caption, figure)
+    };
+    figures.map(figure).collect()
+}
+
+/// The section ω = 0, and how far the discrete rod is from theory there.
+fn section(rows: &[BoundaryRow]) -> Vec<PageFigure> {
+    let Some((_, plane)) = sections_of(rows).into_iter().next() else {
+        return Vec::new();
+    };
+    let difference = |name: &str, value: fn(&BoundaryRow) -> Option<f64>| {
+        let points = rows.iter().map(|row| {
+            let angle = f64::atan2(row.kappa, row.tau).to_degrees();
+            (angle, value(row).map(|part| 1e6 * part))
+        });
+        Curve::new(name, points.collect())
+    };
+    let plot = LinePlot {
+        label: "Difference from theory in 10^{-6}".into(),
+        curves: vec![
+            difference("200 edges", |row| row.relative_difference),
+            difference("extrapolated from 100 and 200 edges", |row| {
+                row.relative_difference_extrapolated
+            }),
+        ],
+    };
+    vec![
+        PageFigure::new(
+            "fig6.6",
+            "The boundary in the plane ω = 0: the rod is stable on the side of the origin. Line, the smooth rod by \
+             conjugate points; marks, the discrete rod",
+            plane,
+        ),
+        PageFigure::new(
+            "fig6.6_difference",
+            "Distance of the boundary of the discrete rod from that of the smooth one, over it",
+            line_plots([plot], "Direction arctan(κ/τ) in degrees"),
+        ),
+    ]
 }
 
 fn comparison(page: &mut Page, rows: &[BoundaryRow]) {

@@ -3,14 +3,16 @@
 use super::ReproduceError;
 use super::cases::Case;
 use super::manipulated_helix::{DIRECTION, ManipulatedHelix, UNDISTURBED, observations};
-use super::page::{Page, number};
+use super::page::{Page, PageFigure, number};
+use super::table::rows_of;
 use crate::experiment::helix::manipulation::{Buckling, Observation};
-use crate::figure::{Curve, LinePlot, PlotStyle, styled_line_plots};
+use crate::figure::{Curve, LinePlot, Look, PlotStyle, styled_line_plots};
 use crate::mechanics::kirchhoff::critical_distance;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 /// A row of the CSV file: a run at an output time.
-#[derive(Serialize)]
+#[derive(Serialize, Deserialize)]
 struct Row {
     poissons_ratio: f64,
     youngs_modulus_pa: f64,
@@ -27,6 +29,8 @@ struct Row {
 struct Parameter {
     name: &'static str,
     symbol: &'static str,
+    /// What stands before and behind its value in a figure.
+    around: [&'static str; 2],
     value: fn(&ManipulatedHelix) -> f64,
     set_back: fn(&mut ManipulatedHelix),
 }
@@ -36,37 +40,39 @@ const PARAMETERS: [Parameter; 5] = [
     Parameter {
         name: "poissons_ratio",
         symbol: "ν",
+        around: ["ν = ", ""],
         value: |run| run.poissons_ratio,
         set_back: |run| run.poissons_ratio = UNDISTURBED.poissons_ratio,
     },
     Parameter {
         name: "youngs_modulus",
         symbol: "E/GPa",
+        around: ["E = ", " GPa"],
         value: |run| run.youngs_modulus * 1e-9,
         set_back: |run| run.youngs_modulus = UNDISTURBED.youngs_modulus,
     },
     Parameter {
         name: "gravity",
         symbol: "L_gb/L",
+        around: ["L_{gb}/L = ", ""],
         value: |run| run.gravito_bending_length,
         set_back: |run| run.gravito_bending_length = UNDISTURBED.gravito_bending_length,
     },
     Parameter {
         name: "speed",
         symbol: "v/(m/s)",
+        around: ["v = ", " m/s"],
         value: |run| run.speed,
         set_back: |run| run.speed = UNDISTURBED.speed,
     },
     Parameter {
         name: "jitter",
         symbol: "d/L",
+        around: ["d/L = ", ""],
         value: |run| run.jitter,
         set_back: |run| run.jitter = UNDISTURBED.jitter,
     },
 ];
-
-/// Name of the dashed line.
-const PREDICTED: &str = "predicted";
 
 /// Writes the errors over distance, a figure for each parameter, and how the rods buckle.
 pub(super) fn write(
@@ -99,12 +105,7 @@ pub(super) fn write(
          stability.",
     );
     for parameter in &PARAMETERS {
-        let mut of_parameter: Vec<&(ManipulatedHelix, Vec<Observation>)> = seen
-            .iter()
-            .filter(|(run, _)| differs_at_most_in(run, parameter))
-            .collect();
-        of_parameter
-            .sort_by(|(a, _), (b, _)| (parameter.value)(a).total_cmp(&(parameter.value)(b)));
+        let of_parameter = varying(parameter, &seen);
         let table: Vec<Vec<String>> = of_parameter
             .iter()
             .map(|(run, observations)| cells(parameter, run, observations, predicted))
@@ -119,11 +120,56 @@ pub(super) fn write(
             ],
             &table,
         );
-        let svg = figure(parameter, &of_parameter, predicted);
-        let caption = format!("Error e over distance, {} varies", parameter.symbol);
-        page.figure(&format!("fig6.5_{}", parameter.name), &caption, &svg)?;
+        page.figure(&figure(parameter, &of_parameter, predicted))?;
     }
     Ok(())
+}
+
+/// A run and what was seen of it.
+type Seen = (ManipulatedHelix, Vec<Observation>);
+
+/// The runs that differ in a parameter at most, in its order.
+fn varying<'a>(parameter: &Parameter, seen: &'a [Seen]) -> Vec<&'a Seen> {
+    let of_parameter = seen.iter();
+    let of_parameter = of_parameter.filter(|(run, _)| differs_at_most_in(run, parameter));
+    let mut of_parameter: Vec<&Seen> = of_parameter.collect();
+    of_parameter.sort_by(|(a, _), (b, _)| (parameter.value)(a).total_cmp(&(parameter.value)(b)));
+    of_parameter
+}
+
+/// The figures from the table alone.
+pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
+    let predicted = critical_distance(&DIRECTION).map(|critical| critical.distance);
+    let rows = rows_of::<Row>(table)?;
+    let runs = rows.chunk_by(|a, b| a.run() == b.run());
+    let seen: Vec<Seen> = runs
+        .map(|rows| (rows[0].run(), rows.iter().map(Row::observation).collect()))
+        .collect();
+    let figure = |parameter| figure(parameter, &varying(parameter, &seen), predicted);
+    Ok(PARAMETERS.iter().map(figure).collect())
+}
+
+impl Row {
+    /// The run that the row is of.
+    fn run(&self) -> ManipulatedHelix {
+        let gravito_bending_length = self.gravito_bending_length_over_length;
+        ManipulatedHelix {
+            poissons_ratio: self.poissons_ratio,
+            youngs_modulus: self.youngs_modulus_pa,
+            gravito_bending_length: gravito_bending_length.unwrap_or(f64::INFINITY),
+            speed: self.speed_m_s,
+            jitter: self.jitter_over_length,
+            ..UNDISTURBED
+        }
+    }
+
+    fn observation(&self) -> Observation {
+        Observation {
+            distance: self.distance,
+            error: self.error,
+            kinetic_energy: self.kinetic_energy_over_that_of_the_end,
+        }
+    }
 }
 
 fn row(run: &ManipulatedHelix, at: &Observation) -> Row {
@@ -181,24 +227,17 @@ fn cells(
     ]
 }
 
-fn figure(
-    parameter: &Parameter,
-    runs: &[&(ManipulatedHelix, Vec<Observation>)],
-    predicted: Option<f64>,
-) -> String {
+fn figure(parameter: &Parameter, runs: &[&Seen], predicted: Option<f64>) -> PageFigure {
     let points = |observations: &[Observation]| -> Vec<(f64, Option<f64>)> {
         let point = |at: &Observation| (at.distance, Some(at.error));
         observations.iter().map(point).collect()
     };
     let mut curves: Vec<Curve> = runs
         .iter()
-        .map(|(run, observations)| Curve {
-            name: format!(
-                "{} = {}",
-                parameter.symbol,
-                value_in_words((parameter.value)(run))
-            ),
-            points: points(observations),
+        .map(|(run, observations)| {
+            let [before, behind] = parameter.around;
+            let value = value_in_words((parameter.value)(run));
+            Curve::new(format!("{before}{value}{behind}"), points(observations))
         })
         .collect();
     let largest = runs
@@ -207,19 +246,24 @@ fn figure(
         .map(|at| at.error)
         .fold(0.0, f64::max);
     if let Some(predicted) = predicted {
-        curves.push(Curve {
-            name: PREDICTED.to_owned(),
-            points: vec![(predicted, Some(0.0)), (predicted, Some(largest))],
-        });
+        let line = vec![(predicted, Some(0.0)), (predicted, Some(largest))];
+        curves.push(Curve::new("predicted", line).looking(Look::Dashed).like(6));
     }
     let plot = LinePlot {
-        label: "error e".into(),
+        label: "Error e".into(),
         curves,
     };
     let style = PlotStyle {
-        dashed: vec![PREDICTED.to_owned()],
-        height: 300,
+        height: 22.0,
         ..PlotStyle::default()
     };
-    styled_line_plots(&[plot], "‖(κ, τ, ω)‖", &style)
+    let caption = format!(
+        "Error e over distance, {} varies; dashed, the loss of stability by theory",
+        parameter.symbol
+    );
+    PageFigure::new(
+        &format!("fig6.5_{}", parameter.name),
+        &caption,
+        styled_line_plots([plot], "Distance ‖(κ, τ, ω)‖", style),
+    )
 }

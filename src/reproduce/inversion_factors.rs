@@ -3,9 +3,11 @@
 use super::ReproduceError;
 use super::cases::Case;
 use super::inversion::Inversion;
-use super::inversion_page::{plots, rows, table};
+use super::inversion_page::{Row, figure, rows, runs_of, table};
 use super::inversion_pictures::{Moment, pictures, side_view};
-use super::page::Page;
+use super::page::{Page, PageFigure};
+use super::table::rows_of;
+use std::path::Path;
 
 /// What is varied in a figure.
 pub(super) struct Factor {
@@ -52,20 +54,22 @@ pub(super) fn write(
     }
     let flat: Vec<_> = all.iter().flat_map(|(_, rows)| rows.clone()).collect();
     page.csv(&flat)?;
-    page.figure(
-        page.name(),
-        "Traction and height of the loop while the ends are pulled apart, from right to left",
-        &plots(&all),
-    )?;
+    page.figure(&figure(page.name(), &all))?;
     page.text(factor.statement);
     table(page, factor.head, &names, cases);
     page.text(&spread(cases));
-    page.figure(
-        &format!("{}_knots", page.name()),
-        "Before the inversion and after it, on one scale",
-        &side_view(&shown),
-    )?;
-    Ok(())
+    let name = format!("{}_knots", page.name());
+    let caption =
+        "Each knot before its inversion (left) and after it (right), on one scale; from the side";
+    Ok(page.figure(&PageFigure::new(&name, caption, side_view(shown)))?)
+}
+
+/// The curves from the table alone; pictures of the knots stay as they are.
+pub(super) fn figures_of_table(
+    name: &str,
+    table: &Path,
+) -> Result<Vec<PageFigure>, ReproduceError> {
+    Ok(vec![figure(name, &runs_of(&rows_of::<Row>(table)?))])
 }
 
 /// The range of the inversion points over their mean, in words.

@@ -2,14 +2,17 @@
 
 use super::cases::Case;
 use super::inversion::Inversion;
-use super::page::{Page, number};
+use super::page::{Page, PageFigure, number};
 use crate::experiment::KnotRow;
-use crate::figure::{Curve, LinePlot, line_plots};
+use crate::figure::{Curve, Figure, LinePlot, line_plots};
 use crate::results::ResultsError;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+
+/// Name of the axis of l̄_k.
+pub(super) const TIGHTNESS: &str = "l̄_{k} = (L − l_{c})/h";
 
 /// A row of the CSV file.
-#[derive(Clone, Serialize)]
+#[derive(Clone, Serialize, Deserialize)]
 pub(super) struct Row {
     case: String,
     unknotting_number: usize,
@@ -43,19 +46,32 @@ pub(super) fn rows(case: &Case<Inversion>, name: &str) -> Result<Vec<Row>, Resul
     Ok(Inversion::pulled_rows(case)?.into_iter().map(row).collect())
 }
 
+/// Rows of a table, run by run, with their names.
+pub(super) fn runs_of(rows: &[Row]) -> Vec<(String, Vec<Row>)> {
+    let runs = rows.chunk_by(|a, b| a.case == b.case);
+    runs.map(|rows| (rows[0].case.clone(), rows.to_vec()))
+        .collect()
+}
+
+/// Traction and height of the loop over l̄_k, a curve for each run.
+pub(super) fn figure(name: &str, runs: &[(String, Vec<Row>)]) -> PageFigure {
+    PageFigure::new(
+        name,
+        "Traction and height of the loop while the ends are pulled apart, from right to left",
+        plots(runs),
+    )
+}
+
 /// F̄ and H̄ over l̄_k, a curve for each run.
-pub(super) fn plots(runs: &[(String, Vec<Row>)]) -> String {
+pub(super) fn plots(runs: &[(String, Vec<Row>)]) -> Figure {
     let plot = |label: &str, value: fn(&Row) -> Option<f64>| LinePlot {
         label: label.into(),
         curves: runs
             .iter()
-            .map(|(name, rows)| Curve {
-                name: name.clone(),
-                points: rows
-                    .iter()
-                    .rev()
-                    .map(|row| (row.length_normalized, value(row)))
-                    .collect(),
+            .map(|(name, rows)| {
+                let points = rows.iter().rev();
+                let points = points.map(|row| (row.length_normalized, value(row)));
+                Curve::new(name.clone(), points.collect())
             })
             .collect(),
     };
@@ -63,7 +79,7 @@ pub(super) fn plots(runs: &[(String, Vec<Row>)]) -> String {
         plot("F̄ = F h²/EI", |row| Some(row.force_normalized)),
         plot("H̄ = H/W", |row| row.height_normalized),
     ];
-    line_plots(&plots, "l̄_k = (L − l_c)/h")
+    line_plots(plots, TIGHTNESS)
 }
 
 /// The table of inversion points; `head` is the name of the first column, in which the names of the runs stand.

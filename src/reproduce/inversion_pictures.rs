@@ -3,20 +3,28 @@
 use super::cases::Case;
 use super::inversion::Inversion;
 use crate::experiment::KnotRow;
-use crate::figure::{RodCurve, Snapshot, View, snapshots};
+use crate::figure::{Figure, RodCurve, Snapshot, View, snapshots};
 use crate::mechanics::Vector3;
 use crate::results::{NodePositions, ResultsError, read_nodes};
+use nalgebra::Rotation3;
 
 /// A moment of an inversion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Moment {
-    /// The traction is about to fall.
+    /// The loop stands, shortly before it falls.
     Before,
-    /// The loop has lost half of its height.
+    /// The loop has begun to fall.
     During,
     /// The loop lies on the braid, the traction has grown again.
     After,
 }
+
+/// l̄_k of a knot before its inversion over that of the inversion: the traction is near its peak, the loop stands.
+const SHORTLY_BEFORE: f64 = 1.03;
+/// l̄_k over that of the inversion from which the fall is looked for, and the part of the height there below which the
+/// loop has fallen: it loses most of it between two outputs, of which the first is shown.
+const FALL_BEGINS: f64 = 1.01;
+const FALLEN: f64 = 0.5;
 
 /// Width of the picture over that of the braid.
 const WIDTH: f64 = 1.6;
@@ -24,52 +32,74 @@ const WIDTH: f64 = 1.6;
 /// Least distance of the points that are drawn, in radii: finer curves look the same and make large files.
 const SPACING: f64 = 1.5;
 
-/// Looks along z: the knot lies around the x axis and its loop beside it.
-pub(super) fn side_view(pictures: &[Snapshot]) -> String {
-    snapshots(pictures, &View::from(Vector3::z()))
+/// Looks along z: the knot lies around the x axis and its loop above it.
+pub(super) fn side_view(pictures: Vec<Snapshot>) -> Figure {
+    snapshots(pictures, View::from(Vector3::z()))
 }
 
-/// The knot of a run at the given moments, its tails cut off beside the braid; nothing where it did not invert.
+/// The knot of a run at the given moments, turned about its axis so that the loop stands up before it inverts, its
+/// tails cut off beside the braid; nothing where it did not invert.
 pub(super) fn pictures(
     case: &Case<Inversion>,
     moments: &[Moment],
 ) -> Result<Vec<Snapshot>, ResultsError> {
     let rows = Inversion::pulled_rows(case)?;
-    let outcome = Inversion::outcome(case);
-    let (Some(by_force), Some(by_height)) =
-        (outcome.inversion_by_force, outcome.inversion_by_height)
-    else {
+    let Some(inversion) = Inversion::outcome(case).inversion_by_height else {
         return Ok(Vec::new());
     };
-    let at = |length: f64| rows.iter().find(|(_, row)| row.length_normalized <= length);
-    let Some((_, upright)) = at(by_force) else {
-        return Ok(Vec::new());
-    };
-    let half = upright.loop_height_m.map(|height| 0.5 * height);
-    let mut fallen = rows.iter().filter(|(_, row)| {
-        row.length_normalized <= by_force.min(by_height + 1.0) && row.loop_height_m < half
-    });
     let outputs = read_nodes(&case.directory, case.run.nodes)?;
-    let mut pictures = Vec::new();
-    for moment in moments {
-        let found = match moment {
-            Moment::Before => at(by_force),
-            Moment::During => fallen.next(),
-            Moment::After => rows.last(),
-        };
-        let node_output = found.and_then(|(time, row)| {
-            let output = outputs.iter().find(|output| output.time == *time)?;
-            Some((output, row))
-        });
-        let reach = upright.braid_width_m.map(|width| 0.5 * WIDTH * width);
-        if let (Some((output, row)), Some(reach)) = (node_output, reach) {
-            pictures.push(picture(case, output, row, reach));
-        }
-    }
-    Ok(pictures)
+    let output_of = |time: f64| outputs.iter().find(|output| output.time == time);
+    let Some((time, upright)) = row_at(&rows, Moment::Before, inversion) else {
+        return Ok(Vec::new());
+    };
+    let (Some(before), Some(width)) = (output_of(*time), upright.braid_width_m) else {
+        return Ok(Vec::new());
+    };
+    let turn = turn_to_upright(&before.positions, case.run.radius);
+    let picture_at = |moment: &Moment| {
+        let (time, row) = row_at(&rows, *moment, inversion)?;
+        let output = output_of(*time)?;
+        Some(picture(case, output, row, 0.5 * WIDTH * width, &turn))
+    };
+    Ok(moments.iter().filter_map(picture_at).collect())
 }
 
-fn picture(case: &Case<Inversion>, output: &NodePositions, row: &KnotRow, reach: f64) -> Snapshot {
+/// The row of a moment of an inversion at an l̄_k.
+fn row_at(rows: &[(f64, KnotRow)], moment: Moment, inversion: f64) -> Option<&(f64, KnotRow)> {
+    let at = |length: f64| {
+        let passed = move |(_, row): &&(f64, KnotRow)| row.length_normalized <= length;
+        rows.iter().find(passed)
+    };
+    match moment {
+        Moment::Before => at(SHORTLY_BEFORE * inversion),
+        Moment::During => {
+            let (begins, row) = at(FALL_BEGINS * inversion)?;
+            let low = FALLEN * row.loop_height_m?;
+            let lies = |row: &KnotRow| row.loop_height_m.is_some_and(|height| height < low);
+            let fallen = rows
+                .iter()
+                .position(|(time, row)| time >= begins && lies(row))?;
+            rows.get(fallen.checked_sub(1)?)
+        }
+        Moment::After => rows.last(),
+    }
+}
+
+/// The turn about x after which what stands away from the axis of the knot stands up, along y.
+fn turn_to_upright(positions: &[Vector3], radius: f64) -> Rotation3<f64> {
+    let away = |point: &&Vector3| point.y.hypot(point.z) > 4.0 * radius;
+    let loop_: Vector3 = positions.iter().filter(away).sum();
+    let angle = f64::atan2(loop_.z, loop_.y);
+    Rotation3::from_axis_angle(&Vector3::x_axis(), -angle)
+}
+
+fn picture(
+    case: &Case<Inversion>,
+    output: &NodePositions,
+    row: &KnotRow,
+    reach: f64,
+    turn: &Rotation3<f64>,
+) -> Snapshot {
     let positions = &output.positions;
     let middle = 0.5 * (positions[0].x + positions[positions.len() - 1].x);
     let near = |point: &Vector3| (point.x - middle).abs() < reach;
@@ -77,16 +107,68 @@ fn picture(case: &Case<Inversion>, output: &NodePositions, row: &KnotRow, reach:
     let last = positions.iter().rposition(near).unwrap_or(0);
     let edge = (positions[1] - positions[0]).norm();
     let stride = (SPACING * case.run.radius / edge).ceil() as usize;
+    // Each in the middle of its picture, wherever along the rod it was tied.
+    let shown = |point: &Vector3| turn * (point - Vector3::x() * middle);
     Snapshot {
-        title: format!("l̄_k = {:.1}", row.length_normalized),
+        title: format!("l̄_{{k}} = {:.1}", row.length_normalized),
         rods: vec![RodCurve {
             points: positions[first..=last]
                 .iter()
                 .step_by(stride)
-                .copied()
+                .map(shown)
                 .collect(),
             closed: false,
             radius: case.run.radius,
+            held: false,
         }],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The knot of figure 3.4: its loop stands at H = 19 mm and falls within two outputs.
+    fn rows() -> Vec<(f64, KnotRow)> {
+        let heights = [
+            (161.0, 21.9),
+            (160.0, 21.6),
+            (157.0, 21.3),
+            (155.7, 15.4),
+            (155.6, 12.4),
+            (155.5, 0.8),
+            (145.5, 0.8),
+        ];
+        let row = |(k, (length_normalized, height)): (usize, &(f64, f64))| {
+            let row = KnotRow {
+                length_normalized: *length_normalized,
+                loop_height_m: Some(1e-3 * height),
+                ..KnotRow::default()
+            };
+            (k as f64, row)
+        };
+        heights.iter().enumerate().map(row).collect()
+    }
+
+    #[test]
+    fn pictures_before_during_and_after_an_inversion_show_what_they_say() {
+        let rows = rows();
+        let height = |moment| {
+            let (_, row) = row_at(&rows, moment, 155.5).unwrap();
+            1e3 * row.loop_height_m.unwrap()
+        };
+        assert!((height(Moment::Before) - 21.6).abs() < 1e-9);
+        assert!((height(Moment::During) - 12.4).abs() < 1e-9);
+        assert!((height(Moment::After) - 0.8).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_loop_is_turned_up() {
+        let braid = (0..10).map(|k| Vector3::new(0.01 * f64::from(k), 0.0, 1e-3));
+        let arch = (0..10).map(|k| Vector3::new(0.01 * f64::from(k), 0.01, -0.02));
+        let positions: Vec<Vector3> = braid.chain(arch).collect();
+        let turn = turn_to_upright(&positions, 1e-3);
+        let top = turn * positions[15];
+        assert!(top.z.abs() < 1e-12 && top.y > 0.02);
     }
 }

@@ -2,8 +2,9 @@
 
 use super::ReproduceError;
 use super::cases::Case;
+use super::inversion_page::TIGHTNESS;
 use super::overhand_law::force_by_law;
-use super::page::{Page, number};
+use super::page::{Page, PageFigure, number};
 use super::tightening::{
     Stretch, Tightening, VARIANTS, fluctuation, pulled_rows, range_before_inversion, stretches,
 };
@@ -43,13 +44,9 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Tightening>]) -> Result<(), R
                 force_normalized: knot.force_normalized,
             }));
             let over_law = |part: &Stretch| part.force / force_by_law(&case.run, part.length);
-            curves.push(Curve {
-                name: variant.into(),
-                points: stretches(case, range, PARTS)?
-                    .iter()
-                    .map(|part| (part.length, Some(over_law(part))))
-                    .collect(),
-            });
+            let parts = stretches(case, range, PARTS)?;
+            let points = parts.iter().map(|part| (part.length, Some(over_law(part))));
+            curves.push(Curve::new(variant, points.collect()));
             forces.push(stretches(case, range, 1)?.first().map(|whole| whole.force));
             let part = fluctuation(case, range, PARTS)?;
             swing.push(number(part.map(|part| 100.0 * part), 1));
@@ -77,12 +74,11 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Tightening>]) -> Result<(), R
          square of F̄ about its mean over a twentieth of the range, in %:",
     );
     page.table(&[["n"].as_slice(), &variants].concat(), &swings);
-    page.figure(
+    Ok(page.figure(&PageFigure::new(
         "knot-convergence",
         "Means of the traction over a twentieth of the range each, over the law of Jawed et al. 2015",
-        &line_plots(&plots, "l̄_k = (L − l_c)/h"),
-    )?;
-    Ok(())
+        line_plots(plots, TIGHTNESS),
+    ))?)
 }
 
 /// The range of l̄_k that all knots pass through before any inverts; an empty one if there is none.

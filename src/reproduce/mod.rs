@@ -13,6 +13,8 @@
 //! | `manipulated_helix` | a helical rod manipulated in time (thesis 6.3) |
 //! | `cases` | running the runs |
 //! | `page` | CSV, Markdown and manifest of an artefact |
+//! | `table` | that CSV, read again |
+//! | `redraw` | its figures again from its CSV |
 //! | `table_2_1`, `table_2_2`, `figure_2_5` to `figure_2_8` | one artefact each |
 //! | `figure_3_4`, `inversion_factors` | figures 3.4 and 3.5 to 3.7; `inversion_page` and `inversion_pictures` are their parts |
 //! | `figure_3_9`, `simplified_inversion` | the simplified knot: figures 3.9, 3.10 and 3.11 |
@@ -47,13 +49,17 @@ mod knot_convergence;
 mod manipulated_helix;
 mod overhand_law;
 mod page;
+mod redraw;
 mod simplified_inversion;
+mod table;
 mod table_2_1;
 mod table_2_2;
 mod tightening;
 
 pub use artifact::{ARTIFACTS, Artifact};
+pub use redraw::redraw;
 
+use crate::figure::FigureOptions;
 use crate::results::ResultsError;
 use crate::run::RunError;
 use std::path::PathBuf;
@@ -69,6 +75,8 @@ pub struct ReproduceOptions {
     pub jobs: usize,
     /// The command line, for the manifests.
     pub command_line: Vec<String>,
+    /// How figures are drawn.
+    pub figures: FigureOptions,
 }
 
 /// Why an artefact was not made.
@@ -92,6 +100,22 @@ pub enum ReproduceError {
     /// The system could not start the threads of a run.
     #[error("cannot start the threads of a run: {0}")]
     Threads(String),
+    /// There is no table to draw figures from.
+    #[error("there is no `{}`; make it by `rodlab reproduce {artifact}`", table.display())]
+    NoTable {
+        /// The artefact.
+        artifact: &'static str,
+        /// Its table.
+        table: PathBuf,
+    },
+    /// Figures hold more than the table.
+    #[error(
+        "the figures of {artifact} show more than its table holds; `rodlab reproduce {artifact}` draws them from its runs"
+    )]
+    NotRedrawn {
+        /// The artefact.
+        artifact: &'static str,
+    },
 }
 
 /// Makes an artefact and returns the files written; `report` is told of each run that ended.
@@ -122,6 +146,10 @@ mod tests {
             quick: true,
             jobs,
             command_line: vec!["rodlab".into(), "reproduce".into()],
+            figures: FigureOptions {
+                formats: vec![crate::figure::Format::Svg],
+                ..FigureOptions::default()
+            },
         }
     }
 

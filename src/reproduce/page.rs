@@ -2,6 +2,8 @@
 
 use super::ReproduceOptions;
 use super::cases::{Case, Run};
+use crate::figure::{Figure, FigureOptions};
+use crate::report::write_figure;
 use crate::results::{CaseStatus, MANIFEST, ResultsError, write_whole};
 use crate::run::thread_pools::threads_of_a_job;
 use serde::Serialize;
@@ -17,6 +19,45 @@ pub(super) struct Heading {
     pub title: &'static str,
 }
 
+/// A figure of a page.
+#[derive(Clone, Debug)]
+pub(super) struct PageFigure {
+    /// Name of its files, without an ending.
+    pub name: String,
+    /// What it shows.
+    pub caption: String,
+    /// The figure.
+    pub figure: Figure,
+}
+
+impl PageFigure {
+    /// A figure with its name and caption.
+    pub fn new(name: &str, caption: &str, figure: Figure) -> Self {
+        Self {
+            name: name.into(),
+            caption: caption.into(),
+            figure,
+        }
+    }
+
+    /// The figure and its caption as a page shows them, from the file of an ending.
+    pub fn in_markdown(&self, ending: &str) -> String {
+        let Self { name, caption, .. } = self;
+        format!("![{caption}]({name}.{ending})\n\n*{caption}*")
+    }
+}
+
+/// Writes a figure into the directory of its page in all formats asked for; returns the paths.
+pub(super) fn write_figures(
+    directory: &Path,
+    figure: &PageFigure,
+    options: &FigureOptions,
+) -> Result<Vec<PathBuf>, ResultsError> {
+    // No path with an ending: names such as `fig2.7` have a point of their own.
+    let path = directory.join(format!("{}.svg", figure.name));
+    write_figure(&path, &figure.figure, options)
+}
+
 /// The directory of an artefact while it is written.
 pub(super) struct Page {
     heading: Heading,
@@ -24,6 +65,7 @@ pub(super) struct Page {
     manifest: PageManifest,
     markdown: String,
     written: Vec<PathBuf>,
+    figures: FigureOptions,
 }
 
 /// How an artefact was made.
@@ -103,6 +145,7 @@ impl Page {
             heading,
             directory,
             written: Vec::new(),
+            figures: options.figures.clone(),
         })
     }
 
@@ -122,10 +165,13 @@ impl Page {
     }
 
     /// Writes a figure and shows it on the page.
-    pub fn figure(&mut self, name: &str, caption: &str, svg: &str) -> Result<(), ResultsError> {
-        let name = format!("{name}.svg");
-        self.text(&format!("![{caption}]({name})\n\n*{caption}*"));
-        self.file(&name, svg.as_bytes())
+    pub fn figure(&mut self, figure: &PageFigure) -> Result<(), ResultsError> {
+        let formats = &self.figures.formats;
+        let shown = formats.first().map_or("svg", |format| format.ending());
+        self.text(&figure.in_markdown(shown));
+        let files = write_figures(&self.directory, figure, &self.figures)?;
+        self.written.extend(files);
+        Ok(())
     }
 
     /// Copies a file of a run beside the page, if there is one.

@@ -4,13 +4,15 @@ use super::ReproduceError;
 use super::cases::Case;
 use super::figure_3_9::SPINS;
 use super::inversion::Inversion;
-use super::page::{Page, number};
-use crate::figure::{Curve, LinePlot, PlotStyle, styled_line_plots};
+use super::page::{Page, PageFigure, number};
+use super::table::rows_of;
+use crate::figure::{Curve, LinePlot, Look, line_plots};
 use crate::knot::SimplifiedKnot;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 /// A row of the CSV file: inversion points l̄_k.
-#[derive(Clone, Copy, Serialize)]
+#[derive(Clone, Copy, Serialize, Deserialize)]
 struct Row {
     unknotting_number: usize,
     radius_m: f64,
@@ -28,9 +30,6 @@ pub(super) enum Factor {
     UnknottingNumber,
 }
 
-/// Name of the curve of the simulation, whose points are not joined.
-const SIMULATION: &str = "full simulation, μ = 0.1";
-
 /// Writes inversion points over the radius (3.10) or the unknotting number (3.11).
 pub(super) fn write(
     page: &mut Page,
@@ -39,30 +38,9 @@ pub(super) fn write(
 ) -> Result<(), ReproduceError> {
     let rows: Vec<Row> = cases.iter().map(row).collect();
     page.csv(&rows)?;
-    let place = |row: &Row| match factor {
-        Factor::Radius => 1e3 * row.radius_m,
-        Factor::UnknottingNumber => row.unknotting_number as f64,
-    };
-    let curve = |name: &str, value: fn(&Row) -> Option<f64>| Curve {
-        name: name.into(),
-        points: rows.iter().map(|row| (place(row), value(row))).collect(),
-    };
-    let plot = LinePlot {
-        label: "l̄_k at inversion".into(),
-        curves: vec![
-            curve(SIMULATION, |row| row.simulated),
-            curve("simplified, ends of the loop clamped", |row| row.clamped),
-            curve("simplified, free to spin", |row| row.free_to_spin),
-        ],
-    };
-    let style = PlotStyle {
-        marks: true,
-        unjoined: vec![SIMULATION.into()],
-        ..PlotStyle::default()
-    };
-    let [label, head] = match factor {
-        Factor::Radius => ["h, mm", "h, mm"],
-        Factor::UnknottingNumber => ["unknotting number n", "n"],
+    let head = match factor {
+        Factor::Radius => "h, mm",
+        Factor::UnknottingNumber => "n",
     };
     page.text(
         "The simplified knot (φ = π/3, ε = 0.7, ends of the loop on the axis, no friction, see fig3.9) has no other \
@@ -82,7 +60,7 @@ pub(super) fn write(
         .iter()
         .map(|row| {
             vec![
-                format!("{}", (1e6 * place(row)).round() / 1e6),
+                format!("{}", (1e6 * factor.place(row)).round() / 1e6),
                 number(row.simulated, 1),
                 number(row.clamped, 1),
                 number(ratio(row.clamped, row), 3),
@@ -92,9 +70,66 @@ pub(super) fn write(
         })
         .collect();
     page.table(&header, &table);
-    let svg = styled_line_plots(&[plot], label, &style);
-    page.figure(page.name(), "Inversion points", &svg)?;
-    Ok(())
+    Ok(page.figure(&figure(page.name(), factor, &rows))?)
+}
+
+/// The figure from the table alone.
+pub(super) fn figures_of_table(
+    name: &str,
+    factor: Factor,
+    table: &Path,
+) -> Result<Vec<PageFigure>, ReproduceError> {
+    Ok(vec![figure(name, factor, &rows_of::<Row>(table)?)])
+}
+
+fn figure(name: &str, factor: Factor, rows: &[Row]) -> PageFigure {
+    let curve = |name: &str, look: Look, value: fn(&Row) -> Option<f64>| {
+        let points = rows.iter().map(|row| (factor.place(row), value(row)));
+        Curve::new(name, points.collect()).looking(look)
+    };
+    let plot = LinePlot {
+        label: "l̄_{k} at the inversion".into(),
+        curves: vec![
+            curve("full simulation, μ = 0.1", Look::Marks, |row| {
+                row.simulated
+            }),
+            curve(
+                "simplified, ends of the loop clamped",
+                factor.look(),
+                |row| row.clamped,
+            ),
+            curve("simplified, free to spin", factor.look(), |row| {
+                row.free_to_spin
+            }),
+        ],
+    };
+    let label = match factor {
+        Factor::Radius => "Radius h in mm",
+        Factor::UnknottingNumber => "Unknotting number n",
+    };
+    PageFigure::new(
+        name,
+        "Inversion points of the full simulation and of the simplified knot",
+        line_plots([plot], label),
+    )
+}
+
+impl Factor {
+    /// The place of a row along the axis.
+    fn place(self, row: &Row) -> f64 {
+        match self {
+            Self::Radius => 1e3 * row.radius_m,
+            Self::UnknottingNumber => row.unknotting_number as f64,
+        }
+    }
+
+    /// The model has every radius, but only whole numbers n.
+    fn look(self) -> Look {
+        match self {
+            Self::Radius => Look::Dashed,
+            Self::UnknottingNumber => Look::OpenMarks,
+        }
+    }
 }
 
 fn row(case: &Case<Inversion>) -> Row {

@@ -3,9 +3,11 @@
 use super::ReproduceError;
 use super::bundling::{Bundling, ContactModel, FLAGELLA};
 use super::cases::Case;
-use super::page::{Page, count, number};
-use crate::figure::{Curve, LinePlot, line_plots};
-use serde::Serialize;
+use super::page::{Page, PageFigure, count, number};
+use super::table::rows_of;
+use crate::figure::{Curve, LinePlot, Look, line_plots};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 /// What the thesis prints of a run: over the steps with contact.
 struct Printed {
@@ -44,11 +46,11 @@ const fn printed(
 }
 
 /// A row of the CSV file; iterations and times are those of the steps with contact.
-#[derive(Serialize)]
+#[derive(Serialize, Deserialize)]
 struct Row {
-    model: &'static str,
+    model: String,
     flagella: usize,
-    status: &'static str,
+    status: String,
     simulated_time_s: f64,
     steps: u64,
     steps_with_contact: u64,
@@ -115,9 +117,12 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Bundling>]) -> Result<(), Rep
         }
     }
     page.csv(&rows)?;
-    let figure = line_plots(&plots(&rows), "Number of flagella");
-    page.figure("tab2.1", "Newton iterations per step with contact", &figure)?;
-    Ok(())
+    Ok(page.figure(&figure(&rows))?)
+}
+
+/// The figure from the table alone.
+pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
+    Ok(vec![figure(&rows_of::<Row>(table)?)])
 }
 
 fn row(
@@ -130,9 +135,9 @@ fn row(
     let is_penalty = case.run.model == ContactModel::Imc;
     let barrier = barrier.filter(|_| is_penalty);
     Row {
-        model: case.run.model.name(),
+        model: case.run.model.name().into(),
         flagella: case.run.flagella,
-        status: case.status(),
+        status: case.status().into(),
         simulated_time_s: outcome.simulated_time,
         steps: outcome.steps,
         steps_with_contact: outcome.steps_with_contact,
@@ -158,7 +163,7 @@ fn row(
 
 fn line(row: &Row) -> Vec<String> {
     vec![
-        row.model.to_owned(),
+        row.model.clone(),
         row.flagella.to_string(),
         number(row.iterations_per_step, 2),
         number(Some(row.thesis_iterations_per_step), 2),
@@ -174,29 +179,26 @@ fn line(row: &Row) -> Vec<String> {
     ]
 }
 
-fn plots(rows: &[Row]) -> [LinePlot; 1] {
-    let curve = |name: String, model: &str, value: fn(&Row) -> Option<f64>| Curve {
-        name,
-        points: rows
-            .iter()
-            .filter(|row| row.model == model)
-            .map(|row| (row.flagella as f64, value(row)))
-            .collect(),
+fn figure(rows: &[Row]) -> PageFigure {
+    let curve = |name: String, model: &str, value: fn(&Row) -> Option<f64>| {
+        let rows = rows.iter().filter(|row| row.model == model);
+        Curve::new(
+            name,
+            rows.map(|row| (row.flagella as f64, value(row))).collect(),
+        )
     };
-    let curves = [ContactModel::Imc, ContactModel::Ipc]
-        .map(ContactModel::name)
-        .into_iter()
-        .flat_map(|model| {
-            [
-                curve(model.to_owned(), model, |row| row.iterations_per_step),
-                curve(format!("{model}, thesis"), model, |row| {
-                    Some(row.thesis_iterations_per_step)
-                }),
-            ]
-        })
-        .collect();
-    [LinePlot {
+    let models = [ContactModel::Imc, ContactModel::Ipc].map(ContactModel::name);
+    let curves = models.into_iter().enumerate().flat_map(|(kin, model)| {
+        let ours = curve(model.into(), model, |row| row.iterations_per_step);
+        let thesis = curve(format!("{model}, thesis"), model, |row| {
+            Some(row.thesis_iterations_per_step)
+        });
+        [ours.looking(Look::Marks), thesis.looking(Look::OpenMarks)].map(|curve| curve.like(kin))
+    });
+    let plot = LinePlot {
         label: "Iterations per step".into(),
-        curves,
-    }]
+        curves: curves.collect(),
+    };
+    let figure = line_plots([plot], "Number of flagella");
+    PageFigure::new("tab2.1", "Newton iterations per step with contact", figure)
 }

@@ -3,9 +3,11 @@
 use super::ReproduceError;
 use super::bundling::Bundling;
 use super::cases::Case;
-use super::page::{Page, count, number};
-use crate::figure::{Curve, LinePlot, line_plots};
-use serde::Serialize;
+use super::page::{Page, PageFigure, count, number};
+use super::table::rows_of;
+use crate::figure::{Curve, LinePlot, Look, line_plots};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 /// Iterations per step with contact, their total and the simulated end in s for μ = 0.1, 0.2, ..., 1.0, as
 /// the thesis prints them.
@@ -23,10 +25,10 @@ const THESIS: [(f64, f64, f64); 10] = [
 ];
 
 /// A row of the CSV file; iterations and times are those of the steps with contact.
-#[derive(Serialize)]
+#[derive(Serialize, Deserialize)]
 struct Row {
     friction: f64,
-    status: &'static str,
+    status: String,
     iterations_per_step: Option<f64>,
     total_iterations: u64,
     simulated_end_s: f64,
@@ -66,20 +68,28 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Bundling>]) -> Result<(), Rep
     let lines: Vec<Vec<String>> = rows.iter().map(line).collect();
     page.table(&header, &lines);
     page.csv(&rows)?;
-    let curve = |name: &str, value: fn(&Row) -> Option<f64>| Curve {
-        name: name.into(),
-        points: rows.iter().map(|row| (row.friction, value(row))).collect(),
+    Ok(page.figure(&figure(&rows))?)
+}
+
+/// The figure from the table alone.
+pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
+    Ok(vec![figure(&rows_of::<Row>(table)?)])
+}
+
+fn figure(rows: &[Row]) -> PageFigure {
+    let curve = |name: &str, value: fn(&Row) -> Option<f64>| {
+        let points = rows.iter().map(|row| (row.friction, value(row)));
+        Curve::new(name, points.collect())
     };
     let plot = LinePlot {
         label: "Iterations per step".into(),
         curves: vec![
-            curve("rodlab", |row| row.iterations_per_step),
-            curve("thesis", |row| Some(row.thesis_iterations_per_step)),
+            curve("rodlab", |row| row.iterations_per_step).looking(Look::Marks),
+            curve("thesis", |row| Some(row.thesis_iterations_per_step)).looking(Look::OpenMarks),
         ],
     };
-    let figure = line_plots(&[plot], "Friction coefficient");
-    page.figure("tab2.2", "Newton iterations per step with contact", &figure)?;
-    Ok(())
+    let figure = line_plots([plot], "Friction coefficient μ");
+    PageFigure::new("tab2.2", "Newton iterations per step with contact", figure)
 }
 
 fn row((case, thesis): (&Case<Bundling>, &(f64, f64, f64))) -> Row {
@@ -87,7 +97,7 @@ fn row((case, thesis): (&Case<Bundling>, &(f64, f64, f64))) -> Row {
     let &(thesis_iterations_per_step, thesis_total_iterations, thesis_simulated_end_s) = thesis;
     Row {
         friction: case.run.friction,
-        status: case.status(),
+        status: case.status().into(),
         iterations_per_step: outcome.newton_iterations_mean_with_contact(),
         total_iterations: outcome.newton_iterations_with_contact,
         simulated_end_s: outcome.simulated_time,
@@ -114,7 +124,7 @@ fn line(row: &Row) -> Vec<String> {
         count(row.thesis_total_iterations),
         number(Some(row.simulated_end_s), 2),
         number(Some(row.thesis_simulated_end_s), 2),
-        row.status.to_owned(),
+        row.status.clone(),
         number(row.time_per_step_s.map(|time| 1e3 * time), 3),
         number(row.min_distance_ratio, 4),
     ]

@@ -2,9 +2,9 @@
 
 use super::atomic::TEMPORARY_PREFIX;
 use super::checkpoint::SLOTS;
-use super::files::{FILES, LOCK, MANIFEST, VTK_COLLECTION, VTK_FOLDER};
+use super::difference::{difference, holds, without_remarks};
+use super::files::{FILES, LOCK, MANIFEST, VTK_COLLECTION, VTK_FOLDER, is_frame_name};
 use super::mark::check_files;
-use super::vtk::is_frame_name;
 use super::{Manifest, ResultsError};
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind};
@@ -27,7 +27,7 @@ pub struct ResultsDirectory {
 }
 
 impl ResultsDirectory {
-    /// Opens a directory for the scenario of the given hash, and creates it where it is missing.
+    /// Opens a directory for the resolved `scenario` of the given hash, and creates it where it is missing.
     ///
     /// With `force` old results are removed: the files that runs write, nothing else.
     ///
@@ -36,9 +36,19 @@ impl ResultsDirectory {
     /// [`ResultsError::AnotherScenario`]; [`ResultsError::Locked`] where another process writes;
     /// [`ResultsError::NotWritable`]; [`ResultsError::Damaged`] where the manifest is no manifest;
     /// [`ResultsError::Altered`] where a finished run left other files than those that are there.
-    pub fn open(path: &Path, scenario_hash: &str, force: bool) -> Result<Opened, ResultsError> {
+    pub fn open(
+        path: &Path,
+        scenario_hash: &str,
+        scenario: &str,
+        force: bool,
+    ) -> Result<Opened, ResultsError> {
+        let asked = Asked {
+            hash: scenario_hash,
+            scenario,
+            reads_files: false,
+        };
         // Without a lock first, so that a finished directory may be read-only or a foreign one stays untouched.
-        if let Some(manifest) = recognise(path, scenario_hash, force)?
+        if let Some(manifest) = recognise(path, &asked, force)?
             && manifest.is_finished()
         {
             check_files(path, &manifest.files)?;
@@ -46,7 +56,7 @@ impl ResultsDirectory {
         }
         fs::create_dir_all(path).map_err(not_writable(path))?;
         let lock = lock(path)?;
-        let unfinished = match recognise(path, scenario_hash, force)? {
+        let unfinished = match recognise(path, &asked, force)? {
             Some(manifest) if manifest.is_finished() => {
                 check_files(path, &manifest.files)?;
                 return Ok(Opened::Finished(manifest));
@@ -80,10 +90,31 @@ impl ResultsDirectory {
     }
 }
 
+/// The scenario whose results a directory is to hold.
+pub(super) struct Asked<'a> {
+    /// Its hash, that of the files that it reads included.
+    pub hash: &'a str,
+    /// Its resolved TOML.
+    pub scenario: &'a str,
+    /// Whether it reads files, whose contents the hash alone tells.
+    pub reads_files: bool,
+}
+
+impl Asked<'_> {
+    /// Whether results are those of this scenario, or hold all that it asks for.
+    fn is_that_of(&self, manifest: &Manifest) -> bool {
+        let known = &manifest.scenario;
+        manifest.scenario_hash == self.hash
+            || !self.reads_files
+                && (without_remarks(known) == without_remarks(self.scenario)
+                    || manifest.is_finished() && holds(known, self.scenario))
+    }
+}
+
 /// The manifest of earlier work on the same scenario; `None` where there is a fresh start to be made.
 pub(super) fn recognise(
     path: &Path,
-    scenario_hash: &str,
+    asked: &Asked<'_>,
     force: bool,
 ) -> Result<Option<Manifest>, ResultsError> {
     let foreign = |found: String| ResultsError::NotResults {
@@ -100,9 +131,14 @@ pub(super) fn recognise(
         // A file of this name that is no manifest of ours: whatever lies beside it is not ours to remove.
         Err(ResultsError::Damaged { .. }) if force => Err(foreign(MANIFEST.to_owned())),
         Ok(_) if force => Ok(None),
-        Ok(Some(manifest)) if manifest.scenario_hash != scenario_hash => {
+        Ok(Some(manifest)) if !asked.is_that_of(&manifest) => {
+            let mut keys = difference(&manifest.scenario, asked.scenario);
+            if keys.is_empty() {
+                keys.push("a file that it reads has changed".to_owned());
+            }
             Err(ResultsError::AnotherScenario {
                 directory: path.to_owned(),
+                keys,
             })
         }
         found => found,
@@ -233,9 +269,12 @@ mod tests {
     }
 
     fn open(path: &Path, hash: &str, force: bool) -> Result<ResultsDirectory, ResultsError> {
-        ResultsDirectory::open(path, hash, force).map(|opened| match opened {
-            Opened::Ready(directory) => directory,
-            Opened::Finished(_) => panic!("taken for finished"),
+        // Any text that differs will do.
+        ResultsDirectory::open(path, hash, &format!("seed = \"{hash}\""), force).map(|opened| {
+            match opened {
+                Opened::Ready(directory) => directory,
+                Opened::Finished(_) => panic!("taken for finished"),
+            }
         })
     }
 
@@ -272,7 +311,10 @@ mod tests {
             matches!(error, ResultsError::AnotherScenario { .. }),
             "{error}"
         );
-        assert!(error.to_string().contains("--force"), "{error}");
+        let message = error.to_string();
+        assert!(message.contains("--force"), "{message}");
+        let key = "\n  seed: not there, now \"cd\"\n";
+        assert!(message.contains(key), "{message}");
         assert!(
             open(directory.path(), "cd", true)
                 .unwrap()
@@ -295,7 +337,7 @@ mod tests {
         example("ab", CaseStatus::Finished)
             .write(directory.path())
             .unwrap();
-        let opened = ResultsDirectory::open(directory.path(), "ab", false).unwrap();
+        let opened = ResultsDirectory::open(directory.path(), "ab", "", false).unwrap();
         assert!(matches!(opened, Opened::Finished(_)));
     }
 

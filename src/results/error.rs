@@ -8,12 +8,16 @@ use std::path::PathBuf;
 pub enum ResultsError {
     /// The directory holds the results of another scenario.
     #[error(
-        "`{}` holds results of another scenario; choose another directory with --out, or start over with --force",
-        directory.display()
+        "`{}` holds results of another scenario, which differs in\n{}\nchoose another directory with --out, or start over \
+         with --force",
+        directory.display(),
+        indented(keys)
     )]
     AnotherScenario {
         /// The directory.
         directory: PathBuf,
+        /// In what it differs, a key each.
+        keys: Vec<String>,
     },
     /// The directory holds files that are no results.
     #[error(
@@ -84,6 +88,11 @@ pub enum ResultsError {
         /// What the operating system said.
         source: io::Error,
     },
+}
+
+fn indented(lines: &[String]) -> String {
+    let lines: Vec<String> = lines.iter().map(|line| format!("  {line}")).collect();
+    lines.join("\n")
 }
 
 impl ResultsError {

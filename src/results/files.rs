@@ -10,6 +10,10 @@ pub const SERIES: &str = "series.csv";
 pub const NODES: &str = "nodes.csv";
 /// Node velocities and forces at each output time.
 pub const NODE_FORCES: &str = "node_forces.csv";
+/// The state in which the run ended.
+pub const END_STATE: &str = "end_state.csv";
+/// The state from which it started, where it did not start as placed.
+pub const START: &str = "start_state.csv";
 /// A row per case: outcomes.
 pub const SUMMARY: &str = "summary.csv";
 /// A row per case: cost.
@@ -47,12 +51,27 @@ pub const VTK_FOLDER: &str = "vtk";
 /// Held locked by the process that writes.
 pub(super) const LOCK: &str = ".lock";
 
+/// Where a frame lies in a results directory.
+pub(super) fn frame_name(index: usize) -> String {
+    format!("{VTK_FOLDER}/rods_{index:06}.vtp")
+}
+
+/// Whether a file in the folder of frames is called like one of them.
+pub(super) fn is_frame_name(name: &str) -> bool {
+    let number = name
+        .strip_prefix("rods_")
+        .and_then(|rest| rest.strip_suffix(".vtp"));
+    number.is_some_and(|number| number.len() >= 6 && number.bytes().all(|b| b.is_ascii_digit()))
+}
+
 /// What a run may write: names in a results directory, swept by `--force`.
-pub(super) const FILES: [&str; 29] = [
+pub(super) const FILES: [&str; 39] = [
     SCENARIO,
     SERIES,
     NODES,
     NODE_FORCES,
+    END_STATE,
+    START,
     SUMMARY,
     TIMINGS,
     VTK_COLLECTION,
@@ -77,5 +96,13 @@ pub(super) const FILES: [&str; 29] = [
     "section_kappa_tau.png",
     "section_kappa_omega.png",
     "section_tau_omega.png",
+    "rods.pdf",
+    "series.pdf",
+    "sweep.pdf",
+    "traction.pdf",
+    "branch.pdf",
+    "section_kappa_tau.pdf",
+    "section_kappa_omega.pdf",
+    "section_tau_omega.pdf",
     MANIFEST,
 ];

@@ -2,6 +2,7 @@
 
 use super::atomic::place_whole;
 use super::case_record::{CaseRecord, CaseStatus};
+use super::difference::without_remarks;
 use super::files::{MANIFEST, SCENARIO};
 use super::mark::FileMarks;
 use super::{ResultsError, SummaryRow, write_summary, write_timings, write_whole};
@@ -136,9 +137,13 @@ impl Manifest {
     }
 }
 
-/// Hash that identifies a scenario: BLAKE3 of its resolved TOML, in hexadecimal.
+/// Hash that identifies a scenario: BLAKE3 of its resolved TOML without its title, in hexadecimal.
 pub fn scenario_hash(scenario_toml: &str) -> String {
-    blake3::hash(scenario_toml.as_bytes()).to_hex().to_string()
+    hash(without_remarks(scenario_toml).as_bytes())
+}
+
+fn hash(bytes: &[u8]) -> String {
+    blake3::hash(bytes).to_hex().to_string()
 }
 
 /// Hash that identifies a scenario and the files that it reads, given by name and contents; [`scenario_hash`] where it
@@ -147,11 +152,11 @@ pub fn scenario_hash_with_inputs<'a>(
     scenario_toml: &str,
     inputs: impl Iterator<Item = (&'a str, &'a [u8])>,
 ) -> String {
-    let mut text = scenario_toml.to_owned();
+    let mut text = without_remarks(scenario_toml);
     for (name, contents) in inputs {
-        text += &format!("# {name:?} {}\n", blake3::hash(contents).to_hex());
+        text += &format!("# {name:?} {}\n", hash(contents));
     }
-    scenario_hash(&text)
+    hash(text.as_bytes())
 }
 
 #[cfg(test)]

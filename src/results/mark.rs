@@ -1,8 +1,7 @@
 //! Marks of files: what a run wrote, so that a later look notices when something else stands there.
 
 use super::ResultsError;
-use super::files::VTK_FOLDER;
-use super::vtk::frame_name;
+use super::files::{VTK_FOLDER, frame_name};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs::{self, File};

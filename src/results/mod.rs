@@ -16,7 +16,9 @@ mod branch;
 mod case_record;
 mod checkpoint;
 mod columns;
+mod difference;
 mod directory;
+mod end_state;
 mod error;
 mod files;
 mod forces;
@@ -44,11 +46,12 @@ pub use checkpoint::CheckpointFiles;
 pub(crate) use columns::columns;
 pub use columns::{Column, ColumnGroup, FILES, FileDescription, always, file, table};
 pub use directory::{Opened, ResultsDirectory};
+pub use end_state::{EndRow, read_end_state, write_end_state};
 pub use error::ResultsError;
 pub use files::{
-    BOUNDARY, BRANCH, BRANCH_FIGURE, COMPARISON, MANIFEST, NODE_FORCES, NODES, PAGE, RODS_FIGURE,
-    SCENARIO, SECTION_FIGURES, SERIES, SERIES_FIGURE, SUMMARY, SURFACE, SWEEP_FIGURE, TIMINGS,
-    TRACTION_FIGURE, VTK_COLLECTION, VTK_FOLDER,
+    BOUNDARY, BRANCH, BRANCH_FIGURE, COMPARISON, END_STATE, MANIFEST, NODE_FORCES, NODES, PAGE,
+    RODS_FIGURE, SCENARIO, SECTION_FIGURES, SERIES, SERIES_FIGURE, START, SUMMARY, SURFACE,
+    SWEEP_FIGURE, TIMINGS, TRACTION_FIGURE, VTK_COLLECTION, VTK_FOLDER,
 };
 pub use forces::{NodeForces, read_node_forces};
 pub use frame::Frame;

@@ -3,7 +3,7 @@
 use super::NamedValues;
 use serde::{Deserialize, Serialize};
 
-/// Scalar outcomes of a case; the same bytes on every machine.
+/// Scalar outcomes of a case; what follows from the scenario, not from the load of the machine.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CaseOutcome {
     /// Simulated time reached, s.

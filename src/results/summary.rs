@@ -1,6 +1,7 @@
 //! `summary.csv` and `timings.csv`: a row per case.
 //!
-//! The summary holds what is the same on every machine; what is not is in the timings.
+//! The summary holds what follows from the scenario; what depends on the machine and its load is in the timings. The
+//! last bits may differ where C libraries compute sines, exponentials and logarithms differently.
 
 use super::atomic::write_whole_before;
 use super::files::{SUMMARY, TIMINGS};

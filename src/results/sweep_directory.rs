@@ -1,7 +1,8 @@
 //! The directory of a sweep: a results directory for each case, and tables of all.
 
 use super::directory::{
-    is_own_folder, not_writable, recognise, remove_own, remove_results, sweep_temporary_files,
+    Asked, is_own_folder, not_writable, recognise, remove_own, remove_results,
+    sweep_temporary_files,
 };
 use super::files::LOCK;
 use super::{Leases, Manifest, ResultsError, SCENARIO, write_whole};
@@ -31,10 +32,15 @@ impl SweepDirectory {
     /// Those of [`ResultsDirectory::open`](super::ResultsDirectory::open); with `force`
     /// [`ResultsError::Locked`], too, while other processes work on its cases.
     pub fn open(path: &Path, manifest: &Manifest, force: bool) -> Result<Self, ResultsError> {
-        recognise(path, &manifest.scenario_hash, force)?;
+        let asked = Asked {
+            hash: &manifest.scenario_hash,
+            scenario: &manifest.scenario,
+            reads_files: true,
+        };
+        recognise(path, &asked, force)?;
         fs::create_dir_all(path).map_err(not_writable(path))?;
         let _lock = lock(path)?;
-        let known = recognise(path, &manifest.scenario_hash, force)?;
+        let known = recognise(path, &asked, force)?;
         sweep_temporary_files(path).map_err(not_writable(path))?;
         let leases = path.join(LEASES);
         if known.is_none() {

@@ -6,7 +6,7 @@
 //!
 //! Format: VTK User's Guide, "VTK File Formats", XML PolyData, version 1.0.
 
-use super::files::{VTK_COLLECTION, VTK_FOLDER};
+use super::files::{VTK_COLLECTION, VTK_FOLDER, frame_name};
 use super::frame::{Frame, node_places};
 use super::{ResultsError, RodRecord, write_whole};
 use nalgebra::Vector3;
@@ -44,19 +44,6 @@ pub(super) fn write_collection(
     }
     text += "</Collection>\n</VTKFile>\n";
     write_whole(&directory.join(VTK_COLLECTION), text.as_bytes())
-}
-
-/// Where a frame lies in a results directory.
-pub(super) fn frame_name(index: usize) -> String {
-    format!("{VTK_FOLDER}/rods_{index:06}.vtp")
-}
-
-/// Whether a file in the folder of frames is called like one of them.
-pub(super) fn is_frame_name(name: &str) -> bool {
-    let number = name
-        .strip_prefix("rods_")
-        .and_then(|rest| rest.strip_suffix(".vtp"));
-    number.is_some_and(|number| number.len() >= 6 && number.bytes().all(|b| b.is_ascii_digit()))
 }
 
 fn poly_data(rods: &[RodRecord], frame: &Frame) -> Vec<u8> {

@@ -4,6 +4,7 @@ use crate::mechanics::contact::Proximity;
 use crate::mechanics::dynamics::{
     Energies, Simulation, SimulationError, SimulationState, StepReport,
 };
+use crate::mechanics::scene::Start;
 use crate::mechanics::statics::{PathPlan, PathPoint, Tracer};
 use crate::results::Frame;
 use serde::Serialize;
@@ -16,6 +17,12 @@ pub(crate) trait Advance {
 
     /// Takes one step that ends no later than `until`.
     fn advance(&mut self, until: f64) -> Result<StepReport, SimulationError>;
+    /// The same, as long as `goes_on`; `None` where it said no, after which a state must be restored before anything else.
+    fn advance_while(
+        &mut self,
+        until: f64,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Result<Option<StepReport>, SimulationError>;
     /// Finds the equilibrium, as long as `goes_on`; `None` where it said no.
     fn find_equilibrium(
         &mut self,
@@ -41,6 +48,8 @@ pub(crate) trait Advance {
     fn simulation(&self) -> Option<&Simulation>;
     /// The simulation on which controllers act.
     fn simulation_mut(&mut self) -> Option<&mut Simulation>;
+    /// The state, for another run to start from; `None` in a double.
+    fn as_start(&self) -> Option<Start>;
     /// What a checkpoint must hold.
     fn state(&self) -> Self::State;
     /// Continues from a checkpoint.
@@ -52,6 +61,14 @@ impl Advance for Simulation {
 
     fn advance(&mut self, until: f64) -> Result<StepReport, SimulationError> {
         self.advance(until)
+    }
+
+    fn advance_while(
+        &mut self,
+        until: f64,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Result<Option<StepReport>, SimulationError> {
+        self.advance_while(until, goes_on)
     }
 
     fn find_equilibrium(
@@ -111,6 +128,10 @@ impl Advance for Simulation {
 
     fn simulation_mut(&mut self) -> Option<&mut Simulation> {
         Some(self)
+    }
+
+    fn as_start(&self) -> Option<Start> {
+        Some(self.as_start())
     }
 
     fn state(&self) -> SimulationState {

@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 ///
 /// Signals end the program at once as long as nobody has asked for them: there is nothing to save yet. From the first
 /// call of [`requested`](Self::requested) on, whoever asks has work to save and will stop; a second signal, which shells
-/// and wrappers often send within milliseconds of the first, then changes nothing.
+/// and wrappers often send within milliseconds of the first, then changes nothing, until all is saved.
 #[derive(Default)]
 pub(crate) struct Interruption {
     interrupted: Arc<AtomicBool>,
@@ -20,6 +20,15 @@ pub(crate) struct Interruption {
     /// Whether nobody has asked yet.
     unattended: Arc<AtomicBool>,
     handlers: Vec<SigId>,
+}
+
+/// Whether anybody in this process has asked yet.
+static ATTENDED: AtomicBool = AtomicBool::new(false);
+
+/// Whether anybody in this process has begun to ask for requests to stop. Until then nothing is at work that would have to
+/// be saved.
+pub(crate) fn is_attended() -> bool {
+    ATTENDED.load(Ordering::Relaxed)
 }
 
 /// Exit code of a program ended by Ctrl-C.
@@ -51,6 +60,7 @@ impl Interruption {
     /// Whether the run was asked to stop.
     pub fn requested(&self) -> Option<StopRequest> {
         self.unattended.store(false, Ordering::Relaxed);
+        ATTENDED.store(true, Ordering::Relaxed);
         if self.interrupted.load(Ordering::Relaxed) {
             Some(StopRequest::Interrupt)
         } else if self.time_is_up.load(Ordering::Relaxed) {
@@ -58,6 +68,13 @@ impl Interruption {
         } else {
             None
         }
+    }
+}
+
+impl Interruption {
+    /// Nobody will ask any more: what is still done need not be saved. A request that has come already stands.
+    pub fn leave_unattended(&self) {
+        self.unattended.store(true, Ordering::Relaxed);
     }
 }
 

@@ -3,6 +3,7 @@
 mod advance;
 mod controller;
 mod counters;
+mod end_state;
 mod error;
 mod interruption;
 mod linking;
@@ -26,13 +27,16 @@ pub(crate) mod thread_pools;
 mod trial;
 
 pub use controller::{Controller, ControllerObject};
+pub use end_state::start_from;
 pub use error::RunError;
-pub(crate) use interruption::Interruption;
+pub(crate) use interruption::{Interruption, is_attended};
 pub use linking::LinkingGuard;
 pub use observer::{Finding, Observer, ObserverObject, Sample};
 pub use prepared::{Mode, OutputPlan, PreparedRun, TableRun};
 pub use progress::AmongBars;
+pub(crate) use records::rod_records;
 pub use stop::StopRequest;
+pub(crate) use stop::StopRequests;
 pub use table::TableJob;
 pub use trial::{Forecast, forecast};
 
@@ -42,7 +46,7 @@ use advance::Advance;
 use session::Session;
 use std::fmt;
 use std::path::PathBuf;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// How to run, as opposed to what.
 #[derive(Clone, Debug)]
@@ -57,8 +61,8 @@ pub struct RunOptions {
     pub progress: bool,
     /// The bars among which that of this run appears, where it has company.
     pub among: Option<AmongBars>,
-    /// Wall time after which the run stops with a checkpoint.
-    pub timeout: Option<Duration>,
+    /// Moment at which the run stops with a checkpoint, though not before some steps.
+    pub deadline: Option<Instant>,
     /// Wall time between checkpoints.
     pub checkpoint_every: Duration,
 }
@@ -74,7 +78,7 @@ impl RunOptions {
                 .collect(),
             progress: true,
             among: None,
-            timeout: None,
+            deadline: None,
             checkpoint_every: Duration::from_secs(60),
         }
     }
@@ -145,21 +149,34 @@ pub fn run(prepared: &PreparedRun, options: &RunOptions) -> Result<RunOutcome, R
     run_until(prepared, options, &|| interruption.requested())
 }
 
-/// [`run`], until `stop_requested`, which is asked between steps.
+/// Time for which work that was set up goes on, though its time may be up: so each call gets on, however short its time.
+const LEAST: Duration = Duration::from_millis(20);
+
+/// The moment at which work that begins now is to stop.
+pub(crate) fn not_at_once(deadline: Instant) -> Instant {
+    deadline.max(Instant::now() + LEAST)
+}
+
+/// [`run`], until `stop_requested`, which is asked between steps and during long ones.
 ///
 /// # Errors
 /// See [`RunError`].
 pub(crate) fn run_until(
     prepared: &PreparedRun,
     options: &RunOptions,
-    stop_requested: &dyn Fn() -> Option<StopRequest>,
+    stop_requested: StopRequests<'_>,
 ) -> Result<RunOutcome, RunError> {
+    let deadline = options.deadline.map(not_at_once);
+    let stop_requested = || {
+        let late = || deadline.is_some_and(|at| Instant::now() >= at);
+        stop_requested().or_else(|| late().then_some(StopRequest::TimeLimit))
+    };
     if let Some(table) = &prepared.table {
-        return table.run(prepared, options, stop_requested);
+        return table.run(prepared, options, &stop_requested);
     }
     let mut simulation =
         Simulation::new(&prepared.scene, &prepared.integration).map_err(RunError::Scene)?;
-    run_simulation(&mut simulation, prepared, options, stop_requested)
+    run_simulation(&mut simulation, prepared, options, &stop_requested)
 }
 
 /// Runs a simulation at time zero to the end of the prepared run, or until `stop_requested`, asked between steps.
@@ -167,10 +184,15 @@ fn run_simulation(
     simulation: &mut impl Advance,
     prepared: &PreparedRun,
     options: &RunOptions,
-    stop_requested: &dyn Fn() -> Option<StopRequest>,
+    stop_requested: StopRequests<'_>,
 ) -> Result<RunOutcome, RunError> {
     let hash = scenario_hash(&prepared.scenario_toml);
-    match ResultsDirectory::open(&options.directory, &hash, options.force)? {
+    match ResultsDirectory::open(
+        &options.directory,
+        &hash,
+        &prepared.scenario_toml,
+        options.force,
+    )? {
         Opened::Finished(manifest) => {
             Ok(RunOutcome::already_finished(&manifest, prepared, options))
         }

@@ -11,9 +11,9 @@ use crate::mechanics::scene::{
 };
 use crate::results::{Ending, NODES, NamedValues, SERIES, SUMMARY, SeriesRow, Table, Value};
 use serde::{Deserialize, Serialize};
-use std::cell::Cell;
 use std::fs;
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 /// Nodes of the rod.
 const NODES_OF_ROD: usize = 13;
@@ -209,6 +209,7 @@ fn cantilever(integration: IntegrationParameters) -> PreparedRun {
             released: false,
         })],
         table: None,
+        start: None,
     }
 }
 
@@ -244,8 +245,8 @@ fn a_run_with_a_gripper_that_is_killed_again_and_again_ends_with_the_same_bytes(
         let outcome = run_until(&prepared, &options(whole.path()), &|| None).unwrap();
         let mut interruptions = 0;
         let continued = loop {
-            let steps = Cell::new(0);
-            let stop = || (steps.replace(steps.get() + 1) == 9).then_some(StopRequest::Interrupt);
+            let steps = AtomicUsize::new(0);
+            let stop = || (steps.fetch_add(1, Relaxed) == 9).then_some(StopRequest::Interrupt);
             match run_until(&prepared, &options(pieces.path()), &stop) {
                 Ok(outcome) => break outcome,
                 Err(RunError::Interrupted { .. }) => interruptions += 1,
@@ -351,8 +352,8 @@ fn an_observer_whose_check_fails_ends_the_run_with_exit_code_4_after_the_row() {
 fn checkpoints_of_other_observers_are_not_used() {
     let directory = tempfile::tempdir().unwrap();
     let mut prepared = cantilever(schemes()[0]);
-    let steps = Cell::new(0);
-    let stop = || (steps.replace(steps.get() + 1) == 9).then_some(StopRequest::Interrupt);
+    let steps = AtomicUsize::new(0);
+    let stop = || (steps.fetch_add(1, Relaxed) == 9).then_some(StopRequest::Interrupt);
     run_until(&prepared, &options(directory.path()), &stop).unwrap_err();
     prepared.controllers.clear();
     let outcome = run_until(&prepared, &options(directory.path()), &|| None).unwrap();

@@ -1,6 +1,7 @@
 //! A run that is ready to start: what every experiment builds from its scenario.
 
-use super::{Controller, Observer, RunError, RunOptions, RunOutcome, StopRequest};
+use super::stop::StopRequests;
+use super::{Controller, Observer, RunError, RunOptions, RunOutcome};
 use crate::mechanics::dynamics::IntegrationParameters;
 use crate::mechanics::scene::Scene;
 use crate::mechanics::statics::PathPlan;
@@ -32,6 +33,8 @@ pub struct PreparedRun {
     pub controllers: Vec<Box<dyn Controller>>,
     /// What fills a table instead of moving the scene, which then shows the first of many.
     pub table: Option<Arc<dyn TableRun>>,
+    /// The file from which the scene starts, where it does not start as placed; the results hold a copy.
+    pub start: Option<Arc<[u8]>>,
 }
 
 impl PreparedRun {
@@ -54,7 +57,7 @@ pub trait TableRun: Debug + Send + Sync {
         &self,
         prepared: &PreparedRun,
         options: &RunOptions,
-        stop_requested: &dyn Fn() -> Option<StopRequest>,
+        stop_requested: StopRequests<'_>,
     ) -> Result<RunOutcome, RunError>;
 }
 

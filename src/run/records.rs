@@ -4,10 +4,12 @@ use super::RunOptions;
 use super::participants::columns;
 use crate::mechanics::scene::RodDescription;
 use crate::results::{
-    CaseRecord, CaseStatus, MAIN_CASE, Manifest, RecorderPlan, RodRecord, host_name, scenario_hash,
+    CaseRecord, CaseStatus, MAIN_CASE, Manifest, RecorderPlan, ResultsError, RodRecord, START,
+    host_name, scenario_hash, write_whole,
 };
 use crate::run::PreparedRun;
 use std::collections::BTreeMap;
+use std::path::Path;
 
 /// What readers of the results need to know of the rods.
 pub(crate) fn rod_records(prepared: &PreparedRun) -> Vec<RodRecord> {
@@ -18,6 +20,17 @@ pub(crate) fn rod_records(prepared: &PreparedRun) -> Vec<RodRecord> {
         radius: rod.radius,
     };
     prepared.scene.rods.iter().map(record).collect()
+}
+
+/// Keeps a copy of what the run starts from beside its scenario, which names it.
+///
+/// # Errors
+/// [`ResultsError::Io`].
+pub(crate) fn place_start(prepared: &PreparedRun, directory: &Path) -> Result<(), ResultsError> {
+    match &prepared.start {
+        Some(start) => write_whole(&directory.join(START), start),
+        None => Ok(()),
+    }
 }
 
 /// Which files the run writes.

@@ -14,6 +14,9 @@ pub enum StopRequest {
     TimeLimit,
 }
 
+/// What is asked, between steps and during long ones, whether to stop.
+pub(crate) type StopRequests<'a> = &'a (dyn Fn() -> Option<StopRequest> + Sync);
+
 /// Why the steps ended early.
 pub(super) enum Stop {
     Interrupted,

@@ -5,7 +5,7 @@
 
 use super::prepared::{PreparedRun, TableRun};
 use super::records::manifest_of_call;
-use super::stop::{Stop, StopRequest};
+use super::stop::{Stop, StopRequests};
 use super::{Reached, RunError, RunOptions, RunOutcome, RunStatus};
 use crate::results::{
     CaseOutcome, CaseRecord, CaseStatus, CsvStream, FileMark, FileMarks, MAIN_CASE, Manifest,
@@ -19,6 +19,8 @@ use serde::de::DeserializeOwned;
 use std::fmt::Debug;
 use std::ops::Range;
 use std::path::Path;
+use std::sync::OnceLock;
+use tracing::info;
 
 /// Rows computed before the next are written. More fill the threads evenly; fewer lose less to an interruption.
 const BLOCK: usize = 256;
@@ -35,8 +37,8 @@ pub trait TableJob: Debug + Send + Sync {
 
     /// Number of rows.
     fn count(&self) -> usize;
-    /// A row, whose faults it tells itself.
-    fn row(&self, index: usize) -> Self::Row;
+    /// A row, whose faults it tells itself, as long as `goes_on`; `None` where that said no, which it then always does.
+    fn row(&self, index: usize, goes_on: &(dyn Fn() -> bool + Sync)) -> Option<Self::Row>;
     /// Writes what follows from the whole table; returns what to tell people.
     ///
     /// # Errors
@@ -53,7 +55,7 @@ impl<Job: TableJob> TableRun for Job {
         &self,
         prepared: &PreparedRun,
         options: &RunOptions,
-        stop_requested: &dyn Fn() -> Option<StopRequest>,
+        stop_requested: StopRequests<'_>,
     ) -> Result<RunOutcome, RunError> {
         run_table(self, prepared, options, stop_requested)
     }
@@ -63,10 +65,15 @@ fn run_table<Job: TableJob>(
     job: &Job,
     prepared: &PreparedRun,
     options: &RunOptions,
-    stop_requested: &dyn Fn() -> Option<StopRequest>,
+    stop_requested: StopRequests<'_>,
 ) -> Result<RunOutcome, RunError> {
     let hash = scenario_hash(&prepared.scenario_toml);
-    let directory = match ResultsDirectory::open(&options.directory, &hash, options.force)? {
+    let directory = match ResultsDirectory::open(
+        &options.directory,
+        &hash,
+        &prepared.scenario_toml,
+        options.force,
+    )? {
         Opened::Finished(manifest) => {
             return Ok(RunOutcome::already_finished(&manifest, prepared, options));
         }
@@ -135,7 +142,7 @@ struct TableSession<'a, Job: TableJob> {
 }
 
 impl<Job: TableJob> TableSession<'_, Job> {
-    fn fill(&mut self, stop_requested: &dyn Fn() -> Option<StopRequest>) -> Result<(), Stop> {
+    fn fill(&mut self, stop_requested: StopRequests<'_>) -> Result<(), Stop> {
         let path = self.directory.file(Job::TABLE);
         let mut stream = match self.length {
             0 => CsvStream::create(&path)?,
@@ -144,25 +151,31 @@ impl<Job: TableJob> TableSession<'_, Job> {
         sync(self.directory.path())?;
         self.mark = Some(stream.sync()?);
         let bar = self.bar();
+        let stopped = OnceLock::new();
+        let goes_on = || {
+            let request = || stop_requested().map(|request| stopped.get_or_init(|| request));
+            stopped.get().is_none() && request().is_none()
+        };
         while self.rows.len() < self.job.count() {
-            if let Some(request) = stop_requested() {
-                return Err(request.into());
-            }
-            let block: Vec<Job::Row> = block_after(self.rows.len(), self.job.count())
+            let block: Vec<Option<Job::Row>> = block_after(self.rows.len(), self.job.count())
                 .into_par_iter()
-                .map(|index| self.job.row(index))
+                .map(|index| goes_on().then(|| self.job.row(index, &goes_on)).flatten())
                 .collect();
+            // Rows after one that was stopped are lost: the table has no gaps.
+            let block: Vec<Job::Row> = block.into_iter().map_while(|row| row).collect();
             for row in &block {
                 stream.write(row)?;
             }
             self.mark = Some(stream.sync()?);
             bar.inc(block.len() as u64);
             self.rows.extend(block);
-            // Not before the first block: each call gets on, however short its time.
-            let limit = self.options.timeout;
-            let over = limit.is_some_and(|limit| self.meter.wall_time() >= limit);
-            if over && self.rows.len() < self.job.count() {
-                return Err(Stop::TimeLimit);
+            info!(
+                rows = self.rows.len(),
+                of = self.job.count(),
+                "rows written"
+            );
+            if let Some(request) = stopped.get() {
+                return Err((*request).into());
             }
         }
         bar.finish_and_clear();

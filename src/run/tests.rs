@@ -8,7 +8,7 @@ use crate::mechanics::contact::{ContactPair, Proximity};
 use crate::mechanics::dynamics::{
     Energies, IntegrationParameters, Simulation, SimulationError, StepReport,
 };
-use crate::mechanics::scene::{NaturalShape, RodDescription, Scene, Stiffness};
+use crate::mechanics::scene::{NaturalShape, RodDescription, Scene, Start, Stiffness};
 use crate::mechanics::statics::{PathPlan, PathPoint, Tracer};
 use crate::results::{
     CaseStatus, Frame, MANIFEST, Manifest, NODE_FORCES, NODES, SCENARIO, SERIES, SUMMARY, TIMINGS,
@@ -17,9 +17,9 @@ use crate::results::{
 use crate::run::{Mode, OutputPlan};
 use proptest::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::cell::Cell;
 use std::fs;
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 /// A driven pendulum with steps of its own choice: any lost bit of its state grows.
 #[derive(Clone, Serialize, Deserialize)]
@@ -77,6 +77,16 @@ impl Advance for Pendulum {
             fluid_iterations: 1,
             ..StepReport::default()
         })
+    }
+
+    fn advance_while(
+        &mut self,
+        until: f64,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Result<Option<StepReport>, SimulationError> {
+        let report = self.advance(until)?;
+        // A step that is stopped halfway leaves anything behind.
+        Ok(goes_on().then_some(report))
     }
 
     fn path(&self, _: PathPlan) -> Result<Tracer, SimulationError> {
@@ -151,6 +161,10 @@ impl Advance for Pendulum {
         None
     }
 
+    fn as_start(&self) -> Option<Start> {
+        None
+    }
+
     fn state(&self) -> Self {
         self.clone()
     }
@@ -205,6 +219,7 @@ fn prepared(mode: Mode) -> PreparedRun {
         observers: Vec::new(),
         controllers: Vec::new(),
         table: None,
+        start: None,
     }
 }
 
@@ -227,9 +242,9 @@ fn go_on(directory: &Path) -> Result<RunOutcome, RunError> {
 }
 
 /// A request to stop that comes after a number of steps.
-fn after_steps(steps: usize) -> impl Fn() -> Option<StopRequest> {
-    let asked = Cell::new(0);
-    move || (asked.replace(asked.get() + 1) >= steps).then_some(StopRequest::Interrupt)
+fn after_steps(steps: usize) -> impl Fn() -> Option<StopRequest> + Sync {
+    let asked = AtomicUsize::new(0);
+    move || (asked.fetch_add(1, Relaxed) >= steps).then_some(StopRequest::Interrupt)
 }
 
 fn interrupt(directory: &Path, steps: usize) -> RunError {
@@ -396,12 +411,10 @@ fn damaged_checkpoints_fall_back_to_the_older_one_and_then_to_the_start() {
 #[test]
 fn the_time_limit_and_checkpoints_at_every_step_change_nothing() {
     let directory = tempfile::tempdir().unwrap();
-    let options = RunOptions {
-        timeout: Some(Duration::ZERO),
-        ..quiet(directory.path())
-    };
+    let options = quiet(directory.path());
+    let late = || Some(StopRequest::TimeLimit);
     let error =
-        run_simulation(&mut Pendulum::new(), &prepared(DYNAMIC), &options, &|| None).unwrap_err();
+        run_simulation(&mut Pendulum::new(), &prepared(DYNAMIC), &options, &late).unwrap_err();
     assert_eq!(error.exit_code(), 5);
     assert_eq!(status(directory.path()), CaseStatus::TimeLimit);
     let options = RunOptions {
@@ -409,6 +422,101 @@ fn the_time_limit_and_checkpoints_at_every_step_change_nothing() {
         ..quiet(directory.path())
     };
     run_simulation(&mut Pendulum::new(), &prepared(DYNAMIC), &options, &|| None).unwrap();
+    same_bytes(directory.path(), uninterrupted().path());
+}
+
+/// A pendulum whose steps take long.
+#[derive(Clone)]
+struct Slow(Pendulum);
+
+impl Advance for Slow {
+    type State = Pendulum;
+
+    fn advance(&mut self, until: f64) -> Result<StepReport, SimulationError> {
+        self.0.advance(until)
+    }
+
+    fn advance_while(
+        &mut self,
+        until: f64,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Result<Option<StepReport>, SimulationError> {
+        std::thread::sleep(Duration::from_millis(60));
+        self.0.advance_while(until, goes_on)
+    }
+
+    fn path(&self, plan: PathPlan) -> Result<Tracer, SimulationError> {
+        self.0.path(plan)
+    }
+
+    fn next_point(&mut self, path: &mut Tracer) -> Result<Option<PathPoint>, SimulationError> {
+        self.0.next_point(path)
+    }
+
+    fn find_equilibrium(
+        &mut self,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Result<Option<StepReport>, SimulationError> {
+        self.0.find_equilibrium(goes_on)
+    }
+
+    fn time(&self) -> f64 {
+        self.0.time()
+    }
+
+    fn energies(&self) -> Energies {
+        self.0.energies()
+    }
+
+    fn mean_gap(&self) -> Option<f64> {
+        self.0.mean_gap()
+    }
+
+    fn remarks(&self) -> Vec<String> {
+        self.0.remarks()
+    }
+
+    fn nearest(&self) -> Option<Proximity> {
+        self.0.nearest()
+    }
+
+    fn frame(&self, with_forces: bool) -> Frame {
+        self.0.frame(with_forces)
+    }
+
+    fn simulation(&self) -> Option<&Simulation> {
+        None
+    }
+
+    fn simulation_mut(&mut self) -> Option<&mut Simulation> {
+        None
+    }
+
+    fn as_start(&self) -> Option<Start> {
+        None
+    }
+
+    fn state(&self) -> Pendulum {
+        self.0.state()
+    }
+
+    fn restore(&mut self, state: Pendulum) -> Result<(), SimulationError> {
+        self.0.restore(state)
+    }
+}
+
+#[test]
+fn a_step_that_takes_long_is_stopped_halfway_without_a_trace() {
+    let directory = tempfile::tempdir().unwrap();
+    // Asked before each step, and in its middle.
+    for asked in [1, 3, 6] {
+        let (prepared, options) = (prepared(DYNAMIC), quiet(directory.path()));
+        let mut slow = Slow(Pendulum::new());
+        let error =
+            run_simulation(&mut slow, &prepared, &options, &after_steps(asked)).unwrap_err();
+        assert_eq!(error.exit_code(), 130);
+    }
+    go_on(directory.path()).unwrap();
     same_bytes(directory.path(), uninterrupted().path());
 }
 
@@ -503,9 +611,9 @@ fn missing_and_garbled_files_are_noticed_before_a_run_is_said_finished() {
 #[test]
 fn series_deleted_during_a_run_are_not_called_finished() {
     let directory = tempfile::tempdir().unwrap();
-    let asked = Cell::new(0);
+    let asked = AtomicUsize::new(0);
     let delete = || {
-        if asked.replace(asked.get() + 1) == 20 {
+        if asked.fetch_add(1, Relaxed) == 20 {
             fs::remove_file(directory.path().join(SERIES)).unwrap();
         }
         None
@@ -541,7 +649,7 @@ fn a_static_run_writes_one_row_at_time_zero() {
 #[test]
 fn results_can_be_plotted() {
     let directory = uninterrupted();
-    let figures = crate::report::plot_results(directory.path()).unwrap();
+    let figures = crate::report::plot_results(directory.path(), &Default::default()).unwrap();
     assert_eq!(figures.len(), 4);
     let rods = fs::read_to_string(&figures[0]).unwrap();
     assert!(

@@ -33,6 +33,33 @@ pub fn explain(experiments: Experiments, key: &str) -> Result<String, String> {
     Ok(text)
 }
 
+/// The SI unit of a dotted key, as its explanation names it; `None` where it has none, or there is no such key.
+/// Names of rods may stand in the key.
+pub fn unit(experiments: Experiments, key: &str) -> Option<String> {
+    let schema = json_schema(experiments);
+    let explainer = Explainer { root: &schema };
+    let steps: Vec<&str> = key.split('.').collect();
+    let without_name = || [&steps[..1], &steps[2..]].concat().join(".");
+    let (meanings, _) = explainer
+        .walk(key)
+        .ok()
+        .or_else(|| (steps.len() > 2).then(|| explainer.walk(&without_name()).ok())?)?;
+    let schemas = meanings
+        .iter()
+        .flat_map(|meaning| explainer.expanded(meaning.schema));
+    schemas
+        .filter_map(|schema| schema.get("description")?.as_str())
+        .find_map(|words| {
+            Some(
+                words
+                    .strip_prefix("A number in ")?
+                    .split_once(',')?
+                    .0
+                    .to_owned(),
+            )
+        })
+}
+
 /// A schema that a key may have; tables of several kinds may give one key several meanings.
 #[derive(Clone)]
 struct Meaning<'a> {
@@ -271,7 +298,7 @@ clamps.at
 "###);
         insta::assert_snapshot!(explain(*EXPERIMENTS, "").unwrap(), @r###"
 A rodlab scenario. Numbers are in SI units; text may carry a unit, such as "1.6 mm".
-keys: clamps, contact, continuation, experiment, extends, flagella, fluid, helix_stability, knot, loads, material, output, planes, probes, rod, rods, solver, stop_when, sweep, time, title, unset
+keys: clamps, contact, continuation, experiment, extends, flagella, fluid, helix_stability, knot, loads, material, output, planes, probes, rod, rods, solver, start, stop_when, sweep, time, title, unset
 "###);
     }
 
@@ -302,6 +329,20 @@ keys: clamps, contact, continuation, experiment, extends, flagella, fluid, helix
         // A key that is called so and tells no tables apart is explained like any other.
         let text = explain(*EXPERIMENTS, "knot.kind").unwrap();
         assert!(text.starts_with("knot.kind\n  "), "{text}");
+    }
+
+    #[test]
+    fn keys_have_units_and_may_hold_names_of_rods() {
+        for (key, expected) in [
+            ("rods.beam.radius", Some("m")),
+            ("rods.0.radius", Some("m")),
+            ("material.youngs_modulus", Some("Pa")),
+            ("contact.friction", None),
+            ("contact.model", None),
+            ("no.such.key", None),
+        ] {
+            assert_eq!(unit(*EXPERIMENTS, key).as_deref(), expected, "{key}");
+        }
     }
 
     #[test]

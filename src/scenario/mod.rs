@@ -43,18 +43,18 @@ mod units;
 
 pub use error::{Located, ScenarioError};
 pub use experiments::Experiments;
-pub use explain::{explain, json_schema};
+pub use explain::{explain, json_schema, unit};
 pub use input_file::read_text_file;
 pub use issue::{Issue, Issues, KeyPath, did_you_mean};
 pub use load::{Loaded, from_text, load};
-pub use resolve::read_polyline;
+pub use resolve::{END_STATE, read_polyline};
 pub use resolved::{
     AtPlace, Between, OneRod, PressedRod, Probe, ProbeKind, StopWhen, Summary, TwoNodes, TwoRods,
 };
 pub use resolved::{
     BuilderRod, Clamp, Contact, Continuation, CrossSection, Experiment, Fluid, Handedness, Hold,
     Load, LoadKind, Material, NaturalShape, Output, PathMethod, Place, Plane, Pose, Rod, Scenario,
-    Scheme, Shape, Solver, Step, Stiffness, Time,
+    Scheme, Shape, Solver, Start, Step, Stiffness, Time,
 };
 pub use sweep::{Case, CaseSet, INPUTS, InputFile, Parameter, Portable, Search, earlier_id};
 pub use typed::{Quantity, SearchMethod, Vector};
@@ -64,6 +64,6 @@ pub use units::{metres, seconds};
 /// Physical dimensions, for [`Quantity`].
 pub mod dimension {
     pub use super::units::{
-        Angle, AngularVelocity, Dimension, Dimensionless, Length, Time, Velocity,
+        Angle, AngularVelocity, Density, Dimension, Dimensionless, Length, Time, Velocity,
     };
 }

@@ -280,6 +280,8 @@ mod tests {
         assert_eq!(parse::<Length>("1.6 mm"), Ok(1.6e-3));
         assert_eq!(parse::<Length>("1.6e1mm"), Ok(1.6e-2));
         assert_eq!(parse::<Length>("-7 µm"), Ok(-7e-6));
+        // The Greek letter looks the same as the micro sign.
+        assert_eq!(parse::<Length>("-7 \u{3bc}m"), Ok(-7e-6));
         assert_eq!(parse::<Pressure>("0.18 MPa"), Ok(0.18e6));
         assert_eq!(parse::<Density>("1.18 g/cm³"), Ok(1180.0));
         assert_eq!(parse::<Moment>("3 mN·m"), Ok(3e-3));

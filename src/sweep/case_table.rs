@@ -13,6 +13,9 @@ use std::time::{Duration, Instant};
 
 /// Least time between two writings of the tables while cases run.
 const INTERVAL: Duration = Duration::from_secs(1);
+/// Cases whose tables are written within half a second: each takes up to 50 µs. Those of larger sweeps are written at the
+/// end, or by `rodlab gather`.
+const QUICKLY_PUBLISHED: usize = 10_000;
 /// Least ratio of the time between two writings to the time that one takes.
 const PAUSE_FACTOR: u32 = 50;
 
@@ -105,8 +108,12 @@ impl<'a> CaseTable<'a> {
         counts
     }
 
-    /// Writes the tables if that was not done lately.
+    /// Writes the tables if that was not done lately, and does not take long.
     pub fn publish_if_due(&self, cases: &[Case]) -> Result<(), ResultsError> {
+        if cases.len() > QUICKLY_PUBLISHED {
+            // A request to stop would have to wait for them.
+            return Ok(());
+        }
         {
             let mut state = self.state.lock().expect("no thread panics with this lock");
             if Instant::now() < state.next_writing {
@@ -121,6 +128,16 @@ impl<'a> CaseTable<'a> {
         let mut state = self.state.lock().expect("no thread panics with this lock");
         state.next_writing = Instant::now() + pause;
         written
+    }
+
+    /// The same of a sweep that was stopped; not of one so large that it would take longer than a second. Tells whether
+    /// that was done.
+    pub fn publish_if_quick(&self, cases: &[Case]) -> Result<bool, ResultsError> {
+        let quick = cases.len() <= QUICKLY_PUBLISHED;
+        if quick {
+            self.publish(cases)?;
+        }
+        Ok(quick)
     }
 
     /// Writes summary, timings and manifest of the whole, rows in the order of `cases`.

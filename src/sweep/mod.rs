@@ -95,8 +95,14 @@ pub fn run_sweep(case_set: &CaseSet, options: &SweepOptions) -> Result<SweepOutc
         None => workers.run_all(&cases)?,
     }
     drop(heartbeat);
+    // What follows can be done again: from here on signals end the program at once.
+    interruption.leave_unattended();
     let all = all_and_found(case_set, cases, directory.path())?;
-    let published = case_table.publish(&all.cases);
+    let published = if workers.stops() {
+        case_table.publish_if_quick(&all.cases)
+    } else {
+        case_table.publish(&all.cases).map(|()| true)
+    };
     let share: Vec<&Case> = match case_set.search() {
         Some(_) => all.cases.iter().collect(),
         None => {
@@ -106,6 +112,7 @@ pub fn run_sweep(case_set: &CaseSet, options: &SweepOptions) -> Result<SweepOutc
     };
     let outcome = SweepOutcome {
         found: all.found,
+        tables_are_old: matches!(published, Ok(false)),
         ..workers.outcome(share)
     };
     // What ended the sweep counts more than what followed from it.
@@ -272,6 +279,7 @@ pub fn gather(directory: &Path) -> Result<SweepOutcome, SweepError> {
         counts: case_table.counts(&all.cases),
         interrupted: None,
         found: all.found,
+        tables_are_old: false,
     })
 }
 

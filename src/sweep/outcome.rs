@@ -33,6 +33,8 @@ pub struct SweepOutcome {
     pub interrupted: Option<StopRequest>,
     /// What the search found for each case of the keys that are not searched; empty without a search.
     pub found: Vec<Found>,
+    /// Whether the tables of the whole were left as they were, since the sweep was stopped and they take long to write.
+    pub tables_are_old: bool,
 }
 
 /// How many cases stand how.

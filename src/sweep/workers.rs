@@ -8,7 +8,7 @@ use crate::results::{
     CaseRecord, CaseStatus, LeaseAttempt, MAIN_CASE, Manifest, ResultsError, SweepDirectory,
 };
 use crate::run::{AmongBars, PreparedRun, RunError, RunOptions, StopRequest};
-use crate::run::{Interruption, run_until};
+use crate::run::{Interruption, not_at_once, run_until};
 use crate::scenario::{Case, CaseSet, ScenarioError};
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use std::collections::{BTreeMap, BTreeSet};
@@ -79,10 +79,7 @@ impl<'a> Workers<'a> {
             retried: Mutex::new(BTreeSet::new()),
             stopped: AtomicBool::new(false),
             fault: OnceLock::new(),
-            deadline: options
-                .run
-                .timeout
-                .and_then(|timeout| Instant::now().checked_add(timeout)),
+            deadline: options.run.deadline.map(not_at_once),
             bars: MultiProgress::new(),
         }
     }
@@ -172,11 +169,12 @@ impl<'a> Workers<'a> {
     }
 
     fn try_attempt(&self, job: &Job) -> Result<Attempt, ResultsError> {
-        if let Some(record) = self.settled(&job.case)? {
-            return Ok(Attempt::Settled(Box::new(record)));
-        }
+        // First of all: to look at a million finished cases takes a while, too.
         if self.stops() {
             return Ok(Attempt::Stopped);
+        }
+        if let Some(record) = self.settled(&job.case)? {
+            return Ok(Attempt::Settled(Box::new(record)));
         }
         let id = &job.case.id;
         let lease = match self.directory.leases.acquire(id)? {
@@ -227,6 +225,8 @@ impl<'a> Workers<'a> {
             Err(error) => self.record_invalid(job, error.to_string())?,
         };
         self.case_table.commit(id, record.clone());
+        let (status, wall_time) = (record.status.in_words(), record.wall_time);
+        tracing::info!(case = %id, status, wall_time, "case ends");
         if record.status.is_final() && record.status != CaseStatus::Finished {
             let error = record.error.as_deref().unwrap_or_default();
             self.bars.suspend(|| {
@@ -254,9 +254,6 @@ impl<'a> Workers<'a> {
                 bars: self.bars.clone(),
                 name: job.case.id.clone(),
             }),
-            timeout: self
-                .deadline
-                .map(|deadline| deadline.saturating_duration_since(Instant::now())),
             ..self.options.run.clone()
         };
         let stop = || {
@@ -315,6 +312,7 @@ impl<'a> Workers<'a> {
             counts,
             interrupted: self.stop_request().filter(|_| !is_over),
             found: Vec::new(),
+            tables_are_old: false,
         }
     }
 

@@ -5,7 +5,7 @@ use crate::experiment::{from_text, prepare};
 use crate::run::PreparedRun;
 use crate::run::{RunError, RunOptions, run};
 use std::path::Path;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 const THREADS: Expectation = Expectation {
     formula: "1 thread = 2 threads",
@@ -106,7 +106,7 @@ fn run_in_pieces(prepared: &PreparedRun, directory: &Path) -> Result<(), GroupEr
     let mut interruptions = 0;
     loop {
         let hurried = RunOptions {
-            timeout: Some(limit),
+            deadline: Instant::now().checked_add(limit),
             ..options(directory)
         };
         match run(prepared, &hurried) {

@@ -102,7 +102,7 @@ fn rod() -> DiscreteRod {
 fn materials() -> Result<[Check; 2], SimulationError> {
     let helix = Helix::from([1.0, 1.0, 1.0]);
     let critical = |rod: DiscreteRod| -> Result<f64, SimulationError> {
-        let found = rod.critical_distance(&helix, HelixSearch::Fast, 20.0, None)?;
+        let found = rod.critical_distance(&helix, HelixSearch::Fast, 20.0, None, &|| true)?;
         Ok(found.unwrap_or(f64::NAN))
     };
     let expected = critical(rod())?;
@@ -136,7 +136,8 @@ fn path(count: usize) -> Result<Check, SimulationError> {
         let (sine, cosine) = (TAU * number()).sin_cos();
         let across = (1.0 - height * height).sqrt();
         let helix = Helix::from([height, across * cosine, across * sine]);
-        let critical = |search| rod().critical_distance(&helix, search, 0.25 * EDGES as f64, None);
+        let critical =
+            |search| rod().critical_distance(&helix, search, 0.25 * EDGES as f64, None, &|| true);
         // Directions without a boundary have none either way.
         let pair = match (critical(HelixSearch::Fast)?, critical(HelixSearch::Path)?) {
             (None, None) => continue,

@@ -136,6 +136,14 @@ impl Browser {
         self.settle();
     }
 
+    /// Makes the window as large as that of a telephone or a screen, pixels.
+    pub fn resize(&mut self, width: u32, height: u32) {
+        let size =
+            json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
+        self.call("Emulation.setDeviceMetricsOverride", size);
+        self.settle();
+    }
+
     /// Presses a key.
     pub fn press(&mut self, key: &str) {
         for kind in ["keyDown", "keyUp"] {

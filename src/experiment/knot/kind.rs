@@ -9,6 +9,7 @@ use super::tightening;
 use super::traction_figure::traction_figure;
 use crate::experiment::kind::{FigureError, Kind, OwnNumbers};
 use crate::experiment::prepare::try_scene;
+use crate::figure::Figure;
 use crate::mechanics::Vector3;
 use crate::mechanics::scene::Scene;
 use crate::results::{FileDescription, TRACTION_FIGURE};
@@ -105,7 +106,7 @@ impl Kind for TighteningKind {
         &FILES
     }
 
-    fn figures(&self, directory: &Path) -> Result<Vec<(&'static str, String)>, FigureError> {
+    fn figures(&self, directory: &Path) -> Result<Vec<(&'static str, Figure)>, FigureError> {
         figures(directory)
     }
 }
@@ -131,7 +132,7 @@ impl Kind for InversionKind {
         &FILES
     }
 
-    fn figures(&self, directory: &Path) -> Result<Vec<(&'static str, String)>, FigureError> {
+    fn figures(&self, directory: &Path) -> Result<Vec<(&'static str, Figure)>, FigureError> {
         figures(directory)
     }
 }
@@ -234,10 +235,10 @@ fn derived_knot(knot: &KnotObserver, run: &PreparedRun) -> Option<DerivedKnot> {
     })
 }
 
-fn figures(directory: &Path) -> Result<Vec<(&'static str, String)>, FigureError> {
+fn figures(directory: &Path) -> Result<Vec<(&'static str, Figure)>, FigureError> {
     let figure = traction_figure(directory)?;
     Ok(figure
-        .map(|svg| (TRACTION_FIGURE, svg))
+        .map(|figure| (TRACTION_FIGURE, figure))
         .into_iter()
         .collect())
 }

@@ -260,6 +260,7 @@ mod tests {
             "knot.end_to_end=0.22",
             "knot.pull_speed=\"6 mm/s\"",
             "knot.settling_time=0.5",
+            "contact.distance_tolerance=\"40 µm\"",
             "time.end=10.0",
             // The knot inverts within one of these, between two outputs.
             "output.interval=1.0",

@@ -3,12 +3,12 @@
 use super::{KnotKind, KnotRow, KnotTables, read_knot_series};
 use crate::experiment::kind::FigureError;
 use crate::experiment::load;
-use crate::figure::{AxisScale, Curve, LinePlot, PlotStyle, styled_line_plots};
+use crate::figure::{AxisScale, Curve, Figure, LinePlot, Look, PlotStyle, styled_line_plots};
 use crate::knot::{TREFOIL_FRICTION, audoly_traction, jawed_traction};
 use crate::results::{SCENARIO, SERIES, Table};
 use std::path::Path;
 
-/// F̄ = F h²/EI over ε = √(h/R) while the ends move apart, on logarithmic axes, as SVG; `None` where no knot was
+/// F̄ = F h²/EI over ε = √(h/R) while the ends move apart, on logarithmic axes; `None` where no knot was
 /// pulled in this run.
 ///
 /// Beside it stand Audoly's law of the trefoil at the same ε (thesis Eq. 2.29) and, with friction, the traction
@@ -16,7 +16,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// [`FigureError::Scenario`] or [`FigureError::Results`] where files of the run cannot be read.
-pub fn traction_figure(directory: &Path) -> Result<Option<String>, FigureError> {
+pub fn traction_figure(directory: &Path) -> Result<Option<Figure>, FigureError> {
     let series = directory.join(SERIES);
     if !series.exists() || Table::read(&series)?.column("force_normalized").is_none() {
         return Ok(None);
@@ -33,12 +33,10 @@ pub fn traction_figure(directory: &Path) -> Result<Option<String>, FigureError> 
     if pulled.len() < 2 {
         return Ok(None);
     }
-    let curve = |name: &str, traction: &dyn Fn(f64, &KnotRow) -> f64| Curve {
-        name: name.into(),
-        points: pulled
-            .iter()
-            .map(|(epsilon, row)| (*epsilon, Some(traction(*epsilon, row))))
-            .collect(),
+    let curve = |name: &str, traction: &dyn Fn(f64, &KnotRow) -> f64| {
+        let points = pulled.iter();
+        let points = points.map(|(epsilon, row)| (*epsilon, Some(traction(*epsilon, row))));
+        Curve::new(name, points.collect())
     };
     let friction = scenario.contact.friction();
     let overhand = match knot.start.kind() {
@@ -47,27 +45,28 @@ pub fn traction_figure(directory: &Path) -> Result<Option<String>, FigureError> 
     };
     let mut curves = vec![curve("rodlab", &|_, row| row.force_normalized)];
     if overhand == Some(1) {
-        curves.push(curve("Audoly et al. 2007", &|epsilon, _| {
+        let law = curve("Audoly et al. 2007", &|epsilon, _| {
             audoly_traction(epsilon, friction, TREFOIL_FRICTION)
-        }));
+        });
+        curves.push(law.looking(Look::Dashed));
     }
     if let Some(turns) = overhand.map(|number| number as f64)
         && friction > 0.0
     {
-        curves.push(curve("Jawed et al. 2015", &|_, row| {
+        let law = curve("Jawed et al. 2015", &|_, row| {
             let scaled = turns * turns * rod.radius / row.shortening_m;
             jawed_traction(scaled, friction) / (turns * turns)
-        }));
+        });
+        curves.push(law.looking(Look::Dashed));
     }
     let plot = LinePlot {
-        label: "F h²/EI".into(),
+        label: "F̄ = F h²/EI".into(),
         curves,
     };
     let style = PlotStyle {
         horizontal: AxisScale::Logarithmic,
         vertical: vec![AxisScale::Logarithmic],
-        marks: false,
         ..PlotStyle::default()
     };
-    Ok(Some(styled_line_plots(&[plot], "ε = √(h/R)", &style)))
+    Ok(Some(styled_line_plots([plot], "ε = √(h/R)", style)))
 }

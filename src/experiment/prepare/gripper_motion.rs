@@ -34,18 +34,18 @@ mod tests {
     use crate::mechanics::dynamics::Simulation;
     use std::path::Path;
 
-    /// A beam whose end a gripper holds by way of an offset, and moves and turns.
-    #[test]
-    fn a_node_moves_with_its_gripper_as_one_rigid_body() {
-        let text = "experiment = \"scene\"\n\
+    /// A beam whose end a gripper holds by way of an offset, and moves and turns about z, from an orientation to another.
+    fn follow(from: [f64; 4], to: [f64; 4]) {
+        let text = format!(
+            "experiment = \"scene\"\n\
             [material]\nyoungs_modulus = 1e6\npoissons_ratio = 0.5\ndensity = 1000.0\n\
             [[rods]]\nname = \"beam\"\nradius = 0.005\nedges = 10\n\
-            shape = { kind = \"straight\", start = [0, 0, 0], end = [1, 0, 0] }\n\
+            shape = {{ kind = \"straight\", start = [0, 0, 0], end = [1, 0, 0] }}\n\
             [[clamps]]\nrod = \"beam\"\nat = \"start\"\n\
-            poses = [[0, [0, 0.1, 0], [1, 0, 0, 0]], \
-                     [1, [0.2, 0.1, 0], [0.7071067811865476, 0, 0, 0.7071067811865476]]]\n\
-            [time]\nstep = 0.01\nend = 1.0\n";
-        let loaded = from_text("beam", text, Path::new(""), &[]).unwrap();
+            poses = [[0, [0, 0.1, 0], {from:?}], [1, [0.2, 0.1, 0], {to:?}]]\n\
+            [time]\nstep = 0.01\nend = 1.0\n"
+        );
+        let loaded = from_text("beam", &text, Path::new(""), &[]).unwrap();
         let prepared = crate::experiment::prepare(&loaded.scenario).unwrap();
         let mut simulation = Simulation::new(&prepared.scene, &prepared.integration).unwrap();
         for (until, angle) in [
@@ -61,5 +61,13 @@ mod tests {
             let found = simulation.positions()[0];
             assert!((found - expected).norm() < 1e-12, "{found} {expected}");
         }
+    }
+
+    #[test]
+    fn a_node_moves_with_its_gripper_as_one_rigid_body() {
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        follow([1.0, 0.0, 0.0, 0.0], [half, 0.0, 0.0, half]);
+        // Begun with a quarter turn about x: the turn about z comes after it.
+        follow([half, half, 0.0, 0.0], [0.5; 4]);
     }
 }

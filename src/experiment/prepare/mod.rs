@@ -12,8 +12,9 @@ use crate::mechanics::dynamics::{self, IntegrationParameters, Simulation, StepSi
 use crate::mechanics::fluid::FluidModel;
 use crate::mechanics::scene as mechanics;
 use crate::mechanics::statics::{PathMethod, PathPlan};
+use crate::results::read_end_state;
 use crate::run::RunError;
-use crate::run::{LinkingGuard, Mode, Observer, OutputPlan, PreparedRun};
+use crate::run::{LinkingGuard, Mode, Observer, OutputPlan, PreparedRun, rod_records, start_from};
 use crate::scenario::{
     self, Clamp, Contact, Continuation, Fluid, Hold, Issue, Issues, KeyPath, Load, LoadKind,
     NaturalShape, Place, Plane, Rod, Scenario, Scheme, Step, Time, did_you_mean,
@@ -97,9 +98,20 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
         observers: Vec::new(),
         controllers: Vec::new(),
         table: None,
+        start: None,
     };
+    if let Some(start) = &scenario.start
+        && let Err(message) = begin_at(&mut prepared, start)
+    {
+        issues.push(Issue::new(KeyPath::from("start").key("from"), message));
+    }
     if let Err(issue) = kind.attach(scenario, &mut prepared) {
         issues.push(issue);
+    }
+    if prepared.table.is_some() && prepared.start.is_some() {
+        let message =
+            "this experiment places its rods itself, again and again; leave the table out";
+        issues.push(Issue::new(KeyPath::from("start"), message));
     }
     if prepared.table.is_none() {
         let guard = LinkingGuard::of(&prepared.scene);
@@ -109,6 +121,22 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
         found.0.into_iter().for_each(|issue| issues.push(issue));
     }
     issues.or_ok(prepared)
+}
+
+/// Lets the scene start from the end of another run.
+///
+/// # Errors
+/// Why that does not fit.
+fn begin_at(prepared: &mut PreparedRun, start: &scenario::Start) -> Result<(), String> {
+    let rows = read_end_state(&start.contents)?;
+    let mut state = start_from(&rows, &rod_records(prepared))?;
+    if !start.velocities {
+        state.velocities.clear();
+        state.spins.clear();
+    }
+    prepared.scene.start = Some(state);
+    prepared.start = Some(start.contents.clone());
+    Ok(())
 }
 
 fn path_plan(path: &Continuation) -> PathPlan {
@@ -126,14 +154,25 @@ fn path_plan(path: &Continuation) -> PathPlan {
     }
 }
 
-/// Tries whether the mechanics can be set up: rods that start inside each other, contradicting clamps.
+/// Does all that a run does before its first step, but for its files: finds rods that start inside each other,
+/// contradicting clamps, paths that cannot begin, and controllers that cannot act.
 ///
 /// # Errors
 /// [`RunError::Scene`] says what is impossible.
 pub fn try_scene(prepared: &PreparedRun) -> Result<(), RunError> {
-    Simulation::new(&prepared.scene, &prepared.integration)
-        .map(|_| ())
-        .map_err(RunError::Scene)
+    let simulation = Simulation::new(&prepared.scene, &prepared.integration);
+    let mut simulation = simulation.map_err(RunError::Scene)?;
+    match prepared.mode {
+        _ if prepared.table.is_some() => Ok(()),
+        Mode::Static => Ok(()),
+        Mode::Continuation(plan) => simulation.path(plan).map(drop),
+        Mode::Dynamic { .. } => {
+            let mut controllers = prepared.controllers.clone();
+            let mut controllers = controllers.iter_mut();
+            controllers.try_for_each(|controller| controller.act(&mut simulation))
+        }
+    }
+    .map_err(RunError::Scene)
 }
 
 fn place_rod(rod: &Rod, path: &KeyPath) -> Result<mechanics::RodDescription, Issue> {

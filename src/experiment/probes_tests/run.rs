@@ -3,9 +3,9 @@
 use super::{CANTILEVER, Ran, options, prepared, ran};
 use crate::results::{BRANCH, NODES, SERIES, SUMMARY};
 use crate::run::{PreparedRun, RunError, StopRequest, run_until};
-use std::cell::Cell;
 use std::fs;
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 const FALLING: &str = r#"
 [[probes]]
@@ -53,8 +53,8 @@ fn a_condition_ends_the_run_at_the_first_output_where_it_holds() {
 fn interrupted_every(calls: usize, prepared: &PreparedRun, directory: &Path) -> usize {
     let mut interruptions = 0;
     loop {
-        let asked = Cell::new(0);
-        let stop = || (asked.replace(asked.get() + 1) == calls).then_some(StopRequest::Interrupt);
+        let asked = AtomicUsize::new(0);
+        let stop = || (asked.fetch_add(1, Relaxed) == calls).then_some(StopRequest::Interrupt);
         match run_until(prepared, &options(directory), &stop) {
             Ok(_) => return interruptions,
             Err(RunError::Interrupted { .. }) => interruptions += 1,

@@ -1,6 +1,6 @@
 //! An interactive page of a surface in three dimensions: one HTML file that works without a network.
 
-use super::markup::{escape, fill, json_in_script};
+use super::markup::{escape, fill, json_in_script, version};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::json;
@@ -61,6 +61,7 @@ pub fn surface_page(surface: &ColouredSurface<'_>) -> String {
         "high": high,
     });
     let parts = [
+        ("version", version()),
         ("title", escape(surface.title)),
         ("subtitle", escape(surface.subtitle)),
         ("script", SCRIPTS.concat()),

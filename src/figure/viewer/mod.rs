@@ -5,9 +5,9 @@
 mod movie;
 mod packing;
 
-pub use movie::{Field, Movie, MovieCase, MovieFrame, MoviePlane, MovieRod};
+pub use movie::{Field, Movie, MovieCase, MovieFrame, MoviePlane, MovieRod, MovieSeries};
 
-use super::markup::{escape, fill, json_in_script};
+use super::markup::{escape, fill, json_in_script, version};
 use super::palette::Color;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -28,13 +28,15 @@ const PARTS: [(&str, &str); 7] = [
 ];
 
 /// The program of the page, in the order of its parts.
-const SCRIPTS: [&str; 7] = [
+const SCRIPTS: [&str; 9] = [
     include_str!("page/movie.js"),
     include_str!("page/colours.js"),
     include_str!("page/camera.js"),
     include_str!("page/renderer.js"),
     include_str!("page/player.js"),
     include_str!("page/gestures.js"),
+    include_str!("page/chart.js"),
+    include_str!("page/export.js"),
     include_str!("page/page.js"),
 ];
 
@@ -46,7 +48,13 @@ pub fn movie_page(movie: &Movie) -> String {
     let (header, blobs) = data(movie);
     let data = format!("<script type=\"application/json\" id=\"movie\">{header}</script>\n{blobs}");
     let (title, script) = (escape(&movie.title), SCRIPTS.concat());
-    let own = [("title", &title[..]), ("script", &script), ("data", &data)];
+    let version = version();
+    let own = [
+        ("version", &version[..]),
+        ("title", &title),
+        ("script", &script),
+        ("data", &data),
+    ];
     fill(PAGE, &[&PARTS[..], &own].concat())
 }
 
@@ -87,6 +95,7 @@ fn describe(case: &MovieCase, bounds: &Bounds, fields: &[(&Field, ColorRange)]) 
                 "nodes": rod.nodes,
                 "closed": rod.closed,
                 "radius": rod.radius,
+                "held": rod.held,
             })
         })
         .collect();
@@ -94,6 +103,11 @@ fn describe(case: &MovieCase, bounds: &Bounds, fields: &[(&Field, ColorRange)]) 
         .planes
         .iter()
         .map(|plane| json!({ "point": plane.point, "normal": plane.normal }))
+        .collect();
+    let series: Vec<Value> = case
+        .series
+        .iter()
+        .map(|series| json!({ "name": series.name, "unit": series.unit }))
         .collect();
     let fields: Vec<Value> = fields
         .iter()
@@ -119,12 +133,15 @@ fn describe(case: &MovieCase, bounds: &Bounds, fields: &[(&Field, ColorRange)]) 
         "size": bounds.size.as_slice(),
         "frames": case.frames.len(),
         "fields": fields,
+        "series": series,
+        "branches": case.branches,
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::View;
+    use super::super::markup::is_page;
     use super::*;
     use nalgebra::Vector3;
 
@@ -135,6 +152,7 @@ mod tests {
             nodes: 3,
             closed: false,
             radius: 0.05,
+            held: false,
         };
         let frame = |k: usize| {
             let angle = 0.4 * k as f64;
@@ -166,6 +184,12 @@ mod tests {
                 signed: false,
                 values: (0..5).map(|k| vec![f64::from(k); 6]).collect(),
             }],
+            series: vec![MovieSeries {
+                name: "Energy".into(),
+                unit: "J".into(),
+                values: vec![Some(0.5), None, Some(1.5), Some(2.0), Some(2.5)],
+            }],
+            branches: None,
         }
     }
 
@@ -182,6 +206,10 @@ mod tests {
         let page = page();
         assert!(!page.contains("{{"), "a part is missing");
         assert!(page.contains("<title>Spin &amp; &lt;touch&gt;"));
+        // The version that made it, by which a reader finds what has changed since.
+        let generator = format!("content=\"rodlab {}", env!("CARGO_PKG_VERSION"));
+        assert!(page.contains(&generator));
+        assert!(is_page(page.as_bytes()));
         for reference in ["http://", "https://", "src=", "href=", "@import", "url("] {
             assert!(!page.contains(reference), "{reference}");
         }

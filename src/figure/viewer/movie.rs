@@ -33,6 +33,21 @@ pub struct MovieCase {
     pub frames: Vec<MovieFrame>,
     /// What the rods can be coloured by.
     pub fields: Vec<Field>,
+    /// What can be plotted beside the motion.
+    pub series: Vec<MovieSeries>,
+    /// Branches of the frames where these are equilibria along a path: then their time is its parameter.
+    pub branches: Option<Vec<usize>>,
+}
+
+/// A number of the whole scene at each frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MovieSeries {
+    /// Its name for people.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// Values by frame.
+    pub values: Vec<Option<f64>>,
 }
 
 /// A rod of a movie.
@@ -46,6 +61,8 @@ pub struct MovieRod {
     pub closed: bool,
     /// Radius, m.
     pub radius: f64,
+    /// Whether it is an obstacle, which does not move.
+    pub held: bool,
 }
 
 /// A rigid half space.

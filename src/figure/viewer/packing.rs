@@ -94,6 +94,7 @@ impl ColorRange {
 /// |---|---|---|
 /// | times, s | f32 | F |
 /// | number of the first contact of each frame, and C | u32 | F + 1 |
+/// | series one after the other, NaN where there is no value | f32 | F for each |
 /// | positions x, y, z, in levels of the bounds | u16 | 3 F N |
 /// | contacts x, y, z, in levels of the bounds | u16 | 3 C |
 /// | colours field by field, in levels of their ranges | u8 | F N for each field |
@@ -107,6 +108,9 @@ pub(super) fn pack(case: &MovieCase, bounds: &Bounds, fields: &[(&Field, ColorRa
     for frame in &case.frames {
         contacts += frame.contacts.len() as u32;
         bytes.extend(contacts.to_le_bytes());
+    }
+    for value in case.series.iter().flat_map(|series| &series.values) {
+        bytes.extend((value.unwrap_or(f64::NAN) as f32).to_le_bytes());
     }
     for point in case.frames.iter().flat_map(|frame| &frame.positions) {
         bounds.pack(point, &mut bytes);
@@ -141,7 +145,7 @@ mod tests {
         let bounds = Bounds::of(&case);
         let (frames, nodes) = (case.frames.len(), case.frames[0].positions.len());
         let bytes = pack(&case, &bounds, &[]);
-        let positions = 4 * frames + 4 * (frames + 1);
+        let positions = 4 * frames + 4 * (frames + 1) + 4 * frames * case.series.len();
         let contacts: usize = case.frames.iter().map(|frame| frame.contacts.len()).sum();
         assert_eq!(bytes.len(), positions + 6 * frames * nodes + 6 * contacts);
         for (index, point) in case.frames.iter().flat_map(|f| &f.positions).enumerate() {

@@ -104,7 +104,8 @@ impl Integrator {
         self.fluid.of_start(stage, &state.unknowns, &state.velocity)
     }
 
-    /// Takes one step that ends no later than `until` (hit exactly when it is within the step).
+    /// Takes one step that ends no later than `until` (hit exactly when it is within the step), as long as `goes_on`; `None`
+    /// where that said no.
     ///
     /// # Errors
     /// [`SimulationError::NoConvergence`] and [`SimulationError::Unphysical`]; the state is then that of
@@ -114,7 +115,8 @@ impl Integrator {
         system: &mut System,
         state: &mut State,
         until: f64,
-    ) -> Result<StepReport, SimulationError> {
+        goes_on: &dyn Fn() -> bool,
+    ) -> Result<Option<StepReport>, SimulationError> {
         let _span = trace_span!("step", time = state.time).entered();
         let mut report = StepReport::default();
         let without_drag = |error: FluidError, time: f64| {
@@ -136,7 +138,12 @@ impl Integrator {
                 .workspace
                 .prepare(&self.setting, system, &mut self.fluid, state, goal)
                 .map_err(|error| without_drag(error, state.time))?;
-            let smaller = match self.workspace.attempt(&self.setting, system, state, goal) {
+            let workspace = &mut self.workspace;
+            let attempt = workspace.attempt(&self.setting, system, state, goal, goes_on);
+            if !goes_on() {
+                return Ok(None);
+            }
+            let smaller = match attempt {
                 Ok(attempt) => {
                     report.newton_iterations += attempt.iterations;
                     match self.decide(step, &attempt) {
@@ -201,7 +208,7 @@ impl Integrator {
             fluid_iterations = report.fluid_iterations,
             "step accepted"
         );
-        Ok(report)
+        Ok(Some(report))
     }
 
     /// Whether the steps after a failed one begin small: where the step is automatic, and with friction, since the

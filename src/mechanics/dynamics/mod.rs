@@ -13,7 +13,7 @@
 //! | `integrator` | the step |
 //! | `drag`, `exchange` | forces of the fluid; work and losses of a step |
 //! | `equilibrium`, `path` | statics of the same scene |
-//! | `validity` | remarks on strains beyond the theory, on energy from nowhere, on steps far smaller than asked for |
+//! | `validity`, `validity_memory` | remarks on strains beyond the theory, on energy from nowhere, on steps far smaller than asked for |
 //! | `report`, `failure`, `observe` | what is reported, why a step fails, what can be seen |
 
 mod drag;
@@ -35,6 +35,7 @@ mod stage;
 mod state;
 mod step_control;
 mod validity;
+mod validity_memory;
 
 pub use crate::mechanics::system::{Grasp, Resultants};
 pub use parameters::{IntegrationParameters, Scheme, StepSize};

@@ -61,13 +61,14 @@ impl Newton {
     /// linear solves. The frames and the residual of `system` are those of the solution.
     ///
     /// # Errors
-    /// [`Divergence`] when the iterations run out or lead nowhere, or a number is not finite.
+    /// [`Divergence`] when the iterations run out or lead nowhere, a number is not finite, or `goes_on` says no.
     pub fn solve(
         &mut self,
         system: &mut System,
         stage: &Stage,
         unknowns: &mut [f64],
         stopping: &Stopping,
+        goes_on: &dyn Fn() -> bool,
     ) -> Result<usize, Divergence> {
         let mut last_move = 0.0;
         // Whether a whole correction has been made.
@@ -97,7 +98,7 @@ impl Newton {
                 residual,
                 unknown: imbalance.unknown,
             };
-            if !residual.is_finite() || iteration == limit {
+            if !residual.is_finite() || iteration == limit || !goes_on() {
                 return Err(failed);
             }
             if !carries && stopping.gives_up && iteration > 0 && iteration % TRIAL_ITERATIONS == 0 {

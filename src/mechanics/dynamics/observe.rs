@@ -4,6 +4,8 @@ use super::Simulation;
 use super::report::{Energies, SimulationError, SimulationState};
 use super::state::State;
 use crate::mechanics::contact::{ActiveContact, Proximity};
+use crate::mechanics::rod::STRIDE;
+use crate::mechanics::scene::Start;
 use crate::mechanics::{SceneError, Vector3};
 
 impl Simulation {
@@ -152,6 +154,41 @@ impl Simulation {
         nalgebra::DMatrix::from_fn(free.len(), free.len(), |i, j| dense[(free[i], free[j])])
     }
 
+    /// The present state, for another scene of the same rods to start from.
+    pub fn as_start(&self) -> Start {
+        let system = &self.system;
+        let rods = &system.assembly.rods;
+        let mut twist = vec![0.0; rods.nodes];
+        for (index, vertex) in rods.vertices.iter().enumerate() {
+            if vertex.before.max(vertex.after) < rods.nodes {
+                twist[vertex.after] = system.geometry.twist(index);
+            }
+        }
+        let mut directors = self.material_directors();
+        let mut walls = vec![None; rods.nodes];
+        for drive in system
+            .assembly
+            .drives
+            .iter()
+            .filter(|drive| !drive.released)
+        {
+            let frame = drive.ghosts.first().map(|&ghost| system.ghosts[ghost]);
+            walls[drive.node] = frame.map(|frame| [frame.tangent, frame.director]);
+        }
+        for range in rods.rods.iter().filter(|range| !range.closed) {
+            directors[range.first_node + range.nodes - 1] = Vector3::zeros();
+        }
+        let spins = self.state.velocity.iter().skip(3).step_by(STRIDE);
+        Start {
+            positions: self.positions().to_vec(),
+            directors,
+            twist,
+            velocities: self.velocities().to_vec(),
+            spins: spins.copied().collect(),
+            walls,
+        }
+    }
+
     /// What a checkpoint must hold to continue bit for bit.
     pub fn state(&self) -> SimulationState {
         SimulationState {
@@ -253,6 +290,62 @@ mod tests {
         let nearest = nearest(vec![thin, post], Vec::new());
         assert!((nearest.distance - 22e-3).abs() < 1e-12, "{nearest:?}");
         assert!((nearest.ratio() - 1.0).abs() < 1e-9, "{nearest:?}");
+    }
+
+    #[test]
+    fn a_start_is_the_state_that_was_left() {
+        use crate::mechanics::scene::{Clamp, Load, LoadKind, Motion};
+        let mut beam = rod("beam", 2e-3, 0, [0.0; 3]);
+        beam.twist = 9.0;
+        let clamp = |node: usize| Clamp {
+            rod: 0,
+            node,
+            holds_position: true,
+            holds_frame: true,
+            motion: Motion {
+                angle: vec![(0.0, 0.0), (0.2, if node == 0 { 2.0 } else { 0.0 })],
+                ..Motion::default()
+            },
+        };
+        let gravity = LoadKind::Gravity {
+            acceleration: Vector3::new(0.0, -1.0, -9.81),
+        };
+        let mut scene = Scene {
+            rods: vec![beam],
+            clamps: vec![clamp(0), clamp(25)],
+            loads: vec![Load {
+                kind: gravity,
+                schedule: Vec::new(),
+            }],
+            ..Scene::default()
+        };
+        let parameters = IntegrationParameters::default();
+        let mut first = Simulation::new(&scene, &parameters).unwrap();
+        while first.time() < 0.3 {
+            first.advance(0.3).unwrap();
+        }
+        let start = first.as_start();
+        scene
+            .clamps
+            .iter_mut()
+            .for_each(|clamp| clamp.motion = Motion::default());
+        scene.start = Some(start.clone());
+        let second = Simulation::new(&scene, &parameters).unwrap();
+        assert_eq!(second.positions(), first.positions());
+        assert_eq!(second.velocities(), first.velocities());
+        let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b.abs();
+        let (before, after) = (first.energies(), second.energies());
+        for (before, after) in [
+            (before.kinetic, after.kinetic),
+            (before.stretching, after.stretching),
+            (before.bending, after.bending),
+            (before.twisting, after.twisting),
+        ] {
+            assert!(before > 0.0 && near(after, before), "{before} {after}");
+        }
+        for (one, other) in second.as_start().twist.iter().zip(&start.twist) {
+            assert!((one - other).abs() < 1e-12);
+        }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::history::History;
 use super::step_control::StepControl;
-use super::validity::ValidityMemory;
+use super::validity_memory::ValidityMemory;
 use crate::mechanics::SceneError;
 use crate::mechanics::contact::{ContactMemory, Proximity};
 use crate::mechanics::fluid::FluidMemory;

@@ -68,11 +68,25 @@ impl Simulation {
     /// [`SimulationError::NoConvergence`] and [`SimulationError::Unphysical`]; the state is then that of
     /// the last accepted step.
     pub fn advance(&mut self, until: f64) -> Result<StepReport, SimulationError> {
+        let taken = self.advance_while(until, &|| true)?;
+        Ok(taken.expect("it is never stopped"))
+    }
+
+    /// The same, as long as `goes_on`, which is called at every Newton iteration, returns true; `None` where it did not.
+    /// The step then is given up halfway: [`Self::restore`] a state before anything else.
+    ///
+    /// # Errors
+    /// Those of [`Self::advance`].
+    pub fn advance_while(
+        &mut self,
+        until: f64,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Result<Option<StepReport>, SimulationError> {
         let result = self
             .integrator
-            .step(&mut self.system, &mut self.state, until);
+            .step(&mut self.system, &mut self.state, until, goes_on);
         self.publish();
-        if let Ok(report) = &result {
+        if let Ok(Some(report)) = &result {
             let mut validity = std::mem::take(&mut self.validity);
             let scheme = self.integrator.setting.parameters.scheme;
             let unknowns = &self.state.unknowns;
@@ -85,7 +99,7 @@ impl Simulation {
         result.map_err(|error| self.explain(error))
     }
 
-    /// Says so where a motion finds no step any more because of an impact beyond the theory.
+    /// Says so where a motion finds no step any more because rods are crushed, or about to be.
     fn explain(&self, error: SimulationError) -> SimulationError {
         let Published {
             positions,
@@ -98,7 +112,8 @@ impl Simulation {
         let impact = self
             .validity
             .fast_impact(&self.system, positions, velocities);
-        match impact {
+        let crushed = || self.validity.crushed(&self.system, &self.state.unknowns);
+        match impact.or_else(crushed) {
             Some(reason) => SimulationError::Unphysical(format!("at t = {time:.6e} s {reason}")),
             None => error,
         }

@@ -107,20 +107,21 @@ impl Workspace {
     }
 
     /// Solves the stage of a step to `goal` from its prediction; leaves the end of the step in `trial` and
-    /// `next_velocity`.
+    /// `next_velocity`. Fails where `goes_on` says no.
     pub fn attempt(
         &mut self,
         setting: &Setting,
         system: &mut System,
         state: &State,
         goal: f64,
+        goes_on: &dyn Fn() -> bool,
     ) -> Result<Attempt, Failure> {
         let step = goal - state.time;
         self.adapt_contact_stiffness(setting, system, state);
         let tolerance = setting.parameters.force_tolerance;
         system.set_tolerances(tolerance, &state.unknowns, Some(&self.stage));
         let stopping = stopping(setting, system, step);
-        let iterations = self.solve_by_either_way(system, state, &stopping)?;
+        let iterations = self.solve_by_either_way(system, state, &stopping, goes_on)?;
         // A stiffer contact mends this, but for forces by complementarity, whose overlap `certify` finds.
         if !system.has_constraints()
             && let Some(contact) = &system.contact
@@ -156,13 +157,14 @@ impl Workspace {
         system: &mut System,
         state: &State,
         stopping: &Stopping,
+        goes_on: &dyn Fn() -> bool,
     ) -> Result<usize, Failure> {
         self.prediction.copy_from_slice(&self.trial.unknowns);
         if !system.candidates_are_complete(&self.trial.unknowns) {
             system.update_candidates(&self.trial.unknowns);
         }
         system.begin_iterations(&self.stage);
-        let (iterations, failure) = match self.solve(system, stopping) {
+        let (iterations, failure) = match self.solve(system, stopping, goes_on) {
             Ok(iterations) if !system.touches_barrier() => return Ok(iterations),
             Ok(iterations) => (iterations, None),
             Err(failure) => (failure.iterations(), Some(failure)),
@@ -176,12 +178,17 @@ impl Workspace {
         self.trial.unknowns.copy_from_slice(&self.prediction);
         system.abandon_multipliers();
         self.shorten_prediction(system, state)?;
-        Ok(iterations + self.solve(system, stopping)?)
+        Ok(iterations + self.solve(system, stopping, goes_on)?)
     }
 
     /// Newton's method, in turn with the contact forces of complementarity, until no contact is missing; returns the
     /// iterations.
-    fn solve(&mut self, system: &mut System, stopping: &Stopping) -> Result<usize, Failure> {
+    fn solve(
+        &mut self,
+        system: &mut System,
+        stopping: &Stopping,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Result<usize, Failure> {
         let trial = &mut self.trial.unknowns;
         let (mut iterations, mut passes) = (0, 0);
         loop {
@@ -203,7 +210,7 @@ impl Workspace {
             }
             iterations += self
                 .newton
-                .solve(system, &self.stage, trial, stopping)
+                .solve(system, &self.stage, trial, stopping, goes_on)
                 .map_err(Failure::Newton)?;
             // A contact may be missing where rods have moved far; then go on with new candidates.
             let complete = system.candidates_are_complete(trial);

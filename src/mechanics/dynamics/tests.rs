@@ -36,6 +36,24 @@ pub(crate) fn clamp(node: usize) -> Clamp {
     }
 }
 
+#[test]
+fn a_rod_begins_with_the_velocities_of_a_rigid_body() {
+    let rod = RodDescription {
+        velocity: Vector3::new(0.1, 0.2, 0.3),
+        angular_velocity: Vector3::new(0.0, 4.0, 3.0),
+        ..straight_rod(8, 2.0)
+    };
+    let scene = Scene {
+        rods: vec![rod],
+        ..Scene::default()
+    };
+    let simulation = Simulation::new(&scene, &IntegrationParameters::default()).unwrap();
+    // A metre from its middle along x, turned about y and z.
+    let velocities = simulation.velocities();
+    assert!((velocities[8] - Vector3::new(0.1, 3.2, -3.7)).norm() < 1e-14);
+    assert!((velocities[0] - Vector3::new(0.1, -2.8, 4.3)).norm() < 1e-14);
+}
+
 fn heavy_cantilever(edges: usize) -> Scene {
     Scene {
         rods: vec![straight_rod(edges, 1.0)],

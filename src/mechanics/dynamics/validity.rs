@@ -6,11 +6,11 @@
 
 use super::parameters::Scheme;
 use super::report::{Energies, StepReport};
+use super::validity_memory::{Gain, LargeStrain, ValidityMemory};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::edge_distance;
 use crate::mechanics::scene::{Clamp, Load, LoadKind, RodDescription, Scene};
 use crate::mechanics::system::{SectionScale, Strain, System};
-use serde::{Deserialize, Serialize};
 use tracing::warn;
 
 /// Stretch that is remarked: Hooke's law and an area that stays the same err by as much, the first power of the strain.
@@ -18,6 +18,8 @@ const LARGEST_STRETCH: f64 = 0.05;
 /// Strain of the outer fibres by bending, and shear of the surface by twist, that are remarked: by the symmetry of the
 /// section what the theory leaves out is of the second power, 4 % of the moment at this size.
 const LARGEST_BEND: f64 = 0.2;
+/// Stretch at which a lack of convergence is no wonder.
+const CRUSHING: f64 = 0.5;
 /// Gain of energy that is no more rounding, Newton's method or a swing of the midpoint rule, over the largest energy so far.
 const LARGEST_GAIN: f64 = 0.05;
 /// Distance of centrelines over the sum of the radii within which rods count as meeting.
@@ -31,41 +33,6 @@ enum Kind {
     Stretch,
     Bending,
     Twist,
-}
-
-/// The largest strain of a kind, and since when it has been beyond its bound.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct LargeStrain {
-    size: f64,
-    node: usize,
-    time: f64,
-    since: f64,
-}
-
-/// The largest gain of energy, over the largest energy.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Gain {
-    relative: f64,
-    since: f64,
-}
-
-/// What has been seen so far: part of the state that checkpoints hold.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct ValidityMemory {
-    steps: usize,
-    /// Energy at the start, J.
-    start: Option<f64>,
-    /// What clamps did less what was lost since, J.
-    taken_in: f64,
-    /// Largest kinetic and elastic energy so far, J.
-    largest: f64,
-    /// Whether energy can only come from clamps, so that any other gain is an error of the scheme.
-    is_conservative: bool,
-    stretch: Option<LargeStrain>,
-    bending: Option<LargeStrain>,
-    twist: Option<LargeStrain>,
-    gain: Option<Gain>,
-    small_steps: Option<String>,
 }
 
 /// Watches a simulation.
@@ -195,21 +162,40 @@ impl Validity {
         for pair in contact.candidates() {
             let [a, b] = [pair.nodes[0], pair.nodes[2]].map(|node| system.assembly.locate(node).0);
             let radii = system.assembly.radii[a] + system.assembly.radii[b];
-            if a == b || edge_distance(&pair.nodes.map(|node| positions[node])) > NEAR * radii {
+            if edge_distance(&pair.nodes.map(|node| positions[node])) > NEAR * radii {
                 continue;
             }
             let mean = |k: usize| 0.5 * (velocities[pair.nodes[k]] + velocities[pair.nodes[k + 1]]);
             let speed = (mean(0) - mean(2)).norm();
             let wave = self.wave_speeds[a].min(self.wave_speeds[b]);
             if speed > wave && fastest.as_ref().is_none_or(|(found, _)| *found < speed) {
-                let [a, b] = [a, b].map(|rod| &system.assembly.names[rod]);
+                let [first, second] = [a, b].map(|rod| &system.assembly.names[rod]);
+                let who = if a == b {
+                    format!("parts of rod `{first}`")
+                } else {
+                    format!("rods `{first}` and `{second}`")
+                };
                 let reason = format!(
-                    "rods `{a}` and `{b}` meet at {speed:.3} m/s, faster than waves of stretching run in them ({wave:.3} m/s): such an impact crushes a rod, and the theory of rods does not hold for it"
+                    "{who} meet at {speed:.3} m/s, faster than waves of stretching run there ({wave:.3} m/s): such an impact crushes a rod, and the theory of rods does not hold for it"
                 );
                 fastest = Some((speed, reason));
             }
         }
         fastest.map(|(_, reason)| reason)
+    }
+
+    /// Names a rod that is stretched or compressed to where Hooke's law means nothing, for motions that find no step any more.
+    pub fn crushed(&self, system: &System, unknowns: &[f64]) -> Option<String> {
+        let found = system.largest_strains(unknowns, &self.sections).stretch?;
+        (found.size.abs() > CRUSHING).then(|| {
+            let (rod, node) = system.assembly.locate(found.node);
+            format!(
+                "rod `{}` is {} by {:.0} % at node {node} and no step is found any more: the theory of rods holds for a few per cent",
+                system.assembly.names[rod],
+                Kind::Stretch.suffered(found.size),
+                100.0 * found.size.abs()
+            )
+        })
     }
 
     /// Keeps what was said of steps that stay far smaller than asked for.

@@ -87,6 +87,20 @@ impl Drive {
         }
     }
 
+    /// Takes hold at another place and with another frame than placed; `director_of` gives those of the edges.
+    pub fn take_hold(
+        &mut self,
+        position: Vector3,
+        frame: GhostEdge,
+        director_of: impl Fn(usize) -> Vector3,
+    ) {
+        (self.position, self.frame) = (position, frame);
+        self.follow(self.motion.clone());
+        for edge in &mut self.edges {
+            *edge = HeldEdge::new([edge.start, edge.end], director_of(edge.start), 0.0);
+        }
+    }
+
     /// Steady rate of turning, rad/s.
     pub fn angular_velocity(&self) -> f64 {
         self.motion.angular_velocity

@@ -21,6 +21,7 @@ mod newton_matrix;
 mod residual;
 mod resultants;
 mod rigid_contact;
+mod start;
 mod strain;
 mod touching;
 
@@ -129,7 +130,10 @@ impl System {
     /// # Errors
     /// [`SceneError`] names what is impossible, overlapping rods among it.
     pub fn new(scene: &Scene) -> Result<Self, SceneError> {
-        let assembly = Assembly::new(scene)?;
+        let mut assembly = Assembly::new(scene)?;
+        if let Some(start) = &scene.start {
+            assembly.begin_at(start)?;
+        }
         let loads = Loads::new(&scene.loads, &assembly)?;
         let contact = contact_of(scene, &assembly)?;
         let friction = scene.contact.map_or(0.0, |parameters| parameters.friction);

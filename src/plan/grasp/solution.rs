@@ -66,6 +66,24 @@ impl Grasp {
     }
 }
 
+/// Nodes of the suspended part at equal arc lengths, from the contact node to the gripper, L_gb.
+pub fn centreline(shape: &Shape, edges: usize) -> Vec<Vector3> {
+    let length = shape.problem.suspended_length / edges as f64;
+    let compliance = shape.problem.stretch_compliance;
+    let mut place = Vector3::zeros();
+    let mut places = vec![place];
+    for edge in 0..edges {
+        for (node, weight) in RULE.nodes.iter().zip(RULE.weights) {
+            let s = (edge as f64 + node) * length;
+            let tangent = shape.at(s).0;
+            let stretch = 1.0 + compliance * shape.internal_force(s).dot(&tangent);
+            place += length * weight * stretch * tangent;
+        }
+        places.push(place);
+    }
+    places
+}
+
 struct Ends {
     position: Vector3,
     rotation: UnitQuaternion,

@@ -4,7 +4,8 @@ use super::branches;
 use super::continuation::{gentle, walk};
 use super::discrete::discrete_grasp;
 use super::shape::{March, Shape};
-use super::{Grasp, GraspError, GraspProblem};
+use super::solution::centreline;
+use super::{Grasp, GraspError, GraspProblem, Vector3};
 
 /// Largest changes of l̄_s, as a part of it, and of κ̄ over which the last grasp is a start for the next one.
 const NEAR: [f64; 2] = [0.3, 0.8];
@@ -83,6 +84,18 @@ impl GraspSolver {
         Ok(found)
     }
 
+    /// Nodes of the suspended part on the gentle branch at equal arc lengths, from the contact node to the gripper, L_gb.
+    ///
+    /// # Errors
+    /// Newton's method does not converge.
+    pub fn centreline(
+        &mut self,
+        problem: &GraspProblem,
+        edges: usize,
+    ) -> Result<Vec<Vector3>, GraspError> {
+        Ok(centreline(self.shape(problem)?, edges))
+    }
+
     fn shape(&mut self, problem: &GraspProblem) -> Result<&Shape, GraspError> {
         let last = self.last.take();
         let near = last.filter(|last| {
@@ -101,7 +114,6 @@ impl GraspSolver {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Vector3;
     use super::*;
     use crate::mechanics::UnitQuaternion;
     use GraspMethod::{Discrete, Theory};
@@ -206,6 +218,22 @@ mod tests {
             let turned = right.rotation.scaled_axis();
             let turned = Vector3::new(-turned.x, turned.y, -turned.z);
             assert!((left.rotation.scaled_axis() - turned).norm() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn the_centreline_ends_at_the_gripper_and_begins_along_the_pattern() {
+        for (length, curvature) in [(2.0, 1.5), (27.0, -0.6), (60.0, 0.0)] {
+            let problem = GraspProblem::new(length, curvature, 3000.0).unwrap();
+            let mut solver = GraspSolver::new();
+            let places = solver.centreline(&problem, 300).unwrap();
+            let grasp = solver.solve(&problem, Theory).unwrap();
+            assert!((places[300] - grasp.position).norm() < 1e-6, "{problem}");
+            let first = (places[1] - places[0]).normalize();
+            // The chord is half an edge's turn ahead of the tangent, up to the change of the curvature.
+            let edge = length / 300.0;
+            let off = first.y - 0.5 * curvature * edge;
+            assert!(off.abs() < 0.3 * edge * edge && first.z >= 0.0, "{first}");
         }
     }
 

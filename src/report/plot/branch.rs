@@ -1,7 +1,8 @@
 //! The branches of a path of equilibria: displacement and energy over the parameter.
 
 use super::PlotError;
-use crate::figure::{Curve, LinePlot, PlotStyle, styled_line_plots};
+use crate::figure::{Curve, Figure, LinePlot, Look, line_plots};
+use crate::report::branches::PARAMETER;
 use crate::results::{BRANCH, BranchKind, BranchRow, read_branches};
 use std::path::Path;
 
@@ -13,23 +14,17 @@ const UNSTABLE: &str = "unstable";
 const CRITICAL: &str = "critical";
 
 /// The figure; `None` where no path was followed.
-pub(super) fn branch_figure(directory: &Path) -> Result<Option<String>, PlotError> {
+pub(super) fn branch_figure(directory: &Path) -> Result<Option<Figure>, PlotError> {
     if !directory.join(BRANCH).exists() {
         return Ok(None);
     }
-    let rows = read_branches(directory)?;
-    let style = PlotStyle {
-        unjoined: vec![CRITICAL.into()],
-        dashed: vec![UNSTABLE.into()],
-        ..PlotStyle::default()
-    };
-    let plots = branch_plots(&rows);
-    Ok(Some(styled_line_plots(&plots, "Path parameter", &style)))
+    let plots = branch_plots(&read_branches(directory)?);
+    Ok(Some(line_plots(plots, PARAMETER)))
 }
 
 fn branch_plots(rows: &[BranchRow]) -> Vec<LinePlot> {
     let columns: [(&str, Column); 2] = [
-        ("Displacement in m", |row| row.displacement_rms_m),
+        ("RMS displacement in m", |row| row.displacement_rms_m),
         ("Energy in J", |row| row.energy_j),
     ];
     columns
@@ -37,9 +32,11 @@ fn branch_plots(rows: &[BranchRow]) -> Vec<LinePlot> {
         .map(|(label, column)| LinePlot {
             label: label.into(),
             curves: [
-                curve(STABLE, rows, column, |row| row.stable),
-                curve(UNSTABLE, rows, column, |row| !row.stable),
-                critical(rows, column),
+                curve(STABLE, rows, column, |row| row.stable).like(0),
+                curve(UNSTABLE, rows, column, |row| !row.stable)
+                    .looking(Look::Dashed)
+                    .like(1),
+                critical(rows, column).looking(Look::Marks).like(2),
             ]
             .into_iter()
             .filter(|curve| !curve.points.is_empty())
@@ -57,18 +54,13 @@ fn curve(name: &str, rows: &[BranchRow], column: Column, shows: fn(&BranchRow) -
             points.push((stretch[stretch.len() - 1].parameter, None));
         }
     }
-    Curve {
-        name: name.into(),
-        points,
-    }
+    Curve::new(name, points)
 }
 
 fn critical(rows: &[BranchRow], column: Column) -> Curve {
     let rows = rows.iter().filter(|row| row.kind != BranchKind::Regular);
-    Curve {
-        name: CRITICAL.into(),
-        points: rows.map(|row| (row.parameter, Some(column(row)))).collect(),
-    }
+    let points = rows.map(|row| (row.parameter, Some(column(row))));
+    Curve::new(CRITICAL, points.collect())
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Rows of a table as curves, a curve for each group of rows.
 
-use crate::figure::Curve;
+use crate::figure::{Curve, Look};
+use crate::report::labels::Quantity;
 use crate::results::Table;
 use std::collections::BTreeSet;
 
@@ -20,9 +21,13 @@ impl Grouping {
             .iter()
             .filter_map(|column| Some(table.column(column)?.collect()))
             .collect();
+        let quantities: Vec<Quantity> = columns
+            .iter()
+            .map(|column| quantity(table, column))
+            .collect();
         let name = |row: usize| {
-            let pairs = columns.iter().zip(&cells);
-            let pairs = pairs.map(|(column, cells)| format!("{column} = {}", shown(cells[row])));
+            let pairs = quantities.iter().zip(&cells);
+            let pairs = pairs.map(|(quantity, cells)| quantity.with_value(cells[row]));
             pairs.collect::<Vec<_>>().join(", ")
         };
         let mut names: Vec<String> = Vec::new();
@@ -42,17 +47,26 @@ impl Grouping {
     }
 }
 
-/// The curves of (x, y) by group, points in the order of x; rows without x are left out.
+/// What a column of a table holds.
+pub(super) fn quantity(table: &Table, column: &str) -> Quantity {
+    let numbers = table.numbers(column).unwrap_or_default();
+    Quantity::of(column, numbers.into_iter().flatten())
+}
+
+/// The numbers of a column in the unit in which it is shown.
+pub(super) fn in_unit(numbers: Vec<Option<f64>>, quantity: &Quantity) -> Vec<Option<f64>> {
+    let shown = |number: Option<f64>| number.map(|number| number / quantity.size);
+    numbers.into_iter().map(shown).collect()
+}
+
+/// The curves of (x, y) by group, marked at the points, which come in the order of x; rows without x are left out.
 pub(super) fn curves(x: &[Option<f64>], y: &[Option<f64>], grouping: &Grouping) -> Vec<Curve> {
     let curve = |(group, name): (usize, &String)| {
         let rows = (0..x.len()).filter(|row| grouping.groups[*row] == group);
         let mut points: Vec<(f64, Option<f64>)> =
             rows.filter_map(|row| Some((x[row]?, y[row]))).collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Curve {
-            name: name.clone(),
-            points,
-        }
+        Curve::new(name.clone(), points).looking(Look::Marked)
     };
     grouping.names.iter().enumerate().map(curve).collect()
 }
@@ -69,34 +83,9 @@ pub(super) fn varies(table: &Table, column: &str) -> bool {
     value_count(table, column) > 1
 }
 
-/// A cell as a legend shows it: numbers to four digits.
-pub(super) fn shown(cell: &str) -> String {
-    match cell.parse::<f64>() {
-        Ok(number) if number.is_finite() => {
-            let rounded: f64 = format!("{number:.3e}")
-                .parse()
-                .expect("a number as written");
-            format!("{rounded}")
-        }
-        _ => cell.to_owned(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn cells_are_shown_shortly() {
-        for (cell, text) in [
-            ("0.13572088083", "0.1357"),
-            ("1.0", "1"),
-            ("imc", "imc"),
-            ("12345", "12340"),
-        ] {
-            assert_eq!(shown(cell), text);
-        }
-    }
 
     #[test]
     fn points_of_a_curve_come_in_the_order_of_x_and_gaps_stay() {

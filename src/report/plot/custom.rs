@@ -1,10 +1,11 @@
 //! One's own figure: any column over any other, from `summary.csv` or `series.csv`.
 
 use super::PlotError;
-use super::curves::{Grouping, curves, shown, varies};
-use super::labels::label;
-use crate::figure::{AxisScale, Curve, LinePlot, PlotStyle, styled_line_plots};
+use super::curves::{Grouping, curves, in_unit, quantity, varies};
+use crate::figure::{AxisScale, Curve, Figure, LinePlot, PlotStyle, styled_line_plots};
+use crate::report::branches::{Branches, PARAMETER};
 use crate::report::case_folders::{case_folders, parameter_columns};
+use crate::report::labels::Quantity;
 use crate::results::{SERIES, SUMMARY, Table};
 use std::path::Path;
 
@@ -21,14 +22,14 @@ pub struct CustomFigure {
     pub scales: Option<[AxisScale; 2]>,
 }
 
-/// Draws a figure of one's own as SVG.
+/// A figure of one's own.
 ///
 /// Columns are looked for in `summary.csv`, where each case is a point, then in `series.csv`, where each case
 /// is a curve.
 ///
 /// # Errors
 /// [`PlotError`] where columns are unknown, not numbers, or of different tables.
-pub fn custom_figure(directory: &Path, figure: &CustomFigure) -> Result<String, PlotError> {
+pub fn custom_figure(directory: &Path, figure: &CustomFigure) -> Result<Figure, PlotError> {
     let summary_path = directory.join(SUMMARY);
     let summary = summary_path
         .exists()
@@ -47,7 +48,7 @@ pub fn custom_figure(directory: &Path, figure: &CustomFigure) -> Result<String, 
         }
         _ => {
             let series = all_series(directory, summary.as_ref(), figure)?;
-            let table = &series[0].1;
+            let table = &series[0].table;
             let nowhere = |column: &&str| {
                 !has(table, column) && !summary.as_ref().is_some_and(|summary| has(summary, column))
             };
@@ -82,7 +83,7 @@ fn unknown(column: &str, tables: &[Option<&Table>]) -> PlotError {
 }
 
 /// A point for each case.
-fn over_cases(summary: &Table, figure: &CustomFigure) -> Result<String, PlotError> {
+fn over_cases(summary: &Table, figure: &CustomFigure) -> Result<Figure, PlotError> {
     let first_parameter = || parameter_columns(summary).find(|key| varies(summary, key));
     let x = figure
         .x
@@ -94,11 +95,14 @@ fn over_cases(summary: &Table, figure: &CustomFigure) -> Result<String, PlotErro
         return Err(unknown(group, &[Some(summary)]));
     }
     let grouping = Grouping::of(summary, &groups);
-    let horizontal = numbers(summary, x)?;
+    let across = quantity(summary, x);
+    let horizontal = in_unit(numbers(summary, x)?, &across);
     let plot = |y: &String| {
+        let shown = quantity(summary, y);
+        let values = in_unit(numbers(summary, y)?, &shown);
         Ok(LinePlot {
-            label: label(y),
-            curves: curves(&horizontal, &numbers(summary, y)?, &grouping),
+            label: shown.label(),
+            curves: curves(&horizontal, &values, &grouping),
         })
     };
     let plots = figure
@@ -106,7 +110,16 @@ fn over_cases(summary: &Table, figure: &CustomFigure) -> Result<String, PlotErro
         .iter()
         .map(plot)
         .collect::<Result<_, PlotError>>()?;
-    Ok(drawn(plots, x, figure.scales, true))
+    Ok(drawn(plots, &across.label(), figure.scales))
+}
+
+/// The series of a case.
+struct Series {
+    /// Name of its curve.
+    name: String,
+    table: Table,
+    /// Its branches, where it followed a path of equilibria.
+    branches: Option<Branches>,
 }
 
 /// The series of every case with the name of its curve; cases without a series are left out.
@@ -114,7 +127,12 @@ fn all_series(
     directory: &Path,
     summary: Option<&Table>,
     figure: &CustomFigure,
-) -> Result<Vec<(String, Table)>, PlotError> {
+) -> Result<Vec<Series>, PlotError> {
+    let with_value = |(key, value): &(String, String)| {
+        let numbers = summary.and_then(|summary| summary.numbers(key));
+        let numbers = numbers.into_iter().flatten().flatten();
+        Quantity::of(key, numbers).with_value(value)
+    };
     let mut series = Vec::new();
     for folder in case_folders(directory)? {
         let path = folder.path.join(SERIES);
@@ -124,40 +142,47 @@ fn all_series(
         let name = match &figure.group {
             None if folder.parameters.is_empty() => folder.name,
             None => {
-                let pairs = folder.parameters.iter();
-                let pairs = pairs.map(|(key, value)| format!("{key} = {}", shown(value)));
-                pairs.collect::<Vec<_>>().join(", ")
+                let pairs: Vec<String> = folder.parameters.iter().map(with_value).collect();
+                pairs.join(", ")
             }
             Some(group) => {
                 let value = folder.parameters.iter().find(|(key, _)| key == group);
-                let Some((key, value)) = value else {
-                    return Err(unknown(group, &[summary]));
-                };
-                format!("{key} = {}", shown(value))
+                with_value(value.ok_or_else(|| unknown(group, &[summary]))?)
             }
         };
-        series.push((name, Table::read(&path)?));
+        series.push(Series {
+            name,
+            table: Table::read(&path)?,
+            branches: Branches::read(&folder.path)?,
+        });
     }
     if series.is_empty() {
         // Reading it says what is wrong.
-        series.push((String::new(), Table::read(&directory.join(SERIES))?));
+        series.push(Series {
+            name: String::new(),
+            table: Table::read(&directory.join(SERIES))?,
+            branches: None,
+        });
     }
     Ok(series)
 }
 
 /// A curve for each case.
-fn over_outputs(series: &[(String, Table)], figure: &CustomFigure) -> Result<String, PlotError> {
+fn over_outputs(series: &[Series], figure: &CustomFigure) -> Result<Figure, PlotError> {
     let x = figure.x.as_deref().unwrap_or("time_s");
     let plot = |y: &String| {
-        let curve = |(name, table): &(String, Table)| {
-            let points = numbers(table, x)?.into_iter().zip(numbers(table, y)?);
-            Ok(Curve {
-                name: name.clone(),
-                points: points.filter_map(|(x, y)| Some((x?, y))).collect(),
-            })
+        let curve = |one: &Series| {
+            let places = numbers(&one.table, x)?.into_iter();
+            let points = places.zip(numbers(&one.table, y)?);
+            let points = points.filter_map(|(x, y)| Some((x?, y))).collect();
+            let points = match &one.branches {
+                Some(branches) => branches.broken(points),
+                None => points,
+            };
+            Ok(Curve::new(one.name.clone(), points))
         };
         Ok(LinePlot {
-            label: label(y),
+            label: quantity(&series[0].table, y).label(),
             curves: series.iter().map(curve).collect::<Result<_, PlotError>>()?,
         })
     };
@@ -166,7 +191,12 @@ fn over_outputs(series: &[(String, Table)], figure: &CustomFigure) -> Result<Str
         .iter()
         .map(plot)
         .collect::<Result<_, PlotError>>()?;
-    Ok(drawn(plots, x, figure.scales, false))
+    let is_path = series.iter().any(|one| one.branches.is_some());
+    let label = match x {
+        "time_s" if is_path => PARAMETER.into(),
+        x => quantity(&series[0].table, x).label(),
+    };
+    Ok(drawn(plots, &label, figure.scales))
 }
 
 fn numbers(table: &Table, column: &str) -> Result<Vec<Option<f64>>, PlotError> {
@@ -184,7 +214,7 @@ fn numbers(table: &Table, column: &str) -> Result<Vec<Option<f64>>, PlotError> {
     Ok(numbers)
 }
 
-fn drawn(plots: Vec<LinePlot>, x: &str, scales: Option<[AxisScale; 2]>, marks: bool) -> String {
+fn drawn(plots: Vec<LinePlot>, label: &str, scales: Option<[AxisScale; 2]>) -> Figure {
     let points = |plot: &LinePlot| -> Vec<(f64, Option<f64>)> {
         plot.curves
             .iter()
@@ -201,16 +231,16 @@ fn drawn(plots: Vec<LinePlot>, x: &str, scales: Option<[AxisScale; 2]>, marks: b
                 None => AxisScale::fitting(points(plot).into_iter().filter_map(|(_, y)| y)),
             })
             .collect(),
-        marks,
         ..PlotStyle::default()
     };
-    styled_line_plots(&plots, &label(x), &style)
+    styled_line_plots(plots, label, style)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::cli::ExitCode;
+    use crate::figure::Paper;
     use std::fs;
     use tempfile::TempDir;
 
@@ -240,21 +270,24 @@ mod tests {
     #[test]
     fn outcomes_are_points_and_series_are_curves() {
         let directory = sweep();
-        let draw = |figure: &CustomFigure| custom_figure(directory.path(), figure).unwrap();
+        let draw = |figure: &CustomFigure| {
+            let figure = custom_figure(directory.path(), figure).unwrap();
+            figure.svg(&Paper::default())
+        };
         let outcomes = draw(&figure(None, "force_n", None));
-        assert!(outcomes.contains("contact.friction") && outcomes.contains("Force in N"));
-        assert_eq!(outcomes.matches("<circle").count(), 2);
+        assert!(outcomes.contains("Contact friction") && outcomes.contains("Force in N"));
+        let marks = |svg: &str| svg.matches("0Z\" fill=\"#0072b2\"").count();
+        assert_eq!(marks(&outcomes), 2);
         let grouped = draw(&figure(
             Some("contact.friction"),
             "force_n",
             Some("contact.model"),
         ));
-        assert!(grouped.contains("contact.model = ipc"));
+        assert!(grouped.contains("contact model = ipc"));
         let series = draw(&figure(None, "energy_j", None));
-        assert!(series.contains("contact.friction = 0.1, contact.model = imc"));
-        assert_eq!(series.matches("<circle").count(), 0);
+        assert!(series.contains("contact friction = 0.1, contact model = imc"));
         let by_model = draw(&figure(None, "energy_j", Some("contact.model")));
-        assert!(by_model.contains("contact.model = imc") && !by_model.contains("friction"));
+        assert!(by_model.contains("contact model = imc") && !by_model.contains("friction"));
     }
 
     #[test]

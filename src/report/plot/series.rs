@@ -1,13 +1,15 @@
 //! The series of a run over time.
 
 use crate::figure::{Curve, LinePlot};
+use crate::report::branches::Branches;
 use crate::results::SeriesRow;
 
 /// A column of the series.
 type Column = fn(&SeriesRow) -> Option<f64>;
 
-/// Energies in one plot, then contacts, distance and iterations; what is always zero or empty is left out.
-pub(super) fn series_plots(series: &[SeriesRow]) -> Vec<LinePlot> {
+/// Energies in one plot, then contacts, distance and iterations; what is always zero or empty is left out. Curves of a
+/// path of equilibria are broken between its branches.
+pub(super) fn series_plots(series: &[SeriesRow], branches: Option<&Branches>) -> Vec<LinePlot> {
     let energies: [(&str, Column); 6] = [
         ("kinetic", |row| Some(row.kinetic_energy_j)),
         ("stretching", |row| Some(row.stretching_energy_j)),
@@ -25,14 +27,21 @@ pub(super) fn series_plots(series: &[SeriesRow]) -> Vec<LinePlot> {
         }),
         ("Newton iterations", |row| row.newton_iterations),
     ];
-    let curve = |name: &str, column: Column| Curve {
-        name: name.into(),
-        points: series.iter().map(|row| (row.time_s, column(row))).collect(),
+    let curve = |name: &str, column: Column| {
+        let points = series.iter().map(|row| (row.time_s, column(row))).collect();
+        let points = match branches {
+            Some(branches) => branches.broken(points),
+            None => points,
+        };
+        Curve::new(name, points)
     };
     let energies: Vec<Curve> = energies
         .into_iter()
         .map(|(name, column)| curve(name, column))
-        .filter(|curve| curve.points.iter().any(|(_, energy)| *energy != Some(0.0)))
+        .filter(|curve| {
+            let mut energies = curve.points.iter().filter_map(|(_, energy)| *energy);
+            energies.any(|energy| energy != 0.0)
+        })
         .collect();
     let energy = LinePlot {
         label: "Energy in J".into(),
@@ -43,7 +52,11 @@ pub(super) fn series_plots(series: &[SeriesRow]) -> Vec<LinePlot> {
         curves: vec![curve(label, column)],
     });
     let plots = std::iter::once(energy).chain(others);
-    let has_values = |curve: &Curve| curve.points.iter().any(|(_, y)| y.is_some());
+    // What is always zero says nothing, be it the contacts of a single rod.
+    let has_values = |curve: &Curve| {
+        let mut values = curve.points.iter().filter_map(|(_, y)| *y);
+        values.any(|value| value != 0.0)
+    };
     plots
         .filter(|plot| plot.curves.iter().any(has_values))
         .collect()
@@ -61,7 +74,7 @@ mod tests {
             bending_energy_j: 1e-3 * time_s,
             ..SeriesRow::default()
         };
-        let plots = series_plots(&[row(0.0), row(1.0)]);
+        let plots = series_plots(&[row(0.0), row(1.0)], None);
         let labels: Vec<&str> = plots.iter().map(|plot| plot.label.as_str()).collect();
         assert_eq!(labels, ["Energy in J", "Contacts"]);
         assert_eq!(plots[0].curves.len(), 1);

@@ -1,8 +1,7 @@
 //! The figure of a sweep: outcomes over the swept parameters.
 
-use super::curves::{Grouping, curves, value_count, varies};
-use super::labels::label;
-use crate::figure::{AxisScale, LinePlot, PlotStyle, styled_line_plots};
+use super::curves::{Grouping, curves, in_unit, quantity, value_count, varies};
+use crate::figure::{AxisScale, Figure, LinePlot, PlotStyle, styled_line_plots};
 use crate::report::case_folders::parameter_columns;
 use crate::results::Table;
 
@@ -23,7 +22,7 @@ const EFFORT: [&str; 6] = [
 /// parameters; `None` where no number is swept or no outcome varies.
 ///
 /// Axes are logarithmic where their numbers are positive and range over more than a decade.
-pub(super) fn sweep_figure(summary: &Table) -> Option<String> {
+pub(super) fn sweep_figure(summary: &Table) -> Option<Figure> {
     let parameters: Vec<&str> = parameter_columns(summary)
         .filter(|key| varies(summary, key))
         .collect();
@@ -51,12 +50,13 @@ pub(super) fn sweep_figure(summary: &Table) -> Option<String> {
         return None;
     }
     let grouping = Grouping::of(summary, &groups);
-    let horizontal = summary.numbers(across)?;
+    let across = (across, quantity(summary, across));
+    let horizontal = in_unit(summary.numbers(across.0)?, &across.1);
     let plots: Vec<LinePlot> = outcomes
         .iter()
         .filter_map(|outcome| {
             Some(LinePlot {
-                label: label(outcome),
+                label: quantity(summary, outcome).label(),
                 curves: curves(&horizontal, &summary.numbers(outcome)?, &grouping),
             })
         })
@@ -64,10 +64,9 @@ pub(super) fn sweep_figure(summary: &Table) -> Option<String> {
     let style = PlotStyle {
         horizontal: AxisScale::fitting(horizontal.into_iter().flatten()),
         vertical: plots.iter().map(fitting_scale).collect(),
-        marks: true,
         ..PlotStyle::default()
     };
-    Some(styled_line_plots(&plots, &label(across), &style))
+    Some(styled_line_plots(plots, &across.1.label(), style))
 }
 
 fn fitting_scale(plot: &LinePlot) -> AxisScale {
@@ -85,6 +84,7 @@ fn is_numeric(table: &Table, column: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::figure::Paper;
 
     fn table(text: &str) -> Table {
         let directory = tempfile::tempdir().unwrap();
@@ -100,18 +100,20 @@ mod tests {
              a,imc,0.1,finished,10,1.0,5\nb,imc,0.2,finished,12,300.0,5\n\
              c,ipc,0.1,finished,11,2.0,5\nd,ipc,0.2,failed,9,,5\n",
         ))
-        .unwrap();
+        .unwrap()
+        .svg(&Paper::default());
         for word in [
-            "contact.friction",
-            "contact.model = imc",
-            "contact.model = ipc",
+            "Contact friction",
+            "contact model = imc",
+            "contact model = ipc",
             "Peak force in N",
             "Steps",
         ] {
             assert!(svg.contains(word), "{word}");
         }
         assert!(!svg.contains("Constant") && !svg.contains("status"));
-        assert_eq!(svg.matches("<circle").count(), 4 + 3);
+        // Discs, closed by a full turn, are the marks of the first curve: two in each plot and one in the legend.
+        assert_eq!(svg.matches("0Z\" fill=\"#0072b2\"").count(), 2 + 2 + 1);
         assert!(svg.find("Peak force").unwrap() < svg.find("Steps").unwrap());
     }
 

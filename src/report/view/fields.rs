@@ -115,6 +115,7 @@ mod tests {
             nodes,
             closed,
             radius: 1e-3,
+            held: false,
         }
     }
 

@@ -2,12 +2,14 @@
 
 mod fields;
 mod parameters;
+mod series;
 
 use crate::experiment::{Page, from_text, kind_named};
 use crate::figure::{
     Movie, MovieCase, MovieFrame, MoviePlane, MovieRod, View, is_page, movie_page,
 };
 use crate::mechanics::contact::{ContactPlane, ContactSurface, touching_points};
+use crate::report::branches::Branches;
 use crate::report::case_folders::{CaseFolder, case_folders};
 use crate::results::{
     Manifest, NODES, NodePositions, ResultsError, read_node_forces, read_nodes, replace_own,
@@ -16,6 +18,7 @@ use crate::scenario::{Contact, Scenario};
 use fields::fields;
 use parameters::flattened;
 use rayon::prelude::*;
+use series::series;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -136,7 +139,11 @@ fn movie_case(
     let own = Manifest::read(&folder.path)?;
     let manifest = own.as_ref().unwrap_or(root);
     let nodes = manifest.rods.iter().map(|rod| rod.nodes).sum();
-    let mut outputs = read_nodes(&folder.path, nodes)?;
+    let branches = Branches::read(&folder.path)?;
+    let mut outputs: Vec<(usize, NodePositions)> = read_nodes(&folder.path, nodes)?
+        .into_iter()
+        .enumerate()
+        .collect();
     let mut forces = read_node_forces(&folder.path, nodes)?;
     // A run at work may be between the two files.
     if let Some(forces) = &mut forces {
@@ -155,6 +162,10 @@ fn movie_case(
     // Results of an older version may not be understood as a scenario any more; the rods still are.
     let scenario = from_text(&manifest.name, &manifest.scenario, &folder.path, &[]);
     let scenario = scenario.ok().map(|loaded| loaded.scenario);
+    let held = |name: &str| {
+        let mut rods = scenario.iter().flat_map(|scenario| &scenario.rods);
+        rods.any(|rod| rod.held && rod.name == name)
+    };
     let rods: Vec<MovieRod> = manifest
         .rods
         .iter()
@@ -163,9 +174,18 @@ fn movie_case(
             nodes: rod.nodes,
             closed: rod.closed,
             radius: rod.radius,
+            held: held(&rod.name),
         })
         .collect();
-    let fields = fields(&rods, &outputs, forces.as_deref());
+    let series = series(&folder.path, &outputs, branches.is_some())?;
+    let numbers = outputs.iter().map(|(number, _)| *number);
+    let branches = branches.map(|branches| numbers.map(|number| branches.of(number)).collect());
+    let outputs: Vec<NodePositions> = outputs.into_iter().map(|(_, output)| output).collect();
+    let mut fields = fields(&rods, &outputs, forces.as_deref());
+    if branches.is_some() {
+        // Equilibria do not move.
+        fields.retain(|field| field.unit != "m/s");
+    }
     let contacts = contacts(&rods, &outputs, scenario.as_ref());
     let planes = scenario.iter().flat_map(|scenario| &scenario.planes);
     let case = MovieCase {
@@ -190,6 +210,8 @@ fn movie_case(
             .collect(),
         rods,
         fields,
+        series,
+        branches,
     };
     Ok(Some((case, thinned)))
 }
@@ -231,11 +253,7 @@ fn contacts(
     let mut first = 0;
     for rod in rods {
         let placed = &outputs[0].positions[first..first + rod.nodes];
-        let held = scenario
-            .rods
-            .iter()
-            .any(|one| one.name == rod.name && one.held);
-        surface.add_rod(first, placed, rod.closed, rod.radius, held);
+        surface.add_rod(first, placed, rod.closed, rod.radius, rod.held);
         first += rod.nodes;
     }
     let planes: Vec<ContactPlane> = scenario

@@ -14,7 +14,9 @@ pub(crate) use columns;
 
 mod tables;
 
-use tables::{BRANCH, MANIFEST, NODE_FORCES, NODES, SEARCH, SERIES, SLURM, SUMMARY, TIMINGS};
+use tables::{
+    BRANCH, END_STATE, MANIFEST, NODE_FORCES, NODES, SEARCH, SERIES, SLURM, SUMMARY, TIMINGS,
+};
 
 /// A column of a table, or a key of a JSON file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -101,8 +103,15 @@ pub const FILES: &[FileDescription] = &[
         &[always(NODE_FORCES)],
     ),
     table(
+        &["end_state.csv", "start_state.csv"],
+        "The state in which a finished run ended, and the one from which it started ([start] from), a row per node: what \
+         another run needs to start there.",
+        &[always(END_STATE)],
+    ),
+    table(
         &["summary.csv"],
-        "A row per case with its scalar outcomes, the same bytes on every machine. Of a sweep, the columns after `case` \
+        "A row per case with its scalar outcomes, the same bytes for any number of threads and on every machine whose C library \
+         computes sines and exponentials alike. Of a sweep, the columns after `case` \
          are the varied keys, in SI units.",
         &[always(SUMMARY)],
     ),

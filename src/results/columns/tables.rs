@@ -46,6 +46,28 @@ pub(super) const NODE_FORCES: &[Column] = columns! {
     "twist_rad_per_m": "Twist per length at the node, rad/m; 0 at free ends.",
 };
 
+pub(super) const END_STATE: &[Column] = columns! {
+    "rod": "Name of the rod.",
+    "node": "Number of the node along the rod, from 0.",
+    "x_m": "Position along x, m.",
+    "y_m": "Position along y, m.",
+    "z_m": "Position along z, m.",
+    "director_x": "First material director of the edge that starts at the node, along x; empty at the last node of an open rod.",
+    "director_y": "The same along y.",
+    "director_z": "The same along z.",
+    "twist_rad": "Twist between the edges on either side of the node, rad, whole turns included; 0 at free ends.",
+    "velocity_x_m_per_s": "Velocity along x, m/s.",
+    "velocity_y_m_per_s": "Velocity along y, m/s.",
+    "velocity_z_m_per_s": "Velocity along z, m/s.",
+    "spin_rad_per_s": "Rate at which the edge that starts at the node turns about itself, rad/s.",
+    "wall_tangent_x": "Tangent at which a clamp held the rod at the node, along x; empty where none held its frame.",
+    "wall_tangent_y": "The same along y.",
+    "wall_tangent_z": "The same along z.",
+    "wall_director_x": "First material director at which it held the rod, along x.",
+    "wall_director_y": "The same along y.",
+    "wall_director_z": "The same along z.",
+};
+
 pub(super) const SUMMARY: &[Column] = columns! {
     "case": "Id of the case: its values and a short hash; `main` for a single run.",
     "status": "How it ended: finished, or pending, running, interrupted, time-limit (all continue), no-convergence, \
@@ -110,7 +132,7 @@ pub(super) const MANIFEST: &[Column] = columns! {
     "experiment": "Its experiment.",
     "title": "Its title.",
     "scenario": "The resolved scenario as TOML, as in scenario.toml.",
-    "scenario_hash": "Its BLAKE3 hash, by which the directory is recognised.",
+    "scenario_hash": "BLAKE3 hash of it without its title, by which the directory is recognised.",
     "rods": "Name, number of nodes, radius (m) of each rod, and whether it is closed.",
     "host": "Name of the machine.",
     "threads": "Threads that the run could use.",

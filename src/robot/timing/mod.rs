@@ -224,6 +224,15 @@ mod tests {
             "{used:?}"
         );
         assert!(motion.samples.len() < 6000, "{}", motion.samples.len());
+        // By differences of its own, since the motion is made with those of `utilisation`.
+        for joint in 0..2 {
+            let jerk = motion.samples.windows(4).map(|four| {
+                let [a, b, c, d] = [0, 1, 2, 3].map(|k: usize| four[k][joint]);
+                ((d - c) - 2.0 * (c - b) + (b - a)).abs() / SAMPLE.powi(3)
+            });
+            let strongest = jerk.fold(0.0, f64::max);
+            assert!(strongest > 25.0 && strongest <= 50.0, "{strongest}");
+        }
     }
 
     #[test]

@@ -97,6 +97,25 @@ mod tests {
         assert!(sum.abs() < 1e-12);
     }
 
+    /// Directions between two long edges that nearly touch cover almost a hemisphere.
+    #[test]
+    fn links_that_nearly_touch_count_as_any() {
+        let triangle = [[-1.0, 0.0, 0.0], [3.0, 0.0, 0.0], [0.0, 2.0, 0.0]].map(Vector3::from);
+        let square = [
+            [0.1, -1.0, 0.01],
+            [0.1, 0.5, 0.01],
+            [0.1, 0.5, -1.0],
+            [0.1, -1.0, -1.0],
+        ]
+        .map(Vector3::from);
+        let link = linking_number((&triangle, true), (&square, true));
+        assert!((link.abs() - 1.0).abs() < 1e-12, "{link}");
+        // Beyond the edge of the triangle it is not linked.
+        let beside = square.map(|point| point - Vector3::y() * 0.6);
+        let link = linking_number((&triangle, true), (&beside, true));
+        assert!(link.abs() < 1e-12, "{link}");
+    }
+
     /// A link of two strands of a right-handed double helix has linking number +1 per turn.
     #[test]
     fn right_handed_windings_count_as_positive() {

@@ -6,7 +6,7 @@ use crate::mechanics::dynamics::StepReport;
 use crate::mechanics::statics::{PathPlan, PointKind};
 use crate::run::advance::Advance;
 use crate::run::path::PathAtWork;
-use crate::run::stop::{Stop, StopRequest};
+use crate::run::stop::{Stop, StopRequests};
 
 impl Session {
     /// Follows the path to its ends, a row per point.
@@ -14,7 +14,7 @@ impl Session {
         &mut self,
         simulation: &mut S,
         plan: PathPlan,
-        stop_requested: &dyn Fn() -> Option<StopRequest>,
+        stop_requested: StopRequests<'_>,
     ) -> Result<(), Stop> {
         let mut path = match self.path.take() {
             Some(path) => path,
@@ -61,9 +61,9 @@ mod tests {
     use crate::results::{BRANCH, NODES, SERIES, SUMMARY};
     use crate::run::PreparedRun;
     use crate::run::{Reached, RunError, RunOptions, StopRequest, run_until};
-    use std::cell::Cell;
     use std::fs;
     use std::path::Path;
+    use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
     fn column(most_points: usize) -> PreparedRun {
         let text = include_str!("../../../scenarios/euler_column.toml")
@@ -88,8 +88,8 @@ mod tests {
         run_until(&prepared, &options(whole.path()), &|| None).unwrap();
         let mut interruptions = 0;
         let outcome = loop {
-            let points = Cell::new(0);
-            let stop = || (points.replace(points.get() + 1) == 6).then_some(StopRequest::Interrupt);
+            let points = AtomicUsize::new(0);
+            let stop = || (points.fetch_add(1, Relaxed) == 6).then_some(StopRequest::Interrupt);
             match run_until(&prepared, &options(pieces.path()), &stop) {
                 Ok(outcome) => break outcome,
                 Err(RunError::Interrupted { reached, .. }) => {
@@ -126,8 +126,8 @@ mod tests {
         let text = include_str!("../../../scenarios/heavy_cantilever.toml");
         let loaded = experiment::from_text("beam.toml", text, Path::new("."), &[]).unwrap();
         let prepared = experiment::prepare(&loaded.scenario).unwrap();
-        let asked = Cell::new(0);
-        let stop = || (asked.replace(asked.get() + 1) >= 3).then_some(StopRequest::Interrupt);
+        let asked = AtomicUsize::new(0);
+        let stop = || (asked.fetch_add(1, Relaxed) >= 3).then_some(StopRequest::Interrupt);
         let error = run_until(&prepared, &options(directory.path()), &stop).unwrap_err();
         assert_eq!(error.exit_code(), 130);
         assert!(

@@ -7,23 +7,29 @@ mod integrate;
 
 use super::advance::Advance;
 use super::counters::Counters;
+use super::end_state::rows_of;
 use super::observer::{Finding, Sample};
 use super::output_times::OutputTimes;
 use super::participants::{self, Participants, SavedStates};
 use super::path::{PathAtWork, PathCheckpoint};
 use super::progress::Progress;
-use super::records::{manifest_of_call, recorder_plan, rod_records};
-use super::stop::{Stop, StopRequest};
+use super::records::{manifest_of_call, place_start, recorder_plan, rod_records};
+use super::stop::{Stop, StopRequests};
 use super::{Mode, PreparedRun, Reached, RunError, RunOptions, RunOutcome, RunStatus};
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::SimulationError;
+use crate::mechanics::scene::Start;
 use crate::results::{
     BRANCH, CaseRecord, CaseStatus, CheckpointFiles, FileMarks, Frame, MANIFEST, Manifest,
     Recorder, ResultsDirectory, ResultsError, Usage, UsageMeter, Value, check_lengths,
-    scenario_hash, sync,
+    scenario_hash, sync, write_end_state,
 };
 use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
+use tracing::info;
+
+/// Wall time between two words on how far a run has come.
+const BETWEEN_WORDS: Duration = Duration::from_secs(10);
 
 /// A run at work.
 pub(crate) struct Session {
@@ -40,7 +46,10 @@ pub(crate) struct Session {
     placed: Vec<Vector3>,
     run_state: RunState,
     meter: UsageMeter,
-    timeout: Option<Duration>,
+    /// When the log last heard of outputs.
+    last_told: Instant,
+    /// Wall time of the last step, endless before the first.
+    last_step: Duration,
     resumed_from: Option<Reached>,
     progress: Progress,
     /// What else is to be told at the end, a line each.
@@ -110,6 +119,7 @@ impl Session {
             continued.is_some(),
         );
         manifest.place(directory.path())?;
+        place_start(prepared, directory.path())?;
 
         let placed = simulation.frame(false).positions;
         let is_continued = continued.is_some();
@@ -147,13 +157,34 @@ impl Session {
             placed,
             run_state,
             meter,
-            timeout: options.timeout,
+            last_told: Instant::now(),
+            last_step: Duration::MAX,
             resumed_from: None,
             remarks: Vec::new(),
             participants,
         };
         session.resumed_from = is_continued.then(|| session.reached(simulation));
+        session.tell_beginning(prepared);
         Ok(session)
+    }
+
+    fn tell_beginning(&self, prepared: &PreparedRun) {
+        let rods = &prepared.scene.rods;
+        let nodes: usize = rods.iter().map(|rod| rod.centreline.len()).sum();
+        let results = self.directory.path().display();
+        match self.resumed_from {
+            Some(from) => info!(%results, %from, "run continues"),
+            None => info!(%results, rods = rods.len(), nodes, "run begins"),
+        }
+    }
+
+    /// Says now and then how far the run has come.
+    fn tell_progress(&mut self, simulation: &impl Advance) {
+        if self.last_told.elapsed() >= BETWEEN_WORDS {
+            self.last_told = Instant::now();
+            let outputs = self.run_state.outputs;
+            info!(reached = %self.reached(simulation), outputs, "output written");
+        }
     }
 
     /// How far the run has come.
@@ -172,7 +203,7 @@ impl Session {
         &mut self,
         simulation: &mut impl Advance,
         mode: Mode,
-        stop_requested: &dyn Fn() -> Option<StopRequest>,
+        stop_requested: StopRequests<'_>,
     ) -> Result<(), Stop> {
         match mode {
             Mode::Static => {
@@ -216,20 +247,16 @@ impl Session {
         Ok(())
     }
 
-    /// Stops where a stop is requested or the time limit is reached.
-    fn ask_to_stop(&self, stop_requested: &dyn Fn() -> Option<StopRequest>) -> Result<(), Stop> {
+    /// Stops where that is requested.
+    fn ask_to_stop(&self, stop_requested: StopRequests<'_>) -> Result<(), Stop> {
         if let Some(request) = stop_requested() {
             return Err(request.into());
-        }
-        let wall_time = self.meter.wall_time();
-        if self.timeout.is_some_and(|limit| wall_time >= limit) {
-            return Err(Stop::TimeLimit);
         }
         Ok(())
     }
 
     /// The stop that a search was told of a moment ago.
-    fn reason_to_stop(&self, stop_requested: &dyn Fn() -> Option<StopRequest>) -> Stop {
+    fn reason_to_stop(&self, stop_requested: StopRequests<'_>) -> Stop {
         let asked = self.ask_to_stop(stop_requested);
         asked.err().unwrap_or(Stop::Interrupted)
     }
@@ -270,6 +297,7 @@ impl Session {
         let output = self.run_state.outputs;
         self.recorder.record(output, &row, &values, &frame)?;
         self.run_state.outputs += 1;
+        self.tell_progress(simulation);
         self.conclude_from(findings)
     }
 
@@ -297,6 +325,7 @@ impl Session {
             path: self.path.as_mut().map(PathAtWork::checkpoint).transpose()?,
         })?;
         self.last_checkpoint = Instant::now();
+        info!(reached = %self.reached(simulation), "checkpoint written");
         Ok(())
     }
 
@@ -307,11 +336,14 @@ impl Session {
         self.recorder.sync(times.into_iter())
     }
 
-    /// Puts all files on the disk and marks them as the run leaves them.
-    fn leave_outputs(&mut self) -> Result<FileMarks, ResultsError> {
+    /// Puts all files on the disk, the state at the `end` among them, and marks them as the run leaves them.
+    fn leave_outputs(&mut self, end: Option<Start>) -> Result<FileMarks, ResultsError> {
         let mut files = self.sync_outputs()?;
         if let Some(path) = &mut self.path {
             files.insert(BRANCH.to_owned(), path.sync()?);
+        }
+        if let Some(start) = end {
+            write_end_state(self.directory.path(), &rows_of(&start, &self.manifest.rods))?;
         }
         // Frames were written one by one, and might have been removed since.
         check_lengths(self.directory.path(), &files)?;
@@ -330,7 +362,7 @@ impl Session {
     ) -> Result<RunOutcome, RunError> {
         let directory = self.directory.path().to_owned();
         let result = result
-            .and_then(|()| Ok(self.leave_outputs()?))
+            .and_then(|()| Ok(self.leave_outputs(simulation.as_start())?))
             .or_else(|stop| {
                 // A checkpoint that cannot be written is the graver news.
                 if stop.leaves_sound_state() && self.reached(simulation) != Reached::Start {
@@ -338,6 +370,7 @@ impl Session {
                 }
                 Err(stop)
             });
+        let reached = self.reached(simulation);
         let status = result
             .as_ref()
             .map_or_else(Stop::status, |_| CaseStatus::Finished);
@@ -346,6 +379,9 @@ impl Session {
         let observers = self.participants.observers.iter();
         self.remarks.extend(observers.flat_map(|one| one.remarks()));
         let files = result.as_ref().ok().cloned().unwrap_or_default();
+        let wall_time = self.usage().wall_time.as_secs_f64();
+        let how = status.in_words();
+        info!(status = how, %reached, steps = self.run_state.counters.outcome.steps, wall_time, "run ends");
         let written = self.write_tables(status, reason, files);
         match result {
             Ok(_) => written?,

@@ -12,12 +12,14 @@ mod request;
 mod rod;
 mod section;
 mod shape;
+mod start;
 
 pub use columns::read_columns;
 pub use experiment::ExperimentKeys;
 pub use polyline::read as read_polyline;
 pub use request::{BuiltRod, CommonTables, Request};
 pub use section::{FINITE, FRACTION, NON_NEGATIVE, POSITIVE, Range, Section};
+pub use start::{END_STATE, file_of as start_file_of};
 
 use super::document::Node;
 use super::issue::{Issues, KeyPath};
@@ -106,6 +108,7 @@ pub fn resolve(
         clamps,
         loads,
         planes,
+        start: start::start(context, &top, file.start.as_ref()),
         probes: probe::probes(&top, &file.probes),
         stop_when: probe::stop_when(&top, file.stop_when.as_ref()),
         contact,

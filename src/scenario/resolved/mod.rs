@@ -10,6 +10,7 @@ mod model;
 mod probe;
 mod rod;
 mod run;
+mod start;
 
 pub use continuation::{Continuation, PathMethod};
 pub use experiment::{BuilderRod, Experiment};
@@ -20,6 +21,7 @@ pub use probe::{
 };
 pub use rod::{CrossSection, Handedness, Material, NaturalShape, Rod, Shape, Stiffness};
 pub use run::{Output, Scheme, Solver, Step, Time};
+pub use start::Start;
 
 use serde::Serialize;
 
@@ -46,6 +48,9 @@ pub struct Scenario {
     /// Rigid half spaces.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub planes: Vec<Plane>,
+    /// The state from which everything starts, where that is not as placed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub start: Option<Start>,
     /// What is measured at every output.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub probes: Vec<Probe>,

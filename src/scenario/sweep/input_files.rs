@@ -64,6 +64,7 @@ pub fn for_each<E>(
 fn names_a_file(path: &[String], curve_of: &dyn Fn(&str) -> Option<&'static str>) -> bool {
     match path {
         [table, key] if curve_of(table) == Some(key) => true,
+        [table, key] if table == "start" && key == "from" => true,
         [.., key] => FILE_KEYS.contains(&key.as_str()),
         [] => false,
     }

@@ -8,6 +8,7 @@ use crate::scenario::document_text;
 use crate::scenario::error::{Located, ScenarioError};
 use crate::scenario::input_file::{self, LARGEST_TABLE};
 use crate::scenario::issue::{Issue, KeyPath};
+use crate::scenario::resolve::start_file_of;
 use crate::scenario::source::Span;
 use std::collections::BTreeMap;
 
@@ -101,8 +102,11 @@ impl Copies<'_> {
             ScenarioError::from(Located::new(sources, issue, Some(node.span.clone())))
         };
         let directory = &sources.get(node.span.source).directory;
-        let contents =
-            input_file::read(&directory.join(name.as_str()), LARGEST_TABLE).map_err(fault)?;
+        let contents = input_file::read(
+            &start_file_of(&directory.join(name.as_str())),
+            LARGEST_TABLE,
+        )
+        .map_err(fault)?;
         let label = input_files::label(name);
         if self
             .contents

@@ -21,10 +21,10 @@ pub struct Clamp {
     pub at: Option<Place>,
     /// "position", "frame" (tangent and material frame), or "both" (the default).
     pub hold: Option<Hold>,
-    /// Displacement at given times, [[time, [x, y, z]], ...], linear between them and constant outside.
+    /// Displacement at given times, [[time, [x, y, z]], ...], linear between them and constant outside. Default: none.
     #[serde(rename = "move")]
     pub translation: Option<Vec<(Quantity<Time>, Vector<Length>)>>,
-    /// Angle about the axis at given times, [[time, angle], ...], linear between them.
+    /// Angle about the axis at given times, [[time, angle], ...], linear between them. Default: 0 always.
     #[serde(rename = "turn")]
     pub angle: Option<Vec<(Quantity<Time>, Quantity<Angle>)>>,
     /// Steady rate of turning about the axis, added to `turn`. Default: 0.

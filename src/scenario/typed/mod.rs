@@ -11,6 +11,7 @@ mod probe;
 mod quantity;
 mod rod;
 mod shape;
+mod start;
 mod sweep;
 
 pub use continuation::Continuation;
@@ -24,6 +25,7 @@ pub use probe::{
 pub use quantity::{Quantity, Vector};
 pub use rod::{CrossSection, Material, Rod, Stiffness};
 pub use shape::{Arc, Helix, NaturalShape, Points, Ring, Shape, Straight};
+pub use start::Start;
 pub use sweep::{End, Sample, SampleMethod, Search, SearchMethod, Sweep};
 
 use schemars::JsonSchema;
@@ -58,6 +60,8 @@ pub struct ScenarioFile {
     /// Rigid half spaces that rods may touch.
     #[serde(default)]
     pub planes: Vec<Plane>,
+    /// The state from which everything starts, where that is not as placed.
+    pub start: Option<Start>,
     /// What is measured at every output: columns of series.csv and summary.csv.
     #[serde(default)]
     pub probes: Vec<Probe>,

@@ -45,9 +45,9 @@ pub struct Rod {
     /// Natural curvatures [a, b] about the first and the second material director, m₁ and m₂; the shape without
     /// stress is then an arc or helix, whatever shape the rod is placed in. Along it the tangent t turns by
     /// dt/ds = (a m₁ + b m₂) × t = b m₁ − a m₂: a positive b bends the rod towards m₁, a positive a away from m₂.
-    /// `explain rods.director` has a drawing.
+    /// `explain rods.director` has a drawing. Default: that of the natural shape.
     pub natural_curvature: Option<[Quantity<Curvature>; 2]>,
-    /// Natural twist of the material frame per length.
+    /// Natural twist of the material frame per length. Default: 0 beside a natural curvature, else that of the natural shape.
     pub natural_twist: Option<Quantity<Twist>>,
     /// Total twist put into the placed rod from its first to its last edge. Default: 0.
     pub twist: Option<Quantity<Angle>>,
@@ -113,12 +113,12 @@ fn plain_cross_sections(schema: &mut Schema) {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "stiffness")]
 pub struct Stiffness {
-    /// Stretching stiffness EA.
+    /// Stretching stiffness EA. Default: that of material and cross-section.
     pub stretching: Option<Quantity<Force>>,
-    /// Bending stiffness EI₁ about the first material director.
+    /// Bending stiffness EI₁ about the first material director. Default: that of material and cross-section.
     pub bending_1: Option<Quantity<Rigidity>>,
-    /// Bending stiffness EI₂ about the second material director.
+    /// Bending stiffness EI₂ about the second material director. Default: that of material and cross-section.
     pub bending_2: Option<Quantity<Rigidity>>,
-    /// Twisting stiffness GJ.
+    /// Twisting stiffness GJ. Default: that of material and cross-section.
     pub twisting: Option<Quantity<Rigidity>>,
 }

@@ -65,7 +65,7 @@ impl TableJob for Boundary {
         self.directions.len()
     }
 
-    fn row(&self, index: usize) -> BoundaryRow {
+    fn row(&self, index: usize, goes_on: &(dyn Fn() -> bool + Sync)) -> Option<BoundaryRow> {
         let (part, direction) = self.directions[index];
         let helix = Helix::from(direction);
         let HelixStability {
@@ -76,13 +76,16 @@ impl TableJob for Boundary {
         } = self.plan;
         let coarse = extrapolate.then(|| {
             let coarse = self.rod.coarsened();
-            let found = coarse.critical_distance(&helix, search, largest_distance, None);
+            let found = coarse.critical_distance(&helix, search, largest_distance, None, goes_on);
             found.ok().flatten()
         });
         let coarse = coarse.flatten();
         let found = self
             .rod
-            .critical_distance(&helix, search, largest_distance, coarse);
+            .critical_distance(&helix, search, largest_distance, coarse, goes_on);
+        if !goes_on() {
+            return None;
+        }
         let theory = critical_distance(&helix).map(|critical| critical.distance);
         let critical = found.as_ref().ok().copied().flatten();
         let contact =
@@ -96,7 +99,7 @@ impl TableJob for Boundary {
                 .map(|(distance, theory)| distance / theory - 1.0)
         };
         let [kappa, tau, omega] = direction;
-        BoundaryRow {
+        Some(BoundaryRow {
             part,
             kappa,
             tau,
@@ -113,7 +116,7 @@ impl TableJob for Boundary {
             relative_difference: difference(critical),
             relative_difference_extrapolated: difference(extrapolated),
             contact,
-        }
+        })
     }
 
     fn conclude(

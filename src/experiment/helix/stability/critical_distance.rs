@@ -22,6 +22,8 @@ const ELSEWHERE: [f64; 6] = [0.97, 0.9, 0.75, 0.5, 0.3, 0.1];
 const PATH_STEP: f64 = 0.2;
 /// Newton's method may leave an unstable helix for an equilibrium of another shape.
 const NO_HELIX: SceneError = SceneError::Unsuitable("the equilibrium that was found is no helix");
+/// The search was told to stop.
+const STOPPED: SceneError = SceneError::Unsuitable("the search was stopped");
 /// Largest distance of a node from the helix, over its radius, up to which the rod is that helix: the mesh alone
 /// makes 1e-3 of 100 edges.
 const LEFT: f64 = 0.1;
@@ -53,7 +55,7 @@ pub fn discrete_critical_distance(
         bending_stiffness: 1.0,
     };
     let largest = HelixStability::LARGEST_TURN * edges as f64;
-    rod.critical_distance(helix, HelixSearch::Fast, largest, None)
+    rod.critical_distance(helix, HelixSearch::Fast, largest, None, &|| true)
 }
 
 /// The same with an estimate of its error: the error of the mesh falls with the square of the edge length, so
@@ -80,18 +82,19 @@ impl DiscreteRod {
     /// `largest`. A good `guess`, of a coarser mesh say, saves a third of the time of the fast search.
     ///
     /// # Errors
-    /// [`SimulationError::NoConvergence`] where no equilibrium is found.
+    /// [`SimulationError::NoConvergence`] where no equilibrium is found, and an error, too, where `goes_on` says no.
     pub fn critical_distance(
         &self,
         helix: &Helix,
         search: HelixSearch,
         largest: f64,
         guess: Option<f64>,
+        goes_on: &dyn Fn() -> bool,
     ) -> Result<Option<f64>, SimulationError> {
         let direction = helix.scaled(1.0 / helix.distance());
         match search {
-            HelixSearch::Fast => self.at_once(&direction, largest, guess),
-            HelixSearch::Path => self.along_path(&direction, largest),
+            HelixSearch::Fast => self.at_once(&direction, largest, guess, goes_on),
+            HelixSearch::Path => self.along_path(&direction, largest, goes_on),
         }
     }
 
@@ -101,12 +104,13 @@ impl DiscreteRod {
         direction: &Helix,
         largest: f64,
         guess: Option<f64>,
+        goes_on: &dyn Fn() -> bool,
     ) -> Result<Option<f64>, SimulationError> {
         let first = guess.map_or(STEP, |guess| (1.0 - NEAR) * guess);
         let step = guess.map_or(STEP, |guess| 2.0 * NEAR * guess);
         let (mut stable, mut lost) = (0.0, first.min(largest));
         loop {
-            let (distance, unstable) = self.is_unstable(direction, stable, lost)?;
+            let (distance, unstable) = self.is_unstable(direction, stable, lost, goes_on)?;
             if unstable {
                 lost = distance;
                 break;
@@ -119,7 +123,7 @@ impl DiscreteRod {
         }
         while lost - stable > PRECISION * lost {
             let middle = 0.5 * (stable + lost);
-            match self.is_unstable(direction, stable, middle) {
+            match self.is_unstable(direction, stable, middle, goes_on) {
                 Ok((distance, true)) => lost = distance,
                 Ok((distance, false)) => stable = distance,
                 // Where the Hessian is singular Newton's method fails, and that is the place looked for.
@@ -137,8 +141,12 @@ impl DiscreteRod {
         direction: &Helix,
         before: f64,
         distance: f64,
+        goes_on: &dyn Fn() -> bool,
     ) -> Result<(f64, bool), SimulationError> {
         let judge = |distance: f64| {
+            if !goes_on() {
+                return Err(STOPPED.into());
+            }
             let helix = direction.scaled(distance);
             let scene = self.on_helix(&helix);
             let mut simulation = Simulation::new(&scene, &IntegrationParameters::default())?;
@@ -161,11 +169,19 @@ impl DiscreteRod {
     /// Each equilibrium is found from the one before, as the end of the rod moves; the step is halved where the
     /// next has lost stability, where there is none, or where it is a helix no more: past a supercritical pitchfork
     /// the rod leaves the helix as the square root of the distance, and is stable.
-    fn along_path(&self, direction: &Helix, largest: f64) -> Result<Option<f64>, SimulationError> {
+    fn along_path(
+        &self,
+        direction: &Helix,
+        largest: f64,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Result<Option<f64>, SimulationError> {
         let mut simulation = Simulation::new(&self.straight(), &IntegrationParameters::default())?;
         let mut state = simulation.state();
         let (mut stable, mut step) = (0.0, PATH_STEP);
         while stable < largest {
+            if !goes_on() {
+                return Err(STOPPED.into());
+            }
             let distance = (stable + step).min(largest);
             let helix = direction.scaled(distance);
             simulation.move_clamp(END, self.end_on_helix(&helix));
@@ -261,7 +277,7 @@ mod tests {
             helix(0.0, 0.0, 1.0),
         ] {
             let [fast, path] = [HelixSearch::Fast, HelixSearch::Path].map(|search| {
-                rod.critical_distance(&direction, search, 20.0, None)
+                rod.critical_distance(&direction, search, 20.0, None, &|| true)
                     .unwrap()
                     .unwrap()
             });

@@ -7,6 +7,7 @@ use super::keys::{HelixTables, TABLES, resolve};
 use super::sections::section_figures;
 use super::surface::boundary_page;
 use crate::experiment::kind::{FigureError, Kind, Page};
+use crate::figure::Figure;
 use crate::mechanics::scene::Scene;
 use crate::results::{BOUNDARY, FileDescription, ResultsError};
 use crate::run::PreparedRun;
@@ -85,7 +86,7 @@ impl Kind for HelixStabilityKind {
         &FILES
     }
 
-    fn figures(&self, directory: &Path) -> Result<Vec<(&'static str, String)>, FigureError> {
+    fn figures(&self, directory: &Path) -> Result<Vec<(&'static str, Figure)>, FigureError> {
         if !directory.join(BOUNDARY).exists() {
             return Ok(Vec::new());
         }

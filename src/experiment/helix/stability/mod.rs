@@ -32,4 +32,4 @@ pub use discrete_rod::DiscreteRod;
 pub use keys::{HelixSearch, HelixStability};
 pub use kind::HelixStabilityKind;
 pub use row::{BoundaryRow, Part, read_boundary};
-pub use sections::section_figures;
+pub use sections::sections_of;

@@ -52,13 +52,16 @@ class Camera {
     this.scale = scale;
   }
 
-  /** Shows the box whole on a canvas whose free part has the given aspect. */
-  fit(lower, size, margin, aspect) {
-    this.target = lower.map((x, k) => x + 0.5 * size[k]);
+  /** Shows the box whole in the free part of a canvas: all but `above` and `below`, pixels. */
+  fit(lower, size, margin, { width, height, above, below }) {
     this.reach = 0.5 * norm(size) + margin;
     const { right, up } = this.basis();
     const half = (axis) => size.reduce((sum, extent, k) => sum + 0.5 * extent * Math.abs(axis[k]), margin);
-    this.scale = 1.18 * Math.max(half(up), half(right) / aspect);
+    const metresPerPixel = 1.18 * 2 * Math.max(half(up) / (height - above - below), half(right) / width);
+    this.scale = 0.5 * height * metresPerPixel;
+    const centre = lower.map((x, k) => x + 0.5 * size[k]);
+    // The middle of the free part is above that of the canvas by half of what is taken more below.
+    this.target = add(centre, up, -0.5 * (below - above) * metresPerPixel);
   }
 
   distance() {

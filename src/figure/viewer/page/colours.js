@@ -5,6 +5,11 @@ const SEQUENTIAL = ["#5a4aa5", "#365c8d", "#277f8e", "#1fa187", "#4ac16d", "#a0d
 // Blue over grey to orange for what has a sign.
 const DIVERGING = ["#0b4f9c", "#2f86c9", "#86bfe0", "#d4d8dc", "#eeb07a", "#d9762b", "#9c3f06"];
 
+/** Number of a rod's colour in the palette; obstacles have the last one, a grey. */
+function colourOfRod(rod, index) {
+  return rod.held ? movie.palette.length - 1 : index % movie.palette.length;
+}
+
 function channels(hex) {
   return [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16));
 }

@@ -22,10 +22,11 @@ function unpackCase(index) {
   };
   const times = next(Float32Array, frames);
   const firstContact = next(Uint32Array, frames + 1);
+  const seriesValues = description.series.map(() => next(Float32Array, frames));
   const positions = next(Uint16Array, 3 * frames * nodes);
   const contacts = next(Uint16Array, 3 * firstContact[frames]);
   const values = description.fields.map(() => next(Uint8Array, frames * nodes));
-  return { ...description, nodes, times, firstContact, positions, contacts, values,
+  return { ...description, nodes, times, seriesValues, firstContact, positions, contacts, values,
            level: description.size.map((size) => size / MAXIMUM_LEVEL) };
 }
 
@@ -38,6 +39,10 @@ function rangeOverCases(name) {
     clips: fields.some((field) => field.clips),
   };
 }
+
+/** What a case shows: rods at rest, a path of equilibria, or motion. */
+const isAtRest = (shown) => shown.frames < 2;
+const isPath = (shown) => shown.branches !== null;
 
 /** A number with its unit, to three digits, with a prefix where the unit takes one. */
 function quantity(value, unit) {

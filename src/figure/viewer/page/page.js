@@ -12,6 +12,8 @@ class Page {
     /** Name of the field that colours the rods; null for the colour of the rod. */
     this.colour = null;
     this.cases = new Map();
+    this.chart = new Chart((frame) => { this.player.playing = false; this.player.seek(frame); this.changed(); });
+    this.exporter = new Exporter(this.canvas, () => this.drawNow());
     element("title").textContent = movie.title;
     element("subtitle").textContent = movie.subtitle;
     this.fillChoices();
@@ -42,12 +44,28 @@ class Page {
     fillList(element("parameter-list"), this.shown.parameters);
     element("parameters").hidden = !this.shown.parameters.length;
     element("time").max = this.shown.frames - 1;
-    for (const id of ["play", "time", "speed", "smooth"]) element(id).disabled = this.shown.frames < 2;
+    // Rods at rest have no time, and equilibria no speed.
+    document.body.classList.toggle("at-rest", isAtRest(this.shown));
+    document.body.classList.toggle("path", isPath(this.shown));
+    this.player.isPath = isPath(this.shown);
+    element("time").setAttribute("aria-label", isPath(this.shown) ? "Path parameter" : "Output time");
+    element("video").hidden = isAtRest(this.shown) || isPath(this.shown) || !Exporter.canRecord();
+    const plots = [new Option("nothing", ""), ...this.shown.series.map(({ name }) => new Option(name, name))];
+    element("plot").replaceChildren(...plots);
+    element("plot-choice").hidden = isAtRest(this.shown) || !this.shown.series.length;
+    this.setPlot(this.chart.name);
     element("speed").value = this.player.speed;
     const choices = [new Option("rod", ""), ...this.shown.fields.map(({ name }) => new Option(name.toLowerCase(), name))];
     element("colour").replaceChildren(...choices);
     element("contact-key").hidden = !this.shown.contacts.length;
     this.setColour(this.shown.fields.some(({ name }) => name === this.colour) ? this.colour : null);
+  }
+
+  /** Plots a series beside the motion; none without a name. */
+  setPlot(name) {
+    this.chart.show(this.shown, isAtRest(this.shown) ? null : name || null);
+    element("plot").value = this.chart.name ?? "";
+    this.changed();
   }
 
   setColour(name) {
@@ -68,8 +86,8 @@ class Page {
     } else if (this.shown.rods.length <= 12) {
       element("names").append(...this.shown.rods.map((rod, index) => {
         const [line, swatch] = [document.createElement("li"), document.createElement("i")];
-        swatch.style.background = movie.palette[index % movie.palette.length];
-        line.append(swatch, rod.name);
+        swatch.style.background = movie.palette[colourOfRod(rod, index)];
+        line.append(swatch, rod.held ? `${rod.name} (held)` : rod.name);
         return line;
       }));
     }
@@ -90,8 +108,20 @@ class Page {
   fit(fromStart = false) {
     const { lower, size, eye, rods } = this.shown;
     if (fromStart) this.camera.lookFrom(eye);
-    this.camera.fit(lower, size, Math.max(...rods.map((rod) => rod.radius)), this.canvas.clientWidth / this.canvas.clientHeight);
+    this.camera.fit(lower, size, Math.max(...rods.map((rod) => rod.radius)), this.freePart());
     this.changed();
+  }
+
+  /** The part of the canvas that cards leave free. */
+  freePart() {
+    const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
+    const boxes = (ids) => ids.map((id) => element(id).getBoundingClientRect()).filter((box) => box.height > 0);
+    const below = height - Math.min(height, ...boxes(["transport", "chart-card", "ruler"]).map((box) => box.top));
+    // Beside narrow cards there is room; where they span a small screen there is none.
+    const above = width < 640 ? Math.max(0, ...boxes(["about", "legend"]).map((box) => box.bottom)) : 0;
+    const least = 0.4 * height, asked = height - above - below;
+    const part = asked < least ? (height - least) / (above + below) : 1;
+    return { width, height, above: part * above, below: part * below };
   }
 
   lookAlong(eye) {
@@ -128,28 +158,68 @@ class Page {
       this.drawn = now;
       this.changed();
     } else this.drawn = undefined;
+    if (this.exporter.recorder) this.exporter.frame();
+    else this.drawNow();
+    if (this.exporter.recorder && this.player.time >= this.player.last()) {
+      this.player.playing = false;
+      this.exporter.end();
+    }
+  }
+
+  /** Draws what is to be seen; returns what the clock and the ruler say. */
+  drawNow() {
     const place = this.player.place();
     const field = this.shown.fields.findIndex((one) => one.name === this.colour);
     this.renderer.draw(this.camera, { ...this.look, ...place, field });
-    this.label(place.frame);
+    this.chart.follow(place.frame);
+    return this.label(place.frame);
+  }
+
+  /** Records the motion from its beginning to its end, or ends a recording. */
+  record() {
+    if (this.exporter.recorder) return this.exporter.end();
+    this.player.seek(0);
+    this.player.playing = true;
+    this.drawn = undefined;
+    const ended = () => { this.player.playing = false; element("video").setAttribute("aria-pressed", false); this.changed(); };
+    this.exporter.begin(this.fileName(), ended);
+    element("video").setAttribute("aria-pressed", true);
+    this.changed();
+  }
+
+  /** The title as the name of a file. */
+  fileName() {
+    return movie.title.replace(/[^\p{L}\p{N}]+/gu, "-").replace(/^-|-$/g, "").toLowerCase() || "rods";
   }
 
   /** Brings clock, slider, ruler and axes up to date. */
   label(frame) {
-    const { times, firstContact, frames } = this.shown;
+    const { firstContact } = this.shown;
     element("time").value = frame;
     element("play").textContent = this.player.playing ? "❚❚" : "▶";
     element("play").setAttribute("aria-label", this.player.playing ? "Pause" : "Play");
     const digits = Math.max(0, 2 - Math.floor(Math.log10(this.player.duration() || 1)));
     const time = (seconds) => seconds.toFixed(Math.min(digits, 9));
-    element("clock").textContent = frames < 2 ? "at rest" : `${time(this.player.smooth ? this.player.time : times[frame])} of ${time(this.player.last())} s`;
+    const clock = this.clock(frame, time);
+    element("clock").textContent = clock;
     const contacts = firstContact[frame + 1] - firstContact[frame];
     element("contact-count").textContent = contacts === 1 ? "1 contact" : `${contacts} contacts`;
     const metresPerPixel = (2 * this.camera.scale) / this.canvas.clientHeight;
     const length = niceLength(140 * metresPerPixel);
-    element("ruler-bar").style.width = `${length / metresPerPixel}px`;
-    element("ruler-text").textContent = quantity(length, "m");
+    const ruler = { pixels: length / metresPerPixel, text: quantity(length, "m") };
+    element("ruler-bar").style.width = `${ruler.pixels}px`;
+    element("ruler-text").textContent = ruler.text;
     this.drawAxes();
+    return { clock, ruler };
+  }
+
+  /** What the clock says: the time, or the place on a path of equilibria. */
+  clock(frame, time) {
+    const { times, frames, branches } = this.shown;
+    if (isAtRest(this.shown)) return "";
+    if (!branches) return `${time(this.player.smooth ? this.player.time : times[frame])} of ${time(this.player.last())} s`;
+    const several = branches.some((branch) => branch !== branches[0]);
+    return `parameter ${Number(times[frame].toPrecision(4))}${several ? `, branch ${branches[frame]}` : ""} (${frame + 1} of ${frames})`;
   }
 
   drawAxes() {
@@ -168,6 +238,9 @@ class Page {
     on("speed", "change", () => this.setSpeed(Number(element("speed").value)));
     on("smooth", "change", () => { this.player.smooth = element("smooth").checked; });
     on("colour", "change", () => this.setColour(element("colour").value));
+    on("plot", "change", () => this.setPlot(element("plot").value));
+    on("picture", "click", () => this.exporter.picture(this.fileName()));
+    on("video", "click", () => this.record());
     on("case", "change", () => this.showCase(Number(element("case").value)));
     on("previous-case", "click", () => this.showCase(this.index - 1));
     on("next-case", "click", () => this.showCase(this.index + 1));
@@ -211,6 +284,9 @@ class Page {
       c: () => this.toggle("contacts"),
       g: () => this.toggle("grid"),
       d: () => this.setTheme(!document.documentElement.classList.contains("dark")),
+      s: () => this.exporter.picture(this.fileName()),
+      v: () => { if (!element("video").hidden) this.record(); },
+      l: () => { const plot = element("plot"); this.setPlot(plot.options[(plot.selectedIndex + 1) % plot.length]?.value); },
       h: () => document.body.classList.toggle("bare"),
       "?": () => element("keys").showModal(),
     };

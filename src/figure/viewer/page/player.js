@@ -12,6 +12,9 @@ class Player {
     this.times = [0];
     this.time = 0;
     this.speed = 1;
+    /** Outputs are equilibria along a path: they have an order, but no time and no speed. */
+    this.isPath = false;
+    this.at = 0;
   }
 
   /** Takes on the times of another case, and stays at its time. */
@@ -19,6 +22,7 @@ class Player {
     const isFirst = this.times.length === 1;
     this.times = times;
     this.time = Math.min(Math.max(this.time, times[0]), this.last());
+    this.at = Math.min(this.at, times.length - 1);
     if (isFirst) this.speed = SPEEDS.find((speed) => this.duration() / speed <= WHOLE_RUN) ?? SPEEDS.at(-1);
     if (times.length < 2) this.playing = false;
   }
@@ -33,6 +37,7 @@ class Player {
 
   /** The last output that is not after the time shown. */
   frame() {
+    if (this.isPath) return this.at;
     let [low, high] = [0, this.times.length];
     while (high - low > 1) {
       const middle = (low + high) >> 1;
@@ -44,17 +49,18 @@ class Player {
   /** The outputs to draw: frame, next, and how far between them. */
   place() {
     const frame = this.frame();
-    if (!this.smooth || frame + 1 === this.times.length) return { frame, next: frame, blend: 0 };
+    if (this.isPath || !this.smooth || frame + 1 === this.times.length) return { frame, next: frame, blend: 0 };
     const step = this.times[frame + 1] - this.times[frame];
     return { frame, next: frame + 1, blend: step > 0 ? (this.time - this.times[frame]) / step : 0 };
   }
 
   seek(frame) {
-    this.time = this.times[Math.min(Math.max(frame, 0), this.times.length - 1)];
+    this.at = Math.min(Math.max(frame, 0), this.times.length - 1);
+    this.time = this.times[this.at];
   }
 
   toggle() {
-    if (this.times.length < 2) return;
+    if (this.isPath || this.times.length < 2) return;
     this.playing = !this.playing;
     if (this.playing && this.time >= this.last()) this.time = this.times[0];
   }

@@ -84,7 +84,7 @@ class Renderer {
       const last = first + rod.nodes - 1;
       const node = (k) => rod.closed ? first + (k + rod.nodes) % rod.nodes : Math.min(Math.max(first + k, first), last);
       for (let k = 0; k < (rod.closed ? rod.nodes : rod.nodes - 1); k++) {
-        segments.push({ nodes: [k - 1, k, k + 1, k + 2].map(node), radius: rod.radius, index });
+        segments.push({ nodes: [k - 1, k, k + 1, k + 2].map(node), radius: rod.radius, index: colourOfRod(rod, index) });
       }
       first += rod.nodes;
     });

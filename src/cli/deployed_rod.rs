@@ -1,0 +1,93 @@
+//! Files of rods that are laid on a table.
+
+use super::failure::Failure;
+use crate::plan::deployment::DeployedRod;
+use crate::scenario::dimension::{Density, Length};
+use crate::scenario::{Issue, Issues, KeyPath, Quantity, TypedFile};
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// A rod by its file.
+pub struct RodFile {
+    /// Its name for people.
+    pub title: String,
+    /// The rod.
+    pub rod: DeployedRod,
+    /// Mass per volume, kg/m³. For the shape it does not matter beside the gravito-bending length.
+    pub density: f64,
+    /// Coefficients of friction with tables, by name.
+    pub friction: BTreeMap<String, f64>,
+}
+
+/// Density where none is given, kg/m³.
+const DENSITY: f64 = 1000.0;
+
+#[derive(Debug, Deserialize)]
+struct Typed {
+    #[serde(rename = "extends")]
+    _extends: Option<IgnoredAny>,
+    title: Option<String>,
+    gravito_bending_length: Quantity<Length>,
+    radius: Quantity<Length>,
+    length: Quantity<Length>,
+    density: Option<Quantity<Density>>,
+    #[serde(default)]
+    friction: BTreeMap<String, f64>,
+}
+
+impl RodFile {
+    /// Reads a rod's file.
+    pub fn read(path: &Path) -> Result<Self, Failure> {
+        let file: TypedFile<Typed> = TypedFile::read(path)?;
+        let typed = &file.typed;
+        let root = KeyPath::root();
+        let mut issues = Issues::default();
+        let mut length = |key: &str, quantity: &Quantity<Length>| {
+            let metres = quantity.si().and_then(|metres| {
+                if metres > 0.0 && metres.is_finite() {
+                    Ok(metres)
+                } else {
+                    Err(format!("{metres} m must be above 0"))
+                }
+            });
+            metres.unwrap_or_else(|message| {
+                issues.push(Issue::new(root.key(key), message));
+                1.0
+            })
+        };
+        let rod = DeployedRod {
+            gravito_bending_length: length("gravito_bending_length", &typed.gravito_bending_length),
+            radius: length("radius", &typed.radius),
+            length: length("length", &typed.length),
+        };
+        let density = typed.density.as_ref().map_or(Ok(DENSITY), |density| {
+            density.si().and_then(|density| {
+                if density > 0.0 && density.is_finite() {
+                    Ok(density)
+                } else {
+                    Err(format!("{density} kg/m³ must be above 0"))
+                }
+            })
+        });
+        let density = density.unwrap_or_else(|message| {
+            issues.push(Issue::new(root.key("density"), message));
+            DENSITY
+        });
+        for (name, friction) in &typed.friction {
+            if !(*friction >= 0.0 && friction.is_finite()) {
+                let key = root.key("friction").key(name);
+                issues.push(Issue::new(key, format!("{friction} must be 0 or more")));
+            }
+        }
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let found = Self {
+            title: typed.title.clone().unwrap_or_else(|| stem.into_owned()),
+            rod,
+            density,
+            friction: typed.friction.clone(),
+        };
+        Ok(issues.or_ok(found).map_err(|issues| file.locate(issues))?)
+    }
+}

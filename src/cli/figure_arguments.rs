@@ -1,0 +1,104 @@
+//! Options of the commands that draw figures.
+
+use super::failure::Failure;
+use crate::figure::{FigureOptions, Format, Paper};
+use crate::scenario::metres;
+use clap::{Args, ValueEnum};
+
+/// How figures are drawn and kept.
+#[derive(Clone, Debug, Default, Args)]
+pub struct FigureArguments {
+    /// Formats of the figures, separated by commas [default: svg,png; of reproduced pages svg]
+    #[arg(long, value_name = "FORMATS", value_delimiter = ',')]
+    pub format: Vec<FigureFormat>,
+    /// Width of the figures, such as 85mm for a column of a journal [default: 211.7mm]
+    #[arg(long, value_name = "LENGTH", value_parser = metres)]
+    pub width: Option<f64>,
+    /// Size of the letters in points; lines and marks follow it [default: 10]
+    #[arg(long, value_name = "POINTS")]
+    pub font_size: Option<f64>,
+}
+
+/// Formats of figures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FigureFormat {
+    /// Scalable vector graphics
+    Svg,
+    /// Pixels, 300 per inch
+    Png,
+    /// Vectors for LaTeX
+    Pdf,
+}
+
+impl FigureArguments {
+    /// The options, with formats for where none is given.
+    pub fn options(&self, usual: &[Format]) -> Result<FigureOptions, Failure> {
+        let paper = Paper::default();
+        let width = self.width.unwrap_or(paper.width());
+        let font_size = self.font_size.unwrap_or(paper.font_size());
+        let paper = Paper::new(width, font_size).ok_or_else(|| {
+            let (widths, sizes) = (Paper::WIDTHS, Paper::FONT_SIZES);
+            Failure::Input(format!(
+                "a figure {:.4} m wide with letters of {font_size} points cannot be drawn: --width is from {} to {} m, \
+                 --font-size from {} to {} points, and at least {} letters stand side by side",
+                width,
+                widths.start(),
+                widths.end(),
+                sizes.start(),
+                sizes.end(),
+                Paper::FEWEST_LETTERS
+            ))
+        })?;
+        let mut formats: Vec<Format> = Vec::new();
+        for format in self.format.iter().map(|format| format.of_figure()) {
+            if !formats.contains(&format) {
+                formats.push(format);
+            }
+        }
+        if formats.is_empty() {
+            formats = usual.to_vec();
+        }
+        Ok(FigureOptions { paper, formats })
+    }
+}
+
+impl FigureFormat {
+    fn of_figure(self) -> Format {
+        match self {
+            Self::Svg => Format::Svg,
+            Self::Png => Format::Png,
+            Self::Pdf => Format::Pdf,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_that_cannot_be_drawn_are_refused_with_what_can() {
+        let arguments = |width, font_size| FigureArguments {
+            format: vec![FigureFormat::Pdf, FigureFormat::Svg, FigureFormat::Pdf],
+            width: Some(width),
+            font_size: Some(font_size),
+        };
+        let options = arguments(0.085, 8.0).options(&[]).unwrap();
+        assert_eq!(options.formats, [Format::Pdf, Format::Svg]);
+        for (width, font_size) in [(1e-4, 8.0), (f64::NAN, 8.0), (0.085, 500.0), (0.03, 20.0)] {
+            let message = arguments(width, font_size).options(&[]).unwrap_err();
+            let Failure::Input(message) = message else {
+                panic!("{message:?}");
+            };
+            assert!(
+                message.contains("--width") && message.contains("--font-size"),
+                "{message}"
+            );
+        }
+        let usual = FigureArguments::default().options(&[Format::Svg]).unwrap();
+        assert_eq!(
+            (usual.paper, usual.formats),
+            (Paper::default(), vec![Format::Svg])
+        );
+    }
+}

@@ -1,0 +1,377 @@
+//! `rodlab plan deployment`.
+
+use super::deployed_rod::RodFile;
+use super::deployment_files::{
+    edges, landing, nodes_csv, pattern_csv, trajectory_csv, trajectory_json,
+};
+use super::failure::Failure;
+use super::output::print_json;
+use super::values::positive_length;
+use crate::plan::deployment::{
+    DeployedRod, DeploymentError, Feasibility, GripperPose, Scheme, deployment_figure,
+    friction_demand, hanging_rod, lead_in_length, long_enough, trajectory,
+};
+use crate::plan::pattern::{
+    Circle, Crossing, Line, Pattern, PatternError, PlaneCurve, Point, Sine, crossings, read_svg,
+};
+use crate::results::write_whole;
+use crate::scenario::{metres, read_text_file};
+use crate::vision::read_curve;
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Arguments of `rodlab plan deployment`.
+#[derive(Debug, Args)]
+pub struct DeploymentArguments {
+    /// The pattern: an SVG file; a CSV file with columns x_m and y_m; or line:LENGTH, circle:RADIUS,
+    /// sine:AMPLITUDE,WAVELENGTH,WAVES
+    #[arg(long, value_name = "PATTERN")]
+    pattern: String,
+    /// The rod: TOML with gravito_bending_length, radius and length
+    #[arg(long, value_name = "FILE")]
+    rod: PathBuf,
+    /// Where to write the results
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// How the gripper leads the rod
+    #[arg(long, default_value = "optimal")]
+    scheme: SchemeName,
+    /// Length of the longer side of a drawn pattern [default: as drawn]
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
+    size: Option<f64>,
+    /// Which stroke of an SVG, or strand of a CSV file, from 1
+    #[arg(long, value_name = "N")]
+    stroke: Option<usize>,
+    /// Lay it from the last point to the first
+    #[arg(long)]
+    reverse: bool,
+    /// How far the smooth curve may be from what was drawn
+    #[arg(long, value_name = "LENGTH", default_value = "0.25 mm", value_parser = positive_length)]
+    deviation: f64,
+    /// Length of a straight start whose curvature grows to that of the pattern: `auto`, as the friction demand of 0.1
+    /// needs it, `none`, or a length
+    #[arg(long, value_name = "LENGTH", default_value = "auto", value_parser = lead_in)]
+    lead_in: LeadInLength,
+    /// Distance of neighbouring poses along the pattern, at most
+    #[arg(long, value_name = "LENGTH", default_value = "3 mm", value_parser = positive_length)]
+    step: f64,
+    /// Speed of the contact node along the pattern, m/s
+    #[arg(long, value_name = "SPEED", default_value_t = 0.02, value_parser = speed)]
+    speed: f64,
+    /// Friction of the table that the demand is compared with: a number, or a name in the rod's file
+    #[arg(long, value_name = "FRICTION")]
+    friction: Option<String>,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+enum SchemeName {
+    /// The optimal grasp of each point.
+    Optimal,
+    /// Upright above the contact node.
+    Intuitive,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum LeadInLength {
+    Auto,
+    Given(f64),
+}
+
+/// Least number of points at which a pattern is checked.
+const FINENESS: f64 = 8000.0;
+/// Most poses.
+const MOST_POSES: f64 = 100_000.0;
+
+#[derive(Serialize)]
+struct Report {
+    pattern: String,
+    rod: String,
+    scheme: SchemeName,
+    length_m: f64,
+    lead_in_m: f64,
+    rod_length_m: f64,
+    deviation_m: f64,
+    least_radius_m: Option<f64>,
+    least_radius_at_m: f64,
+    largest_friction_demand: f64,
+    largest_friction_demand_at_m: f64,
+    friction: Option<f64>,
+    share_above_friction: Option<f64>,
+    crossings: Vec<CrossingReport>,
+    poses: usize,
+    unstable_poses: usize,
+    duration_s: f64,
+    files: Vec<PathBuf>,
+}
+
+#[derive(Serialize)]
+struct CrossingReport {
+    first_m: f64,
+    second_m: f64,
+    x_m: f64,
+    y_m: f64,
+}
+
+impl DeploymentArguments {
+    /// Plans, and writes trajectory, pattern and figure.
+    pub fn plan(&self) -> Result<(), Failure> {
+        let file = RodFile::read(&self.rod)?;
+        let rod = file.rod;
+        let friction = self.friction(&file)?;
+        let pattern = self.pattern(&rod)?;
+        // Before anything is sampled: it may be very long.
+        long_enough(&rod, &pattern).map_err(|error| self.refused(&error))?;
+        if pattern.length() / self.step > MOST_POSES {
+            return Err(Failure::Input(format!(
+                "--step {} m cuts {:.4} m into more than {MOST_POSES} poses",
+                self.step,
+                pattern.length()
+            )));
+        }
+        let points = pattern.sampled(self.step);
+        // Corners lie between poses.
+        let finely = (0.25 * rod.radius).min(pattern.length() / FINENESS);
+        let fine = pattern.sampled(self.step.min(finely));
+        let checks =
+            Feasibility::of(&fine, &rod, friction).map_err(|error| self.refused(&error))?;
+        let scheme = match self.scheme {
+            SchemeName::Optimal => Scheme::Optimal,
+            SchemeName::Intuitive => Scheme::Intuitive,
+        };
+        let poses = trajectory(&points, &rod, scheme).map_err(|error| self.refused(&error))?;
+        let crossings = crossings(&points);
+        let demands: Vec<f64> = points
+            .iter()
+            .map(|point| friction_demand(&rod, point))
+            .collect();
+        let title = format!("{} along {}", file.title, self.pattern);
+        let figure = deployment_figure(&title, &points, &poses, &demands, friction, &crossings);
+        let duration = pattern.length() / self.speed;
+        let mut named = vec![
+            ("trajectory.csv", trajectory_csv(&poses, self.speed)),
+            (
+                "trajectory.json",
+                trajectory_json(&poses, self.speed, &self.pattern, &file)?,
+            ),
+            ("pattern.csv", pattern_csv(&points, &demands)),
+            ("deployment.svg", figure),
+        ];
+        if scheme == Scheme::Optimal {
+            let hanging =
+                hanging_rod(&points[0], &rod, edges(&rod)).map_err(|error| self.refused(&error))?;
+            named.push(("rod.csv", nodes_csv(&hanging)));
+            let scenario = landing(&file, &self.pattern, friction, duration);
+            named.push(("landing.toml", scenario));
+        }
+        std::fs::create_dir_all(&self.out).map_err(|error| {
+            Failure::System(format!("{} cannot be made: {error}", self.out.display()))
+        })?;
+        let mut files = Vec::new();
+        for (name, text) in named {
+            let path = self.out.join(name);
+            write_whole(&path, text.as_bytes())?;
+            files.push(path);
+        }
+        print_json(&Report {
+            pattern: self.pattern.clone(),
+            rod: file.title,
+            scheme: self.scheme,
+            length_m: pattern.length(),
+            lead_in_m: pattern.lead_in(),
+            rod_length_m: rod.length,
+            deviation_m: pattern.deviation,
+            least_radius_m: Some(checks.least_radius_m).filter(|radius| radius.is_finite()),
+            least_radius_at_m: checks.least_radius_at_m,
+            largest_friction_demand: checks.largest_demand,
+            largest_friction_demand_at_m: checks.largest_demand_at_m,
+            friction,
+            share_above_friction: checks.share_above_friction,
+            crossings: crossings.iter().map(CrossingReport::of).collect(),
+            unstable_poses: poses.iter().filter(|pose| is_unstable(pose)).count(),
+            poses: poses.len(),
+            duration_s: duration,
+            files,
+        })
+    }
+
+    fn refused(&self, error: &DeploymentError) -> Failure {
+        Failure::Input(format!("{}: {error}", self.pattern))
+    }
+
+    fn friction(&self, file: &RodFile) -> Result<Option<f64>, Failure> {
+        let Some(text) = &self.friction else {
+            return Ok(None);
+        };
+        let number = text.trim().parse().ok().filter(|friction| *friction >= 0.0);
+        let named = || file.friction.get(text.trim()).copied();
+        number
+            .filter(|friction: &f64| friction.is_finite())
+            .or_else(named)
+            .map(Some)
+            .ok_or_else(|| {
+                let names: Vec<&str> = file.friction.keys().map(String::as_str).collect();
+                Failure::Input(format!(
+                    "--friction {text}: a number from 0 up is needed, or a name in {}: {}",
+                    self.rod.display(),
+                    if names.is_empty() {
+                        "none there".into()
+                    } else {
+                        names.join(", ")
+                    }
+                ))
+            })
+    }
+
+    /// The pattern with its lead-in.
+    fn pattern(&self, rod: &DeployedRod) -> Result<Pattern, Failure> {
+        let found = match self.analytic()? {
+            Some(curve) => {
+                let given = [
+                    ("--size", self.size.is_some()),
+                    ("--stroke", self.stroke.is_some()),
+                    ("--reverse", self.reverse),
+                ];
+                if let Some((flag, _)) = given.iter().find(|(_, given)| *given) {
+                    return Err(Failure::Input(format!(
+                        "{flag} is for drawn patterns; {} has its size and direction",
+                        self.pattern
+                    )));
+                }
+                Pattern::new(curve, 0.0)
+            }
+            None => Pattern::along(&self.drawn()?, self.deviation),
+        };
+        let pattern = found.map_err(|error| self.no_pattern(&error))?;
+        let length = match self.lead_in {
+            LeadInLength::Given(length) => length,
+            LeadInLength::Auto => lead_in_length(rod, pattern.at(0.0).curvature),
+        };
+        Ok(pattern.with_lead_in(length))
+    }
+
+    fn no_pattern(&self, error: &PatternError) -> Failure {
+        Failure::Input(format!("{}: {error}", self.pattern))
+    }
+
+    /// `line:…`, `circle:…` or `sine:…`.
+    fn analytic(&self) -> Result<Option<Box<dyn PlaneCurve>>, Failure> {
+        let Some((kind, text)) = self.pattern.split_once(':') else {
+            return Ok(None);
+        };
+        let values: Vec<&str> = text.split(',').collect();
+        let fault = |needed: &str| Failure::Input(format!("--pattern {}: {needed}", self.pattern));
+        let length = |text: &str| positive_length(text).map_err(|error| fault(&error));
+        Ok(Some(match (kind, values.as_slice()) {
+            ("line", [end]) => Box::new(Line {
+                length: length(end)?,
+            }),
+            ("circle", [radius]) => {
+                // A negative radius turns to the right.
+                let radius = metres(radius).map_err(|error| fault(&error))?;
+                if radius == 0.0 || !radius.is_finite() {
+                    return Err(fault("a radius other than 0 is needed"));
+                }
+                Box::new(Circle { radius })
+            }
+            ("sine", [amplitude, wavelength, waves]) => {
+                let waves: Option<f64> = waves.trim().parse().ok();
+                let waves = waves.filter(|waves| *waves > 0.0 && *waves <= 1000.0);
+                Box::new(Sine {
+                    amplitude: length(amplitude)?,
+                    wavelength: length(wavelength)?,
+                    waves: waves
+                        .ok_or_else(|| fault("a number of waves from 0 to 1000 is needed"))?,
+                })
+            }
+            ("line" | "circle" | "sine", _) => {
+                return Err(fault(
+                    "line:LENGTH, circle:RADIUS or sine:AMPLITUDE,WAVELENGTH,WAVES is needed",
+                ));
+            }
+            _ => return Ok(None),
+        }))
+    }
+
+    /// Points of an SVG or CSV file, in its size and direction.
+    fn drawn(&self) -> Result<Vec<Point>, Failure> {
+        let path = Path::new(&self.pattern);
+        let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+        let mut points: Vec<Point> = if extension == "svg" {
+            self.stroke_of(path)?
+        } else if extension == "csv" {
+            let curve = read_curve(path, self.stroke)?;
+            curve
+                .iter()
+                .map(|point| Point::new(point.x, point.y))
+                .collect()
+        } else {
+            return Err(Failure::Input(format!(
+                "--pattern {}: an .svg file, a .csv file, line:…, circle:… or sine:… is needed",
+                self.pattern
+            )));
+        };
+        if self.reverse {
+            points.reverse();
+        }
+        if let Some(size) = self.size {
+            let low = points.iter().fold(points[0], |low, point| low.inf(point));
+            let high = points.iter().fold(points[0], |high, point| high.sup(point));
+            let side = (high - low).max();
+            if !(side > 0.0) {
+                return Err(self.no_pattern(&PatternError::Degenerate("it has no length")));
+            }
+            for point in &mut points {
+                *point *= size / side;
+            }
+        }
+        Ok(points)
+    }
+
+    fn stroke_of(&self, path: &Path) -> Result<Vec<Point>, Failure> {
+        let bytes = read_text_file(path).map_err(Failure::Input)?;
+        let text = String::from_utf8(bytes)
+            .map_err(|_| Failure::Input(format!("{} is no text in UTF-8", path.display())))?;
+        let mut strokes = read_svg(&text).map_err(|error| self.no_pattern(&error))?;
+        let count = strokes.len();
+        match self.stroke {
+            None if count == 1 => Ok(strokes.remove(0)),
+            None => Err(self.no_pattern(&PatternError::SeveralStrokes(count))),
+            Some(wanted) if (1..=count).contains(&wanted) => Ok(strokes.remove(wanted - 1)),
+            Some(wanted) => Err(self.no_pattern(&PatternError::NoStroke { wanted, count })),
+        }
+    }
+}
+
+impl CrossingReport {
+    fn of(crossing: &Crossing) -> Self {
+        Self {
+            first_m: crossing.first,
+            second_m: crossing.second,
+            x_m: crossing.position.x,
+            y_m: crossing.position.y,
+        }
+    }
+}
+
+fn is_unstable(pose: &GripperPose) -> bool {
+    pose.grasp.as_ref().is_some_and(|grasp| !grasp.is_stable())
+}
+
+fn lead_in(text: &str) -> Result<LeadInLength, String> {
+    match text.trim() {
+        "auto" => Ok(LeadInLength::Auto),
+        "none" => Ok(LeadInLength::Given(0.0)),
+        text => positive_length(text)
+            .map(LeadInLength::Given)
+            .map_err(|error| format!("{error}; or `auto`, or `none`")),
+    }
+}
+
+fn speed(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(speed) if speed > 0.0 && speed.is_finite() => Ok(speed),
+        _ => Err("a speed above 0 is needed, m/s".into()),
+    }
+}

@@ -1,0 +1,50 @@
+//! What has been seen of strains, energy and small steps so far: part of the state that checkpoints hold.
+
+use serde::{Deserialize, Serialize};
+
+/// The largest strain of a kind, and since when it has been beyond its bound.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LargeStrain {
+    /// Its size; that of a stretch has a sign.
+    pub size: f64,
+    /// Node of the whole scene.
+    pub node: usize,
+    /// When it was so large, s.
+    pub time: f64,
+    /// Since when one has been beyond the bound, s.
+    pub since: f64,
+}
+
+/// The largest gain of energy, over the largest energy.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Gain {
+    /// The gain over the largest energy.
+    pub relative: f64,
+    /// Since when there has been one, s.
+    pub since: f64,
+}
+
+/// What has been seen so far: part of the state that checkpoints hold.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ValidityMemory {
+    /// Steps so far.
+    pub steps: usize,
+    /// Energy at the start, J.
+    pub start: Option<f64>,
+    /// What clamps did less what was lost since, J.
+    pub taken_in: f64,
+    /// Largest kinetic and elastic energy so far, J.
+    pub largest: f64,
+    /// Whether energy can only come from clamps, so that any other gain is an error of the scheme.
+    pub is_conservative: bool,
+    /// The largest stretch beyond its bound.
+    pub stretch: Option<LargeStrain>,
+    /// The largest strain by bending beyond its bound.
+    pub bending: Option<LargeStrain>,
+    /// The largest shear by twist beyond its bound.
+    pub twist: Option<LargeStrain>,
+    /// The largest gain of energy that nothing gave.
+    pub gain: Option<Gain>,
+    /// What was said of steps far smaller than asked for.
+    pub small_steps: Option<String>,
+}

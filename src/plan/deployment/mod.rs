@@ -1,0 +1,65 @@
+//! Deployment of a rod along a pattern: the gripper's trajectory (thesis Algorithm 9), and what it asks of the table.
+//!
+//! | file | what |
+//! |---|---|
+//! | `rod` | the rod by its gravito-bending length and radius |
+//! | `trajectory` | poses of the gripper |
+//! | `feasibility` | friction, bending and length that the pattern needs |
+//! | `landing` | the hanging rod at the start |
+//! | `figure` | pattern, path of the gripper and friction demand |
+
+mod feasibility;
+mod figure;
+mod landing;
+mod rod;
+mod trajectory;
+
+pub use feasibility::{Feasibility, friction_demand, lead_in_length, long_enough};
+pub use figure::deployment_figure;
+pub use landing::hanging_rod;
+pub use rod::DeployedRod;
+pub use trajectory::{GripperPose, Scheme, trajectory};
+
+use crate::plan::grasp::GraspError;
+use thiserror::Error;
+
+/// Why a rod cannot be laid along a pattern.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum DeploymentError {
+    /// The rod is too short.
+    #[error(
+        "the pattern is {pattern_m:.4} m long{lead_in}, and the rod {rod_m} m: it must be at least {least_m:.4} m, so that \
+         the gripper can still hold it at the end"
+    )]
+    TooLong {
+        /// Length of the pattern, m.
+        pattern_m: f64,
+        /// What of it is the lead-in, in words.
+        lead_in: String,
+        /// Length of the rod, m.
+        rod_m: f64,
+        /// Least length of the rod, m.
+        least_m: f64,
+    },
+    /// The pattern is curved more than the rod is thick.
+    #[error(
+        "the pattern has a radius of {radius_m:.2e} m at {s_m:.4} m, less than the rod's, {rod_m} m: draw its corners \
+         round, or allow more with --deviation"
+    )]
+    TooSharp {
+        /// Least radius of curvature, m.
+        radius_m: f64,
+        /// Where, m from the start.
+        s_m: f64,
+        /// Radius of the rod, m.
+        rod_m: f64,
+    },
+    /// There is no grasp at some point.
+    #[error("at {s_m:.4} m from the start of the pattern: {error}")]
+    Grasp {
+        /// Arc length, m.
+        s_m: f64,
+        /// What is wrong.
+        error: GraspError,
+    },
+}

@@ -1,0 +1,67 @@
+//! A start in front of a pattern, over which its curvature grows from zero.
+
+use super::{PatternPoint, Point};
+use crate::mechanics::kirchhoff::numerics::gauss_legendre;
+
+/// Points of the Gauss rule for places along the lead-in.
+const QUADRATURE: usize = 40;
+
+/// κ is the polynomial of the fifth degree that vanishes with two derivatives at the start, and goes over into the
+/// pattern with its value and two derivatives.
+#[derive(Clone, Debug)]
+pub struct LeadIn {
+    /// Length, m.
+    pub length: f64,
+    /// Where the pattern begins.
+    end: PatternPoint,
+    /// Coefficients of (σ/ℓ)³, (σ/ℓ)⁴ and (σ/ℓ)⁵.
+    coefficients: [f64; 3],
+    rule: Vec<(f64, f64)>,
+}
+
+impl LeadIn {
+    pub fn new(end: &PatternPoint, length: f64) -> Self {
+        // Value a, slope b and bend c at x = 1 of c₃x³ + c₄x⁴ + c₅x⁵.
+        let a = end.curvature;
+        let b = end.curvature_slope * length;
+        let c = end.curvature_bend * length * length;
+        Self {
+            length,
+            end: *end,
+            coefficients: [
+                10.0 * a - 4.0 * b + 0.5 * c,
+                -15.0 * a + 7.0 * b - c,
+                6.0 * a - 3.0 * b + 0.5 * c,
+            ],
+            rule: gauss_legendre(QUADRATURE),
+        }
+    }
+
+    /// Direction of the tangent.
+    fn angle(&self, s: f64) -> f64 {
+        let x = s / self.length;
+        let [c3, c4, c5] = self.coefficients;
+        let turned = |x: f64| x.powi(4) * (c3 / 4.0 + x * (c4 / 5.0 + x * c5 / 6.0));
+        self.end.angle - self.length * (turned(1.0) - turned(x))
+    }
+
+    pub fn at(&self, s: f64) -> PatternPoint {
+        let rest = self.length - s;
+        let mut way = Point::zeros();
+        for (part, weight) in &self.rule {
+            let angle = self.angle(s + rest * part);
+            way += rest * *weight * Point::new(angle.cos(), angle.sin());
+        }
+        let x = s / self.length;
+        let [c3, c4, c5] = self.coefficients;
+        PatternPoint {
+            s,
+            position: self.end.position - way,
+            angle: self.angle(s),
+            curvature: x.powi(3) * (c3 + x * (c4 + x * c5)),
+            curvature_slope: x.powi(2) * (3.0 * c3 + x * (4.0 * c4 + x * 5.0 * c5)) / self.length,
+            curvature_bend: x * (6.0 * c3 + x * (12.0 * c4 + x * 20.0 * c5))
+                / (self.length * self.length),
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! Patterns: smooth curves in the plane that a rod is to follow.
+//!
+//! | file | what |
+//! |---|---|
+//! | `svg`, `path_data` | the strokes of an SVG drawing, metres |
+//! | `spline` | a smooth curve along drawn points, as near to them as is asked for |
+//! | `analytic` | line, circle and sine |
+//! | `curve` | arc length, tangent, curvature and its derivatives |
+//! | `lead_in` | a start whose curvature grows from zero |
+//! | `check` | what a pattern asks of a rod, and where it crosses itself |
+
+mod analytic;
+mod check;
+mod curve;
+mod lead_in;
+mod path_data;
+mod spline;
+mod svg;
+
+pub use analytic::{Circle, Line, Sine};
+pub use check::{Crossing, crossings};
+pub use curve::{PatternPoint, PlaneCurve};
+pub use spline::SmoothCurve;
+pub use svg::{Stroke, read_svg};
+
+use curve::ArcLength;
+use lead_in::LeadIn;
+use thiserror::Error;
+
+/// A point of the plane, m.
+pub type Point = nalgebra::Vector2<f64>;
+
+/// Why a drawing is no pattern.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum PatternError {
+    /// The file is no SVG.
+    #[error("it is no SVG: {0}")]
+    Syntax(String),
+    /// An attribute cannot be read.
+    #[error("line {line}: <{element}>: {reason}")]
+    Attribute {
+        /// Line in the file.
+        line: u32,
+        /// Name of the element.
+        element: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// There is nothing to follow.
+    #[error("it has no path{hint}")]
+    NoPath {
+        /// What may help.
+        hint: &'static str,
+    },
+    /// There are several strokes.
+    #[error("it has {0} strokes that do not join; choose one with --stroke 1 to {0}")]
+    SeveralStrokes(usize),
+    /// There is no such stroke.
+    #[error("there is no stroke {wanted}: it has {count}")]
+    NoStroke {
+        /// What was asked for, from 1.
+        wanted: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// The curve has no length, or its points are no numbers.
+    #[error("{0}")]
+    Degenerate(&'static str),
+    /// No smooth curve is near enough.
+    #[error(
+        "no smooth curve stays within {allowed_m} m of the drawing; the nearest found deviates by {least_m:.2e} m: \
+         draw its corners round, or allow more with --deviation"
+    )]
+    Deviation {
+        /// What is allowed, m.
+        allowed_m: f64,
+        /// What was reached, m.
+        least_m: f64,
+    },
+}
+
+/// A curve by its arc length, with a lead-in where it has one.
+pub struct Pattern {
+    curve: Box<dyn PlaneCurve>,
+    arc_length: ArcLength,
+    lead_in: Option<LeadIn>,
+    /// Largest distance of the curve from the points that were drawn, m; zero for analytic curves.
+    pub deviation: f64,
+}
+
+impl Pattern {
+    /// The pattern of a curve.
+    ///
+    /// # Errors
+    /// The curve has no length, or stands still somewhere.
+    pub fn new(curve: Box<dyn PlaneCurve>, deviation: f64) -> Result<Self, PatternError> {
+        let arc_length = ArcLength::of(&*curve)?;
+        Ok(Self {
+            curve,
+            arc_length,
+            lead_in: None,
+            deviation,
+        })
+    }
+
+    /// The pattern along drawn points, which it nowhere misses by more than `deviation`, m.
+    ///
+    /// # Errors
+    /// The points have no length, or have corners too sharp for this.
+    pub fn along(points: &[Point], deviation: f64) -> Result<Self, PatternError> {
+        let (curve, reached) = SmoothCurve::along(points, deviation)?;
+        Self::new(Box::new(curve), reached)
+    }
+
+    /// Puts a lead-in in front, over whose length (m) the curvature grows from zero to that of the first point, and
+    /// its first two derivatives with it (thesis 5.5.4.1).
+    pub fn with_lead_in(mut self, length: f64) -> Self {
+        self.lead_in = None;
+        let start = self.at(0.0);
+        self.lead_in = (length > 0.0).then(|| LeadIn::new(&start, length));
+        self
+    }
+
+    /// Length of the lead-in, m.
+    pub fn lead_in(&self) -> f64 {
+        self.lead_in.as_ref().map_or(0.0, |lead_in| lead_in.length)
+    }
+
+    /// Length, the lead-in included, m.
+    pub fn length(&self) -> f64 {
+        self.lead_in() + self.arc_length.total()
+    }
+
+    /// The point at an arc length, m, from 0 to the length.
+    pub fn at(&self, s: f64) -> PatternPoint {
+        let lead = self.lead_in();
+        match &self.lead_in {
+            Some(lead_in) if s < lead => lead_in.at(s),
+            _ => {
+                let mut point = self.arc_length.at(&*self.curve, s - lead);
+                point.s = s;
+                point
+            }
+        }
+    }
+
+    /// Points at equal distances, at most `step` apart, both ends among them; angles are continuous.
+    pub fn sampled(&self, step: f64) -> Vec<PatternPoint> {
+        let length = self.length();
+        let intervals = (length / step - 1e-9).ceil().max(1.0) as usize;
+        let mut points: Vec<PatternPoint> = Vec::with_capacity(intervals + 1);
+        for index in 0..=intervals {
+            let mut point = self.at(length * index as f64 / intervals as f64);
+            if let Some(before) = points.last() {
+                let turns = ((before.angle - point.angle) / std::f64::consts::TAU).round();
+                point.angle += turns * std::f64::consts::TAU;
+            }
+            points.push(point);
+        }
+        points
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,238 @@
+//! A smooth curve along drawn points: a penalised spline (Eilers & Marx, Statistical Science 11, 1996).
+//!
+//! Uniform B-splines of the fifth degree, so that κ'' is continuous, along the arc length of the drawing. Of all that
+//! stay within the allowed deviation, the one that minimises Σ|x(u) − q|² + λ Σ|Δ³c|² with the largest λ is taken:
+//! its curvature changes least.
+
+use super::{PatternError, PlaneCurve, Point};
+
+/// Degree of the spline.
+const DEGREE: usize = 5;
+/// Pieces at first, and at most.
+const PIECES: [usize; 2] = [128, 4096];
+/// Drawn points, resampled, per piece.
+const POINTS_PER_PIECE: usize = 6;
+/// Weights λ of the penalty that are tried, as powers of ten.
+const WEIGHTS: [f64; 2] = [-8.0, 10.0];
+/// Halvings of their range.
+const HALVINGS: usize = 14;
+
+/// A spline by arc length of what was drawn, m.
+#[derive(Clone, Debug)]
+pub struct SmoothCurve {
+    control: Vec<Point>,
+    /// Length of a piece, m.
+    step: f64,
+}
+
+impl SmoothCurve {
+    /// The smoothest curve within `allowed` (m) of the points, and by how much it misses them.
+    ///
+    /// # Errors
+    /// The points have no length or are no numbers; corners too sharp.
+    pub fn along(points: &[Point], allowed: f64) -> Result<(Self, f64), PatternError> {
+        if !points
+            .iter()
+            .all(|point| point.iter().all(|x| x.is_finite()))
+        {
+            return Err(PatternError::Degenerate("a coordinate is no finite number"));
+        }
+        let mut sums = vec![0.0];
+        let mut kept: Vec<Point> = points.first().copied().into_iter().collect();
+        for point in points.iter().skip(1) {
+            let length = (point - kept[kept.len() - 1]).norm();
+            if length > 0.0 {
+                sums.push(sums[sums.len() - 1] + length);
+                kept.push(*point);
+            }
+        }
+        let length = sums[sums.len() - 1];
+        if !(length > 0.0 && length.is_finite()) {
+            return Err(PatternError::Degenerate("it has no length"));
+        }
+        let mut pieces = PIECES[0];
+        let mut least = f64::INFINITY;
+        while pieces <= PIECES[1] {
+            let fit = Fit::new(&kept, &sums, pieces);
+            let (curve, deviation) = fit.solve(10f64.powf(WEIGHTS[0]));
+            least = least.min(deviation);
+            if deviation <= allowed {
+                return Ok(fit.smoothest(curve, deviation, allowed));
+            }
+            pieces *= 2;
+        }
+        Err(PatternError::Deviation {
+            allowed_m: allowed,
+            least_m: least,
+        })
+    }
+}
+
+impl PlaneCurve for SmoothCurve {
+    fn end(&self) -> f64 {
+        self.step * self.pieces() as f64
+    }
+
+    fn pieces(&self) -> usize {
+        self.control.len() - DEGREE
+    }
+
+    fn at(&self, u: f64) -> [Point; 3] {
+        let place = (u / self.step).clamp(0.0, self.pieces() as f64);
+        let piece = (place as usize).min(self.pieces() - 1);
+        let t = place - piece as f64;
+        let mut control: [Point; DEGREE + 1] =
+            std::array::from_fn(|index| self.control[piece + index]);
+        let mut scale = 1.0;
+        let values: [Point; 3] = std::array::from_fn(|order| {
+            let weights = basis(DEGREE - order, t);
+            let mut value = Point::zeros();
+            for index in 0..=DEGREE - order {
+                value += scale * weights[index] * control[index];
+            }
+            for index in 0..DEGREE - order {
+                control[index] = control[index + 1] - control[index];
+            }
+            scale /= self.step;
+            value
+        });
+        values
+    }
+}
+
+/// Uniform B-splines of a degree at t in a piece [0, 1], those that are not zero there (de Boor's recursion).
+fn basis(degree: usize, t: f64) -> [f64; DEGREE + 1] {
+    let mut values = [0.0; DEGREE + 1];
+    values[0] = 1.0;
+    for d in 1..=degree {
+        let lower = values;
+        let of = |index: Option<usize>| index.map_or(0.0, |index| lower[index]);
+        for j in 0..=d {
+            let rising = (t + (d - j) as f64) * of(j.checked_sub(1));
+            let falling = ((j + 1) as f64 - t) * if j < d { lower[j] } else { 0.0 };
+            values[j] = (rising + falling) / d as f64;
+        }
+    }
+    values
+}
+
+/// The points, resampled, and the matrices of least squares and of the penalty.
+struct Fit {
+    samples: Vec<Point>,
+    step: f64,
+    controls: usize,
+    /// Rows of the normal matrix from the diagonal to the right.
+    normal: Vec<[f64; DEGREE + 1]>,
+    penalty: Vec<[f64; DEGREE + 1]>,
+    right: Vec<Point>,
+}
+
+impl Fit {
+    fn new(points: &[Point], sums: &[f64], pieces: usize) -> Self {
+        let length = sums[sums.len() - 1];
+        let count = pieces * POINTS_PER_PIECE;
+        let mut segment = 0;
+        let samples: Vec<Point> = (0..=count)
+            .map(|index| {
+                let s = length * index as f64 / count as f64;
+                while segment + 2 < sums.len() && sums[segment + 1] < s {
+                    segment += 1;
+                }
+                let part = (s - sums[segment]) / (sums[segment + 1] - sums[segment]);
+                points[segment] + part.min(1.0) * (points[segment + 1] - points[segment])
+            })
+            .collect();
+        let controls = pieces + DEGREE;
+        let mut normal = vec![[0.0; DEGREE + 1]; controls];
+        let mut right = vec![Point::zeros(); controls];
+        for (index, sample) in samples.iter().enumerate() {
+            let (piece, weights) = Self::weights(index, pieces);
+            for row in 0..=DEGREE {
+                right[piece + row] += weights[row] * sample;
+                for column in row..=DEGREE {
+                    normal[piece + row][column - row] += weights[row] * weights[column];
+                }
+            }
+        }
+        let mut penalty = vec![[0.0; DEGREE + 1]; controls];
+        let third = [-1.0, 3.0, -3.0, 1.0];
+        for first in 0..controls - 3 {
+            for row in 0..4 {
+                for column in row..4 {
+                    penalty[first + row][column - row] += third[row] * third[column];
+                }
+            }
+        }
+        Self {
+            samples,
+            step: length / pieces as f64,
+            controls,
+            normal,
+            penalty,
+            right,
+        }
+    }
+
+    fn weights(sample: usize, pieces: usize) -> (usize, [f64; DEGREE + 1]) {
+        let piece = (sample / POINTS_PER_PIECE).min(pieces - 1);
+        let t = (sample - piece * POINTS_PER_PIECE) as f64 / POINTS_PER_PIECE as f64;
+        (piece, basis(DEGREE, t))
+    }
+
+    /// Least squares with a penalty; the curve and its largest deviation. LDLᵀ of a band matrix.
+    fn solve(&self, weight: f64) -> (SmoothCurve, f64) {
+        let mut rows: Vec<[f64; DEGREE + 1]> = self.normal.clone();
+        for (row, penalty) in rows.iter_mut().zip(&self.penalty) {
+            for (entry, penalty) in row.iter_mut().zip(penalty) {
+                *entry += weight * penalty;
+            }
+        }
+        let mut control = self.right.clone();
+        for pivot in 0..self.controls {
+            let row = rows[pivot];
+            for below in 1..=DEGREE.min(self.controls - 1 - pivot) {
+                let factor = row[below] / row[0];
+                for column in below..=DEGREE {
+                    rows[pivot + below][column - below] -= factor * row[column];
+                }
+                let part = factor * control[pivot];
+                control[pivot + below] -= part;
+            }
+        }
+        for pivot in (0..self.controls).rev() {
+            let mut sum = control[pivot];
+            for right in 1..=DEGREE.min(self.controls - 1 - pivot) {
+                sum -= rows[pivot][right] * control[pivot + right];
+            }
+            control[pivot] = sum / rows[pivot][0];
+        }
+        let pieces = self.controls - DEGREE;
+        let deviations = self.samples.iter().enumerate().map(|(index, sample)| {
+            let (piece, weights) = Self::weights(index, pieces);
+            let mut place = -sample;
+            for row in 0..=DEGREE {
+                place += weights[row] * control[piece + row];
+            }
+            place.norm()
+        });
+        let deviation = deviations.fold(0.0, f64::max);
+        let step = self.step;
+        (SmoothCurve { control, step }, deviation)
+    }
+
+    /// The largest weight whose curve stays within the allowed deviation.
+    fn smoothest(&self, curve: SmoothCurve, deviation: f64, allowed: f64) -> (SmoothCurve, f64) {
+        let mut best = (curve, deviation);
+        let [mut low, mut high] = WEIGHTS;
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            let found = self.solve(10f64.powf(middle));
+            if found.1 <= allowed {
+                (best, low) = (found, middle);
+            } else {
+                high = middle;
+            }
+        }
+        best
+    }
+}

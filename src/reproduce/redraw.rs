@@ -1,0 +1,91 @@
+//! The figures of a page drawn again from the table that lies beside it, without any run.
+
+use super::page::{PageFigure, write_figures};
+use super::{Artifact, ReproduceError, ReproduceOptions};
+use crate::figure::Format;
+use crate::results::{ResultsError, write_whole};
+use std::fs;
+use std::path::PathBuf;
+
+/// Draws the figures of an artefact again, and sets their captions; returns the files written.
+///
+/// # Errors
+/// [`ReproduceError::NotRedrawn`] where its figures hold more than its table, [`ReproduceError::NoTable`] where it has
+/// not been made, or results cannot be read or written.
+pub fn redraw(
+    artifact: &'static Artifact,
+    options: &ReproduceOptions,
+) -> Result<Vec<PathBuf>, ReproduceError> {
+    let name = artifact.name();
+    let figures_of_table = artifact.recipe.figures_of_table();
+    let figures_of_table = figures_of_table.ok_or(ReproduceError::NotRedrawn { artifact: name })?;
+    let directory = options.directory.join(name);
+    let table = directory.join(format!("{name}.csv"));
+    if !table.exists() {
+        return Err(ReproduceError::NoTable {
+            artifact: name,
+            table,
+        });
+    }
+    let figures = figures_of_table(&table)?;
+    let mut written = Vec::new();
+    for figure in &figures {
+        written.extend(write_figures(&directory, figure, &options.figures)?);
+    }
+    let page = directory.join("README.md");
+    if options.figures.formats.contains(&Format::Svg) && page.exists() {
+        let text = fs::read_to_string(&page).map_err(ResultsError::io("read", &page))?;
+        let with_captions = figures.iter().fold(text, with_caption);
+        write_whole(&page, with_captions.as_bytes())?;
+        written.push(page);
+    }
+    Ok(written)
+}
+
+/// A page with the caption of a figure that it shows.
+fn with_caption(page: String, figure: &PageFigure) -> String {
+    let shown = format!("]({}.svg)", figure.name);
+    if !page.contains(&shown) {
+        return format!("{}\n\n{}\n", page.trim_end(), figure.in_markdown("svg"));
+    }
+    let mut text = String::with_capacity(page.len());
+    let mut is_below = false;
+    for paragraph in page.trim_end().split("\n\n") {
+        if !text.is_empty() {
+            text += "\n\n";
+        }
+        let is_picture = paragraph.starts_with("![") && paragraph.ends_with(&shown);
+        if is_picture {
+            text += &figure.in_markdown("svg");
+        } else if is_below && paragraph.starts_with('*') && paragraph.ends_with('*') {
+            // The caption came with its picture.
+            text.truncate(text.len() - 2);
+        } else {
+            text += paragraph;
+        }
+        is_below = is_picture;
+    }
+    text + "\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figure::line_plots;
+
+    #[test]
+    fn captions_are_set_and_the_rest_of_the_page_stays() {
+        let figure = PageFigure {
+            name: "fig".into(),
+            caption: "New words".into(),
+            figure: line_plots([], "x"),
+        };
+        let page = "# Title\n\n![Old](fig.svg)\n\n*Old*\n\n| a |\n| - |\n\n![Other](fig_2.svg)\n\n*Other*\n";
+        let expected = page.replace("Old", "New words");
+        assert_eq!(with_caption(page.into(), &figure), expected);
+        assert_eq!(with_caption(expected.clone(), &figure), expected);
+        let without = "# Title\n".to_owned();
+        let added = "# Title\n\n![New words](fig.svg)\n\n*New words*\n";
+        assert_eq!(with_caption(without, &figure), added);
+    }
+}

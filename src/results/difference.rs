@@ -1,0 +1,153 @@
+//! In what two resolved scenarios differ.
+
+use toml::{Table, Value};
+
+/// Most keys that are named.
+const MOST_NAMED: usize = 12;
+/// Characters of a value beyond which it is cut.
+const LONGEST_VALUE: usize = 48;
+
+/// Top keys that say something of a run and change nothing in it.
+const REMARKS: [&str; 1] = ["title"];
+/// Keys of `[output]` that only add files: without one, results hold all that is asked for and more.
+const ADDITIONS: [&str; 3] = ["nodes", "forces", "vtk"];
+
+/// The text without what changes nothing of a run; what is no TOML stays as it is.
+pub(super) fn without_remarks(scenario: &str) -> String {
+    let Ok(mut table) = scenario.parse::<Table>() else {
+        return scenario.to_owned();
+    };
+    for key in REMARKS {
+        table.remove(key);
+    }
+    toml::to_string(&table).unwrap_or_else(|_| scenario.to_owned())
+}
+
+/// Whether finished results of one scenario hold all that another asks for, which only adds no files.
+pub(super) fn holds(finished: &str, asked: &str) -> bool {
+    let tables = finished.parse::<Table>().ok().zip(asked.parse().ok());
+    let Some((mut finished, asked)): Option<(Table, Table)> = tables else {
+        return false;
+    };
+    let addition = |table: &Table, key: &str| table.get("output")?.get(key)?.as_bool();
+    for key in ADDITIONS {
+        if addition(&asked, key) == Some(false)
+            && let Some(Value::Table(output)) = finished.get_mut("output")
+        {
+            output.insert(key.to_owned(), Value::Boolean(false));
+        }
+    }
+    [finished, asked]
+        .map(|table| without_remarks(&table.to_string()))
+        .windows(2)
+        .all(|pair| pair[0] == pair[1])
+}
+
+/// The keys in which two scenarios differ, a line each: `key: earlier value, now value`.
+pub(super) fn difference(earlier: &str, now: &str) -> Vec<String> {
+    let [earlier, now] = [earlier, now].map(|text| {
+        let table: Table = text.parse().unwrap_or_default();
+        let mut keys = Vec::new();
+        flatten("", &Value::Table(table), &mut keys);
+        keys
+    });
+    let value = |keys: &[(String, String)], wanted: &str| {
+        let found = keys.iter().find(|(key, _)| key == wanted);
+        found.map(|(_, value)| value.clone())
+    };
+    let mut lines = Vec::new();
+    for (key, before) in &earlier {
+        match value(&now, key) {
+            Some(after) if after == *before => {}
+            Some(after) => lines.push(format!("{key}: {}, now {}", cut(before), cut(&after))),
+            None => lines.push(format!("{key}: {}, now not there", cut(before))),
+        }
+    }
+    for (key, after) in &now {
+        if value(&earlier, key).is_none() {
+            lines.push(format!("{key}: not there, now {}", cut(after)));
+        }
+    }
+    lines.sort();
+    let more = lines.len().saturating_sub(MOST_NAMED);
+    if more > 0 {
+        lines.truncate(MOST_NAMED);
+        lines.push(format!("and {more} more"));
+    }
+    lines
+}
+
+/// All dotted keys at or below `value` with their values. Elements of lists of tables are called by their names, as on
+/// the command line, or else by their numbers.
+fn flatten(path: &str, value: &Value, keys: &mut Vec<(String, String)>) {
+    let below = |key: &str| match path {
+        "" => key.to_owned(),
+        path => format!("{path}.{key}"),
+    };
+    match value {
+        Value::Table(table) => {
+            for (key, value) in table {
+                flatten(&below(key), value, keys);
+            }
+        }
+        Value::Array(elements) if elements.iter().any(Value::is_table) => {
+            for (index, element) in elements.iter().enumerate() {
+                let name = element.get("name").and_then(Value::as_str);
+                flatten(&below(name.unwrap_or(&index.to_string())), element, keys);
+            }
+        }
+        value => keys.push((path.to_owned(), value.to_string())),
+    }
+}
+
+fn cut(value: &str) -> String {
+    if value.chars().count() <= LONGEST_VALUE {
+        return value.to_owned();
+    }
+    let head: String = value.chars().take(LONGEST_VALUE).collect();
+    format!("{head} …")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BEAM: &str = "title = \"Beam\"\nexperiment = \"scene\"\n[[rods]]\nname = \"beam\"\nradius = 0.005\n\
+                        [output]\nnodes = true\nvtk = true\n";
+
+    #[test]
+    fn keys_that_differ_are_named_with_both_values() {
+        let other = BEAM
+            .replace("0.005", "0.006")
+            .replace("vtk = true", "interval = 0.1");
+        assert_eq!(
+            difference(BEAM, &other),
+            [
+                "output.interval: not there, now 0.1",
+                "output.vtk: true, now not there",
+                "rods.beam.radius: 0.005, now 0.006",
+            ]
+        );
+        assert!(difference(BEAM, BEAM).is_empty());
+    }
+
+    #[test]
+    fn long_lists_are_cut() {
+        let many: String = (0..40).map(|k| format!("key_{k} = {k}\n")).collect();
+        let lines = difference(&many, "");
+        assert_eq!(lines.len(), MOST_NAMED + 1);
+        assert_eq!(lines[MOST_NAMED], "and 28 more");
+        let long = format!("points = [{}]\n", "1.0, ".repeat(1000));
+        assert!(difference(&long, "")[0].len() < 90);
+    }
+
+    #[test]
+    fn titles_change_nothing_and_fewer_files_are_in_more() {
+        let titled = BEAM.replace("Beam", "A beam");
+        assert_eq!(without_remarks(BEAM), without_remarks(&titled));
+        let fewer = titled.replace("vtk = true", "vtk = false");
+        assert!(holds(BEAM, &fewer) && holds(BEAM, BEAM));
+        assert!(!holds(&fewer, BEAM));
+        assert!(!holds(BEAM, &fewer.replace("0.005", "0.006")));
+    }
+}

@@ -1,0 +1,66 @@
+//! Resolving starts from the end of another run: the file is read, and known by its hash.
+
+use super::{Context, Section};
+use crate::scenario::input_file::{self, LARGEST_TABLE};
+use crate::scenario::resolved::Start;
+use crate::scenario::typed;
+use std::path::{Path, PathBuf};
+
+/// Name of the state in a results directory.
+pub const END_STATE: &str = "end_state.csv";
+/// What the copy beside a resolved scenario is called.
+pub const COPY: &str = "start_state.csv";
+
+/// The file that `from` names: itself, or the state in a results directory.
+pub fn file_of(from: &Path) -> PathBuf {
+    if from.is_dir() {
+        from.join(END_STATE)
+    } else {
+        from.to_owned()
+    }
+}
+
+/// Resolves the table; `None` where there is none, or a fault was reported.
+pub fn start(
+    context: &Context<'_>,
+    top: &Section<'_>,
+    typed: Option<&typed::Start>,
+) -> Option<Start> {
+    let typed = typed?;
+    let section = top.below("start");
+    let help = "a results directory, such as \"results/hang\"";
+    let from = section.needed("from", typed.from.as_ref(), help)?;
+    let place = (context.directory_of)(&section.path.key("from")).join(from);
+    let file = file_of(&place);
+    if place.is_dir() && !file.exists() {
+        let message = format!(
+            "{} holds no end state ({END_STATE}): the run there is not finished, is no single run in time or at rest, or was \
+             made by an earlier version",
+            place.display()
+        );
+        section.fault("from", message);
+        return None;
+    }
+    let contents = match input_file::read(&file, LARGEST_TABLE) {
+        Ok(contents) => contents,
+        Err(message) => {
+            section.fault("from", message);
+            return None;
+        }
+    };
+    let hash = blake3::hash(&contents).to_hex().to_string();
+    if let Some(expected) = typed.hash.as_ref().filter(|expected| **expected != hash) {
+        let message = format!(
+            "{} is another state than the one meant: its hash is {hash}, not {expected}",
+            file.display()
+        );
+        section.fault("hash", message);
+        return None;
+    }
+    Some(Start {
+        from: COPY,
+        velocities: typed.velocities.unwrap_or(true),
+        hash,
+        contents: contents.into(),
+    })
+}

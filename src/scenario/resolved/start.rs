@@ -1,0 +1,18 @@
+//! A start from the end of another run as resolved.
+
+use serde::Serialize;
+use std::sync::Arc;
+
+/// The state from which everything starts.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Start {
+    /// The copy of the state beside the resolved scenario.
+    pub from: &'static str,
+    /// Whether its velocities are taken over.
+    pub velocities: bool,
+    /// BLAKE3 hash of its file, in hexadecimal.
+    pub hash: String,
+    /// The file.
+    #[serde(skip)]
+    pub contents: Arc<[u8]>,
+}

@@ -1,0 +1,17 @@
+//! Starts from the end of another run as typed.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// The state in which another run of the same rods ended: positions, frames and velocities. Natural shapes, lengths and
+/// masses stay those of this scenario; clamps take hold of what they find, and loads and motions begin anew at time zero.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "start")]
+pub struct Start {
+    /// A results directory, relative to this file, or the end_state.csv in one.
+    pub from: Option<String>,
+    /// Whether rods go on with the velocities that they had; if not, they start with those of [[rods]]. Default: true.
+    pub velocities: Option<bool>,
+    /// BLAKE3 hash that the file must have, in hexadecimal; results name it, so that they say what they started from.
+    pub hash: Option<String>,
+}
