@@ -345,14 +345,7 @@ fn places_that_cannot_be_written_are_refused() {
 #[test]
 fn a_time_limit_ends_with_5_and_the_same_command_continues() {
     let directory = directory(SWING);
-    let long = [
-        "run",
-        "swing.toml",
-        "--set",
-        "time.end=1.0",
-        "--out",
-        "long",
-    ];
+    let long = ["run", "swing.toml", "--set", "time.end=20", "--out", "long"];
     let limited: Vec<&str> = long.iter().copied().chain(["--timeout", "1 ms"]).collect();
     let (code, stdout, stderr) = outcome(&directory, &limited);
     assert_eq!((code, stdout.as_str()), (5, ""), "{stderr}");
@@ -364,7 +357,7 @@ fn a_time_limit_ends_with_5_and_the_same_command_continues() {
         "run",
         "swing.toml",
         "--set",
-        "time.end=1.0",
+        "time.end=20",
         "--out",
         "whole",
     ];

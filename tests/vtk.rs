@@ -7,6 +7,7 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process;
+use std::sync::OnceLock;
 
 /// What VTK reads in the files named, as a line of JSON each. Complaints of VTK end it.
 const READER: &str = r"
@@ -69,8 +70,14 @@ kind = "gravity"
 acceleration = [0, 0, -9.81]
 "#;
 
-/// A Python with VTK; kept beside the build, for it is large.
+/// A Python with VTK, installed once for all tests.
 fn python_with_vtk() -> Option<PathBuf> {
+    static PYTHON: OnceLock<Option<PathBuf>> = OnceLock::new();
+    PYTHON.get_or_init(install_vtk).clone()
+}
+
+/// Kept beside the build, for it is large.
+fn install_vtk() -> Option<PathBuf> {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("vtk");
     let python = folder.join("bin/python");
     let runs = |program: &Path, arguments: &[&str]| {

@@ -83,13 +83,23 @@ fn crossings(closed: &[Vector3], direction: &Vector3) -> Option<Vec<Crossing>> {
         .fold(0.0, |m: f64, c| m.max(c.abs()));
     let count = points.len();
     let end = |segment: usize| points[(segment + 1) % count];
+    // Only segments that overlap in the first coordinate are looked at, from left to right.
+    let extent = |segment: usize| {
+        let [start, end] = [points[segment][0], end(segment)[0]];
+        [start.min(end), start.max(end)]
+    };
+    let mut from_left: Vec<usize> = (0..count).collect();
+    from_left.sort_by(|&one, &other| extent(one)[0].total_cmp(&extent(other)[0]));
     let mut crossings = Vec::new();
-    for i in 0..count {
-        let (a, b) = (points[i], end(i));
-        for j in i + 2..count {
-            if i == 0 && j == count - 1 {
+    for (rank, &one) in from_left.iter().enumerate() {
+        let right_end = extent(one)[1];
+        let reached = |other: &&usize| extent(**other)[0] <= right_end;
+        for &other in from_left[rank + 1..].iter().take_while(reached) {
+            let (i, j) = (one.min(other), one.max(other));
+            if j == i + 1 || (i == 0 && j == count - 1) {
                 continue;
             }
+            let (a, b) = (points[i], end(i));
             let (c, d) = (points[j], end(j));
             if !boxes_overlap(&a, &b, &c, &d) {
                 continue;

@@ -96,7 +96,8 @@ fn a_time_limit_stops_the_sweep_and_the_same_command_continues() {
 
 #[test]
 fn a_damaged_checkpoint_is_reported_and_its_case_starts_again() {
-    let directory = directory(SWINGS);
+    // Long enough to be stopped on the way: a call goes on for 20 ms, however short its time.
+    let directory = directory(&SWINGS.replace("0.5 s", "10 s"));
     let expected = undisturbed(&directory);
     let run = ["run", "swings.toml", "--out", "damaged", "--jobs", "1"];
     let checkpoints = || -> Vec<PathBuf> {
