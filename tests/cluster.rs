@@ -1,8 +1,9 @@
 //! A sweep on a real Slurm, started for the purpose on this machine: Debian, as root. Elsewhere the tests say
 //! that they are skipped.
 
+use crate::parts::{have, skipped, succeeds};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::{Command, Output};
 use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, Instant};
@@ -61,15 +62,24 @@ static ALONE: Mutex<()> = Mutex::new(());
 impl Slurm {
     fn start() -> Option<Self> {
         let user = Command::new("id").arg("-u").output().ok()?;
-        let is_root = said(&user).trim() == "0";
-        if !is_root || !Path::new("/etc/debian_version").exists() || program("apt-get").is_none() {
-            eprintln!("SKIPPED: a Slurm of our own needs Debian, and root");
+        if said(&user).trim() != "0" {
+            skipped("only root can start a Slurm of its own");
             return None;
         }
         let alone = ALONE
             .lock()
             .unwrap_or_else(|poisoned| poisoned.into_inner());
         let folder = tempfile::tempdir().unwrap();
+        let needed = ["slurmctld", "slurmd", "munged"];
+        let is_there = || needed.iter().all(|name| program(name).is_some());
+        let install = || {
+            let script = concat!(env!("CARGO_MANIFEST_DIR"), "/scripts/slurm");
+            let place = folder.path().join("slurm");
+            succeeds(Command::new(script).arg("install").arg(place))
+        };
+        if !have("Slurm", "to run job arrays", is_there, install) {
+            return None;
+        }
         let slurm = Self {
             folder,
             _alone: alone,

@@ -16,6 +16,7 @@ mod helix_boundary;
 mod incremental_potential;
 mod knots;
 mod linking_number;
+mod parts;
 mod passing_through;
 mod piles;
 mod probes;

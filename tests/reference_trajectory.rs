@@ -18,6 +18,7 @@
 //! by [`Simulation::set_external_forces`], and prints what the engine gives of its own: nodes 3 radii away
 //! before the first contact, which comes 0.02 s later.
 
+use crate::parts::skipped;
 use flate2::read::GzDecoder;
 use nalgebra::{Cholesky, DMatrix, DVector, Vector3};
 use rayon::prelude::*;
@@ -297,7 +298,7 @@ fn compare(imitation: Imitation, reference: &Trajectory) -> Comparison {
 fn two_flagella_follow_the_released_simulation() {
     let path = Path::new(REFERENCE);
     if !path.exists() {
-        println!("skipped: no reference trajectory at {REFERENCE}");
+        skipped(&format!("no reference trajectory at {REFERENCE}"));
         return;
     }
     let reference = reference(path);

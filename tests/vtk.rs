@@ -1,13 +1,12 @@
 //! Every VTK file that the program writes is read back by VTK itself.
 
+use crate::parts::python_with;
 use assert_cmd::Command;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process;
-use std::sync::OnceLock;
 
 /// What VTK reads in the files named, as a line of JSON each. Complaints of VTK end it.
 const READER: &str = r"
@@ -70,37 +69,10 @@ kind = "gravity"
 acceleration = [0, 0, -9.81]
 "#;
 
-/// A Python with VTK, installed once for all tests.
+/// A Python with VTK; kept beside the build, for it is large.
 fn python_with_vtk() -> Option<PathBuf> {
-    static PYTHON: OnceLock<Option<PathBuf>> = OnceLock::new();
-    PYTHON.get_or_init(install_vtk).clone()
-}
-
-/// Kept beside the build, for it is large.
-fn install_vtk() -> Option<PathBuf> {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("vtk");
-    let python = folder.join("bin/python");
-    let runs = |program: &Path, arguments: &[&str]| {
-        let output = process::Command::new(program).args(arguments).output();
-        output.is_ok_and(|output| output.status.success())
-    };
-    let works = || runs(&python, &["-c", "import vtk"]);
-    let venv = folder.to_string_lossy();
-    let installed = works()
-        || runs(Path::new("python3"), &["-m", "venv", &venv])
-            && runs(
-                &python,
-                &["-m", "pip", "install", "--quiet", "vtk>=9.3,<10"],
-            )
-            && works();
-    if !installed {
-        // Not by `eprintln!`, which the test harness swallows.
-        let _ = writeln!(
-            std::io::stderr(),
-            "SKIPPED: no VTK, and pip could not install it"
-        );
-    }
-    installed.then_some(python)
+    let purpose = "to read back the files for ParaView";
+    python_with("vtk", "vtk>=9.3,<10", purpose)
 }
 
 fn rodlab(directory: &Path, arguments: &[&str]) {

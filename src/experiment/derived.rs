@@ -6,6 +6,7 @@ use crate::mechanics::dynamics::{Scheme, StepSize};
 use crate::mechanics::fluid::FluidModel;
 use crate::mechanics::scene::{Clamp, LoadKind, RodDescription, Scene};
 use crate::run::{Mode, PreparedRun};
+use nalgebra::Complex;
 use serde::Serialize;
 use std::f64::consts::TAU;
 use std::fmt;
@@ -34,9 +35,13 @@ pub struct DerivedNumbers {
     pub reynolds_number: Option<f64>,
     /// Step that resolves drive and vibration, s; `None` in a static run or where nothing sets a scale.
     pub advised_step: Option<f64>,
+    #[serde(skip)]
+    scheme: Scheme,
     /// Part of its amplitude that the slowest bending oscillation loses in a period by the time scheme alone; `None` but
-    /// for implicit Euler with fixed steps.
+    /// with fixed steps.
     pub lost_per_period: Option<f64>,
+    /// Part by which the time scheme alone makes its period longer.
+    pub longer_period: Option<f64>,
     /// Steps of the whole run; `None` in a static run or with automatic steps.
     pub steps: Option<f64>,
 }
@@ -77,6 +82,7 @@ pub fn derived_numbers(prepared: &PreparedRun) -> DerivedNumbers {
         (Mode::Dynamic { end }, StepSize::Fixed(step)) => Some((end / step).ceil()),
         _ => None,
     };
+    let swing = slowest_swing(prepared, &rods);
     DerivedNumbers {
         title: prepared.title.clone(),
         experiment: prepared.experiment.clone(),
@@ -86,7 +92,9 @@ pub fn derived_numbers(prepared: &PreparedRun) -> DerivedNumbers {
             Mode::Static | Mode::Continuation(_) => None,
             Mode::Dynamic { .. } => advised_step(scene, &rods, speed),
         },
-        lost_per_period: lost_per_period(prepared, &rods),
+        scheme: prepared.integration.scheme,
+        lost_per_period: swing.map(|swing| swing.lost),
+        longer_period: swing.map(|swing| swing.longer),
         steps,
         own: kind_named(&prepared.experiment).and_then(|kind| kind.derived(prepared)),
         rods,
@@ -224,14 +232,61 @@ fn advised_step(scene: &Scene, rods: &[DerivedRod], speed: f64) -> Option<f64> {
     step.is_finite().then_some(step)
 }
 
-/// Implicit Euler multiplies an oscillation with the frequency ω by 1/√(1 + ω²h²) in a step h: in a period T = 2π/ω it keeps
-/// the part (1 + ω²h²)^(−T/2h).
-fn lost_per_period(prepared: &PreparedRun, rods: &[DerivedRod]) -> Option<f64> {
-    let (Mode::Dynamic { .. }, StepSize::Fixed(step), Scheme::ImplicitEuler) = (
-        prepared.mode,
-        prepared.integration.step,
-        prepared.integration.scheme,
-    ) else {
+/// What a time scheme makes of an oscillation, per period.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Swing {
+    /// Part of the amplitude that is lost.
+    lost: f64,
+    /// Part by which the period is longer.
+    longer: f64,
+}
+
+impl Swing {
+    /// Of q̈ + ω² q = 0 with steps h that turn it by ωh = `turned` (rad): a step multiplies q by a complex number, whose
+    /// argument should be ωh and whose modulus 1.
+    fn of(scheme: Scheme, turned: f64) -> Self {
+        let (modulus, argument) = match scheme {
+            // 1/(1 − iωh)
+            Scheme::ImplicitEuler => (1.0 / turned.hypot(1.0), turned.atan()),
+            // (1 + iωh/2)/(1 − iωh/2)
+            Scheme::ImplicitMidpoint => (1.0, 2.0 * (0.5 * turned).atan()),
+            Scheme::BackwardDifferences => backward_differences(turned),
+        };
+        Self {
+            lost: 1.0 - modulus.powf(TAU / argument),
+            longer: turned / argument - 1.0,
+        }
+    }
+}
+
+/// Modulus and argument of the root next to 1 of D₃(w) D₂(w) + ω²h² = 0, where w = 1/z is one step back and D₃ and D₂ are
+/// the differences of third and of second order times the step: of velocities and of accelerations.
+fn backward_differences(turned: f64) -> (f64, f64) {
+    let third = |w: Complex<f64>| 11.0 / 6.0 + w * (-3.0 + w * (1.5 - w / 3.0));
+    let second = |w: Complex<f64>| 1.5 + w * (-2.0 + w * 0.5);
+    let third_slope = |w: Complex<f64>| -3.0 + w * (3.0 - w);
+    let second_slope = |w: Complex<f64>| -2.0 + w;
+    // Along the way from a small step the root moves from e^{−iωh}.
+    let mut w = Complex::new(1.0, 0.0);
+    let stages = 64;
+    for stage in 1..=stages {
+        let part = turned * f64::from(stage) / f64::from(stages);
+        if stage == 1 {
+            w = Complex::from_polar(1.0, -part);
+        }
+        for _ in 0..20 {
+            let value = third(w) * second(w) + part * part;
+            let slope = third_slope(w) * second(w) + third(w) * second_slope(w);
+            w -= value / slope;
+        }
+    }
+    (1.0 / w.norm(), -w.arg())
+}
+
+/// What the time scheme makes of the slowest bending oscillation of the free rods; `None` but with fixed steps.
+fn slowest_swing(prepared: &PreparedRun, rods: &[DerivedRod]) -> Option<Swing> {
+    let (Mode::Dynamic { .. }, StepSize::Fixed(step)) = (prepared.mode, prepared.integration.step)
+    else {
         return None;
     };
     let free = rods.iter().zip(&prepared.scene.rods);
@@ -239,9 +294,7 @@ fn lost_per_period(prepared: &PreparedRun, rods: &[DerivedRod]) -> Option<f64> {
         .filter(|(_, rod)| !rod.held)
         .map(|(rod, _)| rod.bending_period)
         .fold(0.0, f64::max);
-    let turned = TAU * step / period;
-    let kept = (1.0 + turned * turned).powf(-0.5 * period / step);
-    (period > 0.0).then_some(1.0 - kept)
+    (period > 0.0).then(|| Swing::of(prepared.integration.scheme, TAU * step / period))
 }
 
 impl DerivedNumbers {
@@ -299,10 +352,20 @@ impl fmt::Display for DerivedNumbers {
         if let Some(steps) = self.steps {
             line("steps", steps.to_string())?;
         }
-        if let Some(lost) = self.lost_per_period {
+        if let (Some(lost), Some(longer)) = (self.lost_per_period, self.longer_period) {
+            let scheme = match self.scheme {
+                Scheme::ImplicitEuler => "implicit Euler",
+                Scheme::ImplicitMidpoint => "the midpoint rule",
+                Scheme::BackwardDifferences => "backward differences",
+            };
+            let per_cent = |part: f64| format!("{:.2} %", 100.0 * part);
             line(
-                "implicit Euler loses",
-                format!("{:.2} % of the slowest swing per period", 100.0 * lost),
+                "of the slowest swing",
+                format!(
+                    "{scheme} loses {} a period, which is {} too long",
+                    per_cent(lost),
+                    per_cent(longer)
+                ),
             )?;
         }
         Ok(())
@@ -324,6 +387,7 @@ impl DerivedRod {
 mod tests {
     use super::*;
     use crate::experiment::{load, prepare};
+    use std::f64::consts::PI;
     use std::path::Path;
 
     fn derived(scenario: &str, set: &[&str]) -> DerivedNumbers {
@@ -357,6 +421,34 @@ mod tests {
         assert!((step - TAU / 15.0 / 400.0).abs() < 1e-12, "{step}");
         let slow = derived("flagella_m2.toml", &["flagella.angular_velocity=1.5"]);
         assert!((slow.advised_step.unwrap() / step - 10.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn every_scheme_says_what_it_makes_of_a_swing() {
+        // With steps of a fiftieth of the period: the leading terms of the errors.
+        let turned = TAU / 50.0;
+        let errors = [
+            (Scheme::ImplicitEuler, PI * turned, turned * turned / 3.0),
+            (Scheme::ImplicitMidpoint, 0.0, turned * turned / 12.0),
+            (Scheme::BackwardDifferences, 0.0, turned * turned / 6.0),
+        ];
+        for (scheme, lost, longer) in errors {
+            let swing = Swing::of(scheme, turned);
+            assert!(
+                (swing.longer / longer - 1.0).abs() < 0.02,
+                "{scheme:?} {swing:?}"
+            );
+            if lost == 0.0 {
+                assert!(swing.lost.abs() < 1e-4, "{scheme:?} {swing:?}");
+            } else {
+                let expected = 1.0 - f64::exp(-lost);
+                assert!((swing.lost / expected - 1.0).abs() < 0.02, "{swing:?}");
+            }
+        }
+        // Backward differences damp what they do not resolve.
+        assert!(Swing::of(Scheme::BackwardDifferences, 1.5).lost > 0.25);
+        let numbers = derived("elastic_pendulum.toml", &[]).to_string();
+        assert!(numbers.contains("of the slowest swing      "), "{numbers}");
     }
 
     #[test]

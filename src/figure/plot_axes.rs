@@ -63,6 +63,14 @@ pub(super) fn ticks_that_fit(axis: &Axis, width: f64, em: f64) -> Ticks {
     all.into_iter().find(fits).unwrap_or_else(|| axis.ticks(2))
 }
 
+/// Strokes of an axis and of its grid.
+fn strokes(em: f64) -> [Stroke; 2] {
+    [
+        Stroke::solid(Color::BLACK, AXIS_WIDTH * em),
+        Stroke::solid(Color::BLACK.towards(Color::WHITE, GRID), GRID_WIDTH * em),
+    ]
+}
+
 /// Draws the vertical axis with its grid and its label.
 pub(super) fn draw_vertical(
     axes: &Axes,
@@ -77,8 +85,7 @@ pub(super) fn draw_vertical(
         top,
         bottom,
     } = axes.frame;
-    let axis = Stroke::solid(Color::BLACK, AXIS_WIDTH * em);
-    let grid = Stroke::solid(Color::BLACK.towards(Color::WHITE, GRID), GRID_WIDTH * em);
+    let [axis, grid] = strokes(em);
     for (value, label) in &ticks.labelled {
         let y = number(axes.y(*value));
         drawing.path(
@@ -135,8 +142,7 @@ pub(super) fn draw_horizontal(
         top,
         bottom,
     } = axes.frame;
-    let axis = Stroke::solid(Color::BLACK, AXIS_WIDTH * em);
-    let grid = Stroke::solid(Color::BLACK.towards(Color::WHITE, GRID), GRID_WIDTH * em);
+    let [axis, grid] = strokes(em);
     for (value, label) in &ticks.labelled {
         let x = number(axes.x(*value));
         drawing.path(

@@ -2,7 +2,6 @@
 
 use super::curve::{Curve, Marked, Style};
 use super::drawing::{Drawing, Stroke, number};
-use super::palette::Color;
 use super::plot_axes::Axes;
 
 /// Lengths over the size of the letters.
@@ -23,7 +22,8 @@ fn draw_mark(style: &Style, at: [f64; 2], em: f64, drawing: &mut Drawing) {
     let path = style.mark.path(at, MARK * em);
     if style.is_open {
         let edge = Stroke::solid(style.color, 0.09 * em);
-        drawing.path(&path, &edge, Some(Color::WHITE));
+        // Not filled: another mark may lie below.
+        drawing.path(&path, &edge, None);
     } else {
         drawing.area(&path, style.color);
     }

@@ -156,10 +156,6 @@ fn trial(scenes: u64, rods_each: usize, options: &RenderOptions, camera: &Camera
             .collect();
         let picture = render(camera, &rods, |_| [12.0, 12.0, 14.0], options);
         let trace = trace(&picture, &TraceOptions::default()).expect("strands");
-        if std::env::var_os("VISION_PICTURES").is_some() {
-            let name = format!("/tmp/vc/png/r_{rods_each}_{scene}.png");
-            overlay(&picture, &trace).save(name).expect("a picture");
-        }
         totals.pictures += 1;
         totals.right_count += usize::from(trace.strands.len() == rods.len());
         let lines: Vec<Vec<Point>> = rods.iter().map(|rod| imaged(camera, rod)).collect();

@@ -1,10 +1,10 @@
 //! A headless Chromium, driven by its DevTools protocol.
 
+use crate::parts;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 use std::fs;
-use std::io::Write;
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -28,14 +28,11 @@ pub struct Browser {
 impl Browser {
     /// Starts a browser; `None`, with a word on standard error, where there is none and none can be installed.
     pub fn start() -> Option<Self> {
-        let Some(program) = installed().or_else(install) else {
-            // Not by `eprintln!`, which the test harness swallows.
-            let _ = writeln!(
-                std::io::stderr(),
-                "SKIPPED: no Chromium, and scripts/install-chromium could not install it"
-            );
+        let purpose = "to look at pages of `rodlab view`";
+        if !parts::have("Chromium", purpose, || installed().is_some(), install) {
             return None;
-        };
+        }
+        let program = installed()?;
         let profile = tempfile::tempdir().unwrap();
         let process = Command::new(program)
             .args([
@@ -220,10 +217,9 @@ fn installed() -> Option<PathBuf> {
         .find(|program| program.is_file())
 }
 
-fn install() -> Option<PathBuf> {
+fn install() -> bool {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/install-chromium");
-    let succeeded = Command::new(script).status().is_ok_and(|end| end.success());
-    succeeded.then(installed).flatten()
+    Command::new(script).status().is_ok_and(|end| end.success())
 }
 
 /// The port on which the browser listens; it writes it into its profile.
@@ -241,7 +237,7 @@ fn port(profile: &Path) -> u16 {
 
 /// The address of the page's own conversation, from the browser's list of targets.
 fn page_target(port: u16) -> String {
-    use std::io::Read;
+    use std::io::{Read, Write};
     let start = Instant::now();
     loop {
         let mut stream = TcpStream::connect(("127.0.0.1", port)).expect("the browser listens");

@@ -1,6 +1,7 @@
 //! `rodlab solve fk` and `ik`, `rodlab plan joints`, and pinocchio as an opponent.
 
-use super::{rodlab, said, skipped};
+use super::{rodlab, said};
+use crate::parts::python_with;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -213,27 +214,7 @@ for line in sys.stdin:
 
 /// A Python with pinocchio; kept beside the build, for it is large.
 fn pinocchio() -> Option<PathBuf> {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("pinocchio");
-    let python = folder.join("bin/python");
-    let works = || {
-        let import = Command::new(&python)
-            .args(["-c", "import pinocchio"])
-            .output();
-        import.is_ok_and(|output| output.status.success())
-    };
-    if works() {
-        return Some(python);
-    }
-    let made = Command::new("python3")
-        .args(["-m", "venv"])
-        .arg(&folder)
-        .output();
-    let installed = made.is_ok_and(|output| output.status.success())
-        && Command::new(&python)
-            .args(["-m", "pip", "install", "--quiet", "pin>=3"])
-            .output()
-            .is_ok_and(|output| output.status.success());
-    (installed && works()).then_some(python)
+    python_with("pinocchio", "pin>=3", "to compare kinematics with")
 }
 
 #[test]
@@ -241,7 +222,6 @@ fn pinocchio_puts_the_hand_of_an_odd_urdf_in_the_same_place() {
     use rodlab::robot::{distance_and_angle, pose, read_urdf};
     use std::io::Write;
     let Some(python) = pinocchio() else {
-        skipped("no pinocchio, and pip could not install `pin`");
         return;
     };
     let folder = tempfile::tempdir().unwrap();

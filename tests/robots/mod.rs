@@ -5,7 +5,6 @@ mod ros1;
 mod rosbridge;
 mod stepper;
 
-use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -22,11 +21,6 @@ fn said(output: &Output) -> String {
     let [stdout, stderr] =
         [&output.stdout, &output.stderr].map(|said| String::from_utf8_lossy(said));
     format!("{stdout}{stderr}")
-}
-
-/// Says that a test is skipped; not by `eprintln!`, which the test harness swallows.
-fn skipped(reason: &str) {
-    let _ = writeln!(std::io::stderr(), "SKIPPED: {reason}");
 }
 
 /// A cell with one arm of two joints behind a driver, and the same joints as a smooth trajectory of 500 points over

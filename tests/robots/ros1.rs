@@ -1,6 +1,7 @@
 //! A real ROS 1 master and an action server of actionlib, installed and started for the purpose on Debian as root.
 
-use super::{rodlab, said, skipped, two_joints};
+use super::{rodlab, said, two_joints};
+use crate::parts::{have, succeeds};
 use std::fs;
 use std::io::{BufRead, BufReader};
 use std::net::TcpListener;
@@ -39,12 +40,10 @@ fn is_installed() -> bool {
 
 impl Robot {
     fn start() -> Option<Self> {
-        if !is_installed() {
-            let installed = Command::new(script()).arg("install").status();
-            if !installed.is_ok_and(|end| end.success()) || !is_installed() {
-                skipped("no ROS 1, and scripts/ros1 could not install it");
-                return None;
-            }
+        let install = || succeeds(Command::new(script()).arg("install"));
+        let purpose = "to stream joints to a real ROS master";
+        if !have("ROS 1", purpose, is_installed, install) {
+            return None;
         }
         let folder = tempfile::tempdir().unwrap();
         let made = Command::new(script())

@@ -1,6 +1,7 @@
 //! The stepper's real firmware on a simulated ATmega328P; installed for the purpose on Debian as root.
 
-use super::{rodlab, said, skipped};
+use super::{rodlab, said};
+use crate::parts::{have, succeeds};
 use rodlab::robot::{SerialLine, StepperLink, StepperRequest};
 use std::fs;
 use std::io::{self, BufRead, BufReader, Read, Write};
@@ -25,15 +26,13 @@ fn run(command: &mut Command) {
 
 impl Board {
     fn start() -> Option<Self> {
-        let ready =
-            Path::new("/usr/include/simavr").exists() && Path::new("/usr/bin/avr-gcc").exists();
+        let is_there =
+            || Path::new("/usr/include/simavr").exists() && Path::new("/usr/bin/avr-gcc").exists();
         let root = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
-        if !ready {
-            let installed = Command::new(root.join("scripts/install-simavr")).status();
-            if !installed.is_ok_and(|end| end.success()) {
-                skipped("no simavr, and scripts/install-simavr could not install it");
-                return None;
-            }
+        let install = || succeeds(&mut Command::new(root.join("scripts/install-simavr")));
+        let purpose = "to run the firmware of the stepper on a simulated board";
+        if !have("simavr", purpose, is_there, install) {
+            return None;
         }
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);

@@ -3,6 +3,7 @@
 use super::{
     SWINGS, assert_same, begin, directory, manifest, outcome, succeed, tables, undisturbed,
 };
+use crate::parts::skipped;
 use std::fs;
 use std::hash::{BuildHasher, RandomState};
 use std::path::{Path, PathBuf};
@@ -164,7 +165,7 @@ impl Drop for SmallDisk {
 #[test]
 fn a_full_disk_ends_the_sweep_with_1_and_with_room_the_same_command_completes_it() {
     let Some(disk) = SmallDisk::mount("400k") else {
-        eprintln!("SKIPPED: a full disk needs a small file system, and only root can mount one");
+        skipped("a full disk needs a small file system, and only root can mount one");
         return;
     };
     let directory = directory(SWINGS);
