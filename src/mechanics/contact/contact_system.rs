@@ -4,8 +4,8 @@ use super::broad_phase::BroadPhase;
 use super::candidates::{Candidates, approach};
 use super::closest_points::edge_distance;
 use super::contacts::{
-    ActiveContact, CandidatePair, ContactConstraint, EdgeJacobian, ForceCorrections, PlaneContact,
-    PlaneJacobian,
+    ActiveContact, Bodies, CandidatePair, ContactConstraint, EdgeJacobian, ForceCorrections,
+    PlaneContact, PlaneJacobian,
 };
 use super::iterate::Iterate;
 use super::multipliers::{Multipliers, Slots};
@@ -177,6 +177,16 @@ impl ContactSystem {
                 }
                 None => false,
             });
+        self.constraints.retain_mut(|constraint| {
+            let Bodies::Edges(candidate) = &mut constraint.bodies else {
+                return true;
+            };
+            let number = new.binary_search(&old[*candidate]);
+            number.is_ok_and(|number| {
+                *candidate = number;
+                true
+            })
+        });
         self.jacobians.clear();
         self.linear_corrections.clear();
     }

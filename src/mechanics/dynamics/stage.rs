@@ -159,7 +159,6 @@ impl Workspace {
         stopping: &Stopping,
         goes_on: &dyn Fn() -> bool,
     ) -> Result<usize, Failure> {
-        self.prediction.copy_from_slice(&self.trial.unknowns);
         if !system.candidates_are_complete(&self.trial.unknowns) {
             system.update_candidates(&self.trial.unknowns);
         }
@@ -205,6 +204,9 @@ impl Workspace {
                 }
                 if !balanced && passes <= COMMON_PASSES {
                     system.take_correction(trial, FARTHEST_CORRECTION * stopping.radius);
+                    if !system.candidates_are_complete(trial) {
+                        system.update_candidates(trial);
+                    }
                     continue;
                 }
             }
@@ -293,7 +295,11 @@ impl Workspace {
         };
         let acceleration_step = self.stage.acceleration_step;
         self.stage.acceleration_step *= lengthening;
+        self.prediction.copy_from_slice(&self.trial.unknowns);
+        // What a barrier stops counts among the inertia; where a clamp leads through it, Newton's method has the last word.
+        let _ = self.shorten_prediction(system, state);
         system.adapt_contact_stiffness(&self.trial.unknowns, Some(&self.stage));
+        self.trial.unknowns.copy_from_slice(&self.prediction);
         self.stage.acceleration_step = acceleration_step;
     }
 

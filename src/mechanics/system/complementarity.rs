@@ -27,18 +27,12 @@
 //! several solutions, or none; a step whose contact problem is not solved counts as failed and is halved, too.
 //! How contacts that do the same work share their force is left to where the iteration begins.
 
-use super::rigid_contact::{RigidContact, State};
+use super::rigid_contact::{RigidContact, State, find_forces};
 use super::{Stage, System, copy_positions};
 use crate::linalg::SingularMatrix;
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactConstraint, ContactSystem};
 use crate::mechanics::rod::{STRIDE, topology::position};
-
-/// Iterations before the contact problem counts as unsolved, and goes on with other directions of contacts; most take three
-/// to eight.
-const ITERATIONS: usize = 30;
-/// Largest violation of the laws of a solution, relative to the largest force.
-const TOLERANCE: f64 = 1e-9;
 
 /// Why no contact forces were found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -105,6 +99,7 @@ impl System {
         stage: &Stage,
     ) -> Result<f64, NoContactForces> {
         self.linearize(unknowns, Some(stage));
+        self.matrix.expect_contacts(contact);
         self.factor()?;
         let mut correction = std::mem::take(&mut self.correction);
         correction.resize(unknowns.len(), 0.0);
@@ -144,33 +139,26 @@ impl System {
                 RigidContact::new(constraint, slid, self.inertia_at(constraint, stage))
             })
             .collect();
-        for _ in 0..ITERATIONS {
-            let states: Vec<State> = contacts.iter_mut().map(RigidContact::advance).collect();
-            let matrices = contact.constraints().iter().zip(&states);
+        let constraints = contact.constraints();
+        let solved = find_forces(&mut contacts, |states| {
+            let matrices = constraints.iter().zip(states);
             self.matrix.set_constraints(
                 contact,
                 matrices.map(|(constraint, state)| (constraint.place(), state.matrix(constraint))),
             );
             self.factor()?;
-            self.correct_by(contact.constraints(), &states, correction);
+            self.correct_by(constraints, states, correction);
             self.matrix.solve(correction)?;
             if correction.iter().any(|entry| !entry.is_finite()) {
                 return Err(NoContactForces::Unsolved);
             }
-            let mut largest = 0.0_f64;
-            let mut violation = 0.0_f64;
-            let constraints = contact.constraints().iter().zip(&states);
-            for (rigid, (constraint, state)) in contacts.iter_mut().zip(constraints) {
-                let moved = constraint.relative_motion(|node| position(correction, node));
-                let force = rigid.follow(state, &moved);
-                largest = largest.max(force.norm());
-                violation = violation.max(rigid.violation());
-            }
-            if violation <= TOLERANCE * largest {
-                return Ok((contacts.iter().map(RigidContact::force).collect(), true));
-            }
-        }
-        Ok((contacts.iter().map(RigidContact::force).collect(), false))
+            let moved = |constraint: &ContactConstraint| {
+                constraint.relative_motion(|node| position(correction, node))
+            };
+            Ok(constraints.iter().map(moved).collect())
+        })?;
+        let forces = contacts.iter().map(RigidContact::force).collect();
+        Ok((forces, solved))
     }
 
     /// Inertia ρ of the contact points of a constraint within the step, N/m.

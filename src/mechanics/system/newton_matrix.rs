@@ -174,7 +174,7 @@ impl NewtonMatrix {
                 }
             }
         }
-        self.list_elements_of(contact);
+        self.expect_contacts(contact);
     }
 
     /// Takes the matrices of constraints in place of those of contacts.
@@ -193,10 +193,12 @@ impl NewtonMatrix {
             };
             (first + index, matrix)
         }));
-        self.list_elements_of(contact);
+        self.expect_contacts(contact);
     }
 
-    fn list_elements_of(&mut self, contact: &ContactSystem) {
+    /// Makes room for the contacts of all candidates in a pattern yet to be found, where something couples: to be called
+    /// before [`Self::factor`], also by who adds contacts later.
+    pub fn expect_contacts(&mut self, contact: &ContactSystem) {
         let couples = !self.active.is_empty() || !self.permanent.is_empty();
         if self.coupled.is_none() && couples {
             self.list_contact_elements(contact);
