@@ -38,6 +38,8 @@ const MOST_GOINGS: i32 = 6;
 const ITERATIONS: usize = 30;
 /// Largest violation of the laws of a solution, relative to the largest force.
 const TOLERANCE: f64 = 1e-9;
+/// Last digits of a linear law that are lost in its force.
+const ROUNDINGS: f64 = 8.0;
 
 /// A contact between iterations.
 pub(super) struct RigidContact {
@@ -50,6 +52,8 @@ pub(super) struct RigidContact {
     wanted: Vector3,
     /// Gap and slip w, m.
     apart: Vector3,
+    /// What rounding leaves of it, N: shut directions multiply motions by a large stiffness.
+    rounding: f64,
     /// Its projection λ*, N.
     projected: Vector3,
     /// Whether it kept a part of its force when it opened.
@@ -117,6 +121,7 @@ impl RigidContact {
             inertia,
             wanted: force,
             apart: start,
+            rounding: 0.0,
             projected: force,
             kept: false,
             slid: Vector3::zeros(),
@@ -131,11 +136,11 @@ impl RigidContact {
         self.projected
     }
 
-    /// By how much λ, w break the laws, N.
+    /// By how much λ, w break the laws beyond rounding, N.
     fn violation(&mut self) -> f64 {
         let (pressure, traction, _) = self.project();
         self.projected = self.normal * pressure + traction;
-        (self.projected - self.wanted).norm()
+        (self.projected - self.wanted).norm() - self.rounding
     }
 
     /// λ_n*, λ_t*, and λ_t − ρ w_t.
@@ -216,7 +221,9 @@ impl RigidContact {
     /// Takes over what the solution of all linear laws moves the contact points by, m; returns the force of its law, N.
     fn follow(&mut self, state: &State, moved: &Vector3) -> Vector3 {
         self.apart = self.start + moved;
-        self.wanted = state.force - state.stiffness * moved;
+        let yielded = state.stiffness * moved;
+        self.wanted = state.force - yielded;
+        self.rounding = ROUNDINGS * f64::EPSILON * (state.force.norm() + yielded.norm());
         self.wanted
     }
 }
