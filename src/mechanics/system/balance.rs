@@ -111,6 +111,13 @@ impl System {
         self.tolerances = tolerances;
     }
 
+    /// The least residual that is asked for, N; 0 where all rods are held.
+    pub(super) fn least_tolerance(&self) -> f64 {
+        let forces = self.tolerances.iter().map(|rod| rod.force);
+        let least = forces.fold(f64::INFINITY, f64::min);
+        if least.is_finite() { least } else { 0.0 }
+    }
+
     /// How far the residual of the last evaluation is from balance.
     pub fn imbalance(&self) -> Imbalance {
         let mut worst = Imbalance {
