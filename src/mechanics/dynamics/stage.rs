@@ -13,6 +13,10 @@ use crate::mechanics::{Matrix3, Vector3};
 /// Times that contact forces and the rods under them are found in turn before the step counts as failed.
 const CONTACT_PASSES: usize = 30;
 
+/// Those among them whose contact forces were not found before the step counts as failed: the next one, with other
+/// directions of contacts, may be kinder, but each costs as much as many steps.
+const UNSOLVED_PASSES: usize = 3;
+
 /// The first of them, which move the rods by what the linearised step with contact forces says, as Newton's method would for
 /// both together; later ones leave that to its line search.
 const COMMON_PASSES: usize = 20;
@@ -189,7 +193,7 @@ impl Workspace {
         goes_on: &dyn Fn() -> bool,
     ) -> Result<usize, Failure> {
         let trial = &mut self.trial.unknowns;
-        let (mut iterations, mut passes) = (0, 0);
+        let (mut iterations, mut passes, mut unsolved) = (0, 0, 0);
         loop {
             let mut balanced = true;
             if system.has_constraints() {
@@ -199,7 +203,8 @@ impl Workspace {
                     .find_contact_forces(trial, &self.stage)
                     .map_err(|_| Failure::NoContactForces { iterations })?;
                 balanced = moved <= stopping.displacement;
-                if !balanced && passes == CONTACT_PASSES {
+                unsolved += usize::from(moved.is_infinite());
+                if !balanced && (passes == CONTACT_PASSES || unsolved == UNSOLVED_PASSES) {
                     return Err(Failure::NoContactForces { iterations });
                 }
                 if !balanced && passes <= COMMON_PASSES {

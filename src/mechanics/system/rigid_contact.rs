@@ -34,6 +34,9 @@ const PART_AFTER_REVERSAL: f64 = 0.25;
 const FREE_CHANGES: i32 = 3;
 const MOST_GOINGS: i32 = 6;
 
+/// Stiffness of sweeps in units of ρ: contacts of a pile yield less than by their inertia alone.
+const SOFT: f64 = 16.0;
+
 /// Iterations before they count as cycling.
 const ITERATIONS: usize = 12;
 /// Times that sweeps with soft contacts follow then, before the contact problem counts as unsolved, and how many each.
@@ -256,17 +259,18 @@ impl RigidContact {
     }
 
     /// The law of an iteration of the alternating direction method of multipliers (Boyd et al. 2011, Eq. 3.5): the same
-    /// stiffness ρ for open and for closed contacts. It is slow, and does not cycle.
+    /// stiffness for open and for closed contacts. It is slow, and does not cycle.
     fn relax(&mut self) -> State {
+        let stiffness = SOFT * self.inertia;
         let before = self.relaxed;
-        let towards = before - self.apart * self.inertia;
+        let towards = before - self.apart * stiffness;
         let pressure = self.normal.dot(&towards).max(0.0);
         let along = towards - self.normal * self.normal.dot(&towards);
         self.relaxed = self.normal * pressure + cut(along, self.friction * pressure);
-        let kept = self.apart + (self.relaxed - before) / self.inertia;
+        let kept = self.apart + (self.relaxed - before) / stiffness;
         State {
-            force: self.relaxed + (kept - self.start) * self.inertia,
-            stiffness: Matrix3::identity() * self.inertia,
+            force: self.relaxed + (kept - self.start) * stiffness,
+            stiffness: Matrix3::identity() * stiffness,
         }
     }
 
