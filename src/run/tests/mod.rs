@@ -1,5 +1,8 @@
 //! The run loop with a small double in the place of the mechanics.
 
+mod faults;
+mod pendulum;
+
 use super::advance::Advance;
 use super::*;
 use crate::cli::ExitCode;
@@ -15,168 +18,12 @@ use crate::results::{
     VTK_COLLECTION,
 };
 use crate::run::{Mode, OutputPlan};
+use pendulum::Pendulum;
 use proptest::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
-
-/// A driven pendulum with steps of its own choice: any lost bit of its state grows.
-#[derive(Clone, Serialize, Deserialize)]
-struct Pendulum {
-    time: f64,
-    angle: f64,
-    velocity: f64,
-    fails_at: Option<f64>,
-}
-
-impl Pendulum {
-    fn new() -> Self {
-        Self {
-            time: 0.0,
-            angle: 2.0,
-            velocity: 0.0,
-            fails_at: None,
-        }
-    }
-}
-
-impl Advance for Pendulum {
-    type State = Self;
-
-    fn advance(&mut self, until: f64) -> Result<StepReport, SimulationError> {
-        if self.fails_at.is_some_and(|time| self.time >= time) {
-            return Err(SimulationError::NoConvergence {
-                time: self.time,
-                step: 1e-9,
-                residual: 1.0,
-                term: "bending",
-                rod: "pendulum".into(),
-                node: 1,
-            });
-        }
-        let chosen = 0.02 + 0.01 * self.angle.sin();
-        let step = if self.time + chosen < until {
-            chosen
-        } else {
-            until - self.time
-        };
-        self.time = if self.time + chosen < until {
-            self.time + chosen
-        } else {
-            until
-        };
-        self.velocity += step * (1.5 * (2.0 / 3.0 * self.time).cos() - 9.81 * self.angle.sin());
-        self.angle += step * self.velocity;
-        Ok(StepReport {
-            time: self.time,
-            step,
-            newton_iterations: 2 + (self.angle > 0.0) as usize,
-            contacts: (self.angle < 0.0) as usize,
-            retries: 0,
-            fluid_iterations: 1,
-            ..StepReport::default()
-        })
-    }
-
-    fn advance_while(
-        &mut self,
-        until: f64,
-        goes_on: &dyn Fn() -> bool,
-    ) -> Result<Option<StepReport>, SimulationError> {
-        let report = self.advance(until)?;
-        // A step that is stopped halfway leaves anything behind.
-        Ok(goes_on().then_some(report))
-    }
-
-    fn path(&self, _: PathPlan) -> Result<Tracer, SimulationError> {
-        unreachable!("a pendulum is not asked for paths")
-    }
-
-    fn next_point(&mut self, _: &mut Tracer) -> Result<Option<PathPoint>, SimulationError> {
-        unreachable!("a pendulum has no path")
-    }
-
-    fn find_equilibrium(
-        &mut self,
-        goes_on: &dyn Fn() -> bool,
-    ) -> Result<Option<StepReport>, SimulationError> {
-        self.angle = 0.0;
-        Ok(goes_on().then(|| StepReport {
-            newton_iterations: 7,
-            ..StepReport::default()
-        }))
-    }
-
-    fn time(&self) -> f64 {
-        self.time
-    }
-
-    fn energies(&self) -> Energies {
-        let (kinetic, gravitational) = (self.velocity.powi(2) / 2.0, -9.81 * self.angle.cos());
-        Energies {
-            kinetic,
-            gravitational,
-            ..Energies::default()
-        }
-    }
-
-    fn nearest(&self) -> Option<Proximity> {
-        (self.angle <= 1.0).then_some(Proximity {
-            pair: ContactPair::Edges([0, 1]),
-            distance: 2.0 + self.angle,
-            threshold: 1.0,
-        })
-    }
-
-    fn mean_gap(&self) -> Option<f64> {
-        None
-    }
-
-    fn remarks(&self) -> Vec<String> {
-        Vec::new()
-    }
-
-    fn frame(&self, with_forces: bool) -> Frame {
-        let bob = Vector3::new(self.angle.sin(), 0.0, -self.angle.cos());
-        let velocities = if with_forces {
-            vec![Vector3::zeros(), self.velocity * bob]
-        } else {
-            vec![]
-        };
-        Frame {
-            time: self.time,
-            positions: vec![Vector3::zeros(), bob],
-            edge_angles: vec![self.angle, 0.0],
-            velocities,
-            ..Frame::default()
-        }
-    }
-
-    fn simulation(&self) -> Option<&Simulation> {
-        None
-    }
-
-    fn simulation_mut(&mut self) -> Option<&mut Simulation> {
-        None
-    }
-
-    fn as_start(&self) -> Option<Start> {
-        None
-    }
-
-    fn state(&self) -> Self {
-        self.clone()
-    }
-
-    fn restore(&mut self, state: Self) -> Result<(), SimulationError> {
-        *self = Self {
-            fails_at: self.fails_at,
-            ..state
-        };
-        Ok(())
-    }
-}
 
 fn prepared(mode: Mode) -> PreparedRun {
     let rod = RodDescription {
@@ -390,25 +237,6 @@ fn a_killed_run_continues_from_its_last_checkpoint() {
 }
 
 #[test]
-fn damaged_checkpoints_fall_back_to_the_older_one_and_then_to_the_start() {
-    let directory = tempfile::tempdir().unwrap();
-    interrupt(directory.path(), 10);
-    interrupt(directory.path(), 10);
-    let newest = directory.path().join("checkpoint.1");
-    fs::write(&newest, &fs::read(&newest).unwrap()[1..]).unwrap();
-    let outcome = interrupt(directory.path(), 0);
-    assert!(
-        matches!(outcome, RunError::Interrupted { reached: Reached::Time(time), .. } if time > 0.0 && time < 0.35)
-    );
-    for slot in ["checkpoint.0", "checkpoint.1"] {
-        fs::write(directory.path().join(slot), "rubbish").unwrap();
-    }
-    let outcome = go_on(directory.path()).unwrap();
-    assert_eq!(outcome.status, RunStatus::Finished);
-    same_bytes(directory.path(), uninterrupted().path());
-}
-
-#[test]
 fn the_time_limit_and_checkpoints_at_every_step_change_nothing() {
     let directory = tempfile::tempdir().unwrap();
     let options = quiet(directory.path());
@@ -425,207 +253,20 @@ fn the_time_limit_and_checkpoints_at_every_step_change_nothing() {
     same_bytes(directory.path(), uninterrupted().path());
 }
 
-/// A pendulum whose steps take long.
-#[derive(Clone)]
-struct Slow(Pendulum);
-
-impl Advance for Slow {
-    type State = Pendulum;
-
-    fn advance(&mut self, until: f64) -> Result<StepReport, SimulationError> {
-        self.0.advance(until)
-    }
-
-    fn advance_while(
-        &mut self,
-        until: f64,
-        goes_on: &dyn Fn() -> bool,
-    ) -> Result<Option<StepReport>, SimulationError> {
-        std::thread::sleep(Duration::from_millis(60));
-        self.0.advance_while(until, goes_on)
-    }
-
-    fn path(&self, plan: PathPlan) -> Result<Tracer, SimulationError> {
-        self.0.path(plan)
-    }
-
-    fn next_point(&mut self, path: &mut Tracer) -> Result<Option<PathPoint>, SimulationError> {
-        self.0.next_point(path)
-    }
-
-    fn find_equilibrium(
-        &mut self,
-        goes_on: &dyn Fn() -> bool,
-    ) -> Result<Option<StepReport>, SimulationError> {
-        self.0.find_equilibrium(goes_on)
-    }
-
-    fn time(&self) -> f64 {
-        self.0.time()
-    }
-
-    fn energies(&self) -> Energies {
-        self.0.energies()
-    }
-
-    fn mean_gap(&self) -> Option<f64> {
-        self.0.mean_gap()
-    }
-
-    fn remarks(&self) -> Vec<String> {
-        self.0.remarks()
-    }
-
-    fn nearest(&self) -> Option<Proximity> {
-        self.0.nearest()
-    }
-
-    fn frame(&self, with_forces: bool) -> Frame {
-        self.0.frame(with_forces)
-    }
-
-    fn simulation(&self) -> Option<&Simulation> {
-        None
-    }
-
-    fn simulation_mut(&mut self) -> Option<&mut Simulation> {
-        None
-    }
-
-    fn as_start(&self) -> Option<Start> {
-        None
-    }
-
-    fn state(&self) -> Pendulum {
-        self.0.state()
-    }
-
-    fn restore(&mut self, state: Pendulum) -> Result<(), SimulationError> {
-        self.0.restore(state)
-    }
-}
-
 #[test]
 fn a_step_that_takes_long_is_stopped_halfway_without_a_trace() {
     let directory = tempfile::tempdir().unwrap();
     // Asked before each step, and in its middle.
     for asked in [1, 3, 6] {
         let (prepared, options) = (prepared(DYNAMIC), quiet(directory.path()));
-        let mut slow = Slow(Pendulum::new());
+        let mut slow = Pendulum::new();
+        slow.pause = Duration::from_millis(60);
         let error =
             run_simulation(&mut slow, &prepared, &options, &after_steps(asked)).unwrap_err();
         assert_eq!(error.exit_code(), 130);
     }
     go_on(directory.path()).unwrap();
     same_bytes(directory.path(), uninterrupted().path());
-}
-
-#[test]
-fn no_convergence_leaves_a_checkpoint_and_exit_code_3() {
-    let directory = tempfile::tempdir().unwrap();
-    let mut failing = Pendulum {
-        fails_at: Some(0.55),
-        ..Pendulum::new()
-    };
-    let options = quiet(directory.path());
-    let error = run_simulation(&mut failing, &prepared(DYNAMIC), &options, &|| None).unwrap_err();
-    assert_eq!(error.exit_code(), 3);
-    let message = error.to_string();
-    assert!(
-        message.contains("bending") && message.contains("results up to there"),
-        "{message}"
-    );
-    assert_eq!(status(directory.path()), CaseStatus::NoConvergence);
-    let outcome = go_on(directory.path()).unwrap();
-    assert!(
-        matches!(outcome.status, RunStatus::Resumed { from } if from >= Reached::Time(0.55)),
-        "{outcome:?}"
-    );
-    same_bytes(directory.path(), uninterrupted().path());
-}
-
-#[test]
-#[cfg(target_os = "linux")]
-fn a_full_disk_ends_the_run_with_exit_code_1_and_can_be_resumed() {
-    let directory = tempfile::tempdir().unwrap();
-    interrupt(directory.path(), 0);
-    let nodes = directory.path().join(NODES);
-    fs::remove_file(&nodes).unwrap();
-    std::os::unix::fs::symlink("/dev/full", &nodes).unwrap();
-    for slot in ["checkpoint.0", "checkpoint.1"] {
-        let _ = fs::remove_file(directory.path().join(slot));
-    }
-    let error = go_on(directory.path()).unwrap_err();
-    assert_eq!(error.exit_code(), 1);
-    assert!(error.to_string().contains(NODES), "{error}");
-    assert_eq!(status(directory.path()), CaseStatus::Failed);
-    fs::remove_file(&nodes).unwrap();
-    go_on(directory.path()).unwrap();
-    same_bytes(directory.path(), uninterrupted().path());
-}
-
-/// Deletes a file, then another way to spoil it, both in the place of the whole.
-fn spoilt(path: &Path, check: impl Fn(&str)) {
-    let whole = fs::read(path).unwrap();
-    fs::remove_file(path).unwrap();
-    check("is missing");
-    let mut garbled = whole.clone();
-    let middle = garbled.len() / 2;
-    garbled[middle] ^= 1;
-    fs::write(path, garbled).unwrap();
-    check("does not hold what was written");
-    fs::write(path, whole).unwrap();
-}
-
-const GROWING: [&str; 4] = [SERIES, NODES, NODE_FORCES, "vtk/rods_000002.vtp"];
-
-#[test]
-fn missing_and_garbled_files_are_noticed_when_a_run_goes_on() {
-    let directory = tempfile::tempdir().unwrap();
-    interrupt(directory.path(), 20);
-    for name in GROWING {
-        spoilt(&directory.path().join(name), |what| {
-            let error = go_on(directory.path()).unwrap_err();
-            assert_eq!(error.exit_code(), 1);
-            assert!(error.to_string().contains(what), "{name}: {error}");
-        });
-    }
-    go_on(directory.path()).unwrap();
-    same_bytes(directory.path(), uninterrupted().path());
-}
-
-#[test]
-fn missing_and_garbled_files_are_noticed_before_a_run_is_said_finished() {
-    let directory = uninterrupted();
-    for name in GROWING {
-        spoilt(&directory.path().join(name), |what| {
-            let error = go_on(directory.path()).unwrap_err();
-            assert!(error.to_string().contains(what), "{name}: {error}");
-            assert!(error.to_string().contains("--force"), "{error}");
-        });
-    }
-    let outcome = go_on(directory.path()).unwrap();
-    assert_eq!(outcome.status, RunStatus::AlreadyFinished);
-}
-
-#[test]
-fn series_deleted_during_a_run_are_not_called_finished() {
-    let directory = tempfile::tempdir().unwrap();
-    let asked = AtomicUsize::new(0);
-    let delete = || {
-        if asked.fetch_add(1, Relaxed) == 20 {
-            fs::remove_file(directory.path().join(SERIES)).unwrap();
-        }
-        None
-    };
-    let (prepared, options) = (prepared(DYNAMIC), quiet(directory.path()));
-    let error = run_simulation(&mut Pendulum::new(), &prepared, &options, &delete).unwrap_err();
-    assert!(
-        error.to_string().contains("series.csv` was removed"),
-        "{error}"
-    );
-    assert_eq!(status(directory.path()), CaseStatus::Failed);
-    assert_eq!(go_on(directory.path()).unwrap().status, RunStatus::Finished);
 }
 
 #[test]
