@@ -98,10 +98,10 @@ impl Ros1Driver {
                 }
             }
             FEEDBACK => {
-                if let (Some(goal), Some(status)) = (&mut self.goal, message::feedback(bytes)) {
-                    if status.id == goal.id() {
-                        goal.acknowledge();
-                    }
+                if let (Some(goal), Some(status)) = (&mut self.goal, message::feedback(bytes))
+                    && status.id == goal.id()
+                {
+                    goal.acknowledge();
                 }
             }
             _ => {
