@@ -452,3 +452,52 @@ fn the_stiffness_follows_the_largest_force_near_contact() {
     contact.update_candidates(&far);
     assert!(!contact.adapt_stiffness(&far, &forces));
 }
+
+#[test]
+fn the_softer_of_two_bodies_sets_the_least_stiffness_of_their_contact() {
+    // Two edges across each other, pressed by the law of a stiffness for each pair of bodies.
+    let nodes = [
+        Vector3::new(-5.0, 0.0, 0.0),
+        Vector3::new(5.0, 0.0, 0.0),
+        Vector3::new(0.0, -5.0, 2.0),
+        Vector3::new(0.0, 5.0, 2.0),
+    ]
+    .map(|x| x * RADIUS);
+    let force_between = |present: f64, least: [f64; 2]| {
+        let mut surface = ContactSurface::new();
+        for edge in 0..2 {
+            surface.add_rod(
+                2 * edge,
+                &nodes[2 * edge..2 * edge + 2],
+                false,
+                RADIUS,
+                false,
+            );
+        }
+        let mut contact = ContactSystem::new(parameters(), surface, Vec::new(), present);
+        let [first, second] = least;
+        contact.set_least_stiffness_of_nodes(vec![first, first, second, second]);
+        contact.update_candidates(&nodes);
+        contact.evaluate(&nodes, &nodes, STATIC);
+        contact.contacts()[0].normal_force
+    };
+    let (soft, stiff, obstacle) = (1e-3, 1e2, f64::INFINITY);
+    let of = |stiffness: f64| force_between(stiffness, [0.0; 2]);
+    assert!(of(soft) > 0.0 && (of(stiff) / of(soft) - stiff / soft).abs() < 1e-9 * stiff / soft);
+    for (present, least, expected) in [
+        (1e-6, [soft, soft], soft),
+        (1e-6, [soft, stiff], soft),
+        (1e-6, [stiff, soft], soft),
+        (1e-6, [soft, obstacle], soft),
+        (1e-6, [stiff, obstacle], stiff),
+        (1e-6, [stiff, stiff], stiff),
+        // What the forces at contact ask for counts for all.
+        (1.0, [soft, stiff], 1.0),
+    ] {
+        assert_eq!(
+            force_between(present, least),
+            of(expected),
+            "{present} {least:?}"
+        );
+    }
+}

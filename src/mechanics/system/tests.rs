@@ -378,3 +378,25 @@ fn the_inertia_of_a_twisted_ring_is_that_of_its_eigenvalues() {
         }
     }
 }
+
+#[test]
+fn a_stiff_post_does_not_stiffen_the_contacts_of_soft_rods() {
+    let stiffness = |rods: &[RodDescription]| {
+        let scene = Scene {
+            rods: rods.to_vec(),
+            contact: Some(ContactParameters::default()),
+            ..Scene::default()
+        };
+        System::new(&scene).unwrap().contact.unwrap().stiffness()
+    };
+    let soft = rod("soft", arc(8, 0.0), false);
+    let mut post = rod("post", arc(8, 1.0), false);
+    post.stiffness.stretching *= 1e4;
+    post.stiffness.bending = post.stiffness.bending.map(|stiffness| 1e4 * stiffness);
+    let alone = stiffness(&[soft.clone()]);
+    assert_eq!(stiffness(&[soft.clone(), post.clone()]), alone);
+    assert!(stiffness(&[post.clone()]) > 1e3 * alone);
+    // An obstacle does not bend at all.
+    post.held = true;
+    assert_eq!(stiffness(&[soft, post]), alone);
+}
