@@ -1,8 +1,7 @@
 //! All contacts of a scene: candidates, forces, Jacobians, stiffness.
 
 use super::broad_phase::BroadPhase;
-use super::candidates::{Candidates, approach};
-use super::closest_points::edge_distance;
+use super::candidates::Candidates;
 use super::contacts::{
     ActiveContact, Bodies, CandidatePair, ContactConstraint, EdgeJacobian, ForceCorrections,
     PlaneContact, PlaneJacobian,
@@ -10,7 +9,6 @@ use super::contacts::{
 use super::iterate::Iterate;
 use super::multipliers::{Multipliers, Slots};
 use super::parameters::ContactParameters;
-use super::stiffness::adapted_stiffness;
 use super::surface::{ContactPlane, ContactSurface};
 use super::tractions::Tractions;
 use crate::mechanics::Vector3;
@@ -39,9 +37,9 @@ pub struct ContactSystem {
     pub(super) multipliers: Multipliers,
     pub(super) carried_tractions: Tractions,
     pub(super) stiffness: f64,
-    least_stiffness: f64,
+    pub(super) least_stiffness: f64,
     /// Least stiffness of contacts of each node; empty where it is the same for all.
-    least_of_nodes: Vec<f64>,
+    pub(super) least_of_nodes: Vec<f64>,
     pub(super) iterate: Iterate,
     /// How far every node has moved since the candidates were built, m; scratch.
     pub(super) motion: Vec<f64>,
@@ -344,97 +342,5 @@ impl ContactSystem {
     /// Contacts (with planes too) of the last evaluation within the distance tolerance δ (Eq. 2.17).
     pub fn contact_count(&self) -> usize {
         self.contact_count
-    }
-
-    /// Contact stiffness k.
-    pub fn stiffness(&self) -> f64 {
-        self.stiffness
-    }
-
-    /// Gives contacts a least stiffness of their own: the smaller one of their two bodies, of which the given ones are those
-    /// of every node. Infinite for a node that yields to the other body alone, as that of an obstacle.
-    ///
-    /// A soft rod presses with its own forces on a stiff one.
-    pub fn set_least_stiffness_of_nodes(&mut self, least: Vec<f64>) {
-        self.least_of_nodes = least;
-    }
-
-    /// Contact stiffness between two nodes; a node twice for contact with a plane.
-    pub(super) fn stiffness_between(&self, first: usize, second: usize) -> f64 {
-        let least = match self.least_of_nodes.as_slice() {
-            [] => return self.stiffness,
-            nodes => nodes[first].min(nodes[second]),
-        };
-        if least.is_finite() {
-            self.stiffness.max(least)
-        } else {
-            self.stiffness
-        }
-    }
-
-    /// Makes all contacts of the last evaluation stiffer, by this factor at least.
-    pub fn stiffen(&mut self, factor: f64) {
-        let pairs = self.contacts.iter().map(|c| [c.nodes[0], c.nodes[2]]);
-        let planes = self.plane_contacts.iter().map(|c| [c.node; 2]);
-        let stiffest = pairs
-            .chain(planes)
-            .map(|[first, second]| self.stiffness_between(first, second))
-            .fold(self.stiffness, f64::max);
-        self.stiffness = factor * stiffest;
-    }
-
-    /// Sets the contact stiffness k.
-    pub fn set_stiffness(&mut self, stiffness: f64) {
-        self.stiffness = stiffness;
-    }
-
-    /// Adapts the stiffness to `forces`, the total force on every node without contact and friction, N
-    /// (Eqs. 2.18, 2.19); returns whether it changed.
-    ///
-    /// The thesis takes the largest force over the nodes in contact. Here all nodes of pairs whose surfaces
-    /// are nearer than a quarter of the candidates' margin count, so that a contact which begins within the
-    /// step is met with the right stiffness. Without such nodes nothing changes. To be called once per
-    /// step: within Newton's method the stiffness must stay.
-    pub fn adapt_stiffness(&mut self, positions: &[Vector3], forces: &[Vector3]) -> bool {
-        let Some(force) = self.largest_force_near_contact(positions, forces) else {
-            return false;
-        };
-        let before = self.stiffness;
-        let factor = self
-            .parameters
-            .stiffness_per_force(self.surface.largest_moving_radius());
-        self.stiffness = adapted_stiffness(before, force, factor, self.least_stiffness);
-        self.stiffness != before
-    }
-
-    fn largest_force_near_contact(
-        &mut self,
-        positions: &[Vector3],
-        forces: &[Vector3],
-    ) -> Option<f64> {
-        let near = 0.25 * self.candidates.margin();
-        let mut largest: Option<f64> = None;
-        let mut include = |node: usize| {
-            let force = forces[node].norm();
-            largest = Some(largest.map_or(force, |largest| largest.max(force)));
-        };
-        self.candidates.motion(positions, &mut self.motion);
-        let pairs = self.candidates.pairs().iter();
-        for (pair, earlier) in pairs.zip(self.candidates.gaps()) {
-            if earlier - approach(pair, &self.motion) < near
-                && edge_distance(&pair.nodes.map(|node| positions[node]))
-                    < self.surface.threshold(pair.edges) + near
-            {
-                pair.nodes.into_iter().for_each(&mut include);
-            }
-        }
-        for plane in &self.planes {
-            for surface in self.surface.nodes() {
-                if plane.distance(&positions[surface.node]) < surface.radius + near {
-                    include(surface.node);
-                }
-            }
-        }
-        largest
     }
 }

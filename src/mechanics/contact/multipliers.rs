@@ -27,8 +27,6 @@
 //!
 //! Active sets may cycle, release a contact, find it crossed, and close it again. A contact that opens therefore keeps the
 //! part [`KEPT_PART`] of its force for an iteration, until corrections are small.
-//!
-//! A pile of 50 rods takes 4 iterations a step so without friction, against 5 with laws linearised at λ alone.
 
 use super::candidates::carried_over;
 use super::contacts::CandidatePair;
@@ -38,8 +36,8 @@ use crate::mechanics::Vector3;
 
 /// Part of its force that a contact keeps in the iteration in which it opens.
 ///
-/// Without any, one step in a hundred of a pile cycles through active sets; a contact that truly opens should be gone
-/// within two or three iterations.
+/// Without any, some steps of a pile cycle through active sets; a contact that truly opens should be gone within two or three
+/// iterations.
 const KEPT_PART: f64 = 0.02;
 
 /// Where the contacts of a scene keep what they carry from step to step: candidate pairs first, then every node over

@@ -9,13 +9,20 @@
 //! of a contact that does not penetrate by less than δ/20. So k rises to its new value where that is
 //! more than [`BAND`] times as large, and falls, by at most this factor at a time, where it is that much
 //! smaller: a peak of one step leaves the contacts of the next ones stiff.
+//!
+//! Each pair of bodies has a least stiffness of its own: that of the forces that bend the softer one.
+
+use super::candidates::approach;
+use super::closest_points::edge_distance;
+use super::contact_system::ContactSystem;
+use crate::mechanics::Vector3;
 
 /// Factor of change that is not followed.
 const BAND: f64 = 2.0;
 
 /// The stiffness after `present`, given the largest force `force` (N), the factor s = `factor`
 /// (J/N) and the least stiffness allowed.
-pub(super) fn adapted_stiffness(present: f64, force: f64, factor: f64, least: f64) -> f64 {
+fn adapted_stiffness(present: f64, force: f64, factor: f64, least: f64) -> f64 {
     let target = (factor * force).max(least);
     if target > BAND * present {
         target
@@ -23,6 +30,100 @@ pub(super) fn adapted_stiffness(present: f64, force: f64, factor: f64, least: f6
         target.max(present / BAND)
     } else {
         present
+    }
+}
+
+impl ContactSystem {
+    /// Contact stiffness k.
+    pub fn stiffness(&self) -> f64 {
+        self.stiffness
+    }
+
+    /// Gives contacts a least stiffness of their own: the smaller one of their two bodies, of which the given ones are those
+    /// of every node. Infinite for a node that yields to the other body alone, as that of an obstacle.
+    ///
+    /// A soft rod presses with its own forces on a stiff one.
+    pub fn set_least_stiffness_of_nodes(&mut self, least: Vec<f64>) {
+        self.least_of_nodes = least;
+    }
+
+    /// Contact stiffness between two nodes; a node twice for contact with a plane.
+    pub(super) fn stiffness_between(&self, first: usize, second: usize) -> f64 {
+        let least = match self.least_of_nodes.as_slice() {
+            [] => return self.stiffness,
+            nodes => nodes[first].min(nodes[second]),
+        };
+        if least.is_finite() {
+            self.stiffness.max(least)
+        } else {
+            self.stiffness
+        }
+    }
+
+    /// Makes all contacts of the last evaluation stiffer, by this factor at least.
+    pub fn stiffen(&mut self, factor: f64) {
+        let pairs = self.contacts.iter().map(|c| [c.nodes[0], c.nodes[2]]);
+        let planes = self.plane_contacts.iter().map(|c| [c.node; 2]);
+        let stiffest = pairs
+            .chain(planes)
+            .map(|[first, second]| self.stiffness_between(first, second))
+            .fold(self.stiffness, f64::max);
+        self.stiffness = factor * stiffest;
+    }
+
+    /// Sets the contact stiffness k.
+    pub fn set_stiffness(&mut self, stiffness: f64) {
+        self.stiffness = stiffness;
+    }
+
+    /// Adapts the stiffness to `forces`, the total force on every node without contact and friction, N
+    /// (Eqs. 2.18, 2.19); returns whether it changed.
+    ///
+    /// The thesis takes the largest force over the nodes in contact. Here all nodes of pairs whose surfaces
+    /// are nearer than a quarter of the candidates' margin count, so that a contact which begins within the
+    /// step is met with the right stiffness. Without such nodes nothing changes. To be called once per
+    /// step: within Newton's method the stiffness must stay.
+    pub fn adapt_stiffness(&mut self, positions: &[Vector3], forces: &[Vector3]) -> bool {
+        let Some(force) = self.largest_force_near_contact(positions, forces) else {
+            return false;
+        };
+        let before = self.stiffness;
+        let factor = self
+            .parameters
+            .stiffness_per_force(self.surface.largest_moving_radius());
+        self.stiffness = adapted_stiffness(before, force, factor, self.least_stiffness);
+        self.stiffness != before
+    }
+
+    fn largest_force_near_contact(
+        &mut self,
+        positions: &[Vector3],
+        forces: &[Vector3],
+    ) -> Option<f64> {
+        let near = 0.25 * self.candidates.margin();
+        let mut largest: Option<f64> = None;
+        let mut include = |node: usize| {
+            let force = forces[node].norm();
+            largest = Some(largest.map_or(force, |largest| largest.max(force)));
+        };
+        self.candidates.motion(positions, &mut self.motion);
+        let pairs = self.candidates.pairs().iter();
+        for (pair, earlier) in pairs.zip(self.candidates.gaps()) {
+            if earlier - approach(pair, &self.motion) < near
+                && edge_distance(&pair.nodes.map(|node| positions[node]))
+                    < self.surface.threshold(pair.edges) + near
+            {
+                pair.nodes.into_iter().for_each(&mut include);
+            }
+        }
+        for plane in &self.planes {
+            for surface in self.surface.nodes() {
+                if plane.distance(&positions[surface.node]) < surface.radius + near {
+                    include(surface.node);
+                }
+            }
+        }
+        largest
     }
 }
 

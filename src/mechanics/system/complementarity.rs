@@ -12,7 +12,8 @@
 //! Newton's method finds: with the contacts in the state that the last iteration suggests (open, sticking, sliding) the laws
 //! are linear, and one factorisation of the sparse matrix A + Hᵀ K H solves them all, K being the stiffness of contacts
 //! that hardly yield and whose forces of the last iteration count as well (proximal point: what they yield vanishes).
-//! Beginning with the forces of the step before, this takes as many iterations as it takes to find the states.
+//! Beginning with the forces of the step before, this takes as many iterations as it takes to find the states; where they
+//! cycle, sweeps with soft contacts lead out.
 //!
 //! Solved once per step this is the two-step method of the thesis: forces explicit, then the rods. Here it is
 //! repeated around Newton's method for the rods under these forces, until the forces found anew would move
