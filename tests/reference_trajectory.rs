@@ -211,6 +211,7 @@ fn vertices(simulation: &Simulation) -> impl Iterator<Item = (usize, [EdgeFrame;
         EdgeFrame {
             tangent,
             length: vector.norm(),
+            inverse_length: 1.0 / vector.norm(),
             director_1: directors[edge],
             director_2: tangent.cross(&directors[edge]),
             // At the start of a step frames have not been transported yet.

@@ -150,7 +150,15 @@ impl ElasticRods {
     ) {
         match vertex.unknowns {
             VertexUnknowns::Consecutive { first, from, to } => {
-                for (entry, local) in gradient[first..].iter_mut().zip(&local[from..to]) {
+                let entries = &mut gradient[first..first + to - from];
+                if let Ok(entries) = <&mut [_; VERTEX_UNKNOWNS]>::try_from(&mut *entries) {
+                    // The same loop as below, but of known length.
+                    for k in 0..VERTEX_UNKNOWNS {
+                        entries[k] += local[k][lane];
+                    }
+                    return;
+                }
+                for (entry, local) in entries.iter_mut().zip(&local[from..to]) {
                     *entry += local[lane];
                 }
             }

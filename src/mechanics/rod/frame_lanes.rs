@@ -1,6 +1,7 @@
 //! The frames of [`LANES`] edges at a time.
 
 use super::transport::parallel_transport;
+use super::trigonometry::{sine_cosine, within_reach};
 use super::vertex::EdgeFrame;
 use crate::linalg::instruction_set::{LANES, Lanes, kernel};
 use crate::mechanics::Vector3;
@@ -28,12 +29,20 @@ pub(super) fn every_lane(vector: Vector3) -> VectorLanes {
     [[vector.x; LANES], [vector.y; LANES], [vector.z; LANES]]
 }
 
+/// Moves every vector of `from` into the next lane of `to`.
+pub(super) fn shift(to: &mut VectorLanes, from: &VectorLanes) {
+    for (to, from) in to.iter_mut().zip(from) {
+        to[1..].copy_from_slice(&from[..LANES - 1]);
+    }
+}
+
 /// Framed edges, structure of arrays; meaning and units as in [`EdgeFrame`].
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(super) struct FrameLanes {
     tangent: VectorLanes,
     length: Lanes,
+    inverse_length: Lanes,
     director_1: VectorLanes,
     director_2: VectorLanes,
     holonomy: VectorLanes,
@@ -45,6 +54,7 @@ impl FrameLanes {
         Self {
             tangent: every_lane(Vector3::x()),
             length: [1.0; LANES],
+            inverse_length: [1.0; LANES],
             director_1: every_lane(Vector3::y()),
             director_2: every_lane(Vector3::z()),
             holonomy: every_lane(Vector3::zeros()),
@@ -56,9 +66,20 @@ impl FrameLanes {
     pub fn set(&mut self, lane: usize, edge: &EdgeFrame) {
         set_vector(&mut self.tangent, lane, &edge.tangent);
         self.length[lane] = edge.length;
+        self.inverse_length[lane] = edge.inverse_length;
         set_vector(&mut self.director_1, lane, &edge.director_1);
         set_vector(&mut self.director_2, lane, &edge.director_2);
         set_vector(&mut self.holonomy, lane, &edge.holonomy);
+    }
+
+    /// Takes over every edge of `other` into the next lane.
+    pub fn shift_from(&mut self, other: &Self) {
+        shift(&mut self.tangent, &other.tangent);
+        self.length[1..].copy_from_slice(&other.length[..LANES - 1]);
+        self.inverse_length[1..].copy_from_slice(&other.inverse_length[..LANES - 1]);
+        shift(&mut self.director_1, &other.director_1);
+        shift(&mut self.director_2, &other.director_2);
+        shift(&mut self.holonomy, &other.holonomy);
     }
 
     /// The edge in a lane.
@@ -67,6 +88,7 @@ impl FrameLanes {
         EdgeFrame {
             tangent: vector(&self.tangent, lane),
             length: self.length[lane],
+            inverse_length: self.inverse_length[lane],
             director_1: vector(&self.director_1, lane),
             director_2: vector(&self.director_2, lane),
             holonomy: vector(&self.holonomy, lane),
@@ -83,9 +105,8 @@ pub(super) struct TransportLanes {
     /// Tangents and reference directors from which to transport.
     source: VectorLanes,
     director: VectorLanes,
-    /// Of the angle between reference and material director.
-    sine: Lanes,
-    cosine: Lanes,
+    /// From the reference to the material director, rad.
+    angle: Lanes,
 }
 
 impl TransportLanes {
@@ -95,8 +116,7 @@ impl TransportLanes {
             edge: every_lane(Vector3::x()),
             source: every_lane(Vector3::x()),
             director: every_lane(Vector3::y()),
-            sine: [0.0; LANES],
-            cosine: [1.0; LANES],
+            angle: [0.0; LANES],
         }
     }
 
@@ -113,7 +133,7 @@ impl TransportLanes {
         set_vector(&mut self.edge, lane, edge);
         set_vector(&mut self.source, lane, source);
         set_vector(&mut self.director, lane, director);
-        (self.sine[lane], self.cosine[lane]) = libm::sincos(angle);
+        self.angle[lane] = within_reach(angle);
     }
 
     /// The tangent from which the edge in a lane is transported.
@@ -130,18 +150,20 @@ kernel! {
         for lane in 0..LANES {
             let edge = vector(&from.edge, lane);
             let source = from.source(lane);
-            let (sine, cosine) = (from.sine[lane], from.cosine[lane]);
+            let (sine, cosine) = sine_cosine(from.angle[lane]);
             let length = edge.norm();
-            let tangent = edge / length;
+            let inverse_length = 1.0 / length;
+            let tangent = edge * inverse_length;
             let director = parallel_transport(&vector(&from.director, lane), &source, &tangent);
             let normal = tangent.cross(&director);
             set_vector(directors, lane, &director);
             frames.set(lane, &EdgeFrame {
                 tangent,
                 length,
+                inverse_length,
                 director_1: director * cosine + normal * sine,
                 director_2: normal * cosine - director * sine,
-                holonomy: source.cross(&tangent) * (-1.0 / ((1.0 + source.dot(&tangent)) * length)),
+                holonomy: source.cross(&tangent) * (-inverse_length / (1.0 + source.dot(&tangent))),
             });
         }
     }

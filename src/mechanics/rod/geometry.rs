@@ -49,6 +49,7 @@ impl RodGeometry {
         let unused = EdgeFrame {
             tangent: Vector3::zeros(),
             length: 1.0,
+            inverse_length: 1.0,
             director_1: Vector3::zeros(),
             director_2: Vector3::zeros(),
             holonomy: Vector3::zeros(),
@@ -82,6 +83,7 @@ impl RodGeometry {
                 tangent: ghost.tangent,
                 // No move of a node turns it.
                 length: f64::INFINITY,
+                inverse_length: 0.0,
                 director_1: ghost.director,
                 director_2: ghost.tangent.cross(&ghost.director),
                 holonomy: Vector3::zeros(),
@@ -128,21 +130,26 @@ impl RodGeometry {
         for (batch, lanes) in self.vertex_lanes.iter_mut().enumerate() {
             let first = LANES * batch;
             let vertices = &rods.vertices[first..rods.vertices.len().min(first + LANES)];
+            let directors = &self.reference_director;
             for (lane, vertex) in vertices.iter().enumerate() {
-                let (before, after) = (vertex.before, vertex.after);
-                let directors = &self.reference_director;
-                lanes.set_edges(
-                    lane,
-                    [&self.edges[before], &self.edges[after]],
-                    [&directors[before], &directors[after]],
-                );
+                let after = vertex.after;
+                lanes.set_after(lane, &self.edges[after], &directors[after]);
             }
-            let [sine, cosine] = lanes.bend(self.set);
+            let others = if lanes.is_chain() {
+                lanes.chain();
+                1
+            } else {
+                vertices.len()
+            };
+            for (lane, vertex) in vertices[..others].iter().enumerate() {
+                let before = vertex.before;
+                lanes.set_before(lane, &self.edges[before], &directors[before]);
+            }
+            let angles = lanes.bend(self.set);
             for (lane, vertex) in vertices.iter().enumerate() {
-                let between = libm::atan2(sine[lane], cosine[lane]);
                 let expected =
                     reference.twist[first + lane] + spin(vertex.after) - spin(vertex.before);
-                let between = unwrapped(between, expected);
+                let between = unwrapped(angles[lane], expected);
                 self.reference_twist[first + lane] = between;
                 let turn = angle(vertex.after) - angle(vertex.before);
                 lanes.set_twist(lane, turn + between - vertex.joint_twist);

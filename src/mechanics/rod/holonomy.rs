@@ -12,7 +12,7 @@ pub fn holonomy_jacobian(source: &Vector3, frame: &EdgeFrame) -> Matrix3 {
     let binormal = curvature_binormal(source, tangent);
     let sum = (source + tangent) * inverse_chi + tangent;
     (binormal * sum.transpose() - source.cross_matrix() * (2.0 * inverse_chi))
-        * (0.5 / (frame.length * frame.length))
+        * (0.5 * frame.inverse_length * frame.inverse_length)
 }
 
 /// Symmetric part of (∂E/∂φ) ∇c of one edge; see [`super::vertex`].

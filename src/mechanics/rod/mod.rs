@@ -3,7 +3,7 @@
 //! [`vertex`] holds bending and twisting, [`edge`] stretching; [`ElasticRods`] adds them up over all rods
 //! into a gradient and a band matrix. [`RodGeometry`] computes edges, frames and strains from the
 //! unknowns. Both go through edges and vertices in lanes, several at a time (`frame_lanes`, `edge_lanes`,
-//! `vertex_lanes`), with the formulas written for one.
+//! `vertex_lanes`), with the formulas written for one; `trigonometry` has sines and angles for that.
 //!
 //! Papers: Bergou et al. 2008 (Discrete elastic rods), Bergou et al. 2010 (Discrete viscous threads:
 //! time-parallel frames), Kaldor et al. 2010 (twist that counts turns), Panetta et al. 2019 (the corrected
@@ -19,6 +19,7 @@ mod holonomy;
 mod placement;
 pub mod topology;
 pub mod transport;
+mod trigonometry;
 pub mod vertex;
 mod vertex_hessian;
 mod vertex_lanes;

@@ -173,6 +173,7 @@ fn frame(tangent: &Vector3, director: Vector3) -> EdgeFrame {
     EdgeFrame {
         tangent: *tangent,
         length: 1.0,
+        inverse_length: 1.0,
         director_1: director,
         director_2: tangent.cross(&director),
         holonomy: Vector3::zeros(),

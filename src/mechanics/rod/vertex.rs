@@ -53,6 +53,8 @@ pub struct EdgeFrame {
     pub tangent: Vector3,
     /// Length l, m; infinite for a ghost edge, whose direction is prescribed.
     pub length: f64,
+    /// Its inverse, 1/m.
+    pub inverse_length: f64,
     /// First material director m₁.
     pub director_1: Vector3,
     /// Second material director m₂ = t × m₁.
@@ -173,8 +175,8 @@ impl Common {
             mean_tangent: (t0 + t1) * inverse_chi,
             binormal: t0.cross(&t1) * (2.0 * inverse_chi),
             two_over_chi: 2.0 * inverse_chi,
-            inverse_length_0: 1.0 / before.length,
-            inverse_length_1: 1.0 / after.length,
+            inverse_length_0: before.inverse_length,
+            inverse_length_1: after.inverse_length,
         }
     }
 

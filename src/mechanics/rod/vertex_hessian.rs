@@ -2,7 +2,7 @@
 //!
 //! With the moments Q = ∂E/∂(strain) and the stiffness K it is Σ K ∇(strain)⊗∇(strain) + Σ Q ∇∇(strain).
 
-use super::vertex::{Common, EdgeFrame, Moments, VertexGradient, VertexStiffness, VertexStrains};
+use super::vertex::{Common, EdgeFrame, Moments, VertexStiffness, VertexStrains};
 use crate::mechanics::{Matrix3, Vector3};
 
 /// Blocks of the lower triangle of the Hessian over (e⁰, φ⁰, e¹, φ¹), but for (∂E/∂φ)∇c, which is added
@@ -35,97 +35,107 @@ pub fn hessian(
     let moments = Moments::new(strains, natural, stiffness);
     let [kappa_10, kappa_20, kappa_11, kappa_21] = strains.curvature;
     let [bending_1, bending_2] = stiffness.bending;
-    // κ¹ turns into κ² and κ² into −κ¹ when the frame spins.
-    let first = [
-        curvature_gradient(
-            before,
-            after,
-            &common,
-            kappa_10,
-            &before.director_2,
-            [kappa_20, 0.0],
-        ),
-        curvature_gradient(
-            before,
-            after,
-            &common,
-            kappa_20,
-            &-before.director_1,
-            [-kappa_10, 0.0],
-        ),
-        curvature_gradient(
-            before,
-            after,
-            &common,
-            kappa_11,
-            &after.director_2,
-            [0.0, kappa_21],
-        ),
-        curvature_gradient(
-            before,
-            after,
-            &common,
-            kappa_21,
-            &-after.director_1,
-            [0.0, -kappa_11],
-        ),
-        twist_gradient(before, after, &common),
-    ];
     let mut hessian = strain_curvature(before, after, &common, &moments);
-    hessian.add_square(bending_1, &first[0]);
-    hessian.add_square(bending_2, &first[1]);
-    hessian.add_square(bending_1, &first[2]);
-    hessian.add_square(bending_2, &first[3]);
-    hessian.add_square(stiffness.twisting, &first[4]);
+    let [one, other] = slopes_before(before, &common, [kappa_10, kappa_20]);
+    hessian.add_square_before(bending_1, &one);
+    hessian.add_square_before(bending_2, &other);
+    let [one, other] = slopes_after(after, &common, [kappa_11, kappa_21]);
+    hessian.add_square_after(bending_1, &one);
+    hessian.add_square_after(bending_2, &other);
+    hessian.add_twist(stiffness.twisting, before, after, &common);
     hessian
 }
 
+/// Gradient of a strain that one edge sees, over e⁰, e¹ and the angle of that edge.
+struct SeenGradient {
+    e0: Vector3,
+    e1: Vector3,
+    phi: f64,
+}
+
+/// Gradients of the two components of the curvature binormal that the edge before sees. When the frame spins, κ¹ turns
+/// into κ² and κ² into −κ¹.
+#[inline(always)]
+fn slopes_before(
+    before: &EdgeFrame,
+    common: &Common,
+    [kappa_1, kappa_2]: [f64; 2],
+) -> [SeenGradient; 2] {
+    let slope = |kappa: f64, director: &Vector3, phi: f64| {
+        let (e0, e1) = common.natural_gradient(kappa, &(director * common.two_over_chi));
+        let e0 = e0 + before.holonomy * phi;
+        SeenGradient { e0, e1, phi }
+    };
+    [
+        slope(kappa_1, &before.director_2, kappa_2),
+        slope(kappa_2, &-before.director_1, -kappa_1),
+    ]
+}
+
+/// The same of the edge after.
+#[inline(always)]
+fn slopes_after(
+    after: &EdgeFrame,
+    common: &Common,
+    [kappa_1, kappa_2]: [f64; 2],
+) -> [SeenGradient; 2] {
+    let slope = |kappa: f64, director: &Vector3, phi: f64| {
+        let (e0, e1) = common.natural_gradient(kappa, &(director * common.two_over_chi));
+        let e1 = e1 + after.holonomy * phi;
+        SeenGradient { e0, e1, phi }
+    };
+    [
+        slope(kappa_1, &after.director_2, kappa_2),
+        slope(kappa_2, &-after.director_1, -kappa_1),
+    ]
+}
+
 impl VertexHessian {
-    /// Adds `weight` g⊗g.
+    /// Adds `weight` g⊗g of a strain that the edge before sees.
     #[inline(always)]
-    fn add_square(&mut self, weight: f64, g: &VertexGradient) {
-        let (e0, phi0) = (g.e0 * weight, g.phi0 * weight);
-        let (e1, phi1) = (g.e1 * weight, g.phi1 * weight);
+    fn add_square_before(&mut self, weight: f64, g: &SeenGradient) {
+        let phi = g.phi * weight;
+        self.add_square_of_edges(weight, g);
+        self.e0phi0 += g.e0 * phi;
+        self.e1phi0 += g.e1 * phi;
+        self.phi0phi0 += g.phi * phi;
+    }
+
+    /// The same of a strain that the edge after sees.
+    #[inline(always)]
+    fn add_square_after(&mut self, weight: f64, g: &SeenGradient) {
+        let phi = g.phi * weight;
+        self.add_square_of_edges(weight, g);
+        self.e0phi1 += g.e0 * phi;
+        self.e1phi1 += g.e1 * phi;
+        self.phi1phi1 += g.phi * phi;
+    }
+
+    #[inline(always)]
+    fn add_square_of_edges(&mut self, weight: f64, g: &SeenGradient) {
+        let (e0, e1) = (g.e0 * weight, g.e1 * weight);
         self.e0e0 += outer(&e0, &g.e0);
         self.e1e0 += outer(&e1, &g.e0);
         self.e1e1 += outer(&e1, &g.e1);
-        self.e0phi0 += g.e0 * phi0;
-        self.e0phi1 += g.e0 * phi1;
-        self.e1phi0 += g.e1 * phi0;
-        self.e1phi1 += g.e1 * phi1;
-        self.phi0phi0 += g.phi0 * phi0;
-        self.phi1phi0 += g.phi0 * phi1;
-        self.phi1phi1 += g.phi1 * phi1;
     }
-}
 
-/// Gradient of the curvature κ = d·κb, which changes at the rates `spins` when the frames spin.
-#[inline(always)]
-fn curvature_gradient(
-    before: &EdgeFrame,
-    after: &EdgeFrame,
-    common: &Common,
-    kappa: f64,
-    director: &Vector3,
-    spins: [f64; 2],
-) -> VertexGradient {
-    let (g0, g1) = common.natural_gradient(kappa, &(director * common.two_over_chi));
-    VertexGradient {
-        e0: g0 + before.holonomy * spins[0],
-        phi0: spins[0],
-        e1: g1 + after.holonomy * spins[1],
-        phi1: spins[1],
-    }
-}
-
-#[inline(always)]
-fn twist_gradient(before: &EdgeFrame, after: &EdgeFrame, common: &Common) -> VertexGradient {
-    let half = common.binormal * 0.5;
-    VertexGradient {
-        e0: half * common.inverse_length_0 - before.holonomy,
-        phi0: -1.0,
-        e1: half * common.inverse_length_1 + after.holonomy,
-        phi1: 1.0,
+    /// Adds `weight` ∇τ⊗∇τ.
+    #[inline(always)]
+    fn add_twist(&mut self, weight: f64, before: &EdgeFrame, after: &EdgeFrame, common: &Common) {
+        let half = common.binormal * 0.5;
+        let e0 = half * common.inverse_length_0 - before.holonomy;
+        let e1 = half * common.inverse_length_1 + after.holonomy;
+        let (f0, f1) = (e0 * weight, e1 * weight);
+        self.e0e0 += outer(&f0, &e0);
+        self.e1e0 += outer(&f1, &e0);
+        self.e1e1 += outer(&f1, &e1);
+        self.e0phi0 -= f0;
+        self.e0phi1 += f0;
+        self.e1phi0 -= f1;
+        self.e1phi1 += f1;
+        self.phi0phi0 += weight;
+        self.phi1phi0 -= weight;
+        self.phi1phi1 += weight;
     }
 }
 

@@ -1,8 +1,9 @@
 //! Strains, gradient and Hessian of [`LANES`] vertices at a time: the formulas of [`super::vertex`] lane by lane.
 
 use super::discretization::Vertex;
-use super::frame_lanes::{FrameLanes, VectorLanes, every_lane, set_vector, vector};
+use super::frame_lanes::{FrameLanes, VectorLanes, every_lane, set_vector, shift, vector};
 use super::transport::parallel_transport;
+use super::trigonometry::angle_of;
 use super::vertex::{self, EdgeFrame, VertexGradient, VertexStiffness, VertexStrains};
 use super::vertex_hessian;
 use crate::linalg::instruction_set::{InstructionSet, LANES, Lanes, kernel};
@@ -57,6 +58,7 @@ pub(super) struct VertexLanes {
     natural: StrainLanes,
     bending: [Lanes; 2],
     twisting: Lanes,
+    is_chain: bool,
 }
 
 impl VertexLanes {
@@ -70,6 +72,10 @@ impl VertexLanes {
             natural: StrainLanes::new(),
             bending: [[0.0; LANES]; 2],
             twisting: [0.0; LANES],
+            is_chain: vertices.len() == LANES
+                && vertices
+                    .windows(2)
+                    .all(|pair| pair[0].after == pair[1].before),
         };
         for (lane, vertex) in vertices.iter().enumerate() {
             lanes.natural.set(lane, &vertex.natural);
@@ -80,18 +86,33 @@ impl VertexLanes {
         lanes
     }
 
-    /// Puts the frames and reference directors of the edges of a vertex into a lane.
-    pub fn set_edges(&mut self, lane: usize, edges: [&EdgeFrame; 2], reference: [&Vector3; 2]) {
-        self.before.set(lane, edges[0]);
-        self.after.set(lane, edges[1]);
-        set_vector(&mut self.reference[0], lane, reference[0]);
-        set_vector(&mut self.reference[1], lane, reference[1]);
+    /// Puts the frame and the reference director of the edge before a vertex into a lane.
+    pub fn set_before(&mut self, lane: usize, edge: &EdgeFrame, reference: &Vector3) {
+        self.before.set(lane, edge);
+        set_vector(&mut self.reference[0], lane, reference);
     }
 
-    /// Computes the curvatures of every lane, and sine and cosine of the angle between the reference
-    /// directors.
-    pub fn bend(&mut self, set: InstructionSet) -> [Lanes; 2] {
-        let (mut curvature, mut angle) = ([[0.0; LANES]; 4], [[0.0; LANES]; 2]);
+    /// Puts the frame and the reference director of the edge after a vertex into a lane.
+    pub fn set_after(&mut self, lane: usize, edge: &EdgeFrame, reference: &Vector3) {
+        self.after.set(lane, edge);
+        set_vector(&mut self.reference[1], lane, reference);
+    }
+
+    /// Whether every lane is in use and the edge after each vertex is that before the next.
+    pub fn is_chain(&self) -> bool {
+        self.is_chain
+    }
+
+    /// Puts the edge after each vertex before the next.
+    pub fn chain(&mut self) {
+        self.before.shift_from(&self.after);
+        let [before, after] = &mut self.reference;
+        shift(before, after);
+    }
+
+    /// Computes the curvatures of every lane, and the angle between the reference directors.
+    pub fn bend(&mut self, set: InstructionSet) -> Lanes {
+        let (mut curvature, mut angle) = ([[0.0; LANES]; 4], [0.0; LANES]);
         bend(set, self, &mut curvature, &mut angle);
         self.strains.curvature = curvature;
         angle
@@ -123,16 +144,16 @@ impl VertexLanes {
 }
 
 kernel! {
-    /// [`vertex::curvatures`] of every lane, and sine and cosine of the angle from the reference director
-    /// before, transported, to that after.
-    fn bend(vertices: &VertexLanes, curvature: &mut [Lanes; 4], angle: &mut [Lanes; 2]) {
+    /// [`vertex::curvatures`] of every lane, and the angle from the reference director before, transported, to that
+    /// after.
+    fn bend(vertices: &VertexLanes, curvature: &mut [Lanes; 4], angle: &mut Lanes) {
         for lane in 0..LANES {
             let (before, after) = (vertices.before.get(lane), vertices.after.get(lane));
             let reference = vector(&vertices.reference[0], lane);
             let carried = parallel_transport(&reference, &before.tangent, &after.tangent);
             let reference = vector(&vertices.reference[1], lane);
-            angle[0][lane] = carried.cross(&reference).dot(&after.tangent);
-            angle[1][lane] = carried.dot(&reference);
+            let sine = carried.cross(&reference).dot(&after.tangent);
+            angle[lane] = angle_of(sine, carried.dot(&reference));
             let [c0, c1, c2, c3] = vertex::curvatures(&before, &after);
             curvature[0][lane] = c0;
             curvature[1][lane] = c1;

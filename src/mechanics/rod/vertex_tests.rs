@@ -107,6 +107,7 @@ fn frame_at(
         EdgeFrame {
             tangent,
             length,
+            inverse_length: 1.0 / length,
             director_1,
             director_2: tangent.cross(&director_1),
             holonomy,
