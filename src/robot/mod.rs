@@ -5,7 +5,7 @@
 //! | file | what |
 //! |---|---|
 //! | `pose`, `chain`, `body` | rigid motions; joints and links; shapes of links |
-//! | `urdf` | chains from URDF files |
+//! | `urdf`, `mesh` | chains from URDF files; meshes of their links |
 //! | `kinematics`, `posture` | the hand and its Jacobian; manipulability, distance to singularities and limits |
 //! | `collision` | distances between arms and what stands around them |
 //! | `path` | smooth joint paths along a path of the hand; the best place for one |
@@ -21,6 +21,7 @@ mod collision;
 mod driver;
 mod inverse;
 mod kinematics;
+mod mesh;
 mod path;
 mod pose;
 mod posture;
@@ -32,7 +33,7 @@ mod timing;
 mod trajectory;
 mod urdf;
 
-pub use body::{Body, Shape};
+pub use body::{Body, Hull, Shape};
 pub use chain::{Chain, Joint, JointKind, Limits, MOST_JOINTS, Motion, Segment};
 pub use collision::{Approach, FAR, Member, StandingBox, Surroundings};
 pub use driver::{
