@@ -1,7 +1,7 @@
 //! Cell files: those that come with the program, and faulty ones.
 
 use super::*;
-use crate::robot::{distance_and_angle, pose};
+use crate::robot::{Middleware, distance_and_angle, pose};
 use std::path::PathBuf;
 
 fn repository() -> PathBuf {
@@ -124,7 +124,19 @@ fn faults_name_file_line_and_key() {
             "\"stepper\"",
             "\"steper\"",
             "cell.toml:11:",
-            "allowed: file, rosbridge, ros1, stepper",
+            "allowed: file, rosbridge, ros1, ros2, stepper",
+        ),
+        (
+            "kind = \"stepper\", port = \"/dev/ttyACM0\", steps_per_turn = 3200",
+            "kind = \"ros2\", domain = 300, action = \"/a\", joint_states = \"/s\"",
+            "`axes.0.driver.domain`",
+            "allowed: 0 to 232",
+        ),
+        (
+            "kind = \"stepper\", port = \"/dev/ttyACM0\", steps_per_turn = 3200",
+            "kind = \"ros2\", middleware = \"zenoh\", action = \"/a\", joint_states = \"/s\"",
+            "`axes.0.driver.middleware`",
+            "allowed: fast-dds, cyclone-dds",
         ),
         (
             "name = \"twister\"",
@@ -185,6 +197,40 @@ fn faults_name_file_line_and_key() {
             .unwrap_err()
             .contains("none.urdf: cannot be read")
     );
+}
+
+#[test]
+fn ten_lines_of_the_guide_connect_an_arm() {
+    let page = include_str!("../guide/robots.md");
+    let block = |k: usize| {
+        let after = page.split("```toml cell\n").nth(k).unwrap();
+        after.split("```").next().unwrap()
+    };
+    assert_eq!(block(1).lines().count(), 10);
+    let directory = tempfile::tempdir().unwrap();
+    let urdf = r#"<robot name="r"><link name="base"/><link name="hand"/><joint name="a" type="revolute"><parent link="base"/>
+        <child link="hand"/><axis xyz="0 0 1"/><limit lower="-1" upper="2" effort="1" velocity="3"/></joint></robot>"#;
+    std::fs::write(directory.path().join("my_arm.urdf"), urdf).unwrap();
+    let path = directory.path().join("cell.toml");
+    std::fs::write(&path, [block(1), block(3)].concat()).unwrap();
+    let cell = Cell::read(&path).unwrap_or_else(|error| panic!("{error}"));
+    let Some(Driver::Ros2(address)) = &cell.arms[0].driver else {
+        panic!("{:?}", cell.arms[0].driver);
+    };
+    assert_eq!(
+        (address.domain, address.middleware),
+        (0, Middleware::FastDds)
+    );
+    assert!(cell.table.is_some() && cell.obstacles.len() == 1 && cell.axes.len() == 1);
+    let joints = format!(
+        "[[arms]]\nname = \"arm\"\nacceleration = 1.0\njerk = 1.0\n{}",
+        block(2)
+    );
+    std::fs::write(&path, joints).unwrap();
+    let arm = &Cell::read(&path)
+        .unwrap_or_else(|error| panic!("{error}"))
+        .arms[0];
+    assert_eq!(arm.chain.joints.len(), 2);
 }
 
 #[test]

@@ -11,7 +11,7 @@
 //! | `path` | smooth joint paths along a path of the hand; the best place for one |
 //! | `timing` | from a joint path to a motion within limits of velocity, acceleration and jerk |
 //! | `trajectory` | joint trajectories as tables |
-//! | `driver` | files, rosbridge and steppers behind one trait |
+//! | `driver` | ROS 1, ROS 2, rosbridge, steppers and files behind one trait |
 //! | `stream` | checks before the first point, one clock, watchdogs, the log |
 //! | `inverse`, `self_motion` | joint positions for a pose: one, every branch, curves of redundant chains |
 
@@ -37,8 +37,9 @@ pub use body::{Body, Hull, Shape};
 pub use chain::{Chain, Joint, JointKind, Limits, MOST_JOINTS, Motion, Segment};
 pub use collision::{Approach, FAR, Member, StandingBox, Surroundings};
 pub use driver::{
-    Driver, DriverError, FileDriver, JointState, PartTrajectory, Progress, Ros1Driver, RosVersion,
-    RosbridgeDriver, SerialLine, StepperAnswer, StepperDriver, StepperLink, StepperRequest,
+    Driver, DriverError, FileDriver, JointState, Middleware, PartTrajectory, Progress, Ros1Driver,
+    Ros2Address, RosVersion, RosbridgeDriver, SerialLine, StepperAnswer, StepperDriver,
+    StepperLink, StepperRequest,
 };
 pub use inverse::{Nearest, REACHED};
 pub use kinematics::Jacobian;

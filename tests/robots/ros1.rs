@@ -89,7 +89,7 @@ impl Robot {
             "kind = \"ros1\"\nmaster = \"http://127.0.0.1:{port}\"\n\
              action = \"/robot/limb/right/follow_joint_trajectory\"\njoint_states = \"/robot/joint_states\""
         );
-        two_joints(robot.folder.path(), &driver, 5.0);
+        two_joints(robot.folder.path(), &driver, 500, 5.0);
         Some(robot)
     }
 
@@ -246,7 +246,7 @@ fn a_killed_server_and_a_killed_master_are_noticed_within_half_a_second() {
 fn without_a_master_nothing_is_moved_and_the_message_says_what_to_start() {
     let folder = tempfile::tempdir().unwrap();
     let driver = "kind = \"ros1\"\nmaster = \"http://127.0.0.1:1\"\naction = \"/arm\"\njoint_states = \"/joint_states\"";
-    two_joints(folder.path(), driver, 1.0);
+    two_joints(folder.path(), driver, 500, 1.0);
     let output = rodlab(folder.path(), &STREAM);
     assert_eq!(output.status.code(), Some(1));
     assert!(said(&output).contains("is it started"), "{}", said(&output));
