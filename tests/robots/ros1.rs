@@ -18,6 +18,7 @@ struct Robot {
     arm: Child,
     /// What the arm says.
     lines: Receiver<String>,
+    port: u16,
 }
 
 fn script() -> PathBuf {
@@ -82,6 +83,7 @@ impl Robot {
             master,
             arm,
             lines,
+            port,
         };
         // It says so where the master is not up yet.
         while robot.says(60) != "ready" {}
@@ -240,6 +242,33 @@ fn a_killed_server_and_a_killed_master_are_noticed_within_half_a_second() {
             assert_eq!(robot.says(2), "preempted");
         }
     }
+}
+
+#[test]
+fn a_rod_before_a_camera_of_ros_1_is_traced() {
+    let Some(robot) = Robot::start() else { return };
+    for topic in ["camera/image_raw", "camera/image_raw/compressed"] {
+        let place = format!("ros1://127.0.0.1:{}/{topic}", robot.port);
+        let output = rodlab(robot.folder.path(), &["trace", &place, "--json"]);
+        assert!(output.status.success(), "{}", said(&output));
+        let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(
+            (&found["width"], &found["height"]),
+            (&320.into(), &240.into())
+        );
+        let length = found["strands"][0]["length_px"].as_f64().unwrap();
+        assert!((length - 200.0).abs() < 10.0, "{topic}: {found}");
+    }
+    let place = format!("ros1://127.0.0.1:{}/camera/none", robot.port);
+    let output = rodlab(robot.folder.path(), &["trace", &place]);
+    assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+    assert!(
+        said(&output).contains("is the camera started"),
+        "{}",
+        said(&output)
+    );
+    let output = rodlab(robot.folder.path(), &["trace", "ros1://none"]);
+    assert_eq!(output.status.code(), Some(2), "{}", said(&output));
 }
 
 #[test]
