@@ -54,9 +54,12 @@ impl Ros2Address {
     /// A driver for the robot there; `None` unless [`Self::IS_BUILT`].
     pub fn driver(&self) -> Option<Box<dyn Driver>> {
         #[cfg(feature = "ros2")]
-        let driver = Some(Box::new(client::Ros2Driver::new(self.clone())) as Box<dyn Driver>);
+        {
+            Some(Box::new(client::Ros2Driver::new(self.clone())))
+        }
         #[cfg(not(feature = "ros2"))]
-        let driver = None;
-        driver
+        {
+            None
+        }
     }
 }
