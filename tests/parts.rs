@@ -1,5 +1,5 @@
-//! Parts beside Rust that some tests need: a browser, Slurm, ROS 1, simavr, pinocchio, VTK. One place says what is installed
-//! and why, installs one after the other, and says what was skipped.
+//! Parts beside Rust that some tests need: a browser, Slurm, ROS 1, Fast DDS and Cyclone DDS, simavr, pinocchio, VTK. One
+//! place says what is installed and why, installs one after the other, and says what was skipped.
 
 use std::fs::{File, OpenOptions};
 use std::io::Write;

@@ -1,7 +1,7 @@
 //! What `rodlab check` says of a cell.
 
 use super::resolved::{Cell, Driver};
-use crate::robot::{Posture, parts};
+use crate::robot::{Posture, Ros2Address, parts};
 use serde::Serialize;
 use std::fmt;
 
@@ -90,6 +90,17 @@ fn in_words(driver: Option<&Driver>) -> String {
             ..
         }) => format!("ROS {ros}, {action} through rosbridge at {address}"),
         Some(Driver::Ros1 { master, action, .. }) => format!("ROS 1, {action} at {master}"),
+        Some(Driver::Ros2(address)) => format!(
+            "ROS 2, {} in domain {} over {}{}",
+            address.action,
+            address.domain,
+            address.middleware.name(),
+            if Ros2Address::IS_BUILT {
+                ""
+            } else {
+                " (not in this program)"
+            }
+        ),
         Some(Driver::Stepper { port, baud, .. }) => format!("stepper at {port}, {baud} baud"),
     }
 }

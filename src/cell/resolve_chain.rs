@@ -32,9 +32,10 @@ pub(super) fn resolve_arm(
                 Ok(arm) => {
                     if !arm.meshes.is_empty() {
                         resolver.warnings.borrow_mut().push(format!(
-                            "arm {}: {} collision meshes are passed over; `link_radius` or `capsules` take their place",
+                            "arm {}: {} collision meshes are passed over, for they are no STL files or not found, as {}; `link_radius` or `capsules` take their place",
                             typed.name,
-                            arm.meshes.len()
+                            arm.meshes.len(),
+                            arm.meshes[0]
                         ));
                     }
                     (arm.chain, arm.bodies)

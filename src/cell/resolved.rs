@@ -1,6 +1,6 @@
 //! The cell in SI units.
 
-use crate::robot::{Body, Chain, Limits, Pose};
+use crate::robot::{Body, Chain, Limits, Pose, Ros2Address};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -141,6 +141,8 @@ pub enum Driver {
         /// Topic of the joint states.
         joint_states: String,
     },
+    /// A `control_msgs/FollowJointTrajectory` action of ROS 2.
+    Ros2(Ros2Address),
     /// A stepper motor on a serial line.
     Stepper {
         /// The port, such as `/dev/ttyACM0`.

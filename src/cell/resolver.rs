@@ -2,7 +2,7 @@
 
 use super::resolved::Driver;
 use super::typed::{self, CellFile};
-use crate::robot::{Pose, pose};
+use crate::robot::{Middleware, Pose, Ros2Address, pose};
 use crate::scenario::dimension::{Angle, Dimension, Dimensionless, Length};
 use crate::scenario::{Issue, Issues, KeyPath, Quantity, TypedFile, Vector};
 use nalgebra::{Translation3, UnitQuaternion};
@@ -98,13 +98,15 @@ impl Resolver<'_> {
         let allowed = match driver {
             typed::Driver::File(_) => true,
             typed::Driver::Stepper(_) => is_axis,
-            typed::Driver::Rosbridge(_) | typed::Driver::Ros1(_) => !is_axis,
+            typed::Driver::Rosbridge(_) | typed::Driver::Ros1(_) | typed::Driver::Ros2(_) => {
+                !is_axis
+            }
         };
         if !allowed {
             let allowed = if is_axis {
                 "file, stepper"
             } else {
-                "file, rosbridge, ros1"
+                "file, rosbridge, ros1, ros2"
             };
             self.fault(
                 &path.key("kind"),
@@ -169,6 +171,7 @@ impl Resolver<'_> {
                     joint_states: ros.joint_states.clone(),
                 }
             }
+            typed::Driver::Ros2(ros) => Driver::Ros2(self.ros_2(path, ros)),
             typed::Driver::Stepper(stepper) => {
                 if stepper.steps_per_turn == 0 {
                     self.fault(&path.key("steps_per_turn"), "0 must be above 0");
@@ -179,6 +182,45 @@ impl Resolver<'_> {
                     steps_per_turn: stepper.steps_per_turn.max(1),
                 }
             }
+        }
+    }
+
+    fn ros_2(&self, path: &KeyPath, ros: &typed::Ros2Driver) -> Ros2Address {
+        let domain = ros.domain.unwrap_or(0);
+        // Ports of higher domains are no ports.
+        if domain > 232 {
+            self.fault(
+                &path.key("domain"),
+                format!("{domain}; allowed: 0 to 232, the robot's ROS_DOMAIN_ID"),
+            );
+        }
+        let middleware = match ros.middleware.as_deref() {
+            None | Some("fast-dds") => Middleware::FastDds,
+            Some("cyclone-dds") => Middleware::CycloneDds,
+            Some(other) => {
+                self.fault(
+                    &path.key("middleware"),
+                    format!("{other:?} is not known here; allowed: fast-dds, cyclone-dds"),
+                );
+                Middleware::FastDds
+            }
+        };
+        let interface = ros.interface.as_ref().and_then(|text| {
+            let address = text.parse().ok();
+            if address.is_none() {
+                self.fault(
+                    &path.key("interface"),
+                    "an address of this machine is needed, as in \"192.168.1.10\"",
+                );
+            }
+            address
+        });
+        Ros2Address {
+            domain,
+            middleware,
+            interface,
+            action: ros.action.clone(),
+            joint_states: ros.joint_states.clone(),
         }
     }
 }

@@ -6,6 +6,8 @@ use crate::robot::{
     RosbridgeDriver, StepperDriver, StreamBounds, check,
 };
 
+const WITHOUT_ROS_2: &str = "this program was built without ROS 2; `cargo install --path . --features ros2` builds one with it";
+
 /// What a stream would do.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct StreamReport {
@@ -67,11 +69,14 @@ impl Cell {
             }
             match driver {
                 None => faults.push(format!("{name}: it has no `driver` in the cell file")),
-                Some(driver) => parts.push(Part {
-                    name: name.to_owned(),
-                    driver: self.driver(driver),
-                    trajectory: part,
-                }),
+                Some(driver) => match self.driver(driver) {
+                    Some(driver) => parts.push(Part {
+                        name: name.to_owned(),
+                        driver,
+                        trajectory: part,
+                    }),
+                    None => faults.push(format!("{name}: {WITHOUT_ROS_2}")),
+                },
             }
         }
         let least_clearance = if faults.is_empty() {
@@ -169,8 +174,9 @@ impl Cell {
         least
     }
 
-    fn driver(&self, driver: &Driver) -> Box<dyn robot::Driver> {
-        match driver {
+    /// `None` where it is not built into this program.
+    fn driver(&self, driver: &Driver) -> Option<Box<dyn robot::Driver>> {
+        let driver: Box<dyn robot::Driver> = match driver {
             Driver::File { path, json_lines } => {
                 Box::new(FileDriver::new(path.clone(), *json_lines))
             }
@@ -192,12 +198,14 @@ impl Cell {
                 action,
                 joint_states,
             } => Box::new(Ros1Driver::new(master, action, joint_states)),
+            Driver::Ros2(address) => return address.driver(),
             Driver::Stepper {
                 port,
                 baud,
                 steps_per_turn,
             } => Box::new(StepperDriver::new(port, *baud, *steps_per_turn)),
-        }
+        };
+        Some(driver)
     }
 }
 

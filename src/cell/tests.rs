@@ -1,7 +1,7 @@
 //! Cell files: those that come with the program, and faulty ones.
 
 use super::*;
-use crate::robot::{distance_and_angle, pose};
+use crate::robot::{Middleware, distance_and_angle, pose};
 use std::path::PathBuf;
 
 fn repository() -> PathBuf {
@@ -63,20 +63,33 @@ fn the_sawyer_stands_where_the_samples_of_three_libraries_say() {
 }
 
 #[test]
-fn a_thousand_reachable_poses_of_every_arm_are_solved() {
+fn a_thousand_reachable_poses_of_every_arm_are_solved_in_a_millisecond_each() {
+    // Builds without optimisation take longer.
+    const MOST: f64 = if cfg!(debug_assertions) { 10e-3 } else { 1e-3 };
     for name in ["two_sawyers.toml", "seven_joints.toml", "six_joints.toml"] {
         let cell = shipped(name);
         let arm = &cell.arms[0];
         for k in 0..1000 {
             let target = arm.chain.hand(&arm.chain.start(100_000 + k));
-            let joints = arm
-                .chain
-                .reach(&target, &arm.home)
-                .unwrap_or_else(|nearest| {
-                    panic!("{name}, pose {k}: {nearest:?}");
-                });
-            let (distance, angle) = distance_and_angle(&arm.chain.hand(&joints), &target);
-            assert!(distance < 1e-9 && angle < 1e-9 && arm.chain.outside_limits(&joints).is_none());
+            // The best of a few times: the machine has other things to do.
+            let mut fastest = f64::INFINITY;
+            for _ in 0..20 {
+                let begin = std::time::Instant::now();
+                let joints = arm
+                    .chain
+                    .reach(&target, &arm.home)
+                    .unwrap_or_else(|nearest| {
+                        panic!("{name}, pose {k}: {nearest:?}");
+                    });
+                fastest = fastest.min(begin.elapsed().as_secs_f64());
+                let (distance, angle) = distance_and_angle(&arm.chain.hand(&joints), &target);
+                assert!(distance < 1e-9 && angle < 1e-9);
+                assert!(arm.chain.outside_limits(&joints).is_none());
+                if fastest < MOST {
+                    break;
+                }
+            }
+            assert!(fastest < MOST, "{name}, pose {k}: {fastest} s");
         }
     }
 }
@@ -124,7 +137,19 @@ fn faults_name_file_line_and_key() {
             "\"stepper\"",
             "\"steper\"",
             "cell.toml:11:",
-            "allowed: file, rosbridge, ros1, stepper",
+            "allowed: file, rosbridge, ros1, ros2, stepper",
+        ),
+        (
+            "kind = \"stepper\", port = \"/dev/ttyACM0\", steps_per_turn = 3200",
+            "kind = \"ros2\", domain = 300, action = \"/a\", joint_states = \"/s\"",
+            "`axes.0.driver.domain`",
+            "allowed: 0 to 232",
+        ),
+        (
+            "kind = \"stepper\", port = \"/dev/ttyACM0\", steps_per_turn = 3200",
+            "kind = \"ros2\", middleware = \"zenoh\", action = \"/a\", joint_states = \"/s\"",
+            "`axes.0.driver.middleware`",
+            "allowed: fast-dds, cyclone-dds",
         ),
         (
             "name = \"twister\"",
@@ -185,6 +210,40 @@ fn faults_name_file_line_and_key() {
             .unwrap_err()
             .contains("none.urdf: cannot be read")
     );
+}
+
+#[test]
+fn ten_lines_of_the_guide_connect_an_arm() {
+    let page = include_str!("../guide/robots.md");
+    let block = |k: usize| {
+        let after = page.split("```toml cell\n").nth(k).unwrap();
+        after.split("```").next().unwrap()
+    };
+    assert_eq!(block(1).lines().count(), 10);
+    let directory = tempfile::tempdir().unwrap();
+    let urdf = r#"<robot name="r"><link name="base"/><link name="hand"/><joint name="a" type="revolute"><parent link="base"/>
+        <child link="hand"/><axis xyz="0 0 1"/><limit lower="-1" upper="2" effort="1" velocity="3"/></joint></robot>"#;
+    std::fs::write(directory.path().join("my_arm.urdf"), urdf).unwrap();
+    let path = directory.path().join("cell.toml");
+    std::fs::write(&path, [block(1), block(3)].concat()).unwrap();
+    let cell = Cell::read(&path).unwrap_or_else(|error| panic!("{error}"));
+    let Some(Driver::Ros2(address)) = &cell.arms[0].driver else {
+        panic!("{:?}", cell.arms[0].driver);
+    };
+    assert_eq!(
+        (address.domain, address.middleware),
+        (0, Middleware::FastDds)
+    );
+    assert!(cell.table.is_some() && cell.obstacles.len() == 1 && cell.axes.len() == 1);
+    let joints = format!(
+        "[[arms]]\nname = \"arm\"\nacceleration = 1.0\njerk = 1.0\n{}",
+        block(2)
+    );
+    std::fs::write(&path, joints).unwrap();
+    let arm = &Cell::read(&path)
+        .unwrap_or_else(|error| panic!("{error}"))
+        .arms[0];
+    assert_eq!(arm.chain.joints.len(), 2);
 }
 
 #[test]
@@ -290,48 +349,58 @@ fn helices_and_letters_become_smooth_joint_paths_where_they_fit_best() {
 }
 
 #[test]
-fn a_planned_letter_holds_every_limit_at_a_kilohertz() {
+fn planned_helices_and_letters_hold_every_limit_at_a_kilohertz() {
     for name in ["two_sawyers.toml", "seven_joints.toml", "six_joints.toml"] {
-        let cell = shipped(name);
-        let begin = std::time::Instant::now();
-        let request = PlanRequest {
-            arm: 0,
-            path: letter(),
-            place: Place::Auto,
-            margin: 0.01,
-            speed: 0.25,
-            rate: 1000,
-        };
-        let plan = cell
-            .plan(&request)
-            .unwrap_or_else(|error| panic!("{name}: {error}"));
-        eprintln!("{name}: {:?}; {:?}", begin.elapsed(), plan.report);
-        let limits: Vec<_> = cell.arms[0]
-            .chain
-            .joints
-            .iter()
-            .map(|joint| joint.limits)
-            .collect();
-        let used = crate::robot::utilisation(&plan.trajectory.points, &limits);
-        assert!(
-            used.velocity <= 1.0 && used.acceleration <= 1.0 && used.jerk <= 1.0,
-            "{used:?}"
-        );
-        // The hand comes by every corner, within what the cutting of the time into milliseconds leaves.
-        let frame =
-            crate::robot::pose(plan.report.place_position, plan.report.place_quaternion).unwrap();
-        let to_base = cell.arms[0].base.inverse() * frame;
-        for corner in letter() {
-            let corner = (to_base * corner).translation.vector;
-            let hands = plan
-                .trajectory
-                .points
-                .iter()
-                .map(|q| cell.arms[0].chain.hand(q).translation.vector);
-            let nearest = hands
-                .map(|hand| (hand - corner).norm())
-                .fold(f64::INFINITY, f64::min);
-            assert!(nearest < 5e-4, "{nearest}");
+        for (what, path) in [("helix", helix()), ("letter", letter())] {
+            planned_within_limits(name, what, &path);
         }
     }
+}
+
+fn planned_within_limits(name: &str, what: &str, path: &[crate::robot::Pose]) {
+    const SPEED: f64 = 0.25;
+    let cell = shipped(name);
+    let arm = &cell.arms[0];
+    let begin = std::time::Instant::now();
+    let request = PlanRequest {
+        arm: 0,
+        path: path.to_vec(),
+        place: Place::Auto,
+        margin: 0.01,
+        speed: SPEED,
+        rate: 1000,
+    };
+    let plan = cell
+        .plan(&request)
+        .unwrap_or_else(|error| panic!("{name}, {what}: {error}"));
+    eprintln!("{name}, {what}: {:?}; {:?}", begin.elapsed(), plan.report);
+    let joints = arm.chain.joints.iter();
+    let limits: Vec<_> = joints.map(|joint| joint.limits).collect();
+    let points = &plan.trajectory.points;
+    let used = crate::robot::utilisation(points, &limits);
+    assert!(
+        used.velocity <= 1.0 && used.acceleration <= 1.0 && used.jerk <= 1.0,
+        "{used:?}"
+    );
+    let outside = points
+        .iter()
+        .find(|q| arm.chain.outside_limits(q).is_some());
+    assert!(outside.is_none(), "{outside:?}");
+    assert!(plan.report.largest_jump <= crate::robot::LARGEST_JUMP);
+    // The hand comes by every pose, within what the cutting of the time into milliseconds leaves, and is never too fast.
+    let frame =
+        crate::robot::pose(plan.report.place_position, plan.report.place_quaternion).unwrap();
+    let to_base = arm.base.inverse() * frame;
+    let hands: Vec<_> = points
+        .iter()
+        .map(|q| arm.chain.hand(q).translation.vector)
+        .collect();
+    for pose in path {
+        let place = (to_base * pose).translation.vector;
+        let distances = hands.iter().map(|hand| (hand - place).norm());
+        let nearest = distances.fold(f64::INFINITY, f64::min);
+        assert!(nearest < 5e-4, "{name}, {what}: {nearest}");
+    }
+    let fastest = hands.windows(2).map(|pair| (pair[1] - pair[0]).norm());
+    assert!(fastest.fold(0.0, f64::max) < SPEED * 1e-3 * 1.001);
 }

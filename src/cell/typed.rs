@@ -201,6 +201,7 @@ pub enum Driver {
     File(FileDriver),
     Rosbridge(RosbridgeDriver),
     Ros1(Ros1Driver),
+    Ros2(Ros2Driver),
     Stepper(StepperDriver),
 }
 
@@ -224,6 +225,16 @@ pub struct RosbridgeDriver {
 #[derive(Debug, Deserialize)]
 pub struct Ros1Driver {
     pub master: String,
+    pub action: String,
+    pub joint_states: String,
+}
+
+/// A ROS 2 action server.
+#[derive(Debug, Deserialize)]
+pub struct Ros2Driver {
+    pub domain: Option<u16>,
+    pub middleware: Option<String>,
+    pub interface: Option<String>,
     pub action: String,
     pub joint_states: String,
 }

@@ -134,7 +134,7 @@ impl Lines {
                 .link
                 .map_or("base", |link| &arm.chain.segments[link].link);
             let name = format!("{}.{name}", arm.name);
-            match body.shape {
+            match &body.shape {
                 Shape::Capsule {
                     half_length,
                     radius,
@@ -142,9 +142,15 @@ impl Lines {
                     // A ball has a line, too, so that its tube has a direction.
                     let end = half_length.max(1e-4);
                     let at = |z: f64| (pose * Point3::new(0.0, 0.0, z)).coords;
-                    self.0.push((name, radius, vec![at(-end), at(end)]));
+                    self.0.push((name, *radius, vec![at(-end), at(end)]));
                 }
-                Shape::Box { half } => self.edges(&name, &pose, half),
+                Shape::Box { half } => self.edges(&name, &pose, *half),
+                Shape::Hull(hull) => {
+                    for outline in hull.outlines() {
+                        let points = outline.iter().map(|at| (pose * Point3::from(*at)).coords);
+                        self.0.push((name.clone(), LINE, points.collect()));
+                    }
+                }
             }
         }
     }

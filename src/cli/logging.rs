@@ -19,8 +19,15 @@ pub fn start(common: &Common) {
         (false, 2) => LevelFilter::DEBUG,
         (false, _) => LevelFilter::TRACE,
     };
+    // Of peers that come and go, DDS warns in lines of a thousand characters; its drivers say what matters.
+    let of_dds = if level == LevelFilter::TRACE {
+        LevelFilter::WARN
+    } else {
+        LevelFilter::OFF
+    };
     let filter = Targets::new()
         .with_default(level.min(LevelFilter::WARN))
+        .with_target("rustdds", of_dds)
         .with_target(env!("CARGO_PKG_NAME"), level);
     let lines = tracing_subscriber::fmt::layer()
         .with_writer(std::io::stderr)

@@ -4,10 +4,12 @@ use super::failure::Failure;
 use super::output::{print, print_json};
 use super::values::positive_length;
 use crate::results::write_whole;
+use crate::robot::{CameraPicture, DriverError, Ros1Camera};
 use crate::vision::{
     Camera, ColourRule, Contrast, Metric, Point, Trace, TraceOptions, VisionError, centrelines_csv,
-    centrelines_svg, clean_mask, decode_labels, encode_labels, encode_picture, instance_dice,
-    mask_overlay, overlay, pattern, pattern_csv, pictures_in, read_picture, trace_contrast,
+    centrelines_svg, clean_mask, decode_labels, decode_picture, encode_labels, encode_picture,
+    instance_dice, mask_overlay, overlay, pattern, pattern_csv, pictures_in, read_picture,
+    trace_contrast,
 };
 use clap::Args;
 use image::{GrayImage, RgbImage};
@@ -15,12 +17,14 @@ use serde::Serialize;
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Arguments of `rodlab trace`.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct TraceArguments {
-    /// A PNG or JPEG image, or a folder of them, taken in order of their names
+    /// A PNG or JPEG image, a folder of them, taken in order of their names, or a camera of ROS 1: the next picture of
+    /// ros1://host:port/topic
     pub image: PathBuf,
     /// Which colours are rod: auto, pen, black, white, a hue (red, orange, yellow, green, cyan, blue, purple, pink),
     /// #rrggbb[:radius], pick:u,v[:radius] or hsv:h-h,s-s,v-v
@@ -71,8 +75,12 @@ Examples:
   rodlab trace letter.png --colour pen --pixel \"0.2 mm\" --pattern letter.csv
   rodlab trace photo.jpg --colour red --json
   rodlab trace photo.jpg --colour pick:320,240 --cell cell.toml --out traced
+  rodlab trace ros1://192.168.1.5:11311/camera/image_raw --cell cell.toml --out traced
 
 Pixels count from the centre of the first one, u to the right and v down. Strands count from 1, points from 0.";
+
+/// Longest wait for a picture of a camera.
+const CAMERA_PATIENCE: Duration = Duration::from_secs(5);
 
 /// What was found in an image.
 #[derive(Serialize)]
@@ -173,6 +181,29 @@ pub fn trace(arguments: &TraceArguments) -> Result<(), Failure> {
     Err(Failure::Input(faults.join("\nerror: ")))
 }
 
+/// The picture in a file, or the next one of a camera.
+fn picture(path: &Path) -> Result<RgbImage, Failure> {
+    let Some(place) = path.to_str().and_then(|text| text.strip_prefix("ros1://")) else {
+        return Ok(read_picture(path)?);
+    };
+    let (master, topic) = place
+        .split_once('/')
+        .filter(|(master, topic)| master.contains(':') && !topic.is_empty())
+        .ok_or_else(|| {
+            let shape =
+                "ros1://host:port/topic is needed, as in ros1://192.168.1.5:11311/camera/image_raw";
+            Failure::Input(format!("{}: {shape}", path.display()))
+        })?;
+    let of_camera = |error: DriverError| Failure::System(error.to_string());
+    let mut camera =
+        Ros1Camera::open(&format!("http://{master}"), &format!("/{topic}")).map_err(of_camera)?;
+    match camera.picture(CAMERA_PATIENCE).map_err(of_camera)? {
+        CameraPicture::Pixels(picture) => Ok(picture),
+        CameraPicture::File(bytes) => decode_picture(&bytes)
+            .map_err(|reason| Failure::System(format!("{}: {reason}", path.display()))),
+    }
+}
+
 fn trace_image(
     arguments: &TraceArguments,
     path: &Path,
@@ -181,7 +212,7 @@ fn trace_image(
     out: Option<&Path>,
 ) -> Result<Answer, Failure> {
     let in_file = |error: VisionError| Failure::Input(format!("{}: {error}", path.display()));
-    let picture = read_picture(path)?;
+    let picture = picture(path)?;
     if let Some(camera) = camera {
         camera
             .check_size(picture.width(), picture.height())

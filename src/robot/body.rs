@@ -2,6 +2,10 @@
 
 use super::pose::Pose;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use parry3d_f64::math::Vec3;
+use parry3d_f64::shape::ConvexPolyhedron;
+use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// A shape that moves with a link.
 #[derive(Clone, Debug)]
@@ -15,7 +19,7 @@ pub struct Body {
 }
 
 /// A convex shape about its own origin.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub enum Shape {
     /// All points within `radius` of a line along z, m; a ball where that has no length.
     Capsule {
@@ -29,6 +33,48 @@ pub enum Shape {
         /// Half its sides along x, y and z.
         half: [f64; 3],
     },
+    /// The convex hull of a mesh.
+    Hull(Arc<Hull>),
+}
+
+/// The convex hull of points, about the middle of the box that holds them.
+#[derive(Debug)]
+pub struct Hull {
+    pub(super) polyhedron: ConvexPolyhedron,
+}
+
+impl Hull {
+    /// Directions around the hull of each of its outlines.
+    const AROUND: usize = 16;
+
+    /// Distance of its farthest corner from its origin, m.
+    pub(super) fn radius(&self) -> f64 {
+        let corners = self.polyhedron.points().iter();
+        corners.map(|corner| corner.length()).fold(0.0, f64::max)
+    }
+
+    /// Outlines as seen along x, y and z: corners of the hull on closed lines.
+    pub fn outlines(&self) -> [Vec<[f64; 3]>; 3] {
+        [0, 1, 2].map(|axis| {
+            let mut line: Vec<[f64; 3]> = Vec::new();
+            for k in 0..=Self::AROUND {
+                let (sine, cosine) = (TAU * k as f64 / Self::AROUND as f64).sin_cos();
+                let mut direction = [0.0; 3];
+                (direction[(axis + 1) % 3], direction[(axis + 2) % 3]) = (cosine, sine);
+                let direction = Vec3::from_array(direction);
+                let farthest = self
+                    .polyhedron
+                    .points()
+                    .iter()
+                    .max_by(|a, b| a.dot(direction).total_cmp(&b.dot(direction)));
+                let corner = farthest.map_or([0.0; 3], |corner| corner.to_array());
+                if line.last() != Some(&corner) {
+                    line.push(corner);
+                }
+            }
+            line
+        })
+    }
 }
 
 impl Body {
@@ -48,5 +94,31 @@ impl Body {
                 radius,
             },
         }
+    }
+
+    /// The convex hull of points of a link's frame, m; `None` where they lie on a line.
+    pub fn hull(link: Option<usize>, frame: &Pose, points: &[[f64; 3]]) -> Option<Self> {
+        let ends = |fold: fn(f64, f64) -> f64, start: f64| {
+            [0, 1, 2].map(|k| points.iter().map(|point| point[k]).fold(start, fold))
+        };
+        let (low, high) = (
+            ends(f64::min, f64::INFINITY),
+            ends(f64::max, f64::NEG_INFINITY),
+        );
+        let middle = [0, 1, 2].map(|k| 0.5 * (low[k] + high[k]));
+        let mut local: Vec<[f64; 3]> = points
+            .iter()
+            .map(|point| [0, 1, 2].map(|k| point[k] - middle[k]))
+            .collect();
+        // Triangles share their corners.
+        local.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
+        local.dedup();
+        let points: Vec<Vec3> = local.into_iter().map(Vec3::from_array).collect();
+        let polyhedron = ConvexPolyhedron::from_convex_hull(&points)?;
+        Some(Self {
+            link,
+            pose: frame * Translation3::from(middle),
+            shape: Shape::Hull(Arc::new(Hull { polyhedron })),
+        })
     }
 }

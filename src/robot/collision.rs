@@ -8,7 +8,7 @@ use super::chain::Chain;
 use super::pose::Pose;
 use parry3d_f64::math::{Pose3, Rot3, Vec3};
 use parry3d_f64::query;
-use parry3d_f64::shape::{Cuboid, Segment};
+use parry3d_f64::shape::{ConvexPolyhedron, Cuboid, Segment};
 
 /// Distances beyond this are not told apart, m.
 pub const FAR: f64 = 0.2;
@@ -202,13 +202,14 @@ impl Surroundings {
     /// Distance of a pair; those beyond [`FAR`] are told by their enclosing balls.
     fn distance(&self, pair: &Pair, poses: &[Vec<Pose>]) -> f64 {
         let (arm, index) = pair.first;
-        let first = (self.members[arm].bodies[index].shape, &poses[arm][index]);
-        let upright;
+        let first = (&self.members[arm].bodies[index].shape, &poses[arm][index]);
+        let upright_shape;
         let second = match pair.second {
-            (Some(arm), index) => (self.members[arm].bodies[index].shape, &poses[arm][index]),
+            (Some(arm), index) => (&self.members[arm].bodies[index].shape, &poses[arm][index]),
             (None, index) => {
-                upright = &self.boxes[index];
-                (Shape::Box { half: upright.half }, &upright.pose)
+                let upright = &self.boxes[index];
+                upright_shape = Shape::Box { half: upright.half };
+                (&upright_shape, &upright.pose)
             }
         };
         distance(first, second)
@@ -241,37 +242,62 @@ impl Shape {
                 radius,
             } => half_length + radius,
             Self::Box { half: [x, y, z] } => (x * x + y * y + z * z).sqrt(),
+            Self::Hull(hull) => hull.radius(),
         }
     }
 }
 
-fn distance(first: (Shape, &Pose), second: (Shape, &Pose)) -> f64 {
+fn distance(first: (&Shape, &Pose), second: (&Shape, &Pose)) -> f64 {
     let centres = first.1.translation.vector - second.1.translation.vector;
     let apart = centres.norm() - first.0.enclosing_radius() - second.0.enclosing_radius();
     if apart > FAR {
         return apart;
     }
     let [pose_1, pose_2] = [first.1, second.1].map(glam_pose);
-    let core = |shape: &Shape| match *shape {
-        Shape::Capsule {
-            half_length,
-            radius,
-        } => {
-            let end = Vec3::new(0.0, 0.0, half_length.max(1e-9));
-            (Some(Segment::new(-end, end)), None, radius)
+    let (core_1, core_2) = (Core::new(first.0), Core::new(second.0));
+    let measured = query::distance(&pose_1, core_1.shape(), &pose_2, core_2.shape());
+    // All pairs of shapes are supported; were one not, the enclosing balls would be on the safe side.
+    measured.map_or(apart, |core| {
+        core.distance - core_1.radius() - core_2.radius()
+    })
+}
+
+/// A shape for parry, less the radius that surrounds it.
+enum Core<'a> {
+    Line(Segment, f64),
+    Box(Cuboid),
+    Hull(&'a ConvexPolyhedron),
+}
+
+impl<'a> Core<'a> {
+    fn new(shape: &'a Shape) -> Self {
+        match shape {
+            Shape::Capsule {
+                half_length,
+                radius,
+            } => {
+                let end = Vec3::new(0.0, 0.0, half_length.max(1e-9));
+                Self::Line(Segment::new(-end, end), *radius)
+            }
+            Shape::Box { half } => Self::Box(Cuboid::new(Vec3::from_array(*half))),
+            Shape::Hull(hull) => Self::Hull(&hull.polyhedron),
         }
-        Shape::Box { half: [x, y, z] } => (None, Some(Cuboid::new(Vec3::new(x, y, z))), 0.0),
-    };
-    let (cores_1, cores_2) = (core(&first.0), core(&second.0));
-    let measured = match (&cores_1, &cores_2) {
-        ((Some(a), _, _), (Some(b), _, _)) => query::distance(&pose_1, a, &pose_2, b),
-        ((Some(a), _, _), (_, Some(b), _)) => query::distance(&pose_1, a, &pose_2, b),
-        ((_, Some(a), _), (Some(b), _, _)) => query::distance(&pose_1, a, &pose_2, b),
-        ((_, Some(a), _), (_, Some(b), _)) => query::distance(&pose_1, a, &pose_2, b),
-        _ => return apart,
-    };
-    // All four pairs of shapes are supported; were one not, the enclosing balls would be on the safe side.
-    measured.map_or(apart, |core| core.distance - cores_1.2 - cores_2.2)
+    }
+
+    fn shape(&self) -> &dyn parry3d_f64::shape::Shape {
+        match self {
+            Self::Line(line, _) => line,
+            Self::Box(cuboid) => cuboid,
+            Self::Hull(hull) => *hull,
+        }
+    }
+
+    fn radius(&self) -> f64 {
+        match self {
+            Self::Line(_, radius) => *radius,
+            Self::Box(_) | Self::Hull(_) => 0.0,
+        }
+    }
 }
 
 fn glam_pose(pose: &Pose) -> Pose3 {
@@ -298,7 +324,7 @@ mod tests {
     }
 
     fn between(a: &(Shape, Pose), b: &(Shape, Pose)) -> f64 {
-        distance((a.0, &a.1), (b.0, &b.1))
+        distance((&a.0, &a.1), (&b.0, &b.1))
     }
 
     #[test]

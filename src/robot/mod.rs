@@ -5,13 +5,13 @@
 //! | file | what |
 //! |---|---|
 //! | `pose`, `chain`, `body` | rigid motions; joints and links; shapes of links |
-//! | `urdf` | chains from URDF files |
+//! | `urdf`, `mesh` | chains from URDF files; meshes of their links |
 //! | `kinematics`, `posture` | the hand and its Jacobian; manipulability, distance to singularities and limits |
 //! | `collision` | distances between arms and what stands around them |
 //! | `path` | smooth joint paths along a path of the hand; the best place for one |
 //! | `timing` | from a joint path to a motion within limits of velocity, acceleration and jerk |
 //! | `trajectory` | joint trajectories as tables |
-//! | `driver` | files, rosbridge and steppers behind one trait |
+//! | `driver` | ROS 1, ROS 2, rosbridge, steppers and files behind one trait |
 //! | `stream` | checks before the first point, one clock, watchdogs, the log |
 //! | `inverse`, `self_motion` | joint positions for a pose: one, every branch, curves of redundant chains |
 
@@ -21,6 +21,7 @@ mod collision;
 mod driver;
 mod inverse;
 mod kinematics;
+mod mesh;
 mod path;
 mod pose;
 mod posture;
@@ -32,12 +33,13 @@ mod timing;
 mod trajectory;
 mod urdf;
 
-pub use body::{Body, Shape};
+pub use body::{Body, Hull, Shape};
 pub use chain::{Chain, Joint, JointKind, Limits, MOST_JOINTS, Motion, Segment};
 pub use collision::{Approach, FAR, Member, StandingBox, Surroundings};
 pub use driver::{
-    Driver, DriverError, FileDriver, JointState, PartTrajectory, Progress, Ros1Driver, RosVersion,
-    RosbridgeDriver, SerialLine, StepperAnswer, StepperDriver, StepperLink, StepperRequest,
+    CameraPicture, Driver, DriverError, FileDriver, JointState, Middleware, PartTrajectory,
+    Progress, Ros1Camera, Ros1Driver, Ros2Address, RosVersion, RosbridgeDriver, SerialLine,
+    StepperAnswer, StepperDriver, StepperLink, StepperRequest,
 };
 pub use inverse::{Nearest, REACHED};
 pub use kinematics::Jacobian;

@@ -296,3 +296,60 @@ fn faulty_urdfs_are_refused_with_the_name_of_what_is_wrong() {
         );
     }
 }
+
+/// A tetrahedron with one corner at the origin and one a unit along each axis, as an STL file.
+const TETRAHEDRON: &str = "solid t
+facet normal 0 0 -1 outer loop vertex 0 0 0 vertex 0 1 0 vertex 1 0 0 endloop endfacet
+facet normal 0 -1 0 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 0 1 endloop endfacet
+facet normal -1 0 0 outer loop vertex 0 0 0 vertex 0 0 1 vertex 0 1 0 endloop endfacet
+facet normal 1 1 1 outer loop vertex 1 0 0 vertex 0 1 0 vertex 0 0 1 endloop endfacet
+endsolid t
+";
+
+#[test]
+fn a_mesh_of_a_urdf_keeps_the_distance_of_its_convex_hull() {
+    let directory = tempfile::tempdir().unwrap();
+    std::fs::write(directory.path().join("t.stl"), TETRAHEDRON).unwrap();
+    let path = directory.path().join("arm.urdf");
+    let mesh = r#"<mesh filename="t.stl" scale="0.1 0.1 0.1"/>"#;
+    let text = TWO_LINKS.replace(r#"<cylinder radius="0.04" length="0.4"/>"#, mesh);
+    std::fs::write(&path, text.replace("0 0 0.2", "0.3 0 0")).unwrap();
+    let arm = read_urdf(&path, None, None).unwrap();
+    assert!(arm.meshes.is_empty());
+    let Shape::Hull(hull) = &arm.bodies[0].shape else {
+        panic!("{:?}", arm.bodies);
+    };
+    let points: Vec<_> = hull.outlines().concat();
+    assert!(
+        points
+            .iter()
+            .flatten()
+            .all(|x| (x.abs() - 0.05).abs() < 1e-12)
+    );
+    let member = Member {
+        name: "arm".into(),
+        home: vec![0.0; arm.chain.joints.len()],
+        chain: arm.chain,
+        base: Pose::identity(),
+        bodies: arm.bodies,
+        may_touch: Vec::new(),
+    };
+    // The slanted face is x + y + z = 0.1 beyond (0.3, 0, 0); the box stands before its middle, turned to it by a corner.
+    let stand = |away: f64| StandingBox {
+        name: "box".into(),
+        pose: pose_of_angles([0.3 + away, away, away], [0.0; 3]),
+        half: [0.02; 3],
+    };
+    for away in [0.06, 0.08, 0.1] {
+        let surroundings = Surroundings::new(vec![member.clone()], vec![stand(away)]);
+        let expected = (3.0 * (away - 0.02) - 0.1) / 3.0_f64.sqrt();
+        let found = surroundings.clearance(&surroundings.homes(), None);
+        assert!((found - expected).abs() < 1e-6, "{found} {expected}");
+    }
+    std::fs::write(directory.path().join("t.stl"), "solid t\nendsolid t\n").unwrap();
+    let error = read_urdf(&path, None, None).unwrap_err().to_string();
+    assert!(
+        error.contains("link `upper`") && error.contains("spans no surface"),
+        "{error}"
+    );
+}

@@ -2,6 +2,7 @@
 
 use super::body::{Body, Shape};
 use super::chain::{Chain, Joint, JointKind, Limits, MOST_JOINTS, Motion, Segment};
+use super::mesh::{locate, read_stl};
 use super::pose::{Pose, pose_of_angles};
 use nalgebra::{UnitVector3, Vector3};
 use std::collections::{BTreeMap, BTreeSet};
@@ -36,7 +37,8 @@ pub struct UrdfArm {
     pub chain: Chain,
     /// Shapes of the links of the chain and of all that is fixed to them, in the frames of the chain's links.
     pub bodies: Vec<Body>,
-    /// Collision meshes that were passed over: only boxes, cylinders, spheres and capsules count.
+    /// Collision meshes that were passed over: only STL files count, as their convex hulls, and of `package://` only
+    /// those that are found in a folder above the URDF.
     pub meshes: Vec<String>,
 }
 
@@ -316,16 +318,25 @@ fn bodies(
                         radius: *radius,
                     }
                 }
-                Geometry::Mesh { filename, .. } => {
-                    let local = filename.strip_prefix("file://").unwrap_or(filename);
-                    if !local.contains("://") && !directory.join(local).exists() {
-                        return Err(format!(
-                            "link `{}`: its mesh {} is not there",
-                            link.name,
-                            directory.join(local).display()
-                        ));
+                Geometry::Mesh { filename, scale } => {
+                    let fault = |what: String| format!("link `{}`: {what}", link.name);
+                    let is_stl = |path: &PathBuf| {
+                        path.extension()
+                            .is_some_and(|extension| extension.eq_ignore_ascii_case("stl"))
+                    };
+                    let found = locate(filename, directory).map_err(fault)?;
+                    let Some(path) = found.filter(is_stl) else {
+                        meshes.push(filename.clone());
+                        continue;
+                    };
+                    let mut corners = read_stl(&path).map_err(fault)?;
+                    let scale = scale.map_or([1.0; 3], |scale| scale.0);
+                    for corner in &mut corners {
+                        *corner = [0, 1, 2].map(|k| corner[k] * scale[k]);
                     }
-                    meshes.push(filename.clone());
+                    let hull = Body::hull(index, &pose, &corners)
+                        .ok_or_else(|| fault(format!("its mesh {filename} spans no surface")))?;
+                    bodies.push(hull);
                     continue;
                 }
             };

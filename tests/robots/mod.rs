@@ -2,6 +2,8 @@
 
 mod kinematics;
 mod ros1;
+#[cfg(feature = "ros2")]
+mod ros2;
 mod rosbridge;
 mod stepper;
 
@@ -23,9 +25,9 @@ fn said(output: &Output) -> String {
     format!("{stdout}{stderr}")
 }
 
-/// A cell with one arm of two joints behind a driver, and the same joints as a smooth trajectory of 500 points over
+/// A cell with one arm of two joints behind a driver, and the same joints as a smooth trajectory of so many points over
 /// `seconds`.
-fn two_joints(folder: &Path, driver: &str, seconds: f64) {
+fn two_joints(folder: &Path, driver: &str, points: usize, seconds: f64) {
     let cell = format!(
         r#"[streaming]
 watchdog = "300 ms"
@@ -48,8 +50,8 @@ tool = {{ position = [0.3, 0, 0] }}
     );
     std::fs::write(folder.join("cell.toml"), cell).unwrap();
     let mut table = "time_s,right.right_j0_rad,right.right_j1_rad\n".to_owned();
-    for k in 0..500 {
-        let part = f64::from(k) / 499.0;
+    for k in 0..points {
+        let part = k as f64 / (points - 1) as f64;
         let rise = part.powi(3) * (10.0 - 15.0 * part + 6.0 * part * part);
         table.push_str(&format!("{},{},{}\n", seconds * part, rise, -0.5 * rise));
     }

@@ -18,6 +18,7 @@ struct Robot {
     arm: Child,
     /// What the arm says.
     lines: Receiver<String>,
+    port: u16,
 }
 
 fn script() -> PathBuf {
@@ -82,6 +83,7 @@ impl Robot {
             master,
             arm,
             lines,
+            port,
         };
         // It says so where the master is not up yet.
         while robot.says(60) != "ready" {}
@@ -89,7 +91,7 @@ impl Robot {
             "kind = \"ros1\"\nmaster = \"http://127.0.0.1:{port}\"\n\
              action = \"/robot/limb/right/follow_joint_trajectory\"\njoint_states = \"/robot/joint_states\""
         );
-        two_joints(robot.folder.path(), &driver, 5.0);
+        two_joints(robot.folder.path(), &driver, 500, 5.0);
         Some(robot)
     }
 
@@ -243,10 +245,37 @@ fn a_killed_server_and_a_killed_master_are_noticed_within_half_a_second() {
 }
 
 #[test]
+fn a_rod_before_a_camera_of_ros_1_is_traced() {
+    let Some(robot) = Robot::start() else { return };
+    for topic in ["camera/image_raw", "camera/image_raw/compressed"] {
+        let place = format!("ros1://127.0.0.1:{}/{topic}", robot.port);
+        let output = rodlab(robot.folder.path(), &["trace", &place, "--json"]);
+        assert!(output.status.success(), "{}", said(&output));
+        let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(
+            (&found["width"], &found["height"]),
+            (&320.into(), &240.into())
+        );
+        let length = found["strands"][0]["length_px"].as_f64().unwrap();
+        assert!((length - 200.0).abs() < 10.0, "{topic}: {found}");
+    }
+    let place = format!("ros1://127.0.0.1:{}/camera/none", robot.port);
+    let output = rodlab(robot.folder.path(), &["trace", &place]);
+    assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+    assert!(
+        said(&output).contains("is the camera started"),
+        "{}",
+        said(&output)
+    );
+    let output = rodlab(robot.folder.path(), &["trace", "ros1://none"]);
+    assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+}
+
+#[test]
 fn without_a_master_nothing_is_moved_and_the_message_says_what_to_start() {
     let folder = tempfile::tempdir().unwrap();
     let driver = "kind = \"ros1\"\nmaster = \"http://127.0.0.1:1\"\naction = \"/arm\"\njoint_states = \"/joint_states\"";
-    two_joints(folder.path(), driver, 1.0);
+    two_joints(folder.path(), driver, 500, 1.0);
     let output = rodlab(folder.path(), &STREAM);
     assert_eq!(output.status.code(), Some(1));
     assert!(said(&output).contains("is it started"), "{}", said(&output));

@@ -206,7 +206,7 @@ fn folder(address: &str, ros: u8, seconds: f64) -> tempfile::TempDir {
     let driver = format!(
         "kind = \"rosbridge\"\naddress = \"{address}\"\nros = {ros}\naction = \"/arm\"\njoint_states = \"/joint_states\""
     );
-    two_joints(folder.path(), &driver, seconds);
+    two_joints(folder.path(), &driver, 500, seconds);
     folder
 }
 

@@ -73,6 +73,11 @@ pub(super) trait ActionClient {
     /// An error of the connection, with the address of the other end.
     fn lost(&self, reason: std::fmt::Arguments<'_>) -> DriverError;
 
+    /// What to look at where nobody takes a goal.
+    fn advice(&self) -> String {
+        "is its controller started?".into()
+    }
+
     /// How far the goal has come.
     ///
     /// # Errors
@@ -87,9 +92,10 @@ pub(super) trait ActionClient {
             Some(Err(error)) => Err(error.clone()),
             None if !goal.acknowledged && goal.sent.elapsed() > PATIENCE => {
                 Err(self.lost(format_args!(
-                    "nobody has taken the goal of {} within {} s; is its controller started?",
+                    "nobody has taken the goal of {} within {} s; {}",
                     self.action(),
-                    PATIENCE.as_secs()
+                    PATIENCE.as_secs(),
+                    self.advice()
                 )))
             }
             None => Ok(Progress::Running),
@@ -120,6 +126,13 @@ pub(super) trait ActionClient {
                 return Ok(());
             }
             std::thread::sleep(Duration::from_millis(2));
+        }
+        if self.goal().is_some_and(|goal| !goal.acknowledged) {
+            return Err(self.lost(format_args!(
+                "nobody has taken the goal of {}; {}",
+                self.action(),
+                self.advice()
+            )));
         }
         Err(self.lost(format_args!(
             "the cancellation of the motion was not confirmed within 0.5 s: watch the arm"

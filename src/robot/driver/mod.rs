@@ -7,11 +7,13 @@ mod action_client;
 mod file;
 mod follow_joint_trajectory;
 mod ros1;
+mod ros2;
 mod rosbridge;
 mod stepper;
 
 pub use file::FileDriver;
-pub use ros1::Ros1Driver;
+pub use ros1::{CameraPicture, Ros1Camera, Ros1Driver};
+pub use ros2::{Middleware, Ros2Address};
 pub use rosbridge::{RosVersion, RosbridgeDriver};
 pub use stepper::{SerialLine, StepperAnswer, StepperDriver, StepperLink, StepperRequest};
 

@@ -38,6 +38,17 @@ pub const CANCEL: MessageType = MessageType {
     md5: "302881f31927c1df708a2dbab0e80ee8",
 };
 
+/// A picture as its pixels.
+pub const IMAGE: MessageType = MessageType {
+    name: "sensor_msgs/Image",
+    md5: "060021388200f6f0f447d0fcd9c64743",
+};
+/// A picture as a PNG or JPEG file.
+pub const COMPRESSED_IMAGE: MessageType = MessageType {
+    name: "sensor_msgs/CompressedImage",
+    md5: "8f7a12909da2c9d3332d540a0977563f",
+};
+
 /// Writes a message.
 #[derive(Default)]
 struct Writer(Vec<u8>);
@@ -188,6 +199,48 @@ pub fn result(message: &[u8]) -> Option<(GoalStatus, i32, String)> {
     Some((status, code, reader.text()?))
 }
 
+/// `sensor_msgs/Image`.
+#[derive(Debug, PartialEq, Eq)]
+pub struct RawImage<'a> {
+    /// Pixels along and across.
+    pub size: [u32; 2],
+    /// Such as `rgb8`.
+    pub encoding: String,
+    /// Whether the first byte of a number of two counts more.
+    pub is_big_endian: bool,
+    /// Bytes from row to row.
+    pub step: usize,
+    /// Rows from above.
+    pub data: &'a [u8],
+}
+
+/// A picture as its pixels; `None` where the message is damaged.
+pub fn raw_image(message: &[u8]) -> Option<RawImage<'_>> {
+    let mut reader = Reader(message);
+    reader.header()?;
+    let (height, width) = (reader.u32()?, reader.u32()?);
+    let encoding = reader.text()?;
+    let is_big_endian = reader.bytes(1)?[0] != 0;
+    let step = reader.u32()? as usize;
+    let length = reader.u32()? as usize;
+    Some(RawImage {
+        size: [width, height],
+        encoding,
+        is_big_endian,
+        step,
+        data: reader.bytes(length)?,
+    })
+}
+
+/// The file in a `sensor_msgs/CompressedImage`; `None` where the message is damaged.
+pub fn compressed_image(message: &[u8]) -> Option<&[u8]> {
+    let mut reader = Reader(message);
+    reader.header()?;
+    reader.text()?;
+    let length = reader.u32()? as usize;
+    reader.bytes(length)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -220,6 +273,7 @@ mod tests {
         #[test]
         fn no_bytes_make_it_panic(bytes in prop::collection::vec(any::<u8>(), 0..80)) {
             let _ = (joint_state(&bytes), feedback(&bytes), result(&bytes));
+            let _ = (raw_image(&bytes), compressed_image(&bytes));
         }
     }
 }

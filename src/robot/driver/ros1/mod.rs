@@ -3,9 +3,12 @@
 //! A node (`node`) speaks XML-RPC (`xmlrpc`) with the master and TCPROS with the action server: goal and cancellation
 //! out, joint states, feedback and result in (`message`).
 
+mod camera;
 mod message;
 mod node;
 mod xmlrpc;
+
+pub use camera::{CameraPicture, Ros1Camera};
 
 use super::action_client::{ActionClient, Goal};
 use super::follow_joint_trajectory::ros_1_outcome;
@@ -13,7 +16,7 @@ use super::{Driver, DriverError, JointState, PartTrajectory, Progress};
 use node::{Heard, Node, Publication};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant};
 
 /// Longest wait for the action server.
 const PATIENCE: Duration = Duration::from_secs(3);
@@ -45,7 +48,7 @@ impl Ros1Driver {
     /// states.
     pub fn new(master: &str, action: &str, joint_states: &str) -> Self {
         Self {
-            master: format!("{}/", master.trim_end_matches('/')),
+            master: node::master_uri(master),
             action: action.trim_end_matches('/').to_owned(),
             joint_states: joint_states.to_owned(),
             joints: Vec::new(),
@@ -56,12 +59,7 @@ impl Ros1Driver {
     }
 
     fn open(&self) -> std::io::Result<Connection> {
-        let since = SystemTime::now().duration_since(UNIX_EPOCH);
-        let unique = since.map_or(0, |since| since.as_micros());
-        let node = Node::start(
-            &self.master,
-            &format!("/rodlab_{}_{unique}", std::process::id()),
-        )?;
+        let node = Node::start(&self.master)?;
         let (sender, heard): (Sender<Heard>, Receiver<Heard>) = channel();
         let topic = |what: &str| format!("{}/{what}", self.action);
         node.subscribe(STATES, &self.joint_states, message::JOINT_STATE, &sender)?;

@@ -8,7 +8,7 @@ use std::net::{IpAddr, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 /// Longest message, bytes.
 const LONGEST: usize = 64 << 20;
@@ -57,23 +57,32 @@ pub struct Publication {
     subscribers: Mutex<Vec<TcpStream>>,
 }
 
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+/// What a lock guards, whatever became of those who had it before.
+pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// The address of a master as nodes call it: with a slash at its end.
+pub fn master_uri(master: &str) -> String {
+    format!("{}/", master.trim_end_matches('/'))
+}
+
 impl Node {
-    /// A node of that name at a master, such as `http://10.0.0.1:11311/`.
+    /// A node with a name of its own at a master, such as `http://10.0.0.1:11311/`.
     ///
     /// # Errors
     /// If the master does not answer or no port can be opened.
-    pub fn start(master: &str, name: &str) -> io::Result<Self> {
-        call(master, "getPid", &[Value::text(name)])?;
+    pub fn start(master: &str) -> io::Result<Self> {
+        let since = SystemTime::now().duration_since(UNIX_EPOCH);
+        let unique = since.map_or(0, |since| since.as_micros());
+        let name = format!("/rodlab_{}_{unique}", std::process::id());
+        call(master, "getPid", &[Value::text(&name)])?;
         // The address by which the master is reached is one by which it reaches us.
         let authority = authority(master).unwrap_or_default();
         let host = TcpStream::connect(authority)?.local_addr()?.ip();
         let (calls, topics) = (TcpListener::bind((host, 0))?, TcpListener::bind((host, 0))?);
         let inner = Arc::new(Inner {
-            name: name.to_owned(),
+            name,
             master: master.to_owned(),
             uri: format!("http://{}/", calls.local_addr()?),
             host,

@@ -1,0 +1,228 @@
+//! The messages of ROS 2 that a trajectory needs, field by field as their definitions have them, for CDR.
+//!
+//! What an answer carries beyond what is needed is not read: CDR is read from the front.
+
+use super::super::PartTrajectory;
+use serde::{Deserialize, Serialize};
+
+/// Names a goal.
+pub type GoalId = [u8; 16];
+
+/// `std_msgs/Header`, `builtin_interfaces/Time` in it.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+struct Header {
+    seconds: i32,
+    nanoseconds: u32,
+    frame: String,
+}
+
+/// `builtin_interfaces/Duration`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Duration {
+    seconds: i32,
+    nanoseconds: u32,
+}
+
+impl Duration {
+    fn of(seconds: f64) -> Self {
+        let nanoseconds = (seconds * 1e9).round() as i64;
+        Self {
+            seconds: (nanoseconds / 1_000_000_000) as i32,
+            nanoseconds: (nanoseconds % 1_000_000_000) as u32,
+        }
+    }
+}
+
+/// A sequence without elements, whatever they would be: its length.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct Empty(u32);
+
+/// `trajectory_msgs/JointTrajectoryPoint`.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Point {
+    positions: Vec<f64>,
+    velocities: Vec<f64>,
+    accelerations: Empty,
+    effort: Empty,
+    time_from_start: Duration,
+}
+
+/// `trajectory_msgs/JointTrajectory`, to be followed at once: its header has no time.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Trajectory {
+    header: Header,
+    joint_names: Vec<String>,
+    points: Vec<Point>,
+}
+
+/// `trajectory_msgs/MultiDOFJointTrajectory` without joints.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+struct NoMultiDof {
+    header: Header,
+    joint_names: Empty,
+    points: Empty,
+}
+
+/// `control_msgs/action/FollowJointTrajectory_SendGoal_Request`; tolerances are the controller's own.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct SendGoal {
+    goal_id: GoalId,
+    trajectory: Trajectory,
+    multi_dof_trajectory: NoMultiDof,
+    path_tolerance: Empty,
+    component_path_tolerance: Empty,
+    goal_tolerance: Empty,
+    component_goal_tolerance: Empty,
+    goal_time_tolerance: Duration,
+}
+
+impl SendGoal {
+    /// A goal that asks for a motion.
+    pub fn new(goal_id: GoalId, trajectory: &PartTrajectory) -> Self {
+        let rows = trajectory.times.iter().zip(&trajectory.points);
+        let points = rows
+            .zip(trajectory.velocities())
+            .map(|((time, positions), velocities)| Point {
+                positions: positions.clone(),
+                velocities,
+                accelerations: Empty::default(),
+                effort: Empty::default(),
+                time_from_start: Duration::of(*time),
+            });
+        Self {
+            goal_id,
+            trajectory: Trajectory {
+                header: Header::default(),
+                joint_names: trajectory.joints.clone(),
+                points: points.collect(),
+            },
+            multi_dof_trajectory: NoMultiDof::default(),
+            path_tolerance: Empty::default(),
+            component_path_tolerance: Empty::default(),
+            goal_tolerance: Empty::default(),
+            component_goal_tolerance: Empty::default(),
+            goal_time_tolerance: Duration::default(),
+        }
+    }
+}
+
+/// `FollowJointTrajectory_SendGoal_Response`, up to whether the goal is taken.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct GoalAnswer {
+    /// Whether the controller takes the goal.
+    pub accepted: bool,
+}
+
+/// `FollowJointTrajectory_GetResult_Request`.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct GetResult {
+    /// Of which goal.
+    pub goal_id: GoalId,
+}
+
+/// `FollowJointTrajectory_GetResult_Response`.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct ResultAnswer {
+    /// `action_msgs/GoalStatus`.
+    pub status: i8,
+    /// 0, or what went wrong.
+    pub error_code: i32,
+    /// In the controller's words.
+    pub error_string: String,
+}
+
+/// `action_msgs/srv/CancelGoal_Request`: of one goal, whenever it was taken.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct CancelGoal {
+    goal_id: GoalId,
+    stamp: Duration,
+}
+
+impl CancelGoal {
+    /// Calls a goal off.
+    pub fn new(goal_id: GoalId) -> Self {
+        Self {
+            goal_id,
+            stamp: Duration::default(),
+        }
+    }
+}
+
+/// `action_msgs/srv/CancelGoal_Response`, up to its code.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct CancelAnswer {
+    /// 0 where the goal is being cancelled, 1 where the controller refuses.
+    pub return_code: i8,
+}
+
+/// `FollowJointTrajectory_FeedbackMessage`, up to whose it is.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct Feedback {
+    /// Of which goal.
+    pub goal_id: GoalId,
+}
+
+/// `sensor_msgs/JointState`, up to the positions.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct JointStates {
+    header: Header,
+    /// Names of joints.
+    pub name: Vec<String>,
+    /// Where they are, rad or m.
+    pub position: Vec<f64>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_never_have_a_billion_nanoseconds() {
+        let almost = Duration::of(1.999_999_999_9);
+        assert_eq!((almost.seconds, almost.nanoseconds), (2, 0));
+    }
+
+    /// By hand from the definitions and the rules of CDR: little-endian, each number at a multiple of its size.
+    #[test]
+    fn a_goal_has_the_bytes_of_its_definition() {
+        let trajectory = PartTrajectory {
+            joints: vec!["j".into()],
+            times: vec![0.0, 1.5],
+            points: vec![vec![0.0], vec![2.0]],
+        };
+        let goal = SendGoal::new([7; 16], &trajectory);
+        let mut written = Vec::new();
+        rustdds::serialization::to_writer_with_rep_id(
+            &mut written,
+            &goal,
+            rustdds::RepresentationIdentifier::CDR_LE,
+        )
+        .unwrap();
+        let mut expected = vec![7; 16];
+        let word = |bytes: &mut Vec<u8>, number: u32| bytes.extend(number.to_le_bytes());
+        let header = |bytes: &mut Vec<u8>| {
+            (0..2).for_each(|_| word(bytes, 0));
+            // An empty text is its closing zero; the next number stands at a multiple of four.
+            bytes.extend([1, 0, 0, 0, 0, 0, 0, 0]);
+        };
+        header(&mut expected);
+        word(&mut expected, 1);
+        expected.extend([2, 0, 0, 0, b'j', 0, 0, 0]);
+        word(&mut expected, 2);
+        for (position, seconds, nanoseconds) in [(0.0_f64, 0, 0), (2.0, 1, 500_000_000)] {
+            for number in [position, 0.0] {
+                word(&mut expected, 1);
+                while expected.len() % 8 != 0 {
+                    expected.push(0);
+                }
+                expected.extend(number.to_le_bytes());
+            }
+            for number in [0, 0, seconds, nanoseconds] {
+                word(&mut expected, number);
+            }
+        }
+        header(&mut expected);
+        (0..2 + 4 + 2).for_each(|_| word(&mut expected, 0));
+        assert_eq!(written, expected);
+    }
+}

@@ -1,0 +1,65 @@
+//! `control_msgs/FollowJointTrajectory` of ROS 2, natively: no ROS installation, no bridge; DDS by rustdds.
+//!
+//! An action of ROS 2 is three services, send_goal, get_result and cancel_goal (`service`), and topics of feedback and
+//! status; their messages (`message`) are CDR. All of it (`client`) needs the cargo feature `ros2`.
+
+#[cfg(feature = "ros2")]
+mod client;
+#[cfg(feature = "ros2")]
+mod message;
+#[cfg(feature = "ros2")]
+mod service;
+
+use super::Driver;
+use std::net::IpAddr;
+
+/// What carries the messages of a robot that runs ROS 2.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Middleware {
+    /// Fast DDS, with which ROS 2 comes.
+    FastDds,
+    /// Cyclone DDS.
+    CycloneDds,
+}
+
+impl Middleware {
+    /// Its name in cell files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::FastDds => "fast-dds",
+            Self::CycloneDds => "cyclone-dds",
+        }
+    }
+}
+
+/// Where and how a robot of ROS 2 is met.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Ros2Address {
+    /// Its `ROS_DOMAIN_ID`.
+    pub domain: u16,
+    /// What carries its messages.
+    pub middleware: Middleware,
+    /// Address of this machine on the robot's network; `None`: all networks.
+    pub interface: Option<IpAddr>,
+    /// Name of the action.
+    pub action: String,
+    /// Topic of the joint states.
+    pub joint_states: String,
+}
+
+impl Ros2Address {
+    /// Whether this program was built with the feature `ros2`.
+    pub const IS_BUILT: bool = cfg!(feature = "ros2");
+
+    /// A driver for the robot there; `None` unless [`Self::IS_BUILT`].
+    pub fn driver(&self) -> Option<Box<dyn Driver>> {
+        #[cfg(feature = "ros2")]
+        {
+            Some(Box::new(client::Ros2Driver::new(self.clone())))
+        }
+        #[cfg(not(feature = "ros2"))]
+        {
+            None
+        }
+    }
+}

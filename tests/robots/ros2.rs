@@ -1,0 +1,310 @@
+//! Action servers of ROS 2 on Cyclone DDS (by pip) and on Fast DDS (of Debian), made, started and met on this machine only.
+
+use super::{rodlab, said, two_joints};
+use crate::parts::{have, python_with, succeeds};
+use std::fs;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
+
+/// An arm at work; gone when dropped.
+struct Robot {
+    folder: TempDir,
+    arm: Child,
+    /// What the arm says.
+    lines: Receiver<String>,
+    driver: String,
+}
+
+/// The middlewares, as cell files name them.
+const MIDDLEWARES: [&str; 2] = ["cyclone-dds", "fast-dds"];
+const PURPOSE: &str = "to stream joints to an action server of ROS 2";
+
+fn source(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
+}
+
+/// What starts an arm.
+fn arm(middleware: &str) -> Option<Command> {
+    if middleware == "cyclone-dds" {
+        let mut command = Command::new(python_with("cyclonedds", "cyclonedds==11.0.1", PURPOSE)?);
+        command.arg(source("tests/robots/cyclone_dds_arm.py"));
+        return Some(command);
+    }
+    static BUILT: OnceLock<Option<PathBuf>> = OnceLock::new();
+    let built = BUILT.get_or_init(|| {
+        let is_there = || {
+            Path::new("/usr/include/fastdds").exists()
+                && succeeds(Command::new("g++").arg("--version"))
+        };
+        let install = || succeeds(&mut Command::new(source("scripts/install-fast-dds")));
+        if !have("Fast DDS", PURPOSE, is_there, install) {
+            return None;
+        }
+        let program = Path::new(env!("CARGO_TARGET_TMPDIR")).join("fast_dds_arm");
+        let output = Command::new("g++")
+            .args(["-std=c++17", "-Wall", "-Wextra", "-Werror", "-o"])
+            .args([&program, &source("tests/robots/fast_dds_arm.cpp")])
+            .arg("-lfastrtps")
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{}", said(&output));
+        Some(program)
+    });
+    built.as_ref().map(Command::new)
+}
+
+/// A domain and a name for an arm that no other test has; other processes may have the domain, but not the name.
+fn address() -> (u32, String) {
+    static NEXT: AtomicU32 = AtomicU32::new(0);
+    let (process, next) = (std::process::id(), NEXT.fetch_add(1, Ordering::Relaxed));
+    ((process + next) % 100 + 1, format!("arm_{process}_{next}"))
+}
+
+fn driver(domain: u32, name: &str, middleware: &str) -> String {
+    format!(
+        "kind = \"ros2\"\ndomain = {domain}\nmiddleware = \"{middleware}\"\ninterface = \"127.0.0.1\"\n\
+         action = \"/{name}/follow_joint_trajectory\"\njoint_states = \"/{name}/joint_states\""
+    )
+}
+
+impl Robot {
+    fn start(middleware: &str) -> Option<Self> {
+        let (domain, name) = address();
+        let mut arm = arm(middleware)?
+            .args([&domain.to_string(), &name])
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let output = BufReader::new(arm.stdout.take().unwrap());
+        let (sender, lines) = channel();
+        std::thread::spawn(move || {
+            for line in output.lines().map_while(Result::ok) {
+                let _ = sender.send(line);
+            }
+        });
+        let robot = Self {
+            folder: tempfile::tempdir().unwrap(),
+            arm,
+            lines,
+            driver: driver(domain, &name, middleware),
+        };
+        assert_eq!(robot.says(60), "ready");
+        robot.trajectory(500, 5.0);
+        Some(robot)
+    }
+
+    fn trajectory(&self, points: usize, seconds: f64) {
+        two_joints(self.folder.path(), &self.driver, points, seconds);
+    }
+
+    fn says(&self, seconds: u64) -> String {
+        self.lines
+            .recv_timeout(Duration::from_secs(seconds))
+            .expect("a word of the arm")
+    }
+
+    fn spawn(&self) -> Child {
+        Command::new(env!("CARGO_BIN_EXE_rodlab"))
+            .args(STREAM)
+            .current_dir(self.folder.path())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap()
+    }
+
+    /// Waits until the arm moves.
+    fn wait_for_motion(&self) {
+        let begin = Instant::now();
+        while !self.log("events.csv").contains("\"started\"") {
+            assert!(
+                begin.elapsed() < Duration::from_secs(20),
+                "the motion does not start"
+            );
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        std::thread::sleep(Duration::from_millis(700));
+    }
+
+    fn log(&self, name: &str) -> String {
+        fs::read_to_string(self.folder.path().join("log").join(name)).unwrap_or_default()
+    }
+}
+
+impl Drop for Robot {
+    fn drop(&mut self) {
+        let _ = self.arm.kill();
+        let _ = self.arm.wait();
+    }
+}
+
+/// Where the arm says that its joints ended.
+fn end(followed: &str) -> Vec<f64> {
+    let words = followed.split(' ').skip(3);
+    words.map(|word| word.parse().unwrap()).collect()
+}
+
+const STREAM: [&str; 6] = [
+    "stream",
+    "joints.csv",
+    "--cell",
+    "cell.toml",
+    "--out",
+    "log",
+];
+
+#[test]
+fn five_hundred_points_are_followed_to_the_end() {
+    for middleware in MIDDLEWARES {
+        let Some(robot) = Robot::start(middleware) else {
+            continue;
+        };
+        let begin = Instant::now();
+        let output = rodlab(robot.folder.path(), &STREAM);
+        assert!(output.status.success(), "{}", said(&output));
+        assert!(begin.elapsed() > Duration::from_secs(5));
+        let followed = robot.says(1);
+        let words: Vec<&str> = followed.split(' ').collect();
+        assert_eq!(words[..2], ["followed", "500"]);
+        assert!(words[2].parse::<u32>().unwrap() > 100, "{followed}");
+        assert_eq!(end(&followed), [1.0, -0.5]);
+        assert!(robot.log("state.csv").lines().count() > 500);
+    }
+}
+
+/// More than a datagram holds: requests with a name in front must not be damaged where they are cut.
+#[test]
+fn a_goal_of_many_datagrams_arrives_whole() {
+    for middleware in MIDDLEWARES {
+        let Some(robot) = Robot::start(middleware) else {
+            continue;
+        };
+        robot.trajectory(3000, 3.0);
+        let output = rodlab(robot.folder.path(), &STREAM);
+        assert!(output.status.success(), "{}", said(&output));
+        let followed = robot.says(1);
+        assert!(
+            followed.starts_with("followed 3000 ") && end(&followed) == [1.0, -0.5],
+            "{followed}"
+        );
+    }
+}
+
+#[test]
+fn an_interruption_cancels_the_goal_within_half_a_second() {
+    for middleware in MIDDLEWARES {
+        let Some(robot) = Robot::start(middleware) else {
+            continue;
+        };
+        let child = robot.spawn();
+        robot.wait_for_motion();
+        let begin = Instant::now();
+        let kill = Command::new("kill")
+            .args(["-INT", &child.id().to_string()])
+            .status();
+        assert!(kill.unwrap().success());
+        assert_eq!(robot.says(5), "cancelled");
+        assert!(
+            begin.elapsed() < Duration::from_millis(500),
+            "{:?}",
+            begin.elapsed()
+        );
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(130), "{}", said(&output));
+        assert!(robot.log("events.csv").contains("right holds"));
+    }
+}
+
+#[test]
+fn a_rejected_goal_is_reported_with_what_to_compare() {
+    for middleware in MIDDLEWARES {
+        let Some(robot) = Robot::start(middleware) else {
+            continue;
+        };
+        for name in ["cell.toml", "joints.csv"] {
+            let path = robot.folder.path().join(name);
+            let text = fs::read_to_string(&path).unwrap();
+            fs::write(path, text.replace("right_j1", "right_k1")).unwrap();
+        }
+        let output = rodlab(robot.folder.path(), &STREAM);
+        assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+        let said = said(&output);
+        assert!(
+            said.contains("rejected the goal") && said.contains("compare the joints' names"),
+            "{said}"
+        );
+    }
+}
+
+#[test]
+fn a_killed_server_is_noticed_within_half_a_second() {
+    for middleware in MIDDLEWARES {
+        let Some(mut robot) = Robot::start(middleware) else {
+            continue;
+        };
+        let child = robot.spawn();
+        robot.wait_for_motion();
+        let begin = Instant::now();
+        robot.arm.kill().unwrap();
+        let fault = loop {
+            let events = robot.log("events.csv");
+            if let Some(line) = events.lines().find(|line| line.contains("right: ")) {
+                break line.to_owned();
+            }
+            assert!(begin.elapsed() < Duration::from_secs(5), "{events}");
+            std::thread::sleep(Duration::from_millis(5));
+        };
+        assert!(
+            begin.elapsed() < Duration::from_millis(500),
+            "{:?}: {fault}",
+            begin.elapsed()
+        );
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+        assert!(
+            said(&output).contains("nothing was heard"),
+            "{}",
+            said(&output)
+        );
+    }
+}
+
+#[test]
+fn the_wrong_middleware_is_asked_about() {
+    for middleware in MIDDLEWARES {
+        let Some(robot) = Robot::start(middleware) else {
+            continue;
+        };
+        let path = robot.folder.path().join("cell.toml");
+        let text = fs::read_to_string(&path).unwrap();
+        let other = if middleware == MIDDLEWARES[0] {
+            MIDDLEWARES[1]
+        } else {
+            MIDDLEWARES[0]
+        };
+        fs::write(path, text.replace(middleware, other)).unwrap();
+        let output = rodlab(robot.folder.path(), &STREAM);
+        assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+        assert!(
+            said(&output).contains(&format!("`middleware = \"{other}\"`")),
+            "{}",
+            said(&output)
+        );
+    }
+}
+
+#[test]
+fn without_a_server_nothing_is_moved_and_the_message_says_what_to_start() {
+    let folder = tempfile::tempdir().unwrap();
+    let (domain, name) = address();
+    two_joints(folder.path(), &driver(domain, &name, "fast-dds"), 500, 1.0);
+    let output = rodlab(folder.path(), &STREAM);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(said(&output).contains("ROS_DOMAIN_ID"), "{}", said(&output));
+}
