@@ -17,6 +17,11 @@ use crate::mechanics::{Matrix3, Vector3};
 /// K₂ν, the slope of the smoothing (Eq. 2.10).
 const SLOPE: f64 = 15.0;
 
+/// Slope of the friction per normal force over the slip speed where it is steepest, at rest: μ K₂/2, s/m.
+pub(super) fn steepest_slope(coefficient: f64, slip_tolerance: f64) -> f64 {
+    0.5 * coefficient * SLOPE / slip_tolerance
+}
+
 /// Coulomb friction with a slip tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct FrictionLaw {
