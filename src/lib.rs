@@ -69,6 +69,9 @@
 //!
 //! All quantities are in SI units unless a name says otherwise.
 
+// Tests compare with a tolerance, and may ask any mathematical library.
+#![cfg_attr(test, allow(clippy::disallowed_methods))]
+
 pub mod cell;
 pub mod cli;
 pub mod cluster;

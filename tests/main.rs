@@ -1,6 +1,8 @@
 //! The program and the library from outside, and what holds for the whole house. All of them are one binary, so that the
 //! library is linked once: a new file here needs its line below.
 
+#![allow(clippy::disallowed_methods)] // tests may ask any mathematical library
+
 mod architecture;
 mod browser;
 mod cli;
@@ -16,6 +18,7 @@ mod helix_boundary;
 mod incremental_potential;
 mod knots;
 mod linking_number;
+mod mathematical_library;
 mod parts;
 mod passing_through;
 mod probes;

@@ -1,6 +1,7 @@
 //! `rodlab solve grasp`.
 
 use super::failure::Failure;
+use crate::mechanics::rotation;
 use crate::plan::grasp::{Grasp, GraspError, GraspMethod, GraspProblem, GraspSolver};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
@@ -108,7 +109,7 @@ impl GraspArguments {
             method: self.method,
             branch,
             position: plain(grasp.position.into()),
-            rotation_vector: plain(rotation.scaled_axis().into()),
+            rotation_vector: plain(rotation::to_vector(&rotation).into()),
             quaternion: quaternion.map(|part| sign * part + 0.0),
             contact_force: plain(grasp.contact_force.into()),
             residual: grasp.residual,

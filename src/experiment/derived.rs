@@ -120,7 +120,7 @@ fn derived_rod(rod: &RodDescription, gravity: f64) -> DerivedRod {
         stretching_stiffness: rod.stiffness.stretching,
         bending_stiffness: rod.stiffness.bending,
         twisting_stiffness: rod.stiffness.twisting,
-        gravito_bending_length: (gravity > 0.0).then(|| (bending / (2.0 * weight)).cbrt()),
+        gravito_bending_length: (gravity > 0.0).then(|| libm::cbrt(bending / (2.0 * weight))),
         bending_period: TAU / frequency,
     }
 }
@@ -247,13 +247,13 @@ impl Swing {
     fn of(scheme: Scheme, turned: f64) -> Self {
         let (modulus, argument) = match scheme {
             // 1/(1 − iωh)
-            Scheme::ImplicitEuler => (1.0 / turned.hypot(1.0), turned.atan()),
+            Scheme::ImplicitEuler => (1.0 / libm::hypot(turned, 1.0), libm::atan(turned)),
             // (1 + iωh/2)/(1 − iωh/2)
-            Scheme::ImplicitMidpoint => (1.0, 2.0 * (0.5 * turned).atan()),
+            Scheme::ImplicitMidpoint => (1.0, 2.0 * libm::atan(0.5 * turned)),
             Scheme::BackwardDifferences => backward_differences(turned),
         };
         Self {
-            lost: 1.0 - modulus.powf(TAU / argument),
+            lost: 1.0 - libm::pow(modulus, TAU / argument),
             longer: turned / argument - 1.0,
         }
     }

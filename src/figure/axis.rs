@@ -75,7 +75,7 @@ impl Axis {
                 low - room..high + room
             }
             AxisScale::Logarithmic => {
-                let room = (high / low).powf(0.03).max(1.05);
+                let room = libm::pow(high / low, 0.03).max(1.05);
                 low / room..high * room
             }
         };
@@ -91,7 +91,7 @@ impl Axis {
         let Range { start, end } = self.range;
         match self.scale {
             AxisScale::Linear => (value - start) / (end - start),
-            AxisScale::Logarithmic => (value / start).ln() / (end / start).ln(),
+            AxisScale::Logarithmic => libm::log(value / start) / libm::log(end / start),
         }
     }
 
@@ -107,7 +107,7 @@ impl Axis {
     fn linear_ticks(&self, most: usize) -> Ticks {
         let Range { start, end } = self.range;
         let count = |step: f64| (end / step).floor() - (start / step).ceil() + 1.0;
-        let mut power = ((end - start) / most as f64).log10().floor() as i32;
+        let mut power = libm::log10((end - start) / most as f64).floor() as i32;
         let step = loop {
             let steps = [1.0, 2.0, 5.0].map(|factor| factor * 10f64.powi(power));
             let fits = |step: &f64| count(*step) <= most as f64 && (*step >= 1.0 || !self.is_whole);
@@ -142,7 +142,7 @@ impl Axis {
         let Range { start, end } = self.range;
         let holds = |value: &f64| (start..=end).contains(value);
         let (first, last) = (power_of(start), power_of(end) + 1);
-        let decades = (end / start).log10();
+        let decades = libm::log10(end / start);
         if decades < 0.5 {
             // Too short for ratios: round numbers tell more.
             return Self {
@@ -198,7 +198,7 @@ impl Axis {
 /// The power of ten that is not above a size.
 fn power_of(size: f64) -> i32 {
     // Rounding must not push a power of ten below itself.
-    (size.log10() + 1e-12).floor() as i32
+    (libm::log10(size) + 1e-12).floor() as i32
 }
 
 /// Least and greatest of the finite values; reversed where there are none.

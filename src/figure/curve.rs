@@ -175,7 +175,7 @@ impl Mark {
         let polygon = |corners: &[(f64, f64)]| {
             let corner = |(index, (turn, distance)): (usize, &(f64, f64))| {
                 // Turns count clockwise from above, in parts of a whole one.
-                let (sine, cosine) = (std::f64::consts::TAU * turn).sin_cos();
+                let (sine, cosine) = libm::sincos(std::f64::consts::TAU * turn);
                 let command = if index == 0 { 'M' } else { 'L' };
                 let [x, y] =
                     [x + radius * distance * sine, y - radius * distance * cosine].map(number);
@@ -205,8 +205,8 @@ impl Mark {
             }
             Self::Plus => {
                 let (long, short) = (1.3, 0.42);
-                let [reach, inner] = [f64::hypot(long, short), f64::hypot(short, short)];
-                let turn = (short / long).atan() / std::f64::consts::TAU;
+                let [reach, inner] = [libm::hypot(long, short), libm::hypot(short, short)];
+                let turn = libm::atan(short / long) / std::f64::consts::TAU;
                 let arm = |k: usize| {
                     let middle = 0.25 * k as f64;
                     [

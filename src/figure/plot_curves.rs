@@ -89,7 +89,7 @@ fn path_through(points: &[[f64; 2]]) -> String {
     let mut path = String::new();
     let mut drawn = [f64::NEG_INFINITY; 2];
     for (index, point) in points.iter().enumerate() {
-        let moved = (point[0] - drawn[0]).hypot(point[1] - drawn[1]);
+        let moved = libm::hypot(point[0] - drawn[0], point[1] - drawn[1]);
         if index == 0 || index + 1 == points.len() || moved > SEEN {
             let command = if index == 0 { 'M' } else { 'L' };
             path += &format!("{command}{} {}", number(point[0]), number(point[1]));
@@ -101,7 +101,8 @@ fn path_through(points: &[[f64; 2]]) -> String {
 
 /// A few of the points, at equal ways along the curve.
 fn few(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let distance = |pair: &[[f64; 2]]| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]);
+    let distance =
+        |pair: &[[f64; 2]]| libm::hypot(pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]);
     let whole: f64 = points.windows(2).map(distance).sum();
     let mut way = 0.0;
     let mut chosen = Vec::new();

@@ -42,9 +42,9 @@ impl View {
     pub fn oblique() -> Self {
         let (azimuth, elevation) = (20f64.to_radians(), 15f64.to_radians());
         Self::from(Vector3::new(
-            azimuth.sin() * elevation.cos(),
-            -azimuth.cos() * elevation.cos(),
-            elevation.sin(),
+            libm::sin(azimuth) * libm::cos(elevation),
+            -libm::cos(azimuth) * libm::cos(elevation),
+            libm::sin(elevation),
         ))
     }
 

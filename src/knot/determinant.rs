@@ -58,7 +58,7 @@ pub fn fewest_crossings(nodes: &[Vector3]) -> Option<usize> {
     let golden_angle = std::f64::consts::PI * (3.0 - 5f64.sqrt());
     let direction = |k: usize| {
         let z = (k as f64 + 0.5) / VIEWS as f64;
-        let (sine, cosine) = (golden_angle * k as f64).sin_cos();
+        let (sine, cosine) = libm::sincos(golden_angle * k as f64);
         let across = (1.0 - z * z).sqrt();
         Vector3::new(across * cosine, across * sine, z)
     };

@@ -49,9 +49,9 @@ fn smooth_curve(extent: f64, height: f64, half_line: f64) -> Vec<Vector3> {
     let loops = (0..=POINTS).map(|k| {
         let angle = std::f64::consts::PI * (1.0 - k as f64 / POINTS as f64);
         Vector3::new(
-            extent * (5.0 * angle).cos(),
-            extent * (3.0 * angle).cos(),
-            height * (7.0 * angle).cos(),
+            extent * libm::cos(5.0 * angle),
+            extent * libm::cos(3.0 * angle),
+            height * libm::cos(7.0 * angle),
         )
     });
     let mut curve: Vec<Vector3> = right.iter().rev().map(|point| -point).collect();

@@ -79,7 +79,7 @@ fn smooth_curve(knot: &KnotSize, arc: f64) -> Vec<Vector3> {
     );
     // Up and back above the core.
     curve.extend(parts().skip(1).map(|part| {
-        let (sine, cosine) = (PI * part).sin_cos();
+        let (sine, cosine) = libm::sincos(PI * part);
         Vector3::new(right + arc * sine, arc * (1.0 - cosine), core)
     }));
     curve.extend(parts().skip(1).map(|part| {
@@ -89,7 +89,7 @@ fn smooth_curve(knot: &KnotSize, arc: f64) -> Vec<Vector3> {
     // Down to the winding, which begins above the core.
     let smaller = arc - 0.5 * winding;
     curve.extend(parts().skip(1).map(|part| {
-        let (sine, cosine) = (PI * part).sin_cos();
+        let (sine, cosine) = libm::sincos(PI * part);
         Vector3::new(
             left - smaller * sine,
             2.0 * arc - smaller * (1.0 - cosine),
@@ -100,8 +100,8 @@ fn smooth_curve(knot: &KnotSize, arc: f64) -> Vec<Vector3> {
         let angle = HALF_TURNS * PI * smooth_step(part);
         Vector3::new(
             left + part * length,
-            winding * angle.cos(),
-            winding * angle.sin(),
+            winding * libm::cos(angle),
+            winding * libm::sin(angle),
         )
     }));
     curve.extend(parts().skip(1).map(|part| {

@@ -41,13 +41,13 @@ impl HelicalBraid {
 
     /// Ē_b.
     pub fn energy(&self) -> f64 {
-        2.0 * self.half_angle * (1.0 + self.pitch().powi(2)).powf(-1.5)
+        2.0 * self.half_angle * libm::pow(1.0 + self.pitch().powi(2), -1.5)
     }
 
     /// −∂Ē_b/∂θ = (2 + 8b²)(1 + b²)^(−5/2): what the braid gains by being turned back.
     pub fn unwinding_moment(&self) -> f64 {
         let squared = self.pitch().powi(2);
-        (2.0 + 8.0 * squared) * (1.0 + squared).powf(-2.5)
+        (2.0 + 8.0 * squared) * libm::pow(1.0 + squared, -2.5)
     }
 
     /// The pitch b at which b times [`unwinding_moment`](Self::unwinding_moment) is largest: b² = (1 + √(3/2))/2.

@@ -46,7 +46,7 @@ impl LoopElastica {
     pub fn over(gap: f64) -> Self {
         // In terms of −ln(1 − m) the gap grows evenly.
         let at = |stretched: f64| Self {
-            parameter: -(-stretched).exp_m1(),
+            parameter: -libm::expm1(-stretched),
         };
         let (mut low, mut high) = (0.0, 30.0);
         for _ in 0..100 {
@@ -67,11 +67,11 @@ impl LoopElastica {
         let mut points = vec![[0.0; 3]];
         for k in 0..steps {
             let angle = (k as f64 + 0.5) * step;
-            let length = step / (1.0 - self.parameter * (0.5 * angle).sin().powi(2)).sqrt();
+            let length = step / (1.0 - self.parameter * libm::sin(0.5 * angle).powi(2)).sqrt();
             let [x, y, s] = points[k];
             points.push([
-                x + angle.cos() * length,
-                y + angle.sin() * length,
+                x + libm::cos(angle) * length,
+                y + libm::sin(angle) * length,
                 s + length,
             ]);
         }

@@ -68,7 +68,7 @@ fn smooth_curve(knot: &Overhand, shortening: f64) -> Result<Vec<Vector3>, String
         let part = (x + half_braid) / (2.0 * half_braid);
         let angle = phase + half_turns as f64 * PI * smooth_step(part);
         let distance = faded(x.abs() - half_braid);
-        Vector3::new(x, distance * angle.cos(), distance * angle.sin())
+        Vector3::new(x, distance * libm::cos(angle), distance * libm::sin(angle))
     };
     let line = |from: f64, to: f64, phase: f64| {
         (0..=POINTS).map(move |k| {
@@ -99,7 +99,7 @@ fn loop_points(elastica: &LoopElastica, radius: f64, half_braid: f64, offset: f6
             let angle = std::f64::consts::TAU * k as f64 / POINTS as f64;
             let along = (s * radius).min(length - s * radius);
             let distance = offset * (1.0 - smooth_step(2.0 * along / length));
-            let inward = Vector3::new(-angle.sin(), angle.cos(), 0.0) * distance;
+            let inward = Vector3::new(-libm::sin(angle), libm::cos(angle), 0.0) * distance;
             Vector3::new(half_braid + x * radius, y * radius, 0.0) + inward
         })
         .collect()

@@ -27,7 +27,7 @@ pub fn audoly_traction(tightness: f64, friction: f64, sigma: f64) -> f64 {
 /// Friction dominates in it: `friction` must be greater than 0. g follows from the elastica of the loop.
 pub fn jawed_shortening(scaled_traction: f64, friction: f64) -> f64 {
     let factor = 8.0 * 3f64.sqrt() * PI * PI;
-    let gap = (12.0 * factor * scaled_traction / friction).cbrt();
+    let gap = libm::cbrt(12.0 * factor * scaled_traction / friction);
     gap * gap / (gap + LoopElastica::over(gap).length()) / factor
 }
 
@@ -35,9 +35,9 @@ pub fn jawed_shortening(scaled_traction: f64, friction: f64) -> f64 {
 pub fn jawed_traction(scaled_shortening: f64, friction: f64) -> f64 {
     // It grows with the traction; knots of rods lie far inside of this range of decades.
     let logarithm = bisect(-35.0, 5.0, |logarithm| {
-        jawed_shortening(logarithm.exp(), friction) - scaled_shortening
+        jawed_shortening(libm::exp(logarithm), friction) - scaled_shortening
     });
-    logarithm.exp()
+    libm::exp(logarithm)
 }
 
 /// A loop and the braid below it: lengths in m, energy over EI in 1/m.
@@ -81,7 +81,7 @@ pub fn relaxed_loop(unknotting_number: usize, radius: f64, shortening: f64) -> B
             unknotting_number,
             radius,
             shortening,
-            -(-stretched.exp()).exp_m1(),
+            -libm::expm1(-libm::exp(stretched)),
         )
     };
     // Golden section over ln(−ln(1 − m)); the energy has one minimum.

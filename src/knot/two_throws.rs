@@ -87,13 +87,17 @@ impl TwoThrows {
         let throw = |part: f64, half_turns: i32, height: f64| {
             let angle = PI * (1.0 + f64::from(half_turns) * smooth_step(part));
             let x = half_throw * (2.0 * part - 1.0);
-            Vector3::new(x, height + offset * angle.cos(), offset * angle.sin())
+            Vector3::new(
+                x,
+                height + offset * libm::cos(angle),
+                offset * libm::sin(angle),
+            )
         };
         let below = |point: Vector3| Vector3::new(point.x, -point.y, -point.z);
         let mut curve: Vec<Vector3> = parts().map(|part| below(tail(1.0 - part))).collect();
         curve.extend(parts().skip(1).map(|part| throw(part, first, -extent)));
         curve.extend(parts().skip(1).map(|part| {
-            let (sine, cosine) = (PI * part).sin_cos();
+            let (sine, cosine) = libm::sincos(PI * part);
             let radius = extent - offset;
             Vector3::new(half_throw + radius * sine, -radius * cosine, 0.0)
         }));

@@ -10,6 +10,7 @@ pub mod fluid;
 pub mod kirchhoff;
 pub mod random;
 pub mod rod;
+pub mod rotation;
 pub mod scene;
 pub mod statics;
 pub mod system;

@@ -5,7 +5,7 @@
 
 use super::contact::ContactParameters;
 use super::fluid::FluidModel;
-use super::{UnitQuaternion, Vector3};
+use super::{UnitQuaternion, Vector3, rotation};
 use serde::{Deserialize, Serialize};
 
 /// A complete mechanical scene.
@@ -257,7 +257,7 @@ where
 pub fn piecewise_turning(corners: &[(f64, UnitQuaternion)], t: f64) -> Option<UnitQuaternion> {
     let (a, b, fraction) = piece(corners, t)?;
     let difference = a.inverse() * b;
-    Some(a * UnitQuaternion::from_scaled_axis(difference.scaled_axis() * fraction))
+    Some(a * rotation::from_vector(rotation::to_vector(&difference) * fraction))
 }
 
 /// The corners on both sides of time `t` and the part of the way from the one to the other.

@@ -75,7 +75,7 @@ fn figure(rows: &[Row]) -> PageFigure {
     );
     if least < largest {
         let law = (0..=200)
-            .map(|k| least * (largest / least).powf(f64::from(k) / 200.0))
+            .map(|k| least * libm::pow(largest / least, f64::from(k) / 200.0))
             .map(|force| (jawed_shortening(force, FRICTION_OF_FIGURE_2_8), Some(force)));
         curves.push(
             Curve::new("Eq. 2.30", law.collect())

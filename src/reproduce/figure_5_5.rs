@@ -98,7 +98,7 @@ fn figure(rows: &[Row]) -> PageFigure {
         let curve = |minimum: usize| {
             let of = rows.iter().filter(|row| row.minimum == minimum);
             let points = of.map(|row| (row.push, Some(value(row)))).collect();
-            Curve::new(&format!("local minimum {minimum}"), points)
+            Curve::new(format!("local minimum {minimum}"), points)
         };
         LinePlot {
             label: label.into(),

@@ -86,7 +86,7 @@ fn section(rows: &[BoundaryRow]) -> Vec<PageFigure> {
     };
     let difference = |name: &str, value: fn(&BoundaryRow) -> Option<f64>| {
         let points = rows.iter().map(|row| {
-            let angle = f64::atan2(row.kappa, row.tau).to_degrees();
+            let angle = libm::atan2(row.kappa, row.tau).to_degrees();
             (angle, value(row).map(|part| 1e6 * part))
         });
         Curve::new(name, points.collect())

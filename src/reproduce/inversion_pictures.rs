@@ -87,9 +87,9 @@ fn row_at(rows: &[(f64, KnotRow)], moment: Moment, inversion: f64) -> Option<&(f
 
 /// The turn about x after which what stands away from the axis of the knot stands up, along y.
 fn turn_to_upright(positions: &[Vector3], radius: f64) -> Rotation3<f64> {
-    let away = |point: &&Vector3| point.y.hypot(point.z) > 4.0 * radius;
+    let away = |point: &&Vector3| libm::hypot(point.y, point.z) > 4.0 * radius;
     let loop_: Vector3 = positions.iter().filter(away).sum();
-    let angle = f64::atan2(loop_.z, loop_.y);
+    let angle = libm::atan2(loop_.z, loop_.y);
     Rotation3::from_axis_angle(&Vector3::x_axis(), -angle)
 }
 

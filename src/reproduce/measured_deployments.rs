@@ -12,9 +12,12 @@ pub(super) fn measured(run: &Laying, substrate: Substrate) -> (f64, f64) {
     THESIS[run.rod][column][usize::from(run.is_optimal)][run.pattern]
 }
 
+/// e_mean and σ of the seven patterns, cm.
+type Line = [(f64, f64); 7];
+
 /// e_mean and σ in cm as the thesis prints them, by rod, substrate (fabric, steel, foam), scheme (intuitive, optimal) and
 /// pattern.
-const THESIS: [[[[(f64, f64); 7]; 2]; 3]; 3] = [
+const THESIS: [[[Line; 2]; 3]; 3] = [
     [
         [
             [

@@ -296,7 +296,7 @@ fn outlines_of(case: &Case<Laying>) -> Result<Option<Outlines>, ReproduceError> 
     let Ok(loaded) = from_text("scenario", &scenario, Path::new(""), &[]) else {
         return Ok(None);
     };
-    let Some(DeploymentTables { deployment }) = loaded.scenario.experiment.tables() else {
+    let Some(DeploymentTables { deployment, .. }) = loaded.scenario.experiment.tables() else {
         return Ok(None);
     };
     let Ok(curve) = deployment.pattern.source().pattern() else {

@@ -103,7 +103,7 @@ impl Chain {
         // The root above 1 of x^(n+1) = x + 1.
         let mut root = 1.5_f64;
         for _ in 0..60 {
-            root = (1.0 + root).powf(1.0 / (count as f64 + 1.0));
+            root = libm::pow(1.0 + root, 1.0 / (count as f64 + 1.0));
         }
         self.joints
             .iter()

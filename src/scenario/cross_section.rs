@@ -43,7 +43,7 @@ impl CrossSection {
                     .rev()
                     .map(|term| {
                         let n = (2 * term + 1) as f64;
-                        (n * PI * long / (2.0 * short)).tanh() / n.powi(5)
+                        libm::tanh(n * PI * long / (2.0 * short)) / n.powi(5)
                     })
                     .sum();
                 long * short.powi(3) / 3.0 * (1.0 - 192.0 * short / (PI.powi(5) * long) * series)

@@ -115,7 +115,7 @@ fn twisted_rod(moment: f64) -> Scene {
 fn twisted_ring(twist: f64) -> Scene {
     let corner = |k: usize| {
         let angle = TAU * k as f64 / RING_EDGES as f64;
-        Vector3::new(angle.cos(), angle.sin(), 0.0) / TAU
+        Vector3::new(libm::cos(angle), libm::sin(angle), 0.0) / TAU
     };
     Scene {
         rods: vec![RodDescription {

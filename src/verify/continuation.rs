@@ -175,7 +175,7 @@ fn from_rest(mut clamp: Clamp) -> Clamp {
 fn twisted_ring() -> Scene {
     let node = |k: usize| {
         let angle = TAU * k as f64 / RING_EDGES as f64;
-        Vector3::new(angle.sin(), 1.0 - angle.cos(), 0.0) / TAU
+        Vector3::new(libm::sin(angle), 1.0 - libm::cos(angle), 0.0) / TAU
     };
     let turning = Clamp {
         motion: Motion {

@@ -193,7 +193,7 @@ fn soft_rod(centreline: Vec<Vector3>) -> RodDescription {
 fn ribbon() -> Scene {
     let node = |k: usize| {
         let s = k as f64 / 8.0;
-        Vector3::new(s, 0.3 * (3.0 * s).sin(), 0.2 * s * s)
+        Vector3::new(s, 0.3 * libm::sin(3.0 * s), 0.2 * s * s)
     };
     let mut rod = soft_rod((0..=8).map(node).collect());
     rod.stiffness.bending = [2.5, 1.0];
@@ -212,7 +212,11 @@ fn ribbon() -> Scene {
 fn ring() -> Scene {
     let node = |k: usize| {
         let angle = TAU * k as f64 / 9.0;
-        Vector3::new(angle.cos(), angle.sin(), 0.2 * (2.0 * angle).sin()) * 0.2
+        Vector3::new(
+            libm::cos(angle),
+            libm::sin(angle),
+            0.2 * libm::sin(2.0 * angle),
+        ) * 0.2
     };
     let mut rod = soft_rod((0..9).map(node).collect());
     rod.closed = true;

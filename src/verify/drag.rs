@@ -43,7 +43,7 @@ fn segment_check() -> Check {
             3 => end,
             _ => x,
         };
-        let regularization = 10f64.powf(-2.0 - 1.5 * place.abs());
+        let regularization = libm::pow(10f64, -2.0 - 1.5 * place.abs());
         let expected = adaptive_segment_integral(&x, &start, &end, regularization);
         let got = segment_integral(&x, &start, &end, regularization);
         for (expected, got) in expected.iter().zip(&got) {
@@ -90,7 +90,7 @@ fn helix() -> Result<Vec<Check>, SimulationError> {
         .map(|k| {
             let z = 0.2 * f64::from(k) / 67.0;
             let angle = TAU * z / 0.05;
-            Vector3::new(0.01 * angle.cos(), 0.01 * angle.sin(), z)
+            Vector3::new(0.01 * libm::cos(angle), 0.01 * libm::sin(angle), z)
         })
         .collect();
     let velocities: Vec<Vector3> = nodes

@@ -84,7 +84,7 @@ fn slide(model: ContactModel, incline: f64, friction: f64) -> Result<Slide, Grou
             ..rod
         }],
         loads: vec![steady(LoadKind::Gravity {
-            acceleration: GRAVITY * Vector3::new(incline.sin(), 0.0, -incline.cos()),
+            acceleration: GRAVITY * Vector3::new(libm::sin(incline), 0.0, -libm::cos(incline)),
         })],
         planes: vec![Plane {
             point: Vector3::zeros(),
@@ -170,13 +170,13 @@ fn capstan(model: ContactModel, name: &str) -> Result<Check, GroupError> {
 fn rope() -> RodDescription {
     // The nodes stand outside, so that the edges between them touch the post in their middle.
     let step = PI / WRAPPED_EDGES as f64;
-    let edge = 2.0 * WRAP_RADIUS * (0.5 * step).tan();
-    let corner = WRAP_RADIUS / (0.5 * step).cos();
+    let edge = 2.0 * WRAP_RADIUS * libm::tan(0.5 * step);
+    let corner = WRAP_RADIUS / libm::cos(0.5 * step);
     let gap = 1.0 + 1e-4;
     let leg = |k: usize, side: f64| Vector3::new(side * corner, -edge * k as f64, 0.0) * gap;
     let around = |k: usize| {
         let angle = PI - step * k as f64;
-        Vector3::new(angle.cos(), angle.sin(), 0.0) * (corner * gap)
+        Vector3::new(libm::cos(angle), libm::sin(angle), 0.0) * (corner * gap)
     };
     let centreline = (1..=LEG_EDGES)
         .rev()

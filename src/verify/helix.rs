@@ -133,7 +133,7 @@ fn path(count: usize) -> Result<Check, SimulationError> {
     let mut worst = (1.0, 1.0);
     for _ in 0..count {
         let height = number();
-        let (sine, cosine) = (TAU * number()).sin_cos();
+        let (sine, cosine) = libm::sincos(TAU * number());
         let across = (1.0 - height * height).sqrt();
         let helix = Helix::from([height, across * cosine, across * sine]);
         let critical =

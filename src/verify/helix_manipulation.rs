@@ -40,7 +40,7 @@ pub fn checks(full: bool) -> Result<Vec<Check>, GroupError> {
     let mut taken = 0;
     while taken < count {
         let curvature = number();
-        let (sine, cosine) = (TAU * number()).sin_cos();
+        let (sine, cosine) = libm::sincos(TAU * number());
         let across = (1.0 - curvature * curvature).sqrt();
         let helix = Helix::from([curvature, across * cosine, across * sine]);
         let critical = critical_distance(&helix).map_or(f64::INFINITY, |found| found.distance);

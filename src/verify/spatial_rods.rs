@@ -155,7 +155,7 @@ fn strip(
 /// b = cos(τs) b₀ − sin(τs) n₀, with b₀ = (0.6, 0.8) and n₀ = (0.8, −0.6) in the frame.
 fn coiled(s: f64) -> [f64; 3] {
     let [curvature, torsion] = curvature_and_torsion(0.2, 0.15);
-    let (sine, cosine) = (torsion * s).sin_cos();
+    let (sine, cosine) = libm::sincos(torsion * s);
     [
         curvature * (0.6 * cosine - 0.8 * sine),
         curvature * (0.8 * cosine + 0.6 * sine),
@@ -167,7 +167,7 @@ fn coiled(s: f64) -> [f64; 3] {
 /// ν = 1/2, without load. Its first director is the binormal, which turns with τ.
 fn spring() -> SpatialCantilever<fn(f64) -> [f64; 3]> {
     let (young, wire, radius, rise) = (0.3e9, 1e-3_f64, SPRING_RADIUS, SPRING_RISE);
-    let per_turn = radius.hypot(rise) * TAU;
+    let per_turn = libm::hypot(radius, rise) * TAU;
     let bending = young * PI * wire.powi(4) / 4.0;
     let tangent = Vector3::new(0.0, -radius, -rise).normalize();
     SpatialCantilever {
@@ -198,7 +198,9 @@ fn curvature_and_torsion(radius: f64, rise: f64) -> [f64; 2] {
 /// Saint-Venant's J of a rectangle with sides a ≥ b: a b³ (1/3 − 64 b/(π⁵ a) Σ tanh(nπa/2b)/n⁵), n odd.
 fn torsion_constant(a: f64, b: f64) -> f64 {
     let odd = (0..40).rev().map(|k| f64::from(2 * k + 1));
-    let sum: f64 = odd.map(|n| (0.5 * n * PI * a / b).tanh() / n.powi(5)).sum();
+    let sum: f64 = odd
+        .map(|n| libm::tanh(0.5 * n * PI * a / b) / n.powi(5))
+        .sum();
     a * b.powi(3) * (1.0 / 3.0 - 64.0 * b / (PI.powi(5) * a) * sum)
 }
 
@@ -224,7 +226,7 @@ impl Case {
             .zip(fine.iter().step_by(2))
             .map(|(coarse, fine)| fine + (fine - coarse) / 3.0)
             .collect();
-        let order = (farthest(&coarse) / farthest(&fine)).log2();
+        let order = libm::log2(farthest(&coarse) / farthest(&fine));
         let (name, edges) = (self.name, self.edges);
         let [of_order, of_limit] = [
             format!("{name}, {edges} to {} edges: order", 2 * edges),

@@ -73,7 +73,7 @@ fn invariance(scene: &Scene, name: &str) -> Result<Vec<Check>, GroupError> {
 fn two_rods() -> Scene {
     let arc = |k: usize| {
         let angle = 1.2 * k as f64 / EDGES as f64;
-        Vector3::new(angle.sin(), 1.0 - angle.cos(), 0.1 * angle)
+        Vector3::new(libm::sin(angle), 1.0 - libm::cos(angle), 0.1 * angle)
     };
     let mut ribbon = unit_rod((0..=EDGES).map(arc).collect());
     ribbon.natural_shape = NaturalShape::AsPlaced;

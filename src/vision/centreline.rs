@@ -421,7 +421,7 @@ fn end_direction(points: &[Point], width: f64, step: f64) -> Option<(Point, f64)
     };
     let later = (end - middle).try_normalize(1e-9)?;
     let earlier = (middle - start).try_normalize(1e-9)?;
-    let turned = earlier.perp(&later).atan2(earlier.dot(&later));
+    let turned = libm::atan2(earlier.perp(&later), earlier.dot(&later));
     let apart = 0.5 * (end - start).norm();
     // A strand bends with a radius of two widths at least; what bends more is noise.
     let turn = (turned / apart).clamp(-0.5 / width, 0.5 / width);

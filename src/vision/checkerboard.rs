@@ -313,7 +313,7 @@ impl Grey {
         let ring: Vec<f64> = (0..SAMPLES)
             .map(|index| {
                 let (sine, cosine) =
-                    (index as f64 * std::f64::consts::TAU / SAMPLES as f64).sin_cos();
+                    libm::sincos(index as f64 * std::f64::consts::TAU / SAMPLES as f64);
                 self.at(point + Point::new(cosine, sine) * RADIUS)
             })
             .collect();
@@ -339,7 +339,7 @@ impl Grey {
                         self.at(place + Vector2::y()) - self.at(place - Vector2::y()),
                     );
                     let sigma = 0.6 * f64::from(reach);
-                    let weight = (-offset.norm_squared() / (2.0 * sigma * sigma)).exp();
+                    let weight = libm::exp(-offset.norm_squared() / (2.0 * sigma * sigma));
                     let product = gradient * gradient.transpose() * weight;
                     matrix += product;
                     right += product * place;

@@ -218,7 +218,7 @@ fn linear(channel: f64) -> f64 {
     if channel <= 0.040_45 {
         channel / 12.92
     } else {
-        ((channel + 0.055) / 1.055).powf(2.4)
+        libm::pow((channel + 0.055) / 1.055, 2.4)
     }
 }
 
@@ -226,7 +226,7 @@ fn lab_of_linear([red, green, blue]: [f64; 3]) -> [f64; 3] {
     let f = |t: f64| {
         const KNEE: f64 = 6.0 / 29.0;
         if t > KNEE * KNEE * KNEE {
-            t.cbrt()
+            libm::cbrt(t)
         } else {
             t / (3.0 * KNEE * KNEE) + 4.0 / 29.0
         }

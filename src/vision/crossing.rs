@@ -364,7 +364,7 @@ fn bending_energy(from: &Departure, to: &Departure, width: f64) -> f64 {
     let chord = to.position - from.position;
     let length = chord.norm().max(0.5 * width);
     let chord = unit(chord);
-    let angle = |direction: Point| chord.perp(&direction).atan2(chord.dot(&direction));
+    let angle = |direction: Point| libm::atan2(chord.perp(&direction), chord.dot(&direction));
     let (a, b) = (angle(-from.direction), angle(to.direction));
     4.0 * (a * a + a * b + b * b) * width / length
 }

@@ -35,7 +35,7 @@ pub fn paint_labels(mask: &Mask, strands: &[Strand], crossings: &[StrandCrossing
         let count = strand.points.len();
         let centre = (crossing.over.at as usize).min(count - 1);
         let step = (strand.length() / count as f64).max(0.1);
-        let sine = crossing.angle_degrees.to_radians().sin().max(0.15);
+        let sine = libm::sin(crossing.angle_degrees.to_radians()).max(0.15);
         let covered = 0.5 * (under.width() + strand.width()) / sine + strand.width();
         let reach = ((covered / step).ceil() as usize).min(count);
         for offset in 0..=2 * reach {

@@ -49,16 +49,16 @@ pub fn helix_points(
     arc_lengths: &[f64],
     pose: &Isometry3<f64>,
 ) -> Vec<Vector3<f64>> {
-    let omega = curvature.hypot(torsion);
+    let omega = libm::hypot(curvature, torsion);
     let point = |s: f64| {
         if omega * s.abs() < 1e-9 {
             return Vector3::new(0.5 * curvature * s * s, 0.0, s);
         }
         let angle = omega * s;
         Vector3::new(
-            curvature * (1.0 - angle.cos()) / omega.powi(2),
-            curvature * torsion * (angle - angle.sin()) / omega.powi(3),
-            (curvature.powi(2) * angle.sin() + torsion.powi(2) * angle) / omega.powi(3),
+            curvature * (1.0 - libm::cos(angle)) / omega.powi(2),
+            curvature * torsion * (angle - libm::sin(angle)) / omega.powi(3),
+            (curvature.powi(2) * libm::sin(angle) + torsion.powi(2) * angle) / omega.powi(3),
         )
     };
     let moved = |s: &f64| (pose * Point3::from(point(*s))).coords;

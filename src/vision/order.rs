@@ -49,7 +49,7 @@ pub fn find_crossings(picture: &RgbImage, strands: &[Strand]) -> Vec<StrandCross
                 position,
                 over,
                 under,
-                angle_degrees: sine.min(1.0).asin().to_degrees(),
+                angle_degrees: libm::asin(sine.min(1.0)).to_degrees(),
                 confidence: (change_a - change_b).abs() / (change_a + change_b).max(1e-9),
             }
         })

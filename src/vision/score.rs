@@ -189,7 +189,7 @@ pub fn rigid_alignment(from: &[Point], to: &[Point]) -> Isometry2<f64> {
         cosine += (p - a).dot(&(q - b));
         sine += (p - a).perp(&(q - b));
     }
-    let rotation = UnitComplex::from_rotation_matrix(&Rotation2::new(sine.atan2(cosine)));
+    let rotation = UnitComplex::from_rotation_matrix(&Rotation2::new(libm::atan2(sine, cosine)));
     Isometry2::from_parts(Translation2::from(b - rotation * a), rotation)
 }
 

@@ -41,7 +41,7 @@ impl Sheet {
         let along = to - from;
         EdgePose {
             middle: (from + to) * 0.5,
-            angle: along.y.atan2(along.x),
+            angle: libm::atan2(along.y, along.x),
             length: along.norm(),
         }
     }

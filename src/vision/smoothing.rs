@@ -14,7 +14,7 @@ pub(super) fn smooth(points: &[Point], weights: &[f64], lambda: f64, closed: boo
     }
     if closed {
         // What is farther away than this has no influence.
-        let overlap = ((20.0 * lambda.powf(0.25)).ceil() as usize + 8).min(4 * count);
+        let overlap = ((20.0 * libm::pow(lambda, 0.25)).ceil() as usize + 8).min(4 * count);
         let wrapped = |index: usize| (index + 4 * count - overlap) % count;
         let total = count + 2 * overlap;
         let long: Vec<Point> = (0..total).map(|index| points[wrapped(index)]).collect();

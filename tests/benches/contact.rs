@@ -23,8 +23,8 @@ fn flagella(circle: f64, friction: f64) -> (ContactSystem, Vec<Vector3>) {
                 // Phases differ, so that edges of neighbours cross at an angle.
                 let turn = std::f64::consts::TAU * height / 0.05 + 0.05 * (rod % 3) as f64;
                 Vector3::new(
-                    circle * place.cos() + 0.01 * turn.cos(),
-                    circle * place.sin() + 0.01 * turn.sin(),
+                    circle * libm::cos(place) + 0.01 * libm::cos(turn),
+                    circle * libm::sin(place) + 0.01 * libm::sin(turn),
                     height,
                 )
             })
@@ -44,7 +44,7 @@ fn flagella(circle: f64, friction: f64) -> (ContactSystem, Vec<Vector3>) {
 
 /// Distance between neighbours on the circle.
 fn circle_of_spacing(spacing: f64) -> f64 {
-    0.5 * spacing / (std::f64::consts::PI / RODS as f64).sin()
+    0.5 * spacing / libm::sin(std::f64::consts::PI / RODS as f64)
 }
 
 fn broad_phase(criterion: &mut Criterion) {

@@ -9,7 +9,9 @@ pub fn free_rod() -> (System, Vec<f64>, Stage) {
     let system = System::new(&scene()).expect("a valid scene");
     let start = system.assembly.unknowns.clone();
     let shaken = start.iter().enumerate();
-    let unknowns = shaken.map(|(k, q)| q + 1e-5 * (k as f64).sin()).collect();
+    let unknowns = shaken
+        .map(|(k, q)| q + 1e-5 * libm::sin(k as f64))
+        .collect();
     let stage = Stage {
         step: 1e-3,
         acceleration_step: 1e-3,
@@ -26,7 +28,11 @@ pub fn free_rod() -> (System, Vec<f64>, Stage) {
 fn scene() -> Scene {
     let node = |k: usize| {
         let turn = 0.37 * k as f64;
-        Vector3::new(0.01 * turn.cos(), 0.01 * turn.sin(), 0.003 * k as f64)
+        Vector3::new(
+            0.01 * libm::cos(turn),
+            0.01 * libm::sin(turn),
+            0.003 * k as f64,
+        )
     };
     let (young, radius, density) = (3e6, 1e-3, 1000.0);
     let area = std::f64::consts::PI * radius * radius;

@@ -11,7 +11,7 @@ fn rod_band(dimension: usize) -> BandedSymmetric {
         let window = first..dimension.min(first + HALF_BANDWIDTH + 1);
         for j in window.clone() {
             for i in j..window.end {
-                band.add(i, j, ((i * 31 + j * 17) as f64).sin());
+                band.add(i, j, libm::sin((i * 31 + j * 17) as f64));
             }
             band.add(j, j, 10.0);
         }
@@ -23,7 +23,7 @@ fn banded(criterion: &mut Criterion) {
     for dimension in [267, 2720] {
         let band = rod_band(dimension);
         let mut factor = BandedFactor::new(dimension);
-        let right_hand_side: Vec<f64> = (0..dimension).map(|i| (i as f64).cos()).collect();
+        let right_hand_side: Vec<f64> = (0..dimension).map(|i| libm::cos(i as f64)).collect();
         let mut x = right_hand_side.clone();
         criterion.bench_function(&format!("banded factor {dimension}"), |bencher| {
             bencher.iter(|| factor.factor(black_box(&band)).unwrap());
@@ -62,8 +62,8 @@ fn coupled(criterion: &mut Criterion) {
         let band = rod_band(dimension);
         let elements = contacts(rods, count);
         let held = vec![false; dimension];
-        let matrix = std::array::from_fn(|i| std::array::from_fn(|j| ((i * j) as f64).cos()));
-        let right_hand_side: Vec<f64> = (0..dimension).map(|i| (i as f64).cos()).collect();
+        let matrix = std::array::from_fn(|i| std::array::from_fn(|j| libm::cos((i * j) as f64)));
+        let right_hand_side: Vec<f64> = (0..dimension).map(|i| libm::cos(i as f64)).collect();
         let mut x = right_hand_side.clone();
         criterion.bench_function(&format!("coupled new {dimension}+{count}"), |bencher| {
             bencher.iter(|| CoupledSystem::new(dimension, black_box(&elements), &held, true));

@@ -25,16 +25,23 @@ fn filaments(count: usize) -> Vec<Filament> {
 /// Helices of the thesis on a regular polygon of the given side, turning at 15 rad/s; their tips sway by
 /// a centimetre.
 fn helices(count: usize, side: f64, time: f64) -> Vec<Vector3> {
-    let polygon = side / (2.0 * (PI / count as f64).sin());
+    let polygon = side / (2.0 * libm::sin(PI / count as f64));
     let mut nodes = Vec::with_capacity(count * NODES);
     for k in 0..count {
         let place = 2.0 * PI * k as f64 / count as f64;
         for i in 0..NODES {
             let height = i as f64 / (NODES - 1) as f64;
             let angle = 8.0 * PI * height + 15.0 * time;
-            let sway = 0.01 * height * height * (2.0 * time + place).cos();
-            let centre = Vector3::new(place.cos(), place.sin(), 0.0) * (polygon + sway);
-            nodes.push(centre + Vector3::new(0.01 * angle.cos(), 0.01 * angle.sin(), 0.2 * height));
+            let sway = 0.01 * height * height * libm::cos(2.0 * time + place);
+            let centre = Vector3::new(libm::cos(place), libm::sin(place), 0.0) * (polygon + sway);
+            nodes.push(
+                centre
+                    + Vector3::new(
+                        0.01 * libm::cos(angle),
+                        0.01 * libm::sin(angle),
+                        0.2 * height,
+                    ),
+            );
         }
     }
     nodes

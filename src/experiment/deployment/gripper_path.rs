@@ -3,17 +3,19 @@
 use super::keys::Deployment;
 use crate::mechanics::random::uniform_numbers;
 use crate::mechanics::scene::Motion;
-use crate::mechanics::{UnitQuaternion, Vector3};
+use crate::mechanics::{Vector3, rotation};
 use crate::plan::deployment::{
     DeployedRod, DeploymentError, Feasibility, GripperPose, hanging_rod, laid_after, times,
     trajectory,
 };
 use crate::plan::pattern::{Pattern, PatternError, PatternPoint};
-use nalgebra::{Rotation2, Vector2};
+use nalgebra::{Matrix2, Vector2};
 use std::f64::consts::TAU;
 
 /// Distance of neighbouring poses along the pattern, m.
 const POSE_SPACING: f64 = 3e-3;
+/// The same of the poses by which times are found, m.
+const TIMING_SPACING: f64 = 12e-3;
 /// Poses per period of the fastest jitter.
 const POSES_PER_PERIOD: f64 = 10.0;
 /// Most poses.
@@ -85,7 +87,7 @@ impl GripperPath {
         let planned = Planned::new(deployment, &curve);
         let scheme = deployment.scheme.into();
         let coarse = trajectory(
-            &planned.seen(curve.sampled(POSE_SPACING)),
+            &planned.seen(curve.sampled(TIMING_SPACING)),
             &planned.rod,
             scheme,
         )?;
@@ -197,7 +199,8 @@ impl Planned {
 
     /// Where the planner sees points of the pattern.
     fn seen(&self, mut points: Vec<PatternPoint>) -> Vec<PatternPoint> {
-        let turned = Rotation2::new(self.turn);
+        let (sine, cosine) = libm::sincos(self.turn);
+        let turned = Matrix2::new(cosine, -sine, sine, cosine);
         for point in &mut points {
             point.position = self.pivot + turned * (point.position - self.pivot) + self.shift;
             point.angle += self.turn;
@@ -220,7 +223,7 @@ impl Jitter {
         let mut number = uniform_numbers(deployment.seed);
         let waves = std::array::from_fn(|_| {
             std::array::from_fn(|_| {
-                let period = deployment.jitter_period * SLOWEST.powf(number());
+                let period = deployment.jitter_period * libm::pow(SLOWEST, number());
                 (TAU / period, TAU * number())
             })
         });
@@ -239,7 +242,9 @@ impl Jitter {
         let begun = begun * begun * (3.0 - 2.0 * begun);
         let values: [f64; 6] = std::array::from_fn(|direction| {
             let waves = self.waves[direction].iter();
-            let sum: f64 = waves.map(|(rate, phase)| (rate * time + phase).sin()).sum();
+            let sum: f64 = waves
+                .map(|(rate, phase)| libm::sin(rate * time + phase))
+                .sum();
             begun * self.amplitudes[direction] * sum
         });
         let [x, y, z, a, b, c] = values;
@@ -253,7 +258,7 @@ impl Jitter {
         for ((time, _), pose) in laid.iter().zip(poses) {
             let (displacement, turn) = self.at(*time);
             pose.position += displacement;
-            pose.rotation = UnitQuaternion::from_scaled_axis(turn) * pose.rotation;
+            pose.rotation = rotation::from_vector(turn) * pose.rotation;
         }
     }
 }
@@ -312,7 +317,7 @@ mod tests {
         let moved = GripperPath::new(&given, 0.4, 30.0, None).unwrap();
         let first = true_path.curve.at(0.0).position;
         let pivot = Vector3::new(first.x, first.y, 0.0);
-        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.3);
+        let turn = rotation::from_vector(0.3 * Vector3::z());
         for (pose, other) in true_path.poses.iter().zip(&moved.poses) {
             let expected = pivot + turn * (pose.position - pivot) + Vector3::new(0.02, -0.01, 0.0);
             assert!((other.position - expected).norm() < 1e-8, "{}", pose.s);

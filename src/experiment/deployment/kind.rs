@@ -2,11 +2,12 @@
 
 use super::files::{FILES, LAID_FIGURE};
 use super::gripper_path::GripperPath;
-use super::keys::{Deployment, DeploymentTables, TABLES, resolve};
+use super::keys::{Deployment, TABLES, resolve};
 use super::laid_figure::laid_figure;
 use super::laid_rod::{POINTS, PatternMark};
 use super::monitor::{DeploymentMonitor, Watched};
 use super::outcome::DerivedDeployment;
+use super::tables::DeploymentTables;
 use crate::experiment::kind::{FigureError, Kind, OwnNumbers};
 use crate::experiment::prepare::round_rod;
 use crate::figure::Figure;
@@ -29,9 +30,9 @@ const END: f64 = 60.0;
 /// A rod that a gripper lays on a table along a pattern.
 pub struct DeploymentKind;
 
-fn tables(scenario: &Scenario) -> &Deployment {
-    let tables: Option<&DeploymentTables> = scenario.experiment.tables();
-    &tables.expect("the tables of this experiment").deployment
+fn tables(scenario: &Scenario) -> &DeploymentTables {
+    let tables = scenario.experiment.tables();
+    tables.expect("the tables of this experiment")
 }
 
 impl ExperimentKeys for DeploymentKind {
@@ -56,8 +57,9 @@ impl ExperimentKeys for DeploymentKind {
     }
 
     fn resolve(&self, request: &Request<'_>) -> Option<Experiment> {
-        let tables = resolve(request)?;
-        let radius = tables.deployment.rod.radius;
+        let deployment = resolve(request)?;
+        let radius = deployment.rod.radius;
+        let tables = DeploymentTables::new(deployment);
         Some(Experiment::new(self.name(), tables).with_radius(radius))
     }
 
@@ -74,14 +76,14 @@ impl Kind for DeploymentKind {
     }
 
     fn build(&self, scenario: &Scenario, scene: &mut Scene) -> Result<(), Issue> {
-        let deployment = tables(scenario);
+        let deployment = &tables(scenario).deployment;
         let path = gripper_path(scenario)?;
-        add(scene, deployment, &path, scenario.contact.friction());
+        add(scene, deployment, path, scenario.contact.friction());
         Ok(())
     }
 
     fn attach(&self, scenario: &Scenario, run: &mut PreparedRun) -> Result<(), Issue> {
-        let deployment = tables(scenario);
+        let deployment = &tables(scenario).deployment;
         let path = gripper_path(scenario)?;
         run.observers
             .push(Box::new(monitor(scenario, deployment, path)));
@@ -130,19 +132,9 @@ impl Kind for DeploymentKind {
     }
 }
 
-/// The path of the gripper.
-fn gripper_path(scenario: &Scenario) -> Result<GripperPath, Issue> {
-    let (step, end) = match scenario.time {
-        Time::Dynamic {
-            step: Step::Fixed(step),
-            end,
-            ..
-        } => (Some(step), end),
-        Time::Dynamic { end, .. } => (None, end),
-        Time::Static | Time::Continuation => (None, END),
-    };
-    GripperPath::new(tables(scenario), scenario.contact.friction(), end, step)
-        .map_err(|error| Issue::new(KeyPath::from("deployment.pattern"), error.to_string()))
+fn gripper_path(scenario: &Scenario) -> Result<&GripperPath, Issue> {
+    let path = tables(scenario).path(scenario);
+    path.map_err(|error| Issue::new(KeyPath::from("deployment.pattern"), error.to_string()))
 }
 
 /// Adds rod, gripper, weight and table.
@@ -186,7 +178,7 @@ fn add(scene: &mut Scene, deployment: &Deployment, path: &GripperPath, friction:
     });
 }
 
-fn monitor(scenario: &Scenario, deployment: &Deployment, path: GripperPath) -> DeploymentMonitor {
+fn monitor(scenario: &Scenario, deployment: &Deployment, path: &GripperPath) -> DeploymentMonitor {
     let rod = &deployment.rod;
     let from = deployment.lead_in;
     let marks = (0..POINTS).map(|index| {
@@ -225,7 +217,7 @@ fn monitor(scenario: &Scenario, deployment: &Deployment, path: GripperPath) -> D
         nodes: rod.edges + 1,
         lying_height: rod.radius + 2.0 * tolerance,
         friction: scenario.contact.friction(),
-        laid: path.laid,
+        laid: path.laid.clone(),
         derived,
     })
 }

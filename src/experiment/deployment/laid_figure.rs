@@ -1,7 +1,7 @@
 //! The laid rod from above, beside its pattern.
 
-use super::keys::DeploymentTables;
 use super::laid_rod::rod_at;
+use super::tables::DeploymentTables;
 use crate::experiment::kind::FigureError;
 use crate::experiment::load;
 use crate::figure::{Curve, Figure, LinePlot, Look, PlotStyle, styled_line_plots};
@@ -20,7 +20,7 @@ pub fn laid_figure(directory: &Path) -> Result<Option<Figure>, FigureError> {
         return Ok(None);
     }
     let scenario = load(&directory.join(SCENARIO), &[])?.scenario;
-    let Some(DeploymentTables { deployment }) = scenario.experiment.tables() else {
+    let Some(DeploymentTables { deployment, .. }) = scenario.experiment.tables() else {
         return Ok(None);
     };
     let Ok(curve) = deployment.pattern.source().pattern() else {

@@ -94,7 +94,7 @@ impl DeploymentMonitor {
                 None if node.z < self.watched.lying_height => *touched = Some([node.x, node.y]),
                 None => {}
                 Some([x, y]) => {
-                    let slid = (node.x - *x).hypot(node.y - *y);
+                    let slid = libm::hypot(node.x - *x, node.y - *y);
                     self.largest_sliding = self.largest_sliding.max(slid);
                 }
             }

@@ -112,10 +112,10 @@ fn feet(flagella: &Flagella) -> Vec<Vector3> {
         return vec![Vector3::zeros()];
     }
     let step = TAU / count as f64;
-    let circumradius = flagella.side / (2.0 * (step / 2.0).sin());
+    let circumradius = flagella.side / (2.0 * libm::sin(step / 2.0));
     (0..count)
         .map(|corner| {
-            let (sine, cosine) = (flagella.orientation + step * corner as f64).sin_cos();
+            let (sine, cosine) = libm::sincos(flagella.orientation + step * corner as f64);
             Vector3::new(cosine, sine, 0.0) * circumradius
         })
         .collect()
@@ -148,11 +148,11 @@ fn centreline(nodes: usize, flagella: &Flagella) -> (Vec<Vector3>, [Vector3; 2])
     let advance = flagella.pitch / TAU;
     let turn = flagella.axial_length / advance;
     let point = |turned: f64| {
-        let (sine, cosine) = turned.sin_cos();
+        let (sine, cosine) = libm::sincos(turned);
         Vector3::new(radius * cosine, radius * sine, advance * turned)
     };
     let tangent = |turned: f64| {
-        let (sine, cosine) = turned.sin_cos();
+        let (sine, cosine) = libm::sincos(turned);
         Vector3::new(-radius * sine, radius * cosine, advance).normalize()
     };
     let hook_nodes = if flagella.hook { HOOK_EDGES } else { 0 };
@@ -161,7 +161,7 @@ fn centreline(nodes: usize, flagella: &Flagella) -> (Vec<Vector3>, [Vector3; 2])
     if !flagella.hook {
         return (helix.collect(), [tangent(0.0), tangent(turn)]);
     }
-    let edge_length = turn * radius.hypot(advance) / helix_edges as f64;
+    let edge_length = turn * libm::hypot(radius, advance) / helix_edges as f64;
     let hook = [
         Vector3::new(0.0, 0.0, -radius - edge_length),
         Vector3::new(0.0, 0.0, -radius),

@@ -59,12 +59,12 @@ pub fn sample(shape: &Shape, edges: usize, closed: bool) -> SampledCurve {
             let inward = Vector3::from(*normal).cross(&tangent);
             let centre = Vector3::from(*start) + inward * *radius;
             let direction = |s: f64| {
-                let (sine, cosine) = (s * angle).sin_cos();
+                let (sine, cosine) = libm::sincos(s * angle);
                 tangent * cosine + inward * sine
             };
             SampledCurve {
                 nodes: at(&|s| {
-                    let (sine, cosine) = (s * angle).sin_cos();
+                    let (sine, cosine) = libm::sincos(s * angle);
                     centre + (tangent * sine - inward * cosine) * *radius
                 }),
                 end_tangents: [Some(direction(0.0)), Some(direction(1.0))],
@@ -79,7 +79,7 @@ pub fn sample(shape: &Shape, edges: usize, closed: bool) -> SampledCurve {
             let centre = Vector3::from(*centre);
             SampledCurve {
                 nodes: at(&|s| {
-                    let (sine, cosine) = (s * std::f64::consts::TAU).sin_cos();
+                    let (sine, cosine) = libm::sincos(s * std::f64::consts::TAU);
                     centre + (first * cosine + second * sine) * *radius
                 }),
                 end_tangents: [None; 2],
@@ -122,7 +122,7 @@ impl Helix {
             Handedness::Left => -1.0,
         };
         // A left-handed helix turns the other way; its phase still counts right-handed about the axis.
-        let (sine, cosine) = f64::sin_cos(phase);
+        let (sine, cosine) = libm::sincos(phase);
         Self {
             centre: Vector3::from(centre),
             axis: Vector3::from(axis),
@@ -134,14 +134,14 @@ impl Helix {
     }
 
     fn point(&self, turned: f64) -> Vector3 {
-        let (sine, cosine) = turned.sin_cos();
+        let (sine, cosine) = libm::sincos(turned);
         self.centre
             + (self.first * cosine + self.second * sine) * self.radius
             + self.axis * (self.advance * turned)
     }
 
     fn tangent(&self, turned: f64) -> Vector3 {
-        let (sine, cosine) = turned.sin_cos();
+        let (sine, cosine) = libm::sincos(turned);
         ((self.second * cosine - self.first * sine) * self.radius + self.axis * self.advance)
             .normalize()
     }

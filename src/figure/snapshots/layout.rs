@@ -120,7 +120,7 @@ impl Extent {
 
 /// The largest of 1, 2, 5 times a power of ten that is not above `limit`.
 pub(super) fn round_length_below(limit: f64) -> f64 {
-    let power = 10f64.powf(limit.log10().floor());
+    let power = libm::pow(10f64, libm::log10(limit).floor());
     let factor = [5.0, 2.0]
         .into_iter()
         .find(|factor| factor * power <= limit)

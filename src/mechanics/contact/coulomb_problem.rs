@@ -144,7 +144,7 @@ impl CoulombProblem {
                     let row = normal + axis;
                     forces[row] - self.weights[row] * self.motion(row, forces)
                 });
-                let size = towards[0].hypot(towards[1]);
+                let size = libm::hypot(towards[0], towards[1]);
                 let shrink = (friction * forces[normal] / size).min(1.0);
                 for axis in [0, 1] {
                     forces[normal + 1 + axis] = if size > 0.0 {
@@ -204,7 +204,7 @@ impl CoulombProblem {
         }
         let towards = [projected(normal + 1), projected(normal + 2)];
         let (size, radius) = (
-            towards[0].hypot(towards[1]),
+            libm::hypot(towards[0], towards[1]),
             self.friction[contact] * pressure,
         );
         if size <= radius {
@@ -270,7 +270,7 @@ impl CoulombProblem {
         let Branch::Sliding { towards, ratio } = branch else {
             return [pressed, slid[0], slid[1]];
         };
-        let size = towards[0].hypot(towards[1]);
+        let size = libm::hypot(towards[0], towards[1]);
         let unit = towards.map(|component| component / size);
         let own = |row: usize| f64::from(u8::from(row == by));
         // Derivatives of the pressure and of what is projected on the disk.

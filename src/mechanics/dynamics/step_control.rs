@@ -139,7 +139,7 @@ impl StepControl {
 
     /// Decides on a step of automatic control by its local error as a multiple of the tolerance, and proposes the next.
     pub fn decide(&mut self, step: f64, error: f64, law: ErrorLaw, iterations: usize) -> Decision {
-        let ratio = error.max(1e-300).powf(-1.0 / f64::from(law.order));
+        let ratio = libm::pow(error.max(1e-300), -1.0 / f64::from(law.order));
         let mut factor = (SAFETY * ratio).clamp(DECAY, law.largest_growth);
         if iterations > MANY_ITERATIONS {
             factor = factor.min(0.7);

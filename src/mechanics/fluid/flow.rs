@@ -85,5 +85,5 @@ impl Flow {
 /// err by about 0.015 · 0.37ᵖ at degree p, and the forces ten times as much: what expansions get wrong varies
 /// from node to node, and such velocities take larger forces than even ones.
 fn order_for(far_field_error: f64) -> usize {
-    ((far_field_error / 0.2).ln() / 0.38f64.ln()).ceil() as usize
+    (libm::log(far_field_error / 0.2) / libm::log(0.38f64)).ceil() as usize
 }

@@ -110,7 +110,7 @@ impl Random {
 
     /// Between two magnitudes, uniform in the logarithm.
     fn magnitude(&mut self, from: f64, to: f64) -> f64 {
-        from * (to / from).powf(0.5 + 0.5 * self.number())
+        from * libm::pow(to / from, 0.5 + 0.5 * self.number())
     }
 
     fn direction(&mut self) -> Vector3 {

@@ -24,7 +24,7 @@ impl DragCoefficients {
     /// # Errors
     /// [`FluidError::NotSlender`] where the first denominator is not positive (L/h ≤ 2.24).
     pub fn slender_cylinder(viscosity: f64, length: f64, radius: f64) -> Result<Self, FluidError> {
-        let logarithm = (2.0 * length / radius).ln();
+        let logarithm = libm::log(2.0 * length / radius);
         Self::from_denominators(viscosity, length / radius, logarithm - 1.5, logarithm - 0.5)
     }
 
@@ -34,7 +34,7 @@ impl DragCoefficients {
     /// # Errors
     /// [`FluidError::NotSlender`] where the first denominator is not positive (λ/h ≤ 0.82).
     pub fn gray_hancock(viscosity: f64, wavelength: f64, radius: f64) -> Result<Self, FluidError> {
-        let logarithm = (2.0 * wavelength / radius).ln();
+        let logarithm = libm::log(2.0 * wavelength / radius);
         Self::from_denominators(
             viscosity,
             wavelength / radius,
@@ -53,7 +53,7 @@ impl DragCoefficients {
         length_of_a_turn: f64,
         radius: f64,
     ) -> Result<Self, FluidError> {
-        let logarithm = (0.18 * length_of_a_turn / radius).ln();
+        let logarithm = libm::log(0.18 * length_of_a_turn / radius);
         Self::from_denominators(
             viscosity,
             length_of_a_turn / radius,

@@ -38,7 +38,7 @@ impl Cantilever {
                 [0.0, 0.0, tip_angle, 0.0],
                 STEPS,
                 |s, &[_, _, theta, curvature]| {
-                    let (sin, cos) = theta.sin_cos();
+                    let (sin, cos) = libm::sincos(theta);
                     [cos, sin, curvature, -load_beyond(s) * cos]
                 },
             )

@@ -85,7 +85,7 @@ impl HangingStrip {
         }
         // ε/(1 − ε) by γ is smooth and near to straight: it begins as γ/8 (linear theory).
         let excess = |gamma: f64| {
-            let found = tip((2.0 * gamma).cbrt())[1];
+            let found = tip(libm::cbrt(2.0 * gamma))[1];
             found / (1.0 - found) - drop / (1.0 - drop)
         };
         let mut before = 8.0 * drop;
@@ -100,7 +100,7 @@ impl HangingStrip {
             (before, excess_before) = (gamma, excess_now);
             gamma = next.clamp(0.1 * gamma, 10.0 * gamma);
         }
-        Self::of_length((2.0 * gamma).cbrt())
+        Self::of_length(libm::cbrt(2.0 * gamma))
     }
 }
 

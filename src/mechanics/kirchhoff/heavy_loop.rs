@@ -34,7 +34,7 @@ impl HeavyLoop {
         let (mut force, mut length) = (-2.36, 5.9);
         for _ in 0..ITERATIONS {
             let [_, angle, slope, angle_by_force, slope_by_force] = shoot(force, length);
-            let slope_by_length = -(force + 0.5 * length) * angle.cos();
+            let slope_by_length = -(force + 0.5 * length) * libm::cos(angle);
             let determinant = angle_by_force * slope_by_length - slope * slope_by_force;
             let beyond = angle - PI;
             force -= (beyond * slope_by_length - slope * slope) / determinant;
@@ -59,7 +59,7 @@ impl Default for HeavyLoop {
 fn shoot(force: f64, end: f64) -> [f64; 5] {
     let slope = |s: f64, &[_, angle, slope, by_force, slope_by_force]: &[f64; 5]| {
         let load = force + 0.5 * s;
-        let (sine, cosine) = angle.sin_cos();
+        let (sine, cosine) = libm::sincos(angle);
         [
             sine,
             slope,

@@ -67,7 +67,7 @@ impl Helix {
     pub fn tangent(&self, s: f64) -> Vector3 {
         let (axis, rate) = self.axis();
         let along = axis.dot(&Vector3::x()) * axis;
-        let (sine, cosine) = (rate * s).sin_cos();
+        let (sine, cosine) = libm::sincos(rate * s);
         along + cosine * (Vector3::x() - along) + sine * axis.cross(&Vector3::x())
     }
 
@@ -78,7 +78,7 @@ impl Helix {
             return s * Vector3::x();
         }
         let along = axis.dot(&Vector3::x()) * axis;
-        let (sine, cosine) = (rate * s).sin_cos();
+        let (sine, cosine) = libm::sincos(rate * s);
         s * along
             + (sine * (Vector3::x() - along) + (1.0 - cosine) * axis.cross(&Vector3::x())) / rate
     }
@@ -89,20 +89,21 @@ impl Helix {
     /// Points that are φ apart about the axis have the distance √(2a²(1 − cos φ) + (bφ)²), with a = κ/(κ² + τ²) and
     /// b = τ/(κ² + τ²). It is least within the first turn.
     pub fn self_distance(&self) -> Option<f64> {
-        let rate = self.curvature.hypot(self.torsion);
+        let rate = libm::hypot(self.curvature, self.torsion);
         if self.curvature == 0.0 {
             return None;
         }
         let (a, b) = (self.curvature / (rate * rate), self.torsion / (rate * rate));
-        let distance = |angle: f64| (2.0 * a * a * (1.0 - angle.cos())).sqrt().hypot(b * angle);
+        let distance =
+            |angle: f64| libm::hypot((2.0 * a * a * (1.0 - libm::cos(angle))).sqrt(), b * angle);
         let last = rate.min(TAU);
         if last < PI {
             return None;
         }
         // The derivative a² sin φ + b² φ is positive at half a turn and may have two zeros up to a whole one: where
         // it is negative at its least, cos φ = −b²/a², the minimum lies beyond.
-        let steepest = TAU - (-(b / a).powi(2)).max(-1.0).acos();
-        let derivative = |angle: f64| a * a * angle.sin() + b * b * angle;
+        let steepest = TAU - libm::acos((-(b / a).powi(2)).max(-1.0));
+        let derivative = |angle: f64| a * a * libm::sin(angle) + b * b * angle;
         let minimum = if steepest < last && derivative(steepest) < 0.0 && derivative(last) > 0.0 {
             bisect(steepest, last, derivative)
         } else {
@@ -126,7 +127,7 @@ impl Helix {
 
     /// Unit vector along which the helix winds, and the rate √(κ² + τ²) of turning about it.
     pub fn axis(&self) -> (Vector3, f64) {
-        let rate = self.curvature.hypot(self.torsion);
+        let rate = libm::hypot(self.curvature, self.torsion);
         if rate == 0.0 {
             (Vector3::x(), rate)
         } else {

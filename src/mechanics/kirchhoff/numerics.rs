@@ -59,7 +59,7 @@ pub fn gauss_legendre(points: usize) -> Vec<(f64, f64)> {
     (0..points)
         .map(|i| {
             // Newton's method from Tricomi's approximation of the root of the Legendre polynomial.
-            let mut x = ((i as f64 + 0.75) / (n + 0.5) * std::f64::consts::PI).cos();
+            let mut x = libm::cos((i as f64 + 0.75) / (n + 0.5) * std::f64::consts::PI);
             let mut derivative = 0.0;
             for _ in 0..10 {
                 let (mut previous, mut value) = (1.0, x);

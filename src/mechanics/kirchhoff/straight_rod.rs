@@ -24,7 +24,7 @@ pub fn stability_determinant(torsion: f64, twisting_moment: f64, length: f64) ->
     }
     if b.abs() > SMALL {
         // Taylor series in a; sinc' and sinc'' follow from x sinc x = sin x.
-        let slope = (b.cos() - sinc(b)) / b;
+        let slope = (libm::cos(b) - sinc(b)) / b;
         let bend = -sinc(b) - 2.0 * slope / b;
         let third = -slope - (2.0 * bend - 2.0 * slope / b) / b;
         return (slope - a * (sinc(b) / 6.0 + 0.5 * bend) + a * a * third / 6.0) / b;
@@ -37,7 +37,7 @@ fn sinc(x: f64) -> f64 {
     if x.abs() < 1e-4 {
         1.0 - x * x / 6.0
     } else {
-        x.sin() / x
+        libm::sin(x) / x
     }
 }
 

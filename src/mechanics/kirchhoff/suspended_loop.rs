@@ -71,12 +71,12 @@ fn part(state: &State, first: usize) -> Vector3 {
 impl LoopEnds {
     /// Position, tangent, and the direction of the director of the lower end.
     fn lower(&self) -> [Vector3; 3] {
-        let (sine, cosine) = self.rotation.sin_cos();
+        let (sine, cosine) = libm::sincos(self.rotation);
         let turned =
             |x: f64, y: f64, z: f64| Vector3::new(cosine * x - sine * y, sine * x + cosine * y, z);
         [
             turned(-self.offset, 0.0, -0.5 * self.gap),
-            turned(0.0, -self.tilt.sin(), self.tilt.cos()),
+            turned(0.0, -libm::sin(self.tilt), libm::cos(self.tilt)),
             turned(1.0, 0.0, 0.0),
         ]
     }
@@ -95,9 +95,9 @@ impl SuspendedLoop {
     /// `None` where it is not found.
     pub fn planar(gap: f64, tilt: f64, offset: f64, spin: EndSpin) -> Option<Self> {
         // An arc of half angle α over its chord: sin α/α.
-        let half_angle = bisect(1e-6, PI, |angle| angle.sin() / angle - gap);
+        let half_angle = bisect(1e-6, PI, |angle| libm::sin(angle) / angle - gap);
         let curvature = 2.0 * half_angle;
-        let height = (1.0 - half_angle.cos()) / curvature;
+        let height = (1.0 - libm::cos(half_angle)) / curvature;
         let arc = Self {
             ends: LoopEnds {
                 gap,
@@ -192,7 +192,7 @@ impl SuspendedLoop {
 /// symmetry n_y = M_y = 0.
 fn shoot(ends: &LoopEnds, unknowns: &SVector<f64, 6>) -> Vec<State> {
     let [y, angle, force_x, force_z, moment_x, moment_z] = (*unknowns).into();
-    let (sine, cosine) = f64::sin_cos(angle);
+    let (sine, cosine) = libm::sincos(angle);
     let force = Vector3::new(force_x, 0.0, force_z);
     let compliance = ends.twist_compliance();
     let middle = [

@@ -7,7 +7,7 @@ use crate::mechanics::rod::transport::{
 };
 use crate::mechanics::rod::{GhostEdge, ReferenceFrames, STRIDE};
 use crate::mechanics::scene::{Clamp, Motion, piecewise_linear, piecewise_turning};
-use crate::mechanics::{UnitQuaternion, Vector3};
+use crate::mechanics::{UnitQuaternion, Vector3, rotation};
 use serde::{Deserialize, Serialize};
 
 /// Turn of a clamp in one piece of the way along which its turns are counted, rad: less than half a turn, so that
@@ -122,7 +122,7 @@ impl Drive {
         list_corners(&motion.angle, |from, to| (to - from).abs() * arm, events);
         list_corners(
             &motion.orientation,
-            |from, to| from.angle_to(to) * arm,
+            |from, to| rotation::angle(&from.rotation_to(to)) * arm,
             events,
         );
     }
@@ -234,7 +234,7 @@ impl Drive {
     fn spin_of_piece(&self, from: f64, to: f64) -> f64 {
         let (start, end) = (self.turning(from), self.turning(to));
         let swing = match (start.orientation, end.orientation) {
-            (Some(start), Some(end)) => start.angle_to(&end),
+            (Some(start), Some(end)) => rotation::angle(&start.rotation_to(&end)),
             _ => 0.0,
         };
         let turned = (end.angle - start.angle).abs() + swing;

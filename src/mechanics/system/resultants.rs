@@ -152,7 +152,7 @@ impl System {
         let length = half_length(before) + half_length(after);
         let binormal = curvature_binormal(&before.tangent, &after.tangent);
         Resultants {
-            bending_moment: moment(0).hypot(moment(1)),
+            bending_moment: libm::hypot(moment(0), moment(1)),
             twisting_moment: vertex.stiffness.twisting * (strains.twist - vertex.natural.twist),
             curvature: binormal.norm() / length,
             twist: strains.twist / length,

@@ -75,10 +75,10 @@ impl System {
                 let of_edge = |k: usize| strains.curvature[k] - vertex.natural.curvature[k];
                 0.5 * inverse_length * (of_edge(axis) + of_edge(axis + 2))
             };
-            let bending = (fibre_2 * mean(0)).hypot(fibre_1 * mean(1));
+            let bending = libm::hypot(fibre_2 * mean(0), fibre_1 * mean(1));
             keep_larger(&mut largest.bending, bending, node);
             let twist = inverse_length * (strains.twist - vertex.natural.twist);
-            let rim = std::f64::consts::FRAC_1_SQRT_2 * fibre_1.hypot(fibre_2);
+            let rim = std::f64::consts::FRAC_1_SQRT_2 * libm::hypot(fibre_1, fibre_2);
             keep_larger(&mut largest.twist, rim * twist.abs(), node);
         }
         largest

@@ -1,7 +1,7 @@
 //! Where the rod hangs before it is laid down: the start of a simulation.
 
 use super::{DeployedRod, DeploymentError, Scheme};
-use crate::mechanics::Vector3;
+use crate::mechanics::{Vector3, rotation};
 use crate::plan::grasp::{GraspProblem, GraspSolver};
 use crate::plan::pattern::PatternPoint;
 
@@ -21,7 +21,7 @@ pub fn hanging_rod(
     match scheme {
         Scheme::Optimal => grasped(first, rod, edges).map(|nodes| {
             let unit = rod.gravito_bending_length;
-            let turn = nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), first.angle);
+            let turn = rotation::from_vector(first.angle * Vector3::z());
             let placed = nodes.iter().map(|node| contact + unit * (turn * node));
             placed.collect()
         }),

@@ -1,7 +1,7 @@
 //! Poses of the gripper along a pattern (thesis Algorithm 9).
 
 use super::{DeployedRod, DeploymentError};
-use crate::mechanics::{UnitQuaternion, Vector3};
+use crate::mechanics::{UnitQuaternion, Vector3, rotation};
 use crate::plan::grasp::{Grasp, GraspMethod, GraspProblem, GraspSolver};
 use crate::plan::pattern::PatternPoint;
 use std::f64::consts::FRAC_PI_2;
@@ -58,7 +58,7 @@ pub fn trajectory(
 
 /// R_t = (t, ẑ × t, ẑ).
 fn lying(point: &PatternPoint) -> UnitQuaternion {
-    UnitQuaternion::from_axis_angle(&Vector3::z_axis(), point.angle)
+    rotation::from_vector(point.angle * Vector3::z())
 }
 
 /// The centreline of the lying rod.
@@ -92,7 +92,7 @@ fn optimal(
 }
 
 fn intuitive(point: &PatternPoint, rod: &DeployedRod) -> GripperPose {
-    let upright = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), -FRAC_PI_2);
+    let upright = rotation::from_vector(-FRAC_PI_2 * Vector3::y());
     GripperPose {
         s: point.s,
         position: contact(point, rod) + (rod.hanging_length() - point.s) * Vector3::z(),

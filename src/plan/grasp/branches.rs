@@ -36,7 +36,8 @@ pub fn others(problem: &GraspProblem, gentle: [f64; 2], march: &mut March) -> Ve
         let there = walk(start, &short, march).and_then(|bent| walk(bent, problem, march));
         let Some(shape) = there else { continue };
         let mut forces = found.iter().map(|other| other.force).chain([gentle]);
-        let is_known = forces.any(|[y, z]| (y - shape.force[0]).hypot(z - shape.force[1]) < SAME);
+        let is_known =
+            forces.any(|[y, z]| libm::hypot(y - shape.force[0], z - shape.force[1]) < SAME);
         if !is_known {
             found.push(shape);
         }
@@ -49,7 +50,7 @@ fn shoot(length: f64, force: f64) -> Vec<[f64; 2]> {
     let rate = force.abs().max((force + WEIGHT * length).abs()).max(1.0);
     let steps = (STEPS_PER_LENGTH * length * rate.sqrt()).ceil().max(50.0) as usize;
     runge_kutta(0.0, length, [0.0, 0.0], steps, |s, state| {
-        [state[1], -(force + WEIGHT * s) * state[0].cos()]
+        [state[1], -(force + WEIGHT * s) * libm::cos(state[0])]
     })
 }
 
@@ -80,7 +81,7 @@ fn planar(problem: &GraspProblem, force: f64, march: &mut March) -> Option<Shape
         let [angle, rate] =
             std::array::from_fn(|i| path[index][i] + part * (path[index + 1][i] - path[index][i]));
         (
-            Vector3::new(angle.cos(), 0.0, angle.sin()),
+            Vector3::new(libm::cos(angle), 0.0, libm::sin(angle)),
             -rate * Vector3::y(),
         )
     });

@@ -37,7 +37,7 @@ fn planar(problem: &GraspProblem, march: &mut March) -> Option<Shape> {
         let small = length * s * s / 8.0 - s * s * s / 12.0;
         // Not beyond upright.
         let angle = small / (1.0 + small / FRAC_PI_2);
-        let tangent = Vector3::new(angle.cos(), 0.0, angle.sin());
+        let tangent = Vector3::new(libm::cos(angle), 0.0, libm::sin(angle));
         (tangent, Vector3::zeros())
     });
     settled(shape, march)

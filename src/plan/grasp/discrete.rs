@@ -70,8 +70,8 @@ impl DiscreteRod {
         let nodes = edges + 1;
         let rods = elastic_rod(&problem, &places);
         let half_turn = half_turn(0.5 * problem.curvature * places[1]);
-        let direction = |angle: f64| Vector3::new(angle.cos(), angle.sin(), 0.0);
-        let normal = |angle: f64| Vector3::new(-angle.sin(), angle.cos(), 0.0);
+        let direction = |angle: f64| Vector3::new(libm::cos(angle), libm::sin(angle), 0.0);
+        let normal = |angle: f64| Vector3::new(-libm::sin(angle), libm::cos(angle), 0.0);
 
         // Edges along the tangents at their middles, as long as they become by the force there.
         let mut unknowns = vec![0.0; STRIDE * nodes];
@@ -150,7 +150,7 @@ impl DiscreteRod {
         }
         let nodes = right.chunks_exact(STRIDE);
         let largest = nodes
-            .map(|node| node[0].hypot(node[1]).hypot(node[2]))
+            .map(|node| libm::hypot(libm::hypot(node[0], node[1]), node[2]))
             .fold(0.0, f64::max)
             / self.problem.suspended_length;
         if !largest.is_finite() {
@@ -206,7 +206,7 @@ impl DiscreteRod {
         let edges = self.rods.edges.len();
         let nodes = gradient.chunks_exact(STRIDE);
         let residual = nodes
-            .map(|node| node[0].hypot(node[1]).hypot(node[2]))
+            .map(|node| libm::hypot(libm::hypot(node[0], node[1]), node[2]))
             .fold(0.0, f64::max);
         // The gripper holds the last edge and its angle, too.
         for held in STRIDE * (edges - 1)..STRIDE * edges + 3 {
@@ -233,8 +233,8 @@ impl DiscreteRod {
 
 /// Arc lengths of the nodes.
 fn places(length: f64, edges: usize) -> Vec<f64> {
-    let whole = (1.0 + length / GRADING).ln();
-    let share = |s: f64| 0.5 * (s / length + (1.0 + s / GRADING).ln() / whole);
+    let whole = libm::log(1.0 + length / GRADING);
+    let share = |s: f64| 0.5 * (s / length + libm::log(1.0 + s / GRADING) / whole);
     let slope = |s: f64| 0.5 * (1.0 / length + 1.0 / ((GRADING + s) * whole));
     let mut places = vec![0.0];
     for node in 1..edges {
@@ -255,7 +255,7 @@ fn half_turn(moment: f64) -> f64 {
     for _ in 0..60 {
         x -= (x + x * x * x - moment) / (1.0 + 3.0 * x * x);
     }
-    x.atan()
+    libm::atan(x)
 }
 
 /// A straight rod of EI = 1 with a ghost edge at its start, as long as the first one.

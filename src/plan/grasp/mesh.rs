@@ -27,7 +27,7 @@ const DEFECT: f64 = 1e-4;
 fn density(problem: &GraspProblem, s: f64) -> f64 {
     let decay = (1.0 + WEIGHT * s).sqrt();
     let contact = DENSITY_AT_CONTACT * (1.0 + 0.5 * problem.curvature.abs());
-    decay / DECAY_LENGTHS + contact * (-s / CONTACT_LENGTH).exp()
+    decay / DECAY_LENGTHS + contact * libm::exp(-s / CONTACT_LENGTH)
 }
 
 /// The first mesh: points from 0 to the gripper.
@@ -76,7 +76,7 @@ pub fn finer_mesh(shape: &Shape) -> Option<Vec<f64>> {
         change += interval.length * stretch * tangent.cross(&force);
         // The moment is a derivative of the tangent: what it misses counts over the length of the interval.
         let defect = turn.norm().max(interval.length.min(1.0) * change.norm());
-        let parts = (defect / DEFECT).powf(1.0 / (STAGES + 1) as f64);
+        let parts = libm::pow(defect / DEFECT, 1.0 / (STAGES + 1) as f64);
         let parts = parts.ceil().clamp(1.0, 4.0) as usize;
         for part in 1..=parts {
             mesh.push(interval.start + interval.length * part as f64 / parts as f64);

@@ -78,7 +78,7 @@ impl Shape {
             let size = force.norm();
             let direction = force / size;
             let slope = (WEIGHT / size) * (Vector3::z() - direction.z * direction);
-            let rest = (-size.sqrt() * beyond).exp();
+            let rest = libm::exp(-size.sqrt() * beyond);
             let last = self.tangents[self.tangents.len() - 1];
             let tangent = (direction + rest * (last - direction)).normalize();
             return (tangent, (1.0 - rest) * direction.cross(&slope));
@@ -166,7 +166,7 @@ impl Shape {
             }
         }
         let new_force = march.ends[0].force;
-        let pull = (new_force[0] - self.force[0]).hypot(new_force[1] - self.force[1]);
+        let pull = libm::hypot(new_force[0] - self.force[0], new_force[1] - self.force[1]);
         let change = turn.max(pull);
         if !(change < DIVERGED) {
             return None;

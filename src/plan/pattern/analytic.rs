@@ -52,7 +52,7 @@ impl PlaneCurve for Circle {
     }
 
     fn at(&self, u: f64) -> [Point; 3] {
-        let (sine, cosine) = u.sin_cos();
+        let (sine, cosine) = libm::sincos(u);
         let [size, radius] = [self.radius.abs(), self.radius];
         [
             Point::new(size * sine, radius * (1.0 - cosine)),
@@ -75,7 +75,7 @@ impl PlaneCurve for Sine {
 
     fn at(&self, u: f64) -> [Point; 3] {
         let number = TAU / self.wavelength;
-        let (sine, cosine) = (number * u).sin_cos();
+        let (sine, cosine) = libm::sincos(number * u);
         let height = self.amplitude;
         [
             Point::new(u, height * (cosine - 1.0)),

@@ -99,7 +99,7 @@ impl ArcLength {
         PatternPoint {
             s,
             position,
-            angle: velocity.y.atan2(velocity.x),
+            angle: libm::atan2(velocity.y, velocity.x),
             curvature: curvature(&[position, velocity, acceleration]),
             curvature_slope: by_u / speed,
             curvature_bend: (by_u_twice - by_u * speed_slope / speed) / (speed * speed),

@@ -50,7 +50,7 @@ impl LeadIn {
         let mut way = Point::zeros();
         for (part, weight) in &self.rule {
             let angle = self.angle(s + rest * part);
-            way += rest * *weight * Point::new(angle.cos(), angle.sin());
+            way += rest * *weight * Point::new(libm::cos(angle), libm::sin(angle));
         }
         let x = s / self.length;
         let [c3, c4, c5] = self.coefficients;

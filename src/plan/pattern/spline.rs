@@ -54,7 +54,7 @@ impl SmoothCurve {
         let mut least = f64::INFINITY;
         while pieces <= PIECES[1] {
             let fit = Fit::new(&kept, &sums, pieces);
-            let (curve, deviation) = fit.solve(10f64.powf(WEIGHTS[0]));
+            let (curve, deviation) = fit.solve(libm::pow(10f64, WEIGHTS[0]));
             least = least.min(deviation);
             if deviation <= allowed {
                 return Ok(fit.smoothest(curve, deviation, allowed));
@@ -226,7 +226,7 @@ impl Fit {
         let [mut low, mut high] = WEIGHTS;
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
-            let found = self.solve(10f64.powf(middle));
+            let found = self.solve(libm::pow(10f64, middle));
             if found.1 <= allowed {
                 (best, low) = (found, middle);
             } else {

@@ -110,9 +110,8 @@ pub const FILES: &[FileDescription] = &[
     ),
     table(
         &["summary.csv"],
-        "A row per case with its scalar outcomes, the same bytes for any number of threads and on every machine whose C library \
-         computes sines and exponentials alike. Of a sweep, the columns after `case` \
-         are the varied keys, in SI units.",
+        "A row per case with its scalar outcomes, the same bytes for any number of threads and on every machine. Of a \
+         sweep, the columns after `case` are the varied keys, in SI units.",
         &[always(SUMMARY)],
     ),
     table(

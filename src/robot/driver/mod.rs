@@ -3,6 +3,7 @@
 //! A driver is polled by the stream's loop every few milliseconds; none of its methods waits for long, but
 //! [`Driver::connect`] and [`Driver::hold`].
 
+mod action_client;
 mod file;
 mod follow_joint_trajectory;
 mod ros1;

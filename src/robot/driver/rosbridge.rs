@@ -3,18 +3,17 @@
 //! A ROS 1 action is a set of topics: the goal and its cancellation are published, status, feedback and result are
 //! subscribed. For ROS 2 the server itself is the action client: `send_action_goal`, `cancel_action_goal`.
 
+use super::action_client::{ActionClient, Goal};
 use super::follow_joint_trajectory::{ros_1_outcome, ros_2_outcome};
 use super::{Driver, DriverError, JointState, PartTrajectory, Progress};
 use serde_json::{Value, json};
 use std::io::ErrorKind;
 use std::net::{TcpStream, ToSocketAddrs};
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant};
 use tungstenite::{Message, WebSocket};
 
-/// Longest time for a connection, and for the first word about a goal.
+/// Longest time for a connection, and for a message to leave.
 const PATIENCE: Duration = Duration::from_secs(2);
-/// Longest time for the confirmation of a cancellation.
-const HOLD_PATIENCE: Duration = Duration::from_millis(500);
 
 /// Which ROS is behind the server.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,13 +36,6 @@ pub struct RosbridgeDriver {
     goal: Option<Goal>,
 }
 
-struct Goal {
-    id: String,
-    sent: Instant,
-    acknowledged: bool,
-    outcome: Option<Result<(), DriverError>>,
-}
-
 impl RosbridgeDriver {
     /// A driver for the server at `host:port`, the action of that name and the topic of joint states.
     pub fn new(address: &str, version: RosVersion, action: &str, joint_states: &str) -> Self {
@@ -59,13 +51,9 @@ impl RosbridgeDriver {
         }
     }
 
-    fn lost(&self, reason: impl std::fmt::Display) -> DriverError {
-        DriverError::Lost(format!("rosbridge at {}: {reason}", self.address))
-    }
-
     fn send(&mut self, value: &Value) -> Result<(), DriverError> {
         let Some(socket) = &mut self.socket else {
-            return Err(self.lost("not connected"));
+            return Err(self.lost(format_args!("not connected")));
         };
         let mut result = socket.send(Message::text(value.to_string()));
         let begin = Instant::now();
@@ -77,35 +65,7 @@ impl RosbridgeDriver {
             std::thread::sleep(Duration::from_millis(1));
             result = socket.flush();
         }
-        result.map_err(|error| self.lost(error))
-    }
-
-    /// Hears what has arrived.
-    fn listen(&mut self) -> Result<(), DriverError> {
-        loop {
-            let Some(socket) = &mut self.socket else {
-                return Err(self.lost("not connected"));
-            };
-            match socket.read() {
-                Ok(Message::Text(text)) => {
-                    if let Ok(message) = serde_json::from_str::<Value>(&text) {
-                        self.hear(&message);
-                    }
-                }
-                Ok(Message::Close(_)) => {
-                    self.socket = None;
-                    return Err(self.lost("the server closed the connection"));
-                }
-                Ok(_) => {}
-                Err(tungstenite::Error::Io(error)) if error.kind() == ErrorKind::WouldBlock => {
-                    return Ok(());
-                }
-                Err(error) => {
-                    self.socket = None;
-                    return Err(self.lost(format_args!("the connection is lost: {error}")));
-                }
-            }
-        }
+        result.map_err(|error| self.lost(format_args!("{error}")))
     }
 
     fn hear(&mut self, message: &Value) {
@@ -120,21 +80,28 @@ impl RosbridgeDriver {
                 }
             }
             (Some("action_feedback"), _) => {
-                if let Some(goal) = self.goal.as_mut().filter(|goal| message["id"] == *goal.id) {
-                    goal.acknowledged = true;
+                if let Some(goal) = self
+                    .goal
+                    .as_mut()
+                    .filter(|goal| message["id"] == *goal.id())
+                {
+                    goal.acknowledge();
                 }
             }
             (Some("action_result"), _) => {
-                if let Some(goal) = self.goal.as_mut().filter(|goal| message["id"] == *goal.id) {
-                    goal.acknowledged = true;
-                    goal.outcome = Some(bridged_outcome(message));
+                if let Some(goal) = self
+                    .goal
+                    .as_mut()
+                    .filter(|goal| message["id"] == *goal.id())
+                {
+                    goal.end(bridged_outcome(message));
                 }
             }
             (Some("status"), _) if message["level"] == "error" => {
                 let said = message["msg"].as_str().unwrap_or("an error without words");
                 let error = DriverError::Refused(format!("rosbridge at {}: {said}", self.address));
                 if let Some(goal) = &mut self.goal {
-                    goal.outcome = Some(Err(error));
+                    goal.end(Err(error));
                 }
             }
             _ => {}
@@ -165,15 +132,16 @@ impl RosbridgeDriver {
     /// Topics of a ROS 1 action.
     fn hear_action(&mut self, what: &str, message: &Value) {
         let Some(goal) = &mut self.goal else { return };
-        let ours = |status: &Value| status["goal_id"]["id"] == *goal.id;
+        let ours = |status: &Value| status["goal_id"]["id"] == *goal.id();
         match what {
             "/status" => {
                 let list = message["status_list"].as_array();
-                goal.acknowledged |= list.is_some_and(|list| list.iter().any(ours));
+                if list.is_some_and(|list| list.iter().any(ours)) {
+                    goal.acknowledge();
+                }
             }
-            "/feedback" => goal.acknowledged |= ours(&message["status"]),
+            "/feedback" if ours(&message["status"]) => goal.acknowledge(),
             "/result" if ours(&message["status"]) => {
-                goal.acknowledged = true;
                 let status = message["status"]["status"].as_i64().unwrap_or(0);
                 let code = message["result"]["error_code"].as_i64().unwrap_or(0);
                 let said = [
@@ -181,7 +149,7 @@ impl RosbridgeDriver {
                     &message["result"]["error_string"],
                 ];
                 let said: Vec<&str> = said.iter().filter_map(|text| text.as_str()).collect();
-                goal.outcome = Some(ros_1_outcome(status, code, &said.join(" ")));
+                goal.end(ros_1_outcome(status, code, &said.join(" ")));
             }
             _ => {}
         }
@@ -237,13 +205,68 @@ impl RosbridgeDriver {
     }
 }
 
+impl ActionClient for RosbridgeDriver {
+    fn goal(&self) -> Option<&Goal> {
+        self.goal.as_ref()
+    }
+
+    fn action(&self) -> &str {
+        &self.action
+    }
+
+    fn listen(&mut self) -> Result<(), DriverError> {
+        loop {
+            let Some(socket) = &mut self.socket else {
+                return Err(self.lost(format_args!("not connected")));
+            };
+            match socket.read() {
+                Ok(Message::Text(text)) => {
+                    if let Ok(message) = serde_json::from_str::<Value>(&text) {
+                        self.hear(&message);
+                    }
+                }
+                Ok(Message::Close(_)) => {
+                    self.socket = None;
+                    return Err(self.lost(format_args!("the server closed the connection")));
+                }
+                Ok(_) => {}
+                Err(tungstenite::Error::Io(error)) if error.kind() == ErrorKind::WouldBlock => {
+                    return Ok(());
+                }
+                Err(error) => {
+                    self.socket = None;
+                    return Err(self.lost(format_args!("the connection is lost: {error}")));
+                }
+            }
+        }
+    }
+
+    fn cancel(&mut self, id: &str) -> Result<(), DriverError> {
+        let cancel = match self.version {
+            RosVersion::One => json!({
+                "op": "publish",
+                "topic": format!("{}/cancel", self.action),
+                "msg": { "stamp": { "secs": 0, "nsecs": 0 }, "id": id },
+            }),
+            RosVersion::Two => {
+                json!({ "op": "cancel_action_goal", "id": id, "action": self.action })
+            }
+        };
+        self.send(&cancel)
+    }
+
+    fn lost(&self, reason: std::fmt::Arguments<'_>) -> DriverError {
+        DriverError::Lost(format!("rosbridge at {}: {reason}", self.address))
+    }
+}
+
 impl Driver for RosbridgeDriver {
     fn connect(&mut self, joints: &[String]) -> Result<(), DriverError> {
         self.joints = joints.to_vec();
         let resolved = self
             .address
             .to_socket_addrs()
-            .map_err(|error| self.lost(error))?;
+            .map_err(|error| self.lost(format_args!("{error}")))?;
         let mut stream = Err(std::io::Error::from(ErrorKind::AddrNotAvailable));
         for address in resolved {
             stream = TcpStream::connect_timeout(&address, PATIENCE);
@@ -259,12 +282,12 @@ impl Driver for RosbridgeDriver {
         let prepared = stream
             .set_nodelay(true)
             .and_then(|()| stream.set_read_timeout(Some(PATIENCE)));
-        prepared.map_err(|error| self.lost(error))?;
+        prepared.map_err(|error| self.lost(format_args!("{error}")))?;
         let (socket, _) = tungstenite::client(format!("ws://{}/", self.address), stream)
             .map_err(|error| self.lost(format_args!("no WebSocket: {error}")))?;
         let prepared = socket.get_ref().set_nonblocking(true);
         self.socket = Some(socket);
-        prepared.map_err(|error| self.lost(error))?;
+        prepared.map_err(|error| self.lost(format_args!("{error}")))?;
         let one = self.version == RosVersion::One;
         let state_type = if one {
             "sensor_msgs/JointState"
@@ -305,68 +328,19 @@ impl Driver for RosbridgeDriver {
     }
 
     fn start(&mut self, trajectory: &PartTrajectory) -> Result<(), DriverError> {
-        let now = SystemTime::now().duration_since(UNIX_EPOCH);
-        let id = format!("rodlab-{}", now.map_or(0, |now| now.as_nanos()));
-        let message = self.goal_message(trajectory, &id);
+        let goal = Goal::new();
+        let message = self.goal_message(trajectory, goal.id());
         self.send(&message)?;
-        self.goal = Some(Goal {
-            id,
-            sent: Instant::now(),
-            acknowledged: false,
-            outcome: None,
-        });
+        self.goal = Some(goal);
         Ok(())
     }
 
     fn advance(&mut self, _: f64) -> Result<Progress, DriverError> {
-        self.listen()?;
-        let Some(goal) = &self.goal else {
-            return Ok(Progress::Done);
-        };
-        match &goal.outcome {
-            Some(Ok(())) => Ok(Progress::Done),
-            Some(Err(error)) => Err(error.clone()),
-            None if !goal.acknowledged && goal.sent.elapsed() > PATIENCE => {
-                Err(self.lost(format_args!(
-                    "nobody has taken the goal of {} within {} s; is its controller started?",
-                    self.action,
-                    PATIENCE.as_secs()
-                )))
-            }
-            None => Ok(Progress::Running),
-        }
+        self.progress()
     }
 
     fn hold(&mut self) -> Result<(), DriverError> {
-        let Some(id) = self
-            .goal
-            .as_ref()
-            .filter(|goal| goal.outcome.is_none())
-            .map(|goal| goal.id.clone())
-        else {
-            return Ok(());
-        };
-        let cancel = match self.version {
-            RosVersion::One => json!({
-                "op": "publish",
-                "topic": format!("{}/cancel", self.action),
-                "msg": { "stamp": { "secs": 0, "nsecs": 0 }, "id": id },
-            }),
-            RosVersion::Two => {
-                json!({ "op": "cancel_action_goal", "id": id, "action": self.action })
-            }
-        };
-        self.send(&cancel)?;
-        let begin = Instant::now();
-        while begin.elapsed() < HOLD_PATIENCE {
-            self.listen()?;
-            if self.goal.as_ref().is_none_or(|goal| goal.outcome.is_some()) {
-                return Ok(());
-            }
-            std::thread::sleep(Duration::from_millis(2));
-        }
-        Err(self
-            .lost("the cancellation of the motion was not confirmed within 0.5 s: watch the arm"))
+        self.cancel_and_wait()
     }
 }
 

@@ -76,7 +76,7 @@ pub fn subdivide(poses: &[Pose], step: f64) -> Vec<PathPoint> {
 /// Way between two poses, m.
 fn length(from: &Pose, to: &Pose) -> f64 {
     let (distance, angle) = distance_and_angle(from, to);
-    distance.hypot(LENGTH_PER_RADIAN * angle)
+    libm::hypot(distance, LENGTH_PER_RADIAN * angle)
 }
 
 /// Displacement, m, and rotation vector, rad, from one pose to another: the first in the frame in which they are

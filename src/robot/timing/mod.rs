@@ -111,7 +111,7 @@ fn excesses(samples: &[Vec<f64>], way: &[f64], limits: &[Limits], speed: f64) ->
         for (k, [velocity, acceleration, jerk]) in differences(samples, joint).enumerate() {
             let most = (velocity.abs() / limits.velocity)
                 .max((acceleration.abs() / limits.acceleration).sqrt())
-                .max((jerk.abs() / limits.jerk).cbrt());
+                .max(libm::cbrt(jerk.abs() / limits.jerk));
             excess[k] = excess[k].max(most);
         }
     }

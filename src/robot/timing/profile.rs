@@ -42,7 +42,7 @@ impl SpeedProfile {
                 fastest = fastest
                     .min(limits.velocity / (first.abs() + tiny))
                     .min((PART_FOR_CURVATURE * limits.acceleration / (second.abs() + tiny)).sqrt())
-                    .min((limits.jerk / (third.abs() + tiny)).cbrt());
+                    .min(libm::cbrt(limits.jerk / (third.abs() + tiny)));
                 let rest = (1.0 - PART_FOR_CURVATURE) * limits.acceleration;
                 strongest = strongest.min(rest / (first.abs() + tiny));
             }
@@ -113,7 +113,7 @@ impl SpeedProfile {
             .filter(|(_, excess)| **excess > allowed)
         {
             // Not all at once: neighbours that are lowered for their own sake help.
-            let scale = (allowed / excess).max(0.5).powf(0.7) * 0.995;
+            let scale = libm::pow((allowed / excess).max(0.5), 0.7) * 0.995;
             let at = |k: usize| (((way[k] - self.start) / self.spacing) as usize).min(count - 1);
             let from = at(k.saturating_sub(reach));
             let to = at((k + reach).min(way.len() - 1));

@@ -64,7 +64,7 @@ fn area(one: &[Vector3; 2], other: &[Vector3; 2]) -> f64 {
 fn triangle(a: &Vector3, b: &Vector3, c: &Vector3) -> f64 {
     let volume = a.dot(&b.cross(c));
     let sum = 1.0 + a.dot(b) + b.dot(c) + c.dot(a);
-    2.0 * volume.atan2(sum)
+    2.0 * libm::atan2(volume, sum)
 }
 
 #[cfg(test)]

@@ -308,7 +308,7 @@ fn torsion(positions: &[Vector3], range: &RodRange, edge: usize) -> Option<f64> 
         return None;
     }
     let sine = binormals[0].cross(&binormals[1]).dot(&tangents[1]);
-    let angle = sine.atan2(binormals[0].dot(&binormals[1]));
+    let angle = libm::atan2(sine, binormals[0].dot(&binormals[1]));
     Some(angle / vector(edge).norm())
 }
 

@@ -116,7 +116,7 @@ fn helix(section: &Section<'_>, typed: &typed::Helix) -> Shape {
 /// Unit vector from the axis to the point of a helix at the given angle; see [`Shape::Helix`].
 fn radial_direction(axis: [f64; 3], phase: f64) -> [f64; 3] {
     let [first, second] = Shape::normal_plane(axis);
-    let (sine, cosine) = phase.sin_cos();
+    let (sine, cosine) = libm::sincos(phase);
     std::array::from_fn(|i| first[i] * cosine + second[i] * sine)
 }
 

@@ -98,7 +98,7 @@ impl Interval {
             (0.0, _) => self.from,
             (1.0, _) => self.to,
             (_, Scale::Linear) => self.from + fraction * (self.to - self.from),
-            (_, Scale::Log) => self.from * (self.to / self.from).powf(fraction),
+            (_, Scale::Log) => self.from * libm::pow(self.to / self.from, fraction),
         };
         self.value_of(number)
     }

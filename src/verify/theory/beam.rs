@@ -9,7 +9,7 @@ pub fn cantilever_wave_number(mode: usize) -> f64 {
     // Divided by cosh x, so that high modes do not overflow.
     let middle = (mode as f64 - 0.5) * PI;
     bisect(middle - 0.5 * PI, middle + 0.5 * PI, |x| {
-        x.cos() + 1.0 / x.cosh()
+        libm::cos(x) + 1.0 / libm::cosh(x)
     })
 }
 
@@ -42,7 +42,7 @@ pub fn strip_tip_load() -> f64 {
 /// Critical twisting moment of a straight rod with both ends clamped and no axial force, M L/EI = 2 x with
 /// x the first positive root of tan x = x (Greenhill 1883): 8.986819.
 pub fn clamped_twist_moment() -> f64 {
-    2.0 * bisect(PI, 1.5 * PI, |x| x.sin() - x * x.cos())
+    2.0 * bisect(PI, 1.5 * PI, |x| libm::sin(x) - x * libm::cos(x))
 }
 
 /// Critical total twist of a closed ring, in units of EI/GJ: 2π√3 (Michell 1889, Zajac 1962).

@@ -4,7 +4,7 @@ use crate::mechanics::kirchhoff::numerics::bisect;
 
 /// Acceleration g (sin α − μ cos α) of a body that slides down an incline of angle α.
 pub fn sliding_acceleration(gravity: f64, incline: f64, friction: f64) -> f64 {
-    gravity * (incline.sin() - friction * incline.cos())
+    gravity * (libm::sin(incline) - friction * libm::cos(incline))
 }
 
 /// A rope of bending stiffness EI that slides around a post, turning by the angle φ in all.
@@ -35,14 +35,14 @@ impl Capstan {
     /// Greater tension T₂ that belongs to the lesser T₁, N.
     pub fn greater_tension(&self, lesser: f64) -> f64 {
         let excess = self.bending / (2.0 * self.radius * self.radius);
-        let turning = |tension: f64| (1.0 - excess / tension).acos();
-        let rubbing = |tension: f64| self.friction * tension * turning(tension).sin();
+        let turning = |tension: f64| libm::acos(1.0 - excess / tension);
+        let rubbing = |tension: f64| self.friction * tension * libm::sin(turning(tension));
         let start = lesser - excess + rubbing(lesser);
         let imbalance = |greater: f64| {
             let contact_angle = self.angle - turning(lesser) - turning(greater);
-            greater - excess - rubbing(greater) - start * (self.friction * contact_angle).exp()
+            greater - excess - rubbing(greater) - start * libm::exp(self.friction * contact_angle)
         };
-        let largest = 2.0 * lesser * (self.friction * self.angle).exp();
+        let largest = 2.0 * lesser * libm::exp(self.friction * self.angle);
         bisect(lesser, largest, imbalance)
     }
 }

@@ -33,7 +33,7 @@ impl LocalizedBuckle {
             (tension, 2.0 * m * (bending * tension).sqrt())
         };
         let m = bisect(FRAC_1_SQRT_2, 1.0, |m| {
-            at(m).1 * length / twisting + 4.0 * m.acos() - rotation
+            at(m).1 * length / twisting + 4.0 * libm::acos(m) - rotation
         });
         let (tension, moment) = at(m);
         Self {
@@ -57,7 +57,7 @@ impl LocalizedBuckle {
     /// The envelope tanh²(s/s*) at arc length s from the middle.
     pub fn envelope(&self, s: f64) -> f64 {
         let decay = (self.tension / self.bending * (1.0 - self.load().powi(2))).sqrt();
-        (s * decay).tanh().powi(2)
+        libm::tanh(s * decay).powi(2)
     }
 
     /// cos φ at arc length s from the middle.
@@ -73,7 +73,7 @@ impl LocalizedBuckle {
         let path = runge_kutta(0.0, half, [0.0; 4], HALF_STEPS, |s, &[_, _, _, azimuth]| {
             let cosine = self.cosine(s);
             let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
-            let (sin, cos) = azimuth.sin_cos();
+            let (sin, cos) = libm::sincos(azimuth);
             let turning = self.moment / (self.bending * (1.0 + cosine));
             [cosine, sine * cos, sine * sin, turning]
         });

@@ -4,7 +4,7 @@ mod pattern;
 mod resolved;
 mod typed;
 
-pub use resolved::{Deployment, DeploymentTables, Pattern, Rod, Scheme, Solver};
+pub use resolved::{Deployment, Pattern, Rod, Scheme, Solver};
 
 use crate::plan::deployment::{DeployedRod, lead_in_length, long_enough};
 use crate::scenario::Time;
@@ -37,7 +37,7 @@ fn usual_edges(rod: &DeployedRod) -> usize {
 }
 
 /// Resolves pattern, rod and gripper; `None` where a fault was reported that leaves nothing to go on with.
-pub fn resolve(request: &Request<'_>) -> Option<DeploymentTables> {
+pub fn resolve(request: &Request<'_>) -> Option<Deployment> {
     request.refuse(
         &["material", "rod"],
         "the rod of a deployment and its material are [deployment.rod]",
@@ -85,21 +85,19 @@ pub fn resolve(request: &Request<'_>) -> Option<DeploymentTables> {
     }
     let (rod, pattern) = (rod?, pattern?);
     let lead_in = lead_in(&section, typed, &rod, &pattern)?;
-    Some(DeploymentTables {
-        deployment: Deployment {
-            scheme: typed.scheme.unwrap_or(Scheme::Optimal),
-            solver: typed.solver.unwrap_or(Solver::Exact),
-            lead_in,
-            length_error,
-            frame_shift,
-            frame_turn,
-            jitter,
-            jitter_angle,
-            jitter_period,
-            seed: seed.unsigned_abs(),
-            pattern,
-            rod,
-        },
+    Some(Deployment {
+        scheme: typed.scheme.unwrap_or(Scheme::Optimal),
+        solver: typed.solver.unwrap_or(Solver::Exact),
+        lead_in,
+        length_error,
+        frame_shift,
+        frame_turn,
+        jitter,
+        jitter_angle,
+        jitter_period,
+        seed: seed.unsigned_abs(),
+        pattern,
+        rod,
     })
 }
 

@@ -5,13 +5,6 @@ use crate::plan::pattern::{Circle, Line, PatternSource, Point, Sine};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Everything that this experiment reads.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct DeploymentTables {
-    /// What is laid, and how.
-    pub deployment: Deployment,
-}
-
 /// A rod that a gripper lays on a table along a pattern.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Deployment {

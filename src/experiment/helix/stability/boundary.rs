@@ -32,15 +32,15 @@ impl Boundary {
         let half = |k: usize| PI * (k as f64 / (count.max(2) - 1) as f64 - 0.5);
         let whole = |k: usize| TAU * k as f64 / count as f64;
         for k in 0..count {
-            let (sine, cosine) = half(k).sin_cos();
+            let (sine, cosine) = libm::sincos(half(k));
             directions.push((Part::KappaTau, [cosine.max(0.0), sine, 0.0]));
         }
         for k in 0..count {
-            let (sine, cosine) = half(k).sin_cos();
+            let (sine, cosine) = libm::sincos(half(k));
             directions.push((Part::KappaOmega, [cosine.max(0.0), 0.0, sine]));
         }
         for k in 0..count {
-            let (sine, cosine) = whole(k).sin_cos();
+            let (sine, cosine) = libm::sincos(whole(k));
             directions.push((Part::TauOmega, [0.0, cosine, sine]));
         }
         Self {

@@ -6,6 +6,7 @@ use crate::mechanics::kirchhoff::Helix;
 use crate::mechanics::rod::transport::{parallel_transport, rotated};
 use crate::mechanics::scene::{Clamp, Motion, NaturalShape, RodDescription, Scene, Stiffness};
 use crate::mechanics::{Matrix3, UnitQuaternion, Vector3};
+use nalgebra::Rotation3;
 
 /// Radius, m. EA = 4 EI/h² then makes the rod as good as inextensible: forces of 100 EI/L² stretch it by
 /// 2.5e-5.
@@ -98,7 +99,10 @@ impl DiscreteRod {
                 0.0,
                 self.enlargement(helix) * helix.position(1.0) - Vector3::x(),
             )],
-            orientation: vec![(0.0, UnitQuaternion::from_matrix(&frame))],
+            orientation: vec![(
+                0.0,
+                UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(frame)),
+            )],
             ..Motion::default()
         }
     }

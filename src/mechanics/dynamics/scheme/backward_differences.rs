@@ -177,7 +177,7 @@ impl Turning {
     /// sin(ωt)/ω, t for ω = 0.
     fn sine(self, time: f64) -> f64 {
         if self.rate > 0.0 {
-            (self.rate * time).sin() / self.rate
+            libm::sin(self.rate * time) / self.rate
         } else {
             time
         }

@@ -7,6 +7,7 @@ mod message;
 mod node;
 mod xmlrpc;
 
+use super::action_client::{ActionClient, Goal};
 use super::follow_joint_trajectory::ros_1_outcome;
 use super::{Driver, DriverError, JointState, PartTrajectory, Progress};
 use node::{Heard, Node, Publication};
@@ -14,10 +15,8 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-/// Longest wait for the action server, and for its first word about a goal.
+/// Longest wait for the action server.
 const PATIENCE: Duration = Duration::from_secs(3);
-/// Longest time for the confirmation of a cancellation.
-const HOLD_PATIENCE: Duration = Duration::from_millis(500);
 
 const STATES: &str = "joint states";
 const FEEDBACK: &str = "feedback";
@@ -41,13 +40,6 @@ struct Connection {
     _node: Node,
 }
 
-struct Goal {
-    id: String,
-    sent: Instant,
-    acknowledged: bool,
-    outcome: Option<Result<(), DriverError>>,
-}
-
 impl Ros1Driver {
     /// A driver at a master such as `http://10.0.0.1:11311`, for the action of that name and the topic of joint
     /// states.
@@ -61,10 +53,6 @@ impl Ros1Driver {
             state: None,
             goal: None,
         }
-    }
-
-    fn lost(&self, reason: impl std::fmt::Display) -> DriverError {
-        DriverError::Lost(format!("ROS master {}: {reason}", self.master))
     }
 
     fn open(&self) -> std::io::Result<Connection> {
@@ -90,23 +78,6 @@ impl Ros1Driver {
         })
     }
 
-    /// Hears what has arrived.
-    fn listen(&mut self) -> Result<(), DriverError> {
-        loop {
-            let Some(connection) = &self.connection else {
-                return Err(self.lost("not connected"));
-            };
-            match connection.heard.try_recv() {
-                Ok(Heard::Message(label, message)) => self.hear(label, &message),
-                Ok(Heard::MasterIsGone) => {
-                    return Err(self.lost("it does not answer any more; the motion is called off"));
-                }
-                Err(TryRecvError::Empty) => return Ok(()),
-                Err(TryRecvError::Disconnected) => return Err(self.lost("the connection is lost")),
-            }
-        }
-    }
-
     fn hear(&mut self, label: &str, bytes: &[u8]) {
         match label {
             STATES => {
@@ -127,8 +98,10 @@ impl Ros1Driver {
                 }
             }
             FEEDBACK => {
-                if let (Some(goal), Some(status)) = (&mut self.goal, message::feedback(bytes)) {
-                    goal.acknowledged |= status.id == goal.id;
+                if let (Some(goal), Some(status)) = (&mut self.goal, message::feedback(bytes))
+                    && status.id == goal.id()
+                {
+                    goal.acknowledge();
                 }
             }
             _ => {
@@ -137,10 +110,9 @@ impl Ros1Driver {
                 else {
                     return;
                 };
-                if status.id == goal.id {
-                    goal.acknowledged = true;
+                if status.id == goal.id() {
                     let said = format!("{} {words}", status.text);
-                    goal.outcome = Some(ros_1_outcome(
+                    goal.end(ros_1_outcome(
                         i64::from(status.status),
                         i64::from(code),
                         &said,
@@ -148,6 +120,47 @@ impl Ros1Driver {
                 }
             }
         }
+    }
+}
+
+impl ActionClient for Ros1Driver {
+    fn goal(&self) -> Option<&Goal> {
+        self.goal.as_ref()
+    }
+
+    fn action(&self) -> &str {
+        &self.action
+    }
+
+    fn listen(&mut self) -> Result<(), DriverError> {
+        loop {
+            let Some(connection) = &self.connection else {
+                return Err(self.lost(format_args!("not connected")));
+            };
+            match connection.heard.try_recv() {
+                Ok(Heard::Message(label, message)) => self.hear(label, &message),
+                Ok(Heard::MasterIsGone) => {
+                    return Err(self.lost(format_args!(
+                        "it does not answer any more; the motion is called off"
+                    )));
+                }
+                Err(TryRecvError::Empty) => return Ok(()),
+                Err(TryRecvError::Disconnected) => {
+                    return Err(self.lost(format_args!("the connection is lost")));
+                }
+            }
+        }
+    }
+
+    fn cancel(&mut self, id: &str) -> Result<(), DriverError> {
+        if let Some(connection) = &self.connection {
+            connection.cancellations.publish(&message::cancel(id));
+        }
+        Ok(())
+    }
+
+    fn lost(&self, reason: std::fmt::Arguments<'_>) -> DriverError {
+        DriverError::Lost(format!("ROS master {}: {reason}", self.master))
     }
 }
 
@@ -184,61 +197,25 @@ impl Driver for Ros1Driver {
 
     fn start(&mut self, trajectory: &PartTrajectory) -> Result<(), DriverError> {
         let Some(connection) = &self.connection else {
-            return Err(self.lost("not connected"));
+            return Err(self.lost(format_args!("not connected")));
         };
-        let since = SystemTime::now().duration_since(UNIX_EPOCH);
-        let id = format!("rodlab-{}", since.map_or(0, |since| since.as_nanos()));
-        if connection.goals.publish(&message::goal(trajectory, &id)) == 0 {
+        let goal = Goal::new();
+        if connection
+            .goals
+            .publish(&message::goal(trajectory, goal.id()))
+            == 0
+        {
             return Err(self.lost(format_args!("the action server of {} is gone", self.action)));
         }
-        self.goal = Some(Goal {
-            id,
-            sent: Instant::now(),
-            acknowledged: false,
-            outcome: None,
-        });
+        self.goal = Some(goal);
         Ok(())
     }
 
     fn advance(&mut self, _: f64) -> Result<Progress, DriverError> {
-        self.listen()?;
-        let Some(goal) = &self.goal else {
-            return Ok(Progress::Done);
-        };
-        match &goal.outcome {
-            Some(Ok(())) => Ok(Progress::Done),
-            Some(Err(error)) => Err(error.clone()),
-            None if !goal.acknowledged && goal.sent.elapsed() > PATIENCE => {
-                Err(self.lost(format_args!(
-                    "{} has said nothing about the goal for {} s",
-                    self.action,
-                    PATIENCE.as_secs()
-                )))
-            }
-            None => Ok(Progress::Running),
-        }
+        self.progress()
     }
 
     fn hold(&mut self) -> Result<(), DriverError> {
-        let open = self.goal.as_ref().filter(|goal| goal.outcome.is_none());
-        let (Some(id), Some(connection)) = (open.map(|goal| goal.id.clone()), &self.connection)
-        else {
-            return Ok(());
-        };
-        let cancelled = connection.cancellations.publish(&message::cancel(&id));
-        let begin = Instant::now();
-        while cancelled > 0 && begin.elapsed() < HOLD_PATIENCE {
-            match self.listen() {
-                // Without its master an action server still hears us.
-                Ok(()) | Err(DriverError::Lost(_)) => {}
-                Err(error) => return Err(error),
-            }
-            if self.goal.as_ref().is_none_or(|goal| goal.outcome.is_some()) {
-                return Ok(());
-            }
-            std::thread::sleep(Duration::from_millis(2));
-        }
-        Err(self
-            .lost("the cancellation of the motion was not confirmed within 0.5 s: watch the arm"))
+        self.cancel_and_wait()
     }
 }

@@ -76,7 +76,7 @@ impl Directions {
                 .map(|k| {
                     let kappa = 1.0 - (k as f64 + 0.5) / *count as f64;
                     let golden_angle = PI * (3.0 - 5.0_f64.sqrt());
-                    on_sphere(kappa.acos(), k as f64 * golden_angle)
+                    on_sphere(libm::acos(kappa), k as f64 * golden_angle)
                 })
                 .collect(),
             Self::Grid { polar, azimuthal } => (1..=*polar)
@@ -103,12 +103,12 @@ fn on_sphere(from_axis: f64, about_axis: f64) -> [f64; 3] {
     let kappa = if from_axis == FRAC_PI_2 {
         0.0
     } else {
-        from_axis.cos()
+        libm::cos(from_axis)
     };
     [
         kappa,
-        from_axis.sin() * about_axis.cos(),
-        from_axis.sin() * about_axis.sin(),
+        libm::sin(from_axis) * libm::cos(about_axis),
+        libm::sin(from_axis) * libm::sin(about_axis),
     ]
 }
 

@@ -1,0 +1,135 @@
+//! Names and places become indices; what does not fit is named by its key.
+
+use super::*;
+use crate::experiment::{case_set, from_text};
+use crate::mechanics::contact::ContactParameters;
+use crate::mechanics::dynamics::IntegrationParameters;
+use crate::scenario::Loaded;
+use crate::sweep::check_every_value;
+use std::path::Path;
+
+const TWO_RODS: &str = r#"
+experiment = "scene"
+material = { youngs_modulus = 1e6, poissons_ratio = 0.5, density = 1000.0 }
+time = { end = 1.0 }
+[[rods]]
+name = "beam"
+radius = 0.01
+edges = 10
+shape = { kind = "straight", start = [0, 0, 0], end = [1, 0, 0] }
+[[rods]]
+name = "ring"
+radius = 0.01
+edges = 12
+shape = { kind = "ring", centre = [0, 0, 3], radius = 1 }
+[[clamps]]
+rod = "beam"
+at = 10
+[[loads]]
+kind = "moment"
+rod = "beam"
+at = "end"
+moment = [1, 0, 0]
+"#;
+
+fn loaded(text: &str) -> Loaded {
+    from_text("two", text, Path::new(""), &[]).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn fault(from: &str, to: &str) -> String {
+    assert!(TWO_RODS.contains(from));
+    let loaded = loaded(&TWO_RODS.replacen(from, to, 1));
+    let issues = prepare(&loaded.scenario).unwrap_err();
+    loaded.locate(issues).to_string()
+}
+
+#[test]
+fn names_and_numbers_become_indices() {
+    let run = prepare(&loaded(TWO_RODS).scenario).unwrap();
+    assert_eq!(run.name, "two");
+    assert_eq!(run.mode, Mode::Dynamic { end: 1.0 });
+    assert_eq!(run.scene.rods[0].centreline.len(), 11);
+    assert_eq!(run.scene.rods[1].centreline.len(), 12);
+    assert_eq!((run.scene.clamps[0].rod, run.scene.clamps[0].node), (0, 10));
+    let mechanics::LoadKind::Moment { edge, .. } = run.scene.loads[0].kind else {
+        panic!("{:?}", run.scene.loads[0]);
+    };
+    assert_eq!(edge, 9);
+    let area = std::f64::consts::PI * 1e-4;
+    assert!((run.scene.rods[0].mass_per_length / (1000.0 * area) - 1.0).abs() < 1e-15);
+    let inertia = 1000.0 * std::f64::consts::PI * 1e-8 / 2.0;
+    let got = run.scene.rods[0].rotational_inertia_per_length;
+    assert!((got / inertia - 1.0).abs() < 1e-15);
+}
+
+#[test]
+fn faults_of_the_scene_point_at_their_keys() {
+    insta::assert_snapshot!(fault("rod = \"beam\"", "rod = \"beem\""), @"two.toml:16:7: `clamps.0.rod`: no rod is called `beem` (did you mean `beam`?)");
+    insta::assert_snapshot!(fault("rod = \"beam\"", "rod = \"x\""), @"two.toml:16:7: `clamps.0.rod`: no rod is called `x` (the rods are: beam, ring)");
+    insta::assert_snapshot!(fault("at = 10", "at = 11"), @r#"two.toml:17:6: `clamps.0.at`: rod `beam` has no node 11; allowed: 0 to 10, "start" or "end""#);
+    insta::assert_snapshot!(fault("at = \"end\"", "at = 10"), @r#"two.toml:21:6: `loads.0.at`: rod `beam` has no edge 10; allowed: 0 to 9, "start" or "end""#);
+    let twice = "[[clamps]]\nrod = \"beam\"\nat = \"end\"\n[[loads]]";
+    insta::assert_snapshot!(fault("[[loads]]", twice), @"two.toml:20:6: `clamps.1.at`: another clamp holds this node already");
+    let closed = "shape = { kind = \"points\", points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0]] }\nclosed = true";
+    let straight =
+        "edges = 10\nshape = { kind = \"straight\", start = [0, 0, 0], end = [1, 0, 0] }";
+    insta::assert_snapshot!(fault(straight, closed), @"two.toml:8:9: `rods.0.shape`: edge 3 has no length: nodes 3 and 0 lie in the same place");
+}
+
+#[test]
+fn a_hundred_thousand_edges_within_a_few_diameters_are_refused_before_they_take_memory() {
+    let text = TWO_RODS
+        .replacen("edges = 10\n", "edges = 100000\n", 1)
+        .replacen("at = 10", "at = 0", 1);
+    let refused = loaded(&format!("{text}\n[contact]\n"));
+    let error = refused
+        .locate(prepare(&refused.scenario).unwrap_err())
+        .to_string();
+    assert!(error.starts_with("two.toml:8:9: `rods.0.edges`"), "{error}");
+    assert!(
+        error.contains("2.0e8 pairs of edges to look at, which take 16.0 GB"),
+        "{error}"
+    );
+    // Without contact the edges are only long.
+    assert!(prepare(&loaded(&text).scenario).is_ok());
+}
+
+#[test]
+fn the_defaults_of_scenarios_are_those_of_the_engine() {
+    let text = format!("{TWO_RODS}\n[contact]\ndistance_tolerance = 1e-5\n");
+    let run = prepare(&loaded(&text).scenario).unwrap();
+    assert_eq!(run.integration, IntegrationParameters::default());
+    assert_eq!(run.scene.contact, Some(ContactParameters::default()));
+}
+
+#[test]
+fn all_scenarios_of_the_repository_prepare() {
+    let directory = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios"));
+    let mut names = Vec::new();
+    for entry in std::fs::read_dir(directory).unwrap() {
+        let path = entry.unwrap().path();
+        // Curves, points and robot cells lie beside the scenarios.
+        if path.is_dir() || path.extension().is_some_and(|ending| ending == "csv") {
+            continue;
+        }
+        let case_set = case_set(&path, &[], &[]).unwrap_or_else(|error| panic!("{error}"));
+        check_every_value(&case_set).unwrap_or_else(|error| panic!("{error}"));
+        if case_set.search().is_some() {
+            continue;
+        }
+        let loaded = case_set.scenario_of(0).unwrap();
+        let run = prepare(&loaded.scenario).unwrap_or_else(|error| panic!("{error}"));
+        let again = from_text(&run.name, &run.scenario_toml, Path::new(""), &[]).unwrap();
+        assert_eq!(again.scenario, loaded.scenario, "{}", path.display());
+        names.push(run.name);
+    }
+    for name in [
+        "flagella_m2",
+        "flagella_m3",
+        "flagella_m5",
+        "flagella_m10",
+        "flagella_quick",
+    ] {
+        assert!(names.iter().any(|found| found == name), "{name}");
+    }
+}
