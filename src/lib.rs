@@ -32,7 +32,7 @@
 //! sweep, verify  ──> experiment
 //! reproduce      ──> report
 //! report         ──> experiment
-//! experiment     ──> run, knot, scenario, figure
+//! experiment     ──> run, knot, plan, scenario, figure
 //! run            ──> mechanics, results
 //! knot           ──> mechanics
 //! plan           ──> mechanics

@@ -101,6 +101,9 @@ fn the_landing_is_a_scenario_that_runs() {
         "{}",
         String::from_utf8_lossy(&run.stderr)
     );
+    // It says how far the rod lies from the pattern.
+    let said = String::from_utf8(run.stdout).unwrap() + &String::from_utf8(run.stderr).unwrap();
+    assert!(said.contains("off the pattern"), "{said}");
     // The rod lies where the pattern is, on the table, as far as it has been laid.
     let text = fs::read_to_string(results.join("nodes.csv")).unwrap();
     let nodes: Vec<Vec<&str>> = text
@@ -194,7 +197,7 @@ fn what_cannot_be_planned_is_refused_and_leaves_nothing_behind() {
     let nan = file("nan.csv", "x_m,y_m\n0,0\nnan,1\n");
     let rod = file(
         "rod.toml",
-        "radius = \"1 mm\"\nlength = 0\ngravito_bending_length = 0.03\n",
+        "[deployment.rod]\nradius = \"1 mm\"\nlength = 0\ngravito_bending_length = 0.03\n",
     );
     let out = folder.path().join("out");
     let out = out.to_str().unwrap();

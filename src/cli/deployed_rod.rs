@@ -29,6 +29,16 @@ struct Typed {
     #[serde(rename = "extends")]
     _extends: Option<IgnoredAny>,
     title: Option<String>,
+    deployment: TypedDeployment,
+}
+
+#[derive(Debug, Deserialize)]
+struct TypedDeployment {
+    rod: TypedRod,
+}
+
+#[derive(Debug, Deserialize)]
+struct TypedRod {
     gravito_bending_length: Quantity<Length>,
     radius: Quantity<Length>,
     length: Quantity<Length>,
@@ -41,8 +51,8 @@ impl RodFile {
     /// Reads a rod's file.
     pub fn read(path: &Path) -> Result<Self, Failure> {
         let file: TypedFile<Typed> = TypedFile::read(path)?;
-        let typed = &file.typed;
-        let root = KeyPath::root();
+        let typed = &file.typed.deployment.rod;
+        let root = KeyPath::from("deployment.rod");
         let mut issues = Issues::default();
         let mut length = |key: &str, quantity: &Quantity<Length>| {
             let metres = quantity.si().and_then(|metres| {
@@ -83,7 +93,7 @@ impl RodFile {
         }
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let found = Self {
-            title: typed.title.clone().unwrap_or_else(|| stem.into_owned()),
+            title: (file.typed.title.clone()).unwrap_or_else(|| stem.into_owned()),
             rod,
             density,
             friction: typed.friction.clone(),

@@ -2,19 +2,15 @@
 
 use super::deployed_rod::RodFile;
 use super::failure::Failure;
-use crate::mechanics::Vector3;
-use crate::plan::deployment::{DeployedRod, GripperPose};
-use crate::plan::pattern::PatternPoint;
+use crate::plan::deployment::{GripperPose, Scheme};
+use crate::plan::pattern::{PatternPoint, PatternSource, Point};
 use serde::Serialize;
 use std::fmt::Write;
 
-/// Edges per gravito-bending length of a simulated rod, and how many there are at least and at most.
-const EDGES_PER_LENGTH: f64 = 4.0;
-const EDGES: [f64; 2] = [80.0, 400.0];
 /// Friction of the simulated table where none is given.
 const FRICTION: f64 = 0.4;
-/// Acceleration of free fall, m/s².
-const GRAVITY: f64 = 9.81;
+/// The points of a drawing beside the scenario that reads them.
+pub const DRAWING: &str = "drawing.csv";
 
 #[derive(Serialize)]
 struct TrajectoryFile<'a> {
@@ -31,16 +27,15 @@ struct PoseEntry {
     quaternion: [f64; 4],
 }
 
-/// Columns time_s, x_m, y_m, z_m, qw, qx, qy, qz; the contact node moves at `speed`, m/s.
-pub fn trajectory_csv(poses: &[GripperPose], speed: f64) -> String {
+/// Columns time_s, x_m, y_m, z_m, qw, qx, qy, qz.
+pub fn trajectory_csv(poses: &[GripperPose], times: &[f64]) -> String {
     let mut text = String::from("time_s,x_m,y_m,z_m,qw,qx,qy,qz\n");
-    for pose in poses {
+    for (pose, time) in poses.iter().zip(times) {
         let ([x, y, z], [w, i, j, k]) = parts(pose);
         // Writing to a string does not fail.
         let _ = writeln!(
             text,
-            "{:.9},{x:.9},{y:.9},{z:.9},{w:.12},{i:.12},{j:.12},{k:.12}",
-            pose.s / speed
+            "{time:.9},{x:.9},{y:.9},{z:.9},{w:.12},{i:.12},{j:.12},{k:.12}"
         );
     }
     text
@@ -49,14 +44,14 @@ pub fn trajectory_csv(poses: &[GripperPose], speed: f64) -> String {
 /// The same as JSON, with what it belongs to.
 pub fn trajectory_json(
     poses: &[GripperPose],
-    speed: f64,
+    times: &[f64],
     pattern: &str,
     file: &RodFile,
 ) -> Result<String, Failure> {
-    let poses = poses.iter().map(|pose| {
+    let poses = poses.iter().zip(times).map(|(pose, time)| {
         let (position_m, quaternion) = parts(pose);
         PoseEntry {
-            time_s: pose.s / speed,
+            time_s: *time,
             position_m,
             quaternion,
         }
@@ -85,54 +80,73 @@ pub fn pattern_csv(points: &[PatternPoint], demands: &[f64]) -> String {
     text
 }
 
-/// Columns x_m, y_m, z_m.
-pub fn nodes_csv(nodes: &[Vector3]) -> String {
-    let mut text = String::from("x_m,y_m,z_m\n");
-    for node in nodes {
-        let _ = writeln!(text, "{:.12},{:.12},{:.12}", node.x, node.y, node.z);
+/// Columns x_m, y_m.
+pub fn drawing_csv(points: &[Point]) -> String {
+    let mut text = String::from("x_m,y_m\n");
+    for point in points {
+        let _ = writeln!(text, "{:.12},{:.12}", point.x, point.y);
     }
     text
 }
 
-/// Edges of the simulated rod.
-pub fn edges(rod: &DeployedRod) -> usize {
-    let [fewest, most] = EDGES;
-    let edges = EDGES_PER_LENGTH * rod.length / rod.gravito_bending_length;
-    edges.round().clamp(fewest, most) as usize
+/// What a landing is written from.
+pub struct Landing<'a> {
+    /// The rod.
+    pub file: &'a RodFile,
+    /// The pattern for people.
+    pub name: &'a str,
+    /// The pattern itself.
+    pub source: &'a PatternSource,
+    /// Length of its lead-in, m.
+    pub lead_in: f64,
+    /// How the gripper leads the rod.
+    pub scheme: Scheme,
+    /// Friction of the table.
+    pub friction: Option<f64>,
+    /// How long it takes, s.
+    pub duration: f64,
 }
 
 /// A scenario in which the rod is laid down along the trajectory.
-pub fn landing(file: &RodFile, pattern: &str, friction: Option<f64>, duration: f64) -> String {
-    let rod = &file.rod;
-    let RodFile { title, density, .. } = file;
-    let title = toml::Value::from(format!("{title} is laid along {pattern}"));
-    // L_gb³ = E h²/(8 ρ g).
-    let youngs_modulus =
-        8.0 * density * GRAVITY * rod.gravito_bending_length.powi(3) / rod.radius.powi(2);
+pub fn landing(landing: &Landing) -> String {
+    let RodFile {
+        title,
+        rod,
+        density,
+        ..
+    } = landing.file;
+    let title = toml::Value::from(format!("{title} is laid along {}", landing.name));
+    let pattern = match landing.source {
+        PatternSource::Line(line) => format!("kind = \"line\", length = {:?}", line.length),
+        PatternSource::Circle(circle) => {
+            format!("kind = \"circle\", radius = {:?}", circle.radius)
+        }
+        PatternSource::Sine(sine) => format!(
+            "kind = \"sine\", amplitude = {:?}, wavelength = {:?}, waves = {:?}",
+            sine.amplitude, sine.wavelength, sine.waves
+        ),
+        PatternSource::Drawn { deviation, .. } => {
+            format!("file = \"{DRAWING}\", deviation = {deviation:?}")
+        }
+    };
+    let scheme = match landing.scheme {
+        Scheme::Optimal => "optimal",
+        Scheme::Intuitive => "intuitive",
+    };
     format!(
-        "# The gripper follows trajectory.csv; rod.csv is the rod as it hangs from its first pose.\n\
-         experiment = \"scene\"\n\
+        "# A gripper lays the rod along the pattern, as in trajectory.csv. rodlab explain deployment says more of its keys.\n\
+         experiment = \"deployment\"\n\
          title = {title}\n\n\
-         [material]\n\
-         youngs_modulus = {youngs_modulus:?}   # from the gravito-bending length\n\
-         poissons_ratio = 0.5\n\
-         density = {density:?}\n\n\
-         [[rods]]\n\
-         name = \"rod\"\n\
+         [deployment]\n\
+         pattern = {{ {pattern} }}\n\
+         lead_in = {lead_in:?}\n\
+         scheme = \"{scheme}\"\n\n\
+         [deployment.rod]\n\
+         gravito_bending_length = {unit:?}\n\
          radius = {radius:?}\n\
-         edges = {edges}\n\
-         shape = {{ kind = \"points\", file = \"rod.csv\" }}\n\
-         natural_shape = {{ kind = \"straight\", start = [0, 0, 0], end = [{length:?}, 0, 0] }}\n\n\
-         [[clamps]]\n\
-         rod = \"rod\"\n\
-         at = \"end\"\n\
-         follow = \"trajectory.csv\"\n\n\
-         [[planes]]\n\n\
-         [[loads]]\n\
-         kind = \"gravity\"\n\
-         acceleration = [0, 0, -{GRAVITY}]\n\n\
+         length = {length:?}\n\
+         density = {density:?}\n\n\
          [contact]\n\
-         model = \"imc\"\n\
          friction = {friction:?}\n\
          distance_tolerance = \"50 µm\"\n\
          slip_tolerance = \"0.01 mm/s\"\n\n\
@@ -140,12 +154,13 @@ pub fn landing(file: &RodFile, pattern: &str, friction: Option<f64>, duration: f
          step = \"5 ms\"\n\
          end = {duration:.6}\n\n\
          [output]\n\
-         interval = \"0.5 s\"\n\
-         nodes = true\n",
+         interval = \"0.5 s\"\n",
+        lead_in = landing.lead_in,
+        unit = rod.gravito_bending_length,
         radius = rod.radius,
-        edges = edges(rod),
         length = rod.length,
-        friction = friction.unwrap_or(FRICTION),
+        friction = landing.friction.unwrap_or(FRICTION),
+        duration = landing.duration,
     )
 }
 

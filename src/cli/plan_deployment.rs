@@ -2,17 +2,18 @@
 
 use super::deployed_rod::RodFile;
 use super::deployment_files::{
-    edges, landing, nodes_csv, pattern_csv, trajectory_csv, trajectory_json,
+    DRAWING, Landing, drawing_csv, landing, pattern_csv, trajectory_csv, trajectory_json,
 };
 use super::failure::Failure;
 use super::output::print_json;
 use super::values::positive_length;
 use crate::plan::deployment::{
     DeployedRod, DeploymentError, Feasibility, GripperPose, Scheme, deployment_figure,
-    friction_demand, hanging_rod, lead_in_length, long_enough, trajectory,
+    friction_demand, lead_in_length, long_enough, times, trajectory,
 };
 use crate::plan::pattern::{
-    Circle, Crossing, Line, Pattern, PatternError, PlaneCurve, Point, Sine, crossings, read_svg,
+    Circle, Crossing, Drawing, Line, Pattern, PatternError, PatternSource, Point, Sine,
+    chosen_stroke, crossings, read_svg,
 };
 use crate::results::write_whole;
 use crate::scenario::{metres, read_text_file};
@@ -28,7 +29,7 @@ pub struct DeploymentArguments {
     /// sine:AMPLITUDE,WAVELENGTH,WAVES
     #[arg(long, value_name = "PATTERN")]
     pattern: String,
-    /// The rod: TOML with gravito_bending_length, radius and length
+    /// The rod: TOML with gravito_bending_length, radius and length in [deployment.rod]
     #[arg(long, value_name = "FILE")]
     rod: PathBuf,
     /// Where to write the results
@@ -56,7 +57,7 @@ pub struct DeploymentArguments {
     /// Distance of neighbouring poses along the pattern, at most
     #[arg(long, value_name = "LENGTH", default_value = "3 mm", value_parser = positive_length)]
     step: f64,
-    /// Speed of the contact node along the pattern, m/s
+    /// Speed of laying along the pattern, m/s; slower where the gripper would have to move more than 1.5 times as fast
     #[arg(long, value_name = "SPEED", default_value_t = 0.02, value_parser = speed)]
     speed: f64,
     /// Friction of the table that the demand is compared with: a number, or a name in the rod's file
@@ -120,7 +121,8 @@ impl DeploymentArguments {
         let file = RodFile::read(&self.rod)?;
         let rod = file.rod;
         let friction = self.friction(&file)?;
-        let pattern = self.pattern(&rod)?;
+        let source = self.source()?;
+        let pattern = self.pattern(&source, &rod)?;
         // Before anything is sampled: it may be very long.
         long_enough(&rod, &pattern).map_err(|error| self.refused(&error))?;
         if pattern.length() / self.step > MOST_POSES {
@@ -148,22 +150,29 @@ impl DeploymentArguments {
             .collect();
         let title = format!("{} along {}", file.title, self.pattern);
         let figure = deployment_figure(&title, &points, &poses, &demands, friction, &crossings);
-        let duration = pattern.length() / self.speed;
+        let times = times(&poses, self.speed);
+        let duration = times.last().copied().unwrap_or(0.0);
+        let simulated = Landing {
+            file: &file,
+            name: &self.pattern,
+            source: &source,
+            lead_in: pattern.lead_in(),
+            scheme,
+            friction,
+            duration,
+        };
         let mut named = vec![
-            ("trajectory.csv", trajectory_csv(&poses, self.speed)),
+            ("trajectory.csv", trajectory_csv(&poses, &times)),
             (
                 "trajectory.json",
-                trajectory_json(&poses, self.speed, &self.pattern, &file)?,
+                trajectory_json(&poses, &times, &self.pattern, &file)?,
             ),
             ("pattern.csv", pattern_csv(&points, &demands)),
             ("deployment.svg", figure),
+            ("landing.toml", landing(&simulated)),
         ];
-        if scheme == Scheme::Optimal {
-            let hanging =
-                hanging_rod(&points[0], &rod, edges(&rod)).map_err(|error| self.refused(&error))?;
-            named.push(("rod.csv", nodes_csv(&hanging)));
-            let scenario = landing(&file, &self.pattern, friction, duration);
-            named.push(("landing.toml", scenario));
+        if let PatternSource::Drawn { points, .. } = &source {
+            named.push((DRAWING, drawing_csv(points)));
         }
         std::fs::create_dir_all(&self.out).map_err(|error| {
             Failure::System(format!("{} cannot be made: {error}", self.out.display()))
@@ -224,26 +233,31 @@ impl DeploymentArguments {
             })
     }
 
-    /// The pattern with its lead-in.
-    fn pattern(&self, rod: &DeployedRod) -> Result<Pattern, Failure> {
-        let found = match self.analytic()? {
-            Some(curve) => {
-                let given = [
-                    ("--size", self.size.is_some()),
-                    ("--stroke", self.stroke.is_some()),
-                    ("--reverse", self.reverse),
-                ];
-                if let Some((flag, _)) = given.iter().find(|(_, given)| *given) {
-                    return Err(Failure::Input(format!(
-                        "{flag} is for drawn patterns; {} has its size and direction",
-                        self.pattern
-                    )));
-                }
-                Pattern::new(curve, 0.0)
-            }
-            None => Pattern::along(&self.drawn()?, self.deviation),
+    /// What the pattern is made from.
+    fn source(&self) -> Result<PatternSource, Failure> {
+        let Some(formula) = self.analytic()? else {
+            return Ok(PatternSource::Drawn {
+                points: self.drawn()?,
+                deviation: self.deviation,
+            });
         };
-        let pattern = found.map_err(|error| self.no_pattern(&error))?;
+        let given = [
+            ("--size", self.size.is_some()),
+            ("--stroke", self.stroke.is_some()),
+            ("--reverse", self.reverse),
+        ];
+        match given.iter().find(|(_, given)| *given) {
+            Some((flag, _)) => Err(Failure::Input(format!(
+                "{flag} is for drawn patterns; {} has its size and direction",
+                self.pattern
+            ))),
+            None => Ok(formula),
+        }
+    }
+
+    /// The pattern with its lead-in.
+    fn pattern(&self, source: &PatternSource, rod: &DeployedRod) -> Result<Pattern, Failure> {
+        let pattern = source.pattern().map_err(|error| self.no_pattern(&error))?;
         let length = match self.lead_in {
             LeadInLength::Given(length) => length,
             LeadInLength::Auto => lead_in_length(rod, pattern.at(0.0).curvature),
@@ -256,7 +270,7 @@ impl DeploymentArguments {
     }
 
     /// `line:…`, `circle:…` or `sine:…`.
-    fn analytic(&self) -> Result<Option<Box<dyn PlaneCurve>>, Failure> {
+    fn analytic(&self) -> Result<Option<PatternSource>, Failure> {
         let Some((kind, text)) = self.pattern.split_once(':') else {
             return Ok(None);
         };
@@ -264,7 +278,7 @@ impl DeploymentArguments {
         let fault = |needed: &str| Failure::Input(format!("--pattern {}: {needed}", self.pattern));
         let length = |text: &str| positive_length(text).map_err(|error| fault(&error));
         Ok(Some(match (kind, values.as_slice()) {
-            ("line", [end]) => Box::new(Line {
+            ("line", [end]) => PatternSource::Line(Line {
                 length: length(end)?,
             }),
             ("circle", [radius]) => {
@@ -273,12 +287,12 @@ impl DeploymentArguments {
                 if radius == 0.0 || !radius.is_finite() {
                     return Err(fault("a radius other than 0 is needed"));
                 }
-                Box::new(Circle { radius })
+                PatternSource::Circle(Circle { radius })
             }
             ("sine", [amplitude, wavelength, waves]) => {
                 let waves: Option<f64> = waves.trim().parse().ok();
                 let waves = waves.filter(|waves| *waves > 0.0 && *waves <= 1000.0);
-                Box::new(Sine {
+                PatternSource::Sine(Sine {
                     amplitude: length(amplitude)?,
                     wavelength: length(wavelength)?,
                     waves: waves
@@ -298,7 +312,7 @@ impl DeploymentArguments {
     fn drawn(&self) -> Result<Vec<Point>, Failure> {
         let path = Path::new(&self.pattern);
         let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-        let mut points: Vec<Point> = if extension == "svg" {
+        let points: Vec<Point> = if extension == "svg" {
             self.stroke_of(path)?
         } else if extension == "csv" {
             let curve = read_curve(path, self.stroke)?;
@@ -312,35 +326,20 @@ impl DeploymentArguments {
                 self.pattern
             )));
         };
-        if self.reverse {
-            points.reverse();
-        }
-        if let Some(size) = self.size {
-            let low = points.iter().fold(points[0], |low, point| low.inf(point));
-            let high = points.iter().fold(points[0], |high, point| high.sup(point));
-            let side = (high - low).max();
-            if !(side > 0.0) {
-                return Err(self.no_pattern(&PatternError::Degenerate("it has no length")));
-            }
-            for point in &mut points {
-                *point *= size / side;
-            }
-        }
-        Ok(points)
+        let drawing = Drawing {
+            size: self.size,
+            reverse: self.reverse,
+        };
+        drawing.of(points).map_err(|error| self.no_pattern(&error))
     }
 
     fn stroke_of(&self, path: &Path) -> Result<Vec<Point>, Failure> {
         let bytes = read_text_file(path).map_err(Failure::Input)?;
         let text = String::from_utf8(bytes)
             .map_err(|_| Failure::Input(format!("{} is no text in UTF-8", path.display())))?;
-        let mut strokes = read_svg(&text).map_err(|error| self.no_pattern(&error))?;
-        let count = strokes.len();
-        match self.stroke {
-            None if count == 1 => Ok(strokes.remove(0)),
-            None => Err(self.no_pattern(&PatternError::SeveralStrokes(count))),
-            Some(wanted) if (1..=count).contains(&wanted) => Ok(strokes.remove(wanted - 1)),
-            Some(wanted) => Err(self.no_pattern(&PatternError::NoStroke { wanted, count })),
-        }
+        read_svg(&text)
+            .and_then(|strokes| chosen_stroke(strokes, self.stroke))
+            .map_err(|error| self.no_pattern(&error))
     }
 }
 

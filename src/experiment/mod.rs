@@ -9,10 +9,11 @@
 //! | `prepare` | from a scenario to a run: the common tables, then what its kind adds |
 //! | `probes` | what a scenario asks to be measured, in terms of its scene |
 //! | `derived` | numbers for `rodlab check` |
-//! | `scene`, `flagella`, `knot`, `helix` | the kinds |
+//! | `scene`, `flagella`, `knot`, `helix`, `deployment` | the kinds |
 
 #[cfg(test)]
 mod contact_tests;
+pub(crate) mod deployment;
 mod derived;
 mod described;
 mod flagella;
@@ -29,6 +30,7 @@ mod scene;
 #[cfg(test)]
 mod tests;
 
+pub use deployment::{Deployment, DeploymentMonitor, DeploymentOutcome, DeploymentTables};
 pub use derived::{DerivedNumbers, DerivedRod, derived_numbers};
 pub use described::{Described, describe, described_files, files_with_column};
 pub use helix::stability::{
@@ -52,6 +54,7 @@ pub static KINDS: &[&dyn Kind] = &[
     &knot::TighteningKind,
     &knot::InversionKind,
     &helix::stability::HelixStabilityKind,
+    &deployment::DeploymentKind,
 ];
 
 /// The same, as scenario files see them.

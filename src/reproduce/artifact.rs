@@ -4,15 +4,17 @@ use super::bundling::Bundling;
 use super::cases::{Case, Run, run_all};
 use super::helices::Helices;
 use super::inversion::Inversion;
+use super::laying::Laying;
 use super::manipulated_helix::ManipulatedHelix;
 use super::page::{Heading, Page};
+use super::sideways_push::SidewaysPush;
 use super::simplified_inversion::{self, Factor};
 use super::table::FiguresOfTable;
 use super::tightening::Tightening;
 use super::{
-    ReproduceError, ReproduceOptions, auto_steps, cost, drag_steps, figure_2_5, figure_2_6,
-    figure_2_7, figure_2_8, figure_3_4, figure_3_9, figure_6_2, figure_6_5, inversion_factors,
-    knot_convergence, table_2_1, table_2_2,
+    ReproduceError, ReproduceOptions, auto_steps, cost, deployment_errors, drag_steps, figure_2_5,
+    figure_2_6, figure_2_7, figure_2_8, figure_3_4, figure_3_9, figure_5_5, figure_6_2, figure_6_5,
+    inversion_factors, knot_convergence, table_2_1, table_2_2, table_5_2,
 };
 use std::fmt;
 use std::path::PathBuf;
@@ -25,7 +27,7 @@ pub struct Artifact {
 }
 
 /// All tables and figures.
-pub static ARTIFACTS: [Artifact; 20] = [
+pub static ARTIFACTS: [Artifact; 23] = [
     Artifact {
         name: "tab2.1",
         title: "Table 2.1: IMC and IPC, iterations and time of bundling flagella",
@@ -150,6 +152,24 @@ pub static ARTIFACTS: [Artifact; 20] = [
         },
     },
     Artifact {
+        name: "fig5.5",
+        title: "Figure 5.5: two optimal grasps pushed sideways",
+        recipe: &Recipe {
+            runs: SidewaysPush::of_figure_5_5,
+            write: figure_5_5::write,
+            figures_of_table: Some(figure_5_5::figures_of_table),
+        },
+    },
+    Artifact {
+        name: "tab5.2",
+        title: "Table 5.2: rods laid along patterns, simulated and measured",
+        recipe: &Recipe {
+            runs: Laying::of_table_5_2,
+            write: table_5_2::write,
+            figures_of_table: None,
+        },
+    },
+    Artifact {
         name: "fig6.2",
         title: "Figure 6.2: the boundary of the stable helices",
         recipe: &Recipe {
@@ -183,6 +203,15 @@ pub static ARTIFACTS: [Artifact; 20] = [
             runs: Tightening::of_convergence,
             write: knot_convergence::write,
             figures_of_table: None,
+        },
+    },
+    Artifact {
+        name: "deployment-errors",
+        title: "Laid rods: jitter of the gripper and errors of the gravito-bending length",
+        recipe: &Recipe {
+            runs: Laying::of_errors,
+            write: deployment_errors::write,
+            figures_of_table: Some(deployment_errors::figures_of_table),
         },
     },
     Artifact {

@@ -11,6 +11,7 @@
 //! | `inversion` | a knot pulled until it inverts (thesis 3) |
 //! | `helices` | the search for the boundary of the stable helices (thesis 6.2) |
 //! | `manipulated_helix` | a helical rod manipulated in time (thesis 6.3) |
+//! | `laying` | a rod laid along a pattern (thesis 5.5) |
 //! | `cases` | running the runs |
 //! | `page` | CSV, Markdown and manifest of an artefact |
 //! | `table` | that CSV, read again |
@@ -18,10 +19,13 @@
 //! | `table_2_1`, `table_2_2`, `figure_2_5` to `figure_2_8` | one artefact each |
 //! | `figure_3_4`, `inversion_factors` | figures 3.4 and 3.5 to 3.7; `inversion_page` and `inversion_pictures` are their parts |
 //! | `figure_3_9`, `simplified_inversion` | the simplified knot: figures 3.9, 3.10 and 3.11 |
+//! | `figure_5_5`, `sideways_push` | optimal grasps that are pushed sideways |
+//! | `table_5_2`, `measured_deployments` | how well rods are laid along patterns, simulated and measured |
 //! | `figure_6_2` | figures 6.2 and 6.6 |
 //! | `figure_6_5` | disturbances of a manipulated rod |
 //! | `overhand_law` | knots pulled tight against Eq. 2.30, part by part |
 //! | `knot_convergence` | what mesh, pull speed and contact tolerance change |
+//! | `deployment_errors` | what jitter and errors of the rod do to a laid rod |
 //! | `cost`, `drag_steps`, `auto_steps` | what steps cost, and what larger and automatic ones lose |
 //! | `difference` | distance of the nodes between two runs (thesis Eq. 2.28) |
 
@@ -30,6 +34,7 @@ mod auto_steps;
 mod bundling;
 mod cases;
 mod cost;
+mod deployment_errors;
 mod difference;
 mod drag_steps;
 mod figure_2_5;
@@ -38,6 +43,7 @@ mod figure_2_7;
 mod figure_2_8;
 mod figure_3_4;
 mod figure_3_9;
+mod figure_5_5;
 mod figure_6_2;
 mod figure_6_5;
 mod helices;
@@ -46,14 +52,18 @@ mod inversion_factors;
 mod inversion_page;
 mod inversion_pictures;
 mod knot_convergence;
+mod laying;
 mod manipulated_helix;
+mod measured_deployments;
 mod overhand_law;
 mod page;
 mod redraw;
+mod sideways_push;
 mod simplified_inversion;
 mod table;
 mod table_2_1;
 mod table_2_2;
+mod table_5_2;
 mod tightening;
 
 pub use artifact::{ARTIFACTS, Artifact};

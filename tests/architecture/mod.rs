@@ -30,7 +30,7 @@ const ROOMS: Table = &[
     ("verify", &["experiment"]),
     ("reproduce", &["report"]),
     ("report", &["experiment"]),
-    ("experiment", &["run", "knot", "scenario", "figure"]),
+    ("experiment", &["run", "knot", "plan", "scenario", "figure"]),
     ("run", &["mechanics", "results"]),
     ("knot", &["mechanics"]),
     ("plan", &["mechanics"]),
@@ -56,6 +56,7 @@ const EXPERIMENT: Table = &[
     ("flagella", &["kind", "prepare"]),
     ("knot", &["kind", "prepare"]),
     ("helix", &["kind"]),
+    ("deployment", &["kind", "prepare"]),
     ("kind", &[]),
 ];
 

@@ -61,7 +61,7 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
             Err(issue) => issues.push(issue),
         }
     }
-    scene.planes = scenario.planes.iter().map(place_plane).collect();
+    scene.planes.extend(scenario.planes.iter().map(place_plane));
     scene.contact = contact_parameters(&scenario.contact);
     scene.fluid = fluid_model(&scenario.fluid);
     if let Err((rod, message)) = estimate::refuse_countless_pairs(&scene) {

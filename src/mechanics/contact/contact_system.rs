@@ -315,6 +315,14 @@ impl ContactSystem {
             .fold(0.0, f64::max)
     }
 
+    /// Steepest change of the friction of any contact with its slip speed in the last accepted step, N s/m; zero where
+    /// friction is not smoothed.
+    pub fn steepest_friction(&self) -> f64 {
+        let planes = self.planes.iter().map(|plane| plane.friction);
+        let coefficient = planes.fold(self.parameters.friction, f64::max);
+        self.parameters.friction_slope(coefficient) * self.largest_normal_force()
+    }
+
     /// Force Jacobians, one per element of [`Self::contacts`]; symmetric without friction.
     pub fn jacobians(&self) -> &[EdgeJacobian] {
         &self.jacobians

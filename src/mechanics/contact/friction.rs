@@ -22,6 +22,11 @@ const RESOLVING_ITERATIONS: usize = 30;
 /// Relative change of the speed that ends them: its square is below what matters.
 const RESOLVED_CHANGE: f64 = 1e-6;
 
+/// Slope of the friction per normal force over the slip speed where it is steepest, at rest: μ K₂/2, s/m.
+pub(super) fn steepest_slope(coefficient: f64, slip_tolerance: f64) -> f64 {
+    0.5 * coefficient * SLOPE / slip_tolerance
+}
+
 /// Coulomb friction with a slip tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct FrictionLaw {

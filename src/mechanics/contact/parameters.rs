@@ -1,6 +1,6 @@
 //! Parameters of the contact model.
 
-use super::{barrier, potential};
+use super::{barrier, friction, potential};
 
 /// Most that the smoothing of closest points adds to a gap, in units of δ.
 ///
@@ -89,6 +89,17 @@ impl ContactParameters {
         match self.model {
             ContactModel::IncrementalPotential => BARRIER_SMOOTHING * self.distance_tolerance,
             ContactModel::ImplicitContact | ContactModel::Complementarity => 0.0,
+        }
+    }
+
+    /// Steepest change of friction with the slip speed, per normal force, s/m, where friction is smoothed; zero for
+    /// complementarity. `coefficient` is that of the surfaces.
+    pub fn friction_slope(&self, coefficient: f64) -> f64 {
+        match self.model {
+            ContactModel::ImplicitContact | ContactModel::IncrementalPotential => {
+                friction::steepest_slope(coefficient, self.slip_tolerance)
+            }
+            ContactModel::Complementarity => 0.0,
         }
     }
 

@@ -1,11 +1,13 @@
 //! Rods that rub at high friction: few iterations, short steps that do no harm, Coulomb's law in each step.
 
-use super::barrier_tests::{crossing, fixed};
+use super::barrier_tests::{RADIUS, crossing, fixed, rod};
 use super::tests::clamp;
 use super::*;
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactModel, ContactParameters};
-use crate::mechanics::scene::{Load, LoadKind};
+use crate::mechanics::rod::STRIDE;
+use crate::mechanics::scene::{Load, LoadKind, Plane, Scene};
+use crate::mechanics::system::{Imbalance, Stage};
 
 const MODEL: ContactModel = ContactModel::ImplicitContact;
 
@@ -70,4 +72,71 @@ fn an_impact_in_short_steps_hardens_contact_no_more_than_in_a_whole_one() {
     let force = mass * 2.0 * (2.0 * speed) / whole;
     let per_force = ContactParameters::default().stiffness_factor;
     assert!(stiffest < 2.0 * per_force * force);
+}
+
+/// Found where the corner of a prescribed motion cut a step: in steps that short, the last digits of the places of what
+/// sticks, over the step, are slips that friction answers with more than was allowed to be left of the forces. Such steps
+/// failed, and those after them stayed as short.
+#[test]
+fn no_step_asks_friction_for_a_residual_below_rounding() {
+    let mut scene = Scene {
+        rods: vec![rod("lying", Vector3::new(7.0, 5.0, RADIUS), Vector3::x())],
+        contact: Some(ContactParameters {
+            distance_tolerance: 5e-5,
+            friction: 0.8,
+            slip_tolerance: 1e-5,
+            ..ContactParameters::default()
+        }),
+        ..Scene::default()
+    };
+    scene.loads.push(Load {
+        kind: LoadKind::Gravity {
+            acceleration: Vector3::new(3.0, 1.0, -9.81),
+        },
+        schedule: Vec::new(),
+    });
+    scene.planes.push(Plane {
+        point: Vector3::zeros(),
+        normal: Vector3::z(),
+        friction: None,
+    });
+    let mut simulation = Simulation::new(&scene, &fixed(5e-3)).unwrap();
+    while simulation.time() < 0.2 {
+        simulation.advance(0.2).unwrap();
+    }
+    // Every digit counts: the next number along x is another residual.
+    let positions = simulation.positions().to_vec();
+    let mut system = simulation.system;
+    let lying = simulation.state.unknowns;
+    for step in [5e-3, 1e-6] {
+        let stage = Stage {
+            step,
+            acceleration_step: step,
+            start: lying.clone(),
+            velocity: vec![0.0; lying.len()],
+            drag: Vec::new(),
+            drag_velocity: Vec::new(),
+            resistance: Vec::new(),
+            positions: positions.clone(),
+        };
+        system.set_tolerances(fixed(step).force_tolerance, &lying, Some(&stage));
+        let mut residual_at = |unknowns: &[f64]| {
+            system.evaluate(unknowns, Some(&stage));
+            let Imbalance {
+                residual, ratio, ..
+            } = system.imbalance();
+            (system.residual.clone(), residual / ratio)
+        };
+        let (here, allowed) = residual_at(&lying);
+        let mut beside = lying.clone();
+        let coordinate = STRIDE * 5;
+        beside[coordinate] = beside[coordinate].next_up();
+        let (there, _) = residual_at(&beside);
+        let change = (there[coordinate] - here[coordinate]).abs();
+        assert!(change > 0.0);
+        assert!(
+            change <= allowed,
+            "{step}: {change:e} N against {allowed:e} N"
+        );
+    }
 }

@@ -10,7 +10,7 @@
 //! against what acts there itself ([`System::is_balanced_as_predicted`]).
 //!
 //! No residual can be asked to be smaller than what the last digits of the unknowns leave in elastic forces, and in a
-//! time step in inertia.
+//! time step in inertia and in friction, whose slip is the difference of two positions over the step.
 
 use super::{Stage, System, add_inertia};
 use crate::mechanics::contact::ContactSystem;
@@ -59,6 +59,8 @@ impl System {
         self.relative_tolerance = relative;
         let mut tolerances = std::mem::take(&mut self.tolerances);
         tolerances.clear();
+        let contact = self.contact.as_ref();
+        let friction = contact.map_or(0.0, ContactSystem::steepest_friction);
         for (rod, range) in self.assembly.rods.rods.iter().enumerate() {
             let scale = &self.assembly.scales[rod];
             let unknowns_of_rod =
@@ -80,7 +82,10 @@ impl System {
             let inertia = stage.map_or(0.0, |stage| {
                 inertia * f64::EPSILON / (stage.step * stage.acceleration_step)
             });
-            let rounding = ROUNDINGS * (scale.rounding_stiffness * farthest).max(inertia);
+            let friction =
+                stage.map_or(0.0, |stage| friction * farthest * f64::EPSILON / stage.step);
+            let elastic = scale.rounding_stiffness * farthest;
+            let rounding = ROUNDINGS * elastic.max(inertia).max(friction);
             let force = (relative * scale.force.max(largest_load)).max(rounding);
             tolerances.push(RodTolerance {
                 force: if self.assembly.obstacle[range.first_node] {

@@ -40,7 +40,7 @@ pub fn long_enough(rod: &DeployedRod, pattern: &Pattern) -> Result<(), Deploymen
     Err(DeploymentError::TooLong {
         pattern_m: length,
         lead_in: if lead_in > 0.0 {
-            format!(" with a lead-in of {lead_in:.4} m (--lead-in)")
+            format!(" with a lead-in of {lead_in:.4} m (`lead_in`)")
         } else {
             String::new()
         },

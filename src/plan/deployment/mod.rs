@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `rod` | the rod by its gravito-bending length and radius |
 //! | `trajectory` | poses of the gripper |
+//! | `timing` | when the gripper is where |
 //! | `feasibility` | friction, bending and length that the pattern needs |
 //! | `landing` | the hanging rod at the start |
 //! | `figure` | pattern, path of the gripper and friction demand |
@@ -12,12 +13,14 @@ mod feasibility;
 mod figure;
 mod landing;
 mod rod;
+mod timing;
 mod trajectory;
 
 pub use feasibility::{Feasibility, friction_demand, lead_in_length, long_enough};
 pub use figure::deployment_figure;
 pub use landing::hanging_rod;
 pub use rod::DeployedRod;
+pub use timing::{laid_after, times};
 pub use trajectory::{GripperPose, Scheme, trajectory};
 
 use crate::plan::grasp::GraspError;
@@ -44,7 +47,7 @@ pub enum DeploymentError {
     /// The pattern is curved more than the rod is thick.
     #[error(
         "the pattern has a radius of {radius_m:.2e} m at {s_m:.4} m, less than the rod's, {rod_m} m: draw its corners \
-         round, or allow more with --deviation"
+         round, or allow a larger `deviation`"
     )]
     TooSharp {
         /// Least radius of curvature, m.

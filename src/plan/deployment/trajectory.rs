@@ -11,7 +11,8 @@ use std::f64::consts::FRAC_PI_2;
 pub enum Scheme {
     /// By the optimal grasp of each point.
     Optimal,
-    /// Upright above the contact node, as high as the rod that is left is long (thesis 5.1.1).
+    /// Upright above the contact node, lower by what has been laid (thesis 5.1.1, Fig. 5.2): the gripper goes along the
+    /// pattern and, at the same pace, down.
     Intuitive,
 }
 
@@ -94,7 +95,7 @@ fn intuitive(point: &PatternPoint, rod: &DeployedRod) -> GripperPose {
     let upright = rotation::from_vector(-FRAC_PI_2 * Vector3::y());
     GripperPose {
         s: point.s,
-        position: contact(point, rod) + (rod.length - point.s) * Vector3::z(),
+        position: contact(point, rod) + (rod.hanging_length() - point.s) * Vector3::z(),
         rotation: lying(point) * upright,
         grasp: None,
     }

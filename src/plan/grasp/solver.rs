@@ -96,6 +96,26 @@ impl GraspSolver {
         Ok(centreline(self.shape(problem)?, edges))
     }
 
+    /// The grasps of [`Self::solve_all`] by theory, each with its nodes at equal arc lengths, L_gb.
+    ///
+    /// # Errors
+    /// Newton's method does not converge for the gentle one.
+    pub fn all_centrelines(
+        &mut self,
+        problem: &GraspProblem,
+        edges: usize,
+    ) -> Result<Vec<(Grasp, Vec<Vector3>)>, GraspError> {
+        let gentle = self.shape(problem)?;
+        let force = gentle.force;
+        let of = |shape: &Shape| (Grasp::of(shape), centreline(shape, edges));
+        let mut found = vec![of(gentle)];
+        let others = branches::others(problem, force, &mut self.march);
+        found.extend(others.iter().map(of));
+        let size = |(grasp, _): &(Grasp, Vec<Vector3>)| grasp.contact_force.norm();
+        found[1..].sort_by(|one, other| size(one).total_cmp(&size(other)));
+        Ok(found)
+    }
+
     fn shape(&mut self, problem: &GraspProblem) -> Result<&Shape, GraspError> {
         let last = self.last.take();
         let near = last.filter(|last| {

@@ -4,21 +4,21 @@ use super::{PlaneCurve, Point};
 use std::f64::consts::TAU;
 
 /// A straight line from the origin along x.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
     /// Length, m.
     pub length: f64,
 }
 
 /// A circle through the origin, where its tangent is x; once around.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Circle {
     /// Radius, m; negative: it turns to the right.
     pub radius: f64,
 }
 
 /// y = A sin(2π x/λ) from its first crest, where it is level, A below.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sine {
     /// A, m.
     pub amplitude: f64,

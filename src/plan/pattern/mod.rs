@@ -6,6 +6,7 @@
 //! | `spline` | a smooth curve along drawn points, as near to them as is asked for |
 //! | `analytic` | line, circle and sine |
 //! | `curve` | arc length, tangent, curvature and its derivatives |
+//! | `source` | a formula or a drawing, in its size and direction |
 //! | `lead_in` | a start whose curvature grows from zero |
 //! | `check` | what a pattern asks of a rod, and where it crosses itself |
 
@@ -14,12 +15,14 @@ mod check;
 mod curve;
 mod lead_in;
 mod path_data;
+mod source;
 mod spline;
 mod svg;
 
 pub use analytic::{Circle, Line, Sine};
 pub use check::{Crossing, crossings};
 pub use curve::{PatternPoint, PlaneCurve};
+pub use source::{Drawing, PatternSource, chosen_stroke};
 pub use spline::SmoothCurve;
 pub use svg::{Stroke, read_svg};
 
@@ -53,7 +56,7 @@ pub enum PatternError {
         hint: &'static str,
     },
     /// There are several strokes.
-    #[error("it has {0} strokes that do not join; choose one with --stroke 1 to {0}")]
+    #[error("it has {0} strokes that do not join; choose one, `stroke` 1 to {0}")]
     SeveralStrokes(usize),
     /// There is no such stroke.
     #[error("there is no stroke {wanted}: it has {count}")]
@@ -69,7 +72,7 @@ pub enum PatternError {
     /// No smooth curve is near enough.
     #[error(
         "no smooth curve stays within {allowed_m} m of the drawing; the nearest found deviates by {least_m:.2e} m: \
-         draw its corners round, or allow more with --deviation"
+         draw its corners round, or allow a larger `deviation`"
     )]
     Deviation {
         /// What is allowed, m.

@@ -1,0 +1,355 @@
+//! The path of the gripper, with the errors that it is given: made before the run, followed during it.
+
+use super::keys::Deployment;
+use crate::mechanics::random::uniform_numbers;
+use crate::mechanics::scene::Motion;
+use crate::mechanics::{Vector3, rotation};
+use crate::plan::deployment::{
+    DeployedRod, DeploymentError, Feasibility, GripperPose, hanging_rod, laid_after, times,
+    trajectory,
+};
+use crate::plan::pattern::{Pattern, PatternError, PatternPoint};
+use nalgebra::{Matrix2, Vector2};
+use std::f64::consts::TAU;
+
+/// Distance of neighbouring poses along the pattern, m.
+const POSE_SPACING: f64 = 3e-3;
+/// The same of the poses by which times are found, m.
+const TIMING_SPACING: f64 = 12e-3;
+/// Poses per period of the fastest jitter.
+const POSES_PER_PERIOD: f64 = 10.0;
+/// Most poses.
+const MOST_POSES: f64 = 100_000.0;
+/// Least number of points at which a pattern is checked.
+const FINENESS: f64 = 8000.0;
+/// Waves that make up the jitter of one direction, and the period of the slowest over that of the fastest.
+const WAVES: usize = 8;
+const SLOWEST: f64 = 5.0;
+
+/// What is laid where and when.
+pub struct GripperPath {
+    /// Length of the pattern, its lead-in included, m.
+    pub length: f64,
+    /// The pattern.
+    pub curve: Pattern,
+    /// What it asks for.
+    pub feasibility: Feasibility,
+    /// Times (s) of the poses and what has been laid then, m.
+    pub laid: Vec<(f64, f64)>,
+    /// The poses, errors included.
+    pub poses: Vec<GripperPose>,
+    /// The rod at the start, m.
+    pub start: Vec<Vector3>,
+}
+
+/// Why there is no path.
+#[derive(Debug, thiserror::Error)]
+pub enum PathError {
+    /// The pattern is none.
+    #[error(transparent)]
+    Pattern(#[from] PatternError),
+    /// It cannot be laid.
+    #[error(transparent)]
+    Deployment(#[from] DeploymentError),
+    /// It takes too many poses.
+    #[error("its gripper would need {0:.1e} poses; allowed: {MOST_POSES:.0e}")]
+    TooManyPoses(f64),
+}
+
+impl GripperPath {
+    /// The path of a deployment that ends after `end`, s; poses lie at whole numbers of steps of `step` where steps have
+    /// a size, s. `friction` is that of the table.
+    ///
+    /// # Errors
+    /// The pattern cannot be laid.
+    pub fn new(
+        deployment: &Deployment,
+        friction: f64,
+        end: f64,
+        step: Option<f64>,
+    ) -> Result<Self, PathError> {
+        let rod = deployment.rod.deployed();
+        let curve = deployment.pattern.source().pattern()?;
+        let curve = curve.with_lead_in(deployment.lead_in);
+        let length = curve.length();
+        let refuse_many = |count: f64| {
+            if count > MOST_POSES {
+                Err(PathError::TooManyPoses(count))
+            } else {
+                Ok(())
+            }
+        };
+        refuse_many(length / POSE_SPACING)?;
+        // Corners lie between poses.
+        let finely = (0.25 * rod.radius).min(length / FINENESS);
+        let fine = curve.sampled(POSE_SPACING.min(finely).max(length / (4.0 * MOST_POSES)));
+        let feasibility = Feasibility::of(&fine, &rod, Some(friction))?;
+        let planned = Planned::new(deployment, &curve);
+        let scheme = deployment.scheme.into();
+        let coarse = trajectory(
+            &planned.seen(curve.sampled(TIMING_SPACING)),
+            &planned.rod,
+            scheme,
+        )?;
+        let passed = times(&coarse, 1.0);
+        let duration = passed.last().copied().unwrap_or(0.0);
+        let spacing = deployment.pose_spacing(end, length);
+        let spacing = step.map_or(spacing, |step| {
+            // A hair less than a whole number is that number.
+            step * (spacing / step + 1e-9).floor().max(1.0)
+        });
+        refuse_many(end / spacing)?;
+        let count = (end / spacing - 1e-6).ceil().max(1.0) as usize;
+        let at: Vec<f64> = (0..=count)
+            .map(|index| (spacing * index as f64).min(end))
+            .collect();
+        let laid: Vec<(f64, f64)> = at
+            .iter()
+            .map(|&time| (time, laid_after(&coarse, &passed, time / end * duration)))
+            .collect();
+        let mut points: Vec<PatternPoint> = laid.iter().map(|&(_, s)| curve.at(s)).collect();
+        // Angles go over into each other.
+        for index in 1..points.len() {
+            let turns = (points[index - 1].angle - points[index].angle) / TAU;
+            points[index].angle += TAU * turns.round();
+        }
+        let seen = planned.seen(points);
+        let mut poses = trajectory(&seen, &planned.rod, scheme)?;
+        let start = hanging_rod(&seen[0], &planned.rod, scheme, deployment.rod.edges)?;
+        Jitter::new(deployment).add(&laid, &mut poses);
+        Ok(Self {
+            length,
+            curve,
+            feasibility,
+            laid,
+            poses,
+            start,
+        })
+    }
+
+    /// Direction of the rod at the gripper at the start.
+    pub fn first_direction(&self) -> Vector3 {
+        self.poses[0].rotation * Vector3::x()
+    }
+
+    /// The motion of the rod's end with the gripper.
+    pub fn motion(&self) -> Motion {
+        let first = &self.poses[0];
+        let timed = || self.laid.iter().zip(&self.poses);
+        Motion {
+            translation: timed()
+                .map(|((time, _), pose)| (*time, pose.position - first.position))
+                .collect(),
+            orientation: timed()
+                .map(|((time, _), pose)| (*time, pose.rotation * first.rotation.inverse()))
+                .collect(),
+            pivot: Some(first.position),
+            ..Motion::default()
+        }
+    }
+
+    /// Largest speed of the gripper, m/s.
+    pub fn largest_speed(&self) -> f64 {
+        let times = self.laid.windows(2).map(|pair| pair[1].0 - pair[0].0);
+        let moves = self
+            .poses
+            .windows(2)
+            .map(|pair| (pair[1].position - pair[0].position).norm());
+        moves
+            .zip(times)
+            .map(|(way, time)| way / time)
+            .fold(0.0, f64::max)
+    }
+}
+
+impl Deployment {
+    /// Time between poses that follows pattern and jitter, s.
+    fn pose_spacing(&self, end: f64, length: f64) -> f64 {
+        let along = end * POSE_SPACING / length;
+        if self.jitter > 0.0 || self.jitter_angle > 0.0 {
+            along.min(self.jitter_period / POSES_PER_PERIOD)
+        } else {
+            along
+        }
+    }
+}
+
+/// What the planner believes: the rod, and where the pattern lies.
+struct Planned {
+    rod: DeployedRod,
+    pivot: Vector2<f64>,
+    shift: Vector2<f64>,
+    turn: f64,
+}
+
+impl Planned {
+    fn new(deployment: &Deployment, curve: &Pattern) -> Self {
+        let rod = deployment.rod.deployed();
+        Self {
+            rod: DeployedRod {
+                gravito_bending_length: rod.gravito_bending_length
+                    * (1.0 + deployment.length_error),
+                ..rod
+            },
+            pivot: curve.at(0.0).position,
+            shift: deployment.frame_shift.into(),
+            turn: deployment.frame_turn,
+        }
+    }
+
+    /// Where the planner sees points of the pattern.
+    fn seen(&self, mut points: Vec<PatternPoint>) -> Vec<PatternPoint> {
+        let (sine, cosine) = libm::sincos(self.turn);
+        let turned = Matrix2::new(cosine, -sine, sine, cosine);
+        for point in &mut points {
+            point.position = self.pivot + turned * (point.position - self.pivot) + self.shift;
+            point.angle += self.turn;
+        }
+        points
+    }
+}
+
+/// Smooth random displacements and turns: sums of waves of equal amplitude whose periods and phases are drawn, so that their
+/// mean squares are those asked for.
+struct Jitter {
+    amplitudes: [f64; 6],
+    period: f64,
+    /// Angular frequency (rad/s) and phase of each wave, by direction.
+    waves: [[(f64, f64); WAVES]; 6],
+}
+
+impl Jitter {
+    fn new(deployment: &Deployment) -> Self {
+        let mut number = uniform_numbers(deployment.seed);
+        let waves = std::array::from_fn(|_| {
+            std::array::from_fn(|_| {
+                let period = deployment.jitter_period * libm::pow(SLOWEST, number());
+                (TAU / period, TAU * number())
+            })
+        });
+        let unit = (2.0 / WAVES as f64).sqrt();
+        let [way, turn] = [deployment.jitter, deployment.jitter_angle].map(|rms| unit * rms);
+        Self {
+            amplitudes: [way, way, way, turn, turn, turn],
+            period: deployment.jitter_period,
+            waves,
+        }
+    }
+
+    /// Displacement (m) and turn (rad) at a time; they begin with nothing.
+    fn at(&self, time: f64) -> (Vector3, Vector3) {
+        let begun = (time / self.period).min(1.0);
+        let begun = begun * begun * (3.0 - 2.0 * begun);
+        let values: [f64; 6] = std::array::from_fn(|direction| {
+            let waves = self.waves[direction].iter();
+            let sum: f64 = waves
+                .map(|(rate, phase)| libm::sin(rate * time + phase))
+                .sum();
+            begun * self.amplitudes[direction] * sum
+        });
+        let [x, y, z, a, b, c] = values;
+        (Vector3::new(x, y, z), Vector3::new(a, b, c))
+    }
+
+    fn add(&self, laid: &[(f64, f64)], poses: &mut [GripperPose]) {
+        if self.amplitudes == [0.0; 6] {
+            return;
+        }
+        for ((time, _), pose) in laid.iter().zip(poses) {
+            let (displacement, turn) = self.at(*time);
+            pose.position += displacement;
+            pose.rotation = rotation::from_vector(turn) * pose.rotation;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::keys::{Pattern, Rod, Scheme, Solver};
+    use super::*;
+
+    fn deployment() -> Deployment {
+        Deployment {
+            scheme: Scheme::Optimal,
+            solver: Solver::Exact,
+            lead_in: 0.1,
+            length_error: 0.0,
+            frame_shift: [0.0; 2],
+            frame_turn: 0.0,
+            jitter: 0.0,
+            jitter_angle: 0.0,
+            jitter_period: 1.0,
+            seed: 0,
+            pattern: Pattern::Circle { radius: 0.09 },
+            rod: Rod {
+                gravito_bending_length: 0.032,
+                radius: 0.0016,
+                length: 0.885,
+                density: 1000.0,
+                edges: 80,
+            },
+        }
+    }
+
+    #[test]
+    fn poses_lie_at_steps_and_end_with_the_pattern() {
+        let path = GripperPath::new(&deployment(), 0.4, 30.0, Some(0.005)).unwrap();
+        for (time, _) in &path.laid[..path.laid.len() - 1] {
+            let steps = time / 0.005;
+            assert!((steps - steps.round()).abs() < 1e-6, "{time}");
+        }
+        let (end, laid) = *path.laid.last().unwrap();
+        assert_eq!(end, 30.0);
+        assert!((laid - path.length).abs() < 1e-12);
+        assert!((path.length - 0.1 - 0.09 * TAU).abs() < 1e-9);
+        assert!((path.start[80] - path.poses[0].position).norm() < 1e-7);
+        assert!(path.largest_speed() < 0.08);
+    }
+
+    #[test]
+    fn an_error_of_the_frame_moves_the_whole_path() {
+        let true_path = GripperPath::new(&deployment(), 0.4, 30.0, None).unwrap();
+        let given = Deployment {
+            frame_shift: [0.02, -0.01],
+            frame_turn: 0.3,
+            ..deployment()
+        };
+        let moved = GripperPath::new(&given, 0.4, 30.0, None).unwrap();
+        let first = true_path.curve.at(0.0).position;
+        let pivot = Vector3::new(first.x, first.y, 0.0);
+        let turn = rotation::from_vector(0.3 * Vector3::z());
+        for (pose, other) in true_path.poses.iter().zip(&moved.poses) {
+            let expected = pivot + turn * (pose.position - pivot) + Vector3::new(0.02, -0.01, 0.0);
+            assert!((other.position - expected).norm() < 1e-8, "{}", pose.s);
+            assert!(other.rotation.angle_to(&(turn * pose.rotation)) < 1e-6);
+        }
+    }
+
+    #[test]
+    fn jitter_has_its_mean_square_and_repeats() {
+        let given = Deployment {
+            jitter: 1e-3,
+            jitter_angle: 0.01,
+            seed: 7,
+            ..deployment()
+        };
+        let jitter = Jitter::new(&given);
+        let mut squares = [0.0; 6];
+        let count = 200_000;
+        for index in 0..count {
+            let (way, turn) = jitter.at(10.0 + 0.05 * f64::from(index));
+            for axis in 0..3 {
+                squares[axis] += (way[axis] / 1e-3).powi(2) / f64::from(count);
+                squares[axis + 3] += (turn[axis] / 0.01).powi(2) / f64::from(count);
+            }
+        }
+        for square in squares {
+            assert!((square - 1.0).abs() < 0.02, "{squares:?}");
+        }
+        assert_eq!(jitter.at(0.0), (Vector3::zeros(), Vector3::zeros()));
+        let again = Jitter::new(&given);
+        assert_eq!(again.at(3.3), jitter.at(3.3));
+        let other = Jitter::new(&Deployment { seed: 8, ..given });
+        assert_ne!(other.at(3.3), jitter.at(3.3));
+    }
+}

@@ -1,0 +1,148 @@
+//! Deployments as resolved.
+
+use crate::plan::deployment::DeployedRod;
+use crate::plan::pattern::{Circle, Line, PatternSource, Point, Sine};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A rod that a gripper lays on a table along a pattern.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Deployment {
+    /// How the gripper leads the rod.
+    pub scheme: Scheme,
+    /// Who finds the optimal grasps.
+    pub solver: Solver,
+    /// Length of the lead-in, m.
+    pub lead_in: f64,
+    /// Relative error of the gravito-bending length that is planned for.
+    pub length_error: f64,
+    /// Displacement of the frame that is planned for, m.
+    pub frame_shift: [f64; 2],
+    /// Turn of that frame about the first point of the pattern, rad.
+    pub frame_turn: f64,
+    /// Root mean square of the gripper's displacement in each direction, m.
+    pub jitter: f64,
+    /// Root mean square of its turn about each axis, rad.
+    pub jitter_angle: f64,
+    /// Period of the fastest jitter, s.
+    pub jitter_period: f64,
+    /// Seed of the jitter.
+    pub seed: u64,
+    /// The curve that the rod is to follow.
+    pub pattern: Pattern,
+    /// The rod.
+    pub rod: Rod,
+}
+
+/// How the gripper leads the rod.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+pub enum Scheme {
+    /// By the optimal grasp of each point.
+    Optimal,
+    /// Upright above the contact node.
+    Intuitive,
+}
+
+/// Who finds the optimal grasps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+pub enum Solver {
+    /// The equations of the suspended rod.
+    Exact,
+}
+
+/// What a laid rod is to follow, m.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Pattern {
+    /// Points of a drawing.
+    Drawn {
+        /// The points.
+        points: Vec<[f64; 2]>,
+        /// How far the smooth curve may be from them.
+        deviation: f64,
+    },
+    /// A straight line along x.
+    Line {
+        /// Its length.
+        length: f64,
+    },
+    /// A circle.
+    Circle {
+        /// Its radius; negative, it turns to the right.
+        radius: f64,
+    },
+    /// A sine.
+    Sine {
+        /// Its amplitude.
+        amplitude: f64,
+        /// Its wavelength.
+        wavelength: f64,
+        /// The number of waves.
+        waves: f64,
+    },
+}
+
+/// The rod that is laid.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Rod {
+    /// L_gb, m.
+    pub gravito_bending_length: f64,
+    /// Radius, m.
+    pub radius: f64,
+    /// Length, m.
+    pub length: f64,
+    /// Mass per volume, kg/m³.
+    pub density: f64,
+    /// Edges of the simulated rod.
+    pub edges: usize,
+}
+
+impl From<Scheme> for crate::plan::deployment::Scheme {
+    fn from(scheme: Scheme) -> Self {
+        match scheme {
+            Scheme::Optimal => Self::Optimal,
+            Scheme::Intuitive => Self::Intuitive,
+        }
+    }
+}
+
+impl Pattern {
+    /// The same for those who plan.
+    pub fn source(&self) -> PatternSource {
+        match *self {
+            Self::Drawn {
+                ref points,
+                deviation,
+            } => PatternSource::Drawn {
+                points: points.iter().map(|[x, y]| Point::new(*x, *y)).collect(),
+                deviation,
+            },
+            Self::Line { length } => PatternSource::Line(Line { length }),
+            Self::Circle { radius } => PatternSource::Circle(Circle { radius }),
+            Self::Sine {
+                amplitude,
+                wavelength,
+                waves,
+            } => PatternSource::Sine(Sine {
+                amplitude,
+                wavelength,
+                waves,
+            }),
+        }
+    }
+}
+
+impl Rod {
+    /// What planning needs of it.
+    pub fn deployed(&self) -> DeployedRod {
+        DeployedRod {
+            gravito_bending_length: self.gravito_bending_length,
+            radius: self.radius,
+            length: self.length,
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! Deployments as typed.
+
+use super::resolved::{Scheme, Solver};
+use crate::scenario::keys::{Angle, Density, Dimensionless, Length, Quantity, Time};
+use schemars::JsonSchema;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+
+/// A rod that a gripper lays on a table along a pattern.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "deployment")]
+pub struct Deployment {
+    /// The curve that the rod is to follow: a drawing (`file`, SVG or CSV, or its `points`), or of `kind` "line",
+    /// "circle" or "sine".
+    pub pattern: Option<Pattern>,
+    /// The rod. `scenarios/rods` has those of thesis Tab. 5.1, to be taken over by `extends`.
+    pub rod: Option<Rod>,
+    /// How the gripper leads the rod: "optimal" (the default, by the optimal grasp of each point) or "intuitive" (upright
+    /// above the contact node, thesis 5.1.1).
+    pub scheme: Option<Scheme>,
+    /// Who finds the optimal grasps: "exact" (the default).
+    pub solver: Option<Solver>,
+    /// Length of a start in front of the pattern over which the curvature grows from zero to that of the pattern, or
+    /// "auto" (the default): as long as a friction demand of 0.1 needs it, none where the pattern begins straight.
+    pub lead_in: Option<Quantity<Length>>,
+    /// Relative error of the gravito-bending length for which the gripper's path is planned: 0.1 plans for a rod
+    /// whose L_gb is a tenth larger than that of the rod which is laid. Default: 0.
+    pub length_error: Option<Quantity<Dimensionless>>,
+    /// Displacement [x, y] of the pattern's frame for which the path is planned against the true one, as by a camera that is
+    /// out of place. Default: none.
+    pub frame_shift: Option<[Quantity<Length>; 2]>,
+    /// Turn of that frame about the first point of the pattern, counter-clockwise. Default: none.
+    pub frame_turn: Option<Quantity<Angle>>,
+    /// Root mean square, in each direction, of a smooth random displacement of the gripper from its path. Default: none.
+    pub jitter: Option<Quantity<Length>>,
+    /// Root mean square of a smooth random turn of the gripper about each axis. Default: none.
+    pub jitter_angle: Option<Quantity<Angle>>,
+    /// Period of the fastest jitter; the slowest takes five times as long. Default: 1 s.
+    pub jitter_period: Option<Quantity<Time>>,
+    /// Seed of the jitter. Default: 0.
+    pub seed: Option<i64>,
+}
+
+/// What a laid rod is to follow.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "pattern")]
+pub struct Pattern {
+    /// "drawn" (the default), or one with a formula: "line" along x, "circle" through the origin (once around), "sine" from
+    /// its crest.
+    pub kind: Option<PatternKind>,
+    /// Drawn: an SVG file, or a CSV file with columns x and y in m, relative to the scenario file.
+    pub file: Option<String>,
+    /// Drawn: its points [x, y] themselves.
+    pub points: Option<Vec<[Quantity<Length>; 2]>>,
+    /// Drawn: length of the longer side; without it the drawing is as large as it says.
+    pub size: Option<Quantity<Length>>,
+    /// Drawn: which stroke of an SVG file, from 1, where there are several.
+    pub stroke: Option<i64>,
+    /// Drawn: laid from the last point to the first.
+    pub reverse: Option<bool>,
+    /// Drawn: how far the smooth curve may be from what was drawn. Default: 0.25 mm.
+    pub deviation: Option<Quantity<Length>>,
+    /// Line: its length.
+    pub length: Option<Quantity<Length>>,
+    /// Circle: its radius; negative, it turns to the right.
+    pub radius: Option<Quantity<Length>>,
+    /// Sine: its amplitude.
+    pub amplitude: Option<Quantity<Length>>,
+    /// Sine: its wavelength.
+    pub wavelength: Option<Quantity<Length>>,
+    /// Sine: the number of waves.
+    pub waves: Option<Quantity<Dimensionless>>,
+}
+
+/// Kinds of patterns.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+pub enum PatternKind {
+    /// Points of a drawing.
+    #[default]
+    Drawn,
+    /// A straight line.
+    Line,
+    /// A circle.
+    Circle,
+    /// A sine.
+    Sine,
+}
+
+/// The rod that is laid: round, naturally straight, incompressible.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "deployed_rod")]
+pub struct Rod {
+    /// Gravito-bending length L_gb = (E h²/(8 ρ g))^(1/3), by which Young's modulus is known.
+    pub gravito_bending_length: Option<Quantity<Length>>,
+    /// Radius h.
+    pub radius: Option<Quantity<Length>>,
+    /// Length.
+    pub length: Option<Quantity<Length>>,
+    /// Mass per volume, 1000 kg/m³ by default: forces are in proportion to it, shapes do not depend on it.
+    pub density: Option<Quantity<Density>>,
+    /// Edges of the simulated rod. Default: four to a gravito-bending length, 80 at least and 400 at most.
+    pub edges: Option<i64>,
+    /// Coefficients of friction with tables, by name, for `rodlab plan deployment --friction NAME`. The table of a
+    /// simulation has `contact.friction`.
+    pub friction: Option<BTreeMap<String, f64>>,
+}

@@ -1,0 +1,27 @@
+//! Deployment: a gripper lays a rod on a table along a pattern (thesis chapter 5).
+//!
+//! | file | what |
+//! |---|---|
+//! | `kind` | the experiment |
+//! | `keys` | its table `[deployment]` |
+//! | `gripper_path` | the path of the gripper with its errors, planned before the run |
+//! | `tables` | that table with what is planned of it |
+//! | `laid_rod` | distances of the laid rod from its pattern |
+//! | `monitor`, `outcome` | what is measured, and what it came to |
+//! | `files`, `laid_figure` | what it leaves in a results directory |
+
+mod files;
+mod gripper_path;
+mod keys;
+mod kind;
+mod laid_figure;
+mod laid_rod;
+mod monitor;
+mod outcome;
+mod tables;
+
+pub use keys::Deployment;
+pub use kind::DeploymentKind;
+pub use monitor::DeploymentMonitor;
+pub use outcome::DeploymentOutcome;
+pub use tables::DeploymentTables;

@@ -1,0 +1,129 @@
+//! What a deployment came to.
+
+use crate::results::{CaseOutcome, NamedValues};
+use serde::{Deserialize, Serialize};
+
+/// Numbers of a deployment.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DerivedDeployment {
+    /// Length of the pattern with its lead-in, m.
+    pub pattern_length: f64,
+    /// Length of the lead-in, m.
+    pub lead_in: f64,
+    /// Least radius of curvature, m; `None` where all is straight.
+    pub least_radius: Option<f64>,
+    /// The largest friction that the pattern asks for.
+    pub largest_friction_demand: f64,
+    /// Part of the pattern that asks for more friction than there is.
+    pub share_above_friction: f64,
+    /// Largest speed of the gripper, m/s.
+    pub largest_gripper_speed: f64,
+}
+
+/// Outcomes of a deployment: the last columns of `summary.csv`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DeploymentOutcome {
+    /// Mean distance of the laid rod from the pattern, e_mean of thesis Eq. 5.11, m.
+    pub mean_error_m: Option<f64>,
+    /// Standard deviation σ of that distance, m.
+    pub error_deviation_m: Option<f64>,
+    /// Largest distance, m.
+    pub largest_error_m: Option<f64>,
+    /// Farthest that a node has come from where it first lay, m.
+    pub largest_sliding_m: f64,
+    /// Largest force of the gripper on the rod, N.
+    pub largest_gripper_force_n: f64,
+    /// The largest friction that the pattern asks for (thesis Eq. 5.2).
+    pub largest_friction_demand: f64,
+    /// Part of the pattern that asks for more friction than there is.
+    pub share_above_friction: f64,
+}
+
+impl DeploymentOutcome {
+    /// The outcome of a case; `None` where no rod was laid.
+    pub fn of(case: &CaseOutcome) -> Option<Self> {
+        let observed = &case.observed;
+        Some(Self {
+            mean_error_m: observed.number("mean_error_m"),
+            error_deviation_m: observed.number("error_deviation_m"),
+            largest_error_m: observed.number("largest_error_m"),
+            largest_sliding_m: observed.number("largest_sliding_m")?,
+            largest_gripper_force_n: observed.number("largest_gripper_force_n")?,
+            largest_friction_demand: observed.number("largest_friction_demand")?,
+            share_above_friction: observed.number("share_above_friction")?,
+        })
+    }
+
+    /// The columns of the summary.
+    pub fn values(&self) -> NamedValues {
+        NamedValues::from([
+            ("mean_error_m", self.mean_error_m.into()),
+            ("error_deviation_m", self.error_deviation_m.into()),
+            ("largest_error_m", self.largest_error_m.into()),
+            ("largest_sliding_m", self.largest_sliding_m.into()),
+            (
+                "largest_gripper_force_n",
+                self.largest_gripper_force_n.into(),
+            ),
+            (
+                "largest_friction_demand",
+                self.largest_friction_demand.into(),
+            ),
+            ("share_above_friction", self.share_above_friction.into()),
+        ])
+    }
+
+    /// Says so where the table has less `friction` than the pattern asks for.
+    pub fn remark(&self, friction: f64) -> Option<String> {
+        (self.share_above_friction > 0.0).then(|| {
+            format!(
+                "{:.0} % of the pattern asks for more friction than the table has, {:.2} at most against {friction}: there \
+                 the rod slides out of its bends (thesis Eq. 5.2)",
+                (1e2 * self.share_above_friction).max(1.0),
+                self.largest_friction_demand
+            )
+        })
+    }
+
+    /// What people want to see of it first: names and texts, a line each.
+    pub fn highlights(&self) -> Vec<(String, String)> {
+        let mut lines = Vec::new();
+        if let (Some(mean), Some(deviation)) = (self.mean_error_m, self.error_deviation_m) {
+            let text = format!("{:.3} ± {:.3} cm", 1e2 * mean, 1e2 * deviation);
+            lines.push(("off the pattern".to_owned(), text));
+        }
+        let slid = format!("{:.2} cm at most", 1e2 * self.largest_sliding_m);
+        lines.push(("slid".to_owned(), slid));
+        lines
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn outcomes_are_read_back_by_their_columns() {
+        let outcome = DeploymentOutcome {
+            mean_error_m: Some(1e-3),
+            error_deviation_m: Some(2e-3),
+            largest_error_m: Some(3e-3),
+            largest_sliding_m: 4e-3,
+            largest_gripper_force_n: 0.5,
+            largest_friction_demand: 1.5,
+            share_above_friction: 0.25,
+        };
+        let case = CaseOutcome {
+            observed: outcome.values(),
+            ..CaseOutcome::default()
+        };
+        assert_eq!(DeploymentOutcome::of(&case), Some(outcome));
+        assert_eq!(DeploymentOutcome::of(&CaseOutcome::default()), None);
+        assert!(outcome.remark(0.4).unwrap().contains("25 %"));
+        let held = DeploymentOutcome {
+            share_above_friction: 0.0,
+            ..outcome
+        };
+        assert_eq!(held.remark(0.4), None);
+    }
+}

@@ -1,0 +1,87 @@
+//! What a pattern is made from: a formula, or a drawing.
+
+use super::{Circle, Line, Pattern, PatternError, Point, Sine, Stroke};
+
+/// A formula or a drawing, not smoothed yet.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PatternSource {
+    /// A straight line.
+    Line(Line),
+    /// A circle, once around.
+    Circle(Circle),
+    /// A sine.
+    Sine(Sine),
+    /// Points of a drawing.
+    Drawn {
+        /// The points, m.
+        points: Vec<Point>,
+        /// How far the smooth curve may be from them, m.
+        deviation: f64,
+    },
+}
+
+impl PatternSource {
+    /// The pattern, without a lead-in.
+    ///
+    /// # Errors
+    /// The curve has no length, or is too sharp for the deviation.
+    pub fn pattern(&self) -> Result<Pattern, PatternError> {
+        match self {
+            Self::Line(line) => Pattern::new(Box::new(*line), 0.0),
+            Self::Circle(circle) => Pattern::new(Box::new(*circle), 0.0),
+            Self::Sine(sine) => Pattern::new(Box::new(*sine), 0.0),
+            Self::Drawn { points, deviation } => Pattern::along(points, *deviation),
+        }
+    }
+}
+
+/// How a drawing is taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Drawing {
+    /// Length of its longer side, m; as drawn where there is none.
+    pub size: Option<f64>,
+    /// From the last point to the first.
+    pub reverse: bool,
+}
+
+impl Drawing {
+    /// The points of a drawing in its size and direction.
+    ///
+    /// # Errors
+    /// It has no extent that could be made as large.
+    pub fn of(&self, mut points: Vec<Point>) -> Result<Vec<Point>, PatternError> {
+        if self.reverse {
+            points.reverse();
+        }
+        let (Some(size), Some(first)) = (self.size, points.first()) else {
+            return Ok(points);
+        };
+        let low = points.iter().fold(*first, |low, point| low.inf(point));
+        let high = points.iter().fold(*first, |high, point| high.sup(point));
+        let side = (high - low).max();
+        if !(side > 0.0) {
+            return Err(PatternError::Degenerate("it has no length"));
+        }
+        for point in &mut points {
+            *point *= size / side;
+        }
+        Ok(points)
+    }
+}
+
+/// The stroke of a number, from 1; the only one where none is named.
+///
+/// # Errors
+/// There are several to choose from, or not so many.
+pub fn chosen_stroke(
+    mut strokes: Vec<Stroke>,
+    wanted: Option<usize>,
+) -> Result<Vec<Point>, PatternError> {
+    let count = strokes.len();
+    match wanted {
+        None if count == 1 => Ok(strokes.remove(0)),
+        None => Err(PatternError::SeveralStrokes(count)),
+        Some(wanted) if (1..=count).contains(&wanted) => Ok(strokes.remove(wanted - 1)),
+        Some(wanted) => Err(PatternError::NoStroke { wanted, count }),
+    }
+}

@@ -1,0 +1,116 @@
+//! Figure 5.5: two optimal grasps that are pushed sideways.
+
+use super::ReproduceError;
+use super::cases::Case;
+use super::page::{Page, PageFigure, number};
+use super::sideways_push::{RADIUS, SidewaysPush, UNIT, bending_stiffness, push_at};
+use super::table::rows_of;
+use crate::figure::{Curve, LinePlot, line_plots};
+use crate::results::{read_nodes, read_series_as};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// A row of the CSV file; lengths in L_gb.
+#[derive(Clone, Serialize, Deserialize)]
+struct Row {
+    minimum: usize,
+    push: f64,
+    largest_sideways: f64,
+    /// F̄_y = F_y h²/EI of the gripper on the rod.
+    force: f64,
+}
+
+/// What is read of `series.csv`.
+#[derive(Deserialize)]
+struct SeriesRow {
+    time_s: f64,
+    gripper_force_y_n: Option<f64>,
+}
+
+/// Sideways displacement over the push beyond which a rod has snapped.
+const SNAPPED: f64 = 3.0;
+
+/// Writes table and figure.
+pub(super) fn write(page: &mut Page, cases: &[Case<SidewaysPush>]) -> Result<(), ReproduceError> {
+    let mut rows = Vec::new();
+    for case in cases {
+        rows.extend(rows_of_case(case)?);
+    }
+    page.text(
+        "A suspended rod of length l̄_s = 17.68 in the local minima 1 and 2 of thesis Fig. 5.4, both of which are solutions of \
+         Eq. 5.3, held at both ends, while its gripper is slowly pushed sideways by Δȳ: largest sideways displacement of the \
+         rod and force of the gripper in the dynamic simulation, lengths in L_gb.",
+    );
+    let last = |minimum: usize| rows.iter().rfind(|row| row.minimum == minimum);
+    let snapped = |minimum: usize| {
+        let of = rows.iter().filter(|row| row.minimum == minimum);
+        let mut beyond =
+            of.filter(|row| row.push > 0.0 && row.largest_sideways > SNAPPED * row.push.max(0.12));
+        beyond.next().map(|row| row.push)
+    };
+    let lines: Vec<Vec<String>> = [1, 2]
+        .iter()
+        .map(|&minimum| {
+            vec![
+                minimum.to_string(),
+                snapped(minimum).map_or("no".into(), |push| format!("at Δȳ = {push:.3}")),
+                number(last(minimum).map(|row| row.push), 2),
+                number(last(minimum).map(|row| row.largest_sideways), 3),
+            ]
+        })
+        .collect();
+    let header = [
+        "local minimum",
+        "snaps",
+        "last push Δȳ",
+        "largest sideways displacement then",
+    ];
+    page.table(&header, &lines);
+    page.csv(&rows)?;
+    Ok(page.figure(&figure(&rows))?)
+}
+
+/// The figure from the table alone.
+pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
+    Ok(vec![figure(&rows_of::<Row>(table)?)])
+}
+
+fn rows_of_case(case: &Case<SidewaysPush>) -> Result<Vec<Row>, ReproduceError> {
+    let nodes = case.manifest.rods.iter().map(|rod| rod.nodes).sum();
+    let outputs = read_nodes(&case.directory, nodes)?;
+    let series = read_series_as::<SeriesRow>(&case.directory)?;
+    let force_unit = RADIUS.powi(2) / bending_stiffness();
+    let row = |(output, series): (crate::results::NodePositions, SeriesRow)| Row {
+        minimum: case.run.minimum,
+        push: push_at(series.time_s),
+        largest_sideways: output
+            .positions
+            .iter()
+            .fold(0.0, |most: f64, node| most.max(node.y.abs()))
+            / UNIT,
+        force: series.gripper_force_y_n.unwrap_or(0.0) * force_unit,
+    };
+    Ok(outputs.into_iter().zip(series).map(row).collect())
+}
+
+fn figure(rows: &[Row]) -> PageFigure {
+    let plot = |label: &str, value: fn(&Row) -> f64| {
+        let curve = |minimum: usize| {
+            let of = rows.iter().filter(|row| row.minimum == minimum);
+            let points = of.map(|row| (row.push, Some(value(row)))).collect();
+            Curve::new(format!("local minimum {minimum}"), points)
+        };
+        LinePlot {
+            label: label.into(),
+            curves: vec![curve(1), curve(2)],
+        }
+    };
+    let figure = line_plots(
+        [
+            plot("largest |y|/L_gb", |row| row.largest_sideways),
+            plot("F̄_y = F_y h²/EI", |row| row.force),
+        ],
+        "Push Δȳ of the gripper",
+    );
+    PageFigure::new("fig5.5", "Two optimal grasps pushed sideways", figure)
+}

@@ -1,0 +1,125 @@
+//! A suspended rod in one of its optimal grasps, whose gripper is pushed sideways in time (thesis 5.3.3).
+
+use super::cases::Run;
+use crate::experiment::{from_text, prepare};
+use crate::plan::grasp::{GraspProblem, GraspSolver};
+use crate::run::PreparedRun;
+use std::path::Path;
+
+/// l̄_s of thesis Figs. 5.4 and 5.5.
+const SUSPENDED: f64 = 17.68;
+/// L_gb and radius of the rod, m: the green one of thesis Tab. 5.1.
+pub(super) const UNIT: f64 = 0.032;
+pub(super) const RADIUS: f64 = 0.0016;
+/// Edges of the suspended part.
+const EDGES: usize = 120;
+/// Density, kg/m³, and acceleration of free fall, m/s².
+const DENSITY: f64 = 1000.0;
+const GRAVITY: f64 = 9.81;
+/// Largest push Δȳ.
+pub(super) const LARGEST: f64 = 0.5;
+/// How long the push takes, s: far longer than the swings of the rod.
+const END: f64 = 20.0;
+/// Drag per length that takes their energy out, N s/m².
+const DRAG: f64 = 0.05;
+
+/// A push of the gripper.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct SidewaysPush {
+    /// The local minimum of thesis Fig. 5.4: 1, the gentle one, or 2.
+    pub minimum: usize,
+    /// Simulated time, s.
+    end: f64,
+}
+
+/// EI of the rod, N m².
+pub(super) fn bending_stiffness() -> f64 {
+    let weight = DENSITY * GRAVITY * std::f64::consts::PI * RADIUS * RADIUS;
+    2.0 * UNIT.powi(3) * weight
+}
+
+impl SidewaysPush {
+    /// Both minima.
+    pub fn of_figure_5_5(quick: bool) -> Vec<Self> {
+        let end = if quick { 0.05 } else { END };
+        [1, 2].map(|minimum| Self { minimum, end }).into()
+    }
+
+    /// Nodes of the suspended part, m.
+    fn nodes(&self) -> Vec<[f64; 3]> {
+        let stiffness = 4.0 * (UNIT / RADIUS).powi(2);
+        let problem = GraspProblem::new(SUSPENDED, 0.0, stiffness);
+        let problem = problem.expect("a length, a curvature and a stiffness in range");
+        let found = GraspSolver::new().all_centrelines(&problem, EDGES);
+        let mut found = found.expect("there are planar grasps of this length");
+        // The second minimum is, of the others, the one that gives way in the fewest directions.
+        let chosen = if self.minimum == 1 {
+            0
+        } else {
+            let others = (1..found.len()).filter(|&index| found[index].0.is_feasible());
+            let chosen = others.min_by_key(|&index| found[index].0.unstable_modes);
+            chosen.expect("there are several grasps of this length")
+        };
+        let (_, nodes) = found.swap_remove(chosen);
+        nodes.iter().map(|node| (UNIT * node).into()).collect()
+    }
+}
+
+impl Run for SidewaysPush {
+    fn id(&self) -> String {
+        format!("push-minimum_{}", self.minimum)
+    }
+
+    fn prepare(&self) -> PreparedRun {
+        let points: Vec<String> = self
+            .nodes()
+            .iter()
+            .map(|point| format!("{point:?}"))
+            .collect();
+        let text = format!(
+            "experiment = \"scene\"\n\
+             title = \"{}\"\n\
+             [material]\nyoungs_modulus = {:?}\npoissons_ratio = 0.5\ndensity = {DENSITY:?}\n\
+             [[rods]]\nname = \"suspended\"\nradius = {RADIUS:?}\nedges = {EDGES}\n\
+             shape = {{ kind = \"points\", points = [{}] }}\n\
+             natural_shape = {{ kind = \"straight\", start = [0, 0, 0], end = [{:?}, 0, 0] }}\n\
+             [[clamps]]\nrod = \"suspended\"\nat = \"start\"\n\
+             [[clamps]]\nrod = \"suspended\"\nat = \"end\"\n\
+             move = [[0, [0, 0, 0]], [{END:?}, [0, {:?}, 0]]]\n\
+             [[loads]]\nkind = \"gravity\"\nacceleration = [0, 0, {:?}]\n\
+             [[loads]]\nkind = \"drag\"\ntranslation = {DRAG:?}\n\
+             [[probes]]\nname = \"gripper\"\nkind = \"reaction\"\nat = \"end\"\n\
+             [time]\nstep = 2e-3\nend = {:?}\n\
+             [output]\ninterval = {:?}\n",
+            self.id(),
+            bending_stiffness() / (0.25 * std::f64::consts::PI * RADIUS.powi(4)),
+            points.join(", "),
+            SUSPENDED * UNIT,
+            LARGEST * UNIT,
+            -GRAVITY,
+            self.end,
+            0.01 * self.end,
+        );
+        let loaded = from_text(&self.id(), &text, Path::new(""), &[]);
+        let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
+        prepare(&loaded.scenario).unwrap_or_else(|issues| panic!("{issues:?}"))
+    }
+
+    fn end(&self) -> f64 {
+        self.end
+    }
+
+    fn cost(&self) -> f64 {
+        0.3 * self.end
+    }
+
+    #[cfg(test)]
+    fn shortened(&self) -> Self {
+        Self { end: 0.05, ..*self }
+    }
+}
+
+/// Push Δȳ at a time, s.
+pub(super) fn push_at(time: f64) -> f64 {
+    LARGEST * time / END
+}
