@@ -262,11 +262,14 @@ mod tests {
     }
 
     #[test]
-    fn the_optimal_scheme_lays_a_line_where_the_intuitive_one_does_not() {
-        let line = "pattern = { kind = \"line\", length = 0.2 }\n";
-        let optimal = laid(line, 8.0);
+    fn a_line_is_laid_straight() {
+        let optimal = laid("pattern = { kind = \"line\", length = 0.2 }", 8.0);
         assert!(optimal.mean_error_m.unwrap() < 3e-4, "{optimal:?}");
-        let intuitive = laid(&format!("{line}scheme = \"intuitive\""), 8.0);
+    }
+
+    #[test]
+    fn the_intuitive_scheme_misses_a_circle() {
+        let intuitive = laid(&format!("{ARC}\nscheme = \"intuitive\""), 15.0);
         assert!(intuitive.mean_error_m.unwrap() > 5e-3, "{intuitive:?}");
     }
 
