@@ -61,8 +61,8 @@ static ALONE: Mutex<()> = Mutex::new(());
 
 impl Slurm {
     fn start() -> Option<Self> {
-        let user = Command::new("id").arg("-u").output().ok()?;
-        if said(&user).trim() != "0" {
+        let user = Command::new("id").arg("-u").output();
+        if !user.is_ok_and(|user| said(&user).trim() == "0") {
             skipped("only root can start a Slurm of its own");
             return None;
         }

@@ -1,7 +1,7 @@
 //! Every reader takes damaged input: it answers or refuses, and neither panics nor hangs nor eats the memory.
 //!
-//! Inputs are mutants of what the repository holds: lines and numbers of scenarios, options, tables, checkpoints and
-//! manifests are removed, doubled, exchanged and replaced by what people and disks come up with. The same number of cases
+//! Inputs are mutants of what the repository holds: lines and numbers of scenarios, options, tables, drawings, pictures,
+//! checkpoints and manifests are removed, doubled, exchanged and replaced by what people and disks come up with. The same number of cases
 //! gives the same mutants everywhere. `RODLAB_FUZZ_CASES=1000000 cargo test --release fuzz::` tries more than the
 //! hundred thousand of continuous integration.
 
@@ -10,6 +10,7 @@ use rodlab::experiment::{
     case_set, case_set_from_text, derived_numbers, from_text, prepare, try_scene,
 };
 use rodlab::mechanics::dynamics::SimulationError;
+use rodlab::plan::pattern::{Pattern, read_svg};
 use rodlab::results::{
     CheckpointFiles, Manifest, read_branches, read_end_state, read_nodes, read_series,
     scenario_hash,
@@ -18,6 +19,9 @@ use rodlab::robot::read_urdf;
 use rodlab::run::{PreparedRun, RunError, RunOptions, run};
 use rodlab::scenario::read_polyline;
 use rodlab::sweep::check_every_value;
+use rodlab::vision::{
+    Camera, TraceOptions, decode_labels, decode_picture, read_curve, read_poses, trace,
+};
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -28,8 +32,6 @@ const CASES: usize = 100_000;
 const VARIABLE: &str = "RODLAB_FUZZ_CASES";
 /// Longest that a reader may take for one input, on a busy machine.
 const LONGEST: Duration = Duration::from_secs(5);
-/// The same for scenarios, which may ask for a rod of 100,000 nodes: its check takes 6 s on an idle core.
-const LONGEST_OF_SCENARIOS: Duration = Duration::from_secs(30);
 /// Most memory that the process may need, bytes.
 const MOST_MEMORY: u64 = 4 << 30;
 /// Accepted scenarios of which one is set up.
@@ -186,13 +188,6 @@ fn texts(folder: &str, ending: &str) -> Vec<String> {
         .collect()
 }
 
-fn longest(reader: &str) -> Duration {
-    match reader {
-        "scenario" => LONGEST_OF_SCENARIOS,
-        _ => LONGEST,
-    }
-}
-
 /// Feeds a share of all cases to a reader: `read` makes the input of a case and reads it; it returns the input to be shown.
 fn feed(reader: &str, share: f64, mut read: impl FnMut(&mut Random) -> (String, Outcome)) -> usize {
     let all = std::env::var(VARIABLE).ok();
@@ -211,7 +206,7 @@ fn feed(reader: &str, share: f64, mut read: impl FnMut(&mut Random) -> (String, 
         };
         let took = start.elapsed();
         assert!(
-            took < longest(reader),
+            took < LONGEST,
             "{reader}: case {case} takes {took:?}\n{input}"
         );
         assert!(
@@ -467,4 +462,85 @@ fn cells_and_robots_do_not_panic() {
     feed_file("urdf", 0.01, "arm.urdf", &[urdf], |path| {
         read_urdf(path, None, None)
     });
+}
+
+#[test]
+fn drawings_do_not_panic() {
+    let drawings = texts("scenarios/patterns", "svg");
+    let more = r#"<svg xmlns="http://www.w3.org/2000/svg" width="120mm" height="80mm" viewBox="0 0 120 80">
+<g transform="translate(10 20) rotate(30, 5, 5) scale(1.5)">
+<path d="M 10,10 C 20,0 30,20 40,10 S 60,0 70,10 Q 80,20 90,10 T 110,10"/>
+<path d="m 0 0 h 10 v 10 a 5 7 30 1 0 10 10 l 5 -5 z"/>
+</g>
+<circle cx="30" cy="30" r="10"/>
+<ellipse cx="50" cy="30" rx="10" ry="4" transform="matrix(1 0.2 -0.3 1 0 0) skewX(10)"/>
+<rect x="1" y="2" width="30" height="10" rx="2"/>
+<polyline points="0,0 10,5 20,-5"/>
+<polygon points="0,0 10,5 20,-5"/>
+<line x1="0" y1="0" x2="1cm" y2="1cm"/>
+</svg>"#;
+    let seeds: Vec<&str> = drawings.iter().map(String::as_str).chain([more]).collect();
+    feed("svg", 0.05, |random| {
+        let [one, other] = [random.one_of(&seeds), random.one_of(&seeds)];
+        let text = match random.below(2) {
+            0 => mutant(one, other, random),
+            _ => String::from_utf8_lossy(&damaged(one.as_bytes(), random)).into_owned(),
+        };
+        let read = read_svg(&text);
+        if let Ok(strokes) = &read
+            && let Some(stroke) = strokes.first()
+            && stroke.len() < 300
+            && random.below(10) == 0
+            && let Ok(pattern) = Pattern::along(stroke, 1e-3)
+        {
+            assert!(pattern.length().is_finite());
+        }
+        (text, read.into())
+    });
+}
+
+#[test]
+fn pictures_do_not_panic() {
+    use image::{DynamicImage, GrayImage, ImageFormat, Luma, Rgb, RgbImage};
+    let rod = RgbImage::from_fn(48, 32, |u, v| match (v as i64 - 16).abs() <= 3 {
+        true if u > 4 => Rgb([200, 60, 70]),
+        _ => Rgb([u as u8, 250, 240]),
+    });
+    let labels = GrayImage::from_fn(48, 32, |u, v| Luma([u8::from(u + v > 40)]));
+    let encoded = |picture: DynamicImage, format: ImageFormat| {
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        picture.write_to(&mut bytes, format).unwrap();
+        bytes.into_inner()
+    };
+    let colour = DynamicImage::ImageRgb8(rod);
+    let seeds = [
+        encoded(colour.clone(), ImageFormat::Png),
+        encoded(colour.clone(), ImageFormat::Jpeg),
+        encoded(
+            DynamicImage::ImageRgba16(colour.to_rgba16()),
+            ImageFormat::Png,
+        ),
+        encoded(DynamicImage::ImageLuma8(labels), ImageFormat::Png),
+    ];
+    let seeds = seeds.each_ref().map(|seed| &seed[..]);
+    feed("picture", 0.05, |random| {
+        let bytes = damaged(random.one_of(&seeds), random);
+        let read = decode_picture(&bytes);
+        let _ = decode_labels(&bytes);
+        if let Ok(picture) = &read
+            && u64::from(picture.width()) * u64::from(picture.height()) < 10_000
+        {
+            let _ = trace(picture, &TraceOptions::default());
+        }
+        (format!("{bytes:?}"), read.into())
+    });
+    let camera = b"[camera]\nwidth = 640\nheight = 480\nfx = 500.0\nfy = 500.0\ncx = 320.0\ncy = 240.0\n\
+        distortion = [0.0, 0.0, 0.0, 0.0, 0.0]\nposition = [0.0, 0.0, 1.0]\nquaternion = [0.0, 1.0, 0.0, 0.0]\n\
+        table_height = 0.0\n";
+    feed_file("camera", 0.01, "camera.toml", &[camera], Camera::read);
+    let curve = b"strand,x_m,y_m\n1,0,0\n1,0.1,0\n2,0.2,0.1\n";
+    feed_file("curve", 0.01, "curve.csv", &[curve], |path| {
+        read_curve(path, None)
+    });
+    feed_file("poses", 0.01, "poses.csv", &[POSES], read_poses);
 }

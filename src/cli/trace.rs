@@ -7,8 +7,8 @@ use crate::results::write_whole;
 use crate::robot::{CameraPicture, DriverError, Ros1Camera};
 use crate::vision::{
     Camera, ColourRule, Contrast, Metric, Point, Trace, TraceOptions, VisionError, centrelines_csv,
-    centrelines_svg, clean_mask, decode_labels, decode_picture, encode_labels, encode_picture,
-    instance_dice, mask_overlay, overlay, pattern, pattern_csv, pictures_in, read_picture,
+    centrelines_svg, clean_mask, decode_picture, encode_labels, encode_picture, instance_dice,
+    mask_overlay, overlay, pattern, pattern_csv, pictures_in, read_labels, read_picture,
     trace_contrast,
 };
 use clap::Args;
@@ -315,17 +315,6 @@ fn mask_of(path: &Path, picture: &RgbImage) -> Result<GrayImage, VisionError> {
     Ok(GrayImage::from_fn(mask.width(), mask.height(), |u, v| {
         image::Luma([brightest(mask.get_pixel(u, v))])
     }))
-}
-
-fn read_labels(path: &Path) -> Result<GrayImage, VisionError> {
-    let bytes = fs::read(path).map_err(|error| VisionError::Unreadable {
-        path: path.into(),
-        reason: error.to_string(),
-    })?;
-    decode_labels(&bytes).map_err(|reason| VisionError::Malformed {
-        path: path.into(),
-        reason,
-    })
 }
 
 fn write_files(directory: &Path, files: Vec<(&str, Vec<u8>)>) -> Result<(), Failure> {

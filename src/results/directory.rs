@@ -3,7 +3,7 @@
 use super::atomic::TEMPORARY_PREFIX;
 use super::checkpoint::SLOTS;
 use super::difference::{difference, holds, without_remarks};
-use super::files::{FILES, LOCK, MANIFEST, VTK_COLLECTION, VTK_FOLDER, is_frame_name};
+use super::files::{LOCK, MANIFEST, VTK_COLLECTION, VTK_FOLDER, files_of_runs, is_frame_name};
 use super::mark::check_files;
 use super::{Manifest, ResultsError};
 use std::fs::{self, File, OpenOptions, TryLockError};
@@ -40,6 +40,7 @@ impl ResultsDirectory {
         path: &Path,
         scenario_hash: &str,
         scenario: &str,
+        own_files: &[&str],
         force: bool,
     ) -> Result<Opened, ResultsError> {
         let asked = Asked {
@@ -65,7 +66,7 @@ impl ResultsDirectory {
         };
         sweep_temporary_files(path).map_err(not_writable(path))?;
         if unfinished.is_none() {
-            remove_results(path)?;
+            remove_results(path, own_files)?;
         }
         Ok(Opened::Ready(Self {
             path: path.to_owned(),
@@ -205,10 +206,11 @@ pub(super) fn sweep_temporary_files(path: &Path) -> io::Result<()> {
 
 /// Removes what runs write, the manifest last: cut short, the directory is still recognised. Links are not followed;
 /// what is no regular file stays.
-pub(super) fn remove_results(path: &Path) -> Result<(), ResultsError> {
-    for name in SLOTS.iter().chain(&FILES) {
-        remove_own(&path.join(name))?;
-        if *name == VTK_COLLECTION {
+pub(super) fn remove_results(path: &Path, own_files: &[&str]) -> Result<(), ResultsError> {
+    let slots = SLOTS.iter().map(|&name| name.to_owned());
+    for name in slots.chain(files_of_runs(own_files)) {
+        remove_own(&path.join(&name))?;
+        if name == VTK_COLLECTION {
             remove_frames(&path.join(VTK_FOLDER))?;
         }
     }
@@ -270,11 +272,16 @@ mod tests {
 
     fn open(path: &Path, hash: &str, force: bool) -> Result<ResultsDirectory, ResultsError> {
         // Any text that differs will do.
-        ResultsDirectory::open(path, hash, &format!("seed = \"{hash}\""), force).map(|opened| {
-            match opened {
-                Opened::Ready(directory) => directory,
-                Opened::Finished(_) => panic!("taken for finished"),
-            }
+        ResultsDirectory::open(
+            path,
+            hash,
+            &format!("seed = \"{hash}\""),
+            &["own.svg"],
+            force,
+        )
+        .map(|opened| match opened {
+            Opened::Ready(directory) => directory,
+            Opened::Finished(_) => panic!("taken for finished"),
         })
     }
 
@@ -298,6 +305,19 @@ mod tests {
             assert_eq!(error.exit_code(), 2);
         }
         assert_eq!(names(foreign.path()), [SERIES, "thesis.tex"]);
+    }
+
+    #[test]
+    fn starting_over_removes_the_files_that_a_kind_of_experiment_adds() {
+        let directory = tempfile::tempdir().unwrap();
+        example("ab", CaseStatus::Running)
+            .write(directory.path())
+            .unwrap();
+        for name in ["own.svg", "own.png", "own.pdf", "rods.pdf", "other.svg"] {
+            fs::write(directory.path().join(name), "old").unwrap();
+        }
+        drop(open(directory.path(), "ab", true).unwrap());
+        assert_eq!(names(directory.path()), [LOCK, "other.svg"]);
     }
 
     #[test]
@@ -337,7 +357,7 @@ mod tests {
         example("ab", CaseStatus::Finished)
             .write(directory.path())
             .unwrap();
-        let opened = ResultsDirectory::open(directory.path(), "ab", "", false).unwrap();
+        let opened = ResultsDirectory::open(directory.path(), "ab", "", &[], false).unwrap();
         assert!(matches!(opened, Opened::Finished(_)));
     }
 

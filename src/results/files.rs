@@ -24,8 +24,6 @@ pub const RODS_FIGURE: &str = "rods.svg";
 pub const SERIES_FIGURE: &str = "series.svg";
 /// Outcomes of a sweep over its parameters, drawn.
 pub const SWEEP_FIGURE: &str = "sweep.svg";
-/// Traction of a knot over its tightness, drawn.
-pub const TRACTION_FIGURE: &str = "traction.svg";
 /// Points of a path of equilibria.
 pub const BRANCH: &str = "branch.csv";
 /// Its branches, drawn.
@@ -34,18 +32,6 @@ pub const BRANCH_FIGURE: &str = "branch.svg";
 pub const PAGE: &str = "view.html";
 /// The ParaView collection.
 pub const VTK_COLLECTION: &str = "rods.pvd";
-/// Where helical rods lose stability, a row per direction.
-pub const BOUNDARY: &str = "boundary.csv";
-/// That boundary against theory.
-pub const COMPARISON: &str = "comparison.csv";
-/// That boundary as a surface for ParaView.
-pub const SURFACE: &str = "boundary.vtp";
-/// Sections of that boundary, drawn.
-pub const SECTION_FIGURES: [&str; 3] = [
-    "section_kappa_tau.svg",
-    "section_kappa_omega.svg",
-    "section_tau_omega.svg",
-];
 /// Folder of the frames of the collection.
 pub const VTK_FOLDER: &str = "vtk";
 /// Held locked by the process that writes.
@@ -64,8 +50,8 @@ pub(super) fn is_frame_name(name: &str) -> bool {
     number.is_some_and(|number| number.len() >= 6 && number.bytes().all(|b| b.is_ascii_digit()))
 }
 
-/// What a run may write: names in a results directory, swept by `--force`.
-pub(super) const FILES: [&str; 39] = [
+/// What a run of any kind may write: names in a results directory, swept by `--force`, the manifest last.
+const FILES: [&str; 15] = [
     SCENARIO,
     SERIES,
     NODES,
@@ -78,31 +64,28 @@ pub(super) const FILES: [&str; 39] = [
     RODS_FIGURE,
     SERIES_FIGURE,
     SWEEP_FIGURE,
-    TRACTION_FIGURE,
-    "rods.png",
-    "series.png",
-    "sweep.png",
-    "traction.png",
     BRANCH,
     BRANCH_FIGURE,
-    "branch.png",
     PAGE,
-    BOUNDARY,
-    COMPARISON,
-    SURFACE,
-    SECTION_FIGURES[0],
-    SECTION_FIGURES[1],
-    SECTION_FIGURES[2],
-    "section_kappa_tau.png",
-    "section_kappa_omega.png",
-    "section_tau_omega.png",
-    "rods.pdf",
-    "series.pdf",
-    "sweep.pdf",
-    "traction.pdf",
-    "branch.pdf",
-    "section_kappa_tau.pdf",
-    "section_kappa_omega.pdf",
-    "section_tau_omega.pdf",
-    MANIFEST,
 ];
+
+/// All names that may be those of files of a run: `own` are those that kinds of experiments add. A figure may be there in
+/// every format.
+pub(super) fn files_of_runs(own: &[&str]) -> impl Iterator<Item = String> {
+    let names = FILES.iter().chain(own).flat_map(|name| {
+        let formats: &[&str] = match name.strip_suffix(".svg") {
+            Some(_) => &["svg", "png", "pdf"],
+            None => &[],
+        };
+        let others = formats
+            .iter()
+            .map(|format| name.replace(".svg", &format!(".{format}")));
+        std::iter::once((*name).to_owned())
+            .chain(others)
+            .collect::<Vec<_>>()
+    });
+    names
+        .chain([MANIFEST.to_owned()])
+        .collect::<Vec<_>>()
+        .into_iter()
+}

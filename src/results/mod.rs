@@ -49,9 +49,8 @@ pub use directory::{Opened, ResultsDirectory};
 pub use end_state::{EndRow, read_end_state, write_end_state};
 pub use error::ResultsError;
 pub use files::{
-    BOUNDARY, BRANCH, BRANCH_FIGURE, COMPARISON, END_STATE, MANIFEST, NODE_FORCES, NODES, PAGE,
-    RODS_FIGURE, SCENARIO, SECTION_FIGURES, SERIES, SERIES_FIGURE, START, SUMMARY, SURFACE,
-    SWEEP_FIGURE, TIMINGS, TRACTION_FIGURE, VTK_COLLECTION, VTK_FOLDER,
+    BRANCH, BRANCH_FIGURE, END_STATE, MANIFEST, NODE_FORCES, NODES, PAGE, RODS_FIGURE, SCENARIO,
+    SERIES, SERIES_FIGURE, START, SUMMARY, SWEEP_FIGURE, TIMINGS, VTK_COLLECTION, VTK_FOLDER,
 };
 pub use forces::{NodeForces, read_node_forces};
 pub use frame::Frame;

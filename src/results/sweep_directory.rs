@@ -26,12 +26,18 @@ pub struct SweepDirectory {
 
 impl SweepDirectory {
     /// Opens the directory of a sweep whose first manifest, should there be none, is `manifest`; its hash tells
-    /// whether an old directory is of the same sweep. With `force` old results are removed.
+    /// whether an old directory is of the same sweep. With `force` old results are removed, files of these names of its
+    /// own kind of experiment among them.
     ///
     /// # Errors
     /// Those of [`ResultsDirectory::open`](super::ResultsDirectory::open); with `force`
     /// [`ResultsError::Locked`], too, while other processes work on its cases.
-    pub fn open(path: &Path, manifest: &Manifest, force: bool) -> Result<Self, ResultsError> {
+    pub fn open(
+        path: &Path,
+        manifest: &Manifest,
+        own_files: &[&str],
+        force: bool,
+    ) -> Result<Self, ResultsError> {
         let asked = Asked {
             hash: &manifest.scenario_hash,
             scenario: &manifest.scenario,
@@ -51,11 +57,11 @@ impl SweepDirectory {
                     directory: path.to_owned(),
                 });
             }
-            remove_cases(&path.join(CASES))?;
+            remove_cases(&path.join(CASES), own_files)?;
             if are_there {
                 old.remove_all()?;
             }
-            remove_results(path)?;
+            remove_results(path, own_files)?;
             // First of all files: by it the directory is known for what it is.
             manifest.write(path)?;
         }
@@ -166,13 +172,13 @@ fn lock(path: &Path) -> Result<File, ResultsError> {
 }
 
 /// Removes the results of all cases, and nothing else.
-fn remove_cases(folder: &Path) -> Result<(), ResultsError> {
+fn remove_cases(folder: &Path, own_files: &[&str]) -> Result<(), ResultsError> {
     for case in entries(folder)? {
         if !is_own_folder(&case) {
             continue;
         }
         sweep_temporary_files(&case).map_err(not_writable(&case))?;
-        remove_results(&case)?;
+        remove_results(&case, own_files)?;
         remove_own(&case.join(LOCK))?;
         // Stays where somebody else's files are in it.
         let _ = fs::remove_dir(&case);
@@ -203,20 +209,22 @@ mod tests {
         let parent = tempfile::tempdir().unwrap();
         let path = parent.path().join("sweep");
         let manifest = example("ab", CaseStatus::Running);
-        let directory = SweepDirectory::open(&path, &manifest, false).unwrap();
+        let directory = SweepDirectory::open(&path, &manifest, &[], false).unwrap();
         let case = directory.case("a");
         fs::create_dir(&case).unwrap();
         fs::write(case.join(SERIES), "time_s\n").unwrap();
         fs::write(case.join("notes.txt"), "mine").unwrap();
-        SweepDirectory::open(&path, &manifest, false).unwrap();
+        SweepDirectory::open(&path, &manifest, &[], false).unwrap();
         assert!(case.join(SERIES).exists());
 
         // A lease that cannot be read may be somebody's.
         fs::write(path.join(LEASES).join("a.0"), "").unwrap();
-        let error = SweepDirectory::open(&path, &manifest, true).err().unwrap();
+        let error = SweepDirectory::open(&path, &manifest, &[], true)
+            .err()
+            .unwrap();
         assert!(matches!(error, ResultsError::Locked { .. }), "{error}");
         fs::remove_file(path.join(LEASES).join("a.0")).unwrap();
-        SweepDirectory::open(&path, &manifest, true).unwrap();
+        SweepDirectory::open(&path, &manifest, &[], true).unwrap();
         assert!(!case.join(SERIES).exists());
         assert!(case.join("notes.txt").exists());
     }
@@ -225,14 +233,16 @@ mod tests {
     fn directories_of_others_are_refused() {
         let parent = tempfile::tempdir().unwrap();
         let path = parent.path().join("sweep");
-        SweepDirectory::open(&path, &example("ab", CaseStatus::Running), false).unwrap();
+        SweepDirectory::open(&path, &example("ab", CaseStatus::Running), &[], false).unwrap();
         let other = example("cd", CaseStatus::Running);
-        let error = SweepDirectory::open(&path, &other, false).err().unwrap();
+        let error = SweepDirectory::open(&path, &other, &[], false)
+            .err()
+            .unwrap();
         assert!(
             matches!(error, ResultsError::AnotherScenario { .. }),
             "{error}"
         );
-        let error = SweepDirectory::open(parent.path(), &other, true)
+        let error = SweepDirectory::open(parent.path(), &other, &[], true)
             .err()
             .unwrap();
         assert!(matches!(error, ResultsError::NotResults { .. }), "{error}");
@@ -242,8 +252,8 @@ mod tests {
     fn processes_share_a_directory_case_by_case() {
         let directory = tempfile::tempdir().unwrap();
         let manifest = example("ab", CaseStatus::Running);
-        let [one, other] =
-            [(); 2].map(|()| SweepDirectory::open(directory.path(), &manifest, false).unwrap());
+        let [one, other] = [(); 2]
+            .map(|()| SweepDirectory::open(directory.path(), &manifest, &[], false).unwrap());
         let leased = one.leases.acquire("a").unwrap();
         assert!(matches!(leased, LeaseAttempt::Granted(_)));
         assert!(matches!(

@@ -2,7 +2,12 @@
 //! `axis_rad`.
 
 use super::chain::JointKind;
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
+
+/// Largest table, bytes; what is longer is cut off there, so that an endless one is refused.
+const LARGEST: u64 = 256 << 20;
 
 /// A joint trajectory of arms and axes on one clock.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,10 +67,10 @@ pub fn read_table(path: &Path) -> Result<Table, TableError> {
         let line = error.position().map(csv::Position::line);
         fault(line, error.to_string())
     };
+    let file = File::open(path).map_err(|error| fault(None, error.to_string()))?;
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
-        .from_path(path)
-        .map_err(of_csv)?;
+        .from_reader(file.take(LARGEST));
     let header: Vec<String> = reader
         .headers()
         .map_err(of_csv)?

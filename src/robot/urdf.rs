@@ -6,8 +6,13 @@ use super::mesh::{locate, read_stl};
 use super::pose::{Pose, pose_of_angles};
 use nalgebra::{UnitVector3, Vector3};
 use std::collections::{BTreeMap, BTreeSet};
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use urdf_rs::{Geometry, JointType, Robot};
+
+/// Largest file, bytes; what is longer is cut off there, so that an endless one is refused.
+const LARGEST: u64 = 16 << 20;
 
 /// What is wrong with a URDF file.
 #[derive(Debug, thiserror::Error)]
@@ -49,7 +54,9 @@ pub struct UrdfArm {
 /// If the file cannot be read, has a loop, misses a link or a mesh, has limits the wrong way round, or more than twelve
 /// joints in the chain.
 pub fn read_urdf(path: &Path, base: Option<&str>, tip: Option<&str>) -> Result<UrdfArm, UrdfError> {
-    let text = std::fs::read_to_string(path).map_err(|error| UrdfError::Unreadable {
+    let mut text = String::new();
+    let read = File::open(path).and_then(|file| file.take(LARGEST).read_to_string(&mut text));
+    read.map_err(|error| UrdfError::Unreadable {
         path: path.to_owned(),
         reason: format!("cannot be read: {error}"),
     })?;

@@ -191,6 +191,7 @@ fn run_simulation(
         &options.directory,
         &hash,
         &prepared.scenario_toml,
+        &prepared.own_files,
         options.force,
     )? {
         Opened::Finished(manifest) => {

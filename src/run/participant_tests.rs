@@ -208,6 +208,7 @@ fn cantilever(integration: IntegrationParameters) -> PreparedRun {
             clamp: None,
             released: false,
         })],
+        own_files: Vec::new(),
         table: None,
         start: None,
     }

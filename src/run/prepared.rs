@@ -33,6 +33,8 @@ pub struct PreparedRun {
     pub controllers: Vec<Box<dyn Controller>>,
     /// What fills a table instead of moving the scene, which then shows the first of many.
     pub table: Option<Arc<dyn TableRun>>,
+    /// Names of the files that kinds of experiments add to those of every run: what starting over removes, too.
+    pub own_files: Vec<&'static str>,
     /// The file from which the scene starts, where it does not start as placed; the results hold a copy.
     pub start: Option<Arc<[u8]>>,
 }

@@ -72,6 +72,7 @@ fn run_table<Job: TableJob>(
         &options.directory,
         &hash,
         &prepared.scenario_toml,
+        &prepared.own_files,
         options.force,
     )? {
         Opened::Finished(manifest) => {

@@ -159,7 +159,12 @@ fn open(
     let first = check_every_value(case_set)?;
     let portable = case_set.portable()?;
     let manifest = first_manifest(case_set, &first, &portable, options);
-    let directory = SweepDirectory::open(&options.directory, &manifest, options.force)?;
+    let directory = SweepDirectory::open(
+        &options.directory,
+        &manifest,
+        &first.own_files,
+        options.force,
+    )?;
     directory.keep_inputs(INPUTS, inputs_of(&portable))?;
     directory.rename_cases(
         cases
@@ -267,7 +272,7 @@ fn first_manifest(
 /// [`SweepError`] where the directory holds no sweep, or cannot be read or written.
 pub fn gather(directory: &Path) -> Result<SweepOutcome, SweepError> {
     let (case_set, manifest) = case_set_in(directory)?;
-    let sweep = SweepDirectory::open(directory, &manifest, false)?;
+    let sweep = SweepDirectory::open(directory, &manifest, &[], false)?;
     let case_table = CaseTable::new(&sweep, &case_set, manifest);
     let all = all_and_found(&case_set, all_cases(&case_set), directory)?;
     case_table.publish(&all.cases)?;

@@ -1,9 +1,9 @@
 //! A pinhole camera with lens distortion, its pose, and the table it looks at.
 
+use super::input::read_text;
 use super::{Point, VisionError};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use std::fmt::Write;
-use std::fs;
 use std::path::Path;
 use toml::{Table, Value};
 
@@ -164,10 +164,7 @@ impl Camera {
     /// # Errors
     /// The file cannot be read, is no TOML, or its table `[camera]` lacks a key or holds an impossible value.
     pub fn read(path: &Path) -> Result<Self, VisionError> {
-        let text = fs::read_to_string(path).map_err(|error| VisionError::Unreadable {
-            path: path.into(),
-            reason: error.to_string(),
-        })?;
+        let text = read_text(path)?;
         let document: Table = text.parse().map_err(|error| VisionError::Malformed {
             path: path.into(),
             reason: format!("no TOML: {error}"),
@@ -352,6 +349,7 @@ impl CameraReader<'_> {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use std::fs;
 
     /// A camera 0.6 m above a table, looking down at a slant.
     pub fn slanted_camera() -> Camera {

@@ -1,7 +1,7 @@
 //! Curves in CSV files: patterns, centrelines of images and nodes of simulated rods.
 
+use super::input::read_text;
 use super::{Point, VisionError};
-use std::fs;
 use std::path::Path;
 
 /// Most points of a curve that is read.
@@ -15,10 +15,7 @@ const MOST_POINTS: usize = 1_000_000;
 /// # Errors
 /// The file cannot be read, has no such columns, or a value is no finite number.
 pub fn read_curve(path: &Path, strand: Option<usize>) -> Result<Vec<Point>, VisionError> {
-    let text = fs::read_to_string(path).map_err(|error| VisionError::Unreadable {
-        path: path.into(),
-        reason: error.to_string(),
-    })?;
+    let text = read_text(path)?;
     parse_curve(&text, strand).map_err(|reason| VisionError::Malformed {
         path: path.into(),
         reason,

@@ -51,6 +51,7 @@ mod gap;
 mod hand_eye;
 #[cfg(test)]
 mod hostile_tests;
+mod input;
 mod labels;
 mod marker;
 mod mask;
@@ -94,7 +95,7 @@ pub use overlay::{
 pub use pattern::{Metric, pattern, pattern_csv};
 pub use picture::{
     LARGEST_FILE, LONGEST_SIDE, MOST_PIXELS, decode_labels, decode_picture, pictures_in,
-    read_picture,
+    read_labels, read_picture,
 };
 pub use pose_file::read_poses;
 pub use render::{RenderOptions, RenderedRod, render};

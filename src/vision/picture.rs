@@ -1,6 +1,7 @@
 //! Reading photographs, with bounds on what a file may ask for.
 
 use super::VisionError;
+use super::input::read_file;
 use image::{DynamicImage, ImageError, ImageReader, Limits, RgbImage};
 use std::fs;
 use std::io::Cursor;
@@ -18,22 +19,20 @@ pub const LARGEST_FILE: u64 = 256 << 20;
 /// # Errors
 /// The file cannot be read, is neither PNG nor JPEG, is damaged or truncated, or is larger than [`MOST_PIXELS`].
 pub fn read_picture(path: &Path) -> Result<RgbImage, VisionError> {
-    let unreadable = |reason: String| VisionError::Unreadable {
+    let bytes = read_file(path, LARGEST_FILE)?;
+    decode_picture(&bytes).map_err(|reason| VisionError::Malformed {
         path: path.into(),
         reason,
-    };
-    let metadata = fs::metadata(path).map_err(|error| unreadable(error.to_string()))?;
-    if metadata.is_dir() {
-        return Err(unreadable("it is a folder".into()));
-    }
-    if metadata.len() > LARGEST_FILE {
-        return Err(unreadable(format!(
-            "it has {} bytes, the most is {LARGEST_FILE}",
-            metadata.len()
-        )));
-    }
-    let bytes = fs::read(path).map_err(|error| unreadable(error.to_string()))?;
-    decode_picture(&bytes).map_err(|reason| VisionError::Malformed {
+    })
+}
+
+/// Reads a label image: pixel = number of the strand, 0 = background.
+///
+/// # Errors
+/// The file cannot be read, or is no image of 8-bit grey.
+pub fn read_labels(path: &Path) -> Result<image::GrayImage, VisionError> {
+    let bytes = read_file(path, LARGEST_FILE)?;
+    decode_labels(&bytes).map_err(|reason| VisionError::Malformed {
         path: path.into(),
         reason,
     })

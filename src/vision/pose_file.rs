@@ -1,8 +1,8 @@
 //! Poses in CSV files, as trajectories have them.
 
 use super::VisionError;
+use super::input::read_text;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
-use std::fs;
 use std::path::Path;
 
 const COLUMNS: [&str; 7] = ["x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"];
@@ -12,10 +12,7 @@ const COLUMNS: [&str; 7] = ["x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"];
 /// # Errors
 /// The file cannot be read, lacks a column, or a row is no pose.
 pub fn read_poses(path: &Path) -> Result<Vec<Isometry3<f64>>, VisionError> {
-    let text = fs::read_to_string(path).map_err(|error| VisionError::Unreadable {
-        path: path.into(),
-        reason: error.to_string(),
-    })?;
+    let text = read_text(path)?;
     parse_poses(&text).map_err(|reason| VisionError::Malformed {
         path: path.into(),
         reason,

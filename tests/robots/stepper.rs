@@ -26,8 +26,10 @@ fn run(command: &mut Command) {
 
 impl Board {
     fn start() -> Option<Self> {
-        let is_there =
-            || Path::new("/usr/include/simavr").exists() && Path::new("/usr/bin/avr-gcc").exists();
+        let is_there = || {
+            let compiles = |compiler: &str| succeeds(Command::new(compiler).arg("--version"));
+            Path::new("/usr/include/simavr").exists() && compiles("avr-gcc") && compiles("cc")
+        };
         let root = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
         let install = || succeeds(&mut Command::new(root.join("scripts/install-simavr")));
         let purpose = "to run the firmware of the stepper on a simulated board";

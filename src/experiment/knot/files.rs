@@ -2,6 +2,9 @@
 
 use crate::results::{Column, ColumnGroup, FileDescription, columns, file, table};
 
+/// Traction of a knot over its tightness, drawn.
+pub const TRACTION_FIGURE: &str = "traction.svg";
+
 /// Columns of the knot in the common files, and its figure.
 pub static FILES: [FileDescription; 3] = [
     table(
@@ -11,7 +14,7 @@ pub static FILES: [FileDescription; 3] = [
     ),
     table(&["summary.csv"], "What a knot came to.", &[pulled(SUMMARY)]),
     file(
-        &["traction.svg", "traction.png"],
+        &[TRACTION_FIGURE, "traction.png"],
         "Traction of a knot over its tightness, beside the laws of its theory. By `rodlab plot`.",
     ),
 ];

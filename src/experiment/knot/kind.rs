@@ -1,6 +1,6 @@
 //! The experiments `knot-tightening` and `knot-inversion`, which differ in when they end.
 
-use super::files::FILES;
+use super::files::{FILES, TRACTION_FIGURE};
 use super::keys::{KnotKind, KnotStart, KnotTables, TABLES, resolve};
 use super::monitor::KnotMonitor;
 use super::observer::KnotObserver;
@@ -12,7 +12,7 @@ use crate::experiment::prepare::try_scene;
 use crate::figure::Figure;
 use crate::mechanics::Vector3;
 use crate::mechanics::scene::Scene;
-use crate::results::{FileDescription, TRACTION_FIGURE};
+use crate::results::FileDescription;
 use crate::run::{Mode, PreparedRun, RunError};
 use crate::scenario::keys::{CommonTables, ExperimentKeys, OwnTable, Request, Section};
 use crate::scenario::{Contact, Experiment, Issue, KeyPath, Scenario, Time};

@@ -1,4 +1,4 @@
-//! Memory that a scene would take, before it is spent.
+//! Memory and time that a scene would take, before they are spent.
 
 use crate::mechanics::Vector3;
 use crate::mechanics::scene::{RodDescription, Scene};
@@ -6,8 +6,9 @@ use std::collections::HashMap;
 
 /// Memory of a pair of edges that may touch, in the search for them, bytes; measured.
 const PAIR: f64 = 80.0;
-/// Most memory that pairs of edges may take, bytes.
-const MOST_MEMORY: f64 = 3e9;
+/// Most pairs of edges. The search for so many takes a second, and is done again and again; edges that are not much
+/// shorter than their radius have a few each.
+const MOST_PAIRS: f64 = 3e6;
 /// Edges whose neighbours on other rods are counted; those of the others are taken to be as many.
 const COUNTED: usize = 2000;
 
@@ -19,7 +20,7 @@ pub fn refuse_countless_pairs(scene: &Scene) -> Result<(), (usize, String)> {
     };
     for (index, rod) in scene.rods.iter().enumerate() {
         let pairs = neighbouring_pairs(rod);
-        if PAIR * pairs > MOST_MEMORY {
+        if pairs > MOST_PAIRS {
             let why = format!(
                 "the {} nodes of rod `{}` lie so much nearer to each other than its diameter of {} m",
                 rod.centreline.len(),
@@ -30,7 +31,7 @@ pub fn refuse_countless_pairs(scene: &Scene) -> Result<(), (usize, String)> {
         }
     }
     let (rod, pairs) = pairs_between_rods(scene, contact.distance_tolerance);
-    if PAIR * pairs > MOST_MEMORY {
+    if pairs > MOST_PAIRS {
         let why = format!(
             "the edges of different rods, of `{}` above all, are so short and so many near each other",
             scene.rods[rod].name
@@ -42,10 +43,9 @@ pub fn refuse_countless_pairs(scene: &Scene) -> Result<(), (usize, String)> {
 
 fn too_many(why: &str, pairs: f64) -> String {
     format!(
-        "{why} that contact has {pairs:.1e} pairs of edges to look at, which take {:.1} GB; allowed: {} GB. Take fewer nodes, \
-         or contact.model = \"none\"",
+        "{why} that contact has {pairs:.1e} pairs of edges to look at, which take {:.1} GB; allowed: {MOST_PAIRS:.0e}. Take fewer \
+         nodes, or contact.model = \"none\"",
         1e-9 * PAIR * pairs,
-        1e-9 * MOST_MEMORY,
     )
 }
 
@@ -183,6 +183,6 @@ mod tests {
         // A hundred ropes whose edges are a twenty-eighth of their radius.
         let (_, message) = refuse_countless_pairs(&bundle(10, 4000, 7e-3)).unwrap_err();
         assert!(message.contains("edges of different rods"), "{message}");
-        assert!(message.contains("allowed: 3 GB"), "{message}");
+        assert!(message.contains("allowed: 3e6"), "{message}");
     }
 }

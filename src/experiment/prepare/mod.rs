@@ -9,7 +9,7 @@ mod settings;
 #[cfg(test)]
 mod tests;
 
-use super::{kind_named, probes};
+use super::{KINDS, kind_named, probes};
 use crate::mechanics::dynamics::Simulation;
 use crate::mechanics::scene as mechanics;
 use crate::mechanics::statics::{PathMethod, PathPlan};
@@ -96,6 +96,7 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
         },
         observers: Vec::new(),
         controllers: Vec::new(),
+        own_files: names_of_own_files(),
         table: None,
         start: None,
     };
@@ -120,6 +121,12 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
         found.0.into_iter().for_each(|issue| issues.push(issue));
     }
     issues.or_ok(prepared)
+}
+
+/// Names of the files that kinds of experiments write beside those of every run: one may take the place of another.
+fn names_of_own_files() -> Vec<&'static str> {
+    let of_kinds = KINDS.iter().flat_map(|kind| kind.files());
+    of_kinds.flat_map(|file| file.names).copied().collect()
 }
 
 /// Lets the scene start from the end of another run.

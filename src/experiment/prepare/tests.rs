@@ -90,6 +90,11 @@ fn a_hundred_thousand_edges_within_a_few_diameters_are_refused_before_they_take_
         error.contains("2.0e8 pairs of edges to look at, which take 16.0 GB"),
         "{error}"
     );
+    // A knot of a hundred thousand nodes: its check took minutes.
+    let knot = include_str!("../../../scenarios/trefoil.toml").replace("= 301", "= 100000");
+    let refused = loaded(&knot);
+    let error = refused.locate(prepare(&refused.scenario).unwrap_err());
+    assert!(error.to_string().contains("pairs of edges"), "{error}");
     // Without contact the edges are only long.
     assert!(prepare(&loaded(&text).scenario).is_ok());
 }
@@ -131,5 +136,18 @@ fn all_scenarios_of_the_repository_prepare() {
         "flagella_quick",
     ] {
         assert!(names.iter().any(|found| found == name), "{name}");
+    }
+}
+
+#[test]
+fn files_of_every_kind_of_experiment_may_give_way_to_a_new_run() {
+    let run = prepare(&loaded(TWO_RODS).scenario).unwrap();
+    for name in [
+        "traction.svg",
+        "boundary.csv",
+        "boundary.vtp",
+        "section_tau_omega.svg",
+    ] {
+        assert!(run.own_files.contains(&name), "{name}");
     }
 }

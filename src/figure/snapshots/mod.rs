@@ -52,7 +52,7 @@ pub fn snapshots(snapshots: Vec<Snapshot>, view: View) -> Figure {
 const MARGIN: f64 = 1.0;
 /// Room for the title above each picture, and for the scale bar and the axes below all.
 const HEAD: f64 = 2.0;
-const FOOT: f64 = 4.0;
+const FOOT: f64 = 4.8;
 
 impl RodsFigure {
     /// Draws the figure as SVG.

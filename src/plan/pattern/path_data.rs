@@ -5,6 +5,8 @@ use svgtypes::{Error, PathParser, PathSegment};
 
 /// Largest distance of an arc from its Bézier curves, over its radius.
 const ARC_ACCURACY: f64 = 1e-9;
+/// Smallest radius of an arc that is one.
+const SMALLEST_ARC: f64 = 1e-100;
 
 /// Reads path data.
 ///
@@ -94,14 +96,15 @@ impl Pen {
                     sweep,
                 };
                 match Arc::from_svg_arc(&arc) {
-                    Some(arc) => {
+                    // Of smaller ones no fraction is left, and cubics would be without number.
+                    Some(arc) if arc.radii.x.max(arc.radii.y) > SMALLEST_ARC => {
                         let accuracy = ARC_ACCURACY * arc.radii.x.max(arc.radii.y);
                         arc.to_cubic_beziers(accuracy, |one, other, end| {
                             self.path.curve_to(one, other, end);
                         });
                         self.at = to;
                     }
-                    None => self.line(to),
+                    _ => self.line(to),
                 }
             }
             S::ClosePath { .. } => {

@@ -15,6 +15,8 @@ const FLATNESS: f64 = 1e-6;
 const GAP: f64 = 1e-6;
 /// Largest size of a path, m.
 const LARGEST: f64 = 1000.0;
+/// Smallest drawing, m; what is smaller is a point.
+const SMALLEST: f64 = 1e-9;
 /// Most elements of a file.
 const MOST_NODES: u32 = 1_000_000;
 /// Most points of a stroke.
@@ -175,10 +177,16 @@ impl Reader {
             }
             "circle" => {
                 let r = number("r")?;
+                if !is_radius(r) {
+                    return Ok(());
+                }
                 Ellipse::new((number("cx")?, number("cy")?), (r, r), 0.0).to_path(FLATNESS * r)
             }
             "ellipse" => {
                 let radii = (number("rx")?, number("ry")?);
+                if !is_radius(radii.0) || !is_radius(radii.1) {
+                    return Ok(());
+                }
                 let size = radii.0.max(radii.1);
                 Ellipse::new((number("cx")?, number("cy")?), radii, 0.0).to_path(FLATNESS * size)
             }
@@ -212,18 +220,20 @@ impl Reader {
         if !path.is_finite() || !(size <= LARGEST) {
             return Err(fault(node, "d", format!("it is larger than {LARGEST} m")));
         }
+        // A point; and so small that squares of the tolerance vanish, chords would be without number.
+        if size < SMALLEST {
+            return Ok(());
+        }
         let mut strokes: Vec<Stroke> = Vec::new();
         let point = |point: kurbo::Point| Point::new(point.x, point.y);
-        kurbo::flatten(
-            path,
-            (FLATNESS * size).max(f64::MIN_POSITIVE),
-            |element| match (element, strokes.last_mut()) {
+        kurbo::flatten(path, FLATNESS * size, |element| {
+            match (element, strokes.last_mut()) {
                 (kurbo::PathEl::MoveTo(to), _) => strokes.push(vec![point(to)]),
                 (kurbo::PathEl::LineTo(to), Some(stroke)) => stroke.push(point(to)),
                 (kurbo::PathEl::ClosePath, Some(stroke)) => stroke.push(stroke[0]),
                 _ => {}
-            },
-        );
+            }
+        });
         for mut stroke in strokes {
             stroke.dedup();
             if stroke.len() > MOST_POINTS {
@@ -235,6 +245,11 @@ impl Reader {
         }
         Ok(())
     }
+}
+
+/// Whether circles and ellipses of this radius are drawn.
+fn is_radius(radius: f64) -> bool {
+    radius > 0.0 && radius.is_finite()
 }
 
 fn path(node: Node, data: &str) -> Result<BezPath, PatternError> {
@@ -271,6 +286,22 @@ fn joined(strokes: Vec<Stroke>) -> Vec<Stroke> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn drawings_without_size_are_no_drawings_and_take_no_memory() {
+        for element in [
+            "<path d='M0 0C1e-300 0 0 1e-300 1e-300 1e-300'/>",
+            "<path d='M0 0a1e-320 1e-320 0 0 0 1e-320 0'/>",
+            "<ellipse rx='-5' ry='0'/>",
+            "<circle r='-1'/>",
+        ] {
+            let text = format!("<svg xmlns='http://www.w3.org/2000/svg'>{element}</svg>");
+            assert!(
+                matches!(read_svg(&text), Err(PatternError::NoPath { .. })),
+                "{element}"
+            );
+        }
+    }
     use proptest::prelude::*;
     use std::f64::consts::TAU;
 

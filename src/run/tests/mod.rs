@@ -65,6 +65,7 @@ fn prepared(mode: Mode) -> PreparedRun {
         },
         observers: Vec::new(),
         controllers: Vec::new(),
+        own_files: Vec::new(),
         table: None,
         start: None,
     }

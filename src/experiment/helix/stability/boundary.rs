@@ -2,12 +2,13 @@
 
 use super::comparison::{compare, remarks};
 use super::discrete_rod::DiscreteRod;
+use super::files::BOUNDARY;
 use super::keys::HelixStability;
 use super::row::{BoundaryRow, Outcome, Part};
 use super::sections::draw_sections;
 use super::surface::write_surfaces;
 use crate::mechanics::kirchhoff::{Helix, critical_distance};
-use crate::results::{BOUNDARY, ResultsError};
+use crate::results::ResultsError;
 use crate::run::TableJob;
 use std::f64::consts::{PI, TAU};
 use std::path::Path;

@@ -1,7 +1,8 @@
 //! The discrete rod against theory, in bands of distance.
 
+use super::files::COMPARISON;
 use super::row::{BoundaryRow, Outcome};
-use crate::results::{COMPARISON, ResultsError, write_whole};
+use crate::results::{ResultsError, write_whole};
 use serde::Serialize;
 use std::path::Path;
 

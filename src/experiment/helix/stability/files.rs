@@ -2,29 +2,42 @@
 
 use crate::results::{Column, FileDescription, always, columns, file, table};
 
+/// Where helical rods lose stability, a row per direction.
+pub const BOUNDARY: &str = "boundary.csv";
+/// That boundary against theory.
+pub const COMPARISON: &str = "comparison.csv";
+/// That boundary as a surface for ParaView.
+pub const SURFACE: &str = "boundary.vtp";
+/// Sections of that boundary, drawn.
+pub const SECTION_FIGURES: [&str; 3] = [
+    "section_kappa_tau.svg",
+    "section_kappa_omega.svg",
+    "section_tau_omega.svg",
+];
+
 /// The files of the boundary.
 pub static FILES: [FileDescription; 4] = [
     table(
-        &["boundary.csv"],
+        &[BOUNDARY],
         "Where clamped helical rods lose stability (experiment \"helix-stability\"), a row per direction of \
          (κ, τ, ω): curvature, torsion, twisting moment. Distances are norms ‖(κ, τ, ω)‖ for a rod of length 1 and \
          bending stiffness 1.",
-        &[always(BOUNDARY)],
+        &[always(BOUNDARY_COLUMNS)],
     ),
     table(
-        &["comparison.csv"],
+        &[COMPARISON],
         "boundary.csv against theory, a row per band of distances.",
-        &[always(COMPARISON)],
+        &[always(COMPARISON_COLUMNS)],
     ),
     file(
-        &["boundary.vtp"],
+        &[SURFACE],
         "The boundary of boundary.csv as a surface for ParaView.",
     ),
     file(
         &[
-            "section_kappa_tau.svg",
-            "section_kappa_omega.svg",
-            "section_tau_omega.svg",
+            SECTION_FIGURES[0],
+            SECTION_FIGURES[1],
+            SECTION_FIGURES[2],
             "section_kappa_tau.png",
             "section_kappa_omega.png",
             "section_tau_omega.png",
@@ -33,7 +46,7 @@ pub static FILES: [FileDescription; 4] = [
     ),
 ];
 
-const BOUNDARY: &[Column] = columns! {
+const BOUNDARY_COLUMNS: &[Column] = columns! {
     "part": "surface, or the plane section: kappa_tau (ω = 0), kappa_omega (τ = 0), tau_omega (κ = 0, straight rods).",
     "kappa": "Curvature of the unit direction.",
     "tau": "Torsion of the unit direction.",
@@ -48,7 +61,7 @@ const BOUNDARY: &[Column] = columns! {
     "contact": "Distance at which the rod first touches itself; empty where it does not before it buckles.",
 };
 
-const COMPARISON: &[Column] = columns! {
+const COMPARISON_COLUMNS: &[Column] = columns! {
     "quantity": "What is compared with theory: critical or extrapolated of boundary.csv.",
     "from": "Least distance of the band, by theory.",
     "to": "Largest distance of the band, by theory; empty where there is no end.",

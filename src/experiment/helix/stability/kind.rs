@@ -2,14 +2,14 @@
 
 use super::boundary::Boundary;
 use super::discrete_rod::first_scene;
-use super::files::FILES;
+use super::files::{BOUNDARY, FILES};
 use super::keys::{HelixTables, TABLES, resolve};
 use super::sections::section_figures;
 use super::surface::boundary_page;
 use crate::experiment::kind::{FigureError, Kind, Page};
 use crate::figure::Figure;
 use crate::mechanics::scene::Scene;
-use crate::results::{BOUNDARY, FileDescription, ResultsError};
+use crate::results::{FileDescription, ResultsError};
 use crate::run::PreparedRun;
 use crate::scenario::keys::{CommonTables, ExperimentKeys, OwnTable, Request, Section};
 use crate::scenario::{Contact, Experiment, Fluid, Issue, Scenario, Time};

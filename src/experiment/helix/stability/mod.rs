@@ -29,6 +29,7 @@ mod surface;
 pub use comparison::compare;
 pub use critical_distance::{discrete_critical_distance, estimated_critical_distance};
 pub use discrete_rod::DiscreteRod;
+pub use files::SURFACE;
 pub use keys::{HelixSearch, HelixStability};
 pub use kind::HelixStabilityKind;
 pub use row::{BoundaryRow, Part, read_boundary};

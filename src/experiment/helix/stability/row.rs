@@ -1,6 +1,7 @@
 //! A row of `boundary.csv`.
 
-use crate::results::{BOUNDARY, ResultsError, read_whole_rows};
+use super::files::BOUNDARY;
+use crate::results::{ResultsError, read_whole_rows};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

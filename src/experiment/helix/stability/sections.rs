@@ -1,9 +1,10 @@
 //! Sections of the boundary, the discrete rod over theory.
 
+use super::files::SECTION_FIGURES;
 use super::row::{BoundaryRow, Part, read_boundary};
 use crate::figure::{Curve, Figure, LinePlot, Look, Paper, PlotStyle, styled_line_plots};
 use crate::mechanics::kirchhoff::{Helix, critical_distance};
-use crate::results::{ResultsError, SECTION_FIGURES, write_whole};
+use crate::results::{ResultsError, write_whole};
 use std::path::Path;
 
 /// The sections: part, names of the axes, and which of (κ, τ, ω) they are.

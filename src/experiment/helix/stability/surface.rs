@@ -1,8 +1,9 @@
 //! The boundary as a surface: triangles between neighbouring directions.
 
+use super::files::SURFACE;
 use super::row::{BoundaryRow, Part, read_boundary};
 use crate::figure::{ColouredSurface, surface_page};
-use crate::results::{PAGE, ResultsError, SURFACE, Surface, write_surface, write_whole};
+use crate::results::{PAGE, ResultsError, Surface, write_surface, write_whole};
 use delaunator::{Point, triangulate};
 use nalgebra::Vector3;
 use std::path::Path;

@@ -1,0 +1,73 @@
+//! Files of a bounded size.
+
+use super::VisionError;
+use std::fs::{self, File};
+use std::io::Read;
+use std::path::Path;
+
+/// Largest text file, bytes.
+const LARGEST_TEXT: u64 = 256 << 20;
+
+/// Reads a regular file of at most `largest` bytes; pipes and devices, which may never end, are refused.
+///
+/// # Errors
+/// [`VisionError::Unreadable`].
+pub fn read_file(path: &Path, largest: u64) -> Result<Vec<u8>, VisionError> {
+    let unreadable = |reason: String| VisionError::Unreadable {
+        path: path.into(),
+        reason,
+    };
+    let failed = |error: std::io::Error| unreadable(error.to_string());
+    let about = fs::metadata(path).map_err(failed)?;
+    if about.is_dir() {
+        return Err(unreadable("it is a folder".into()));
+    }
+    if !about.is_file() {
+        return Err(unreadable(
+            "it is a pipe or a device; allowed: regular files".into(),
+        ));
+    }
+    let mut bytes = Vec::new();
+    let file = File::open(path).map_err(failed)?;
+    let read = file.take(largest + 1).read_to_end(&mut bytes);
+    read.map_err(failed)?;
+    if bytes.len() as u64 > largest {
+        let reason = format!("it is larger than {} MiB, the most", largest >> 20);
+        return Err(unreadable(reason));
+    }
+    Ok(bytes)
+}
+
+/// Reads a text of at most 256 MiB.
+///
+/// # Errors
+/// [`VisionError::Unreadable`].
+pub fn read_text(path: &Path) -> Result<String, VisionError> {
+    String::from_utf8(read_file(path, LARGEST_TEXT)?).map_err(|_| VisionError::Unreadable {
+        path: path.into(),
+        reason: "it is no text in UTF-8".into(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[cfg(unix)]
+    fn endless_files_and_folders_are_refused_before_they_are_read() {
+        let directory = tempfile::tempdir().unwrap();
+        for path in [Path::new("/dev/zero"), directory.path()] {
+            assert!(read_file(path, 1 << 20).is_err());
+            assert!(super::super::read_picture(path).is_err());
+            assert!(super::super::read_curve(path, None).is_err());
+            assert!(super::super::read_poses(path).is_err());
+            assert!(super::super::Camera::read(path).is_err());
+        }
+        let path = directory.path().join("long");
+        fs::write(&path, [7; (1 << 20) + 1]).unwrap();
+        let message = read_file(&path, 1 << 20).unwrap_err().to_string();
+        assert!(message.contains("larger than 1 MiB"), "{message}");
+        assert_eq!(read_file(&path, 2 << 20).unwrap().len(), (1 << 20) + 1);
+    }
+}
