@@ -11,9 +11,9 @@ const WITHOUT_ROS_2: &str = "this program was built without ROS 2; `cargo instal
 /// What a stream would do.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct StreamReport {
-    /// Duration of the trajectory, s.
+    /// Duration of the motion, s.
     pub duration_s: f64,
-    /// Points of the trajectory.
+    /// Points of the trajectory; of several, all together.
     pub points: usize,
     /// Names of the arms and axes that move.
     pub parts: Vec<String>,
@@ -22,18 +22,21 @@ pub struct StreamReport {
 }
 
 impl Cell {
-    /// The parts of a trajectory with their drivers, none of them connected, after a check of every point against
-    /// limits and collisions.
+    /// The parts of trajectories, all on one clock from zero, with their drivers, none of them connected, after a check of
+    /// every point against limits and collisions.
     ///
     /// # Errors
-    /// In words: names that the cell does not have, joints that are missing, limits that are exceeded, things that
-    /// touch, parts without a driver.
+    /// In words: names that the cell does not have, joints that are missing, arms that two trajectories move, limits that
+    /// are exceeded, things that touch, parts without a driver.
     pub fn prepare_stream(
         &self,
-        trajectory: &JointTrajectory,
+        trajectories: &[JointTrajectory],
     ) -> Result<(Vec<Part>, StreamReport), String> {
         let mut parts = Vec::new();
-        let mut faults = self.unknown_columns(trajectory);
+        let unknown = trajectories.iter();
+        let mut faults: Vec<String> = unknown
+            .flat_map(|trajectory| self.unknown_columns(trajectory))
+            .collect();
         for Movable {
             name,
             joints,
@@ -41,8 +44,15 @@ impl Cell {
             driver,
         } in self.movable()
         {
-            let columns = trajectory.columns_of(name);
-            if columns.is_empty() {
+            let mut moving = trajectories
+                .iter()
+                .map(|trajectory| (trajectory, trajectory.columns_of(name)))
+                .filter(|(_, columns)| !columns.is_empty());
+            let Some((trajectory, columns)) = moving.next() else {
+                continue;
+            };
+            if moving.next().is_some() {
+                faults.push(format!("{name}: two trajectories move it"));
                 continue;
             }
             let Some(columns) = in_order(trajectory, &columns, &joints) else {
@@ -88,8 +98,14 @@ impl Cell {
             return Err(faults.join("\n"));
         }
         let report = StreamReport {
-            duration_s: trajectory.duration(),
-            points: trajectory.points.len(),
+            duration_s: trajectories
+                .iter()
+                .map(JointTrajectory::duration)
+                .fold(0.0, f64::max),
+            points: trajectories
+                .iter()
+                .map(|trajectory| trajectory.points.len())
+                .sum(),
             parts: parts.iter().map(|part| part.name.clone()).collect(),
             least_clearance_m: least_clearance,
         };
@@ -154,11 +170,16 @@ impl Cell {
         let surroundings = self.surroundings();
         let mut postures = surroundings.homes();
         let mut least = robot::FAR;
-        let count = parts.first().map_or(0, |part| part.trajectory.points.len());
-        for k in 0..count {
+        let mut times: Vec<f64> = parts
+            .iter()
+            .flat_map(|part| part.trajectory.times.iter().copied())
+            .collect();
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        for time in times {
             for (arm, posture) in self.arms.iter().zip(&mut postures) {
                 if let Some(part) = parts.iter().find(|part| part.name == arm.name) {
-                    posture.clone_from(&part.trajectory.points[k]);
+                    *posture = part.trajectory.at(time);
                 }
             }
             let Some(approach) = surroundings.nearest(&postures, None) else {
@@ -167,7 +188,9 @@ impl Cell {
             least = least.min(approach.distance);
             if approach.distance <= 0.0 {
                 let [one, other] = &approach.between;
-                faults.push(format!("{one} would touch {other} at point {}", k + 1));
+                faults.push(format!(
+                    "{one} would touch {other} {time:.3} s after the start"
+                ));
                 break;
             }
         }

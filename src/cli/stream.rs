@@ -17,8 +17,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct StreamArguments {
-    /// The joint trajectory: time_s and a column arm.joint_rad, arm.joint_m or axis_rad per joint
-    trajectory: PathBuf,
+    /// The joint trajectory: time_s and a column arm.joint_rad, arm.joint_m or axis_rad per joint; several, one for each
+    /// arm or axis, start together and keep one clock
+    #[arg(required = true, value_name = "TRAJECTORY")]
+    trajectories: Vec<PathBuf>,
     /// The cell file
     #[arg(long, value_name = "FILE")]
     cell: PathBuf,
@@ -37,11 +39,12 @@ const EXAMPLES: &str = "\
 Examples:
   rodlab stream joints.csv --cell cell.toml --dry-run
   rodlab stream joints.csv --cell cell.toml --speed 0.2
+  rodlab stream right.csv left.csv twist.csv --cell scenarios/cells/two_sawyers.toml
 
 Every point is checked against limits and collisions before the first is sent. The motion starts only where the
 arm stands at the first point; it ends, and everything holds still, where a joint is not heard of or leaves the
-path. Ctrl-C holds, a second one ends the program. The log is a directory with manifest.json, trajectory.csv,
-commanded.csv, state.csv and events.csv. Exit code 1: a driver failed, and the message says why.";
+path. Ctrl-C holds, a second one ends the program. The log is a directory with manifest.json, trajectory.csv (of
+several, trajectory-1.csv and so on), commanded.csv, state.csv and events.csv. Exit code 1: a driver failed, and the message says why.";
 
 /// Manifest of a stream.
 #[derive(Serialize)]
@@ -49,8 +52,8 @@ struct Manifest<'a> {
     version: &'static str,
     command_line: Vec<String>,
     cell: &'a Path,
-    trajectory: &'a Path,
-    trajectory_hash: String,
+    trajectories: &'a [PathBuf],
+    trajectory_hashes: Vec<String>,
     speed: f64,
     start: jiff::Timestamp,
     end: Option<jiff::Timestamp>,
@@ -60,27 +63,43 @@ struct Manifest<'a> {
     report: StreamReport,
 }
 
-/// Streams a trajectory.
+/// Streams trajectories.
 pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
     let cell = Cell::read(&arguments.cell)?;
-    let trajectory = JointTrajectory::read(&arguments.trajectory)
-        .map_err(|error| Failure::Input(error.to_string()))?
-        .scaled(arguments.speed);
-    let (mut parts, report) = cell.prepare_stream(&trajectory).map_err(|message| {
-        Failure::Input(format!("{}: {message}", arguments.trajectory.display()))
+    let read = |path: &PathBuf| {
+        let trajectory = JointTrajectory::read(path);
+        trajectory.map(|trajectory| trajectory.scaled(arguments.speed))
+    };
+    let files = &arguments.trajectories;
+    let trajectories = files.iter().map(read).collect::<Result<Vec<_>, _>>();
+    let trajectories = trajectories.map_err(|error| Failure::Input(error.to_string()))?;
+    let (mut parts, report) = cell.prepare_stream(&trajectories).map_err(|message| {
+        let names: Vec<String> = files
+            .iter()
+            .map(|file| file.display().to_string())
+            .collect();
+        Failure::Input(format!("{}: {message}", names.join(", ")))
     })?;
     if arguments.dry_run {
         return print_json(&report);
     }
     let directory = log_directory(arguments.out.as_deref())?;
-    let text = trajectory.to_csv();
-    write_whole(&directory.join("trajectory.csv"), text.as_bytes())?;
+    let mut hashes = Vec::new();
+    for (k, trajectory) in trajectories.iter().enumerate() {
+        let name = match trajectories.len() {
+            1 => "trajectory.csv".to_owned(),
+            _ => format!("trajectory-{}.csv", k + 1),
+        };
+        let text = trajectory.to_csv();
+        write_whole(&directory.join(name), text.as_bytes())?;
+        hashes.push(blake3::hash(text.as_bytes()).to_hex().to_string());
+    }
     let mut manifest = Manifest {
         version: env!("CARGO_PKG_VERSION"),
         command_line: std::env::args().collect(),
         cell: &arguments.cell,
-        trajectory: &arguments.trajectory,
-        trajectory_hash: blake3::hash(text.as_bytes()).to_hex().to_string(),
+        trajectories: files,
+        trajectory_hashes: hashes,
         speed: arguments.speed,
         start: jiff::Timestamp::now(),
         end: None,

@@ -6,6 +6,7 @@ mod ros1;
 mod ros2;
 mod rosbridge;
 mod stepper;
+mod together;
 
 use std::path::Path;
 use std::process::{Command, Output};

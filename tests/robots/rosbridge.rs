@@ -14,27 +14,39 @@ use tungstenite::{Message, WebSocket};
 
 /// What the server is told to do, and what it saw.
 #[derive(Default)]
-struct Script {
+pub(super) struct Script {
     ros: u8,
     /// Refuse every goal as one for unknown joints.
     refuses: bool,
+    /// Go on whoever cancels.
+    ignores_cancel: bool,
     /// Drop the connection, or say nothing any more, so long after the goal came.
     dies_after: Option<f64>,
     silent_after: Option<f64>,
+    /// Break the motion off, as after an emergency stop.
+    stops_after: Option<f64>,
     points: usize,
     feedback: usize,
-    moved: Vec<f64>,
+    pub moved: Vec<f64>,
     cancelled_at: Option<Instant>,
     goal_at: Option<Instant>,
 }
 
-type Shared = Arc<Mutex<Script>>;
+pub(super) type Shared = Arc<Mutex<Script>>;
 
 struct Goal {
     id: Value,
     times: Vec<f64>,
     points: Vec<Vec<f64>>,
     begin: Instant,
+}
+
+/// An arm of ROS 1 that does what it is told.
+pub(super) fn willing() -> (String, Shared) {
+    serve(Script {
+        ros: 1,
+        ..Script::default()
+    })
 }
 
 /// Serves one client until it leaves.
@@ -78,6 +90,8 @@ fn arm(socket: &mut WebSocket<TcpStream>, shared: &Shared) {
                         "send_action_goal" => {
                             goal = take(socket, shared, message["id"].clone(), &message["args"]);
                         }
+                        "publish" | "cancel_action_goal"
+                            if shared.lock().unwrap().ignores_cancel => {}
                         "publish" | "cancel_action_goal" => {
                             let ended = goal.take().expect("a goal to cancel");
                             shared.lock().unwrap().cancelled_at = Some(Instant::now());
@@ -93,12 +107,19 @@ fn arm(socket: &mut WebSocket<TcpStream>, shared: &Shared) {
                 Err(_) => return,
             }
         }
-        let (dies, silent) = {
+        let (dies, silent, stops) = {
             let script = shared.lock().unwrap();
             let since = script.goal_at.map_or(0.0, |at| at.elapsed().as_secs_f64());
             let past = |limit: Option<f64>| limit.is_some_and(|limit| since > limit);
-            (past(script.dies_after), past(script.silent_after))
+            (
+                past(script.dies_after),
+                past(script.silent_after),
+                past(script.stops_after),
+            )
         };
+        if let Some(stopped) = goal.take_if(|_| stops) {
+            end(socket, shared, &stopped.id, false, -4);
+        }
         if dies {
             return;
         }
@@ -283,9 +304,45 @@ fn an_interruption_cancels_the_motion_within_half_a_second() {
     }
 }
 
+/// An arm that no cancellation stops keeps the program for half a second, but not from ending at the second Ctrl-C.
+#[test]
+fn a_second_interruption_ends_the_program_at_once() {
+    let (address, shared) = serve(Script {
+        ros: 1,
+        ignores_cancel: true,
+        ..Script::default()
+    });
+    let folder = folder(&address, 1, 5.0);
+    let mut child = spawned(folder.path());
+    let wait = Instant::now();
+    while shared.lock().unwrap().feedback < 20 {
+        assert!(wait.elapsed() < Duration::from_secs(20));
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let interrupt = || {
+        let kill = Command::new("kill")
+            .args(["-INT", &child.id().to_string()])
+            .status();
+        assert!(kill.unwrap().success());
+    };
+    let begin = Instant::now();
+    interrupt();
+    while !log(folder.path(), "events.csv").contains("interrupted") {
+        assert!(begin.elapsed() < Duration::from_secs(5));
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    interrupt();
+    let status = child.wait().unwrap();
+    assert_eq!(status.code(), Some(130));
+    // It did not wait for the arm: nothing was noted any more.
+    let manifest: Value = serde_json::from_str(&log(folder.path(), "manifest.json")).unwrap();
+    assert_eq!(manifest["status"], "running");
+    assert!(!log(folder.path(), "events.csv").contains("could not be told to hold"));
+}
+
 #[test]
 fn faults_of_the_server_end_the_stream_with_words_and_exit_code_1() {
-    let cases: [(Script, &str); 3] = [
+    let cases: [(Script, &str); 4] = [
         (
             Script {
                 refuses: true,
@@ -307,6 +364,13 @@ fn faults_of_the_server_end_the_stream_with_words_and_exit_code_1() {
             },
             "nothing was heard of its joints",
         ),
+        (
+            Script {
+                stops_after: Some(0.5),
+                ..Script::default()
+            },
+            "the arm left the path",
+        ),
     ];
     for (script, expected) in cases {
         for ros in [1, 2] {
@@ -315,6 +379,7 @@ fn faults_of_the_server_end_the_stream_with_words_and_exit_code_1() {
                 refuses: script.refuses,
                 dies_after: script.dies_after,
                 silent_after: script.silent_after,
+                stops_after: script.stops_after,
                 ..Script::default()
             };
             let (address, shared) = serve(script);

@@ -13,9 +13,9 @@ use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 /// A board at work; gone when dropped.
-struct Board {
+pub(super) struct Board {
     process: Child,
-    port: String,
+    pub port: String,
     folder: TempDir,
 }
 
@@ -25,7 +25,7 @@ fn run(command: &mut Command) {
 }
 
 impl Board {
-    fn start() -> Option<Self> {
+    pub fn start() -> Option<Self> {
         let is_there = || {
             let compiles = |compiler: &str| succeeds(Command::new(compiler).arg("--version"));
             Path::new("/usr/include/simavr").exists() && compiles("avr-gcc") && compiles("cc")
@@ -86,7 +86,7 @@ impl Board {
     }
 
     /// Rising edges of STEP, and forwards less backwards.
-    fn counts(&self) -> (i64, i64) {
+    pub fn counts(&self) -> (i64, i64) {
         std::thread::sleep(Duration::from_millis(50));
         loop {
             let text = fs::read_to_string(self.folder.path().join("counts")).unwrap_or_default();

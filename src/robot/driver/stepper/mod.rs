@@ -32,6 +32,8 @@ pub struct StepperDriver {
     link: Option<Link>,
     /// Angle at which the motor's own count is zero, rad.
     zero: f64,
+    /// The motor's own count when last heard of.
+    position: i64,
     state: Option<JointState>,
     motion: Option<Motion>,
     asked: Instant,
@@ -68,6 +70,7 @@ impl StepperDriver {
             radians_per_step: TAU / f64::from(steps_per_turn),
             link: None,
             zero: 0.0,
+            position: 0,
             state: None,
             motion: None,
             asked: Instant::now(),
@@ -84,6 +87,7 @@ impl StepperDriver {
         };
         let answer = link.ask(request).map_err(|error| self.lost(error))?;
         self.asked = Instant::now();
+        self.position = i64::from(answer.position);
         self.state = Some(JointState {
             received: self.asked,
             positions: vec![self.zero + f64::from(answer.position) * self.radians_per_step],
@@ -154,16 +158,19 @@ impl Driver for StepperDriver {
         Ok(self.state.clone())
     }
 
-    /// The motor does not know its angle: where it stands is the first point.
+    /// The motor does not know its angle: where it stands is the first point. Nothing is sent before the first
+    /// [`Driver::advance`]: the other parts of a stream, which begin at once, must not wait for the answers of a line.
     fn start(&mut self, trajectory: &PartTrajectory) -> Result<(), DriverError> {
-        let status = self.ask(Request::Status)?;
-        self.zero = trajectory.points[0][0] - f64::from(status.position) * self.radians_per_step;
+        if self.link.is_none() {
+            return Err(self.lost("not connected"));
+        }
+        self.zero = trajectory.points[0][0] - self.position as f64 * self.radians_per_step;
         self.motion = Some(Motion {
             trajectory: trajectory.clone(),
             sent: 0.0,
-            steps: i64::from(status.position),
+            steps: self.position,
         });
-        self.feed(0.0)
+        Ok(())
     }
 
     fn advance(&mut self, elapsed: f64) -> Result<Progress, DriverError> {

@@ -1,0 +1,125 @@
+//! Two arms behind servers of their own and a simulated stepper, moved by three tables on one clock.
+
+use super::rosbridge::willing;
+use super::stepper::Board;
+use super::{rodlab, said};
+use std::f64::consts::TAU;
+use std::fs;
+use std::path::Path;
+
+/// An arm may be seen where it was so long ago, s.
+const LATE: f64 = 0.25;
+/// And ahead by the time that it takes to tell all parts to begin, s.
+const EARLY: f64 = 0.1;
+
+/// A smooth step of one over a time: rest, motion, rest.
+fn rise(time: f64, seconds: f64) -> f64 {
+    let part = (time / seconds).clamp(0.0, 1.0);
+    part.powi(3) * (10.0 - 15.0 * part + 6.0 * part * part)
+}
+
+/// A table of columns that move by so much over `seconds`, in so many points.
+fn table(folder: &Path, name: &str, columns: &[(&str, f64)], points: u32, seconds: f64) {
+    let headers: Vec<&str> = columns.iter().map(|(header, _)| *header).collect();
+    let mut text = format!("time_s,{}\n", headers.join(","));
+    for k in 0..=points {
+        let time = seconds * f64::from(k) / f64::from(points);
+        let cells = columns
+            .iter()
+            .map(|(_, by)| (by * rise(time, seconds)).to_string());
+        text.push_str(&format!("{time},{}\n", cells.collect::<Vec<_>>().join(",")));
+    }
+    fs::write(folder.join(name), text).unwrap();
+}
+
+fn arm(name: &str, x: f64, address: &str) -> String {
+    format!(
+        r#"[[arms]]
+name = "{name}"
+position = [{x}, 0, 0]
+velocity = 2.0
+acceleration = 20.0
+jerk = 400.0
+link_radius = "5 cm"
+joints = [
+    {{ kind = "revolute", name = "right_j0", link = "upper", lower = -3.0, upper = 3.0 }},
+    {{ kind = "revolute", name = "right_j1", link = "lower", position = [0.3, 0, 0], axis = [0, 1, 0], lower = -3.0, upper = 3.0 }},
+]
+tool = {{ position = [0.3, 0, 0] }}
+driver = {{ kind = "rosbridge", address = "{address}", action = "/arm", joint_states = "/joint_states" }}
+
+"#
+    )
+}
+
+#[test]
+fn two_arms_and_a_stepper_keep_one_clock() {
+    let Some(board) = Board::start() else { return };
+    let servers = [willing(), willing()];
+    let folder = tempfile::tempdir().unwrap();
+    let axis = format!(
+        "[[axes]]\nname = \"twister\"\nvelocity = \"60 rpm\"\nacceleration = 20.0\n\
+         driver = {{ kind = \"stepper\", port = \"{}\", steps_per_turn = 3200 }}\n",
+        board.port
+    );
+    let cell = [
+        arm("right", 0.0, &servers[0].0),
+        arm("left", 2.0, &servers[1].0),
+        axis,
+    ];
+    fs::write(folder.path().join("cell.toml"), cell.concat()).unwrap();
+    let right = [("right.right_j0_rad", 1.0), ("right.right_j1_rad", -0.5)];
+    let left = [("left.right_j0_rad", -0.8), ("left.right_j1_rad", 0.4)];
+    table(folder.path(), "right.csv", &right, 300, 3.0);
+    table(folder.path(), "left.csv", &left, 100, 2.0);
+    table(folder.path(), "turn.csv", &[("twister_rad", TAU)], 250, 2.5);
+    let tables = ["right.csv", "left.csv", "turn.csv"];
+    let stream = |tables: &[&str]| {
+        let arguments = [
+            &["stream"],
+            tables,
+            &["--cell", "cell.toml", "--out", "log"],
+        ];
+        rodlab(folder.path(), &arguments.concat())
+    };
+    let twice = stream(&["right.csv", "right.csv"]);
+    assert_eq!(twice.status.code(), Some(2), "{}", said(&twice));
+    assert!(said(&twice).contains("right: two trajectories move it"));
+
+    let output = stream(&tables);
+    assert!(output.status.success(), "{}", said(&output));
+    assert_eq!(servers[0].1.lock().unwrap().moved, [1.0, -0.5]);
+    assert_eq!(servers[1].1.lock().unwrap().moved, [-0.8, 0.4]);
+    assert_eq!(board.counts(), (3200, 3200));
+
+    // Whatever was heard of any of them fits the one clock.
+    let log = |name: &str| fs::read_to_string(folder.path().join("log").join(name)).unwrap();
+    let events = log("events.csv");
+    let started = events
+        .lines()
+        .find(|line| line.ends_with("\"started\""))
+        .unwrap();
+    let start: f64 = started.split(',').next().unwrap().parse().unwrap();
+    let mut heard = [0; 3];
+    for line in log("state.csv").lines().skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let time = cells[0].parse::<f64>().unwrap() - start;
+        let position: f64 = cells[3].parse().unwrap();
+        let (part, by, seconds) = match (cells[1], cells[2]) {
+            ("right", "right_j0") => (0, 1.0, 3.0),
+            ("left", "right_j0") => (1, -0.8, 2.0),
+            ("twister", _) => (2, TAU, 2.5),
+            _ => continue,
+        };
+        // A step of the motor, and a point of a table, of rounding.
+        let places = [time - LATE, time + EARLY].map(|time| by * rise(time, seconds));
+        let (low, high) = (
+            places[0].min(places[1]) - 0.02,
+            places[0].max(places[1]) + 0.02,
+        );
+        assert!((low..high).contains(&position), "{line}: {low} to {high}");
+        heard[part] += 1;
+    }
+    assert!(heard.iter().all(|count| *count > 50), "{heard:?}");
+    assert!(log("trajectory-3.csv").starts_with("time_s,twister_rad"));
+}
