@@ -56,10 +56,10 @@ fn a_rope_over_a_post_passes_with_ipc() {
     assert!(case.newton_iterations_mean().unwrap() < 8.0);
 }
 
-/// Two soft rings that meet at 34 m/s, four times as fast as waves run in them: with every scheme and model the first impact
-/// finds no step, however small, or leaves rods crushed.
+/// Two soft rings that meet at 34 m/s, four times as fast as waves run in them: the first impact finds no step with the
+/// midpoint rule, however small; implicit Euler, which damps it, goes on with rods that are stretched beyond the theory.
 #[test]
-fn an_impact_faster_than_the_waves_in_a_rod_is_refused_with_that_reason() {
+fn an_impact_faster_than_the_waves_in_a_rod_never_passes_without_that_reason() {
     for (scheme, model) in [
         ("implicit-midpoint", "imc"),
         ("implicit-euler", "imc"),
@@ -87,9 +87,17 @@ fn an_impact_faster_than_the_waves_in_a_rod_is_refused_with_that_reason() {
             velocity = [-16.96470202458155, 11.154557965027006, 11.69981811605656]
             "#
         );
-        let error = ran(&text).unwrap_err();
-        assert_eq!(error.exit_code(), 4, "{scheme}, {model}: {error}");
-        let message = error.to_string();
+        let message = match ran(&text) {
+            Err(error) => {
+                assert_eq!(error.exit_code(), 4, "{scheme}, {model}: {error}");
+                error.to_string()
+            }
+            Ok(outcome) => {
+                assert_ne!(scheme, "implicit-midpoint", "{model}");
+                assert!(outcome.case.minimum_distance_ratio.unwrap() > 0.95);
+                outcome.case.remarks.join("; ")
+            }
+        };
         assert!(
             message.contains("the theory of rods"),
             "{scheme}, {model}: {message}"

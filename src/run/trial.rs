@@ -209,7 +209,7 @@ mod tests {
     const IMPACT: &str = r#"
         experiment = "scene"
         material = { youngs_modulus = 65840.0, poissons_ratio = 0.5, density = 1000.0 }
-        time = { step = "auto", end = 0.05, scheme = "implicit-euler" }
+        time = { step = "auto", end = 0.05, scheme = "implicit-midpoint" }
         contact = { model = "imc", friction = 0.5 }
         [[rods]]
         name = "a"

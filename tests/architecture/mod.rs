@@ -68,9 +68,9 @@ const MECHANICS: Table = &[
     ("error", &["rod", "fluid"]),
     ("kirchhoff", &[]),
     ("random", &[]),
-    ("error", &["rod", "fluid"]),
-    ("scene", &["contact", "fluid"]),
-    ("system", &["rod", "contact", "error", "scene"]),
+    ("rotation", &[]),
+    ("scene", &["contact", "fluid", "rotation"]),
+    ("system", &["rod", "contact", "error", "scene", "rotation"]),
     ("statics", &["rod", "system"]),
     (
         "dynamics",
