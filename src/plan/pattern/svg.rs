@@ -177,14 +177,14 @@ impl Reader {
             }
             "circle" => {
                 let r = number("r")?;
-                if !is_radius(r) {
+                if !has_size(node, &[r])? {
                     return Ok(());
                 }
                 Ellipse::new((number("cx")?, number("cy")?), (r, r), 0.0).to_path(FLATNESS * r)
             }
             "ellipse" => {
                 let radii = (number("rx")?, number("ry")?);
-                if !is_radius(radii.0) || !is_radius(radii.1) {
+                if !has_size(node, &[radii.0, radii.1])? {
                     return Ok(());
                 }
                 let size = radii.0.max(radii.1);
@@ -247,9 +247,13 @@ impl Reader {
     }
 }
 
-/// Whether circles and ellipses of this radius are drawn.
-fn is_radius(radius: f64) -> bool {
-    radius > 0.0 && radius.is_finite()
+/// Whether a circle or an ellipse of these radii is drawn: one without size is not.
+fn has_size(node: Node, radii: &[f64]) -> Result<bool, PatternError> {
+    // Squares of larger ones are no numbers.
+    if !radii.iter().all(|radius| *radius < 1e100) {
+        return Err(fault(node, "r", format!("it is larger than {LARGEST} m")));
+    }
+    Ok(radii.iter().all(|radius| *radius > 1e-100))
 }
 
 fn path(node: Node, data: &str) -> Result<BezPath, PatternError> {
@@ -294,6 +298,7 @@ mod tests {
             "<path d='M0 0a1e-320 1e-320 0 0 0 1e-320 0'/>",
             "<ellipse rx='-5' ry='0'/>",
             "<circle r='-1'/>",
+            "<circle r='1e-200'/>",
         ] {
             let text = format!("<svg xmlns='http://www.w3.org/2000/svg'>{element}</svg>");
             assert!(
@@ -301,6 +306,9 @@ mod tests {
                 "{element}"
             );
         }
+        let large = "<svg xmlns='http://www.w3.org/2000/svg'><ellipse rx='1e300' ry='1'/></svg>";
+        let error = read_svg(large).unwrap_err().to_string();
+        assert!(error.contains("larger than 1000 m"), "{error}");
     }
     use proptest::prelude::*;
     use std::f64::consts::TAU;
