@@ -111,19 +111,19 @@ impl StreamLog {
     }
 
     /// Notes where a part is, once for each report.
-    pub(super) fn state(&mut self, part: &str, state: &JointState) {
-        match self.heard.iter_mut().find(|(name, _)| name == part) {
+    pub(super) fn state(&mut self, part: &Part, state: &JointState) {
+        match self.heard.iter_mut().find(|(name, _)| *name == part.name) {
             Some((_, last)) if *last == state.received => return,
             Some((_, last)) => *last = state.received,
-            None => self.heard.push((part.to_owned(), state.received)),
+            None => self.heard.push((part.name.clone(), state.received)),
         }
         let time = state
             .received
             .saturating_duration_since(self.opened)
             .as_secs_f64();
         self.write(|files| {
-            for (joint, position) in state.positions.iter().enumerate() {
-                writeln!(files.state, "{time:.6},{part},{joint},{position}")?;
+            for (joint, position) in part.trajectory.joints.iter().zip(&state.positions) {
+                writeln!(files.state, "{time:.6},{},{joint},{position}", part.name)?;
             }
             Ok(())
         });

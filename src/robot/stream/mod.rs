@@ -228,7 +228,7 @@ fn watch(
         .state()
         .map_err(|error| format!("{}: {error}", part.name))?;
     let Some(state) = state else { return Ok(()) };
-    log.state(&part.name, &state);
+    log.state(part, &state);
     let silence = state.received.elapsed();
     if silence > bounds.watchdog && !done {
         return Err(format!(
