@@ -6,7 +6,7 @@ use crate::robot::{
     RosbridgeDriver, StepperDriver, StreamBounds, check,
 };
 
-const WITHOUT_ROS_2: &str = "this program was built without ROS 2; `cargo install --path . --features ros2` builds one with it";
+const WITHOUT_ROS_2: &str = "this program was built without ROS 2; `cargo install --path .`, without `--no-default-features`, builds one with it";
 
 /// What a stream would do.
 #[derive(Clone, Debug, serde::Serialize)]
