@@ -58,7 +58,7 @@ impl Hull {
         [0, 1, 2].map(|axis| {
             let mut line: Vec<[f64; 3]> = Vec::new();
             for k in 0..=Self::AROUND {
-                let (sine, cosine) = (TAU * k as f64 / Self::AROUND as f64).sin_cos();
+                let (sine, cosine) = libm::sincos(TAU * k as f64 / Self::AROUND as f64);
                 let mut direction = [0.0; 3];
                 (direction[(axis + 1) % 3], direction[(axis + 2) % 3]) = (cosine, sine);
                 let direction = Vec3::from_array(direction);

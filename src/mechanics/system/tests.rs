@@ -393,7 +393,7 @@ fn a_stiff_post_does_not_stiffen_the_contacts_of_soft_rods() {
     let mut post = rod("post", arc(8, 1.0), false);
     post.stiffness.stretching *= 1e4;
     post.stiffness.bending = post.stiffness.bending.map(|stiffness| 1e4 * stiffness);
-    let alone = stiffness(&[soft.clone()]);
+    let alone = stiffness(std::slice::from_ref(&soft));
     assert_eq!(stiffness(&[soft.clone(), post.clone()]), alone);
     assert!(stiffness(&[post.clone()]) > 1e3 * alone);
     // An obstacle does not bend at all.

@@ -212,7 +212,7 @@ mod tests {
         for (position, seconds, nanoseconds) in [(0.0_f64, 0, 0), (2.0, 1, 500_000_000)] {
             for number in [position, 0.0] {
                 word(&mut expected, 1);
-                while expected.len() % 8 != 0 {
+                while !expected.len().is_multiple_of(8) {
                     expected.push(0);
                 }
                 expected.extend(number.to_le_bytes());
