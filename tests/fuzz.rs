@@ -30,8 +30,9 @@ use std::time::{Duration, Instant};
 /// Cases of all readers together, unless the environment variable says another number.
 const CASES: usize = 100_000;
 const VARIABLE: &str = "RODLAB_FUZZ_CASES";
-/// Longest that a reader may take for one input, on a busy machine.
-const LONGEST: Duration = Duration::from_secs(5);
+/// Longest that a reader may take for one input, while other tests keep the cores busy: knots of 600 nodes in five cases take
+/// a second of processor time by themselves.
+const LONGEST: Duration = Duration::from_secs(20);
 /// Most memory that the process may need, bytes.
 const MOST_MEMORY: u64 = 4 << 30;
 /// Accepted scenarios of which one is set up.
