@@ -373,6 +373,8 @@ fn feed_file<T, E>(
             Ok(text) if random.below(2) == 0 => mutant(text, text, random).into_bytes(),
             _ => damaged(seed, random),
         };
+        // A file that is written over is put on the disk at once by some file systems, which takes milliseconds.
+        let _ = fs::remove_file(&path);
         fs::write(&path, &bytes).unwrap();
         let outcome = read(&path).into();
         (String::from_utf8_lossy(&bytes).into_owned(), outcome)

@@ -18,6 +18,7 @@ mod helix_boundary;
 mod incremental_potential;
 mod knots;
 mod linking_number;
+mod long_steps;
 mod mathematical_library;
 mod parts;
 mod passing_through;

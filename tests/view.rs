@@ -256,7 +256,7 @@ fn the_fit_leaves_room_for_the_bar_on_large_and_small_screens() {
     let Some(mut browser) = Browser::start() else {
         return;
     };
-    for (width, height) in [(1280, 800), (390, 800), (800, 390)] {
+    for (width, height) in [(1280, 800), (390, 800), (800, 390), (844, 390)] {
         browser.resize(width, height);
         browser.open(&page);
         let edge = |browser: &mut Browser, id: &str, side: &str| {
@@ -267,6 +267,9 @@ fn the_fit_leaves_room_for_the_bar_on_large_and_small_screens() {
         assert!(edge(&mut browser, "transport", "right") <= f64::from(width));
         let cards = if width < 640 {
             edge(&mut browser, "legend", "bottom").max(edge(&mut browser, "about", "bottom"))
+        } else if height < 760 {
+            // The tools covered the tips.
+            edge(&mut browser, "tools", "bottom")
         } else {
             0.0
         };

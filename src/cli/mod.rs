@@ -53,6 +53,7 @@ mod trace;
 mod values;
 mod verify;
 mod view;
+mod watchdog;
 
 use arguments::{Arguments, Command};
 use clap::{CommandFactory, Parser};

@@ -1,14 +1,13 @@
 //! `rodlab run`.
 
 use super::common::{Common, refuse_too_many_threads};
-use super::exit_code::TIME_LIMIT;
 use super::failure::Failure;
 use super::output::{print, print_json};
-use super::standard_error;
 use super::sweep;
 use super::values::{duration, shard};
+use super::watchdog;
 use crate::experiment::{self, try_scene};
-use crate::run::{PreparedRun, RunOptions, RunOutcome, RunStatus, is_attended};
+use crate::run::{PreparedRun, RunOptions, RunOutcome, RunStatus};
 use crate::scenario::CaseSet;
 use crate::sweep::{Shard, SweepOptions};
 use clap::Args;
@@ -93,9 +92,7 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), Failure> {
     let deadline = arguments
         .timeout
         .and_then(|limit| Instant::now().checked_add(limit));
-    if let Some(deadline) = deadline {
-        end_set_up_at(deadline);
-    }
+    watchdog::watch(deadline);
     let case_set =
         experiment::case_set(&arguments.scenario, &arguments.overrides, &arguments.vary)?;
     let directory = arguments
@@ -128,24 +125,6 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), Failure> {
         return print_json(&as_json(&outcome));
     }
     print(&summary(&outcome))
-}
-
-/// Time that set-up has in any case.
-const SET_UP: Duration = Duration::from_millis(800);
-
-/// Ends the program at a moment, should it still be setting up: there is nothing to save yet.
-fn end_set_up_at(deadline: Instant) {
-    // Usual set-ups are over by then, however short the time.
-    let limit = deadline.max(Instant::now() + SET_UP);
-    std::thread::spawn(move || {
-        std::thread::sleep(limit.saturating_duration_since(Instant::now()));
-        if !is_attended() {
-            standard_error::report(
-                "error: time limit reached before the first step; nothing was lost, the same command begins again\n",
-            );
-            std::process::exit(TIME_LIMIT.into());
-        }
-    });
 }
 
 /// What came out, for programs; quantities in SI units.

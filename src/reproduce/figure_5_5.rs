@@ -107,10 +107,10 @@ fn figure(rows: &[Row]) -> PageFigure {
     };
     let figure = line_plots(
         [
-            plot("largest |y|/L_gb", |row| row.largest_sideways),
-            plot("F̄_y = F_y h²/EI", |row| row.force),
+            plot("largest |y|/L_{gb}", |row| row.largest_sideways),
+            plot("F̄_{y} = F_{y} h²/EI", |row| row.force),
         ],
-        "Push Δȳ of the gripper",
+        "Push of the gripper, Δy\u{304} = Δy/L_{gb}",
     );
     PageFigure::new("fig5.5", "Two optimal grasps pushed sideways", figure)
 }

@@ -21,11 +21,15 @@ const STEPS_PER_PAIR: u64 = 4;
 /// Pairs of segments that are looked at in the time in which an output is written.
 const PAIRS_PER_OUTPUT: u64 = 5000;
 
+/// Most pairs of segments of which it is worth while to look at each: a second's work.
+const MOST_PAIRS: u64 = 25_000_000;
+
 /// Fails a run at the first output where closed rods are linked otherwise than before.
 ///
 /// A look costs 40 ns for every pair of segments, a step at least 0.3 µs for every node. Outputs that follow the last look
 /// sooner than after four steps for each pair per node are passed over, so that the guard costs 3 % of a run
-/// at most; not where it costs no more than to write the output.
+/// at most; not where it costs no more than to write the output. Closed rods of more than five thousand segments or so are
+/// left to continuous collision detection alone.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct LinkingGuard {
     rods: Vec<ClosedRod>,
@@ -66,6 +70,12 @@ impl LinkingGuard {
             })
             .collect();
         if scene.contact.is_none() || rods.iter().all(|rod| rod.held) {
+            return None;
+        }
+        let segments = rods
+            .iter()
+            .map(|rod| scene.rods[rod.index].centreline.len() as u64);
+        if segments.sum::<u64>().pow(2) / 2 > MOST_PAIRS {
             return None;
         }
         let nodes = |rod: &ClosedRod| {
@@ -272,6 +282,19 @@ mod tests {
             "{sentence}"
         );
         assert_eq!(first_failure(rings(0.0), 1e-3, 200), None);
+    }
+
+    #[test]
+    fn rods_at_which_a_look_takes_seconds_are_not_guarded() {
+        let ring = |nodes: usize| Scene {
+            rods: vec![closed("ring", nodes, |t| {
+                Vector3::new(t.cos(), t.sin(), 0.0)
+            })],
+            contact: Some(ContactParameters::default()),
+            ..Scene::default()
+        };
+        assert!(LinkingGuard::of(&ring(5000)).is_some());
+        assert!(LinkingGuard::of(&ring(8000)).is_none());
     }
 
     #[test]

@@ -25,6 +25,7 @@ mod table;
 mod tests;
 pub(crate) mod thread_pools;
 mod trial;
+mod work;
 
 pub use controller::{Controller, ControllerObject};
 pub use end_state::start_from;
@@ -39,6 +40,7 @@ pub use stop::StopRequest;
 pub(crate) use stop::StopRequests;
 pub use table::TableJob;
 pub use trial::{Forecast, forecast};
+pub(crate) use work::is_deaf;
 
 use crate::mechanics::dynamics::Simulation;
 use crate::results::{CaseOutcome, MAIN_CASE, Manifest, Opened, ResultsDirectory, scenario_hash};
@@ -47,6 +49,7 @@ use session::Session;
 use std::fmt;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
+use work::Work;
 
 /// How to run, as opposed to what.
 #[derive(Clone, Debug)]
@@ -167,9 +170,11 @@ pub(crate) fn run_until(
     stop_requested: StopRequests<'_>,
 ) -> Result<RunOutcome, RunError> {
     let deadline = options.deadline.map(not_at_once);
+    let work = Work::begin();
     let stop_requested = || {
         let late = || deadline.is_some_and(|at| Instant::now() >= at);
-        stop_requested().or_else(|| late().then_some(StopRequest::TimeLimit))
+        let request = stop_requested().or_else(|| late().then_some(StopRequest::TimeLimit));
+        request.inspect(|_| work.is_told())
     };
     if let Some(table) = &prepared.table {
         return table.run(prepared, options, &stop_requested);

@@ -10,12 +10,14 @@ use crate::results::UsageMeter;
 use serde::Serialize;
 use std::fmt;
 use std::path::Path;
-use std::sync::Mutex;
+use std::sync::{Mutex, mpsc};
 use std::time::{Duration, Instant};
 
 /// Processor time of a stage, and the time on the clock after which it ends whatever other programs take.
 const STAGE: Duration = Duration::from_millis(500);
 const PATIENCE: Duration = Duration::from_secs(2);
+/// Time on the clock after which the whole trial is given up, though it has not heard that its time is over.
+const LONGEST: Duration = Duration::from_secs(8);
 /// Time between two looks at the processor's clock.
 const LOOK: Duration = Duration::from_millis(5);
 
@@ -39,18 +41,39 @@ enum Stage {
     Failed(String),
 }
 
-/// Tries a run for a second.
+/// Tries a run for a second, and gives it up where a step does not end.
 pub fn forecast(prepared: &PreparedRun) -> Forecast {
-    let silent = tracing::subscriber::NoSubscriber::default();
-    tracing::subscriber::with_default(silent, || match tempfile::tempdir() {
-        Ok(directory) => try_run(prepared, directory.path()),
-        Err(error) => Forecast {
-            processor_time: None,
-            trial_time: 0.0,
-            part: 0.0,
-            failure: Some(error.to_string()),
-        },
-    })
+    let unknown = |failure: Option<String>, trial_time: f64| Forecast {
+        processor_time: None,
+        trial_time,
+        part: 0.0,
+        failure,
+    };
+    let directory = match tempfile::tempdir() {
+        Ok(directory) => directory,
+        Err(error) => return unknown(Some(error.to_string()), 0.0),
+    };
+    let threads = rayon::ThreadPoolBuilder::new().num_threads(rayon::current_num_threads());
+    let pool = match threads.build() {
+        Ok(pool) => pool,
+        Err(error) => return unknown(Some(error.to_string()), 0.0),
+    };
+    let (tell, told) = mpsc::channel();
+    let (prepared, path) = (prepared.clone(), directory.path().to_owned());
+    pool.spawn(move || {
+        let silent = tracing::subscriber::NoSubscriber::default();
+        let found = tracing::subscriber::with_default(silent, || try_run(&prepared, &path));
+        // Nobody may listen any more.
+        let _ = tell.send(found);
+    });
+    // A trial that is given up works on to the end of the program, but its directory is gone.
+    match told.recv_timeout(LONGEST) {
+        Ok(forecast) => forecast,
+        Err(mpsc::RecvTimeoutError::Timeout) => unknown(None, LONGEST.as_secs_f64()),
+        Err(mpsc::RecvTimeoutError::Disconnected) => {
+            unknown(Some("a fault of rodlab ended it".to_owned()), 0.0)
+        }
+    }
 }
 
 fn try_run(prepared: &PreparedRun, directory: &Path) -> Forecast {

@@ -74,6 +74,8 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
             },
             message,
         ));
+        // What follows may look for these pairs itself.
+        return Err(issues);
     }
     let mut prepared = PreparedRun {
         name: scenario.name.clone(),

@@ -7,6 +7,7 @@ use crate::mechanics::dynamics::IntegrationParameters;
 use crate::scenario::Loaded;
 use crate::sweep::check_every_value;
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 const TWO_RODS: &str = r#"
 experiment = "scene"
@@ -95,6 +96,14 @@ fn a_hundred_thousand_edges_within_a_few_diameters_are_refused_before_they_take_
     let refused = loaded(&knot);
     let error = refused.locate(prepare(&refused.scenario).unwrap_err());
     assert!(error.to_string().contains("pairs of edges"), "{error}");
+    // Along a curve from a file, the scene was tried all the same, which took half a minute.
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/three_twist.toml");
+    let cases = case_set(Path::new(file), &["rod.nodes=100000".into()], &[]).unwrap();
+    let refused = cases.scenario_of(0).unwrap();
+    let start = Instant::now();
+    let error = refused.locate(prepare(&refused.scenario).unwrap_err());
+    assert!(error.to_string().contains("pairs of edges"), "{error}");
+    assert!(start.elapsed() < Duration::from_secs(5));
     // Without contact the edges are only long.
     assert!(prepare(&loaded(&text).scenario).is_ok());
 }

@@ -16,7 +16,8 @@ pub enum FluidError {
     Singular,
     /// The iterative solution did not reach its tolerance.
     #[error(
-        "the fluid forces did not converge: relative residual {residual:.3e} after {iterations} iterations"
+        "the fluid forces did not converge: relative residual {residual:.3e} after {iterations} iterations; nodes much closer to \
+         each other than the regularisation length, by default the radius, make them ill-conditioned: take fewer"
     )]
     NoConvergence {
         /// Iterations spent.

@@ -52,8 +52,12 @@ impl Preconditioner {
 
     /// Price of [`build`](Self::build) in units of one iteration, from operation counts.
     pub fn price(&self, operator: &Flow) -> f64 {
-        let eliminations = self.neighbourhoods.operations(operator.nodes());
-        PRICE_OF_ELIMINATION * eliminations / operator.operations()
+        PRICE_OF_ELIMINATION * self.operations(operator) / operator.operations()
+    }
+
+    /// Floating-point operations of [`build`](Self::build), nearly all of them for the neighbourhoods.
+    pub fn operations(&self, operator: &Flow) -> f64 {
+        self.neighbourhoods.operations(operator.nodes())
     }
 
     /// Builds the parts for nodes at these positions, for which `operator` has been assembled.

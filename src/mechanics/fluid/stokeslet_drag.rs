@@ -17,6 +17,8 @@ const TOLERANCE: f64 = 1e-6;
 /// The same over the error allowed in the drag where the operator is approximate. The operator's own error
 /// in the velocities is about a twentieth of that, so that a smaller residual would mean nothing.
 const TOLERANCE_OF_FAR_FIELD_ERROR: f64 = 0.1;
+/// Operations of a preconditioner that is not made larger any more, four times as dear: this one takes half a minute.
+const MOST_OPERATIONS: f64 = 2e11;
 /// Iterations after which the preconditioner is held to be too coarse. Tight bundles take some twenty.
 const MOST_ITERATIONS: usize = 40;
 
@@ -236,7 +238,9 @@ impl StokesletDrag {
             }
             if self.age.solves == 0 {
                 let neighbourhood = self.preconditioner.neighbourhood();
-                if neighbourhood >= self.operator.nodes() {
+                if neighbourhood >= self.operator.nodes()
+                    || self.preconditioner.operations(&self.operator) > MOST_OPERATIONS
+                {
                     return Err(FluidError::NoConvergence {
                         iterations: convergence.iterations,
                         residual: convergence.residual / size,

@@ -7,6 +7,7 @@ use crate::mechanics::statics::{PathPlan, PointKind};
 use crate::run::advance::Advance;
 use crate::run::path::PathAtWork;
 use crate::run::stop::{Stop, StopRequests};
+use std::time::Instant;
 
 impl Session {
     /// Follows the path to its ends, a row per point.
@@ -21,7 +22,9 @@ impl Session {
             None => PathAtWork::begin(simulation.path(plan)?, &self.directory)?,
         };
         // A path that cannot be followed is lost here, so that no checkpoint is made of it.
+        let mut start = Instant::now();
         while let Some(point) = simulation.next_point(&mut path.tracer)? {
+            self.last_step = start.elapsed();
             let moved = root_mean_square(&self.placed, &simulation.frame(false).positions);
             path.add(&point, moved, &simulation.energies())?;
             let report = StepReport {
@@ -40,6 +43,7 @@ impl Session {
             if self.has_ended() {
                 break;
             }
+            start = Instant::now();
         }
         self.remarks.extend(path.remarks());
         self.path = Some(path);

@@ -31,6 +31,11 @@ use tracing::info;
 /// Wall time between two words on how far a run has come.
 const BETWEEN_WORDS: Duration = Duration::from_secs(10);
 
+/// Wall time of a step from which on the program may be ended in the middle of the next one, which must cost little.
+const LONG_STEP: Duration = Duration::from_millis(500);
+/// Time between two checkpoints, in times that it takes to write one, between such steps.
+const BETWEEN_CHECKPOINTS: u32 = 20;
+
 /// A run at work.
 pub(crate) struct Session {
     directory: ResultsDirectory,
@@ -39,6 +44,8 @@ pub(crate) struct Session {
     checkpoints: CheckpointFiles,
     checkpoint_every: Duration,
     last_checkpoint: Instant,
+    /// Time that it took to write it.
+    writing_time: Duration,
     times: OutputTimes,
     /// The path of equilibria that is followed.
     path: Option<PathAtWork>,
@@ -152,6 +159,7 @@ impl Session {
             checkpoints,
             checkpoint_every: options.checkpoint_every,
             last_checkpoint: Instant::now(),
+            writing_time: Duration::ZERO,
             times,
             path,
             placed,
@@ -301,15 +309,20 @@ impl Session {
         self.conclude_from(findings)
     }
 
-    /// Writes a checkpoint where the last is old.
+    /// Writes a checkpoint where the last is old, or else steps so long that whoever cannot wait for their end would lose much.
     fn write_checkpoint_if_due(&mut self, simulation: &impl Advance) -> Result<(), ResultsError> {
-        if self.last_checkpoint.elapsed() < self.checkpoint_every {
-            return Ok(());
+        let is_long = (LONG_STEP..Duration::MAX).contains(&self.last_step);
+        let age = self.last_checkpoint.elapsed();
+        let is_due = is_long && age >= BETWEEN_CHECKPOINTS * self.writing_time;
+        if is_due || age >= self.checkpoint_every {
+            self.write_checkpoint(simulation)
+        } else {
+            Ok(())
         }
-        self.write_checkpoint(simulation)
     }
 
     fn write_checkpoint(&mut self, simulation: &impl Advance) -> Result<(), ResultsError> {
+        let start = Instant::now();
         let files = self.sync_outputs()?;
         // Without it the checkpoint would not be known for what it is.
         sync(&self.directory.file(MANIFEST))?;
@@ -325,6 +338,7 @@ impl Session {
             path: self.path.as_mut().map(PathAtWork::checkpoint).transpose()?,
         })?;
         self.last_checkpoint = Instant::now();
+        self.writing_time = start.elapsed();
         info!(reached = %self.reached(simulation), "checkpoint written");
         Ok(())
     }

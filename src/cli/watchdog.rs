@@ -1,0 +1,109 @@
+//! Ends the program where a run does not hear that it is to stop.
+//!
+//! Runs ask between steps, and in long ones at every iteration, whether their time is up or a signal has come. Set-up, and an
+//! iteration of an enormous system, may take minutes in between. Then the program ends all the same, as if it had been killed:
+//! files appear whole, and the same command goes on from the last checkpoint.
+
+use super::exit_code::TIME_LIMIT;
+use super::standard_error;
+use crate::results::UsageMeter;
+use crate::run::{is_attended, is_deaf};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1};
+use signal_hook::flag;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// Time between two looks.
+const LOOK: Duration = Duration::from_millis(50);
+/// Time that set-up has in any case: usual ones are over by then.
+const SET_UP: Duration = Duration::from_millis(800);
+/// Time in which a run must have heard.
+const PATIENCE: Duration = Duration::from_secs(1);
+/// Processor time of it. On a busy machine, and while a disk is waited for, a second on the clock is nothing.
+const SPENT: Duration = Duration::from_millis(700);
+/// Time in which it must have heard, whatever else the machine does.
+const LONGEST_PATIENCE: Duration = Duration::from_secs(10);
+
+/// Exit code of a program that a person, or the system, interrupted.
+const INTERRUPTED: u8 = 130;
+
+/// Watches until the end of the program over what it runs, with its time limit.
+pub fn watch(deadline: Option<Instant>) {
+    let watchdog = Watchdog {
+        deadline,
+        set_up: Instant::now() + SET_UP,
+        interrupted: Arc::default(),
+        warned: Arc::default(),
+    };
+    for (signal, flag) in [
+        (SIGINT, &watchdog.interrupted),
+        (SIGTERM, &watchdog.interrupted),
+        (SIGHUP, &watchdog.interrupted),
+        (SIGUSR1, &watchdog.warned),
+    ] {
+        if let Err(error) = flag::register(signal, Arc::clone(flag)) {
+            tracing::warn!("signals wait for the end of a step: {error}");
+        }
+    }
+    std::thread::spawn(move || watchdog.watch());
+}
+
+struct Watchdog {
+    deadline: Option<Instant>,
+    /// The moment up to which set-up may take, though the time be up.
+    set_up: Instant,
+    interrupted: Arc<AtomicBool>,
+    /// By the batch system, that the time is nearly up.
+    warned: Arc<AtomicBool>,
+}
+
+/// A request to stop: the exit code and the words.
+type Request = (u8, &'static str);
+
+impl Watchdog {
+    fn watch(&self) {
+        let request = loop {
+            std::thread::sleep(LOOK);
+            let is_waited_for = is_attended() || Instant::now() >= self.set_up;
+            match self.request() {
+                Some((INTERRUPTED, _)) if !is_attended() => std::process::exit(INTERRUPTED.into()),
+                Some(request) if is_waited_for => break request,
+                _ => {}
+            }
+        };
+        if !is_attended() {
+            end(
+                request,
+                "before the first step; nothing was lost, the same command begins again",
+            );
+        }
+        let meter = UsageMeter::start();
+        loop {
+            std::thread::sleep(LOOK);
+            let waited = meter.wall_time();
+            let spent = meter.usage().cpu_time.unwrap_or(waited);
+            let is_over = waited >= PATIENCE && spent >= SPENT || waited >= LONGEST_PATIENCE;
+            if is_over && is_deaf() {
+                end(
+                    request,
+                    "within a long step; the same command continues from the last checkpoint",
+                );
+            }
+        }
+    }
+
+    fn request(&self) -> Option<Request> {
+        if self.interrupted.load(Ordering::Relaxed) {
+            return Some((INTERRUPTED, "interrupted"));
+        }
+        let is_late = self.deadline.is_some_and(|at| Instant::now() >= at);
+        let is_up = is_late || self.warned.load(Ordering::Relaxed);
+        is_up.then_some((TIME_LIMIT, "time limit reached"))
+    }
+}
+
+fn end((code, what): Request, how: &str) -> ! {
+    standard_error::report(&format!("error: {what} {how}\n"));
+    std::process::exit(code.into())
+}

@@ -1,0 +1,69 @@
+//! Steps of enormous systems, between whose iterations nobody asks whether to stop.
+
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Nodes so much closer to each other than the regularisation length that the fluid is ill-conditioned: its preconditioner
+/// takes minutes, in which neither a time limit nor a signal was heard.
+const NODES: &str = "rod.nodes=4000";
+/// Time in which the program must end, however busy the machine: far less than the step takes.
+const SOON: Duration = Duration::from_secs(40);
+
+fn rodlab(directory: &Path, arguments: &[&str]) -> Child {
+    let scenario = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/flagella_base.toml");
+    Command::new(env!("CARGO_BIN_EXE_rodlab"))
+        .current_dir(directory)
+        .args(["--quiet", "--threads", "1"])
+        .args([arguments[0], scenario, "--set", NODES])
+        .args(&arguments[1..])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap()
+}
+
+/// Waits for the end, which must come soon: exit code and what was printed.
+fn end_of(mut program: Child) -> (Option<i32>, String) {
+    let start = Instant::now();
+    while program.try_wait().unwrap().is_none() {
+        if start.elapsed() > SOON {
+            program.kill().unwrap();
+            panic!("it does not end");
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let output = program.wait_with_output().unwrap();
+    let text = [output.stdout, output.stderr].concat();
+    (output.status.code(), String::from_utf8(text).unwrap())
+}
+
+#[test]
+fn time_limits_and_signals_are_heard_within_a_step_that_takes_minutes() {
+    let directory = tempfile::tempdir().unwrap();
+    let run = ["run", "--out", "limited", "--timeout", "1 s"];
+    let (code, text) = end_of(rodlab(directory.path(), &run));
+    assert_eq!(code, Some(5), "{text}");
+    assert!(text.contains("the same command"), "{text}");
+
+    let program = rodlab(directory.path(), &["run", "--out", "interrupted"]);
+    let manifest = directory.path().join("interrupted/manifest.json");
+    while !manifest.exists() {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let kill = Command::new("kill")
+        .args(["-TERM", &program.id().to_string()])
+        .status();
+    assert!(kill.unwrap().success());
+    let (code, text) = end_of(program);
+    assert_eq!(code, Some(130), "{text}");
+    assert!(text.contains("interrupted"), "{text}");
+}
+
+#[test]
+fn check_gives_a_trial_up_whose_first_step_takes_minutes() {
+    let directory = tempfile::tempdir().unwrap();
+    let (code, text) = end_of(rodlab(directory.path(), &["check"]));
+    assert_eq!(code, Some(0), "{text}");
+    assert!(text.contains("of a trial"), "{text}");
+}
