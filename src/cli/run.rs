@@ -185,7 +185,9 @@ fn summary(outcome: &RunOutcome) -> String {
         line("smallest distance", format!("{:.4} mm", 1e3 * distance));
     }
     if let Some(gap) = case.mean_gap {
-        line("mean gap of contacts", format!("{:.3} µm", 1e6 * gap));
+        // Added to zero, a zero has no sign.
+        let nanometres = (1e9 * gap).round() + 0.0;
+        line("mean gap of contacts", format!("{:.3} µm", 1e-3 * nanometres));
     }
     for (name, value) in &outcome.highlights {
         line(name, value.clone());

@@ -28,7 +28,7 @@ const MOST_PAIRS: u64 = 25_000_000;
 ///
 /// A look costs 40 ns for every pair of segments, a step at least 0.3 µs for every node. Outputs that follow the last look
 /// sooner than after four steps for each pair per node are passed over, so that the guard costs 3 % of a run
-/// at most; not where it costs no more than to write the output. Closed rods of more than five thousand segments or so are
+/// at most; not where it costs no more than to write the output. Closed rods of more than seven thousand segments are
 /// left to continuous collision detection alone.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct LinkingGuard {

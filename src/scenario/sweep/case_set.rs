@@ -84,9 +84,11 @@ impl CaseSet {
         if !issues.0.is_empty() {
             return Err(load::located(&sources, &whole, issues));
         }
+        let mut typed = Vec::new();
         for argument in varied {
-            case_set.vary(&mut sources, argument)?;
+            typed.push(case_set.vary(&mut sources, argument)?);
         }
+        case_set.axes.extend(typed);
         case_set.sources = sources;
         case_set.refuse_impossible_keys()?;
         Ok(case_set)
@@ -161,7 +163,8 @@ impl CaseSet {
         }
     }
 
-    fn vary(&mut self, sources: &mut Sources, argument: &str) -> Result<(), ScenarioError> {
+    /// The axis of an argument, which takes the place of that of the file.
+    fn vary(&mut self, sources: &mut Sources, argument: &str) -> Result<Axis, ScenarioError> {
         let source = sources.add("--vary".to_owned(), argument.to_owned(), Path::new(""));
         let axis = vary::read(source, argument).map_err(|message| {
             let span = Span {
@@ -177,8 +180,7 @@ impl CaseSet {
             |axis: &Axis| axis.keys.len() > 1 || self.steps_of(&axis.keys[0].key) != steps;
         let others = others.filter(is_other).collect();
         self.axes = others;
-        self.axes.push(axis);
-        Ok(())
+        Ok(axis)
     }
 
     /// Refuses keys that cannot vary, and keys of which one would override the other, however their paths are typed.

@@ -250,6 +250,12 @@ fn one_key_by_two_paths_is_varied_twice() {
     let case_set = CaseSet::load(*EXPERIMENTS, &path, &[], &varied).unwrap();
     assert_eq!(case_set.keys(), ["rods.0.edges"]);
     assert_eq!(case_set.count(), 3);
+    // Of two arguments for one key the second replaced the first without a word.
+    for second in ["rods.rope.edges=4,6", "rods.0.edges=4,6"] {
+        let varied = ["rods.0.edges=8,10".to_owned(), second.to_owned()];
+        let error = CaseSet::load(*EXPERIMENTS, &path, &[], &varied).unwrap_err();
+        assert!(error.to_string().contains("varied twice"), "{error}");
+    }
 }
 
 #[test]
