@@ -29,4 +29,5 @@ mod robots;
 mod sweep;
 mod view;
 mod vision;
+mod vision_measure;
 mod vtk;

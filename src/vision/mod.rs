@@ -63,6 +63,8 @@ mod order;
 mod overlay;
 mod path_energy;
 mod pattern;
+#[cfg(test)]
+mod photograph_tests;
 mod picture;
 mod pose_file;
 mod render;

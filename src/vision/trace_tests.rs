@@ -6,7 +6,7 @@ use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use std::f64::consts::{PI, TAU};
 
 /// A camera 0.6 m above the table that looks down, turned and slanted a little.
-fn camera(roll: f64, slant: f64) -> Camera {
+pub(super) fn camera(roll: f64, slant: f64) -> Camera {
     let down = Rotation3::from_axis_angle(&Vector3::x_axis(), PI);
     let turned = Rotation3::from_euler_angles(slant, 0.0, roll);
     let rotation = UnitQuaternion::from_rotation_matrix(&(turned * down));
@@ -25,10 +25,10 @@ fn camera(roll: f64, slant: f64) -> Camera {
 }
 
 /// Small deterministic numbers from 0 to 1.
-struct Dice(u64);
+pub(super) struct Dice(pub u64);
 
 impl Dice {
-    fn roll(&mut self) -> f64 {
+    pub(super) fn roll(&mut self) -> f64 {
         self.0 = self
             .0
             .wrapping_mul(6364136223846793005)
@@ -39,7 +39,12 @@ impl Dice {
 
 /// A rod 0.65 m long whose direction turns by a few harmonics, which keeps its curvature below 1/(19 mm). It lies in the
 /// middle of the table, its height rises and falls, so that it lies over and under itself.
-fn wandering_rod(dice: &mut Dice, radius: f64, colour: [u8; 3], level: f64) -> RenderedRod {
+pub(super) fn wandering_rod(
+    dice: &mut Dice,
+    radius: f64,
+    colour: [u8; 3],
+    level: f64,
+) -> RenderedRod {
     const LENGTH: f64 = 0.65;
     let turns = 2.4 * (dice.roll() - 0.5);
     let amplitudes = [2.2 * dice.roll(), 1.1 * dice.roll()];
