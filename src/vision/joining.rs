@@ -14,9 +14,9 @@ use super::way::{MOST_ENERGY, Way, Ways, ordered, other_side};
 use std::collections::BTreeMap;
 
 /// With more arms than this the mask is noise.
-const MOST_ARMS: usize = 300;
+const MOST_ARMS: usize = 200;
 /// Most exchanges of pairs.
-const MOST_EXCHANGES: usize = 1000;
+const MOST_EXCHANGES: usize = 200;
 
 /// Pairs the arms of a skeleton anew. `colour` gives L\*a\*b\* of a pixel; the mask is that of all strands.
 pub(super) fn join_arms(

@@ -3,7 +3,6 @@
 //! Strands that lie side by side are one part of the mask. Where their hues differ, each hue has a mask of its own, in which
 //! they are apart; a strand below others then has gaps, which are closed later.
 
-use super::Point;
 use super::colour::lab;
 use super::mask::{Mask, chamfer_distances};
 use image::RgbImage;
@@ -180,26 +179,36 @@ fn remove_borders(mask: &Mask, members: &[usize], labels: &mut [u8], count: usiz
     }
 }
 
-/// Takes the label from pixels that are not within reach of one deep inside.
+/// Takes the label from pixels that are not within reach of one deep inside, in octagons.
 fn open(layer: &Mask, inside: &[usize], distances: &[u16], least: u16, labels: &mut [u8]) {
-    let reach = f64::from(least) / 5.0;
-    let steps = reach.ceil() as usize + 1;
+    let stride = layer.stride();
     let mut kept = vec![false; labels.len()];
+    let mut front = Vec::new();
     for cell in inside {
-        if distances[*cell] < least {
-            continue;
+        if distances[*cell] >= least {
+            kept[*cell] = true;
+            front.push(*cell);
         }
-        let (column, row) = layer.position(*cell);
-        let centre = Point::new(column as f64, row as f64);
-        let far = f64::from(distances[*cell]) / 5.0 + 1.0;
-        let steps = steps.max(far.ceil() as usize);
-        for v in row.saturating_sub(steps)..(row + steps + 1).min(layer.height()) {
-            for u in column.saturating_sub(steps)..(column + steps + 1).min(layer.width()) {
-                if (Point::new(u as f64, v as f64) - centre).norm() <= far {
-                    kept[layer.index(u, v)] = true;
+    }
+    for round in 0..usize::from(least).div_ceil(5) + 1 {
+        let used = if round % 2 == 0 { 4 } else { 8 };
+        let mut reached = Vec::new();
+        for cell in &front {
+            let straight = [cell - 1, cell + 1, cell - stride, cell + stride];
+            let diagonal = [
+                cell - stride - 1,
+                cell - stride + 1,
+                cell + stride - 1,
+                cell + stride + 1,
+            ];
+            for other in straight.into_iter().chain(diagonal).take(used) {
+                if layer.cells()[other] == 1 && !kept[other] {
+                    kept[other] = true;
+                    reached.push(other);
                 }
             }
         }
+        front = reached;
     }
     for cell in inside {
         if !kept[*cell] {
@@ -214,4 +223,54 @@ fn layer(mask: &Mask, members: &[usize], labels: &[u8], label: u8) -> Mask {
         layer.cells_mut()[*cell] = u8::from(labels[*cell] == label);
     }
     layer
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use image::Rgb;
+
+    /// Two stripes of 8 rows that touch, and what mixes between them.
+    fn stripes(colours: [[u8; 3]; 3]) -> (RgbImage, Mask) {
+        let picture = RgbImage::from_fn(80, 40, |_, v| {
+            Rgb(match v {
+                10..18 => colours[0],
+                18..20 => colours[1],
+                20..28 => colours[2],
+                _ => [10, 10, 10],
+            })
+        });
+        let mut mask = Mask::new(80, 40);
+        for row in 10..28 {
+            for column in 0..80 {
+                mask.set(column, row, true);
+            }
+        }
+        (picture, mask)
+    }
+
+    #[test]
+    fn strands_of_two_hues_are_parted_and_what_mixes_between_is_none() {
+        // Half red and half green is yellow.
+        let (picture, mask) = stripes([[205, 70, 60], [150, 130, 60], [60, 170, 90]]);
+        let masks = layers(&picture, &mask, 20, 5).expect("two layers");
+        assert_eq!(masks.len(), 2);
+        for row in [13, 24] {
+            let of = masks.iter().filter(|layer| layer.contains(40, row));
+            assert_eq!(of.count(), 1);
+        }
+        let area: usize = masks.iter().map(Mask::area).sum();
+        assert_eq!(area, mask.area());
+    }
+
+    #[test]
+    fn shades_of_one_hue_and_grey_are_one_layer() {
+        for colours in [
+            [[205, 70, 60], [160, 55, 47], [110, 38, 32]],
+            [[90; 3], [140; 3], [200; 3]],
+        ] {
+            let (picture, mask) = stripes(colours);
+            assert!(layers(&picture, &mask, 20, 5).is_none());
+        }
+    }
 }

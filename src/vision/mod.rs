@@ -5,8 +5,9 @@
 //!
 //! 1. [`Contrast`]: how much each pixel looks like a rod, by a [`ColourRule`]; its threshold is the [`Mask`].
 //! 2. Thinning wears the mask down to lines one pixel wide; as a graph these are ends and junctions joined by branches.
-//! 3. Forks that face each other are the halves of one crossing. At a crossing, arms are paired such that the paths
-//!    through it bend least and keep their colour. Loose ends that face each other across another strand are joined.
+//! 3. Forks that face each other are the halves of one crossing. Arms are paired such that the paths from one to the other
+//!    bend least and keep their colour: at a crossing, along a stretch that two strands share, or across a gap under
+//!    another strand. Where ends remain that touch other strands, the mask is split by hue and looked at again.
 //! 4. Each path becomes a [`Strand`]: the middle between both of its edges, measured between pixels, smoothed along
 //!    the strand, bridged where it meets others.
 //! 5. [`find_crossings`] intersects the centrelines and tells which strand lies on top.

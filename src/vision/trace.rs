@@ -57,6 +57,9 @@ pub struct Trace {
 /// Largest part of a picture that lines may cover.
 const LARGEST_COVERAGE_PERCENT: usize = 50;
 
+/// With more strands than this the mask is noise.
+const MOST_STRANDS: usize = 60;
+
 /// Finds the strands of a picture.
 ///
 /// # Errors
@@ -105,8 +108,11 @@ impl Found {
         Self { strands, rejected }
     }
 
-    /// Ends of strands that touch another strand: there, one may have been cut in two.
+    /// Ends of strands that touch another strand: there, one may have been cut in two. None where all is noise.
     fn doubtful_ends(&self) -> usize {
+        if self.strands.len() > MOST_STRANDS {
+            return 0;
+        }
         let open = self
             .strands
             .iter()

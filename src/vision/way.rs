@@ -218,7 +218,8 @@ impl<'a> Ways<'a> {
                 if gap > WIDEST_GAP * width {
                     continue;
                 }
-                let covered = covered(mask, from, to);
+                let ways_on = [-self.departures[a].direction, self.departures[b].direction];
+                let covered = covered(mask, [from, to], ways_on);
                 let colours = [a, b].map(|arm| self.departures[arm].colour);
                 if (1.0 - covered) * gap > WIDEST_BARE * width
                     || colour_difference(colours[0], colours[1]) > OTHER_COLOUR
@@ -258,11 +259,18 @@ impl<'a> Ways<'a> {
     }
 }
 
-/// Part of the way between two points that lies in the mask.
-fn covered(mask: &Mask, from: Point, to: Point) -> f64 {
+/// Part of the way between two points that lies in the mask, along the cubic with the directions at both.
+fn covered(mask: &Mask, [from, to]: [Point; 2], directions: [Point; 2]) -> f64 {
     const SAMPLES: usize = 24;
+    let chord = (to - from).norm();
+    let [start, end] = directions.map(|direction| direction * chord);
     let inside = (0..SAMPLES).filter(|index| {
-        let point = from + (to - from) * ((*index as f64 + 0.5) / SAMPLES as f64);
+        let t = (*index as f64 + 0.5) / SAMPLES as f64;
+        let rest = 1.0 - t;
+        let point = from * (rest * rest * (1.0 + 2.0 * t))
+            + to * (t * t * (3.0 - 2.0 * t))
+            + start * (t * rest * rest)
+            - end * (t * t * rest);
         mask.contains(point.x.round() as usize, point.y.round() as usize)
     });
     inside.count() as f64 / SAMPLES as f64
