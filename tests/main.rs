@@ -30,4 +30,5 @@ mod robots;
 mod sweep;
 mod view;
 mod vision;
+mod vision_measure;
 mod vtk;

@@ -1,7 +1,10 @@
-//! `rodlab measure`: material lengths of real rods and strips from their shape under gravity, the knot of a curve.
+//! `rodlab measure`: material lengths of real rods and strips from their shape under gravity, the knot of a curve, sheets
+//! and markers in photographs.
 
 use super::failure::Failure;
 use super::measure_knot::{KnotArguments, measure_knot};
+use super::measure_markers::{MarkerArguments, measure_markers};
+use super::measure_sheet::{SheetArguments, measure_sheet};
 use super::output::print_json;
 use super::values::positive_length;
 use crate::mechanics::kirchhoff::{HangingStrip, HeavyLoop};
@@ -15,6 +18,8 @@ Examples:
   rodlab measure loop-height --height \"34 mm\" --uncertainty \"0.5 mm\"
   rodlab measure hanging-plate --length \"20 cm\" --drop \"7 cm\" --uncertainty \"1 mm\"
   rodlab measure knot curve.csv
+  rodlab measure sheet before.png after.png --cell camera.toml
+  rodlab measure markers frames/ --cell camera.toml --helix helix.toml
 
 The answer is JSON. Of loops and plates: the gravito-bending length L_gb in metres, and by how much it is uncertain.
 Bending stiffness / weight per length = 2 L_gb³.")]
@@ -49,6 +54,10 @@ enum Shape {
     },
     /// Which knot a curve is, by its determinant
     Knot(KnotArguments),
+    /// Corners and edges of a sheet of paper in a photograph, and how far it slid to a second one
+    Sheet(SheetArguments),
+    /// How far the markers of a rod in photographs are from those of a helix
+    Markers(MarkerArguments),
 }
 
 #[derive(Serialize)]
@@ -61,6 +70,8 @@ struct Answer {
 pub fn measure(arguments: &MeasureArguments) -> Result<(), Failure> {
     match &arguments.shape {
         Shape::Knot(arguments) => measure_knot(arguments),
+        Shape::Sheet(arguments) => measure_sheet(arguments),
+        Shape::Markers(arguments) => measure_markers(arguments),
         &Shape::LoopHeight {
             height,
             uncertainty,

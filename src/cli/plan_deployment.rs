@@ -4,6 +4,7 @@ use super::deployed_rod::RodFile;
 use super::deployment_files::{
     DRAWING, Landing, drawing_csv, landing, pattern_csv, trajectory_csv, trajectory_json,
 };
+use super::drawn_pattern::drawn_points;
 use super::failure::Failure;
 use super::output::print_json;
 use super::values::positive_length;
@@ -12,12 +13,10 @@ use crate::plan::deployment::{
     friction_demand, lead_in_length, long_enough, times, trajectory,
 };
 use crate::plan::pattern::{
-    Circle, Crossing, Drawing, Line, Pattern, PatternError, PatternSource, Point, Sine,
-    chosen_stroke, crossings, read_svg,
+    Circle, Crossing, Drawing, Line, Pattern, PatternError, PatternSource, Point, Sine, crossings,
 };
 use crate::results::write_whole;
-use crate::scenario::{metres, read_text_file};
-use crate::vision::read_curve;
+use crate::scenario::metres;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -302,36 +301,18 @@ impl DeploymentArguments {
 
     /// Points of an SVG or CSV file, in its size and direction.
     fn drawn(&self) -> Result<Vec<Point>, Failure> {
-        let path = Path::new(&self.pattern);
-        let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-        let points: Vec<Point> = if extension == "svg" {
-            self.stroke_of(path)?
-        } else if extension == "csv" {
-            let curve = read_curve(path, self.stroke)?;
-            curve
-                .iter()
-                .map(|point| Point::new(point.x, point.y))
-                .collect()
-        } else {
-            return Err(Failure::Input(format!(
+        let points = drawn_points(Path::new(&self.pattern), self.stroke)?;
+        let points = points.ok_or_else(|| {
+            Failure::Input(format!(
                 "--pattern {}: an .svg file, a .csv file, line:…, circle:… or sine:… is needed",
                 self.pattern
-            )));
-        };
+            ))
+        })?;
         let drawing = Drawing {
             size: self.size,
             reverse: self.reverse,
         };
         drawing.of(points).map_err(|error| self.no_pattern(&error))
-    }
-
-    fn stroke_of(&self, path: &Path) -> Result<Vec<Point>, Failure> {
-        let bytes = read_text_file(path).map_err(Failure::Input)?;
-        let text = String::from_utf8(bytes)
-            .map_err(|_| Failure::Input(format!("{} is no text in UTF-8", path.display())))?;
-        read_svg(&text)
-            .and_then(|strokes| chosen_stroke(strokes, self.stroke))
-            .map_err(|error| self.no_pattern(&error))
     }
 }
 

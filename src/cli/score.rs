@@ -1,11 +1,16 @@
 //! `rodlab score`: how far a deployed curve is from its pattern.
 
+use super::drawn_pattern::drawn_points;
 use super::failure::Failure;
 use super::output::{print, print_json};
+use super::values::{length_from_zero, positive_length};
 use crate::figure::{Format, Paper};
+use crate::plan::pattern::Drawing;
 use crate::results::write_whole;
+use crate::scenario::read_text_file;
 use crate::vision::{
-    CurveError, SCORE_POINTS, Score, read_curve, score as score_curves, score_figure,
+    CurveError, Point, SCORE_POINTS, Score, part_of_curve, read_curve, score as score_curves,
+    score_figure,
 };
 use clap::Args;
 use serde::Serialize;
@@ -18,11 +23,21 @@ pub struct ScoreArguments {
     /// The deployed curve: centrelines.csv of a trace with a camera, nodes.csv or a results directory of a run, or any
     /// CSV with columns x_m and y_m
     pub result: PathBuf,
-    /// The pattern: CSV with columns x_m and y_m
+    /// The pattern: an SVG drawing, or CSV with columns x_m and y_m
     pub pattern: PathBuf,
     /// Strand of the result, from 1 [default: the first one]
     #[arg(long, value_name = "N")]
     pub strand: Option<usize>,
+    /// Which stroke of an SVG pattern, or strand of a CSV one, from 1
+    #[arg(long, value_name = "N")]
+    pub stroke: Option<usize>,
+    /// Length of the longer side of the pattern [default: as drawn]
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
+    pub size: Option<f64>,
+    /// Arc length of the result at which the pattern begins; what lies beyond the pattern's length is left out, too
+    /// [default: for results of a deployment the lead-in that their scenario gives; otherwise all is compared]
+    #[arg(long, value_name = "LENGTH", value_parser = length_from_zero)]
+    pub begin: Option<f64>,
     /// Number of points that are compared
     #[arg(long, value_name = "N", default_value_t = SCORE_POINTS, value_parser = point_count)]
     pub points: usize,
@@ -40,7 +55,8 @@ pub struct ScoreArguments {
 const EXAMPLES: &str = "\
 Examples:
   rodlab score traced/centrelines.csv letter.csv
-  rodlab score results/deployment letter.csv --align --out score.svg
+  rodlab score traced/centrelines.csv scenarios/patterns/U.svg --align --out score.svg
+  rodlab score results/letter/landing letter.csv
 
 Mean and standard deviation are those of Eq. 5.11 of the thesis: points at equal distances along the pattern are
 compared with those at the same part of the result's length, and with the nearest point of the result.";
@@ -60,6 +76,9 @@ struct Answer {
     by_nearest_point: CurveError,
     pattern_length_m: f64,
     result_length_m: f64,
+    /// Arc length of the whole result at which the part that is compared begins.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    begin_m: Option<f64>,
     reversed: bool,
     #[serde(skip_serializing_if = "Option::is_none")]
     alignment: Option<Alignment>,
@@ -78,8 +97,16 @@ pub fn score(arguments: &ScoreArguments) -> Result<(), Failure> {
     } else {
         arguments.result.clone()
     };
-    let result = read_curve(&source, arguments.strand)?;
-    let pattern = read_curve(&arguments.pattern, None)?;
+    let whole = read_curve(&source, arguments.strand)?;
+    let pattern = arguments.pattern_points()?;
+    let begin = match arguments.begin {
+        Some(begin) => Some(begin),
+        None => lead_in_of(&arguments.result)?,
+    };
+    let result = match begin {
+        Some(begin) => part_of_curve(&whole, begin, &pattern)?,
+        None => whole,
+    };
     let found = score_curves(&result, &pattern, arguments.points, arguments.align)?;
     if let Some(out) = &arguments.out {
         write_figure(out, &found, &arguments.result, &arguments.pattern)?;
@@ -90,6 +117,7 @@ pub fn score(arguments: &ScoreArguments) -> Result<(), Failure> {
         by_nearest_point: found.by_nearest_point,
         pattern_length_m: found.pattern_length,
         result_length_m: found.result_length,
+        begin_m: begin,
         reversed: found.reversed,
         alignment: arguments.align.then(|| Alignment {
             turn_degrees: found.alignment.rotation.angle().to_degrees(),
@@ -113,6 +141,9 @@ pub fn score(arguments: &ScoreArguments) -> Result<(), Failure> {
         "length             {:.4} m, pattern {:.4} m\n",
         answer.result_length_m, answer.pattern_length_m
     );
+    if let Some(begin) = answer.begin_m {
+        text += &format!("begins at          {begin:.4} m of the result\n");
+    }
     if let Some(alignment) = &answer.alignment {
         text += &format!(
             "aligned by         {:.3}° and ({:.5}, {:.5}) m\n",
@@ -120,6 +151,45 @@ pub fn score(arguments: &ScoreArguments) -> Result<(), Failure> {
         );
     }
     print(&text)
+}
+
+impl ScoreArguments {
+    fn pattern_points(&self) -> Result<Vec<Point>, Failure> {
+        let named =
+            |reason: String| Failure::Input(format!("{}: {reason}", self.pattern.display()));
+        let points = drawn_points(&self.pattern, self.stroke)?
+            .ok_or_else(|| named("an .svg or a .csv file is needed".into()))?;
+        let drawing = Drawing {
+            size: self.size,
+            reverse: false,
+        };
+        drawing.of(points).map_err(|error| named(error.to_string()))
+    }
+}
+
+/// The lead-in of a deployment's results, m: it lies before the pattern, and the rod's other end beyond it is still
+/// held by the gripper. None for other results.
+fn lead_in_of(results: &Path) -> Result<Option<f64>, Failure> {
+    let path = results.join("scenario.toml");
+    if !path.is_file() {
+        return Ok(None);
+    }
+    let named = |reason: &str| Failure::Input(format!("{}: {reason}", path.display()));
+    let bytes = read_text_file(&path).map_err(Failure::Input)?;
+    let text = String::from_utf8(bytes).map_err(|_| named("it is no text in UTF-8"))?;
+    let scenario: toml::Table = text.parse().map_err(|_| named("it is no TOML"))?;
+    let kind = scenario.get("experiment").and_then(toml::Value::as_str);
+    if kind != Some("deployment") {
+        return Ok(None);
+    }
+    let lead_in = scenario
+        .get("deployment")
+        .and_then(|deployment| deployment.get("lead_in"))
+        .and_then(toml::Value::as_float);
+    let lead_in = lead_in.filter(|length| *length >= 0.0 && length.is_finite());
+    lead_in.map(Some).ok_or_else(|| {
+        named("deployment.lead_in is no length; give --begin, where on the rod the pattern begins")
+    })
 }
 
 fn write_figure(out: &Path, found: &Score, result: &Path, pattern: &Path) -> Result<(), Failure> {

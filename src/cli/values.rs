@@ -14,6 +14,16 @@ pub fn positive_length(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A length from zero up, in metres.
+pub fn length_from_zero(text: &str) -> Result<f64, String> {
+    let length = metres(text)?;
+    if length >= 0.0 && length.is_finite() {
+        Ok(length)
+    } else {
+        Err("must be a length of 0 or more".into())
+    }
+}
+
 /// A wall time.
 pub fn duration(text: &str) -> Result<Duration, String> {
     let seconds = seconds(text)?;

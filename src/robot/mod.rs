@@ -37,9 +37,9 @@ pub use body::{Body, Hull, Shape};
 pub use chain::{Chain, Joint, JointKind, Limits, MOST_JOINTS, Motion, Segment};
 pub use collision::{Approach, FAR, Member, StandingBox, Surroundings};
 pub use driver::{
-    CameraPicture, Driver, DriverError, FileDriver, JointState, Middleware, PartTrajectory,
-    Progress, Ros1Camera, Ros1Driver, Ros2Address, RosVersion, RosbridgeDriver, SerialLine,
-    StepperAnswer, StepperDriver, StepperLink, StepperRequest,
+    Bag, BagError, BagPicture, CameraPicture, Driver, DriverError, FileDriver, JointState,
+    Middleware, PartTrajectory, Progress, Ros1Camera, Ros1Driver, Ros2Address, RosVersion,
+    RosbridgeDriver, SerialLine, StepperAnswer, StepperDriver, StepperLink, StepperRequest,
 };
 pub use inverse::{Nearest, REACHED};
 pub use kinematics::Jacobian;

@@ -2,11 +2,12 @@
 
 use super::Point;
 use super::contrast::Contrast;
-use super::crossing::{Arm, Crossing, distorted_pixels};
+use super::crossing::Arm;
+use super::path_energy::distorted_pixels;
 use super::skeleton::{Skeleton, median};
 use super::smoothing::{resample, smooth};
 use super::strand::Path;
-use std::collections::BTreeMap;
+use super::strand_end::{EndStops, extend_ends};
 
 /// A strand of an image: the curve along its middle, and how wide it is.
 ///
@@ -67,7 +68,7 @@ pub(super) fn centreline(
     contrast: &Contrast,
     skeleton: &Skeleton,
     path: &Path,
-    ends: &EndStops,
+    ends: &EndStops<impl Fn(Point) -> [f64; 3]>,
 ) -> Strand {
     let widths: Vec<f64> = path
         .entries
@@ -128,33 +129,15 @@ pub(super) fn centreline(
     }
 }
 
-/// Where strands end at other strands: arms of crossings without a partner, and how far the crossing is.
-#[derive(Debug, Default)]
-pub(super) struct EndStops {
-    crossing_of: BTreeMap<Arm, Point>,
-}
-
-impl EndStops {
-    pub fn new(crossings: &[Crossing]) -> Self {
-        let mut stops = Self::default();
-        for crossing in crossings {
-            for arm in &crossing.arms {
-                stops.crossing_of.insert(*arm, crossing.position);
-            }
-        }
-        stops
-    }
-}
-
 /// Points of the skeleton along a path at a step, smoothed later; those where it is distorted have no weight.
 fn first_guess(
     skeleton: &Skeleton,
     path: &Path,
     step: f64,
-    ends: &EndStops,
+    ends: &EndStops<impl Fn(Point) -> [f64; 3]>,
 ) -> (Vec<Point>, Vec<f64>) {
     let (mut raw, mut trusted) = (Vec::new(), Vec::new());
-    for entry in &path.entries {
+    for (entry, bridge) in path.entries.iter().zip(&path.bridges) {
         let branch = &skeleton.branches[entry.branch];
         let count = branch.pixels.len();
         let skipped = |side: usize| {
@@ -164,7 +147,7 @@ fn first_guess(
             };
             if branch.nodes.is_none() {
                 0
-            } else if ends.crossing_of.contains_key(&arm) {
+            } else if ends.has(arm) {
                 distorted_pixels(skeleton, arm)
             } else {
                 // Skeletons turn to a corner of a strand's end.
@@ -178,6 +161,8 @@ fn first_guess(
         raw.extend(pixels.iter().copied());
         // What follows the last one is a bridge.
         trusted.extend((0..pixels.len()).map(|index| index + 1 < pixels.len()));
+        raw.extend(bridge.iter().copied());
+        trusted.extend((0..bridge.len()).map(|index| index + 1 < bridge.len()));
     }
     if raw.is_empty() {
         // A path of branches without pixels: from node to node.
@@ -228,7 +213,8 @@ impl Chord {
     }
 }
 
-fn normal(tangent: Point) -> Point {
+/// The direction across, to the right of one that points down.
+pub(super) fn normal(tangent: Point) -> Point {
     Point::new(-tangent.y, tangent.x)
 }
 
@@ -325,106 +311,4 @@ fn fill_gaps(chords: &[Option<Chord>], width: f64) -> Vec<f64> {
             near.iter().sum::<f64>() / near.len() as f64
         })
         .collect()
-}
-
-/// Moves both ends along the strand to where it ends: the edge of the mask or of the image, or another strand.
-fn extend_ends(
-    contrast: &Contrast,
-    points: &mut Vec<Point>,
-    widths: &mut Vec<f64>,
-    step: f64,
-    path: &Path,
-    ends: &EndStops,
-) {
-    for end in 0..2 {
-        // The end to be moved is the last one.
-        points.reverse();
-        widths.reverse();
-        let arm = if end == 0 {
-            path.entries.first().copied()
-        } else {
-            path.entries.last().map(|entry| Arm {
-                side: 1 - entry.side,
-                ..*entry
-            })
-        };
-        let stop = arm.and_then(|arm| ends.crossing_of.get(&arm)).copied();
-        extend_end(contrast, points, widths, step, stop);
-    }
-}
-
-fn extend_end(
-    contrast: &Contrast,
-    points: &mut Vec<Point>,
-    widths: &mut Vec<f64>,
-    step: f64,
-    stop: Option<Point>,
-) {
-    // At the border no chord is measured, and what is smoothed may lie a little beyond it.
-    while points.len() > 3
-        && points
-            .last()
-            .is_some_and(|point| !in_picture(contrast, *point))
-    {
-        points.pop();
-        widths.pop();
-    }
-    let (Some(last), Some(width)) = (points.last().copied(), widths.last().copied()) else {
-        return;
-    };
-    let Some((along, turn)) = end_direction(points, width, step) else {
-        return;
-    };
-    let longest = stop.map_or(2.0 * width, |stop| {
-        ((stop - last).dot(&along) - 0.5 * width).clamp(0.0, 2.0 * width)
-    });
-    // The strand goes on as it bends.
-    let place = |t: f64| last + along * t + normal(along) * (0.5 * turn * t * t);
-    let inside = |t: f64| {
-        let point = place(t);
-        contrast.at(point.x, point.y) >= f64::from(contrast.threshold)
-    };
-    const STEP: f64 = 0.25;
-    let mut reach = 0.0;
-    while reach + STEP <= longest && inside(reach + STEP) {
-        reach += STEP;
-    }
-    let pieces = (reach / step).round() as usize;
-    for piece in 1..=pieces {
-        points.push(place(reach * piece as f64 / pieces as f64));
-        widths.push(width);
-    }
-    if pieces == 0 && reach > 0.0 {
-        let end = points.len() - 1;
-        points[end] = place(reach);
-    }
-}
-
-/// Whether a point lies on a pixel of the picture.
-fn in_picture(contrast: &Contrast, point: Point) -> bool {
-    let (width, height) = (contrast.width as f64, contrast.height as f64);
-    point.x >= -0.5 && point.y >= -0.5 && point.x < width - 0.5 && point.y < height - 0.5
-}
-
-/// Direction at the end of a strand, and how much it turns per length, from the last two widths.
-fn end_direction(points: &[Point], width: f64, step: f64) -> Option<(Point, f64)> {
-    let back = (width / step).ceil() as usize;
-    let at = |index: usize| {
-        points
-            .len()
-            .checked_sub(1 + index)
-            .map(|index| points[index])
-    };
-    let (Some(end), Some(middle), Some(start)) = (at(0), at(back), at(2 * back)) else {
-        let along = points.last()? - points.first()?;
-        return Some((along.try_normalize(1e-9)?, 0.0));
-    };
-    let later = (end - middle).try_normalize(1e-9)?;
-    let earlier = (middle - start).try_normalize(1e-9)?;
-    let turned = libm::atan2(earlier.perp(&later), earlier.dot(&later));
-    let apart = 0.5 * (end - start).norm();
-    // A strand bends with a radius of two widths at least; what bends more is noise.
-    let turn = (turned / apart).clamp(-0.5 / width, 0.5 / width);
-    let ahead = 0.5 * turn * (end - middle).norm();
-    Some(((later + normal(later) * ahead).normalize(), turn))
 }

@@ -1,12 +1,11 @@
 //! Corners of a checkerboard in a picture, to a fraction of a pixel.
 //!
-//! Inner corners of a checkerboard are saddles of the brightness. They are refined to where the gradients around are
-//! orthogonal to the way to the corner (Förstner and Gülch 1987), and put in order by growing a grid from one of
-//! them.
+//! Inner corners are saddles of the brightness, put in order by growing a grid from one of them.
 
+use super::saddle::Grey;
 use super::{Point, VisionError};
 use image::RgbImage;
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::Vector2;
 
 /// A checkerboard: its inner corners and the side of its squares.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -218,146 +217,4 @@ fn first_steps(points: &[Point], seed: usize) -> Option<[Vector2<f64>; 2]> {
         .take(6)
         .find(|way| right.perp(way).abs() > 0.6 * right.norm() * way.norm())?;
     Some([right, *down])
-}
-
-struct Grey {
-    width: usize,
-    height: usize,
-    values: Vec<f64>,
-}
-
-impl Grey {
-    fn new(picture: &RgbImage) -> Self {
-        let value = |pixel: &image::Rgb<u8>| {
-            0.299 * f64::from(pixel[0]) + 0.587 * f64::from(pixel[1]) + 0.114 * f64::from(pixel[2])
-        };
-        Self {
-            width: picture.width() as usize,
-            height: picture.height() as usize,
-            values: picture.pixels().map(value).collect(),
-        }
-    }
-
-    fn pixel(&self, column: i32, row: i32) -> f64 {
-        let column = column.clamp(0, self.width as i32 - 1) as usize;
-        let row = row.clamp(0, self.height as i32 - 1) as usize;
-        self.values[row * self.width + column]
-    }
-
-    fn at(&self, point: Point) -> f64 {
-        let (column, row) = (point.x.floor(), point.y.floor());
-        let (s, t) = (point.x - column, point.y - row);
-        let (column, row) = (column as i32, row as i32);
-        (self.pixel(column, row) * (1.0 - s) + self.pixel(column + 1, row) * s) * (1.0 - t)
-            + (self.pixel(column, row + 1) * (1.0 - s) + self.pixel(column + 1, row + 1) * s) * t
-    }
-
-    /// Saddles of the blurred brightness, the strongest first.
-    fn saddles(&self) -> Vec<Point> {
-        let mut blurred: Vec<u8> = self.values.iter().map(|value| *value as u8).collect();
-        for _ in 0..4 {
-            super::contrast::blur(&mut blurred, self.width, self.height);
-        }
-        let value = |column: usize, row: usize| f64::from(blurred[row * self.width + column]);
-        let mut strength = vec![0.0; self.values.len()];
-        const REACH: usize = 2;
-        for row in REACH..self.height.saturating_sub(REACH) {
-            for column in REACH..self.width.saturating_sub(REACH) {
-                let h = REACH;
-                let middle = 2.0 * value(column, row);
-                let xx = value(column + h, row) + value(column - h, row) - middle;
-                let yy = value(column, row + h) + value(column, row - h) - middle;
-                let xy = (value(column + h, row + h) + value(column - h, row - h)
-                    - value(column + h, row - h)
-                    - value(column - h, row + h))
-                    / 4.0;
-                strength[row * self.width + column] = (xy * xy - xx * yy).max(0.0);
-            }
-        }
-        let strongest = strength.iter().copied().fold(0.0, f64::max);
-        // A board under uneven light differs by some factor, noise on plain areas by far more.
-        let least = (0.08 * strongest).max(100.0);
-        let mut found: Vec<(f64, Point)> = Vec::new();
-        const NEAR: usize = 4;
-        for row in NEAR..self.height.saturating_sub(NEAR) {
-            for column in NEAR..self.width.saturating_sub(NEAR) {
-                let here = strength[row * self.width + column];
-                if here < least {
-                    continue;
-                }
-                let is_peak = (row - NEAR..=row + NEAR).all(|r| {
-                    (column - NEAR..=column + NEAR).all(|c| {
-                        let other = strength[r * self.width + c];
-                        other < here || (other == here && (r, c) >= (row, column))
-                    })
-                });
-                let place = Point::new(column as f64, row as f64);
-                if is_peak && self.alternates_around(place) {
-                    found.push((here, place));
-                }
-            }
-        }
-        found.sort_by(|a, b| b.0.total_cmp(&a.0));
-        const MOST: usize = 2000;
-        found
-            .into_iter()
-            .take(MOST)
-            .map(|(_, point)| point)
-            .collect()
-    }
-
-    /// Whether a ring about a point is dark, bright, dark and bright: corners of a single square are not.
-    fn alternates_around(&self, point: Point) -> bool {
-        const SAMPLES: usize = 24;
-        const RADIUS: f64 = 4.5;
-        let ring: Vec<f64> = (0..SAMPLES)
-            .map(|index| {
-                let (sine, cosine) =
-                    libm::sincos(index as f64 * std::f64::consts::TAU / SAMPLES as f64);
-                self.at(point + Point::new(cosine, sine) * RADIUS)
-            })
-            .collect();
-        let (least, most) = ring.iter().fold((f64::INFINITY, 0.0f64), |(a, b), value| {
-            (a.min(*value), b.max(*value))
-        });
-        let bright = |index: usize| ring[index % SAMPLES] > 0.5 * (least + most);
-        let changes = (0..SAMPLES).filter(|index| bright(*index) != bright(index + 1));
-        changes.count() == 4
-    }
-
-    /// Moves a corner to where Σ w g gᵀ (corner − pixel) = 0 for the gradients g around it.
-    fn refine(&self, corner: Point, reach: i32) -> Point {
-        let mut current = corner;
-        for _ in 0..20 {
-            let (mut matrix, mut right) = (Matrix2::zeros(), Vector2::zeros());
-            for dy in -reach..=reach {
-                for dx in -reach..=reach {
-                    let offset = Vector2::new(f64::from(dx), f64::from(dy));
-                    let place = current + offset;
-                    let gradient = Vector2::new(
-                        self.at(place + Vector2::x()) - self.at(place - Vector2::x()),
-                        self.at(place + Vector2::y()) - self.at(place - Vector2::y()),
-                    );
-                    let sigma = 0.6 * f64::from(reach);
-                    let weight = libm::exp(-offset.norm_squared() / (2.0 * sigma * sigma));
-                    let product = gradient * gradient.transpose() * weight;
-                    matrix += product;
-                    right += product * place;
-                }
-            }
-            let Some(inverse) = matrix.try_inverse() else {
-                return corner;
-            };
-            let moved = inverse * right;
-            if (moved - corner).norm() > f64::from(reach) {
-                return corner;
-            }
-            let done = (moved - current).norm() < 1e-4;
-            current = moved;
-            if done {
-                break;
-            }
-        }
-        current
-    }
 }

@@ -1,15 +1,13 @@
-//! Crossings of strands in a skeleton: which junctions are one crossing, and which arms of it belong together.
+//! Crossings of strands in a skeleton: which arms of each belong together.
 //!
-//! Two strands that cross at a small angle share the middle of their skeletons: a link between two forks. A strand
-//! has no forks, so forks come in pairs, joined by a link; links are found by that. At a crossing, arms are paired
-//! such that the paths through it bend least (the idea of mBEST: Choi et al., IEEE RA-L 8, 2023). The energy of a
-//! path is that of the cubic with the positions and directions of both arms, and a path that changes its colour
-//! costs extra.
+//! At a crossing, arms are paired such that the paths through it bend least (the idea of mBEST: Choi et al., IEEE RA-L 8,
+//! 2023). The energy of a path is that of the cubic with the positions and directions of both arms, and a path that
+//! changes its colour costs extra.
 
 use super::Point;
-use super::colour::colour_difference;
+use super::junction::group_junctions;
+use super::path_energy::{Departure, departure, pair_energies};
 use super::skeleton::Skeleton;
-use nalgebra::Matrix3;
 
 /// One end of a branch, at a crossing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -25,33 +23,12 @@ pub(super) struct Crossing {
     pub position: Point,
     pub arms: Vec<Arm>,
     pub pairs: Vec<[Arm; 2]>,
+    /// Where the strand of the only pair runs between its arms, where that is known.
+    pub via: Vec<Point>,
 }
 
-/// Where an arm leaves the part of the skeleton that a crossing distorts.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Departure {
-    pub position: Point,
-    /// Unit vector away from the crossing.
-    pub direction: Point,
-    pub colour: [f64; 3],
-}
-
-/// Longest link between two forks, in widths: strands that cross at 15°.
-const LONGEST_LINK: f64 = 6.0;
-/// Junctions nearer than this are one crossing whatever their arms, in widths.
-const SAME_JUNCTION: f64 = 0.5;
-/// Forks nearer than this are two halves of a crossing whatever the direction of their arms, in widths.
-const SAME_CROSSING: f64 = 1.5;
-/// Cosine of the widest angle between a longer link and the arms that continue it.
-const FORK_COSINE: f64 = 0.5;
-/// Stretch of an arm that tells its direction, in widths.
-const DIRECTION_STRETCH: f64 = 2.5;
 /// Energy of an end of a strand at a crossing: a path turns by more than some 60° only where nothing better is there.
 pub(super) const END_ENERGY: f64 = 2.0;
-/// Colour difference that counts like an energy of one half.
-const COLOUR_SCALE: f64 = 20.0;
-/// The most a change of colour counts: lights and shadows change colours, too.
-const COLOUR_CAP: f64 = 8.0;
 /// More arms than this are paired greedily, not by trying all pairings (764 of them for eight arms).
 const MOST_ARMS_TRIED: usize = 8;
 /// More arms than this are noise: they are not paired at all.
@@ -74,6 +51,7 @@ pub(super) fn crossings(
                 position: Point::zeros(),
                 arms: Vec::new(),
                 pairs: Vec::new(),
+                via: Vec::new(),
             });
         }
         let crossing = crossing_of[*root];
@@ -115,258 +93,12 @@ pub(super) fn crossings(
 }
 
 /// Median width of the branches that meet.
-fn width_at(skeleton: &Skeleton, arms: &[Arm]) -> f64 {
+pub(super) fn width_at(skeleton: &Skeleton, arms: &[Arm]) -> f64 {
     let widths: Vec<f64> = arms
         .iter()
         .map(|arm| 2.0 * skeleton.branches[arm.branch].half_width())
         .collect();
     super::skeleton::median(&widths).max(1.0)
-}
-
-/// For each node the node that stands for its crossing; for each branch whether it is a link.
-fn group_junctions(skeleton: &Skeleton) -> (Vec<usize>, Vec<bool>) {
-    let mut groups = Groups::new(skeleton);
-    let mut links = groups.links(skeleton);
-    links.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
-    for (branch, length, width) in &links {
-        if *length < SAME_JUNCTION * width {
-            groups.join(skeleton, *branch);
-        }
-    }
-    for (branch, length, width) in &links {
-        let [begin, end] = skeleton.branches[*branch].nodes.expect("a link has nodes");
-        let (a, b) = (groups.root(begin), groups.root(end));
-        let odd = |arms: &[Arm]| arms.len() % 2 == 1;
-        let link = Arm {
-            branch: *branch,
-            side: 0,
-        };
-        let is_fork = |groups: &Groups, root: usize, side: usize| {
-            let others = groups.arms[root]
-                .iter()
-                .filter(|arm| **arm != Arm { side, ..link });
-            others.copied().all(|arm| {
-                let away = rough_direction(skeleton, arm, *width);
-                let along = rough_direction(skeleton, Arm { side, ..link }, *width);
-                away.dot(&along) < -FORK_COSINE
-            })
-        };
-        if a != b
-            && *length < LONGEST_LINK * width
-            && odd(&groups.arms[a])
-            && odd(&groups.arms[b])
-            && (*length < SAME_CROSSING * width || is_fork(&groups, a, 0) && is_fork(&groups, b, 1))
-        {
-            groups.join(skeleton, *branch);
-        }
-    }
-    let roots = (0..skeleton.nodes.len()).map(|node| groups.root(node));
-    (roots.collect(), groups.is_link)
-}
-
-/// Junctions that are one crossing, by union and find.
-struct Groups {
-    parent: Vec<usize>,
-    /// Arms of each group, at its root.
-    arms: Vec<Vec<Arm>>,
-    /// For each branch.
-    is_link: Vec<bool>,
-}
-
-impl Groups {
-    fn new(skeleton: &Skeleton) -> Self {
-        let mut arms = vec![Vec::new(); skeleton.nodes.len()];
-        for (branch, ends) in skeleton.branches.iter().enumerate() {
-            for (side, node) in ends.nodes.into_iter().flatten().enumerate() {
-                arms[node].push(Arm { branch, side });
-            }
-        }
-        Self {
-            parent: (0..skeleton.nodes.len()).collect(),
-            arms,
-            is_link: vec![false; skeleton.branches.len()],
-        }
-    }
-
-    fn root(&self, mut node: usize) -> usize {
-        while self.parent[node] != node {
-            node = self.parent[node];
-        }
-        node
-    }
-
-    /// Branches between different junctions, with the distance between these and the width of the strands there.
-    fn links(&self, skeleton: &Skeleton) -> Vec<(usize, f64, f64)> {
-        let mut links = Vec::new();
-        for (branch, ends) in skeleton.branches.iter().enumerate() {
-            let Some([begin, end]) = ends.nodes else {
-                continue;
-            };
-            if begin == end || self.arms[begin].len() < 3 || self.arms[end].len() < 3 {
-                continue;
-            }
-            let ways = [skeleton.nodes[begin].position, skeleton.nodes[end].position];
-            let length = match (ends.pixels.first(), ends.pixels.last()) {
-                (Some(first), Some(last)) => {
-                    (first - ways[0]).norm() + ends.length() + (last - ways[1]).norm()
-                }
-                _ => (ways[0] - ways[1]).norm(),
-            };
-            let others: Vec<Arm> = self.arms[begin]
-                .iter()
-                .chain(&self.arms[end])
-                .filter(|arm| arm.branch != branch)
-                .copied()
-                .collect();
-            links.push((branch, length, width_at(skeleton, &others)));
-        }
-        links
-    }
-
-    fn join(&mut self, skeleton: &Skeleton, branch: usize) {
-        let [begin, end] = skeleton.branches[branch].nodes.expect("a link has nodes");
-        let (a, b) = (self.root(begin), self.root(end));
-        self.is_link[branch] = true;
-        if a != b {
-            let moved = std::mem::take(&mut self.arms[b]);
-            self.arms[a].extend(moved);
-            self.parent[b] = a;
-        }
-        self.arms[a].retain(|arm| arm.branch != branch);
-    }
-}
-
-/// Direction of an arm away from its node, over the first two widths of it.
-fn rough_direction(skeleton: &Skeleton, arm: Arm, width: f64) -> Point {
-    let branch = &skeleton.branches[arm.branch];
-    let ends = branch.nodes.expect("an arm has nodes");
-    let from = skeleton.nodes[ends[arm.side]].position;
-    let reach = (2.0 * width).ceil() as usize;
-    let towards = match branch.pixels.len().min(reach) {
-        0 => skeleton.nodes[ends[1 - arm.side]].position,
-        count if arm.side == 0 => branch.pixels[count - 1],
-        count => branch.pixels[branch.pixels.len() - count],
-    };
-    unit(towards - from)
-}
-
-fn unit(vector: Point) -> Point {
-    vector.try_normalize(1e-9).unwrap_or(Point::x())
-}
-
-/// How many pixels at an arm's begin a crossing distorts: as far as the mask is wider than along the branch, half a
-/// width at least, and never more than a third of the branch.
-pub(super) fn distorted_pixels(skeleton: &Skeleton, arm: Arm) -> usize {
-    let branch = &skeleton.branches[arm.branch];
-    let count = branch.pixels.len();
-    let usual = branch.half_width();
-    let wide = |index: usize| {
-        let index = if arm.side == 0 {
-            index
-        } else {
-            count - 1 - index
-        };
-        branch.half_widths[index] > 1.1 * usual + 0.3
-    };
-    let widened = (0..count).take_while(|index| wide(*index)).count();
-    widened.max(usual.ceil() as usize).min(count / 3)
-}
-
-pub(super) fn departure(
-    skeleton: &Skeleton,
-    arm: Arm,
-    centre: Point,
-    colour: impl Fn(Point) -> [f64; 3],
-) -> Departure {
-    let branch = &skeleton.branches[arm.branch];
-    let count = branch.pixels.len();
-    let skipped = distorted_pixels(skeleton, arm);
-    let stretch = (DIRECTION_STRETCH * 2.0 * branch.half_width()).ceil() as usize;
-    let used = stretch.max(4).min(count - skipped);
-    let pixel = |index: usize| {
-        branch.pixels[if arm.side == 0 {
-            skipped + index
-        } else {
-            count - 1 - skipped - index
-        }]
-    };
-    if used < 3 {
-        let ends = branch.nodes.expect("an arm has nodes");
-        let far = skeleton.nodes[ends[1 - arm.side]].position;
-        let near = if used > 0 { pixel(0) } else { centre };
-        return Departure {
-            position: near,
-            direction: unit(far - centre),
-            colour: colour(near),
-        };
-    }
-    let points: Vec<Point> = (0..used).map(pixel).collect();
-    let (position, direction) = quadratic_start(&points);
-    let mut sum = [0.0; 3];
-    for point in &points {
-        for (sum, value) in sum.iter_mut().zip(colour(*point)) {
-            *sum += value / used as f64;
-        }
-    }
-    Departure {
-        position,
-        direction: unit(direction),
-        colour: sum,
-    }
-}
-
-/// Position and derivative at the first point of the parabola through points, by least squares.
-fn quadratic_start(points: &[Point]) -> (Point, Point) {
-    let mut normal = Matrix3::zeros();
-    let mut right = [nalgebra::Vector3::zeros(); 2];
-    for (index, point) in points.iter().enumerate() {
-        let s = index as f64 / points.len() as f64;
-        let powers = nalgebra::Vector3::new(1.0, s, s * s);
-        normal += powers * powers.transpose();
-        right[0] += powers * point.x;
-        right[1] += powers * point.y;
-    }
-    let chord = points[points.len() - 1] - points[0];
-    let Some(inverse) = normal.try_inverse() else {
-        return (points[0], chord);
-    };
-    let [x, y] = right.map(|right| inverse * right);
-    let derivative = Point::new(x[1], y[1]);
-    // Short arms bend less than their pixels say.
-    let derivative = if derivative.dot(&chord) > 0.0 {
-        derivative
-    } else {
-        chord
-    };
-    (Point::new(x[0], y[0]), derivative)
-}
-
-/// Energies of the paths between all pairs of arms, with those of the change of colour.
-fn pair_energies(departures: &[Departure], width: f64) -> Vec<Vec<f64>> {
-    let row = |a: &Departure| {
-        let energies = departures.iter().map(|b| pair_energy(a, b, width));
-        energies.collect()
-    };
-    departures.iter().map(row).collect()
-}
-
-/// Energy of the path between two arms, with that of the change of colour.
-pub(super) fn pair_energy(a: &Departure, b: &Departure, width: f64) -> f64 {
-    let colours = colour_difference(a.colour, b.colour) / COLOUR_SCALE;
-    bending_energy(a, b, width) + (0.5 * colours * colours).min(COLOUR_CAP)
-}
-
-/// Bending energy of the cubic that joins two arms, times the width.
-///
-/// With L the length of the chord and a, b the angles of the path to it at both ends, a cubic has
-/// ∫ κ² ds = 4 (a² + a b + b²)/L.
-fn bending_energy(from: &Departure, to: &Departure, width: f64) -> f64 {
-    let chord = to.position - from.position;
-    let length = chord.norm().max(0.5 * width);
-    let chord = unit(chord);
-    let angle = |direction: Point| libm::atan2(chord.perp(&direction), chord.dot(&direction));
-    let (a, b) = (angle(-from.direction), angle(to.direction));
-    4.0 * (a * a + a * b + b * b) * width / length
 }
 
 /// Pairs of arms with the least sum of energies.
@@ -450,19 +182,6 @@ mod tests {
             direction: Point::new(angle.cos(), angle.sin()),
             colour: [50.0, 0.0, 0.0],
         }
-    }
-
-    #[test]
-    fn a_straight_path_does_not_bend_and_an_arc_bends_as_a_circle_does() {
-        let straight = bending_energy(&arm(0.0, 0.0, 180.0), &arm(20.0, 0.0, 0.0), 5.0);
-        assert!(straight < 1e-12);
-        // A quarter of a right angle on a circle: ∫κ² ds = φ²/(R φ) = φ/R.
-        let phi = 22.5f64.to_radians();
-        let radius = 100.0;
-        let from = arm(0.0, 0.0, 180.0);
-        let end = Point::new(radius * phi.sin(), radius * (1.0 - phi.cos()));
-        let arc = bending_energy(&from, &arm(end.x, end.y, 22.5), 1.0);
-        assert!((arc / (phi / radius) - 1.0).abs() < 0.02, "{arc}");
     }
 
     #[test]

@@ -68,7 +68,11 @@ pub fn helix_points(
 /// How far markers are from where they are expected.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarkerErrors {
-    /// For each expected marker in front of the camera its distance in pixels; none where no marker was found.
+    /// For each expected marker its place in the picture; none behind the camera.
+    pub expected: Vec<Option<Point>>,
+    /// The marker that was found for it, if any.
+    pub found: Vec<Option<Point>>,
+    /// The distance of both in pixels.
     pub pixels: Vec<Option<f64>>,
     /// The same in metres at the distance of the expected marker.
     pub metres: Vec<Option<f64>>,
@@ -104,10 +108,12 @@ pub fn compare_markers(
     }
     pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut pixels = vec![None; expected.len()];
+    let mut matched = vec![None; expected.len()];
     let mut used = vec![false; found.len()];
     for (distance, index, marker) in pairs {
         if pixels[index].is_none() && !used[marker] {
             pixels[index] = Some(distance);
+            matched[index] = Some(found[marker]);
             used[marker] = true;
         }
     }
@@ -134,6 +140,8 @@ pub fn compare_markers(
         });
     }
     Ok(MarkerErrors {
+        expected: places,
+        found: matched,
         pixels,
         metres,
         rms_metres: (squares.iter().sum::<f64>() / squares.len() as f64).sqrt(),

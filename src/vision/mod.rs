@@ -5,8 +5,9 @@
 //!
 //! 1. [`Contrast`]: how much each pixel looks like a rod, by a [`ColourRule`]; its threshold is the [`Mask`].
 //! 2. Thinning wears the mask down to lines one pixel wide; as a graph these are ends and junctions joined by branches.
-//! 3. Forks that face each other are the halves of one crossing. At a crossing, arms are paired such that the paths
-//!    through it bend least and keep their colour. Loose ends that face each other across another strand are joined.
+//! 3. Forks that face each other are the halves of one crossing. Arms are paired such that the paths from one to the other
+//!    bend least and keep their colour: at a crossing, along a stretch that two strands share, or across a gap under
+//!    another strand. Where ends remain that touch other strands, the mask is split by hue and looked at again.
 //! 4. Each path becomes a [`Strand`]: the middle between both of its edges, measured between pixels, smoothed along
 //!    the strand, bridged where it meets others.
 //! 5. [`find_crossings`] intersects the centrelines and tells which strand lies on top.
@@ -39,6 +40,7 @@
 mod benchmark_tests;
 mod calibration;
 mod camera;
+mod camera_file;
 mod centreline;
 mod checkerboard;
 mod colour;
@@ -47,30 +49,40 @@ mod crossing;
 mod curve_file;
 mod dice;
 mod error;
-mod gap;
 mod hand_eye;
+mod homography;
 #[cfg(test)]
 mod hostile_tests;
 mod input;
+mod joining;
+mod junction;
 mod labels;
+mod layers;
 mod marker;
 mod mask;
 mod order;
 mod overlay;
+mod path_energy;
 mod pattern;
+#[cfg(test)]
+mod photograph_tests;
 mod picture;
 mod pose_file;
 mod render;
+mod reprojection;
+mod saddle;
 mod score;
 mod score_figure;
 mod sheet;
 mod skeleton;
 mod smoothing;
 mod strand;
+mod strand_end;
 mod thinning;
 mod trace;
 #[cfg(test)]
 mod trace_tests;
+mod way;
 
 pub use calibration::{Calibration, board_pose, calibrate};
 pub use camera::{Camera, Lens};
@@ -89,8 +101,8 @@ pub use marker::{
 pub use mask::Mask;
 pub use order::{Passage, StrandCrossing, find_crossings};
 pub use overlay::{
-    centrelines_csv, centrelines_svg, encode_labels, encode_picture, mask_overlay, overlay,
-    strand_colour,
+    centrelines_csv, centrelines_svg, encode_labels, encode_picture, marker_overlay, mask_overlay,
+    overlay, sheet_overlay, strand_colour,
 };
 pub use pattern::{Metric, pattern, pattern_csv};
 pub use picture::{
@@ -99,7 +111,7 @@ pub use picture::{
 };
 pub use pose_file::read_poses;
 pub use render::{RenderOptions, RenderedRod, render};
-pub use score::{CurveError, SCORE_POINTS, Score, rigid_alignment, score};
+pub use score::{CurveError, SCORE_POINTS, Score, part_of_curve, rigid_alignment, score};
 pub use score_figure::score_figure;
 pub use sheet::{EdgePose, Sheet, find_sheet, sliding};
 pub use trace::{Trace, TraceOptions, clean_mask, trace, trace_contrast};

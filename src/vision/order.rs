@@ -33,6 +33,9 @@ pub struct Passage {
     pub at: f64,
 }
 
+/// Lanes along a strand on which its colours are looked at, in widths from its middle.
+const LANES: [f64; 5] = [-0.3, -0.15, 0.0, 0.15, 0.3];
+
 /// Finds all crossings of strands and their order. Along each strand they come in no particular order.
 pub fn find_crossings(picture: &RgbImage, strands: &[Strand]) -> Vec<StrandCrossing> {
     intersections(strands)
@@ -42,8 +45,11 @@ pub fn find_crossings(picture: &RgbImage, strands: &[Strand]) -> Vec<StrandCross
             let (_, tangent_b) = locate(strands, b);
             let sine = tangent_a.perp(&tangent_b).abs();
             let widths = [a, b].map(|passage| width_at(strands, passage));
-            let change_a = change(picture, strands, a, widths[0], widths[1] / sine.max(0.2));
-            let change_b = change(picture, strands, b, widths[1], widths[0] / sine.max(0.2));
+            // Across the other strand's edges lies its normal: cot of the angle along for each step to the side.
+            let skew = (tangent_a.dot(&tangent_b) / tangent_a.perp(&tangent_b)).clamp(-5.0, 5.0);
+            let covered = widths.map(|width| width / sine.max(0.2));
+            let change_a = change(picture, strands, a, widths[0], covered[1], skew);
+            let change_b = change(picture, strands, b, widths[1], covered[0], -skew);
             let (over, under) = if change_a <= change_b { (a, b) } else { (b, a) };
             StrandCrossing {
                 position,
@@ -203,14 +209,17 @@ fn merge(scales: &[Scale], mut found: Vec<[Passage; 2]>) -> Vec<[Passage; 2]> {
     odd.map(|group| group[group.len() / 2]).collect()
 }
 
-/// How much a strand's colour on a crossing differs from that beside it: mean over three lanes along the strand of
-/// the colour difference to what the colours before and behind the crossing say.
+/// How much a strand's colour on a crossing differs from that beside it: mean along the strand of the colour difference
+/// to what the colours before and behind the crossing say. `covered` is how far the other strand reaches along this one,
+/// `skew` how much farther along it lies for each step to the side: with it, edges of the other strand are met at once on
+/// all lanes, whose mean has less noise.
 fn change(
     picture: &RgbImage,
     strands: &[Strand],
     passage: Passage,
     width: f64,
     covered: f64,
+    skew: f64,
 ) -> f64 {
     let strand = &strands[passage.strand];
     let step = (strand.length() / segments(strand).max(1) as f64).max(1e-3);
@@ -235,35 +244,42 @@ fn change(
         let point = position + Point::new(-tangent.y, tangent.x) * (lane * width);
         colour_at(picture, point)
     };
-    let mean = |lane: f64, from: f64, to: f64| {
+    let across = |along: f64| {
+        let mut mean = [0.0; 3];
+        for lane in LANES {
+            let colour = look(along + skew * lane * width, lane);
+            for (mean, value) in mean.iter_mut().zip(colour) {
+                *mean += value / LANES.len() as f64;
+            }
+        }
+        mean
+    };
+    let mean = |from: f64, to: f64| {
         let count = ((to - from).abs().ceil() as usize).clamp(3, 40);
         let mut sum = [0.0; 3];
         for index in 0..count {
             let along = from + (to - from) * (index as f64 + 0.5) / count as f64;
-            for (sum, value) in sum.iter_mut().zip(look(along, lane)) {
+            for (sum, value) in sum.iter_mut().zip(across(along)) {
                 *sum += value / count as f64;
             }
         }
         sum
     };
-    let (mut total, mut samples) = (0.0, 0.0);
-    for lane in [-0.25, 0.0, 0.25] {
-        let (near, far) = (half + margin, half + margin + 0.75 * width);
-        let (before, behind) = (mean(lane, -far, -near), mean(lane, near, far));
-        let count = (2.0 * (half + margin)).ceil().clamp(5.0, 60.0);
-        for index in 0..count as usize {
-            let t = (index as f64 + 0.5) / count;
-            let colour = look((2.0 * t - 1.0) * (half + 0.5 * margin), lane);
-            let mut square = 0.0;
-            for channel in 0..3 {
-                let expected = before[channel] * (1.0 - t) + behind[channel] * t;
-                square += (colour[channel] - expected).powi(2);
-            }
-            total += square.sqrt();
-            samples += 1.0;
+    let (near, far) = (half + margin, half + margin + 0.75 * width);
+    let (before, behind) = (mean(-far, -near), mean(near, far));
+    let count = (2.0 * (half + margin)).ceil().clamp(5.0, 60.0);
+    let mut total = 0.0;
+    for index in 0..count as usize {
+        let t = (index as f64 + 0.5) / count;
+        let colour = across((2.0 * t - 1.0) * (half + 0.5 * margin));
+        let mut square = 0.0;
+        for channel in 0..3 {
+            let expected = before[channel] * (1.0 - t) + behind[channel] * t;
+            square += (colour[channel] - expected).powi(2);
         }
+        total += square.sqrt();
     }
-    total / samples
+    total / count
 }
 
 /// Colour between pixels, L\*a\*b\* of the bilinear mean; outside of the picture, that of its border.

@@ -2,7 +2,9 @@
 
 use super::camera::Camera;
 use super::centreline::Strand;
+use super::marker::MarkerErrors;
 use super::mask::Mask;
+use super::sheet::Sheet;
 use super::trace::Trace;
 use super::{Point, VisionError};
 use image::codecs::png::PngEncoder;
@@ -30,7 +32,7 @@ pub fn strand_colour(strand: usize) -> [u8; 3] {
 /// marks the first point of a strand, a ring its last one.
 pub fn overlay(picture: &RgbImage, trace: &Trace) -> RgbImage {
     let mut image = dimmed(picture);
-    let stroke = (f64::from(image.width().max(image.height())) / 450.0).max(1.5);
+    let stroke = stroke_of(&image);
     for (number, strand) in trace.strands.iter().enumerate() {
         let broken: Vec<(Point, f64)> = trace
             .crossings
@@ -71,6 +73,69 @@ pub fn mask_overlay(picture: &RgbImage, mask: &Mask) -> RgbImage {
         }
     }
     image
+}
+
+/// The picture, dimmed, with the edges of a sheet on it; a disc marks its first corner.
+pub fn sheet_overlay(picture: &RgbImage, sheet: &Sheet) -> RgbImage {
+    let mut image = dimmed(picture);
+    let stroke = stroke_of(&image);
+    for edge in 0..4 {
+        let ends = [
+            sheet.corner_pixels[edge],
+            sheet.corner_pixels[(edge + 1) % 4],
+        ];
+        let depth = |distance: f64| 0.5 * stroke - distance;
+        paint(&mut image, ends, stroke, depth, strand_colour(edge));
+    }
+    let radius = 2.2 * stroke;
+    let depth = |distance: f64| radius - distance;
+    paint(
+        &mut image,
+        [sheet.corner_pixels[0]; 2],
+        radius + 1.0,
+        depth,
+        strand_colour(0),
+    );
+    image
+}
+
+/// The picture, dimmed, with rings about the spots that were found, discs where markers are expected, and a line from each
+/// to the spot that was taken for it.
+pub fn marker_overlay(picture: &RgbImage, spots: &[Point], errors: &MarkerErrors) -> RgbImage {
+    let mut image = dimmed(picture);
+    let stroke = stroke_of(&image);
+    for spot in spots {
+        draw_ring(&mut image, *spot, 4.0 * stroke, stroke, strand_colour(1));
+    }
+    for (expected, found) in errors.expected.iter().zip(&errors.found) {
+        let Some(expected) = expected else {
+            continue;
+        };
+        let depth = |distance: f64| 1.2 * stroke - distance;
+        paint(
+            &mut image,
+            [*expected; 2],
+            2.2 * stroke,
+            depth,
+            strand_colour(0),
+        );
+        if let Some(found) = found {
+            let depth = |distance: f64| 0.5 * stroke - distance;
+            paint(
+                &mut image,
+                [*expected, *found],
+                stroke,
+                depth,
+                strand_colour(2),
+            );
+        }
+    }
+    image
+}
+
+/// Width of lines that are seen well.
+fn stroke_of(image: &RgbImage) -> f64 {
+    (f64::from(image.width().max(image.height())) / 450.0).max(1.5)
 }
 
 fn dimmed(picture: &RgbImage) -> RgbImage {

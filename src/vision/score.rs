@@ -136,15 +136,61 @@ pub fn score(
     })
 }
 
+/// The part of a curve that is as long as a pattern and begins at the arc length `begin`, all in metres: of a rod that
+/// was laid, what lies before the pattern is its lead-in, and what lies beyond it was never laid.
+///
+/// # Errors
+/// The curve ends before the pattern does.
+pub fn part_of_curve(
+    curve: &[Point],
+    begin: f64,
+    pattern: &[Point],
+) -> Result<Vec<Point>, VisionError> {
+    let wanted = polyline_length(pattern);
+    let whole = polyline_length(curve);
+    // The rod is a little shorter along its chords than along its bends.
+    const SLACK: f64 = 0.01;
+    if !(begin + wanted <= whole + SLACK * wanted) {
+        return Err(VisionError::Undetermined {
+            problem: "the score",
+            reason: format!(
+                "the result is {whole:.4} m long, and a pattern of {wanted:.4} m that begins at {begin:.4} m does not \
+                 end on it"
+            ),
+        });
+    }
+    let end = begin + wanted;
+    let mut part = Vec::new();
+    let mut along = 0.0;
+    for pair in curve.windows(2) {
+        let size = (pair[1] - pair[0]).norm();
+        let place = |s: f64| pair[0] + (pair[1] - pair[0]) * ((s - along) / size);
+        if part.is_empty() && along <= begin && begin < along + size {
+            part.push(place(begin));
+        }
+        if !part.is_empty() && along + size >= end {
+            part.push(place(end));
+            break;
+        }
+        along += size;
+        if !part.is_empty() {
+            part.push(pair[1]);
+        }
+    }
+    Ok(part)
+}
+
+fn polyline_length(curve: &[Point]) -> f64 {
+    let steps = curve.windows(2).map(|pair| (pair[1] - pair[0]).norm());
+    steps.sum()
+}
+
 /// Exactly `points` points at equal distances.
 fn equidistant(curve: &[Point], points: usize) -> Option<(Vec<Point>, f64)> {
     let finite = curve
         .iter()
         .all(|point| point.iter().all(|x| x.is_finite()));
-    let length: f64 = curve
-        .windows(2)
-        .map(|pair| (pair[1] - pair[0]).norm())
-        .sum();
+    let length = polyline_length(curve);
     if !finite || !(length > 0.0) {
         return None;
     }
@@ -282,6 +328,21 @@ mod tests {
             "{:?}",
             found.by_arc_length
         );
+    }
+
+    #[test]
+    fn a_part_begins_and_ends_between_points() {
+        // A corner after 1 m; the pattern is 0.8 m long.
+        let curve = [Point::zeros(), Point::new(1.0, 0.0), Point::new(1.0, 1.0)];
+        let pattern = [Point::zeros(), Point::new(0.8, 0.0)];
+        let part = part_of_curve(&curve, 0.7, &pattern).expect("a part");
+        let expected = [[0.7, 0.0], [1.0, 0.0], [1.0, 0.5]].map(Point::from);
+        assert_eq!(part.len(), 3);
+        for (found, expected) in part.iter().zip(expected) {
+            assert!((found - expected).norm() < 1e-12, "{found}");
+        }
+        let error = part_of_curve(&curve, 1.5, &pattern).expect_err("too short");
+        assert!(error.to_string().contains("2.0000 m long"), "{error}");
     }
 
     #[test]

@@ -32,6 +32,31 @@ pub struct EdgePose {
 }
 
 impl Sheet {
+    /// The same sheet with its corners counted from another one, such that they lie nearest to those of the same sheet
+    /// before it moved.
+    #[must_use]
+    pub fn numbered_like(&self, before: &Self) -> Self {
+        let turned = |first: usize| {
+            let mut sheet = self.clone();
+            sheet.corners.rotate_left(first);
+            sheet.corner_pixels.rotate_left(first);
+            sheet.straightness.rotate_left(first);
+            sheet
+        };
+        let away = |sheet: &Self| -> f64 {
+            let pairs = sheet.corners.iter().zip(&before.corners);
+            pairs.map(|(a, b)| (a - b).norm_squared()).sum()
+        };
+        let candidates = (1..4).map(turned);
+        candidates.fold(self.clone(), |best, other| {
+            if away(&other) < away(&best) {
+                other
+            } else {
+                best
+            }
+        })
+    }
+
     /// An edge, from corner k to corner k + 1.
     ///
     /// # Panics
@@ -330,6 +355,32 @@ mod tests {
         }
         let slid = sliding(&edges[0], &edges[1], Point::new(0.6, -0.8));
         assert!((slid - 0.005).abs() < 0.3e-3, "{slid}");
+    }
+
+    #[test]
+    fn corners_keep_their_numbers_when_a_sheet_turns() {
+        let sheet = |angle: f64| {
+            let corner = |x: f64, y: f64| {
+                let (sine, cosine) = angle.sin_cos();
+                Point::new(x * cosine - y * sine, x * sine + y * cosine)
+            };
+            let corners = [
+                corner(-2.0, -1.0),
+                corner(2.0, -1.0),
+                corner(2.0, 1.0),
+                corner(-2.0, 1.0),
+            ];
+            Sheet {
+                corners,
+                corner_pixels: corners,
+                straightness: [1.0, 2.0, 3.0, 4.0],
+            }
+        };
+        let (before, mut after) = (sheet(0.0), sheet(0.4));
+        after.corners.rotate_left(3);
+        after.corner_pixels.rotate_left(3);
+        after.straightness.rotate_left(3);
+        assert_eq!(after.numbered_like(&before), sheet(0.4));
     }
 
     #[test]

@@ -85,6 +85,27 @@ impl Skeleton {
     }
 }
 
+impl Skeleton {
+    /// Skeletons side by side.
+    pub fn joined(parts: impl IntoIterator<Item = Self>) -> Self {
+        let mut joined = Self {
+            nodes: Vec::new(),
+            branches: Vec::new(),
+        };
+        for part in parts {
+            let offset = joined.nodes.len();
+            joined.nodes.extend(part.nodes);
+            joined
+                .branches
+                .extend(part.branches.into_iter().map(|branch| Branch {
+                    nodes: branch.nodes.map(|nodes| nodes.map(|node| node + offset)),
+                    ..branch
+                }));
+        }
+        joined
+    }
+}
+
 /// Scratch for following lines.
 struct Tracer<'a> {
     distances: &'a [u16],

@@ -1,14 +1,17 @@
 //! Strands: paths through a skeleton from one end to another, straight through crossings.
 
+use super::Point;
 use super::crossing::{Arm, Crossing};
 use super::skeleton::Skeleton;
 use std::collections::BTreeMap;
 
 /// Branches in order; a closed strand's last one is followed by its first one.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Path {
     /// Each branch by the arm at which the path enters it.
     pub entries: Vec<Arm>,
+    /// For each branch the way from it to the next one, where that is known.
+    pub bridges: Vec<Vec<Point>>,
     pub closed: bool,
 }
 
@@ -16,6 +19,22 @@ pub(super) struct Path {
 pub(super) fn paths(skeleton: &Skeleton, crossings: &[Crossing], links: &[bool]) -> Vec<Path> {
     let pairs = crossings.iter().flat_map(|crossing| &crossing.pairs);
     let partner: BTreeMap<Arm, Arm> = pairs.flat_map(|[a, b]| [(*a, *b), (*b, *a)]).collect();
+    let mut via: BTreeMap<Arm, Vec<Point>> = BTreeMap::new();
+    for crossing in crossings.iter().filter(|crossing| !crossing.via.is_empty()) {
+        for [a, b] in &crossing.pairs {
+            via.insert(*a, crossing.via.clone());
+            via.insert(*b, crossing.via.iter().rev().copied().collect());
+        }
+    }
+    let bridges = |entries: &[Arm]| {
+        let exits = entries.iter().map(|entry| Arm {
+            side: 1 - entry.side,
+            ..*entry
+        });
+        exits
+            .map(|exit| via.get(&exit).cloned().unwrap_or_default())
+            .collect()
+    };
     let mut used = links.to_vec();
     let mut paths = Vec::new();
     let follow = |start: Arm, used: &mut Vec<bool>| {
@@ -41,7 +60,11 @@ pub(super) fn paths(skeleton: &Skeleton, crossings: &[Crossing], links: &[bool])
             let is_end = !partner.contains_key(&start) && skeleton.branches[branch].nodes.is_some();
             if is_end && !used[branch] {
                 let (entries, closed) = follow(start, &mut used);
-                paths.push(Path { entries, closed });
+                paths.push(Path {
+                    bridges: bridges(&entries),
+                    entries,
+                    closed,
+                });
             }
         }
     }
@@ -50,7 +73,11 @@ pub(super) fn paths(skeleton: &Skeleton, crossings: &[Crossing], links: &[bool])
             let start = Arm { branch, side: 0 };
             let (entries, closed) = follow(start, &mut used);
             let closed = closed || skeleton.branches[branch].nodes.is_none();
-            paths.push(Path { entries, closed });
+            paths.push(Path {
+                bridges: bridges(&entries),
+                entries,
+                closed,
+            });
         }
     }
     paths

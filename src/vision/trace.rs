@@ -1,15 +1,17 @@
 //! From a picture to its strands.
 
-use super::centreline::{EndStops, Strand, centreline};
+use super::centreline::{Strand, centreline};
 use super::colour::{ColourRule, lab};
 use super::contrast::Contrast;
 use super::crossing::crossings;
-use super::gap::close_gaps;
+use super::joining::join_arms;
 use super::labels::paint_labels;
+use super::layers::layers;
 use super::mask::Mask;
 use super::order::{StrandCrossing, find_crossings};
 use super::skeleton::Skeleton;
 use super::strand::paths;
+use super::strand_end::EndStops;
 use super::{Point, VisionError};
 use image::{GrayImage, RgbImage};
 
@@ -55,6 +57,9 @@ pub struct Trace {
 /// Largest part of a picture that lines may cover.
 const LARGEST_COVERAGE_PERCENT: usize = 50;
 
+/// With more strands than this the mask is noise.
+const MOST_STRANDS: usize = 60;
+
 /// Finds the strands of a picture.
 ///
 /// # Errors
@@ -69,6 +74,66 @@ pub fn clean_mask(contrast: &Contrast, options: &TraceOptions) -> Mask {
     let mut mask = Mask::of_contrast(contrast);
     mask.clean(options.least_area, options.largest_hole);
     mask
+}
+
+/// Strands, and what is none.
+struct Found {
+    strands: Vec<Strand>,
+    rejected: Vec<(Point, f64, f64)>,
+}
+
+impl Found {
+    fn new(
+        picture: &RgbImage,
+        contrast: &Contrast,
+        mask: &Mask,
+        skeleton: Skeleton,
+        options: &TraceOptions,
+    ) -> Self {
+        let colour = |point: Point| lab(picture.get_pixel(point.x as u32, point.y as u32).0);
+        let (mut crossings, links) = crossings(&skeleton, colour);
+        join_arms(&skeleton, &links, &mut crossings, mask, colour);
+        let ends = EndStops::new(&skeleton, &crossings, colour);
+        let mut strands = Vec::new();
+        let mut rejected = blobs(&skeleton);
+        for path in paths(&skeleton, &crossings, &links) {
+            let strand = centreline(contrast, &skeleton, &path, &ends);
+            let (length, width) = (strand.length(), strand.width());
+            if length >= options.least_slenderness * width && strand.points.len() > 2 {
+                strands.push(strand);
+            } else if let Some(point) = strand.points.get(strand.points.len() / 2) {
+                rejected.push((*point, length, width));
+            }
+        }
+        Self { strands, rejected }
+    }
+
+    /// Ends of strands that touch another strand: there, one may have been cut in two. None where all is noise.
+    fn doubtful_ends(&self) -> usize {
+        if self.strands.len() > MOST_STRANDS {
+            return 0;
+        }
+        let open = self
+            .strands
+            .iter()
+            .enumerate()
+            .filter(|(_, strand)| !strand.closed);
+        let ends = open.flat_map(|(number, strand)| {
+            let ends = [strand.points[0], strand.points[strand.points.len() - 1]];
+            ends.map(|end| (number, end, strand.width()))
+        });
+        ends.filter(|(number, end, width)| {
+            self.strands.iter().enumerate().any(|(other, strand)| {
+                let reach = 0.5 * (width + strand.width()) + 2.0;
+                other != *number
+                    && strand
+                        .points
+                        .iter()
+                        .any(|point| (point - end).norm_squared() < reach * reach)
+            })
+        })
+        .count()
+    }
 }
 
 /// Parts of the mask that thinning wears down to a point: centre, length and width of each.
@@ -116,22 +181,18 @@ pub fn trace_contrast(
             limit_percent: LARGEST_COVERAGE_PERCENT,
         });
     }
-    let skeleton = Skeleton::new(&mask);
-    let colour = |point: Point| lab(picture.get_pixel(point.x as u32, point.y as u32).0);
-    let (mut crossings, links) = crossings(&skeleton, colour);
-    close_gaps(&skeleton, &mask, &links, &mut crossings, colour);
-    let ends = EndStops::new(&crossings);
-    let mut strands = Vec::new();
-    let mut rejected = blobs(&skeleton);
-    for path in paths(&skeleton, &crossings, &links) {
-        let strand = centreline(contrast, &skeleton, &path, &ends);
-        let (length, width) = (strand.length(), strand.width());
-        if length >= options.least_slenderness * width && strand.points.len() > 2 {
-            strands.push(strand);
-        } else if let Some(point) = strand.points.get(strand.points.len() / 2) {
-            rejected.push((*point, length, width));
-        }
-    }
+    let plain = Found::new(picture, contrast, &mask, Skeleton::new(&mask), options);
+    let Found { strands, rejected } = match plain.doubtful_ends() {
+        0 => plain,
+        doubtful => layers(picture, &mask, options.least_area, options.largest_hole)
+            .map(|masks| Skeleton::joined(masks.iter().map(Skeleton::new)))
+            .map(|skeleton| Found::new(picture, contrast, &mask, skeleton, options))
+            .filter(|layered| {
+                let rank = |doubtful, found: &Found| (doubtful, found.strands.len());
+                rank(layered.doubtful_ends(), layered) <= rank(doubtful, &plain)
+            })
+            .unwrap_or(plain),
+    };
     if strands.is_empty() {
         return Err(match rejected.first() {
             Some((point, length, width)) => VisionError::Blob {

@@ -12,7 +12,7 @@ mod rosbridge;
 mod stepper;
 
 pub use file::FileDriver;
-pub use ros1::{CameraPicture, Ros1Camera, Ros1Driver};
+pub use ros1::{Bag, BagError, BagPicture, CameraPicture, Ros1Camera, Ros1Driver};
 pub use ros2::{Middleware, Ros2Address};
 pub use rosbridge::{RosVersion, RosbridgeDriver};
 pub use stepper::{SerialLine, StepperAnswer, StepperDriver, StepperLink, StepperRequest};

@@ -141,7 +141,8 @@ const fn encoding(name: &'static str, bytes: usize, colours: [usize; 3]) -> Enco
     }
 }
 
-fn pixels(raw: &RawImage<'_>) -> Result<RgbImage, String> {
+/// Red, green and blue of a picture's pixels.
+pub(super) fn pixels(raw: &RawImage<'_>) -> Result<RgbImage, String> {
     let [width, height] = raw.size;
     let encoding = ENCODINGS
         .iter()

@@ -1,13 +1,17 @@
 //! `control_msgs/FollowJointTrajectory` of ROS 1, natively: no ROS installation, no bridge, no further crate.
 //!
 //! A node (`node`) speaks XML-RPC (`xmlrpc`) with the master and TCPROS with the action server: goal and cancellation
-//! out, joint states, feedback and result in (`message`).
+//! out, joint states, feedback and result in (`message`). Pictures come from a `camera` or from a recording (`bag`).
 
+mod bag;
+mod bag_record;
 mod camera;
+mod lz4;
 mod message;
 mod node;
 mod xmlrpc;
 
+pub use bag::{Bag, BagError, BagPicture};
 pub use camera::{CameraPicture, Ros1Camera};
 
 use super::action_client::{ActionClient, Goal};

@@ -1,0 +1,248 @@
+//! `rodlab measure markers`: whether a helical rod is still the helix that it should be.
+
+use super::failure::Failure;
+use super::helix_file::HelixFile;
+use super::output::{print, print_json};
+use super::picture_source::{RecordingArguments, SourcePicture, is_series, pictures};
+use super::trace::write_files;
+use super::values::positive_length;
+use crate::results::write_whole;
+use crate::vision::{
+    Camera, ColourRule, InstabilityRule, InstabilityWatch, MarkerErrors, Point, compare_markers,
+    encode_picture, find_markers, marker_overlay,
+};
+use clap::Args;
+use nalgebra::Vector3;
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Arguments of `rodlab measure markers`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  rodlab measure markers photo.png --cell camera.toml --helix helix.toml --colour blue
+  rodlab measure markers frames/ --cell camera.toml --helix helix.toml --upper \"8 mm\" --lower \"4 mm\" --out watched
+
+The file of the helix, in the axes of the camera's world:
+
+  [helix]
+  curvature = 9.0                      # 1/m
+  torsion = 5.0
+  markers = [\"2 cm\", \"4.5 cm\"]         # arc lengths
+  position = [0.02, 0.25, 0.05]        # where it begins
+  quaternion = [1.0, 0.0, 0.0, 0.0]    # w, x, y, z: its z axis is the tangent there, its x axis the direction of bending
+
+Of several images the rule of --upper, --lower and --frames says from which one on the rod is unstable.")]
+pub struct MarkerArguments {
+    /// A PNG or JPEG image; a folder of them, taken in order of their names; a recording (.bag); or a camera, as in
+    /// `rodlab trace`
+    image: PathBuf,
+    #[command(flatten)]
+    recording: RecordingArguments,
+    /// File whose table [camera] says where the camera is
+    #[arg(long, value_name = "FILE")]
+    cell: PathBuf,
+    /// File whose table [helix] says which helix is expected
+    #[arg(long, value_name = "FILE")]
+    helix: PathBuf,
+    /// Which colours are markers, as in `rodlab trace`
+    #[arg(long, value_name = "RULE", default_value = "white")]
+    colour: String,
+    /// Spots with fewer pixels are no markers
+    #[arg(long, value_name = "PIXELS", default_value_t = 12)]
+    least_area: usize,
+    /// Spots with more pixels are no markers
+    #[arg(long, value_name = "PIXELS", default_value_t = 2000)]
+    largest_area: usize,
+    /// How far from its place, in pixels, a marker is looked for; one that is not found counts as that far away
+    #[arg(long, value_name = "PIXELS", default_value_t = 40.0, value_parser = pixels)]
+    gate: f64,
+    /// Error above which the rod is no longer that helix
+    #[arg(long, value_name = "LENGTH", default_value = "10 mm", value_parser = positive_length)]
+    upper: f64,
+    /// Error below which it is one again, less than --upper
+    #[arg(long, value_name = "LENGTH", default_value = "5 mm", value_parser = positive_length)]
+    lower: f64,
+    /// Images in a row that decide
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    frames: usize,
+    /// Directory for markers.csv and the images with markers and their places on them
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print what was found as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+fn pixels(text: &str) -> Result<f64, String> {
+    let pixels = text.trim().parse().ok();
+    pixels
+        .filter(|pixels: &f64| *pixels > 0.0 && pixels.is_finite())
+        .ok_or_else(|| "expected a number of pixels above 0".into())
+}
+
+#[derive(Serialize)]
+struct Answer {
+    pictures: Vec<PictureAnswer>,
+    /// The first image at which the rod counts as unstable.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    unstable_from: Option<PathBuf>,
+}
+
+#[derive(Serialize)]
+struct PictureAnswer {
+    image: PathBuf,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    time_s: Option<f64>,
+    spots: usize,
+    markers: Vec<MarkerAnswer>,
+    rms_m: f64,
+    unstable: bool,
+}
+
+#[derive(Serialize)]
+struct MarkerAnswer {
+    marker: usize,
+    arc_length_m: f64,
+    /// None behind the camera.
+    expected_px: Option<[f64; 2]>,
+    found_px: Option<[f64; 2]>,
+    error_px: Option<f64>,
+    error_m: Option<f64>,
+}
+
+/// Compares the markers of all images with the helix.
+pub fn measure_markers(arguments: &MarkerArguments) -> Result<(), Failure> {
+    let camera = Camera::read(&arguments.cell)?;
+    let helix = HelixFile::read(&arguments.helix)?;
+    let rule = ColourRule::parse(&arguments.colour)?;
+    let mut watch = InstabilityWatch::new(InstabilityRule {
+        upper: arguments.upper,
+        lower: arguments.lower,
+        // A single image decides by itself.
+        frames: if is_series(&arguments.image) {
+            arguments.frames
+        } else {
+            1
+        },
+    })?;
+    let expected = helix.places();
+    let mut answer = Answer {
+        pictures: Vec::new(),
+        unstable_from: None,
+    };
+    for source in pictures(&arguments.image, &arguments.recording)? {
+        let picture = arguments.picture(source, &camera, &rule, &helix, &expected, &mut watch)?;
+        if picture.unstable && answer.unstable_from.is_none() {
+            answer.unstable_from = Some(picture.image.clone());
+        }
+        if !arguments.json {
+            print(&summary(&picture))?;
+        }
+        answer.pictures.push(picture);
+    }
+    if let Some(out) = &arguments.out {
+        write_whole(&out.join("markers.csv"), table(&answer).as_bytes())?;
+    }
+    if arguments.json {
+        return print_json(&answer);
+    }
+    match &answer.unstable_from {
+        Some(image) => print(&format!("unstable from {} on\n", image.display())),
+        None => Ok(()),
+    }
+}
+
+impl MarkerArguments {
+    fn picture(
+        &self,
+        source: SourcePicture,
+        camera: &Camera,
+        rule: &ColourRule,
+        helix: &HelixFile,
+        expected: &[Vector3<f64>],
+        watch: &mut InstabilityWatch,
+    ) -> Result<PictureAnswer, Failure> {
+        let in_file = |error| Failure::Input(format!("{}: {error}", source.name.display()));
+        let picture = source.picture?;
+        camera
+            .check_size(picture.width(), picture.height())
+            .map_err(in_file)?;
+        let found =
+            find_markers(&picture, rule, self.least_area, self.largest_area).map_err(in_file)?;
+        let errors = compare_markers(camera, expected, &found, self.gate).map_err(in_file)?;
+        if let Some(out) = &self.out {
+            let shown = encode_picture(&marker_overlay(&picture, &found, &errors));
+            write_files(&out.join(&source.folder), vec![("overlay.png", shown)])?;
+        }
+        Ok(PictureAnswer {
+            unstable: watch.observe(errors.rms_metres),
+            image: source.name,
+            time_s: source.time,
+            spots: found.len(),
+            markers: marker_answers(helix, &errors),
+            rms_m: errors.rms_metres,
+        })
+    }
+}
+
+fn marker_answers(helix: &HelixFile, errors: &MarkerErrors) -> Vec<MarkerAnswer> {
+    let pixel = |point: &Option<Point>| point.map(|point| [point.x, point.y]);
+    let markers = helix.markers.iter().enumerate();
+    let answers = markers.map(|(index, arc_length)| MarkerAnswer {
+        marker: index + 1,
+        arc_length_m: *arc_length,
+        expected_px: pixel(&errors.expected[index]),
+        found_px: pixel(&errors.found[index]),
+        error_px: errors.pixels[index],
+        error_m: errors.metres[index],
+    });
+    answers.collect()
+}
+
+fn summary(picture: &PictureAnswer) -> String {
+    let seen = picture
+        .markers
+        .iter()
+        .filter(|marker| marker.error_px.is_some());
+    format!(
+        "{}: {} of {} markers, error {:.2} mm{}\n",
+        picture.image.display(),
+        seen.count(),
+        picture.markers.len(),
+        1e3 * picture.rms_m,
+        if picture.unstable { ", unstable" } else { "" }
+    )
+}
+
+/// A row for each marker of each image.
+fn table(answer: &Answer) -> String {
+    let mut text = String::from(
+        "image,time_s,marker,arc_length_m,expected_u_px,expected_v_px,u_px,v_px,error_px,error_m,unstable\n",
+    );
+    let number = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:.6}"));
+    let pixel = |point: Option<[f64; 2]>| {
+        let [u, v] = point.map_or([None; 2], |point| point.map(Some));
+        format!("{},{}", number(u), number(v))
+    };
+    for picture in &answer.pictures {
+        for marker in &picture.markers {
+            // Writing to a string does not fail.
+            let _ = writeln!(
+                text,
+                "\"{}\",{},{},{:.6},{},{},{},{},{}",
+                picture.image.display().to_string().replace('"', "\"\""),
+                number(picture.time_s),
+                marker.marker,
+                marker.arc_length_m,
+                pixel(marker.expected_px),
+                pixel(marker.found_px),
+                number(marker.error_px),
+                number(marker.error_m),
+                u8::from(picture.unstable)
+            );
+        }
+    }
+    text
+}

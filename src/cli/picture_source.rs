@@ -1,0 +1,154 @@
+//! Where pictures come from: files, folders, recordings and cameras.
+
+use super::failure::Failure;
+use crate::robot::{Bag, BagError, BagPicture, CameraPicture, DriverError, Ros1Camera};
+use crate::vision::{VisionError, decode_picture, pictures_in, read_picture};
+use clap::Args;
+use image::RgbImage;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Longest wait for a picture of a camera.
+const CAMERA_PATIENCE: Duration = Duration::from_secs(5);
+
+/// Which pictures of a recording.
+#[derive(Clone, Debug, Args)]
+pub struct RecordingArguments {
+    /// Topic of a recording's pictures [default: the only one, or the only one in colour]
+    #[arg(long, value_name = "TOPIC")]
+    topic: Option<String>,
+    /// Take every N-th picture of a folder or recording
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    every: u32,
+}
+
+/// A picture of a source.
+pub struct SourcePicture {
+    /// What it is called in answers and faults.
+    pub name: PathBuf,
+    /// What a folder of results for it is called.
+    pub folder: PathBuf,
+    /// Seconds from the first one, of a recording.
+    pub time: Option<f64>,
+    /// The picture, or why there is none.
+    pub picture: Result<RgbImage, Failure>,
+}
+
+/// Whether a source may have more than one picture.
+pub fn is_series(source: &Path) -> bool {
+    source.is_dir() || has_ending(source, &["bag"])
+}
+
+/// The pictures of a source, in order of time.
+///
+/// # Errors
+/// There is no such source, or it holds no pictures.
+pub fn pictures(
+    source: &Path,
+    recording: &RecordingArguments,
+) -> Result<Box<dyn Iterator<Item = SourcePicture>>, Failure> {
+    if recording.topic.is_some() && !has_ending(source, &["bag"]) {
+        return Err(Failure::Input(format!(
+            "--topic is for recordings (.bag), and {} is none",
+            source.display()
+        )));
+    }
+    let every = recording.every as usize;
+    if source.is_dir() {
+        let paths = pictures_in(source)?.into_iter().step_by(every);
+        return Ok(Box::new(paths.map(|path| SourcePicture {
+            folder: path.file_name().unwrap_or_default().into(),
+            time: None,
+            picture: read_picture(&path).map_err(Failure::from),
+            name: path,
+        })));
+    }
+    if has_ending(source, &["bag"]) {
+        let bag = Bag::open(source, recording.topic.as_deref()).map_err(of_bag)?;
+        let path = source.to_owned();
+        let taken = bag.enumerate().step_by(every);
+        return Ok(Box::new(
+            taken.map(move |(number, frame)| recorded(&path, number, frame)),
+        ));
+    }
+    if has_ending(source, &["db3", "mcap"]) {
+        return Err(Failure::Input(format!(
+            "{}: recordings of ROS 2 are not read; allowed: PNG and JPEG files, folders of them, and bags of ROS 1 \
+             (.bag), which rosbags-convert makes of it",
+            source.display()
+        )));
+    }
+    Ok(Box::new(std::iter::once(SourcePicture {
+        name: source.to_owned(),
+        folder: PathBuf::new(),
+        time: None,
+        picture: single(source),
+    })))
+}
+
+fn has_ending(path: &Path, endings: &[&str]) -> bool {
+    let ending = path.extension().and_then(|ending| ending.to_str());
+    ending.is_some_and(|ending| {
+        endings
+            .iter()
+            .any(|known| ending.eq_ignore_ascii_case(known))
+    })
+}
+
+fn of_bag(error: BagError) -> Failure {
+    Failure::Input(error.to_string())
+}
+
+fn recorded(path: &Path, number: usize, frame: Result<BagPicture, BagError>) -> SourcePicture {
+    let folder = PathBuf::from(format!("picture_{number:06}"));
+    let name = path.join(&folder);
+    let (time, picture) = match frame {
+        Ok(frame) => (Some(frame.time), decoded(frame.picture, &name)),
+        Err(error) => (None, Err(of_bag(error))),
+    };
+    SourcePicture {
+        name,
+        folder,
+        time,
+        picture,
+    }
+}
+
+fn decoded(picture: CameraPicture, name: &Path) -> Result<RgbImage, Failure> {
+    match picture {
+        CameraPicture::Pixels(picture) => Ok(picture),
+        CameraPicture::File(bytes) => decode_picture(&bytes).map_err(|reason| {
+            VisionError::Malformed {
+                path: name.into(),
+                reason,
+            }
+            .into()
+        }),
+    }
+}
+
+/// The picture in a file, or the next one of a camera.
+fn single(source: &Path) -> Result<RgbImage, Failure> {
+    let Some(place) = source
+        .to_str()
+        .and_then(|text| text.strip_prefix("ros1://"))
+    else {
+        return Ok(read_picture(source)?);
+    };
+    let (master, topic) = place
+        .split_once('/')
+        .filter(|(master, topic)| master.contains(':') && !topic.is_empty())
+        .ok_or_else(|| {
+            let shape =
+                "ros1://host:port/topic is needed, as in ros1://192.168.1.5:11311/camera/image_raw";
+            Failure::Input(format!("{}: {shape}", source.display()))
+        })?;
+    let of_camera = |error: DriverError| Failure::System(error.to_string());
+    let mut camera =
+        Ros1Camera::open(&format!("http://{master}"), &format!("/{topic}")).map_err(of_camera)?;
+    match camera.picture(CAMERA_PATIENCE).map_err(of_camera)? {
+        CameraPicture::Pixels(picture) => Ok(picture),
+        CameraPicture::File(bytes) => decode_picture(&bytes)
+            .map_err(|reason| Failure::System(format!("{}: {reason}", source.display()))),
+    }
+}

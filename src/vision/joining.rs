@@ -1,0 +1,299 @@
+//! Which arms belong together, also where strands run on each other or are interrupted.
+//!
+//! Where one strand joins another at a small angle and leaves it later, each of the two junctions has one arm too many:
+//! such arms are joined through the branches between them, which belong to another strand already. A strand that
+//! another one hides is joined across the gap. All arms are paired such that the sum of energies is least: of the ways,
+//! which bend and change their colour, and of the ends that remain. From the pairs of each crossing by itself, pairs are
+//! exchanged as long as the sum falls; that it is the least of all is not guaranteed.
+
+use super::Point;
+use super::crossing::{Arm, Crossing, END_ENERGY};
+use super::mask::Mask;
+use super::skeleton::Skeleton;
+use super::way::{MOST_ENERGY, Way, Ways, ordered, other_side};
+use std::collections::BTreeMap;
+
+/// With more arms than this the mask is noise.
+const MOST_ARMS: usize = 200;
+/// Most exchanges of pairs.
+const MOST_EXCHANGES: usize = 200;
+
+/// Pairs the arms of a skeleton anew. `colour` gives L\*a\*b\* of a pixel; the mask is that of all strands.
+pub(super) fn join_arms(
+    skeleton: &Skeleton,
+    links: &[bool],
+    crossings: &mut Vec<Crossing>,
+    mask: &Mask,
+    colour: impl Fn(Point) -> [f64; 3],
+) {
+    let mut ways = Ways::new(skeleton, links, crossings, colour);
+    if ways.departures.len() > MOST_ARMS {
+        return;
+    }
+    let mut partner = BTreeMap::new();
+    for [a, b] in crossings.iter().flat_map(|crossing| &crossing.pairs) {
+        partner.insert(*a, *b);
+        partner.insert(*b, *a);
+        ways.add_direct(*a, *b);
+    }
+    ways.find_along_branches();
+    let arms = ways.departures.keys().copied();
+    let loose: Vec<Arm> = arms.filter(|arm| !partner.contains_key(arm)).collect();
+    ways.find_across_gaps(&loose, mask);
+    let mut pairing = Pairing { ways, partner };
+    pairing.exchange();
+    pairing.uncross();
+    pairing.write(crossings);
+}
+
+/// Arms and their partners.
+struct Pairing<'a> {
+    ways: Ways<'a>,
+    partner: BTreeMap<Arm, Arm>,
+}
+
+/// An exchange: a pair that is made, the pair of the partners that both lose, and how much energy that saves.
+struct Exchange {
+    pair: [Arm; 2],
+    rest: Option<[Arm; 2]>,
+    gained: f64,
+}
+
+impl Pairing<'_> {
+    /// Energy of the pair of an arm, or of its end.
+    fn energy_of(&self, arm: Arm) -> f64 {
+        match self.partner.get(&arm) {
+            Some(other) => self.ways.known[&ordered(arm, *other)].energy,
+            None => END_ENERGY,
+        }
+    }
+
+    /// Pairs arms anew as long as the sum of energies falls, by the exchange first that saves most.
+    fn exchange(&mut self) {
+        for _ in 0..MOST_EXCHANGES {
+            let exchanges = self.ways.known.iter().filter_map(|(pair, way)| {
+                let is_paired = self.partner.get(&pair[0]) == Some(&pair[1]);
+                (!is_paired).then(|| self.exchange_for(*pair, way))
+            });
+            let best = exchanges.reduce(|best, other| {
+                if other.gained > best.gained {
+                    other
+                } else {
+                    best
+                }
+            });
+            let Some(best) = best.filter(|best| best.gained > 1e-9) else {
+                return;
+            };
+            for arm in best.pair {
+                if let Some(other) = self.partner.remove(&arm) {
+                    self.partner.remove(&other);
+                }
+            }
+            for [a, b] in [Some(best.pair), best.rest].into_iter().flatten() {
+                self.pair(a, b);
+            }
+        }
+    }
+
+    fn exchange_for(&self, pair: [Arm; 2], way: &Way) -> Exchange {
+        let before = self.energy_of(pair[0]) + self.energy_of(pair[1]);
+        let (rest, after) = match pair.map(|arm| self.partner.get(&arm)) {
+            [Some(c), Some(d)] => {
+                let rest = ordered(*c, *d);
+                let way = self.ways.known.get(&rest);
+                match way.filter(|way| way.energy < MOST_ENERGY) {
+                    Some(way) => (Some(rest), way.energy),
+                    None => (None, 2.0 * END_ENERGY),
+                }
+            }
+            [None, None] => (None, 0.0),
+            _ => (None, END_ENERGY),
+        };
+        Exchange {
+            pair,
+            rest,
+            gained: before - way.energy - after,
+        }
+    }
+
+    fn pair(&mut self, a: Arm, b: Arm) {
+        self.partner.insert(a, b);
+        self.partner.insert(b, a);
+    }
+
+    /// Two strands that share a stretch may go on with each other's arms: bending at both ends of the stretch is the same,
+    /// so the direct ways from arm to arm decide.
+    fn uncross(&mut self) {
+        let pairs: Vec<[Arm; 2]> = self.partner.iter().map(|(a, b)| [*a, *b]).collect();
+        for [a, b] in pairs {
+            if a > b || self.partner.get(&a) != Some(&b) {
+                continue;
+            }
+            let Way { route, energy, .. } = self.ways.known[&[a, b]].clone();
+            let Some([first, p, q]) = self.strand_along(&route) else {
+                continue;
+            };
+            if p == b || q == a || p == q {
+                continue;
+            }
+            let energy_of = |x: Arm, y: Arm| self.ways.energy(x, y);
+            if energy_of(p, b) + energy_of(a, q) >= energy_of(p, q) + energy_of(a, b) {
+                continue;
+            }
+            let route = if p < b {
+                route
+            } else {
+                route.iter().rev().map(|arm| other_side(*arm)).collect()
+            };
+            let way = Way {
+                route,
+                is_direct: false,
+                energy,
+            };
+            self.ways.known.insert(ordered(p, b), way);
+            self.ways.add_direct(a, first);
+            self.pair(a, first);
+            self.pair(p, b);
+        }
+    }
+
+    /// Of the one strand that runs along a route: the arm at which it enters it, and what it comes from and goes to.
+    fn strand_along(&self, route: &[Arm]) -> Option<[Arm; 3]> {
+        let (first, last) = (*route.first()?, other_side(*route.last()?));
+        let is_one = route
+            .windows(2)
+            .all(|pair| self.partner.get(&other_side(pair[0])) == Some(&pair[1]));
+        let (p, q) = (self.partner.get(&first)?, self.partner.get(&last)?);
+        is_one.then_some([first, *p, *q])
+    }
+
+    /// Writes the pairs into their crossings; pairs that are not of one crossing get one of their own.
+    fn write(&self, crossings: &mut Vec<Crossing>) {
+        for crossing in crossings.iter_mut() {
+            crossing.pairs.clear();
+        }
+        for (a, b) in self.partner.iter().filter(|(a, b)| a < b) {
+            let pair = [*a, *b];
+            if self.ways.known[&pair].is_direct {
+                crossings[self.ways.crossing_of[a]].pairs.push(pair);
+            } else {
+                crossings.push(Crossing {
+                    position: (self.ways.place(*a) + self.ways.place(*b)) * 0.5,
+                    arms: pair.to_vec(),
+                    pairs: vec![pair],
+                    via: self.ways.via(pair),
+                });
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::crossing::crossings;
+    use super::super::strand::paths;
+    use super::*;
+
+    /// Strokes of 7 pixels along lines.
+    fn mask(lines: &[&[[f64; 2]]]) -> Mask {
+        let mut mask = Mask::new(240, 120);
+        let near = |p: Point, from: Point, to: Point| {
+            let t = (p - from).dot(&(to - from)) / (to - from).norm_squared();
+            (p - from - (to - from) * t.clamp(0.0, 1.0)).norm() < 3.5
+        };
+        for row in 0..120 {
+            for column in 0..240 {
+                let p = Point::new(column as f64, row as f64);
+                let inside = lines.iter().any(|line| {
+                    let mut pairs = line.windows(2);
+                    pairs.any(|pair| near(p, pair[0].into(), pair[1].into()))
+                });
+                mask.set(column, row, inside);
+            }
+        }
+        mask
+    }
+
+    /// Ends of the strands, those of each from left to right.
+    fn ends(mask: &Mask, colour: impl Fn(Point) -> [f64; 3] + Copy) -> Vec<[Point; 2]> {
+        let skeleton = Skeleton::new(mask);
+        let (mut crossings, links) = crossings(&skeleton, colour);
+        join_arms(&skeleton, &links, &mut crossings, mask, colour);
+        let place = |arm: Arm| {
+            let nodes = skeleton.branches[arm.branch].nodes.expect("an open branch");
+            skeleton.nodes[nodes[arm.side]].position
+        };
+        let ends = |entries: &[Arm]| {
+            let (first, last) = (
+                place(entries[0]),
+                place(other_side(entries[entries.len() - 1])),
+            );
+            if first.x < last.x {
+                [first, last]
+            } else {
+                [last, first]
+            }
+        };
+        let mut found: Vec<[Point; 2]> = paths(&skeleton, &crossings, &links)
+            .iter()
+            .map(|path| ends(&path.entries))
+            .collect();
+        found.sort_by(|a, b| a[0].y.total_cmp(&b[0].y));
+        found
+    }
+
+    /// Two strands that run on each other for twenty widths and part again.
+    fn together() -> Mask {
+        let upper = [[8.0, 20.0], [50.0, 60.0], [190.0, 60.0], [232.0, 20.0]];
+        let lower = [[8.0, 100.0], [50.0, 60.0], [190.0, 60.0], [232.0, 100.0]];
+        mask(&[&upper, &lower])
+    }
+
+    #[test]
+    fn strands_that_run_on_each_other_are_two() {
+        let found = ends(&together(), |_| [50.0, 0.0, 0.0]);
+        assert_eq!(found.len(), 2, "{found:?}");
+        for [left, right] in found {
+            assert!(left.x < 20.0 && right.x > 220.0);
+        }
+    }
+
+    #[test]
+    fn strands_keep_their_colours_where_they_part() {
+        for crosses in [false, true] {
+            // The strand that begins at the lower left lies on top.
+            let colour = move |point: Point| {
+                let is_shared = (50.0..190.0).contains(&point.x);
+                let is_upper = point.y < 60.0;
+                let is_red = !is_shared && is_upper != (crosses && point.x > 120.0);
+                [50.0, if is_red { 60.0 } else { -60.0 }, 0.0]
+            };
+            let found = ends(&together(), colour);
+            assert_eq!(found.len(), 2, "{found:?}");
+            for [left, right] in found {
+                assert_eq!((left.y < 60.0) != (right.y < 60.0), crosses);
+            }
+        }
+    }
+
+    #[test]
+    fn a_gap_is_closed_under_a_strand_and_not_in_the_open() {
+        let left = [[8.0, 60.0], [100.0, 60.0]];
+        let right = [[140.0, 60.0], [232.0, 60.0]];
+        let colour = |_: Point| [50.0, 0.0, 0.0];
+        let apart = mask(&[&left, &right]);
+        assert_eq!(ends(&apart, colour).len(), 2);
+        let mut whole = apart.clone();
+        for row in 0..120 {
+            for column in 106..134 {
+                whole.set(column, row, true);
+            }
+        }
+        // The skeleton is that of the interrupted strand; what hides it is in the mask.
+        let skeleton = Skeleton::new(&apart);
+        let (mut crossings, links) = crossings(&skeleton, colour);
+        join_arms(&skeleton, &links, &mut crossings, &whole, colour);
+        assert_eq!(paths(&skeleton, &crossings, &links).len(), 1);
+    }
+}

@@ -1,0 +1,276 @@
+//! Layers: a mask split by the hues of its strands.
+//!
+//! Strands that lie side by side are one part of the mask. Where their hues differ, each hue has a mask of its own, in which
+//! they are apart; a strand below others then has gaps, which are closed later.
+
+use super::colour::lab;
+use super::mask::{Mask, chamfer_distances};
+use image::RgbImage;
+
+/// Bins of the histogram of hues, 5° each.
+const BINS: usize = 72;
+/// Least chroma √(a*² + b*²) of a pixel whose hue says something.
+const LEAST_CHROMA: f64 = 10.0;
+/// Part of the mask whose hue has to say something.
+const COLOURED_PART: f64 = 0.6;
+/// Hues of strands differ by this many bins at least: 25°.
+const LEAST_APART: usize = 5;
+/// Part of the mask that a hue has at least.
+const LEAST_PART: f64 = 0.04;
+/// Most hues.
+const MOST_LAYERS: usize = 6;
+/// Parts of a layer that are thinner than this many times the usual half width are borders where colours mix.
+const THINNEST: f64 = 0.45;
+/// Rounds of spreading hues to pixels without one.
+const SPREADING_ROUNDS: usize = 12;
+
+/// The masks of a picture's hues; none where there are not several, clearly apart.
+pub(super) fn layers(
+    picture: &RgbImage,
+    mask: &Mask,
+    least_area: usize,
+    largest_hole: usize,
+) -> Option<Vec<Mask>> {
+    let members = mask.members();
+    let hues: Vec<Option<f64>> = members
+        .iter()
+        .map(|index| {
+            let (column, row) = mask.position(*index);
+            hue(mean_colour(picture, column, row))
+        })
+        .collect();
+    let peaks = peaks(&hues)?;
+    let mut labels = vec![0u8; mask.cells().len()];
+    for (index, hue) in members.iter().zip(&hues) {
+        labels[*index] = hue.map_or(0, |hue| nearest(&peaks, hue) as u8 + 1);
+    }
+    spread(mask, &members, &mut labels);
+    remove_borders(mask, &members, &mut labels, peaks.len());
+    spread(mask, &members, &mut labels);
+    let masks = (1..=peaks.len()).map(|label| {
+        let mut layer = layer(mask, &members, &labels, label as u8);
+        layer.clean(least_area, largest_hole);
+        layer
+    });
+    let masks: Vec<Mask> = masks.filter(|layer| layer.area() > 0).collect();
+    (masks.len() > 1).then_some(masks)
+}
+
+/// Mean over 3 × 3 pixels, against noise.
+fn mean_colour(picture: &RgbImage, column: usize, row: usize) -> [u8; 3] {
+    let (mut sum, mut count) = ([0u32; 3], 0);
+    let (width, height) = (picture.width() as usize, picture.height() as usize);
+    for v in row.saturating_sub(1)..(row + 2).min(height) {
+        for u in column.saturating_sub(1)..(column + 2).min(width) {
+            for (sum, value) in sum.iter_mut().zip(picture.get_pixel(u as u32, v as u32).0) {
+                *sum += u32::from(value);
+            }
+            count += 1;
+        }
+    }
+    sum.map(|sum| (sum / count) as u8)
+}
+
+/// Hue angle in bins, from 0 to [`BINS`].
+fn hue(rgb: [u8; 3]) -> Option<f64> {
+    let [_, a, b] = lab(rgb);
+    let turn = libm::atan2(b, a) / std::f64::consts::TAU;
+    (libm::hypot(a, b) >= LEAST_CHROMA).then(|| turn.rem_euclid(1.0) * BINS as f64)
+}
+
+/// How far apart two hues are, in bins.
+fn apart(a: f64, b: f64) -> f64 {
+    let away = (a - b).abs();
+    away.min(BINS as f64 - away)
+}
+
+fn nearest(peaks: &[f64], hue: f64) -> usize {
+    (0..peaks.len())
+        .min_by(|a, b| apart(peaks[*a], hue).total_cmp(&apart(peaks[*b], hue)))
+        .unwrap_or(0)
+}
+
+/// The hues that many pixels have, two or more of them.
+fn peaks(hues: &[Option<f64>]) -> Option<Vec<f64>> {
+    let mut histogram = [0.0f64; BINS];
+    for hue in hues.iter().flatten() {
+        histogram[(*hue as usize).min(BINS - 1)] += 1.0;
+    }
+    let total: f64 = histogram.iter().sum();
+    if total < COLOURED_PART * hues.len() as f64 {
+        return None;
+    }
+    let at = |bin: usize| histogram[bin % BINS];
+    // Mass within 12.5° of a bin's middle.
+    let mass = |bin: usize| {
+        (0..LEAST_APART)
+            .map(|k| at(bin + BINS + k - LEAST_APART / 2))
+            .sum::<f64>()
+    };
+    let mut order: Vec<usize> = (0..BINS).collect();
+    order.sort_by(|a, b| mass(*b).total_cmp(&mass(*a)).then(a.cmp(b)));
+    let mut peaks: Vec<f64> = Vec::new();
+    for bin in order {
+        let middle = bin as f64 + 0.5;
+        let is_highest = mass(bin) >= mass(bin + 1) && mass(bin) >= mass(bin + BINS - 1);
+        let is_free = peaks
+            .iter()
+            .all(|peak| apart(*peak, middle) >= LEAST_APART as f64);
+        if is_highest && is_free && mass(bin) >= LEAST_PART * total && peaks.len() < MOST_LAYERS {
+            peaks.push(middle);
+        }
+    }
+    (peaks.len() > 1).then_some(peaks)
+}
+
+/// Gives pixels without a label that of a neighbour.
+fn spread(mask: &Mask, members: &[usize], labels: &mut [u8]) {
+    let stride = mask.stride();
+    let mut rest: Vec<usize> = members.to_vec();
+    rest.retain(|cell| labels[*cell] == 0);
+    for _ in 0..SPREADING_ROUNDS {
+        let mut reached = Vec::new();
+        rest.retain(|cell| {
+            let near = [cell - 1, cell + 1, cell - stride, cell + stride];
+            let label = near
+                .into_iter()
+                .map(|other| labels[other])
+                .max()
+                .unwrap_or(0);
+            if label > 0 {
+                reached.push((*cell, label));
+            }
+            label == 0
+        });
+        if reached.is_empty() {
+            return;
+        }
+        for (cell, label) in reached {
+            labels[cell] = label;
+        }
+    }
+}
+
+/// Takes the label from parts that are too thin for a strand: between two strands, hues mix to that of a third one.
+fn remove_borders(mask: &Mask, members: &[usize], labels: &mut [u8], count: usize) {
+    let whole = chamfer_distances(mask, members);
+    let mut widths: Vec<u16> = members.iter().map(|cell| whole[*cell]).collect();
+    widths.sort_unstable();
+    // Of a stripe's pixels nine of ten are nearer to its edge than nine tenths of its half width.
+    let Some(usual) = widths.get(widths.len() * 9 / 10) else {
+        return;
+    };
+    let least = (THINNEST * f64::from(*usual)) as u16;
+    for label in 1..=count as u8 {
+        let layer = layer(mask, members, labels, label);
+        let inside = layer.members();
+        let distances = chamfer_distances(&layer, &inside);
+        for part in layer.parts() {
+            let cells = || part.iter().map(|(column, row)| mask.index(*column, *row));
+            let thickest = cells().map(|cell| distances[cell]).max().unwrap_or(0);
+            if thickest < least {
+                for cell in cells() {
+                    labels[cell] = 0;
+                }
+            }
+        }
+        // Thin seams that cling to a strand of their own hue go, too: what an opening removes.
+        open(&layer, &inside, &distances, least, labels);
+    }
+}
+
+/// Takes the label from pixels that are not within reach of one deep inside, in octagons.
+fn open(layer: &Mask, inside: &[usize], distances: &[u16], least: u16, labels: &mut [u8]) {
+    let stride = layer.stride();
+    let mut kept = vec![false; labels.len()];
+    let mut front = Vec::new();
+    for cell in inside {
+        if distances[*cell] >= least {
+            kept[*cell] = true;
+            front.push(*cell);
+        }
+    }
+    for round in 0..usize::from(least).div_ceil(5) + 1 {
+        let used = if round % 2 == 0 { 4 } else { 8 };
+        let mut reached = Vec::new();
+        for cell in &front {
+            let straight = [cell - 1, cell + 1, cell - stride, cell + stride];
+            let diagonal = [
+                cell - stride - 1,
+                cell - stride + 1,
+                cell + stride - 1,
+                cell + stride + 1,
+            ];
+            for other in straight.into_iter().chain(diagonal).take(used) {
+                if layer.cells()[other] == 1 && !kept[other] {
+                    kept[other] = true;
+                    reached.push(other);
+                }
+            }
+        }
+        front = reached;
+    }
+    for cell in inside {
+        if !kept[*cell] {
+            labels[*cell] = 0;
+        }
+    }
+}
+
+fn layer(mask: &Mask, members: &[usize], labels: &[u8], label: u8) -> Mask {
+    let mut layer = Mask::new(mask.width(), mask.height());
+    for cell in members {
+        layer.cells_mut()[*cell] = u8::from(labels[*cell] == label);
+    }
+    layer
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use image::Rgb;
+
+    /// Two stripes of 8 rows that touch, and what mixes between them.
+    fn stripes(colours: [[u8; 3]; 3]) -> (RgbImage, Mask) {
+        let picture = RgbImage::from_fn(80, 40, |_, v| {
+            Rgb(match v {
+                10..18 => colours[0],
+                18..20 => colours[1],
+                20..28 => colours[2],
+                _ => [10, 10, 10],
+            })
+        });
+        let mut mask = Mask::new(80, 40);
+        for row in 10..28 {
+            for column in 0..80 {
+                mask.set(column, row, true);
+            }
+        }
+        (picture, mask)
+    }
+
+    #[test]
+    fn strands_of_two_hues_are_parted_and_what_mixes_between_is_none() {
+        // Half red and half green is yellow.
+        let (picture, mask) = stripes([[205, 70, 60], [150, 130, 60], [60, 170, 90]]);
+        let masks = layers(&picture, &mask, 20, 5).expect("two layers");
+        assert_eq!(masks.len(), 2);
+        for row in [13, 24] {
+            let of = masks.iter().filter(|layer| layer.contains(40, row));
+            assert_eq!(of.count(), 1);
+        }
+        let area: usize = masks.iter().map(Mask::area).sum();
+        assert_eq!(area, mask.area());
+    }
+
+    #[test]
+    fn shades_of_one_hue_and_grey_are_one_layer() {
+        for colours in [
+            [[205, 70, 60], [160, 55, 47], [110, 38, 32]],
+            [[90; 3], [140; 3], [200; 3]],
+        ] {
+            let (picture, mask) = stripes(colours);
+            assert!(layers(&picture, &mask, 20, 5).is_none());
+        }
+    }
+}

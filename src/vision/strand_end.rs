@@ -1,0 +1,182 @@
+//! Where strands end: at the edge of the mask or of the picture, or on another strand.
+
+use super::Point;
+use super::centreline::normal;
+use super::colour::colour_difference;
+use super::contrast::Contrast;
+use super::crossing::{Arm, Crossing};
+use super::path_energy::departure;
+use super::skeleton::Skeleton;
+use super::strand::Path;
+use std::collections::BTreeMap;
+
+/// Colour difference of strands that are told apart where one ends on the other.
+const OTHER_COLOUR: f64 = 25.0;
+/// Colour difference within a strand.
+const SAME_COLOUR: f64 = 15.0;
+/// How far beyond the strand on which another one ends its own colour is looked for, in widths.
+const FARTHEST_END: f64 = 3.0;
+
+/// Where strands end at other strands: arms of crossings without a partner, and how far the crossing is.
+#[derive(Debug)]
+pub(super) struct EndStops<C> {
+    crossing_of: BTreeMap<Arm, Stop>,
+    colour: C,
+}
+
+/// What a strand ends at.
+#[derive(Clone, Copy, Debug)]
+struct Stop {
+    /// The crossing.
+    position: Point,
+    /// Colour of the strand, where the others at the crossing have other ones.
+    own_colour: Option<[f64; 3]>,
+}
+
+impl<C: Fn(Point) -> [f64; 3]> EndStops<C> {
+    /// `colour` gives L\*a\*b\* of a pixel.
+    pub fn new(skeleton: &Skeleton, crossings: &[Crossing], colour: C) -> Self {
+        let mut crossing_of = BTreeMap::new();
+        for crossing in crossings {
+            let colours: Vec<[f64; 3]> = crossing
+                .arms
+                .iter()
+                .map(|arm| departure(skeleton, *arm, crossing.position, &colour).colour)
+                .collect();
+            for (index, arm) in crossing.arms.iter().enumerate() {
+                let own = colours[index];
+                let differs = |other: usize| {
+                    other == index || colour_difference(colours[other], own) > OTHER_COLOUR
+                };
+                let stop = Stop {
+                    position: crossing.position,
+                    own_colour: (0..colours.len()).all(differs).then_some(own),
+                };
+                crossing_of.insert(*arm, stop);
+            }
+        }
+        Self {
+            crossing_of,
+            colour,
+        }
+    }
+
+    /// Whether an arm ends at a crossing.
+    pub fn has(&self, arm: Arm) -> bool {
+        self.crossing_of.contains_key(&arm)
+    }
+}
+
+/// Moves both ends along the strand to where it ends: the edge of the mask or of the image, or another strand.
+pub(super) fn extend_ends(
+    contrast: &Contrast,
+    points: &mut Vec<Point>,
+    widths: &mut Vec<f64>,
+    step: f64,
+    path: &Path,
+    ends: &EndStops<impl Fn(Point) -> [f64; 3]>,
+) {
+    for end in 0..2 {
+        // The end to be moved is the last one.
+        points.reverse();
+        widths.reverse();
+        let arm = if end == 0 {
+            path.entries.first().copied()
+        } else {
+            path.entries.last().map(|entry| Arm {
+                side: 1 - entry.side,
+                ..*entry
+            })
+        };
+        let stop = arm.and_then(|arm| ends.crossing_of.get(&arm)).copied();
+        extend_end(contrast, points, widths, step, stop, &ends.colour);
+    }
+}
+
+fn extend_end(
+    contrast: &Contrast,
+    points: &mut Vec<Point>,
+    widths: &mut Vec<f64>,
+    step: f64,
+    stop: Option<Stop>,
+    colour: impl Fn(Point) -> [f64; 3],
+) {
+    // At the border no chord is measured, and what is smoothed may lie a little beyond it.
+    while points.len() > 3
+        && points
+            .last()
+            .is_some_and(|point| !in_picture(contrast, *point))
+    {
+        points.pop();
+        widths.pop();
+    }
+    let (Some(last), Some(width)) = (points.last().copied(), widths.last().copied()) else {
+        return;
+    };
+    let Some((along, turn)) = end_direction(points, width, step) else {
+        return;
+    };
+    let longest = stop.map_or(2.0 * width, |stop| {
+        ((stop.position - last).dot(&along) - 0.5 * width).clamp(0.0, 2.0 * width)
+    });
+    // The strand goes on as it bends.
+    let place = |t: f64| last + along * t + normal(along) * (0.5 * turn * t * t);
+    let inside = |t: f64| {
+        let point = place(t);
+        contrast.at(point.x, point.y) >= f64::from(contrast.threshold)
+    };
+    const STEP: f64 = 0.25;
+    let mut reach = 0.0;
+    while reach + STEP <= longest && inside(reach + STEP) {
+        reach += STEP;
+    }
+    // A strand of another colour hides the end, or lies below it: the end is where its own colour was seen last.
+    if let Some(own) = stop.and_then(|stop| stop.own_colour) {
+        let farthest = reach + FARTHEST_END * width;
+        let mut ahead = reach;
+        while ahead + STEP <= farthest && inside(ahead + STEP) {
+            ahead += STEP;
+            if colour_difference(colour(place(ahead)), own) < SAME_COLOUR {
+                reach = ahead;
+            }
+        }
+    }
+    let pieces = (reach / step).round() as usize;
+    for piece in 1..=pieces {
+        points.push(place(reach * piece as f64 / pieces as f64));
+        widths.push(width);
+    }
+    if pieces == 0 && reach > 0.0 {
+        let end = points.len() - 1;
+        points[end] = place(reach);
+    }
+}
+
+/// Whether a point lies on a pixel of the picture.
+fn in_picture(contrast: &Contrast, point: Point) -> bool {
+    let (width, height) = (contrast.width as f64, contrast.height as f64);
+    point.x >= -0.5 && point.y >= -0.5 && point.x < width - 0.5 && point.y < height - 0.5
+}
+
+/// Direction at the end of a strand, and how much it turns per length, from the last two widths.
+fn end_direction(points: &[Point], width: f64, step: f64) -> Option<(Point, f64)> {
+    let back = (width / step).ceil() as usize;
+    let at = |index: usize| {
+        points
+            .len()
+            .checked_sub(1 + index)
+            .map(|index| points[index])
+    };
+    let (Some(end), Some(middle), Some(start)) = (at(0), at(back), at(2 * back)) else {
+        let along = points.last()? - points.first()?;
+        return Some((along.try_normalize(1e-9)?, 0.0));
+    };
+    let later = (end - middle).try_normalize(1e-9)?;
+    let earlier = (middle - start).try_normalize(1e-9)?;
+    let turned = libm::atan2(earlier.perp(&later), earlier.dot(&later));
+    let apart = 0.5 * (end - start).norm();
+    // A strand bends with a radius of two widths at least; what bends more is noise.
+    let turn = (turned / apart).clamp(-0.5 / width, 0.5 / width);
+    let ahead = 0.5 * turn * (end - middle).norm();
+    Some(((later + normal(later) * ahead).normalize(), turn))
+}
