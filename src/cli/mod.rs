@@ -19,8 +19,10 @@ mod check;
 mod common;
 mod completions;
 mod crash;
+mod dataset;
 mod deployed_rod;
 mod deployment_files;
+mod evaluate;
 mod exit_code;
 mod explain;
 mod failure;
@@ -38,6 +40,7 @@ mod plan_deployment;
 mod plot;
 mod reproduce;
 mod run;
+mod samples;
 mod schema;
 mod score;
 mod solve;
@@ -50,6 +53,7 @@ mod stream;
 mod submit;
 mod sweep;
 mod trace;
+mod train;
 mod values;
 mod verify;
 mod view;
@@ -83,6 +87,9 @@ fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
 fn run_command(arguments: &Arguments) -> Result<(), Failure> {
     match &arguments.command {
         Command::Run(command) => run::run(command, &arguments.common),
+        Command::Dataset(command) => dataset::dataset(command, &arguments.common),
+        Command::Train(command) => train::train(command, &arguments.common),
+        Command::Evaluate(command) => evaluate::evaluate(command),
         Command::Check(command) => check::check(command, &arguments.common),
         Command::Init(command) => init::init(command),
         Command::Schema => schema::schema(),
