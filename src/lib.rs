@@ -35,7 +35,8 @@
 //! experiment     ──> run, knot, plan, scenario, figure
 //! run            ──> mechanics, results
 //! knot           ──> mechanics
-//! plan           ──> mechanics
+//! plan           ──> mechanics, learn
+//! learn          ──> results, figure
 //! mechanics      ──> linalg
 //! cell           ──> robot, scenario, figure
 //! vision         ──> figure
@@ -51,6 +52,7 @@
 //! | [`sweep`], [`verify`], [`reproduce`] | many cases; physics checks; tables and figures of the thesis |
 //! | [`report`] | figures and pages of a results directory |
 //! | [`knot`] | knots from parameters, the knot determinant, theory of tightening |
+//! | [`learn`] | samples, networks, training, models in files |
 //! | [`plan`] | patterns, optimal grasps, trajectories of a gripper |
 //! | [`mechanics`] | rods, contact, fluid, time stepping, equilibria |
 //! | [`linalg`] | banded and sparse factorisations |
@@ -79,6 +81,7 @@ pub mod experiment;
 pub mod figure;
 pub mod guide;
 pub mod knot;
+pub mod learn;
 pub mod linalg;
 pub mod mechanics;
 pub mod plan;

@@ -17,6 +17,7 @@ mod guide;
 mod helix_boundary;
 mod incremental_potential;
 mod knots;
+mod learning;
 mod linking_number;
 mod long_steps;
 mod mathematical_library;

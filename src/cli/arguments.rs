@@ -2,8 +2,8 @@
 
 use super::common::Common;
 use super::{
-    calibrate, check, completions, explain, gather, guide, init, measure, plan, plot, reproduce,
-    run, score, solve, status, stream, submit, trace, verify, view,
+    calibrate, check, completions, dataset, evaluate, explain, gather, guide, init, measure, plan,
+    plot, reproduce, run, score, solve, status, stream, submit, trace, train, verify, view,
 };
 use clap::{Parser, Subcommand};
 
@@ -54,6 +54,12 @@ pub enum Command {
     Verify(verify::VerifyArguments),
     /// Reproduce a table or figure of the thesis
     Reproduce(reproduce::ReproduceArguments),
+    /// Make samples for a network to learn from
+    Dataset(dataset::DatasetArguments),
+    /// Train a network on samples
+    Train(train::TrainArguments),
+    /// Compare a network with samples that it has not seen
+    Evaluate(evaluate::EvaluateArguments),
     /// Plan a trajectory: joint positions along poses of a hand
     Plan(plan::PlanArguments),
     /// Draw the figures of a results directory

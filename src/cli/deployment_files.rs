@@ -101,6 +101,8 @@ pub struct Landing<'a> {
     pub lead_in: f64,
     /// How the gripper leads the rod.
     pub scheme: Scheme,
+    /// Whether the network of the program finds the grasps.
+    pub is_neural: bool,
     /// Friction of the table.
     pub friction: Option<f64>,
     /// How long it takes, s.
@@ -140,7 +142,7 @@ pub fn landing(landing: &Landing) -> String {
          [deployment]\n\
          pattern = {{ {pattern} }}\n\
          lead_in = {lead_in:?}\n\
-         scheme = \"{scheme}\"\n\n\
+         scheme = \"{scheme}\"\n{solver}\n\
          [deployment.rod]\n\
          gravito_bending_length = {unit:?}\n\
          radius = {radius:?}\n\
@@ -155,6 +157,11 @@ pub fn landing(landing: &Landing) -> String {
          end = {duration:.6}\n\n\
          [output]\n\
          interval = \"0.5 s\"\n",
+        solver = if landing.is_neural {
+            "solver = \"neural\"\n"
+        } else {
+            ""
+        },
         lead_in = landing.lead_in,
         unit = rod.gravito_bending_length,
         radius = rod.radius,

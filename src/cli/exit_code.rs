@@ -9,6 +9,8 @@ use crate::sweep::{SweepError, SweepOutcome};
 
 /// Exit code where the time limit was reached.
 pub(super) const TIME_LIMIT: u8 = 5;
+/// Exit code of an interrupted run.
+pub(super) const INTERRUPTED: u8 = 130;
 /// Exit code after a panic: not bad input, and nothing that a further attempt with more time would mend.
 pub(super) const PANIC: u8 = 1;
 
@@ -37,7 +39,7 @@ impl ExitCode for RunError {
             Self::Scene(_) => 2,
             Self::Simulation { source, .. } => source.exit_code(),
             Self::TimeLimit { .. } => TIME_LIMIT,
-            Self::Interrupted { .. } => 130,
+            Self::Interrupted { .. } => INTERRUPTED,
             Self::Results(error) => error.exit_code(),
         }
     }
@@ -77,7 +79,7 @@ impl ExitCode for SweepOutcome {
         let count = &self.counts;
         let searches_failed = self.found.iter().any(|found| found.value.is_none());
         match self.interrupted {
-            Some(StopRequest::Interrupt) => 130,
+            Some(StopRequest::Interrupt) => INTERRUPTED,
             _ if count.failed > 0 => 1,
             _ if count.invalid > 0 => 2,
             _ if count.unphysical > 0 => 4,
@@ -153,7 +155,7 @@ mod tests {
         );
         assert_eq!(
             code(&[Failed, Interrupted], Some(StopRequest::Interrupt)),
-            130
+            INTERRUPTED
         );
     }
 }

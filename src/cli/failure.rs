@@ -1,13 +1,14 @@
 //! Why the program fails, what it says and its exit code.
 
-use super::exit_code::ExitCode;
+use super::exit_code::{ExitCode, INTERRUPTED, TIME_LIMIT};
 use super::standard_error;
 use crate::cluster::ClusterError;
+use crate::learn::TrainingError;
 use crate::mechanics::dynamics::SimulationError;
 use crate::report::{PlotError, ViewError};
 use crate::reproduce::ReproduceError;
 use crate::results::ResultsError;
-use crate::run::RunError;
+use crate::run::{RunError, StopRequest};
 use crate::scenario::ScenarioError;
 use crate::sweep::SweepError;
 use crate::vision::VisionError;
@@ -49,6 +50,8 @@ pub enum Failure {
         /// How many.
         failed: usize,
     },
+    /// It was asked to stop, with all that is done saved.
+    Stopped(StopRequest),
     /// The system refused something.
     System(String),
 }
@@ -66,6 +69,8 @@ impl ExitCode for Failure {
             Self::View(error) => error.exit_code(),
             Self::NoEquilibrium(_) | Self::Unreachable(_) => 3,
             Self::Checks { .. } => 4,
+            Self::Stopped(StopRequest::Interrupt) => INTERRUPTED,
+            Self::Stopped(StopRequest::TimeLimit) => TIME_LIMIT,
             Self::Cluster(_) | Self::System(_) => 1,
         }
     }
@@ -85,6 +90,12 @@ impl Failure {
             | Self::System(message)
             | Self::Unreachable(message)
             | Self::Cases { message, .. } => format!("error: {message}\n"),
+            Self::Stopped(StopRequest::Interrupt) => {
+                "interrupted; the same command goes on\n".into()
+            }
+            Self::Stopped(StopRequest::TimeLimit) => {
+                "time limit reached; the same command goes on\n".into()
+            }
             Self::Checks { failed } => format!("error: {failed} physics checks failed\n"),
             Self::Run(error) => format!("error: {error}\n"),
             Self::NoEquilibrium(error) => format!("error: {error}\n"),
@@ -94,6 +105,18 @@ impl Failure {
             Self::Results(error) => format!("error: {error}\n"),
             Self::Plot(error) => format!("error: {error}\n"),
             Self::View(error) => format!("error: {error}\n"),
+        }
+    }
+}
+
+impl Failure {
+    /// Why nothing was trained: files of the user's that do not serve are bad input.
+    pub fn of_training(error: &TrainingError) -> Self {
+        match error {
+            TrainingError::Results(_) | TrainingError::System { .. } => {
+                Self::System(error.to_string())
+            }
+            error => Self::Input(error.to_string()),
         }
     }
 }

@@ -19,9 +19,11 @@ mod check;
 mod common;
 mod completions;
 mod crash;
+mod dataset;
 mod deployed_rod;
 mod deployment_files;
 mod drawn_pattern;
+mod evaluate;
 mod exit_code;
 mod explain;
 mod failure;
@@ -43,6 +45,7 @@ mod plan_deployment;
 mod plot;
 mod reproduce;
 mod run;
+mod samples;
 mod schema;
 mod score;
 mod solve;
@@ -56,6 +59,7 @@ mod submit;
 mod sweep;
 mod trace;
 mod trace_answer;
+mod train;
 mod values;
 mod verify;
 mod view;
@@ -90,6 +94,9 @@ fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
 fn run_command(arguments: &Arguments) -> Result<(), Failure> {
     match &arguments.command {
         Command::Run(command) => run::run(command, &arguments.common),
+        Command::Dataset(command) => dataset::dataset(command, &arguments.common),
+        Command::Train(command) => train::train(command, &arguments.common),
+        Command::Evaluate(command) => evaluate::evaluate(command),
         Command::Check(command) => check::check(command, &arguments.common),
         Command::Init(command) => init::init(command),
         Command::Schema => schema::schema(),

@@ -9,9 +9,10 @@ use super::failure::Failure;
 use super::output::print_json;
 use super::values::positive_length;
 use crate::plan::deployment::{
-    DeployedRod, DeploymentError, Feasibility, GripperPose, MOST_POSES, Scheme, deployment_figure,
-    friction_demand, lead_in_length, long_enough, times, trajectory,
+    DeployedRod, DeploymentError, Feasibility, GripperPose, MOST_POSES, OptimalGrasps, Scheme,
+    deployment_figure, friction_demand, lead_in_length, long_enough, times, trajectory,
 };
+use crate::plan::grasp::NeuralGrasps;
 use crate::plan::pattern::{
     Circle, Crossing, Drawing, Line, Pattern, PatternError, PatternSource, Point, Sine, crossings,
 };
@@ -19,6 +20,7 @@ use crate::results::write_whole;
 use crate::scenario::metres;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `rodlab plan deployment`.
@@ -37,6 +39,12 @@ pub struct DeploymentArguments {
     /// How the gripper leads the rod
     #[arg(long, default_value = "optimal")]
     scheme: SchemeName,
+    /// Who finds the optimal grasps
+    #[arg(long, default_value = "exact")]
+    solver: SolverName,
+    /// The network of --solver neural, from `rodlab train` [default: the one in this program]
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
     /// Length of the longer side of a drawn pattern [default: as drawn]
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
     size: Option<f64>,
@@ -73,6 +81,15 @@ enum SchemeName {
     Intuitive,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+enum SolverName {
+    /// The equations of the suspended rod.
+    Exact,
+    /// A network; the equations where it has not learned them.
+    Neural,
+}
+
 #[derive(Clone, Copy, Debug)]
 enum LeadInLength {
     Auto,
@@ -84,6 +101,7 @@ struct Report {
     pattern: String,
     rod: String,
     scheme: SchemeName,
+    solver: SolverName,
     length_m: f64,
     lead_in_m: f64,
     rod_length_m: f64,
@@ -96,6 +114,9 @@ struct Report {
     share_above_friction: Option<f64>,
     crossings: Vec<CrossingReport>,
     poses: usize,
+    /// Poses that the network does not know.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    solved_exactly: Option<usize>,
     unstable_poses: usize,
     duration_s: f64,
     files: Vec<PathBuf>,
@@ -133,7 +154,12 @@ impl DeploymentArguments {
             SchemeName::Optimal => Scheme::Optimal,
             SchemeName::Intuitive => Scheme::Intuitive,
         };
-        let poses = trajectory(&points, &rod, scheme).map_err(|error| self.refused(&error))?;
+        let network = self.network()?;
+        let grasps = network.as_ref().map_or(OptimalGrasps::Exact, |network| {
+            OptimalGrasps::Neural(network)
+        });
+        let poses =
+            trajectory(&points, &rod, scheme, grasps).map_err(|error| self.refused(&error))?;
         let crossings = crossings(&points);
         let demands: Vec<f64> = points
             .iter()
@@ -149,6 +175,7 @@ impl DeploymentArguments {
             source: &source,
             lead_in: pattern.lead_in(),
             scheme,
+            is_neural: network.is_some(),
             friction,
             duration,
         };
@@ -160,8 +187,11 @@ impl DeploymentArguments {
             ),
             ("pattern.csv", pattern_csv(&points, &demands)),
             ("deployment.svg", figure),
-            ("landing.toml", landing(&simulated)),
         ];
+        // A scenario knows the network of the program only.
+        if self.model.is_none() {
+            named.push(("landing.toml", landing(&simulated)));
+        }
         if let PatternSource::Drawn { points, .. } = &source {
             named.push((DRAWING, drawing_csv(points)));
         }
@@ -178,6 +208,7 @@ impl DeploymentArguments {
             pattern: self.pattern.clone(),
             rod: file.title,
             scheme: self.scheme,
+            solver: self.solver,
             length_m: pattern.length(),
             lead_in_m: pattern.lead_in(),
             rod_length_m: rod.length,
@@ -191,6 +222,8 @@ impl DeploymentArguments {
             crossings: crossings.iter().map(CrossingReport::of).collect(),
             unstable_poses: poses.iter().filter(|pose| is_unstable(pose)).count(),
             poses: poses.len(),
+            solved_exactly: network
+                .map(|_| poses.iter().filter(|pose| pose.grasp.is_some()).count()),
             duration_s: duration,
             files,
         })
@@ -222,6 +255,26 @@ impl DeploymentArguments {
                     }
                 ))
             })
+    }
+
+    /// The network that finds the grasps, if one does.
+    fn network(&self) -> Result<Option<Cow<'static, NeuralGrasps>>, Failure> {
+        match (self.solver, self.scheme, &self.model) {
+            (SolverName::Exact, _, Some(_)) => {
+                Err(Failure::Input("--model is for --solver neural".into()))
+            }
+            (SolverName::Neural, SchemeName::Intuitive, _) => Err(Failure::Input(
+                "--solver neural is for --scheme optimal: the intuitive scheme asks for no grasps"
+                    .into(),
+            )),
+            (SolverName::Exact, ..) => Ok(None),
+            (SolverName::Neural, _, None) => Ok(Some(Cow::Borrowed(NeuralGrasps::built_in()))),
+            (SolverName::Neural, _, Some(path)) => {
+                let network = NeuralGrasps::read(path);
+                let network = network.map_err(|error| Failure::Input(error.to_string()))?;
+                Ok(Some(Cow::Owned(network)))
+            }
+        }
     }
 
     /// What the pattern is made from.

@@ -45,6 +45,11 @@ pub trait Kind: ExperimentKeys {
         &[]
     }
 
+    /// What a network may learn from a run, if it is a table of samples.
+    fn samples(&self) -> Option<SampleColumns> {
+        None
+    }
+
     /// Its own figures of a run, with the names of their files as SVG; none where the run wrote nothing for them.
     ///
     /// # Errors
@@ -99,6 +104,19 @@ impl Serialize for OwnNumbers {
         table.serialize_entry(self.key, &self.json)?;
         table.end()
     }
+}
+
+/// Columns of a table of samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SampleColumns {
+    /// The table.
+    pub file: &'static str,
+    /// Columns from which a network predicts.
+    pub inputs: &'static [&'static str],
+    /// Columns that it predicts; rows where they are empty are left out.
+    pub outputs: &'static [&'static str],
+    /// Vectors among them whose errors are reported as lengths: quantity with unit, and columns.
+    pub vectors: &'static [(&'static str, &'static [&'static str])],
 }
 
 /// What `rodlab view` shows of a run.

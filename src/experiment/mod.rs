@@ -9,7 +9,7 @@
 //! | `prepare` | from a scenario to a run: the common tables, then what its kind adds |
 //! | `probes` | what a scenario asks to be measured, in terms of its scene |
 //! | `derived` | numbers for `rodlab check` |
-//! | `scene`, `flagella`, `knot`, `helix`, `deployment` | the kinds |
+//! | `scene`, `flagella`, `knot`, `helix`, `deployment`, `grasp_samples` | the kinds |
 
 #[cfg(test)]
 mod contact_tests;
@@ -17,6 +17,7 @@ pub(crate) mod deployment;
 mod derived;
 mod described;
 mod flagella;
+mod grasp_samples;
 pub(crate) mod helix;
 mod kind;
 pub(crate) mod knot;
@@ -36,7 +37,7 @@ pub use described::{Described, describe, described_files, files_with_column};
 pub use helix::stability::{
     HelixSearch, HelixStability, discrete_critical_distance, estimated_critical_distance,
 };
-pub use kind::{FigureError, Kind, OwnNumbers, Page};
+pub use kind::{FigureError, Kind, OwnNumbers, Page, SampleColumns};
 pub use knot::{
     KnotEnding, KnotMonitor, KnotObserver, KnotOutcome, KnotRow, KnotSample, read_knot_series,
 };
@@ -55,6 +56,7 @@ pub static KINDS: &[&dyn Kind] = &[
     &knot::InversionKind,
     &helix::stability::HelixStabilityKind,
     &deployment::DeploymentKind,
+    &grasp_samples::GraspSamplesKind,
 ];
 
 /// The same, as scenario files see them.

@@ -14,7 +14,7 @@ use super::tightening::Tightening;
 use super::{
     ReproduceError, ReproduceOptions, auto_steps, cost, deployment_errors, drag_steps, figure_2_5,
     figure_2_6, figure_2_7, figure_2_8, figure_3_4, figure_3_9, figure_5_5, figure_6_2, figure_6_5,
-    inversion_factors, knot_convergence, table_2_1, table_2_2, table_5_2,
+    inversion_factors, knot_convergence, table_2_1, table_2_2, table_5_2, table_5_3,
 };
 use std::fmt;
 use std::path::PathBuf;
@@ -27,7 +27,7 @@ pub struct Artifact {
 }
 
 /// All tables and figures.
-pub static ARTIFACTS: [Artifact; 23] = [
+pub static ARTIFACTS: [Artifact; 24] = [
     Artifact {
         name: "tab2.1",
         title: "Table 2.1: IMC and IPC, iterations and time of bundling flagella",
@@ -167,6 +167,15 @@ pub static ARTIFACTS: [Artifact; 23] = [
             runs: Laying::of_table_5_2,
             write: table_5_2::write,
             figures_of_table: None,
+        },
+    },
+    Artifact {
+        name: "tab5.3",
+        title: "Table 5.3: trajectories by exact grasps and by the network",
+        recipe: &Recipe {
+            runs: Laying::of_table_5_3,
+            write: table_5_3::write,
+            figures_of_table: Some(table_5_3::figures_of_table),
         },
     },
     Artifact {

@@ -116,6 +116,8 @@ pub(super) struct Laying {
     pub friction: usize,
     /// Whether it is laid by the optimal grasps; else by the intuitive scheme.
     pub is_optimal: bool,
+    /// Whether a network finds the optimal grasps.
+    pub is_neural: bool,
     /// Index into [`PATTERNS`].
     pub pattern: usize,
     /// Time, s.
@@ -154,6 +156,7 @@ impl Laying {
                             rod,
                             friction,
                             is_optimal,
+                            is_neural: false,
                             pattern,
                             end: END,
                             disturbance: Disturbance::default(),
@@ -165,6 +168,18 @@ impl Laying {
         if quick {
             runs.retain(|run| run.rod == 1 && run.friction == 1);
         }
+        runs
+    }
+
+    /// All rods and patterns at the medium friction, by exact grasps and by the network; a quick look has the green rod.
+    pub fn of_table_5_3(quick: bool) -> Vec<Self> {
+        let mut runs = Self::of_table_5_2(false);
+        runs.retain(|run| run.is_optimal && run.friction == 1 && (run.rod == 1 || !quick));
+        let neural = runs.clone().into_iter().map(|run| Self {
+            is_neural: true,
+            ..run
+        });
+        runs.extend(neural);
         runs
     }
 
@@ -188,6 +203,7 @@ impl Laying {
                 rod: 1,
                 friction: 1,
                 is_optimal: true,
+                is_neural: false,
                 pattern,
                 end: END,
                 disturbance,
@@ -234,10 +250,10 @@ impl Run for Laying {
             PATTERNS[self.pattern].name,
             RODS[self.rod].name.replace(' ', "_"),
             FRICTIONS[self.friction],
-            if self.is_optimal {
-                "optimal"
-            } else {
-                "intuitive"
+            match (self.is_optimal, self.is_neural) {
+                (true, false) => "optimal",
+                (true, true) => "neural",
+                (false, _) => "intuitive",
             }
         )
     }
@@ -255,6 +271,11 @@ impl Run for Laying {
             seed,
             length_error,
         } = self.disturbance;
+        let solver = if self.is_neural {
+            "solver = \"neural\""
+        } else {
+            ""
+        };
         let errors = format!("jitter = {jitter:?}\nseed = {seed}\nlength_error = {length_error:?}");
         let text = format!(
             "experiment = \"deployment\"\n\
@@ -262,6 +283,7 @@ impl Run for Laying {
              [deployment]\n\
              pattern = {{ {} }}\n\
              scheme = \"{scheme}\"\n\
+             {solver}\n\
              {errors}\n\
              {rod}\n\
              [contact]\n\

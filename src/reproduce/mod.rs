@@ -64,6 +64,7 @@ mod table;
 mod table_2_1;
 mod table_2_2;
 mod table_5_2;
+mod table_5_3;
 mod tightening;
 
 pub use artifact::{ARTIFACTS, Artifact};

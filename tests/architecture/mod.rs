@@ -33,7 +33,8 @@ const ROOMS: Table = &[
     ("experiment", &["run", "knot", "plan", "scenario", "figure"]),
     ("run", &["mechanics", "results"]),
     ("knot", &["mechanics"]),
-    ("plan", &["mechanics"]),
+    ("plan", &["mechanics", "learn"]),
+    ("learn", &["results", "figure"]),
     ("mechanics", &["linalg"]),
     ("cell", &["robot", "scenario", "figure"]),
     ("robot", &[]),
@@ -57,6 +58,7 @@ const EXPERIMENT: Table = &[
     ("knot", &["kind", "prepare"]),
     ("helix", &["kind"]),
     ("deployment", &["kind", "prepare"]),
+    ("grasp_samples", &["kind"]),
     ("kind", &[]),
 ];
 

@@ -79,10 +79,12 @@ impl GripperPath {
         let feasibility = Feasibility::of(&curve, POSE_SPACING, &rod, Some(friction))?;
         let planned = Planned::new(deployment, &curve);
         let scheme = deployment.scheme.into();
+        let grasps = deployment.solver.into();
         let coarse = trajectory(
             &planned.seen(curve.sampled(TIMING_SPACING)),
             &planned.rod,
             scheme,
+            grasps,
         )?;
         let passed = times(&coarse, 1.0);
         let duration = passed.last().copied().unwrap_or(0.0);
@@ -107,7 +109,7 @@ impl GripperPath {
             points[index].angle += TAU * turns.round();
         }
         let seen = planned.seen(points);
-        let mut poses = trajectory(&seen, &planned.rod, scheme)?;
+        let mut poses = trajectory(&seen, &planned.rod, scheme, grasps)?;
         let start = hanging_rod(&seen[0], &planned.rod, scheme, deployment.rod.edges)?;
         Jitter::new(deployment).add(&laid, &mut poses);
         Ok(Self {

@@ -62,7 +62,7 @@ fn upright(rod: &DeployedRod, edges: usize) -> impl Iterator<Item = f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::trajectory;
+    use super::super::{OptimalGrasps, trajectory};
     use super::*;
     use crate::plan::pattern::{Circle, Line, Pattern};
 
@@ -76,7 +76,8 @@ mod tests {
         let circle = Pattern::new(Box::new(Circle { radius: -0.2 }), 0.0).unwrap();
         let points = circle.sampled(0.5);
         let nodes = hanging_rod(&points[0], &rod, Scheme::Optimal, 200).unwrap();
-        let pose = &trajectory(&points[..1], &rod, Scheme::Optimal).unwrap()[0];
+        let pose =
+            &trajectory(&points[..1], &rod, Scheme::Optimal, OptimalGrasps::Exact).unwrap()[0];
         assert!((nodes[200] - pose.position).norm() < 1e-7);
         let start = Vector3::new(0.0, 0.0, rod.radius);
         assert!((nodes[0] - start).norm() < 1e-12);
@@ -93,7 +94,8 @@ mod tests {
         let line = Pattern::new(Box::new(Line { length: 0.5 }), 0.0).unwrap();
         let points = line.sampled(0.5);
         let nodes = hanging_rod(&points[0], &rod, Scheme::Intuitive, 100).unwrap();
-        let pose = &trajectory(&points[..1], &rod, Scheme::Intuitive).unwrap()[0];
+        let pose =
+            &trajectory(&points[..1], &rod, Scheme::Intuitive, OptimalGrasps::Exact).unwrap()[0];
         assert!((nodes[100] - pose.position).norm() < 1e-12);
         assert!((nodes[0] - Vector3::new(0.0, 0.0, rod.radius)).norm() < 1e-15);
         // Between nodes k and k + 1 the strain is that of the weight below their middle, ρ g s/E = s/(2 k̄_s L_gb).

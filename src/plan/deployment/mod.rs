@@ -21,7 +21,7 @@ pub use figure::deployment_figure;
 pub use landing::hanging_rod;
 pub use rod::DeployedRod;
 pub use timing::{laid_after, times};
-pub use trajectory::{GripperPose, Scheme, trajectory};
+pub use trajectory::{GripperPose, OptimalGrasps, Scheme, trajectory};
 
 use crate::plan::grasp::GraspError;
 use thiserror::Error;
@@ -68,4 +68,7 @@ pub enum DeploymentError {
         /// What is wrong.
         error: GraspError,
     },
+    /// A network failed.
+    #[error("{0}")]
+    Network(String),
 }

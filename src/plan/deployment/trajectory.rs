@@ -1,8 +1,9 @@
 //! Poses of the gripper along a pattern (thesis Algorithm 9).
 
 use super::{DeployedRod, DeploymentError};
+use crate::learn::ModelError;
 use crate::mechanics::{UnitQuaternion, Vector3, rotation};
-use crate::plan::grasp::{Grasp, GraspMethod, GraspProblem, GraspSolver};
+use crate::plan::grasp::{Grasp, GraspMethod, GraspProblem, GraspSolver, NeuralGrasps};
 use crate::plan::pattern::PatternPoint;
 use std::f64::consts::FRAC_PI_2;
 
@@ -16,6 +17,15 @@ pub enum Scheme {
     Intuitive,
 }
 
+/// Who finds the optimal grasps.
+#[derive(Clone, Copy, Debug)]
+pub enum OptimalGrasps<'a> {
+    /// The equations of the suspended rod.
+    Exact,
+    /// A network; out of the range of its samples the equations.
+    Neural(&'a NeuralGrasps),
+}
+
 /// Where the gripper is when the rod touches the table at an arc length of the pattern.
 #[derive(Clone, Debug)]
 pub struct GripperPose {
@@ -26,11 +36,12 @@ pub struct GripperPose {
     /// Orientation: its x axis is the tangent of the rod, towards the gripper; the frame of the rod that lies on the
     /// table, (t, ẑ × t, ẑ), goes over into it without twist.
     pub rotation: UnitQuaternion,
-    /// The grasp, dimensionless; none for the intuitive scheme, which does not know it.
+    /// The exact grasp, dimensionless; none for the intuitive scheme and for a network, which do not know it.
     pub grasp: Option<Grasp>,
 }
 
 /// The gripper's poses for the points of a pattern; quaternions go over into each other without a change of sign.
+/// `grasps` says who finds the grasps of the optimal scheme.
 ///
 /// # Errors
 /// There is no grasp at some point.
@@ -38,14 +49,19 @@ pub fn trajectory(
     points: &[PatternPoint],
     rod: &DeployedRod,
     scheme: Scheme,
+    grasps: OptimalGrasps<'_>,
 ) -> Result<Vec<GripperPose>, DeploymentError> {
-    let mut solver = GraspSolver::new();
+    let found = match (scheme, grasps) {
+        (Scheme::Intuitive, _) => points.iter().map(|point| intuitive(point, rod)).collect(),
+        (Scheme::Optimal, OptimalGrasps::Exact) => {
+            let mut solver = GraspSolver::new();
+            let poses = points.iter().map(|point| optimal(point, rod, &mut solver));
+            poses.collect::<Result<Vec<_>, _>>()?
+        }
+        (Scheme::Optimal, OptimalGrasps::Neural(network)) => learned(points, rod, network)?,
+    };
     let mut poses: Vec<GripperPose> = Vec::with_capacity(points.len());
-    for point in points {
-        let mut pose = match scheme {
-            Scheme::Optimal => optimal(point, rod, &mut solver)?,
-            Scheme::Intuitive => intuitive(point, rod),
-        };
+    for mut pose in found {
         if let Some(before) = poses.last()
             && before.rotation.coords.dot(&pose.rotation.coords) < 0.0
         {
@@ -71,24 +87,68 @@ fn optimal(
     rod: &DeployedRod,
     solver: &mut GraspSolver,
 ) -> Result<GripperPose, DeploymentError> {
+    let failed = |error| DeploymentError::Grasp {
+        s_m: point.s,
+        error,
+    };
+    let problem = problem(point, rod)?;
+    let grasp = solver
+        .solve(&problem, GraspMethod::Theory)
+        .map_err(failed)?;
+    Ok(GripperPose {
+        grasp: Some(grasp.clone()),
+        ..placed(point, rod, grasp.position, grasp.rotation)
+    })
+}
+
+/// Poses by a network, all at once; points out of its range by the equations.
+fn learned(
+    points: &[PatternPoint],
+    rod: &DeployedRod,
+    network: &NeuralGrasps,
+) -> Result<Vec<GripperPose>, DeploymentError> {
+    let problems: Vec<GraspProblem> = points
+        .iter()
+        .map(|point| problem(point, rod))
+        .collect::<Result<_, _>>()?;
+    let found = network.predict(&problems);
+    let found = found.map_err(|error: ModelError| DeploymentError::Network(error.to_string()))?;
+    let mut solver = GraspSolver::new();
+    let poses = points.iter().zip(found).map(|(point, grasp)| match grasp {
+        Some(grasp) => Ok(placed(point, rod, grasp.position, grasp.rotation)),
+        None => optimal(point, rod, &mut solver),
+    });
+    poses.collect()
+}
+
+/// The grasp that a point of the pattern asks for.
+fn problem(point: &PatternPoint, rod: &DeployedRod) -> Result<GraspProblem, DeploymentError> {
     let unit = rod.gravito_bending_length;
     let problem = GraspProblem::new(
         (rod.length - point.s) / unit,
         point.curvature * unit,
         rod.stretch_stiffness(),
     );
-    let grasp = problem.and_then(|problem| solver.solve(&problem, GraspMethod::Theory));
-    let grasp = grasp.map_err(|error| DeploymentError::Grasp {
+    problem.map_err(|error| DeploymentError::Grasp {
         s_m: point.s,
         error,
-    })?;
-    let lying = lying(point);
-    Ok(GripperPose {
-        s: point.s,
-        position: contact(point, rod) + unit * (lying * grasp.position),
-        rotation: lying * grasp.rotation,
-        grasp: Some(grasp),
     })
+}
+
+/// A dimensionless grasp, brought to a point of the pattern.
+fn placed(
+    point: &PatternPoint,
+    rod: &DeployedRod,
+    position: Vector3,
+    rotation: UnitQuaternion,
+) -> GripperPose {
+    let lying = lying(point);
+    GripperPose {
+        s: point.s,
+        position: contact(point, rod) + rod.gravito_bending_length * (lying * position),
+        rotation: lying * rotation,
+        grasp: None,
+    }
 }
 
 fn intuitive(point: &PatternPoint, rod: &DeployedRod) -> GripperPose {
@@ -128,8 +188,20 @@ mod tests {
         let (turn, shift) = (2.4, Point::new(0.3, -0.7));
         let turned = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn);
         for scheme in [Scheme::Optimal, Scheme::Intuitive] {
-            let here = trajectory(&wave(0.0, Point::zeros(), 1.0), &GREEN, scheme).unwrap();
-            let there = trajectory(&wave(turn, shift, 1.0), &GREEN, scheme).unwrap();
+            let here = trajectory(
+                &wave(0.0, Point::zeros(), 1.0),
+                &GREEN,
+                scheme,
+                OptimalGrasps::Exact,
+            )
+            .unwrap();
+            let there = trajectory(
+                &wave(turn, shift, 1.0),
+                &GREEN,
+                scheme,
+                OptimalGrasps::Exact,
+            )
+            .unwrap();
             assert_eq!(here.len(), there.len());
             for (here, there) in here.iter().zip(&there) {
                 let expected = turned * here.position + Vector3::new(shift.x, shift.y, 0.0);
@@ -142,8 +214,20 @@ mod tests {
     #[test]
     fn a_mirrored_pattern_mirrors_the_trajectory() {
         for scheme in [Scheme::Optimal, Scheme::Intuitive] {
-            let here = trajectory(&wave(0.0, Point::zeros(), 1.0), &GREEN, scheme).unwrap();
-            let there = trajectory(&wave(0.0, Point::zeros(), -1.0), &GREEN, scheme).unwrap();
+            let here = trajectory(
+                &wave(0.0, Point::zeros(), 1.0),
+                &GREEN,
+                scheme,
+                OptimalGrasps::Exact,
+            )
+            .unwrap();
+            let there = trajectory(
+                &wave(0.0, Point::zeros(), -1.0),
+                &GREEN,
+                scheme,
+                OptimalGrasps::Exact,
+            )
+            .unwrap();
             for (here, there) in here.iter().zip(&there) {
                 let expected = Vector3::new(here.position.x, -here.position.y, here.position.z);
                 assert!((there.position - expected).norm() < 1e-9);
@@ -163,7 +247,13 @@ mod tests {
     #[test]
     fn along_a_line_the_gripper_keeps_its_distance_until_the_rod_is_short() {
         let line = Pattern::new(Box::new(Line { length: 0.5 }), 0.0).unwrap();
-        let poses = trajectory(&line.sampled(0.005), &GREEN, Scheme::Optimal).unwrap();
+        let poses = trajectory(
+            &line.sampled(0.005),
+            &GREEN,
+            Scheme::Optimal,
+            OptimalGrasps::Exact,
+        )
+        .unwrap();
         assert_eq!(poses.len(), 101);
         for pose in &poses {
             let ahead = pose.position.x - pose.s;
@@ -180,7 +270,7 @@ mod tests {
         let circle = Pattern::new(Box::new(Circle { radius: 0.09 }), 0.0).unwrap();
         let points = circle.with_lead_in(0.1).sampled(0.004);
         for scheme in [Scheme::Optimal, Scheme::Intuitive] {
-            let poses = trajectory(&points, &GREEN, scheme).unwrap();
+            let poses = trajectory(&points, &GREEN, scheme, OptimalGrasps::Exact).unwrap();
             for pair in poses.windows(2) {
                 assert!(pair[0].rotation.coords.dot(&pair[1].rotation.coords) > 0.99);
                 assert!((pair[0].position - pair[1].position).norm() < 0.02);
@@ -191,7 +281,12 @@ mod tests {
     #[test]
     fn a_rod_that_is_too_short_has_no_grasp_there() {
         let line = Pattern::new(Box::new(Line { length: 0.9 }), 0.0).unwrap();
-        let found = trajectory(&line.sampled(0.05), &GREEN, Scheme::Optimal);
+        let found = trajectory(
+            &line.sampled(0.05),
+            &GREEN,
+            Scheme::Optimal,
+            OptimalGrasps::Exact,
+        );
         assert!(matches!(found, Err(DeploymentError::Grasp { s_m, .. }) if s_m > 0.85));
     }
 }

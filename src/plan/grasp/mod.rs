@@ -23,6 +23,7 @@
 //! | `solution` | the gripper's place and rotation |
 //! | `discrete` | the same with the discrete elastic rod |
 //! | `solver` | grasps one after the other |
+//! | `neural` | the same by a network |
 
 mod branches;
 mod continuation;
@@ -30,11 +31,13 @@ mod discrete;
 mod gauss;
 mod interval;
 mod mesh;
+mod neural;
 mod shape;
 mod solution;
 mod solver;
 mod stability;
 
+pub use neural::{LearnedGrasp, NeuralError, NeuralGrasps};
 pub use solution::Grasp;
 pub use solver::{GraspMethod, GraspSolver};
 pub use stability::TWIST_STIFFNESS;

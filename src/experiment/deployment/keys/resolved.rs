@@ -52,6 +52,8 @@ pub enum Scheme {
 pub enum Solver {
     /// The equations of the suspended rod.
     Exact,
+    /// The network of the program; the equations where it has not learned them.
+    Neural,
 }
 
 /// What a laid rod is to follow, m.
@@ -99,6 +101,15 @@ pub struct Rod {
     pub density: f64,
     /// Edges of the simulated rod.
     pub edges: usize,
+}
+
+impl From<Solver> for crate::plan::deployment::OptimalGrasps<'static> {
+    fn from(solver: Solver) -> Self {
+        match solver {
+            Solver::Exact => Self::Exact,
+            Solver::Neural => Self::Neural(crate::plan::grasp::NeuralGrasps::built_in()),
+        }
+    }
 }
 
 impl From<Scheme> for crate::plan::deployment::Scheme {

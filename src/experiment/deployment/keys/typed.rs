@@ -18,7 +18,7 @@ pub struct Deployment {
     /// How the gripper leads the rod: "optimal" (the default, by the optimal grasp of each point) or "intuitive" (upright
     /// above the contact node, thesis 5.1.1).
     pub scheme: Option<Scheme>,
-    /// Who finds the optimal grasps: "exact" (the default).
+    /// Who finds the optimal grasps: "exact" (the default), or "neural": the network of the program, which answers at once, within the range of its samples.
     pub solver: Option<Solver>,
     /// Length of a start in front of the pattern over which the curvature grows from zero to that of the pattern, or
     /// "auto" (the default): as long as a friction demand of 0.1 needs it, none where the pattern begins straight.

@@ -1,0 +1,46 @@
+//! `rodlab dataset`.
+
+use super::common::Common;
+use super::failure::Failure;
+use super::run::{RunArguments, run};
+use crate::experiment::{KINDS, case_set, kind_named};
+use clap::Args;
+
+/// Arguments of `rodlab dataset`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  rodlab dataset scenarios/deployment_dataset.toml
+  rodlab dataset scenarios/deployment_dataset.toml --set grasp_samples.points.count=50000 --out results/many
+  rodlab train results/deployment_dataset --out results/network
+
+The samples are a run like any other: it continues where it was interrupted, may be swept and submitted to a cluster.")]
+pub struct DatasetArguments {
+    /// What is run, and how
+    #[command(flatten)]
+    pub run: RunArguments,
+}
+
+/// Makes a data set.
+pub fn dataset(arguments: &DatasetArguments, common: &Common) -> Result<(), Failure> {
+    let cases = case_set(
+        &arguments.run.scenario,
+        &arguments.run.overrides,
+        &arguments.run.vary,
+    )?;
+    let first = cases.scenario_of(0)?;
+    let experiment = first.scenario.experiment.name();
+    if kind_named(experiment).is_none_or(|kind| kind.samples().is_none()) {
+        let kinds: Vec<&str> = KINDS
+            .iter()
+            .filter(|kind| kind.samples().is_some())
+            .map(|kind| kind.name())
+            .collect();
+        return Err(Failure::Input(format!(
+            "{}: `experiment = {experiment:?}` makes no samples; those that do: {}",
+            arguments.run.scenario.display(),
+            kinds.join(", ")
+        )));
+    }
+    run(&arguments.run, common)
+}

@@ -1,0 +1,97 @@
+//! `rodlab evaluate`.
+
+use super::failure::Failure;
+use super::output::{print, print_json};
+use super::samples::SampleFiles;
+use crate::figure::Paper;
+use crate::learn::{Errors, Model, Samples, error_figure, evaluate as errors_of, read_model};
+use crate::results::write_whole;
+use clap::Args;
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Arguments of `rodlab evaluate`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  rodlab dataset scenarios/deployment_dataset.toml --set grasp_samples.points.first=1000000 --set grasp_samples.points.count=2000 --out results/others
+  rodlab evaluate results/network/model.safetensors results/others --out errors.svg
+
+Samples that the network has learned from say little: take others.")]
+pub struct EvaluateArguments {
+    /// The network: model.safetensors of `rodlab train`
+    pub model: PathBuf,
+    /// Results of `rodlab dataset`
+    pub samples: PathBuf,
+    /// Where to write a figure of the errors, as .svg
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Print the errors as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Serialize)]
+struct Answer<'a> {
+    samples: usize,
+    /// Samples out of the range that the network has learned, which are left out.
+    out_of_range: usize,
+    errors: &'a [Errors],
+    provenance: &'a std::collections::BTreeMap<String, String>,
+}
+
+/// Compares a network with exact solutions.
+pub fn evaluate(arguments: &EvaluateArguments) -> Result<(), Failure> {
+    let files = SampleFiles::of(&arguments.samples)?;
+    let input = |error: &dyn std::error::Error| Failure::Input(error.to_string());
+    let model = read_model(&arguments.model, files.kind).map_err(|error| input(&error))?;
+    let about = &model.about;
+    let samples = Samples::read_all(&files.files, &about.inputs, &about.outputs);
+    let samples = samples.map_err(|error| input(&error))?;
+    let covered = in_range(&model, &samples);
+    if covered.rows() == 0 {
+        return Err(Failure::Input(format!(
+            "{}: none of {} samples is within the range that {} has learned",
+            arguments.samples.display(),
+            samples.rows(),
+            arguments.model.display()
+        )));
+    }
+    let errors = errors_of(&model, &covered, files.columns.vectors);
+    let errors = errors.map_err(|error| input(&error))?;
+    if let Some(out) = &arguments.out {
+        let figure = error_figure(&errors).svg(&Paper::default());
+        write_whole(out, figure.as_bytes())?;
+    }
+    let out_of_range = samples.rows() - covered.rows();
+    if arguments.json {
+        return print_json(&Answer {
+            samples: covered.rows(),
+            out_of_range,
+            errors: &errors,
+            provenance: &about.provenance,
+        });
+    }
+    let mut text = format!(
+        "{} samples; {out_of_range} out of range left out\n",
+        covered.rows()
+    );
+    for errors in &errors {
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "{:<20} mean {:.2e}, 95 % below {:.2e}, largest {:.2e} at {:.4?}",
+            errors.quantity, errors.mean, errors.percentile_95, errors.largest, errors.largest_at
+        );
+    }
+    print(&text)
+}
+
+fn in_range(model: &Model, samples: &Samples) -> Samples {
+    let rows = 0..samples.rows();
+    let rows: Vec<usize> = rows
+        .filter(|row| model.covers(samples.input(*row)))
+        .collect();
+    samples.chosen(&rows)
+}

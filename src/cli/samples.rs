@@ -1,0 +1,56 @@
+//! Samples in results directories, for `rodlab train` and `rodlab evaluate`.
+
+use super::failure::Failure;
+use crate::experiment::{KINDS, SampleColumns, kind_named};
+use crate::results::{CASES, Manifest};
+use std::path::{Path, PathBuf};
+
+/// Files of samples of one kind.
+pub struct SampleFiles {
+    /// The kind.
+    pub kind: &'static str,
+    /// What stands in the files.
+    pub columns: SampleColumns,
+    /// The files: one, or those of the cases of a sweep.
+    pub files: Vec<PathBuf>,
+}
+
+impl SampleFiles {
+    /// Those of a results directory.
+    pub fn of(directory: &Path) -> Result<Self, Failure> {
+        let refused = |why: String| Failure::Input(format!("{}: {why}", directory.display()));
+        let manifest = Manifest::read(directory)?;
+        let manifest = manifest.ok_or_else(|| {
+            refused("no results directory (there is no manifest.json): make samples with `rodlab dataset`".into())
+        })?;
+        let kind = kind_named(&manifest.experiment);
+        let Some((kind, columns)) = kind.and_then(|kind| Some((kind.name(), kind.samples()?)))
+        else {
+            let kinds = KINDS.iter().filter(|kind| kind.samples().is_some());
+            let kinds: Vec<&str> = kinds.map(|kind| kind.name()).collect();
+            return Err(refused(format!(
+                "results of the experiment {:?}, which makes no samples; those that do: {}",
+                manifest.experiment,
+                kinds.join(", ")
+            )));
+        };
+        let single = directory.join(columns.file);
+        let mut files = vec![single];
+        if !files[0].exists() {
+            let cases = std::fs::read_dir(directory.join(CASES));
+            let cases = cases.into_iter().flatten().flatten();
+            files = cases.map(|case| case.path().join(columns.file)).collect();
+            files.retain(|file| file.exists());
+            // Directories are listed in any order.
+            files.sort();
+        }
+        if files.is_empty() {
+            return Err(refused(format!("there is no {} yet", columns.file)));
+        }
+        Ok(Self {
+            kind,
+            columns,
+            files,
+        })
+    }
+}

@@ -1,0 +1,158 @@
+//! `rodlab train`.
+
+use super::common::Common;
+use super::failure::Failure;
+use super::output::{print, print_json};
+use super::samples::SampleFiles;
+use super::values::duration;
+use crate::learn::{self, Plan, Status, Task, Trainer};
+use crate::run::{Interruption, StopRequest};
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// Arguments of `rodlab train`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  rodlab dataset scenarios/deployment_dataset.toml
+  rodlab train results/deployment_dataset --out results/network
+  rodlab evaluate results/network/model.safetensors results/other_samples
+
+One sample in five is held back. Adam and gradient descent make the mean absolute error of the standardised outputs small
+in turns, each until the error of those held back has not fallen for --patience rounds; then batches are doubled and steps
+are made smaller. The best network so far is in model.safetensors after each of these phases; the same command goes on where
+it was stopped.")]
+pub struct TrainArguments {
+    /// Results of `rodlab dataset`; those of a sweep are put together
+    pub samples: PathBuf,
+    /// Where the network goes
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Widths of the hidden layers
+    #[arg(long, value_name = "WIDTHS", value_delimiter = ',', default_value = "392,392,392,392", value_parser = clap::value_parser!(u16).range(1..=4096))]
+    pub hidden: Vec<u16>,
+    /// Chooses first weights, the samples held back, and their order
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+    /// Samples in a batch at first
+    #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    pub batch: u32,
+    /// Samples in a batch at last; batches are doubled up to there
+    #[arg(long, value_name = "N", default_value_t = 2048, value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    pub last_batch: u32,
+    /// Rounds without a lower error after which Adam gives way; gradient descent has a quarter of them
+    #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u32).range(1..))]
+    pub patience: u32,
+    /// Rounds over all samples, at most
+    #[arg(long, value_name = "N", default_value_t = 2000, value_parser = clap::value_parser!(u32).range(1..))]
+    pub most_epochs: u32,
+    /// Start over and discard an earlier training
+    #[arg(long)]
+    pub force: bool,
+    /// Print what came out as JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Stop this long after the start, such as \"10 min\"; the same command goes on
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    pub timeout: Option<Duration>,
+}
+
+/// Trains a network.
+pub fn train(arguments: &TrainArguments, common: &Common) -> Result<(), Failure> {
+    let deadline = arguments
+        .timeout
+        .and_then(|limit| Instant::now().checked_add(limit));
+    let files = SampleFiles::of(&arguments.samples)?;
+    if arguments.last_batch < arguments.batch {
+        return Err(Failure::Input(format!(
+            "--last-batch {} is less than --batch {}",
+            arguments.last_batch, arguments.batch
+        )));
+    }
+    let task = Task {
+        samples: &files.files,
+        kind: files.kind,
+        inputs: files.columns.inputs,
+        outputs: files.columns.outputs,
+        plan: Plan {
+            hidden: arguments
+                .hidden
+                .iter()
+                .map(|width| usize::from(*width))
+                .collect(),
+            seed: arguments.seed,
+            batch: [arguments.batch, arguments.last_batch].map(|batch| batch as usize),
+            patience: arguments.patience as usize,
+            most_epochs: arguments.most_epochs as usize,
+            ..Plan::default()
+        },
+        directory: &arguments.out,
+        force: arguments.force,
+    };
+    let interruption = Interruption::watch();
+    let mut stopped = None;
+    let bar = bar(common);
+    let mut goes_on = |trainer: &Trainer| {
+        show(&bar, trainer);
+        let up = deadline.is_some_and(|deadline| Instant::now() >= deadline);
+        stopped = interruption
+            .requested()
+            .or(up.then_some(StopRequest::TimeLimit));
+        stopped.is_none()
+    };
+    let commit = option_env!("RODLAB_COMMIT").unwrap_or("unknown");
+    let provenance = [
+        ("program", format!("rodlab {}", env!("CARGO_PKG_VERSION"))),
+        ("commit", commit.to_owned()),
+    ];
+    let trained = learn::train(&task, &provenance, &mut goes_on);
+    bar.finish_and_clear();
+    let trained = trained.map_err(|error| Failure::of_training(&error))?;
+    if arguments.json {
+        print_json(&trained)?;
+    } else {
+        let error = trained.held_back_error.unwrap_or(f64::NAN);
+        print(&format!(
+            "{}\nmodel                   {}\nsamples                 {}, one in five held back\nrounds                  {}\n\
+             error of those held back {error:.2e} (mean absolute, standardised)\n",
+            match trained.status {
+                Status::Finished => "finished",
+                Status::Stopped => "stopped; the same command goes on",
+            },
+            trained.model.display(),
+            trained.samples,
+            trained.epochs,
+        ))?;
+    }
+    match (trained.status, stopped) {
+        (Status::Stopped, Some(request)) => Err(Failure::Stopped(request)),
+        _ => Ok(()),
+    }
+}
+
+fn bar(common: &Common) -> ProgressBar {
+    if common.quiet {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{spinner} {msg} [{elapsed_precise}]");
+    ProgressBar::new_spinner()
+        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()))
+}
+
+fn show(bar: &ProgressBar, trainer: &Trainer) {
+    let phases = trainer.phases();
+    if let Some(epoch) = trainer.epochs().last() {
+        bar.set_message(format!(
+            "phase {} of {}, round {}: error {:.2e}, of those held back {:.2e}, at best {:.2e}",
+            epoch.phase + 1,
+            phases.len(),
+            trainer.epochs().len(),
+            epoch.training,
+            epoch.held_back,
+            trainer.least_error().unwrap_or(f64::NAN),
+        ));
+        bar.tick();
+    }
+}

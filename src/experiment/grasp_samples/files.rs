@@ -1,0 +1,33 @@
+//! What samples of optimal grasps leave in a results directory, in words.
+
+use crate::results::{Column, FileDescription, always, columns, table};
+
+/// The grasps, a row per point.
+pub const SAMPLES: &str = "samples.csv";
+
+/// The files of this experiment.
+pub static FILES: [FileDescription; 1] = [table(
+    &[SAMPLES],
+    "Optimal grasps (experiment \"grasp-samples\"), a row per point. Lengths are in gravito-bending lengths L_gb, forces in \
+     EI/L_gb²; the contact node is the origin, the lying rod comes along x, z is up.",
+    &[always(SAMPLE_COLUMNS)],
+)];
+
+const SAMPLE_COLUMNS: &[Column] = columns! {
+    "suspended_length": "l̄_s, the suspended length.",
+    "curvature": "κ̄, the curvature at the contact node times L_gb; positive to the left.",
+    "stretch_compliance": "1/k̄_s = EI/(k_s L_gb²); 0 where the rod does not stretch.",
+    "root_length": "√l̄_s: grasps change most where the rod is short, and a network learns that more easily from this.",
+    "outcome": "found, or no_convergence: then the rest of the row is empty.",
+    "x": "Place of the gripper.",
+    "y": "Place of the gripper.",
+    "z": "Place of the gripper.",
+    "drop": "l̄_s − z: hardly changes where the rod is long.",
+    "rotation_x": "Axis times angle, in rad, of the rotation from the lying rod's frame (t, ẑ × t, ẑ) to the gripper's.",
+    "rotation_y": "Axis times angle, in rad.",
+    "rotation_z": "Axis times angle, in rad.",
+    "force_y": "Force at the contact node, sideways.",
+    "force_z": "Force at the contact node, upwards.",
+    "stable": "Whether the hanging rod is stable.",
+    "residual": "What is left of the equations.",
+};

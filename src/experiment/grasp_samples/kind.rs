@@ -1,0 +1,93 @@
+//! The experiment `grasp-samples`.
+
+use super::files::{FILES, SAMPLES};
+use super::keys::{SampleTables, TABLES, resolve};
+use super::samples::Samples;
+use crate::experiment::kind::{Kind, SampleColumns};
+use crate::results::FileDescription;
+use crate::run::PreparedRun;
+use crate::scenario::keys::{CommonTables, ExperimentKeys, OwnTable, Request, Section};
+use crate::scenario::{Contact, Experiment, Fluid, Issue, Scenario, Time};
+use std::sync::Arc;
+
+/// Optimal grasps at many points.
+pub struct GraspSamplesKind;
+
+fn tables(scenario: &Scenario) -> &SampleTables {
+    let tables = scenario.experiment.tables();
+    tables.expect("the tables of this experiment")
+}
+
+impl ExperimentKeys for GraspSamplesKind {
+    fn name(&self) -> &'static str {
+        "grasp-samples"
+    }
+
+    fn summary(&self) -> &'static str {
+        "Optimal grasps at many points, for a network to learn from."
+    }
+
+    fn tables(&self) -> &'static [OwnTable] {
+        &TABLES
+    }
+
+    /// Equilibria all of them; there is no time to speak of.
+    fn usual_time(&self) -> Option<Time> {
+        Some(Time::Static)
+    }
+
+    fn resolve(&self, request: &Request<'_>) -> Option<Experiment> {
+        request.refuse(
+            &["material", "rod", "rods", "clamps", "loads", "planes"],
+            "grasps are dimensionless: L_gb = 1 and EI = 1; [grasp_samples] says all of it",
+        );
+        Some(Experiment::new(self.name(), resolve(request)?))
+    }
+
+    fn judge(&self, top: &Section<'_>, common: &CommonTables<'_>) {
+        for (key, present) in [
+            ("time", *common.time != Time::Static),
+            ("contact", *common.contact != Contact::None),
+            ("fluid", *common.fluid != Fluid::None),
+        ] {
+            if present {
+                top.fault(
+                    key,
+                    "grasps are solved for in equilibrium and in a vacuum; leave the table out",
+                );
+            }
+        }
+    }
+}
+
+impl Kind for GraspSamplesKind {
+    fn template(&self) -> &'static str {
+        include_str!("template.toml")
+    }
+
+    fn attach(&self, scenario: &Scenario, run: &mut PreparedRun) -> Result<(), Issue> {
+        run.table = Some(Arc::new(Samples {
+            plan: tables(scenario).grasp_samples.clone(),
+        }));
+        Ok(())
+    }
+
+    fn files(&self) -> &'static [FileDescription] {
+        &FILES
+    }
+
+    fn samples(&self) -> Option<SampleColumns> {
+        Some(SampleColumns {
+            file: SAMPLES,
+            inputs: &["root_length", "curvature", "stretch_compliance"],
+            outputs: &["x", "y", "drop", "rotation_x", "rotation_y", "rotation_z"],
+            vectors: &[
+                ("position in L_gb", &["x", "y", "drop"]),
+                (
+                    "rotation in rad",
+                    &["rotation_x", "rotation_y", "rotation_z"],
+                ),
+            ],
+        })
+    }
+}

@@ -1,0 +1,14 @@
+//! Optimal grasps at many points of (l̄_s, κ̄, 1/k̄_s): what a network learns from (thesis 5.3.4).
+//!
+//! | file | what |
+//! |---|---|
+//! | `kind`, `keys` | the experiment and its table |
+//! | `samples` | a grasp for each point |
+//! | `files` | what it leaves |
+
+mod files;
+mod keys;
+mod kind;
+mod samples;
+
+pub use kind::GraspSamplesKind;

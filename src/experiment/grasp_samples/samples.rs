@@ -1,0 +1,128 @@
+//! All samples of an experiment, each solved on its own.
+
+use super::files::SAMPLES;
+use super::keys::GraspSamples;
+use crate::mechanics::rotation;
+use crate::plan::grasp::{GraspError, GraspMethod, GraspProblem, GraspSolver};
+use crate::results::ResultsError;
+use crate::run::TableJob;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Grasps at the points of an experiment.
+#[derive(Debug)]
+pub struct Samples {
+    /// The points.
+    pub plan: GraspSamples,
+}
+
+/// Whether a grasp was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// It was.
+    Found,
+    /// Newton's method did not converge.
+    NoConvergence,
+}
+
+/// A row of `samples.csv`: lengths in L_gb, forces in EI/L_gb².
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct Sample {
+    /// l̄_s.
+    pub suspended_length: f64,
+    /// κ̄.
+    pub curvature: f64,
+    /// 1/k̄_s.
+    pub stretch_compliance: f64,
+    /// √l̄_s.
+    pub root_length: f64,
+    /// Whether there is a grasp.
+    pub outcome: Outcome,
+    /// Place of the gripper.
+    pub x: Option<f64>,
+    /// Place of the gripper.
+    pub y: Option<f64>,
+    /// Place of the gripper.
+    pub z: Option<f64>,
+    /// l̄_s less the height of the gripper.
+    pub drop: Option<f64>,
+    /// Axis times angle of its rotation, rad.
+    pub rotation_x: Option<f64>,
+    /// Axis times angle, rad.
+    pub rotation_y: Option<f64>,
+    /// Axis times angle, rad.
+    pub rotation_z: Option<f64>,
+    /// Force at the contact node.
+    pub force_y: Option<f64>,
+    /// Force at the contact node.
+    pub force_z: Option<f64>,
+    /// Whether the hanging rod is stable.
+    pub stable: Option<bool>,
+    /// What is left of the equations.
+    pub residual: Option<f64>,
+}
+
+impl Samples {
+    /// From no other sample: rows are the same in whatever order they are computed.
+    fn sample(&self, index: usize) -> Sample {
+        let [suspended_length, curvature, stretch_compliance] = self.plan.point(index);
+        let grasp = GraspProblem::new(suspended_length, curvature, 1.0 / stretch_compliance)
+            .and_then(|problem| GraspSolver::new().solve(&problem, GraspMethod::Theory));
+        let grasp: Result<_, GraspError> = grasp;
+        let found = grasp.ok();
+        let position = found.as_ref().map(|grasp| grasp.position);
+        let vector = found
+            .as_ref()
+            .map(|grasp| rotation::to_vector(&grasp.rotation));
+        let force = found.as_ref().map(|grasp| grasp.contact_force);
+        Sample {
+            suspended_length,
+            curvature,
+            stretch_compliance,
+            root_length: suspended_length.sqrt(),
+            outcome: match found {
+                Some(_) => Outcome::Found,
+                None => Outcome::NoConvergence,
+            },
+            x: position.map(|place| place.x),
+            y: position.map(|place| place.y),
+            z: position.map(|place| place.z),
+            drop: position.map(|place| suspended_length - place.z),
+            rotation_x: vector.map(|vector| vector.x),
+            rotation_y: vector.map(|vector| vector.y),
+            rotation_z: vector.map(|vector| vector.z),
+            force_y: force.map(|force| force.y),
+            force_z: force.map(|force| force.z),
+            stable: found.as_ref().map(|grasp| grasp.is_stable()),
+            residual: found.as_ref().map(|grasp| grasp.residual),
+        }
+    }
+}
+
+impl TableJob for Samples {
+    type Row = Sample;
+
+    const TABLE: &'static str = SAMPLES;
+    const ROWS: &'static str = "samples";
+
+    fn count(&self) -> usize {
+        self.plan.count()
+    }
+
+    fn row(&self, index: usize, goes_on: &(dyn Fn() -> bool + Sync)) -> Option<Sample> {
+        goes_on().then(|| self.sample(index))
+    }
+
+    fn conclude(&self, rows: &[Sample], _directory: &Path) -> Result<Vec<String>, ResultsError> {
+        let missing = rows
+            .iter()
+            .filter(|row| row.outcome == Outcome::NoConvergence)
+            .count();
+        let unstable = rows.iter().filter(|row| row.stable == Some(false)).count();
+        Ok(vec![format!(
+            "{} grasps, {unstable} of them unstable; {missing} points without one",
+            rows.len() - missing
+        )])
+    }
+}

@@ -1,0 +1,37 @@
+//! Learning from arrays: samples, networks, training, and models in files.
+//!
+//! | file | what |
+//! |---|---|
+//! | `sobol` | points that fill a cube evenly |
+//! | `samples` | rows of inputs and outputs, from CSV |
+//! | `scaling` | standardisation |
+//! | `network` | the multilayer perceptron |
+//! | `training` | how its error is made small |
+//! | `trainer` | a training that can be interrupted |
+//! | `model` | a network with what is needed to use it, and its file |
+//! | `directory` | what a training leaves, and how it goes on |
+//! | `evaluation` | errors of a model |
+//!
+//! Nothing here knows what the numbers mean.
+
+mod directory;
+mod evaluation;
+mod model;
+mod network;
+mod samples;
+mod scaling;
+mod sobol;
+#[cfg(test)]
+mod tests;
+mod trainer;
+mod training;
+
+pub use directory::{Status, Task, Trained, TrainingError, train};
+pub use evaluation::{Errors, error_figure, evaluate};
+pub use model::{About, Model, ModelError, read_model};
+pub use network::Network;
+pub use samples::{Samples, SamplesError};
+pub use scaling::Scaling;
+pub use sobol::{MOST_POINTS, sobol};
+pub use trainer::{FEWEST_SAMPLES, Standing, Trainer};
+pub use training::{Epoch, Method, Phase, Plan};

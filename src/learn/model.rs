@@ -1,0 +1,367 @@
+//! A trained network with all that is needed to use it, and its file.
+//!
+//! The file is one of safetensors: weights and biases as `layer.0.weight`, `layer.0.bias`, ... (single precision), and under
+//! `rodlab` in its metadata a JSON text with the names of columns, the standardisation, the range of the samples and where
+//! they came from.
+
+use super::network::Network;
+use super::scaling::Scaling;
+use candle_core::{Device, Tensor};
+use safetensors::tensor::{Dtype, SafeTensors, TensorView};
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, HashMap};
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// What the first words of a model of this program say.
+const KIND: &str = "rodlab multilayer perceptron";
+/// Version of the file.
+const VERSION: u32 = 1;
+/// Layers and numbers of a file that are believed: far beyond any that is trained here.
+const MOST_LAYERS: usize = 64;
+/// Largest file, bytes.
+const LARGEST_FILE: u64 = 1 << 30;
+
+/// A network, what its numbers mean and where it may be used.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// What the file says beside the weights.
+    pub about: About,
+    network: Network,
+}
+
+/// What a model is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct About {
+    kind: String,
+    version: u32,
+    /// Kind of the samples, such as `grasp-samples`.
+    pub samples: String,
+    /// Names of the inputs.
+    pub inputs: Vec<String>,
+    /// Names of the outputs.
+    pub outputs: Vec<String>,
+    /// Standardisation of the inputs.
+    pub input_scaling: Scaling,
+    /// Standardisation of the outputs.
+    pub output_scaling: Scaling,
+    /// Least and largest value of each input that it was trained with.
+    pub range: Vec<[f64; 2]>,
+    /// Where it came from: program, commit, number of samples, seed, errors.
+    pub provenance: BTreeMap<String, String>,
+}
+
+/// Why a file is no model.
+#[derive(Debug, Error)]
+pub enum ModelError {
+    /// It is no file of safetensors, or a part of one.
+    #[error("{path} is not a whole safetensors file: {error}")]
+    NotSafetensors {
+        /// The file.
+        path: PathBuf,
+        /// What the reader says.
+        error: String,
+    },
+    /// It is of another program.
+    #[error(
+        "{path} holds weights, but says nothing of a model of rodlab (no text `rodlab` in its metadata): train one with `rodlab train`"
+    )]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+    },
+    /// It is of another version.
+    #[error(
+        "{path} is a model of version {version}; this program reads version {VERSION}: train it again"
+    )]
+    Version {
+        /// The file.
+        path: PathBuf,
+        /// Its version.
+        version: u32,
+    },
+    /// What it says does not fit together.
+    #[error("{path} contradicts itself: {fault}")]
+    Contradiction {
+        /// The file.
+        path: PathBuf,
+        /// What does not fit.
+        fault: String,
+    },
+    /// It is a model of something else.
+    #[error("{path} is a model of `{found}`; a model of `{wanted}` is needed here")]
+    OtherKind {
+        /// The file.
+        path: PathBuf,
+        /// What it is.
+        found: String,
+        /// What is needed.
+        wanted: String,
+    },
+    /// The file could not be read.
+    #[error("{path} cannot be read: {error}")]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        error: std::io::Error,
+    },
+    /// The file is too large for a model.
+    #[error("{path} is larger than {LARGEST_FILE} bytes: no model of rodlab is")]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The library of tensors failed.
+    #[error("the network failed: {0}")]
+    Tensors(#[from] candle_core::Error),
+}
+
+impl About {
+    /// A model of samples of a kind, with the standardisation and range of those it learns from.
+    pub fn new(
+        samples: &str,
+        names: [Vec<String>; 2],
+        scalings: [Scaling; 2],
+        range: Vec<[f64; 2]>,
+    ) -> Self {
+        let [inputs, outputs] = names;
+        let [input_scaling, output_scaling] = scalings;
+        Self {
+            kind: KIND.to_owned(),
+            version: VERSION,
+            samples: samples.to_owned(),
+            inputs,
+            outputs,
+            input_scaling,
+            output_scaling,
+            range,
+            provenance: BTreeMap::new(),
+        }
+    }
+
+    /// What does not fit together.
+    fn fault(&self) -> Option<String> {
+        let (inputs, outputs) = (self.inputs.len(), self.outputs.len());
+        let scaling = |scaling: &Scaling, width: usize| {
+            let all = scaling.mean.iter().chain(&scaling.deviation);
+            scaling.mean.len() == width
+                && scaling.deviation.len() == width
+                && all.clone().all(|number| number.is_finite())
+                && scaling.deviation.iter().all(|deviation| *deviation > 0.0)
+        };
+        if inputs == 0 || outputs == 0 {
+            Some("it has no inputs or no outputs".into())
+        } else if !scaling(&self.input_scaling, inputs) || !scaling(&self.output_scaling, outputs) {
+            Some("the standardisation does not belong to the columns".into())
+        } else if self.range.len() != inputs || self.range.iter().any(|[from, to]| !(from <= to)) {
+            Some("the range does not belong to the inputs".into())
+        } else {
+            None
+        }
+    }
+}
+
+impl Model {
+    /// A network and what is to be said of it.
+    pub fn new(about: About, network: Network) -> Self {
+        Self { about, network }
+    }
+
+    /// The network.
+    pub fn network(&self) -> &Network {
+        &self.network
+    }
+
+    /// Whether inputs lie within the range of the samples.
+    pub fn covers(&self, input: &[f64]) -> bool {
+        let ranges = self.about.range.iter().zip(input);
+        ranges.fold(true, |inside, ([from, to], value)| {
+            // The border belongs to it, whatever rounding made of it.
+            let margin = 1e-9 * (to - from);
+            inside && (from - margin..=to + margin).contains(value)
+        })
+    }
+
+    /// Outputs, one row after the other, for rows of inputs.
+    ///
+    /// # Errors
+    /// [`ModelError::Tensors`].
+    pub fn predict(&self, inputs: &[f64]) -> Result<Vec<f64>, ModelError> {
+        let width = self.about.inputs.len();
+        let rows = inputs.len() / width;
+        if rows == 0 {
+            return Ok(Vec::new());
+        }
+        let standard = self
+            .about
+            .input_scaling
+            .standardised(&inputs[..rows * width]);
+        let standard = Tensor::from_vec(standard, (rows, width), &Device::Cpu)?;
+        let outputs = self.network.forward(&standard)?.flatten_all()?;
+        Ok(self.about.output_scaling.restored(&outputs.to_vec1()?))
+    }
+
+    /// The bytes of its file.
+    ///
+    /// # Errors
+    /// [`ModelError::Tensors`].
+    pub fn to_bytes(&self) -> Result<Vec<u8>, ModelError> {
+        let mut tensors = Vec::new();
+        for (index, layer) in self.network.tensors().into_iter().enumerate() {
+            for (tensor, part) in layer.into_iter().zip(["weight", "bias"]) {
+                let numbers: Vec<f32> = tensor.flatten_all()?.to_vec1()?;
+                let bytes: Vec<u8> = numbers
+                    .iter()
+                    .flat_map(|number| number.to_le_bytes())
+                    .collect();
+                tensors.push((name(index, part), tensor.dims().to_vec(), bytes));
+            }
+        }
+        let views = tensors.iter().map(|(name, shape, bytes)| {
+            let view = TensorView::new(Dtype::F32, shape.clone(), bytes);
+            (name, view.expect("as many bytes as the shape says"))
+        });
+        let about = serde_json::to_string(&self.about).expect("names and numbers are JSON values");
+        let metadata = HashMap::from([("rodlab".to_owned(), about)]);
+        let bytes = safetensors::serialize(views, Some(metadata));
+        Ok(bytes.expect("tensors of single precision can be written"))
+    }
+
+    /// A model from the bytes of the file `path`, which must be one of samples of the kind `wanted`.
+    ///
+    /// # Errors
+    /// See [`ModelError`].
+    pub fn from_bytes(path: &Path, bytes: &[u8], wanted: &str) -> Result<Self, ModelError> {
+        let path = || path.to_owned();
+        let broken = |error: safetensors::SafeTensorError| ModelError::NotSafetensors {
+            path: path(),
+            error: error.to_string(),
+        };
+        let contradiction = |fault: String| ModelError::Contradiction {
+            path: path(),
+            fault,
+        };
+        let (_, metadata) = SafeTensors::read_metadata(bytes).map_err(broken)?;
+        let text = metadata
+            .metadata()
+            .as_ref()
+            .and_then(|texts| texts.get("rodlab"));
+        let text = text.ok_or_else(|| ModelError::Foreign { path: path() })?;
+        // The version first: other versions say other things.
+        let value: serde_json::Value =
+            serde_json::from_str(text).map_err(|error| contradiction(error.to_string()))?;
+        if value["kind"] != KIND {
+            return Err(ModelError::Foreign { path: path() });
+        }
+        match value["version"].as_u64() {
+            Some(version) if version == u64::from(VERSION) => {}
+            version => {
+                let version = version.and_then(|version| u32::try_from(version).ok());
+                return Err(ModelError::Version {
+                    path: path(),
+                    version: version.unwrap_or(u32::MAX),
+                });
+            }
+        }
+        let about: About =
+            serde_json::from_value(value).map_err(|error| contradiction(error.to_string()))?;
+        if about.samples != wanted {
+            return Err(ModelError::OtherKind {
+                path: path(),
+                found: about.samples,
+                wanted: wanted.to_owned(),
+            });
+        }
+        if let Some(fault) = about.fault() {
+            return Err(contradiction(fault));
+        }
+        let file = SafeTensors::deserialize(bytes).map_err(broken)?;
+        let count = file.len() / 2;
+        if file.len() % 2 != 0 || count == 0 || count > MOST_LAYERS {
+            return Err(contradiction(format!("it has {} tensors", file.len())));
+        }
+        let mut width = about.inputs.len();
+        let mut layers = Vec::new();
+        for index in 0..count {
+            let read = |part| {
+                let view = file.tensor(&name(index, part));
+                let view = view.map_err(|error| contradiction(error.to_string()))?;
+                numbers(&view).ok_or_else(|| {
+                    contradiction(format!(
+                        "{} holds something else than finite numbers of single precision",
+                        name(index, part)
+                    ))
+                })
+            };
+            let (weight, weights) = read("weight")?;
+            let (bias, biases) = read("bias")?;
+            let [outputs] = bias[..] else {
+                return Err(contradiction(format!("{} is no list", name(index, "bias"))));
+            };
+            if weight != [outputs, width] {
+                return Err(contradiction(format!(
+                    "{} is of shape {weight:?}, where [{outputs}, {width}] is needed",
+                    name(index, "weight")
+                )));
+            }
+            layers.push([
+                Tensor::from_vec(weights, (outputs, width), &Device::Cpu)?,
+                Tensor::from_vec(biases, outputs, &Device::Cpu)?,
+            ]);
+            width = outputs;
+        }
+        if width != about.outputs.len() {
+            return Err(contradiction(format!(
+                "the last layer has {width} outputs, and {} have names",
+                about.outputs.len()
+            )));
+        }
+        Ok(Self {
+            about,
+            network: Network::from_tensors(layers)?,
+        })
+    }
+}
+
+/// Reads a model of samples of the kind `wanted`.
+///
+/// # Errors
+/// See [`ModelError`].
+pub fn read_model(path: &Path, wanted: &str) -> Result<Model, ModelError> {
+    let failed = |error| ModelError::File {
+        path: path.to_owned(),
+        error,
+    };
+    let file = File::open(path).map_err(failed)?;
+    let mut bytes = Vec::new();
+    file.take(LARGEST_FILE + 1)
+        .read_to_end(&mut bytes)
+        .map_err(failed)?;
+    if bytes.len() as u64 > LARGEST_FILE {
+        return Err(ModelError::TooLarge {
+            path: path.to_owned(),
+        });
+    }
+    Model::from_bytes(path, &bytes, wanted)
+}
+
+fn name(layer: usize, part: &str) -> String {
+    format!("layer.{layer}.{part}")
+}
+
+/// Shape and numbers of a tensor of single precision.
+fn numbers(view: &TensorView<'_>) -> Option<(Vec<usize>, Vec<f32>)> {
+    if view.dtype() != Dtype::F32 {
+        return None;
+    }
+    let numbers = view.data().chunks_exact(4);
+    let numbers: Vec<f32> = numbers
+        .map(|bytes| f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]))
+        .collect();
+    let finite = numbers.iter().all(|number| number.is_finite());
+    finite.then(|| (view.shape().to_vec(), numbers))
+}

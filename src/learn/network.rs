@@ -1,0 +1,113 @@
+//! A multilayer perceptron: affine maps with rectified linear units between them.
+
+use candle_core::{DType, Device, Result, Tensor, Var};
+use rand_pcg::Pcg64;
+use rand_pcg::rand_core::Rng;
+
+/// Weights and biases, which training changes in place.
+#[derive(Clone, Debug)]
+pub struct Network {
+    layers: Vec<Layer>,
+}
+
+/// x ↦ x Wᵀ + b.
+#[derive(Clone, Debug)]
+struct Layer {
+    weight: Var,
+    bias: Var,
+}
+
+impl Network {
+    /// A network whose weights are uniformly distributed within ±√(6/n) of layers with n inputs (He et al. 2015), without
+    /// biases. `widths` are those of input, hidden layers and output.
+    pub fn new(widths: &[usize], random: &mut Pcg64, device: &Device) -> Result<Self> {
+        let layers = widths.windows(2).map(|pair| {
+            let bound = (6.0 / pair[0] as f64).sqrt();
+            let mut uniform = || {
+                let unit = random.next_u32() as f64 / f64::from(u32::MAX);
+                (bound * (2.0 * unit - 1.0)) as f32
+            };
+            let weights: Vec<f32> = (0..pair[0] * pair[1]).map(|_| uniform()).collect();
+            Layer::from_values(weights, vec![0.0; pair[1]], pair[0], device)
+        });
+        Ok(Self {
+            layers: layers.collect::<Result<_>>()?,
+        })
+    }
+
+    /// A network of given weights, `outputs` × `inputs` each, and biases.
+    pub fn from_tensors(layers: Vec<[Tensor; 2]>) -> Result<Self> {
+        let layers = layers.into_iter().map(|[weight, bias]| {
+            Ok(Layer {
+                weight: Var::from_tensor(&weight)?,
+                bias: Var::from_tensor(&bias)?,
+            })
+        });
+        Ok(Self {
+            layers: layers.collect::<Result<_>>()?,
+        })
+    }
+
+    /// Weights and biases of each layer.
+    pub fn tensors(&self) -> Vec<[&Tensor; 2]> {
+        let layers = self.layers.iter();
+        layers
+            .map(|layer| [layer.weight.as_tensor(), layer.bias.as_tensor()])
+            .collect()
+    }
+
+    /// Everything that training changes.
+    pub fn variables(&self) -> Vec<Var> {
+        let layers = self.layers.iter();
+        layers
+            .flat_map(|layer| [layer.weight.clone(), layer.bias.clone()])
+            .collect()
+    }
+
+    /// A copy that does not change with this one.
+    pub fn snapshot(&self) -> Result<Self> {
+        let copies = self
+            .tensors()
+            .into_iter()
+            .map(|[weight, bias]| Ok([weight.copy()?, bias.copy()?]));
+        Self::from_tensors(copies.collect::<Result<_>>()?)
+    }
+
+    /// Takes over the weights and biases of a network of the same shape.
+    pub fn restore(&self, other: &Self) -> Result<()> {
+        for (here, there) in self.variables().iter().zip(other.variables()) {
+            here.set(&there)?;
+        }
+        Ok(())
+    }
+
+    /// The outputs for rows of inputs.
+    pub fn forward(&self, rows: &Tensor) -> Result<Tensor> {
+        let mut values = rows.clone();
+        for (index, layer) in self.layers.iter().enumerate() {
+            values = values
+                .matmul(&layer.weight.t()?)?
+                .broadcast_add(&layer.bias)?;
+            if index + 1 < self.layers.len() {
+                values = values.relu()?;
+            }
+        }
+        Ok(values)
+    }
+}
+
+impl Layer {
+    fn from_values(
+        weights: Vec<f32>,
+        biases: Vec<f32>,
+        inputs: usize,
+        device: &Device,
+    ) -> Result<Self> {
+        let outputs = biases.len();
+        let weight = Tensor::from_vec(weights, (outputs, inputs), device)?.to_dtype(DType::F32)?;
+        Ok(Self {
+            weight: Var::from_tensor(&weight)?,
+            bias: Var::from_tensor(&Tensor::from_vec(biases, outputs, device)?)?,
+        })
+    }
+}

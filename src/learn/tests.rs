@@ -1,0 +1,284 @@
+//! Networks learn what they are shown, and their files say what they are.
+
+use super::*;
+use rand_pcg::Pcg64;
+use rand_pcg::rand_core::SeedableRng;
+use std::path::Path;
+
+/// A smooth function of two numbers at Sobol' points.
+fn samples(count: u64, first: u64) -> Samples {
+    let mut samples = Samples {
+        input_width: 2,
+        output_width: 2,
+        ..Samples::default()
+    };
+    for number in first..first + count {
+        let [a, b] = sobol(number);
+        samples.inputs.extend([3.0 * a, b - 4.0]);
+        samples
+            .outputs
+            .extend([(2.0 * a).sin() * b, 100.0 + 5.0 * a - b * b]);
+    }
+    samples
+}
+
+fn plan() -> Plan {
+    Plan {
+        hidden: vec![32, 32],
+        batch: [16, 128],
+        rates: [3e-3, 1e-4],
+        patience: 8,
+        ..Plan::default()
+    }
+}
+
+fn trainer(plan: &Plan) -> Trainer {
+    let names = ["from", "to"].map(|word| vec![format!("{word}_1"), format!("{word}_2")]);
+    Trainer::new(plan.clone(), "smooth", names, &samples(1200, 0)).unwrap()
+}
+
+fn trained(plan: &Plan) -> Trainer {
+    let mut trainer = trainer(plan);
+    let standing = trainer.train::<ModelError>(&mut |_| true, &mut |_| Ok(()));
+    assert_eq!(standing.unwrap(), Standing::Finished);
+    trainer
+}
+
+#[test]
+fn a_smooth_function_is_learned_from_its_values() {
+    let model = trained(&plan()).model(&[]).unwrap();
+    let others = samples(500, 5000);
+    let errors = evaluate(
+        &model,
+        &others,
+        &[("both", &["to_1", "to_2"]), ("one", &["to_1"])],
+    )
+    .unwrap();
+    assert!(errors[0].mean < 0.03, "{errors:?}");
+    assert!(errors[1].mean <= errors[0].mean && errors[0].largest < 0.5);
+    assert_eq!(errors[0].sizes.len(), 500);
+    assert!(errors[0].percentile_95 <= errors[0].largest);
+}
+
+#[test]
+fn the_same_seed_gives_the_same_network() {
+    let bytes = |seed| {
+        let plan = Plan {
+            seed,
+            most_epochs: 3,
+            ..plan()
+        };
+        trained(&plan).model(&[]).unwrap().to_bytes().unwrap()
+    };
+    assert_eq!(bytes(1), bytes(1));
+    assert_ne!(bytes(1), bytes(2));
+}
+
+#[test]
+fn training_goes_on_where_it_was_stopped() {
+    let mut trainer_a = trainer(&plan());
+    let mut left = 3;
+    let standing = trainer_a.train::<ModelError>(
+        &mut |_| {
+            left -= 1;
+            left > 0
+        },
+        &mut |_| Ok(()),
+    );
+    assert_eq!(standing.unwrap(), Standing::Stopped);
+    assert_eq!((trainer_a.next_phase(), trainer_a.epochs().len()), (0, 3));
+    let model = trainer_a.model(&[]).unwrap();
+    let reached = trainer_a.least_error().unwrap();
+
+    let mut trainer_b = trainer(&plan());
+    trainer_b
+        .resume(&model, trainer_a.epochs().to_vec(), trainer_a.next_phase())
+        .unwrap();
+    trainer_b
+        .train::<ModelError>(&mut |_| true, &mut |_| Ok(()))
+        .unwrap();
+    assert!(trainer_b.epochs().len() > 3);
+    assert!(trainer_b.least_error().unwrap() < 0.5 * reached);
+}
+
+#[test]
+fn batches_grow_and_steps_shrink_from_phase_to_phase() {
+    let phases = Plan::default().phases();
+    assert_eq!(phases.len(), 10);
+    let adam: Vec<&Phase> = phases
+        .iter()
+        .filter(|phase| phase.method == Method::Adam)
+        .collect();
+    let batches: Vec<usize> = adam.iter().map(|phase| phase.batch).collect();
+    assert_eq!(batches, [128, 256, 512, 1024, 2048]);
+    assert!(adam.windows(2).all(|pair| pair[1].rate < pair[0].rate));
+}
+
+/// Gradients of the library against differences, through all layers.
+#[test]
+fn gradients_are_those_of_the_error() {
+    use candle_core::{Device, Tensor};
+    let network = Network::new(&[2, 8, 8, 1], &mut Pcg64::seed_from_u64(3), &Device::Cpu).unwrap();
+    let rows = Tensor::new(&[[0.3_f32, -1.2], [0.8, 0.4], [-0.5, 0.9]], &Device::Cpu).unwrap();
+    let error = |network: &Network| {
+        let outputs = network.forward(&rows).unwrap();
+        outputs
+            .affine(1.0, -0.7)
+            .unwrap()
+            .abs()
+            .unwrap()
+            .mean_all()
+            .unwrap()
+    };
+    let gradients = error(&network).backward().unwrap();
+    for variable in network.variables() {
+        let gradient = gradients.get(&variable).unwrap().flatten_all().unwrap();
+        let gradient: Vec<f32> = gradient.to_vec1().unwrap();
+        let numbers: Vec<f32> = variable.flatten_all().unwrap().to_vec1().unwrap();
+        for entry in [0, numbers.len() - 1] {
+            let at = |step: f32| {
+                let mut moved = numbers.clone();
+                moved[entry] += step;
+                let moved = Tensor::from_vec(moved, variable.dims(), &Device::Cpu).unwrap();
+                variable.set(&moved).unwrap();
+                error(&network).to_scalar::<f32>().unwrap()
+            };
+            let difference = (at(1e-2) - at(-1e-2)) / 2e-2;
+            at(0.0);
+            assert!(
+                (difference - gradient[entry]).abs() < 2e-3,
+                "{difference} {}",
+                gradient[entry]
+            );
+        }
+    }
+}
+
+#[test]
+fn a_model_comes_back_from_its_file() {
+    let plan = Plan {
+        most_epochs: 2,
+        ..plan()
+    };
+    let model = trained(&plan).model(&[("seed", "0".to_owned())]).unwrap();
+    let bytes = model.to_bytes().unwrap();
+    let again = Model::from_bytes(Path::new("a"), &bytes, "smooth").unwrap();
+    assert_eq!(again.about, model.about);
+    let inputs = samples(20, 40).inputs;
+    assert_eq!(
+        again.predict(&inputs).unwrap(),
+        model.predict(&inputs).unwrap()
+    );
+    assert!(
+        model.covers(&[1.5, -3.5])
+            && !model.covers(&[3.5, -3.5])
+            && !model.covers(&[f64::NAN, -3.5])
+    );
+}
+
+fn fault(bytes: &[u8]) -> String {
+    let read = Model::from_bytes(Path::new("model.safetensors"), bytes, "smooth");
+    read.map(|_| ()).unwrap_err().to_string()
+}
+
+#[test]
+fn files_that_are_no_models_are_named_with_what_they_are() {
+    let plan = Plan {
+        most_epochs: 1,
+        ..plan()
+    };
+    let bytes = trained(&plan).model(&[]).unwrap().to_bytes().unwrap();
+    for length in [0, 5, 200, bytes.len() - 1] {
+        let said = fault(&bytes[..length]);
+        assert!(
+            said.contains("not a whole safetensors file"),
+            "{length}: {said}"
+        );
+    }
+    let read = Model::from_bytes(Path::new("m"), &bytes, "other").unwrap_err();
+    assert!(
+        read.to_string()
+            .contains("model of `smooth`; a model of `other`"),
+        "{read}"
+    );
+    let text = |from: &str, to: &str| {
+        assert_eq!(from.len(), to.len());
+        let at = bytes
+            .windows(from.len())
+            .position(|part| part == from.as_bytes());
+        let at = at.expect("the words are in the file");
+        let mut changed = bytes.clone();
+        changed[at..at + to.len()].copy_from_slice(to.as_bytes());
+        fault(&changed)
+    };
+    assert!(text("\\\"version\\\":1", "\\\"version\\\":7").contains("version 7"));
+    assert!(text("multilayer", "multipayer").contains("says nothing of a model of rodlab"));
+    assert!(text("\"__metadata__\"", "\"__metadota__\"").contains("model.safetensors"));
+    assert!(text("layer.1.bias", "layer.1.bios").contains("contradicts itself"));
+    assert!(text("[32,32]", "[64,16]").contains("contradicts itself"));
+    assert!(text("from_2", "from\\2").contains("contradicts itself"));
+}
+
+/// Whatever bytes are changed, an answer or an error comes, no panic.
+#[test]
+fn damaged_files_do_not_panic() {
+    let plan = Plan {
+        most_epochs: 1,
+        hidden: vec![3],
+        ..plan()
+    };
+    let bytes = trained(&plan).model(&[]).unwrap().to_bytes().unwrap();
+    let mut random = Pcg64::seed_from_u64(1);
+    use rand_pcg::rand_core::Rng;
+    for _ in 0..5000 {
+        let mut changed = bytes.clone();
+        for _ in 0..1 + random.next_u32() % 4 {
+            let at = random.next_u64() as usize % changed.len();
+            changed[at] = random.next_u32() as u8;
+        }
+        if random.next_u32() % 4 == 0 {
+            changed.truncate(random.next_u64() as usize % changed.len());
+        }
+        let _ = Model::from_bytes(Path::new("m"), &changed, "smooth");
+    }
+}
+
+#[test]
+fn samples_are_read_by_the_names_of_their_columns() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("samples.csv");
+    std::fs::write(&path, "b,a,y\n1,2,3\n4,5,\n7,8,9\n").unwrap();
+    let read = Samples::read(&path, &["a", "b"], &["y"]).unwrap();
+    assert_eq!(read.inputs, [2.0, 1.0, 8.0, 7.0]);
+    assert_eq!(read.outputs, [3.0, 9.0]);
+    let fault = Samples::read(&path, &["c"], &["y"])
+        .unwrap_err()
+        .to_string();
+    assert!(
+        fault.ends_with("there is no column `c`; there are b, a, y"),
+        "{fault}"
+    );
+    std::fs::write(&path, "a,y\n1,2\nx,3\n").unwrap();
+    let fault = Samples::read(&path, &["a"], &["y"])
+        .unwrap_err()
+        .to_string();
+    assert!(
+        fault.ends_with("line 3: `a` is \"x\", not a finite number"),
+        "{fault}"
+    );
+}
+
+#[test]
+fn a_share_is_held_back_and_nothing_is_lost() {
+    let all = samples(100, 0);
+    let [kept, held] = all.split(0.2, 7);
+    assert_eq!((kept.rows(), held.rows()), (80, 20));
+    let mut sums: Vec<f64> = [kept, held]
+        .iter()
+        .flat_map(|part| part.inputs.clone())
+        .collect();
+    let mut expected = all.inputs.clone();
+    sums.sort_by(f64::total_cmp);
+    expected.sort_by(f64::total_cmp);
+    assert_eq!(sums, expected);
+}

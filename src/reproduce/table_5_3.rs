@@ -1,0 +1,236 @@
+//! Table 5.3: trajectories by exact grasps and by the network, times and errors.
+
+use super::ReproduceError;
+use super::cases::Case;
+use super::laying::{Laying, PATTERNS, RODS};
+use super::page::{Page, PageFigure, number};
+use super::table::rows_of;
+use crate::experiment::{DeploymentOutcome, DeploymentTables, from_text};
+use crate::figure::{Curve, LinePlot, Look, line_plots};
+use crate::plan::deployment::{DeployedRod, GripperPose, OptimalGrasps, Scheme, trajectory};
+use crate::plan::grasp::NeuralGrasps;
+use crate::plan::pattern::PatternPoint;
+use crate::results::SCENARIO;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+use std::time::Instant;
+
+/// Poses along a letter, as in the thesis.
+const POSES: usize = 190;
+/// Trajectories that are timed; the fastest counts, as nothing else can hurry it.
+const REPEATS: usize = 10;
+/// What the thesis gives as times of its solvers in the same table, s.
+const THESIS_EXACT_S: [f64; 2] = [666.0, 4777.0];
+const THESIS_NEURAL_S: [f64; 2] = [0.391, 0.431];
+
+/// A row of the CSV file.
+#[derive(Clone, Serialize, Deserialize)]
+struct Row {
+    rod: usize,
+    rod_name: String,
+    pattern: String,
+    poses: usize,
+    out_of_range: usize,
+    exact_ms: f64,
+    neural_ms: f64,
+    mean_position_error: f64,
+    largest_position_error: f64,
+    mean_position_error_m: f64,
+    mean_angle_degrees: f64,
+    largest_angle_degrees: f64,
+    laid_exact_cm: Option<f64>,
+    laid_neural_cm: Option<f64>,
+}
+
+/// Writes table and figure.
+pub(super) fn write(page: &mut Page, cases: &[Case<Laying>]) -> Result<(), ReproduceError> {
+    let mut rows = Vec::new();
+    for case in cases.iter().filter(|case| !case.run.is_neural) {
+        let twin = |other: &&Case<Laying>| {
+            other.run.is_neural
+                && (other.run.rod, other.run.pattern) == (case.run.rod, case.run.pattern)
+        };
+        let laid = cases.iter().find(twin).and_then(laid_cm);
+        rows.push(row(case, laid)?);
+    }
+    page.text(&format!(
+        "Trajectories of {POSES} poses along the patterns of Tab. 5.2, by exact grasps (collocation) and by the network of this \
+         program, which has seen none of them: times of whole trajectories on one thread, the fastest of {REPEATS}, and the \
+         difference of their poses. Poses for suspended lengths or curvatures that the network has not learned are exact \
+         in both, and are left out of the errors. The last columns are mean distances of simulated rods from their patterns \
+         (thesis Eq. 5.11) at the medium friction, laid along either trajectory. The thesis' solvers took {:.0} to {:.0} s and \
+         {} to {} s, with mean position errors of 0.0007 to 0.0021 m.",
+        THESIS_EXACT_S[0], THESIS_EXACT_S[1], THESIS_NEURAL_S[0], THESIS_NEURAL_S[1],
+    ));
+    let header = [
+        "rod",
+        "pattern",
+        "out of range",
+        "exact, ms",
+        "network, ms",
+        "position, mean in L_gb",
+        "largest",
+        "rotation, mean in °",
+        "largest",
+        "laid exactly, cm",
+        "by the network, cm",
+    ];
+    let lines: Vec<Vec<String>> = rows.iter().map(line).collect();
+    page.table(&header, &lines);
+    page.text(&verdict(&rows));
+    page.csv(&rows)?;
+    Ok(page.figure(&figure(&rows))?)
+}
+
+/// The figure from the table alone.
+pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
+    Ok(vec![figure(&rows_of::<Row>(table)?)])
+}
+
+fn laid_cm(case: &Case<Laying>) -> Option<f64> {
+    let outcome = DeploymentOutcome::of(&case.record.outcome)?;
+    let has_ended = case.record.outcome.simulated_time >= case.run.end * (1.0 - 1e-9);
+    outcome
+        .mean_error_m
+        .filter(|_| has_ended)
+        .map(|mean| 1e2 * mean)
+}
+
+fn row(case: &Case<Laying>, laid_neural_cm: Option<f64>) -> Result<Row, ReproduceError> {
+    let (points, rod) = planned(case);
+    let network = OptimalGrasps::Neural(NeuralGrasps::built_in());
+    let (exact, exact_ms) = timed(&points, &rod, OptimalGrasps::Exact);
+    let (neural, neural_ms) = timed(&points, &rod, network);
+    let unit = rod.gravito_bending_length;
+    let pairs = || {
+        let pairs = exact.iter().zip(&neural);
+        pairs.filter(|(_, neural)| neural.grasp.is_none())
+    };
+    let errors: Vec<[f64; 2]> = pairs()
+        .map(|(exact, neural)| {
+            let distance = (neural.position - exact.position).norm() / unit;
+            let angle = neural.rotation.angle_to(&exact.rotation).to_degrees();
+            [distance, angle]
+        })
+        .collect();
+    let mean =
+        |part: usize| errors.iter().map(|error| error[part]).sum::<f64>() / errors.len() as f64;
+    let largest = |part: usize| errors.iter().map(|error| error[part]).fold(0.0, f64::max);
+    Ok(Row {
+        rod: RODS[case.run.rod].number,
+        rod_name: RODS[case.run.rod].name.into(),
+        pattern: PATTERNS[case.run.pattern].name.into(),
+        poses: points.len(),
+        out_of_range: points.len() - errors.len(),
+        exact_ms,
+        neural_ms,
+        mean_position_error: mean(0),
+        largest_position_error: largest(0),
+        mean_position_error_m: mean(0) * unit,
+        mean_angle_degrees: mean(1),
+        largest_angle_degrees: largest(1),
+        laid_exact_cm: laid_cm(case),
+        laid_neural_cm,
+    })
+}
+
+/// The pattern's points and the rod of a run.
+fn planned(case: &Case<Laying>) -> (Vec<PatternPoint>, DeployedRod) {
+    let text = std::fs::read_to_string(case.directory.join(SCENARIO));
+    let text = text.expect("a run leaves its scenario");
+    let loaded = from_text("laid", &text, &case.directory, &[]).expect("its scenario is one");
+    let tables: &DeploymentTables = loaded
+        .scenario
+        .experiment
+        .tables()
+        .expect("a deployment has its tables");
+    let deployment = &tables.deployment;
+    let pattern = deployment.pattern.source().pattern();
+    let pattern = pattern
+        .expect("a pattern that was laid")
+        .with_lead_in(deployment.lead_in);
+    let spacing = pattern.length() / (POSES - 1) as f64;
+    (
+        pattern.sampled(spacing * (1.0 + 1e-9)),
+        deployment.rod.deployed(),
+    )
+}
+
+/// A trajectory, and the shortest time that it took, ms.
+fn timed(
+    points: &[PatternPoint],
+    rod: &DeployedRod,
+    grasps: OptimalGrasps<'_>,
+) -> (Vec<GripperPose>, f64) {
+    let mut shortest = f64::INFINITY;
+    let mut poses = Vec::new();
+    for _ in 0..REPEATS {
+        let begin = Instant::now();
+        poses = trajectory(points, rod, Scheme::Optimal, grasps)
+            .expect("a pattern that was laid has grasps");
+        shortest = shortest.min(1e3 * begin.elapsed().as_secs_f64());
+    }
+    (poses, shortest)
+}
+
+fn line(row: &Row) -> Vec<String> {
+    vec![
+        format!("{} {}", row.rod, row.rod_name),
+        row.pattern.clone(),
+        row.out_of_range.to_string(),
+        number(Some(row.exact_ms), 1),
+        number(Some(row.neural_ms), 1),
+        number(Some(row.mean_position_error), 4),
+        number(Some(row.largest_position_error), 4),
+        number(Some(row.mean_angle_degrees), 3),
+        number(Some(row.largest_angle_degrees), 3),
+        number(row.laid_exact_cm, 3),
+        number(row.laid_neural_cm, 3),
+    ]
+}
+
+/// Means over all trajectories, and the worst.
+fn verdict(rows: &[Row]) -> String {
+    let mean = |value: fn(&Row) -> f64| rows.iter().map(value).sum::<f64>() / rows.len() as f64;
+    let largest = |value: fn(&Row) -> f64| rows.iter().map(value).fold(0.0, f64::max);
+    format!(
+        "On average over all trajectories the network is {:.4} L_gb and {:.3}° off, at worst {:.4} L_gb and {:.2}°; it takes {:.1} ms, \
+         the exact solver {:.1} ms.",
+        mean(|row| row.mean_position_error),
+        mean(|row| row.mean_angle_degrees),
+        largest(|row| row.largest_position_error),
+        largest(|row| row.largest_angle_degrees),
+        mean(|row| row.neural_ms),
+        mean(|row| row.exact_ms),
+    )
+}
+
+fn figure(rows: &[Row]) -> PageFigure {
+    let curve = |rod: usize, value: fn(&Row) -> f64| {
+        let rows = rows.iter().filter(|row| row.rod == rod).enumerate();
+        rows.map(|(index, row)| (index as f64 + 1.0, Some(value(row))))
+            .collect::<Vec<_>>()
+    };
+    let plot = |label: &str, value: fn(&Row) -> f64| LinePlot {
+        label: label.into(),
+        curves: RODS
+            .iter()
+            .map(|rod| Curve::new(rod.name, curve(rod.number, value)).looking(Look::Marks))
+            .collect(),
+    };
+    let plots = [
+        plot("mean position error in L_gb", |row| row.mean_position_error),
+        plot("mean rotation error in degrees", |row| {
+            row.mean_angle_degrees
+        }),
+    ];
+    let names: Vec<&str> = PATTERNS.iter().map(|pattern| pattern.name).collect();
+    PageFigure::new(
+        "tab5.3",
+        &format!(
+            "Mean errors of the network's trajectories along the patterns {}",
+            names.join(", ")
+        ),
+        line_plots(plots, "pattern"),
+    )
+}

@@ -1,0 +1,223 @@
+//! `rodlab dataset`, `train`, `evaluate` and plans by a network, from outside.
+
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn rodlab(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_rodlab"))
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn done(folder: &Path, arguments: &[&str]) -> Value {
+    let output = rodlab(folder, arguments);
+    let fault = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{arguments:?}: {fault}");
+    serde_json::from_slice(&output.stdout).unwrap_or(Value::Null)
+}
+
+/// What it says where the arguments are refused.
+fn refused(folder: &Path, arguments: &[&str]) -> String {
+    let output = rodlab(folder, arguments);
+    let fault = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {fault}");
+    fault
+}
+
+const SAMPLES: &str = "experiment = \"grasp-samples\"
+[grasp_samples]
+points = { kind = \"sobol\", count = 600 }
+suspended_length = { from = 1, to = 30 }
+curvature = { from = 0, to = 1 }
+";
+
+/// Samples in a folder of their own.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("grasps.toml"), SAMPLES).unwrap();
+    done(folder.path(), &["dataset", "grasps.toml"]);
+    folder
+}
+
+const SMALL: [&str; 9] = [
+    "train",
+    "results/grasps",
+    "--out",
+    "network",
+    "--hidden",
+    "48,48",
+    "--patience",
+    "4",
+    "--json",
+];
+
+#[test]
+fn samples_are_learned_judged_and_used() {
+    let folder = folder();
+    let folder = folder.path();
+    let table = fs::read_to_string(folder.join("results/grasps/samples.csv")).unwrap();
+    assert_eq!(table.lines().count(), 601);
+
+    let trained = done(folder, &SMALL);
+    assert_eq!(trained["status"], "finished");
+    assert_eq!(trained["samples"], 600);
+    for file in [
+        "model.safetensors",
+        "training.csv",
+        "training.svg",
+        "training.json",
+    ] {
+        assert!(folder.join("network").join(file).exists(), "{file}");
+    }
+    // Once more: nothing is left to do, and the same comes out.
+    let bytes = fs::read(folder.join("network/model.safetensors")).unwrap();
+    assert_eq!(done(folder, &SMALL), trained);
+    assert_eq!(
+        fs::read(folder.join("network/model.safetensors")).unwrap(),
+        bytes
+    );
+
+    let others = [
+        "dataset",
+        "grasps.toml",
+        "--set",
+        "grasp_samples.points.first=5000",
+        "--set",
+        "grasp_samples.curvature.to=1.2",
+        "--out",
+        "others",
+    ];
+    done(folder, &others);
+    let model = "network/model.safetensors";
+    let judged = done(
+        folder,
+        &["evaluate", model, "others", "--out", "errors.svg", "--json"],
+    );
+    assert!(folder.join("errors.svg").exists());
+    assert!(judged["out_of_range"].as_u64().unwrap() > 50);
+    let mean = |index: usize| judged["errors"][index]["mean"].as_f64().unwrap();
+    assert!(mean(0) < 0.2 && mean(1) < 0.05, "{judged}");
+
+    let plan = |solver: &[&str]| {
+        let rod = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/rods/green_vps.toml");
+        let arguments = [
+            "plan",
+            "deployment",
+            "--pattern",
+            "circle:0.1",
+            "--rod",
+            rod,
+            "--out",
+            "plan",
+        ];
+        done(folder, &[&arguments, solver].concat())
+    };
+    let exact = plan(&[]);
+    assert_eq!(
+        (&exact["solver"], &exact["solved_exactly"]),
+        (&Value::from("exact"), &Value::Null)
+    );
+    let own = plan(&["--solver", "neural", "--model", model]);
+    assert_eq!(own["poses"], exact["poses"]);
+    assert!(own["solved_exactly"].as_u64().unwrap() < own["poses"].as_u64().unwrap() / 4);
+    assert!(
+        !folder.join("plan/landing.toml").exists()
+            || own["files"].to_string().find("landing").is_none()
+    );
+    let built_in = plan(&["--solver", "neural"]);
+    assert!(built_in["files"].to_string().contains("landing.toml"));
+    let landing = fs::read_to_string(folder.join("plan/landing.toml")).unwrap();
+    assert!(landing.contains("solver = \"neural\""));
+    done(folder, &["check", "plan/landing.toml", "--json"]);
+}
+
+#[test]
+fn a_training_that_was_stopped_goes_on() {
+    let folder = folder();
+    let folder = folder.path();
+    let stopped = rodlab(folder, &[&SMALL[..], &["--timeout", "0"]].concat());
+    assert_eq!(stopped.status.code(), Some(5));
+    let left: Value = serde_json::from_slice(&stopped.stdout).unwrap();
+    assert_eq!(left["status"], "stopped");
+    assert_eq!(left["epochs"], 1);
+    let finished = done(folder, &SMALL);
+    assert_eq!(finished["status"], "finished");
+    let other = refused(folder, &[&SMALL[..], &["--seed", "3"]].concat());
+    assert!(
+        other.contains("how the network is trained") && other.contains("--force"),
+        "{other}"
+    );
+    done(
+        folder,
+        &[
+            &SMALL[..],
+            &["--seed", "3", "--most-epochs", "2", "--force"],
+        ]
+        .concat(),
+    );
+}
+
+#[test]
+fn what_is_no_sample_and_no_model_is_refused_by_name() {
+    let folder = folder();
+    let folder = folder.path();
+    let scene = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/scenarios/heavy_cantilever.toml"
+    );
+    let said = refused(folder, &["dataset", scene]);
+    assert!(
+        said.contains("makes no samples; those that do: grasp-samples"),
+        "{said}"
+    );
+    assert!(refused(folder, &["train", ".", "--out", "n"]).contains("no results directory"));
+    assert!(
+        refused(folder, &["train", "results/grasps", "--out", "."]).contains("holds no training")
+    );
+    let few = [
+        "dataset",
+        "grasps.toml",
+        "--set",
+        "grasp_samples.points.count=40",
+        "--out",
+        "few",
+    ];
+    done(folder, &few);
+    assert!(
+        refused(folder, &["train", "few", "--out", "n"]).contains("has 40 samples; at least 50")
+    );
+    assert!(!folder.join("n").exists());
+
+    fs::write(
+        folder.join("text.safetensors"),
+        "no tensors at all, but words",
+    )
+    .unwrap();
+    let said = refused(folder, &["evaluate", "text.safetensors", "results/grasps"]);
+    assert!(
+        said.contains("text.safetensors is not a whole safetensors file"),
+        "{said}"
+    );
+    let plan = [
+        "plan",
+        "deployment",
+        "--pattern",
+        "line:0.3",
+        "--rod",
+        "rod.toml",
+        "--out",
+        "p",
+    ];
+    let rod = "[deployment.rod]\ngravito_bending_length = 0.03\nradius = 0.0016\nlength = 0.8\n";
+    fs::write(folder.join("rod.toml"), rod).unwrap();
+    let neural = ["--solver", "neural", "--model", "text.safetensors"];
+    let said = refused(folder, &[&plan[..], &neural].concat());
+    assert!(said.contains("not a whole safetensors file"), "{said}");
+    let said = refused(folder, &[&plan[..], &neural[2..]].concat());
+    assert!(said.contains("--model is for --solver neural"), "{said}");
+    assert!(!folder.join("p").exists());
+}
