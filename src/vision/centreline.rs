@@ -2,12 +2,11 @@
 
 use super::Point;
 use super::contrast::Contrast;
-use super::crossing::Arm;
 use super::path_energy::distorted_pixels;
-use super::skeleton::{Skeleton, median};
+use super::skeleton::{Arm, Skeleton, median};
 use super::smoothing::{resample, smooth};
 use super::strand::Path;
-use super::strand_end::{EndStops, extend_ends};
+use super::strand_end::{EndStops, extend_ends, normal};
 
 /// A strand of an image: the curve along its middle, and how wide it is.
 ///
@@ -211,11 +210,6 @@ impl Chord {
     fn middle(&self) -> f64 {
         0.5 * (self.edges[0] + self.edges[1])
     }
-}
-
-/// The direction across, to the right of one that points down.
-pub(super) fn normal(tangent: Point) -> Point {
-    Point::new(-tangent.y, tangent.x)
 }
 
 /// Looks for both edges within a width of a point; none where the strand is wider or leaves the image.

@@ -5,17 +5,9 @@
 //! changes its colour costs extra.
 
 use super::Point;
-use super::junction::group_junctions;
+use super::junction::{group_junctions, width_at};
 use super::path_energy::{Departure, departure, pair_energies};
-use super::skeleton::Skeleton;
-
-/// One end of a branch, at a crossing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Arm {
-    pub branch: usize,
-    /// 0 for the begin of the branch, 1 for its end.
-    pub side: usize,
-}
+use super::skeleton::{Arm, Skeleton};
 
 /// Arms that meet, and which of them belong together. Arms without a partner are ends of strands.
 #[derive(Clone, Debug)]
@@ -90,15 +82,6 @@ pub(super) fn crossings(
             .collect();
     }
     (crossings, links)
-}
-
-/// Median width of the branches that meet.
-pub(super) fn width_at(skeleton: &Skeleton, arms: &[Arm]) -> f64 {
-    let widths: Vec<f64> = arms
-        .iter()
-        .map(|arm| 2.0 * skeleton.branches[arm.branch].half_width())
-        .collect();
-    super::skeleton::median(&widths).max(1.0)
 }
 
 /// Pairs of arms with the least sum of energies.

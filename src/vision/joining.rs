@@ -7,9 +7,9 @@
 //! exchanged as long as the sum falls; that it is the least of all is not guaranteed.
 
 use super::Point;
-use super::crossing::{Arm, Crossing, END_ENERGY};
+use super::crossing::{Crossing, END_ENERGY};
 use super::mask::Mask;
-use super::skeleton::Skeleton;
+use super::skeleton::{Arm, Skeleton};
 use super::way::{MOST_ENERGY, Way, Ways, ordered, other_side};
 use std::collections::BTreeMap;
 

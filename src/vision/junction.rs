@@ -4,9 +4,8 @@
 //! has no forks, so forks come in pairs, joined by a link; links are found by that.
 
 use super::Point;
-use super::crossing::{Arm, width_at};
 use super::path_energy::unit;
-use super::skeleton::Skeleton;
+use super::skeleton::{Arm, Skeleton, median};
 
 /// Longest link between two forks, in widths: strands that cross at 15°.
 const LONGEST_LINK: f64 = 6.0;
@@ -16,6 +15,15 @@ const SAME_JUNCTION: f64 = 0.5;
 const SAME_CROSSING: f64 = 1.5;
 /// Cosine of the widest angle between a longer link and the arms that continue it.
 const FORK_COSINE: f64 = 0.5;
+
+/// Median width of the branches that meet.
+pub(super) fn width_at(skeleton: &Skeleton, arms: &[Arm]) -> f64 {
+    let widths: Vec<f64> = arms
+        .iter()
+        .map(|arm| 2.0 * skeleton.branches[arm.branch].half_width())
+        .collect();
+    median(&widths).max(1.0)
+}
 
 /// For each node the node that stands for its crossing; for each branch whether it is a link.
 pub(super) fn group_junctions(skeleton: &Skeleton) -> (Vec<usize>, Vec<bool>) {

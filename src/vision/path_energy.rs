@@ -2,8 +2,7 @@
 
 use super::Point;
 use super::colour::colour_difference;
-use super::crossing::Arm;
-use super::skeleton::Skeleton;
+use super::skeleton::{Arm, Skeleton};
 use nalgebra::Matrix3;
 
 /// Stretch of an arm that tells its direction, in widths.

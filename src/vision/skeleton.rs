@@ -11,6 +11,14 @@ pub(super) struct Skeleton {
     pub branches: Vec<Branch>,
 }
 
+/// One end of a branch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Arm {
+    pub branch: usize,
+    /// 0 for the begin of the branch, 1 for its end.
+    pub side: usize,
+}
+
 /// Where branches end or meet.
 #[derive(Clone, Debug)]
 pub(super) struct Node {

@@ -1,8 +1,8 @@
 //! Strands: paths through a skeleton from one end to another, straight through crossings.
 
 use super::Point;
-use super::crossing::{Arm, Crossing};
-use super::skeleton::Skeleton;
+use super::crossing::Crossing;
+use super::skeleton::{Arm, Skeleton};
 use std::collections::BTreeMap;
 
 /// Branches in order; a closed strand's last one is followed by its first one.

@@ -1,12 +1,11 @@
 //! Where strands end: at the edge of the mask or of the picture, or on another strand.
 
 use super::Point;
-use super::centreline::normal;
 use super::colour::colour_difference;
 use super::contrast::Contrast;
-use super::crossing::{Arm, Crossing};
+use super::crossing::Crossing;
 use super::path_energy::departure;
-use super::skeleton::Skeleton;
+use super::skeleton::{Arm, Skeleton};
 use super::strand::Path;
 use std::collections::BTreeMap;
 
@@ -179,4 +178,9 @@ fn end_direction(points: &[Point], width: f64, step: f64) -> Option<(Point, f64)
     let turn = (turned / apart).clamp(-0.5 / width, 0.5 / width);
     let ahead = 0.5 * turn * (end - middle).norm();
     Some(((later + normal(later) * ahead).normalize(), turn))
+}
+
+/// The direction across, to the right of one that points down.
+pub(super) fn normal(tangent: Point) -> Point {
+    Point::new(-tangent.y, tangent.x)
 }

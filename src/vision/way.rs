@@ -3,10 +3,10 @@
 
 use super::Point;
 use super::colour::colour_difference;
-use super::crossing::{Arm, Crossing, END_ENERGY};
+use super::crossing::{Crossing, END_ENERGY};
 use super::mask::Mask;
 use super::path_energy::{Departure, departure, pair_energy};
-use super::skeleton::Skeleton;
+use super::skeleton::{Arm, Skeleton};
 use std::collections::BTreeMap;
 
 /// Longest shared stretch, in widths.
