@@ -187,7 +187,10 @@ fn summary(outcome: &RunOutcome) -> String {
     if let Some(gap) = case.mean_gap {
         // Added to zero, a zero has no sign.
         let nanometres = (1e9 * gap).round() + 0.0;
-        line("mean gap of contacts", format!("{:.3} µm", 1e-3 * nanometres));
+        line(
+            "mean gap of contacts",
+            format!("{:.3} µm", 1e-3 * nanometres),
+        );
     }
     for (name, value) in &outcome.highlights {
         line(name, value.clone());
