@@ -160,9 +160,9 @@ fn signals_leave_a_checkpoint_from_which_the_run_continues_to_the_same_bytes() {
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
-        // The run has begun once it has written its first output.
-        let nodes = directory.path().join(out).join("nodes.csv");
-        while fs::metadata(&nodes).map_or(0, |file| file.len()) == 0 {
+        // There is something to save once there is an output after that of the start.
+        let series = directory.path().join(out).join("series.csv");
+        while fs::read_to_string(&series).map_or(0, |text| text.lines().count()) < 3 {
             std::thread::sleep(Duration::from_millis(1));
         }
         let kill = |signal| format!("kill {signal} {} || true", child.id());

@@ -16,9 +16,7 @@ use std::time::{Duration, Instant};
 
 /// Time between two looks.
 const LOOK: Duration = Duration::from_millis(50);
-/// Time that set-up has in any case: usual ones are over by then.
-const SET_UP: Duration = Duration::from_millis(800);
-/// Time in which a run must have heard.
+/// Time in which set-up must be over, and a run must have heard.
 const PATIENCE: Duration = Duration::from_secs(1);
 /// Processor time of it. On a busy machine, and while a disk is waited for, a second on the clock is nothing.
 const SPENT: Duration = Duration::from_millis(700);
@@ -32,7 +30,6 @@ const INTERRUPTED: u8 = 130;
 pub fn watch(deadline: Option<Instant>) {
     let watchdog = Watchdog {
         deadline,
-        set_up: Instant::now() + SET_UP,
         interrupted: Arc::default(),
         warned: Arc::default(),
     };
@@ -51,8 +48,6 @@ pub fn watch(deadline: Option<Instant>) {
 
 struct Watchdog {
     deadline: Option<Instant>,
-    /// The moment up to which set-up may take, though the time be up.
-    set_up: Instant,
     interrupted: Arc<AtomicBool>,
     /// By the batch system, that the time is nearly up.
     warned: Arc<AtomicBool>,
@@ -65,26 +60,25 @@ impl Watchdog {
     fn watch(&self) {
         let request = loop {
             std::thread::sleep(LOOK);
-            let is_waited_for = is_attended() || Instant::now() >= self.set_up;
             match self.request() {
+                // There is nothing to save yet.
                 Some((INTERRUPTED, _)) if !is_attended() => std::process::exit(INTERRUPTED.into()),
-                Some(request) if is_waited_for => break request,
-                _ => {}
+                Some(request) => break request,
+                None => {}
             }
         };
-        if !is_attended() {
-            end(
-                request,
-                "before the first step; nothing was lost, the same command begins again",
-            );
-        }
         let meter = UsageMeter::start();
         loop {
             std::thread::sleep(LOOK);
             let waited = meter.wall_time();
             let spent = meter.usage().cpu_time.unwrap_or(waited);
             let is_over = waited >= PATIENCE && spent >= SPENT || waited >= LONGEST_PATIENCE;
-            if is_over && is_deaf() {
+            if is_over && !is_attended() {
+                end(
+                    request,
+                    "before the first step; nothing was lost, the same command begins again",
+                );
+            } else if is_over && is_deaf() {
                 end(
                     request,
                     "within a long step; the same command continues from the last checkpoint",
