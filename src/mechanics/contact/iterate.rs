@@ -51,6 +51,7 @@ impl Iterate {
             displacements,
             inertia: if mobility > 0.0 { 1.0 / mobility } else { HELD },
             slightly: self.moved_slightly,
+            predicted: self.positions.is_empty(),
         }
     }
 }

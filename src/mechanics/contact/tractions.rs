@@ -237,6 +237,7 @@ mod tests {
             displacements,
             inertia: 1.0,
             slightly: false,
+            predicted: false,
         }
     }
 
