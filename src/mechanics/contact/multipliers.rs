@@ -116,6 +116,17 @@ struct Tangent {
     force: f64,
 }
 
+impl Tangent {
+    /// A force that no displacement changes.
+    fn constant(force: f64) -> Self {
+        Self {
+            value: force,
+            force,
+            ..Self::default()
+        }
+    }
+}
+
 /// The normal forces of all slots.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Multipliers {
@@ -131,13 +142,24 @@ impl Multipliers {
     pub fn begin(&mut self, slots: Slots) {
         self.committed.resize(slots.count(), 0.0);
         self.tangents.clear();
-        let constant = |&force: &f64| Tangent {
-            value: force,
-            force,
-            ..Tangent::default()
-        };
+        let constant = |force: &f64| Tangent::constant(*force);
         self.tangents.extend(self.committed.iter().map(constant));
         self.in_use = true;
+    }
+
+    /// Force that iterations begin with at a slot, N.
+    pub fn begun(&self, slot: usize) -> f64 {
+        self.tangents[slot].force
+    }
+
+    /// Lets iterations begin without any force.
+    pub fn begin_without(&mut self) {
+        self.tangents.fill(Tangent::default());
+    }
+
+    /// Lets iterations begin with a force at a slot, N.
+    pub fn begin_with(&mut self, slot: usize, force: f64) {
+        self.tangents[slot] = Tangent::constant(force);
     }
 
     /// Takes over the forces of an accepted step, slot by slot; those not given are zero.
