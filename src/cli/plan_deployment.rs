@@ -8,7 +8,7 @@ use super::failure::Failure;
 use super::output::print_json;
 use super::values::positive_length;
 use crate::plan::deployment::{
-    DeployedRod, DeploymentError, Feasibility, GripperPose, Scheme, deployment_figure,
+    DeployedRod, DeploymentError, Feasibility, GripperPose, MOST_POSES, Scheme, deployment_figure,
     friction_demand, lead_in_length, long_enough, times, trajectory,
 };
 use crate::plan::pattern::{
@@ -80,11 +80,6 @@ enum LeadInLength {
     Given(f64),
 }
 
-/// Least number of points at which a pattern is checked.
-const FINENESS: f64 = 8000.0;
-/// Most poses.
-const MOST_POSES: f64 = 100_000.0;
-
 #[derive(Serialize)]
 struct Report {
     pattern: String,
@@ -133,11 +128,8 @@ impl DeploymentArguments {
             )));
         }
         let points = pattern.sampled(self.step);
-        // Corners lie between poses.
-        let finely = (0.25 * rod.radius).min(pattern.length() / FINENESS);
-        let fine = pattern.sampled(self.step.min(finely));
-        let checks =
-            Feasibility::of(&fine, &rod, friction).map_err(|error| self.refused(&error))?;
+        let checks = Feasibility::of(&pattern, self.step, &rod, friction)
+            .map_err(|error| self.refused(&error))?;
         let scheme = match self.scheme {
             SchemeName::Optimal => Scheme::Optimal,
             SchemeName::Intuitive => Scheme::Intuitive,

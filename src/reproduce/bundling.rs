@@ -1,9 +1,7 @@
 //! A run of bundling flagella with the parameters of the thesis, section 2.4.2.
 
-use super::cases::Run;
-use crate::experiment::{from_text, prepare};
+use super::cases::{Run, prepared};
 use crate::run::PreparedRun;
-use std::path::Path;
 
 /// What the flagella scenarios have in common.
 const BASE: &str = include_str!("../../scenarios/flagella_base.toml");
@@ -277,9 +275,7 @@ impl Run for Bundling {
             let radius = HELIX_RADIUS * (1.0 + self.widening);
             overrides.push(format!("flagella.helix_radius={radius:?}"));
         }
-        let loaded = from_text(&self.id(), BASE, Path::new(""), &overrides);
-        let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
-        prepare(&loaded.scenario).expect("a scene of the thesis is possible")
+        prepared(&self.id(), BASE, &overrides)
     }
 
     fn end(&self) -> f64 {

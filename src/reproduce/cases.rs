@@ -1,10 +1,11 @@
 //! Runs, some at a time, each in its own results directory.
 
 use super::{ReproduceError, ReproduceOptions};
+use crate::experiment::{from_text, prepare};
 use crate::results::{CaseRecord, MAIN_CASE, Manifest};
 use crate::run::{PreparedRun, RunError, RunOptions, RunStatus, run, thread_pools};
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 /// Folder of the runs of all artefacts.
@@ -29,6 +30,16 @@ pub(super) trait Run: Clone + Sync + Send {
     fn extent(&self) -> String {
         format!("{} s were simulated", self.end())
     }
+}
+
+/// The run of a scenario, with overrides, of that name.
+///
+/// # Panics
+/// If it is not possible: the scenarios of artefacts are the program's own.
+pub(super) fn prepared(id: &str, text: &str, overrides: &[String]) -> PreparedRun {
+    let loaded = from_text(id, text, Path::new(""), overrides);
+    let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
+    prepare(&loaded.scenario).unwrap_or_else(|issues| panic!("{issues:?}"))
 }
 
 /// A run that came to an end.

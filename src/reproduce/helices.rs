@@ -1,9 +1,7 @@
 //! The boundary of the stable helices (thesis 6.2).
 
-use super::cases::Run;
-use crate::experiment::{from_text, prepare};
+use super::cases::{Run, prepared};
 use crate::run::PreparedRun;
-use std::path::Path;
 
 const BASE: &str = include_str!("../../scenarios/helix_boundary.toml");
 /// Directions of the thesis, and of a quick look.
@@ -44,9 +42,7 @@ impl Run for Helices {
                 self.section_directions
             ),
         ];
-        let loaded = from_text(&self.id(), BASE, Path::new(""), &overrides);
-        let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
-        prepare(&loaded.scenario).expect("helices are possible")
+        prepared(&self.id(), BASE, &overrides)
     }
 
     fn end(&self) -> f64 {

@@ -1,10 +1,9 @@
 //! A knot pulled until it inverts, with the parameters of the thesis, chapter 3.
 
-use super::cases::{Case, Run};
-use crate::experiment::{KnotOutcome, KnotRow, from_text, prepare, read_knot_series};
+use super::cases::{Case, Run, prepared};
+use crate::experiment::{KnotOutcome, KnotRow, read_knot_series};
 use crate::results::ResultsError;
 use crate::run::PreparedRun;
-use std::path::Path;
 
 /// The inversion of the thesis' figure 3.4.
 const BASE: &str = include_str!("../../scenarios/inversion_n3.toml");
@@ -187,9 +186,7 @@ impl Run for Inversion {
             format!("time.end={:?}", self.end()),
             format!("output.interval={interval:?}"),
         ];
-        let loaded = from_text(&self.id(), BASE, Path::new(""), &overrides);
-        let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
-        prepare(&loaded.scenario).expect("a knot of the thesis is possible")
+        prepared(&self.id(), BASE, &overrides)
     }
 
     fn end(&self) -> f64 {

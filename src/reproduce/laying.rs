@@ -1,10 +1,8 @@
 //! A rod laid along a pattern, with the rods and the patterns of the thesis, section 5.5.
 
-use super::cases::Run;
-use crate::experiment::{from_text, prepare};
+use super::cases::{Run, prepared};
 use crate::plan::pattern::{chosen_stroke, read_svg};
 use crate::run::PreparedRun;
-use std::path::Path;
 
 /// A pattern.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -281,9 +279,7 @@ impl Run for Laying {
             self.end,
             self.end / 20.0,
         );
-        let loaded = from_text(&self.id(), &text, Path::new(""), &[]);
-        let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
-        prepare(&loaded.scenario).unwrap_or_else(|issues| panic!("{issues:?}"))
+        prepared(&self.id(), &text, &[])
     }
 
     fn end(&self) -> f64 {

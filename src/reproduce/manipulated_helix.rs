@@ -1,14 +1,12 @@
 //! A helical rod manipulated in time, with the parameters of the thesis, section 6.3.4.
 
-use super::cases::{Case, Run};
+use super::cases::{Case, Run, prepared};
 use crate::experiment::helix::manipulation::{EndPath, Manipulation, Observation, helix_error};
 use crate::experiment::helix::stability::DiscreteRod;
-use crate::experiment::{from_text, prepare};
 use crate::mechanics::kirchhoff::Helix;
 use crate::results::{ResultsError, read_nodes, read_series};
 use crate::run::PreparedRun;
 use std::fmt::Write;
-use std::path::Path;
 
 /// Direction of the search.
 pub(super) const DIRECTION: Helix = Helix {
@@ -199,9 +197,7 @@ impl Run for ManipulatedHelix {
     }
 
     fn prepare(&self) -> PreparedRun {
-        let loaded = from_text(&self.id(), &self.scenario(), Path::new(""), &[]);
-        let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
-        prepare(&loaded.scenario).expect("a rod of the thesis is possible")
+        prepared(&self.id(), &self.scenario(), &[])
     }
 
     fn end(&self) -> f64 {

@@ -1,10 +1,8 @@
 //! A suspended rod in one of its optimal grasps, whose gripper is pushed sideways in time (thesis 5.3.3).
 
-use super::cases::Run;
-use crate::experiment::{from_text, prepare};
+use super::cases::{Run, prepared};
 use crate::plan::grasp::{GraspProblem, GraspSolver};
 use crate::run::PreparedRun;
-use std::path::Path;
 
 /// l̄_s of thesis Figs. 5.4 and 5.5.
 const SUSPENDED: f64 = 17.68;
@@ -100,9 +98,7 @@ impl Run for SidewaysPush {
             self.end,
             0.01 * self.end,
         );
-        let loaded = from_text(&self.id(), &text, Path::new(""), &[]);
-        let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
-        prepare(&loaded.scenario).unwrap_or_else(|issues| panic!("{issues:?}"))
+        prepared(&self.id(), &text, &[])
     }
 
     fn end(&self) -> f64 {

@@ -1,10 +1,9 @@
 //! A knot pulled tight, with the parameters of the thesis, section 2.5, and quasi-static.
 
-use super::cases::{Case, Run};
-use crate::experiment::{KnotMonitor, KnotOutcome, KnotRow, from_text, prepare, read_knot_series};
+use super::cases::{Case, Run, prepared};
+use crate::experiment::{KnotMonitor, KnotOutcome, KnotRow, read_knot_series};
 use crate::results::{ResultsError, SeriesRow};
 use crate::run::PreparedRun;
-use std::path::Path;
 
 /// The trefoil of the thesis.
 const BASE: &str = include_str!("../../scenarios/trefoil.toml");
@@ -185,9 +184,7 @@ impl Run for Tightening {
             format!("time.end={:?}", self.end),
             format!("output.interval={interval:?}"),
         ];
-        let loaded = from_text(&self.id(), BASE, Path::new(""), &overrides);
-        let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
-        prepare(&loaded.scenario).expect("a knot of the thesis is possible")
+        prepared(&self.id(), BASE, &overrides)
     }
 
     fn end(&self) -> f64 {

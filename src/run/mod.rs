@@ -41,7 +41,9 @@ pub use table::TableJob;
 pub use trial::{Forecast, forecast};
 
 use crate::mechanics::dynamics::Simulation;
-use crate::results::{CaseOutcome, MAIN_CASE, Manifest, Opened, ResultsDirectory, scenario_hash};
+use crate::results::{
+    CaseOutcome, MAIN_CASE, Manifest, Opened, ResultsDirectory, ResultsError, scenario_hash,
+};
 use advance::Advance;
 use session::Session;
 use std::fmt;
@@ -179,6 +181,17 @@ pub(crate) fn run_until(
     run_simulation(&mut simulation, prepared, options, &stop_requested)
 }
 
+/// Opens the results directory of a run.
+fn open_results(prepared: &PreparedRun, options: &RunOptions) -> Result<Opened, ResultsError> {
+    ResultsDirectory::open(
+        &options.directory,
+        &scenario_hash(&prepared.scenario_toml),
+        &prepared.scenario_toml,
+        &prepared.own_files,
+        options.force,
+    )
+}
+
 /// Runs a simulation at time zero to the end of the prepared run, or until `stop_requested`, asked between steps.
 fn run_simulation(
     simulation: &mut impl Advance,
@@ -186,14 +199,7 @@ fn run_simulation(
     options: &RunOptions,
     stop_requested: StopRequests<'_>,
 ) -> Result<RunOutcome, RunError> {
-    let hash = scenario_hash(&prepared.scenario_toml);
-    match ResultsDirectory::open(
-        &options.directory,
-        &hash,
-        &prepared.scenario_toml,
-        &prepared.own_files,
-        options.force,
-    )? {
+    match open_results(prepared, options)? {
         Opened::Finished(manifest) => {
             Ok(RunOutcome::already_finished(&manifest, prepared, options))
         }

@@ -6,11 +6,11 @@
 use super::prepared::{PreparedRun, TableRun};
 use super::records::manifest_of_call;
 use super::stop::{Stop, StopRequests};
-use super::{Reached, RunError, RunOptions, RunOutcome, RunStatus};
+use super::{Reached, RunError, RunOptions, RunOutcome, RunStatus, open_results};
 use crate::results::{
     CaseOutcome, CaseRecord, CaseStatus, CsvStream, FileMark, FileMarks, MAIN_CASE, Manifest,
     Opened, ResultsDirectory, ResultsError, Usage, UsageMeter, WholeRows, check_files,
-    read_whole_rows, scenario_hash, sync,
+    read_whole_rows, sync,
 };
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
@@ -67,14 +67,7 @@ fn run_table<Job: TableJob>(
     options: &RunOptions,
     stop_requested: StopRequests<'_>,
 ) -> Result<RunOutcome, RunError> {
-    let hash = scenario_hash(&prepared.scenario_toml);
-    let directory = match ResultsDirectory::open(
-        &options.directory,
-        &hash,
-        &prepared.scenario_toml,
-        &prepared.own_files,
-        options.force,
-    )? {
+    let directory = match open_results(prepared, options)? {
         Opened::Finished(manifest) => {
             return Ok(RunOutcome::already_finished(&manifest, prepared, options));
         }

@@ -8,8 +8,22 @@ mod rosbridge;
 mod stepper;
 mod together;
 
+use std::fs;
+use std::io::{BufRead, BufReader};
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Child, Command, Output, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
+
+/// Streams the joints of [`two_joints`] and keeps a log.
+const STREAM: [&str; 6] = [
+    "stream",
+    "joints.csv",
+    "--cell",
+    "cell.toml",
+    "--out",
+    "log",
+];
 
 /// Runs the program in a folder.
 fn rodlab(folder: &Path, arguments: &[&str]) -> Output {
@@ -24,6 +38,107 @@ fn said(output: &Output) -> String {
     let [stdout, stderr] =
         [&output.stdout, &output.stderr].map(|said| String::from_utf8_lossy(said));
     format!("{stdout}{stderr}")
+}
+
+/// Starts [`STREAM`] in a folder.
+fn start_stream(folder: &Path) -> Child {
+    Command::new(env!("CARGO_BIN_EXE_rodlab"))
+        .args(STREAM)
+        .current_dir(folder)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap()
+}
+
+/// A file of the log of a stream, empty where it is not there yet.
+fn log(folder: &Path, name: &str) -> String {
+    fs::read_to_string(folder.join("log").join(name)).unwrap_or_default()
+}
+
+/// Waits until the log says what is looked for.
+fn wait_for_event(folder: &Path, words: &str, seconds: u64) -> String {
+    let begin = Instant::now();
+    loop {
+        let events = log(folder, "events.csv");
+        if let Some(line) = events.lines().find(|line| line.contains(words)) {
+            return line.to_owned();
+        }
+        let waited = begin.elapsed();
+        assert!(
+            waited < Duration::from_secs(seconds),
+            "no {words:?} in {events:?}"
+        );
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// Waits until an arm is amid its motion.
+fn wait_for_motion(folder: &Path) {
+    wait_for_event(folder, "\"started\"", 20);
+    std::thread::sleep(Duration::from_millis(700));
+}
+
+/// Ctrl-C.
+fn interrupt(child: &Child) {
+    let kill = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
+    assert!(kill.unwrap().success());
+}
+
+/// What a process that was started with a pipe says, line by line.
+fn lines_of(child: &mut Child) -> Receiver<String> {
+    let output = BufReader::new(child.stdout.take().unwrap());
+    let (sender, lines) = channel();
+    std::thread::spawn(move || {
+        for line in output.lines().map_while(Result::ok) {
+            let _ = sender.send(line);
+        }
+    });
+    lines
+}
+
+/// Checks what an arm says of a motion that it followed, as "followed 500 231 1.0 -0.5": points of the goal, reports, joints at
+/// the end.
+fn assert_followed(said: &str, points: usize) {
+    let words: Vec<&str> = said.split(' ').collect();
+    assert_eq!(words[..2], ["followed", &points.to_string()]);
+    assert!(words[2].parse::<u32>().unwrap() > 100, "{said}");
+    let end: Vec<f64> = words[3..]
+        .iter()
+        .map(|word| word.parse().unwrap())
+        .collect();
+    assert_eq!(end, [1.0, -0.5]);
+}
+
+/// Gives a joint of the cell and of the trajectory a name that no arm has.
+fn rename_joint(folder: &Path) {
+    for name in ["cell.toml", "joints.csv"] {
+        let path = folder.join(name);
+        let text = fs::read_to_string(&path).unwrap();
+        fs::write(path, text.replace("right_j1", "right_k1")).unwrap();
+    }
+}
+
+/// A smooth step of one over a time: rest, motion, rest.
+fn rise(time: f64, seconds: f64) -> f64 {
+    let part = (time / seconds).clamp(0.0, 1.0);
+    part.powi(3) * (10.0 - 15.0 * part + 6.0 * part * part)
+}
+
+/// A table of columns that move by so much over `seconds`, in so many points.
+fn table(folder: &Path, name: &str, columns: &[(&str, f64)], points: usize, seconds: f64) {
+    let headers: Vec<&str> = columns.iter().map(|(header, _)| *header).collect();
+    let mut text = format!("time_s,{}\n", headers.join(","));
+    for k in 0..points {
+        let time = seconds * k as f64 / (points - 1) as f64;
+        let cells = columns
+            .iter()
+            .map(|(_, by)| (by * rise(time, seconds)).to_string());
+        text.push_str(&format!("{time},{}\n", cells.collect::<Vec<_>>().join(",")));
+    }
+    fs::write(folder.join(name), text).unwrap();
 }
 
 /// A cell with one arm of two joints behind a driver, and the same joints as a smooth trajectory of so many points over
@@ -49,12 +164,7 @@ tool = {{ position = [0.3, 0, 0] }}
 {driver}
 "#
     );
-    std::fs::write(folder.join("cell.toml"), cell).unwrap();
-    let mut table = "time_s,right.right_j0_rad,right.right_j1_rad\n".to_owned();
-    for k in 0..points {
-        let part = k as f64 / (points - 1) as f64;
-        let rise = part.powi(3) * (10.0 - 15.0 * part + 6.0 * part * part);
-        table.push_str(&format!("{},{},{}\n", seconds * part, rise, -0.5 * rise));
-    }
-    std::fs::write(folder.join("joints.csv"), table).unwrap();
+    fs::write(folder.join("cell.toml"), cell).unwrap();
+    let columns = [("right.right_j0_rad", 1.0), ("right.right_j1_rad", -0.5)];
+    table(folder, "joints.csv", &columns, points, seconds);
 }

@@ -1,13 +1,14 @@
 //! A real ROS 1 master and an action server of actionlib, installed and started for the purpose on Debian as root.
 
-use super::{rodlab, said, two_joints};
+use super::{
+    STREAM, assert_followed, interrupt, lines_of, log, rename_joint, rodlab, said, start_stream,
+    two_joints, wait_for_event, wait_for_motion,
+};
 use crate::parts::{have, succeeds};
-use std::fs;
-use std::io::{BufRead, BufReader};
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
@@ -70,16 +71,9 @@ impl Robot {
         };
         let master = start("master");
         let mut arm = start("arm");
-        let output = BufReader::new(arm.stdout.take().unwrap());
-        let (sender, lines) = channel();
-        std::thread::spawn(move || {
-            for line in output.lines().map_while(Result::ok) {
-                let _ = sender.send(line);
-            }
-        });
+        let lines = lines_of(&mut arm);
         let robot = Self {
             folder,
-
             master,
             arm,
             lines,
@@ -100,34 +94,6 @@ impl Robot {
             .recv_timeout(Duration::from_secs(seconds))
             .expect("a word of the arm")
     }
-
-    fn spawn(&self) -> Child {
-        Command::new(env!("CARGO_BIN_EXE_rodlab"))
-            .args(STREAM)
-            .current_dir(self.folder.path())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap()
-    }
-
-    /// Waits until the arm moves.
-    fn wait_for_motion(&self) {
-        let begin = Instant::now();
-        let started = || self.log("events.csv").contains("\"started\"");
-        while !started() {
-            assert!(
-                begin.elapsed() < Duration::from_secs(20),
-                "the motion does not start"
-            );
-            std::thread::sleep(Duration::from_millis(10));
-        }
-        std::thread::sleep(Duration::from_millis(700));
-    }
-
-    fn log(&self, name: &str) -> String {
-        fs::read_to_string(self.folder.path().join("log").join(name)).unwrap_or_default()
-    }
 }
 
 impl Drop for Robot {
@@ -139,15 +105,6 @@ impl Drop for Robot {
     }
 }
 
-const STREAM: [&str; 6] = [
-    "stream",
-    "joints.csv",
-    "--cell",
-    "cell.toml",
-    "--out",
-    "log",
-];
-
 #[test]
 fn five_hundred_points_are_followed_by_an_actionlib_server() {
     let Some(robot) = Robot::start() else { return };
@@ -155,24 +112,17 @@ fn five_hundred_points_are_followed_by_an_actionlib_server() {
     let output = rodlab(robot.folder.path(), &STREAM);
     assert!(output.status.success(), "{}", said(&output));
     assert!(begin.elapsed() > Duration::from_secs(5));
-    let followed = robot.says(1);
-    let words: Vec<&str> = followed.split(' ').collect();
-    assert_eq!(words[..2], ["followed", "500"]);
-    assert!(words[2].parse::<u32>().unwrap() > 100, "{followed}");
-    assert_eq!(words[3..], ["1.0", "-0.5"]);
-    assert!(robot.log("state.csv").lines().count() > 500);
+    assert_followed(&robot.says(1), 500);
+    assert!(log(robot.folder.path(), "state.csv").lines().count() > 500);
 }
 
 #[test]
 fn an_interruption_preempts_the_goal_within_half_a_second() {
     let Some(robot) = Robot::start() else { return };
-    let child = robot.spawn();
-    robot.wait_for_motion();
+    let child = start_stream(robot.folder.path());
+    wait_for_motion(robot.folder.path());
     let begin = Instant::now();
-    let kill = Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
-        .status();
-    assert!(kill.unwrap().success());
+    interrupt(&child);
     assert_eq!(robot.says(5), "preempted");
     assert!(
         begin.elapsed() < Duration::from_millis(500),
@@ -181,17 +131,13 @@ fn an_interruption_preempts_the_goal_within_half_a_second() {
     );
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(130), "{}", said(&output));
-    assert!(robot.log("events.csv").contains("right holds"));
+    assert!(log(robot.folder.path(), "events.csv").contains("right holds"));
 }
 
 #[test]
 fn joints_that_the_server_does_not_know_are_reported() {
     let Some(robot) = Robot::start() else { return };
-    for name in ["cell.toml", "joints.csv"] {
-        let path = robot.folder.path().join(name);
-        let text = fs::read_to_string(&path).unwrap();
-        fs::write(path, text.replace("right_j1", "right_k1")).unwrap();
-    }
+    rename_joint(robot.folder.path());
     let output = rodlab(robot.folder.path(), &STREAM);
     assert_eq!(output.status.code(), Some(1), "{}", said(&output));
     assert!(
@@ -207,8 +153,8 @@ fn a_killed_server_and_a_killed_master_are_noticed_within_half_a_second() {
         let Some(mut robot) = Robot::start() else {
             return;
         };
-        let child = robot.spawn();
-        robot.wait_for_motion();
+        let child = start_stream(robot.folder.path());
+        wait_for_motion(robot.folder.path());
         let begin = Instant::now();
         if master {
             robot.master.kill()
@@ -216,14 +162,7 @@ fn a_killed_server_and_a_killed_master_are_noticed_within_half_a_second() {
             robot.arm.kill()
         }
         .unwrap();
-        let fault = loop {
-            let events = robot.log("events.csv");
-            if let Some(line) = events.lines().find(|line| line.contains("right: ")) {
-                break line.to_owned();
-            }
-            assert!(begin.elapsed() < Duration::from_secs(5), "{events}");
-            std::thread::sleep(Duration::from_millis(5));
-        };
+        let fault = wait_for_event(robot.folder.path(), "right: ", 5);
         assert!(
             begin.elapsed() < Duration::from_millis(500),
             "{:?}: {fault}",

@@ -1,14 +1,16 @@
 //! Action servers of ROS 2 on Cyclone DDS (by pip) and on Fast DDS (of Debian), made, started and met on this machine only.
 
-use super::{rodlab, said, two_joints};
+use super::{
+    STREAM, assert_followed, interrupt, lines_of, log, rename_joint, rodlab, said, start_stream,
+    two_joints, wait_for_event, wait_for_motion,
+};
 use crate::parts::{have, python_with, succeeds};
 use std::fs;
-use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
@@ -81,13 +83,7 @@ impl Robot {
             .stdout(Stdio::piped())
             .spawn()
             .unwrap();
-        let output = BufReader::new(arm.stdout.take().unwrap());
-        let (sender, lines) = channel();
-        std::thread::spawn(move || {
-            for line in output.lines().map_while(Result::ok) {
-                let _ = sender.send(line);
-            }
-        });
+        let lines = lines_of(&mut arm);
         let robot = Self {
             folder: tempfile::tempdir().unwrap(),
             arm,
@@ -108,33 +104,6 @@ impl Robot {
             .recv_timeout(Duration::from_secs(seconds))
             .expect("a word of the arm")
     }
-
-    fn spawn(&self) -> Child {
-        Command::new(env!("CARGO_BIN_EXE_rodlab"))
-            .args(STREAM)
-            .current_dir(self.folder.path())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap()
-    }
-
-    /// Waits until the arm moves.
-    fn wait_for_motion(&self) {
-        let begin = Instant::now();
-        while !self.log("events.csv").contains("\"started\"") {
-            assert!(
-                begin.elapsed() < Duration::from_secs(20),
-                "the motion does not start"
-            );
-            std::thread::sleep(Duration::from_millis(10));
-        }
-        std::thread::sleep(Duration::from_millis(700));
-    }
-
-    fn log(&self, name: &str) -> String {
-        fs::read_to_string(self.folder.path().join("log").join(name)).unwrap_or_default()
-    }
 }
 
 impl Drop for Robot {
@@ -143,21 +112,6 @@ impl Drop for Robot {
         let _ = self.arm.wait();
     }
 }
-
-/// Where the arm says that its joints ended.
-fn end(followed: &str) -> Vec<f64> {
-    let words = followed.split(' ').skip(3);
-    words.map(|word| word.parse().unwrap()).collect()
-}
-
-const STREAM: [&str; 6] = [
-    "stream",
-    "joints.csv",
-    "--cell",
-    "cell.toml",
-    "--out",
-    "log",
-];
 
 #[test]
 fn five_hundred_points_are_followed_to_the_end() {
@@ -169,12 +123,8 @@ fn five_hundred_points_are_followed_to_the_end() {
         let output = rodlab(robot.folder.path(), &STREAM);
         assert!(output.status.success(), "{}", said(&output));
         assert!(begin.elapsed() > Duration::from_secs(5));
-        let followed = robot.says(1);
-        let words: Vec<&str> = followed.split(' ').collect();
-        assert_eq!(words[..2], ["followed", "500"]);
-        assert!(words[2].parse::<u32>().unwrap() > 100, "{followed}");
-        assert_eq!(end(&followed), [1.0, -0.5]);
-        assert!(robot.log("state.csv").lines().count() > 500);
+        assert_followed(&robot.says(1), 500);
+        assert!(log(robot.folder.path(), "state.csv").lines().count() > 500);
     }
 }
 
@@ -188,11 +138,7 @@ fn a_goal_of_many_datagrams_arrives_whole() {
         robot.trajectory(3000, 3.0);
         let output = rodlab(robot.folder.path(), &STREAM);
         assert!(output.status.success(), "{}", said(&output));
-        let followed = robot.says(1);
-        assert!(
-            followed.starts_with("followed 3000 ") && end(&followed) == [1.0, -0.5],
-            "{followed}"
-        );
+        assert_followed(&robot.says(1), 3000);
     }
 }
 
@@ -202,13 +148,10 @@ fn an_interruption_cancels_the_goal_within_half_a_second() {
         let Some(robot) = Robot::start(middleware) else {
             continue;
         };
-        let child = robot.spawn();
-        robot.wait_for_motion();
+        let child = start_stream(robot.folder.path());
+        wait_for_motion(robot.folder.path());
         let begin = Instant::now();
-        let kill = Command::new("kill")
-            .args(["-INT", &child.id().to_string()])
-            .status();
-        assert!(kill.unwrap().success());
+        interrupt(&child);
         assert_eq!(robot.says(5), "cancelled");
         assert!(
             begin.elapsed() < Duration::from_millis(500),
@@ -217,7 +160,7 @@ fn an_interruption_cancels_the_goal_within_half_a_second() {
         );
         let output = child.wait_with_output().unwrap();
         assert_eq!(output.status.code(), Some(130), "{}", said(&output));
-        assert!(robot.log("events.csv").contains("right holds"));
+        assert!(log(robot.folder.path(), "events.csv").contains("right holds"));
     }
 }
 
@@ -227,11 +170,7 @@ fn a_rejected_goal_is_reported_with_what_to_compare() {
         let Some(robot) = Robot::start(middleware) else {
             continue;
         };
-        for name in ["cell.toml", "joints.csv"] {
-            let path = robot.folder.path().join(name);
-            let text = fs::read_to_string(&path).unwrap();
-            fs::write(path, text.replace("right_j1", "right_k1")).unwrap();
-        }
+        rename_joint(robot.folder.path());
         let output = rodlab(robot.folder.path(), &STREAM);
         assert_eq!(output.status.code(), Some(1), "{}", said(&output));
         let said = said(&output);
@@ -248,18 +187,11 @@ fn a_killed_server_is_noticed_within_half_a_second() {
         let Some(mut robot) = Robot::start(middleware) else {
             continue;
         };
-        let child = robot.spawn();
-        robot.wait_for_motion();
+        let child = start_stream(robot.folder.path());
+        wait_for_motion(robot.folder.path());
         let begin = Instant::now();
         robot.arm.kill().unwrap();
-        let fault = loop {
-            let events = robot.log("events.csv");
-            if let Some(line) = events.lines().find(|line| line.contains("right: ")) {
-                break line.to_owned();
-            }
-            assert!(begin.elapsed() < Duration::from_secs(5), "{events}");
-            std::thread::sleep(Duration::from_millis(5));
-        };
+        let fault = wait_for_event(robot.folder.path(), "right: ", 5);
         assert!(
             begin.elapsed() < Duration::from_millis(500),
             "{:?}: {fault}",

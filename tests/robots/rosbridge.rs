@@ -1,13 +1,12 @@
 //! The rosbridge driver against a WebSocket server with an arm behind it, made here for the purpose: the server itself
 //! is in no registry.
 
-use super::{rodlab, said, two_joints};
+use super::{
+    STREAM, interrupt, log, rename_joint, rodlab, said, start_stream, two_joints, wait_for_event,
+};
 use serde_json::{Value, json};
-use std::fs;
 use std::io::ErrorKind;
 use std::net::{TcpListener, TcpStream};
-use std::path::Path;
-use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 use tungstenite::{Message, WebSocket};
@@ -231,19 +230,6 @@ fn folder(address: &str, ros: u8, seconds: f64) -> tempfile::TempDir {
     folder
 }
 
-const STREAM: [&str; 6] = [
-    "stream",
-    "joints.csv",
-    "--cell",
-    "cell.toml",
-    "--out",
-    "log",
-];
-
-fn log(folder: &Path, name: &str) -> String {
-    fs::read_to_string(folder.join("log").join(name)).unwrap()
-}
-
 #[test]
 fn five_hundred_points_are_followed_to_the_end() {
     for ros in [1, 2] {
@@ -269,16 +255,6 @@ fn five_hundred_points_are_followed_to_the_end() {
     }
 }
 
-fn spawned(folder: &Path) -> Child {
-    Command::new(env!("CARGO_BIN_EXE_rodlab"))
-        .args(STREAM)
-        .current_dir(folder)
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap()
-}
-
 #[test]
 fn an_interruption_cancels_the_motion_within_half_a_second() {
     for ros in [1, 2] {
@@ -287,15 +263,12 @@ fn an_interruption_cancels_the_motion_within_half_a_second() {
             ..Script::default()
         });
         let folder = folder(&address, ros, 5.0);
-        let child = spawned(folder.path());
+        let child = start_stream(folder.path());
         while shared.lock().unwrap().feedback < 30 {
             std::thread::sleep(Duration::from_millis(5));
         }
         let begin = Instant::now();
-        let kill = Command::new("kill")
-            .args(["-INT", &child.id().to_string()])
-            .status();
-        assert!(kill.unwrap().success());
+        interrupt(&child);
         let output = child.wait_with_output().unwrap();
         assert_eq!(output.status.code(), Some(130), "{}", said(&output));
         let cancelled = shared.lock().unwrap().cancelled_at.expect("a cancellation");
@@ -313,25 +286,15 @@ fn a_second_interruption_ends_the_program_at_once() {
         ..Script::default()
     });
     let folder = folder(&address, 1, 5.0);
-    let mut child = spawned(folder.path());
+    let mut child = start_stream(folder.path());
     let wait = Instant::now();
     while shared.lock().unwrap().feedback < 20 {
         assert!(wait.elapsed() < Duration::from_secs(20));
         std::thread::sleep(Duration::from_millis(5));
     }
-    let interrupt = || {
-        let kill = Command::new("kill")
-            .args(["-INT", &child.id().to_string()])
-            .status();
-        assert!(kill.unwrap().success());
-    };
-    let begin = Instant::now();
-    interrupt();
-    while !log(folder.path(), "events.csv").contains("interrupted") {
-        assert!(begin.elapsed() < Duration::from_secs(5));
-        std::thread::sleep(Duration::from_millis(5));
-    }
-    interrupt();
+    interrupt(&child);
+    wait_for_event(folder.path(), "interrupted", 5);
+    interrupt(&child);
     let status = child.wait().unwrap();
     assert_eq!(status.code(), Some(130));
     // It did not wait for the arm: nothing was noted any more.
@@ -416,14 +379,7 @@ fn a_robot_with_other_joints_is_not_moved() {
         ..Script::default()
     });
     let folder = folder(&address, 1, 3.0);
-    for name in ["cell.toml", "joints.csv"] {
-        let text = fs::read_to_string(folder.path().join(name)).unwrap();
-        fs::write(
-            folder.path().join(name),
-            text.replace("right_j1", "right_k1"),
-        )
-        .unwrap();
-    }
+    rename_joint(folder.path());
     let output = rodlab(folder.path(), &STREAM);
     assert_eq!(output.status.code(), Some(1));
     assert!(

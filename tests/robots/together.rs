@@ -2,35 +2,14 @@
 
 use super::rosbridge::willing;
 use super::stepper::Board;
-use super::{rodlab, said};
+use super::{log, rise, rodlab, said, table};
 use std::f64::consts::TAU;
 use std::fs;
-use std::path::Path;
 
 /// An arm may be seen where it was so long ago, s.
 const LATE: f64 = 0.25;
 /// And ahead by the time that it takes to tell all parts to begin, s.
 const EARLY: f64 = 0.1;
-
-/// A smooth step of one over a time: rest, motion, rest.
-fn rise(time: f64, seconds: f64) -> f64 {
-    let part = (time / seconds).clamp(0.0, 1.0);
-    part.powi(3) * (10.0 - 15.0 * part + 6.0 * part * part)
-}
-
-/// A table of columns that move by so much over `seconds`, in so many points.
-fn table(folder: &Path, name: &str, columns: &[(&str, f64)], points: u32, seconds: f64) {
-    let headers: Vec<&str> = columns.iter().map(|(header, _)| *header).collect();
-    let mut text = format!("time_s,{}\n", headers.join(","));
-    for k in 0..=points {
-        let time = seconds * f64::from(k) / f64::from(points);
-        let cells = columns
-            .iter()
-            .map(|(_, by)| (by * rise(time, seconds)).to_string());
-        text.push_str(&format!("{time},{}\n", cells.collect::<Vec<_>>().join(",")));
-    }
-    fs::write(folder.join(name), text).unwrap();
-}
 
 fn arm(name: &str, x: f64, address: &str) -> String {
     format!(
@@ -70,9 +49,9 @@ fn two_arms_and_a_stepper_keep_one_clock() {
     fs::write(folder.path().join("cell.toml"), cell.concat()).unwrap();
     let right = [("right.right_j0_rad", 1.0), ("right.right_j1_rad", -0.5)];
     let left = [("left.right_j0_rad", -0.8), ("left.right_j1_rad", 0.4)];
-    table(folder.path(), "right.csv", &right, 300, 3.0);
-    table(folder.path(), "left.csv", &left, 100, 2.0);
-    table(folder.path(), "turn.csv", &[("twister_rad", TAU)], 250, 2.5);
+    table(folder.path(), "right.csv", &right, 301, 3.0);
+    table(folder.path(), "left.csv", &left, 101, 2.0);
+    table(folder.path(), "turn.csv", &[("twister_rad", TAU)], 251, 2.5);
     let tables = ["right.csv", "left.csv", "turn.csv"];
     let stream = |tables: &[&str]| {
         let arguments = [
@@ -93,15 +72,14 @@ fn two_arms_and_a_stepper_keep_one_clock() {
     assert_eq!(board.counts(), (3200, 3200));
 
     // Whatever was heard of any of them fits the one clock.
-    let log = |name: &str| fs::read_to_string(folder.path().join("log").join(name)).unwrap();
-    let events = log("events.csv");
+    let events = log(folder.path(), "events.csv");
     let started = events
         .lines()
         .find(|line| line.ends_with("\"started\""))
         .unwrap();
     let start: f64 = started.split(',').next().unwrap().parse().unwrap();
     let mut heard = [0; 3];
-    for line in log("state.csv").lines().skip(1) {
+    for line in log(folder.path(), "state.csv").lines().skip(1) {
         let cells: Vec<&str> = line.split(',').collect();
         let time = cells[0].parse::<f64>().unwrap() - start;
         let position: f64 = cells[3].parse().unwrap();
@@ -121,5 +99,5 @@ fn two_arms_and_a_stepper_keep_one_clock() {
         heard[part] += 1;
     }
     assert!(heard.iter().all(|count| *count > 50), "{heard:?}");
-    assert!(log("trajectory-3.csv").starts_with("time_s,twister_rad"));
+    assert!(log(folder.path(), "trajectory-3.csv").starts_with("time_s,twister_rad"));
 }

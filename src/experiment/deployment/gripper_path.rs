@@ -5,8 +5,8 @@ use crate::mechanics::random::uniform_numbers;
 use crate::mechanics::scene::Motion;
 use crate::mechanics::{Vector3, rotation};
 use crate::plan::deployment::{
-    DeployedRod, DeploymentError, Feasibility, GripperPose, hanging_rod, laid_after, times,
-    trajectory,
+    DeployedRod, DeploymentError, Feasibility, GripperPose, MOST_POSES, hanging_rod, laid_after,
+    times, trajectory,
 };
 use crate::plan::pattern::{Pattern, PatternError, PatternPoint};
 use nalgebra::{Matrix2, Vector2};
@@ -18,10 +18,6 @@ const POSE_SPACING: f64 = 3e-3;
 const TIMING_SPACING: f64 = 12e-3;
 /// Poses per period of the fastest jitter.
 const POSES_PER_PERIOD: f64 = 10.0;
-/// Most poses.
-const MOST_POSES: f64 = 100_000.0;
-/// Least number of points at which a pattern is checked.
-const FINENESS: f64 = 8000.0;
 /// Waves that make up the jitter of one direction, and the period of the slowest over that of the fastest.
 const WAVES: usize = 8;
 const SLOWEST: f64 = 5.0;
@@ -80,10 +76,7 @@ impl GripperPath {
             }
         };
         refuse_many(length / POSE_SPACING)?;
-        // Corners lie between poses.
-        let finely = (0.25 * rod.radius).min(length / FINENESS);
-        let fine = curve.sampled(POSE_SPACING.min(finely).max(length / (4.0 * MOST_POSES)));
-        let feasibility = Feasibility::of(&fine, &rod, Some(friction))?;
+        let feasibility = Feasibility::of(&curve, POSE_SPACING, &rod, Some(friction))?;
         let planned = Planned::new(deployment, &curve);
         let scheme = deployment.scheme.into();
         let coarse = trajectory(

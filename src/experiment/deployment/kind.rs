@@ -199,18 +199,7 @@ fn monitor(scenario: &Scenario, deployment: &Deployment, path: &GripperPath) -> 
         share_above_friction: asked.share_above_friction.unwrap_or(0.0),
         largest_gripper_speed: path.largest_speed(),
     };
-    let tolerance = match scenario.contact {
-        Contact::None => 0.0,
-        Contact::Imc {
-            distance_tolerance, ..
-        }
-        | Contact::Ipc {
-            distance_tolerance, ..
-        }
-        | Contact::Complementarity {
-            distance_tolerance, ..
-        } => distance_tolerance,
-    };
+    let tolerance = scenario.contact.distance_tolerance().unwrap_or(0.0);
     DeploymentMonitor::new(Watched {
         marks,
         length: rod.length,

@@ -68,3 +68,4 @@ pub use proximity::{ContactPair, Proximity};
 pub use step_bound::LargestStep;
 pub use surface::{ContactEdge, ContactPlane, ContactSurface};
 pub use touching::touching_points;
+pub(super) use tractions::cut;

@@ -181,7 +181,7 @@ impl Tractions {
 }
 
 /// The vector, shortened to `length` where it is longer.
-fn cut(vector: Vector3, length: f64) -> Vector3 {
+pub fn cut(vector: Vector3, length: f64) -> Vector3 {
     let norm = vector.norm();
     if norm > length {
         vector * (length / norm)

@@ -64,12 +64,27 @@ pub struct Feasibility {
     pub share_above_friction: Option<f64>,
 }
 
+/// Least number of points at which a pattern is checked, and most.
+const CHECKED_POINTS: [f64; 2] = [8000.0, 400_000.0];
+
 impl Feasibility {
-    /// Checks a pattern at closely spaced points; `friction` is that of the table.
+    /// Checks a pattern whose poses lie `spacing` (m) apart at closer points, for corners may lie between poses; `friction`
+    /// is that of the table.
     ///
     /// # Errors
     /// The pattern is too sharp for the rod. That it slides is no error: it is said.
     pub fn of(
+        pattern: &Pattern,
+        spacing: f64,
+        rod: &DeployedRod,
+        friction: Option<f64>,
+    ) -> Result<Self, DeploymentError> {
+        let [least, most] = CHECKED_POINTS.map(|count| pattern.length() / count);
+        let close = spacing.min(0.25 * rod.radius).min(least).max(most);
+        Self::at(&pattern.sampled(close), rod, friction)
+    }
+
+    fn at(
         points: &[PatternPoint],
         rod: &DeployedRod,
         friction: Option<f64>,

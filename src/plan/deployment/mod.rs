@@ -26,6 +26,9 @@ pub use trajectory::{GripperPose, Scheme, trajectory};
 use crate::plan::grasp::GraspError;
 use thiserror::Error;
 
+/// Most poses of a trajectory.
+pub const MOST_POSES: f64 = 100_000.0;
+
 /// Why a rod cannot be laid along a pattern.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum DeploymentError {

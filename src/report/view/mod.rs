@@ -14,7 +14,7 @@ use crate::report::case_folders::{CaseFolder, case_folders};
 use crate::results::{
     Manifest, NODES, NodePositions, ResultsError, read_node_forces, read_nodes, replace_own,
 };
-use crate::scenario::{Contact, Scenario};
+use crate::scenario::Scenario;
 use fields::fields;
 use parameters::flattened;
 use rayon::prelude::*;
@@ -237,17 +237,8 @@ fn contacts(
     let Some(scenario) = scenario else {
         return none;
     };
-    let clearance = match scenario.contact {
-        Contact::None => return none,
-        Contact::Imc {
-            distance_tolerance, ..
-        }
-        | Contact::Ipc {
-            distance_tolerance, ..
-        }
-        | Contact::Complementarity {
-            distance_tolerance, ..
-        } => distance_tolerance,
+    let Some(clearance) = scenario.contact.distance_tolerance() else {
+        return none;
     };
     let mut surface = ContactSurface::new();
     let mut first = 0;

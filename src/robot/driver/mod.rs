@@ -72,6 +72,18 @@ pub struct JointState {
     pub positions: Vec<f64>,
 }
 
+impl JointState {
+    /// What a message says of `joints`, heard now; `position` looks up one of them. Messages may name more joints than these,
+    /// and in another order; `None` where one is missing: such a message is of another part of the robot.
+    fn heard(joints: &[String], position: impl Fn(&String) -> Option<f64>) -> Option<Self> {
+        let positions: Option<Vec<f64>> = joints.iter().map(position).collect();
+        positions.map(|positions| Self {
+            received: Instant::now(),
+            positions,
+        })
+    }
+}
+
 /// How far a motion has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {

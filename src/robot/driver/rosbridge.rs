@@ -108,25 +108,17 @@ impl RosbridgeDriver {
         }
     }
 
-    /// Joint states may name more joints than ours, and in another order; those that lack one of ours are another
-    /// robot's part.
     fn hear_state(&mut self, message: &Value) {
         let (Some(names), Some(positions)) =
             (message["name"].as_array(), message["position"].as_array())
         else {
             return;
         };
-        let of = |joint: &String| {
+        let heard = JointState::heard(&self.joints, |joint| {
             let index = names.iter().position(|name| name == joint.as_str())?;
             positions.get(index)?.as_f64()
-        };
-        let positions: Option<Vec<f64>> = self.joints.iter().map(of).collect();
-        if let Some(positions) = positions {
-            self.state = Some(JointState {
-                received: Instant::now(),
-                positions,
-            });
-        }
+        });
+        self.state = heard.or(self.state.take());
     }
 
     /// Topics of a ROS 1 action.

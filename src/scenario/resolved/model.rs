@@ -53,6 +53,22 @@ impl Contact {
             | Self::Complementarity { friction, .. } => friction,
         }
     }
+
+    /// Distance δ within which surfaces touch, m; `None` where nothing touches.
+    pub fn distance_tolerance(&self) -> Option<f64> {
+        match *self {
+            Self::None => None,
+            Self::Imc {
+                distance_tolerance, ..
+            }
+            | Self::Ipc {
+                distance_tolerance, ..
+            }
+            | Self::Complementarity {
+                distance_tolerance, ..
+            } => Some(distance_tolerance),
+        }
+    }
 }
 
 /// The surrounding fluid.

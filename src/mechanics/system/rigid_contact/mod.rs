@@ -16,7 +16,7 @@
 //! with corners, and may cycle; then sweeps of the alternating direction method of multipliers take over for a while.
 
 use crate::linalg::ElementMatrix;
-use crate::mechanics::contact::ContactConstraint;
+use crate::mechanics::contact::{ContactConstraint, cut};
 use crate::mechanics::{Matrix3, Vector3};
 
 /// Stiffness of directions that are shut, in units of ρ: contacts that do the same work, as at the joint of two edges,
@@ -292,16 +292,6 @@ impl State {
                 weights[row / 3] * weights[column / 3] * self.stiffness[(row % 3, column % 3)]
             })
         })
-    }
-}
-
-/// The vector, shortened to `length` where it is longer.
-fn cut(vector: Vector3, length: f64) -> Vector3 {
-    let norm = vector.norm();
-    if norm > length {
-        vector * (length / norm)
-    } else {
-        vector
     }
 }
 

@@ -82,18 +82,11 @@ impl Ros1Driver {
                 let Some((names, positions)) = message::joint_state(bytes) else {
                     return;
                 };
-                let of = |joint: &String| {
+                let heard = JointState::heard(&self.joints, |joint| {
                     let index = names.iter().position(|name| name == joint)?;
                     positions.get(index).copied()
-                };
-                // A message that lacks one of our joints is another part's.
-                if let Some(positions) = self.joints.iter().map(of).collect() {
-                    let received = Instant::now();
-                    self.state = Some(JointState {
-                        received,
-                        positions,
-                    });
-                }
+                });
+                self.state = heard.or(self.state.take());
             }
             FEEDBACK => {
                 if let (Some(goal), Some(status)) = (&mut self.goal, message::feedback(bytes))

@@ -113,7 +113,11 @@ impl Ros2Driver {
 
     fn hear(&mut self, connection: &mut Connection) -> Result<(), String> {
         while let Some(states) = next(&mut connection.joint_states)? {
-            self.hear_state(&states);
+            let heard = JointState::heard(&self.joints, |joint| {
+                let index = states.name.iter().position(|name| name == joint)?;
+                states.position.get(index).copied()
+            });
+            self.state = heard.or(self.state.take());
         }
         let answered = connection.send_goal.answer()?;
         let cancelled = connection.cancel_goal.answer()?;
@@ -143,20 +147,6 @@ impl Ros2Driver {
             connection.cancel_goal.ask(CancelGoal::new(goal_id))?;
         }
         Ok(())
-    }
-
-    /// Joint states may name more joints than ours, and in another order; those that lack one of ours are another part's.
-    fn hear_state(&mut self, states: &JointStates) {
-        let of = |joint: &String| {
-            let index = states.name.iter().position(|name| name == joint)?;
-            states.position.get(index).copied()
-        };
-        if let Some(positions) = self.joints.iter().map(of).collect() {
-            self.state = Some(JointState {
-                received: Instant::now(),
-                positions,
-            });
-        }
     }
 }
 
