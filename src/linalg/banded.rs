@@ -165,6 +165,29 @@ impl BandedFactor {
             found[0] = sum;
         }
     }
+
+    /// Solves A X = B in place for the unknowns from `first` on alone, which couple to none before nor after those of the
+    /// rows given; four right-hand sides at once, of which some may be zero.
+    pub fn solve_part(&self, first: usize, rows: &mut [[f64; 4]]) {
+        let columns = &self.columns[first..first + rows.len()];
+        for i in 0..rows.len() {
+            let known = rows[i];
+            for (factor, row) in columns[i][1..].iter().zip(&mut rows[i + 1..]) {
+                for (entry, known) in row.iter_mut().zip(known) {
+                    *entry -= factor * known;
+                }
+            }
+        }
+        for j in (0..rows.len()).rev() {
+            let mut sum = rows[j].map(|entry| entry * columns[j][0]);
+            for (factor, row) in columns[j][1..].iter().zip(&rows[j + 1..]) {
+                for (entry, known) in sum.iter_mut().zip(row) {
+                    *entry -= factor * known;
+                }
+            }
+            rows[j] = sum;
+        }
+    }
 }
 
 /// One step of elimination: turns `column` into a column of L with 1/D on top and subtracts its outer
@@ -248,6 +271,37 @@ mod tests {
             for i in 0..n {
                 prop_assert!((y[i] - expected[i]).abs() < 1e-12);
             }
+        }
+    }
+
+    #[test]
+    fn a_part_that_couples_to_no_other_is_solved_alone() {
+        let (sizes, n) = ([23, 4, 31], 58);
+        let mut matrix = BandedSymmetric::new(n);
+        let mut first = 0;
+        for size in sizes {
+            let part = dominant_band(size, &[0.3, -0.8, 0.5, 0.1], |j| j == 2);
+            matrix.columns_mut()[first..first + size].copy_from_slice(part.columns());
+            first += size;
+        }
+        let mut factor = BandedFactor::new(n);
+        factor.factor(&matrix).unwrap();
+        first = 0;
+        for size in sizes {
+            let of_row = |row: usize| std::array::from_fn(|side| ((7 * row + side) as f64).sin());
+            let mut rows: Vec<[f64; 4]> = (0..size).map(of_row).collect();
+            factor.solve_part(first, &mut rows);
+            for side in 0..4 {
+                let mut x = vec![0.0; n];
+                for row in 0..size {
+                    x[first + row] = of_row(row)[side];
+                }
+                factor.solve(&mut x);
+                for row in 0..size {
+                    assert!((rows[row][side] - x[first + row]).abs() < 1e-14);
+                }
+            }
+            first += size;
         }
     }
 

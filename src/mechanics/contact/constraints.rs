@@ -12,6 +12,7 @@ use super::candidates::approach;
 use super::closest_points::ClosestPoints;
 use super::contact_system::ContactSystem;
 use super::contacts::{ActiveContact, Bodies, ContactConstraint, PlaneContact};
+use super::normal_law::{LEAST_FORCE, NormalLaw};
 use crate::mechanics::Vector3;
 
 impl ContactSystem {
@@ -64,9 +65,9 @@ impl ContactSystem {
 
     /// Forces of constraints before iterations, N.
     fn warm_start(&mut self, earlier: &[ContactConstraint]) {
-        let slots = self.slots();
+        let mut constraints = std::mem::take(&mut self.constraints);
         let mut known = earlier.iter().peekable();
-        for constraint in &mut self.constraints {
+        for constraint in &mut constraints {
             // Both lists are in the order of candidates, then planes with their nodes.
             while known
                 .next_if(|other| other.order() < constraint.order())
@@ -76,16 +77,63 @@ impl ContactSystem {
             constraint.force = match (same, earlier.is_empty()) {
                 (Some(other), _) => other.force,
                 (None, true) => {
-                    let slot = match constraint.bodies {
-                        Bodies::Edges(candidate) => candidate,
-                        Bodies::Plane(plane) => slots.over_plane(plane, constraint.nodes[0]),
-                    };
+                    let slot = self.slot_of(constraint);
                     let committed = self.multipliers.committed().get(slot);
                     constraint.normal * committed.copied().unwrap_or(0.0)
                 }
                 (None, false) => Vector3::zeros(),
             };
         }
+        self.constraints = constraints;
+    }
+
+    /// Where a constraint keeps what it carries from step to step.
+    fn slot_of(&self, constraint: &ContactConstraint) -> usize {
+        match constraint.bodies {
+            Bodies::Edges(candidate) => candidate,
+            Bodies::Plane(plane) => self.slots().over_plane(plane, constraint.nodes[0]),
+        }
+    }
+
+    /// Loads the listed contacts with the forces that iterations begin with.
+    pub fn load_begun_forces(&mut self) {
+        let mut constraints = std::mem::take(&mut self.constraints);
+        for constraint in &mut constraints {
+            let slot = self.slot_of(constraint);
+            let (normal, traction) = (constraint.normal, self.carried_tractions.begun(slot));
+            let along = traction - normal * normal.dot(&traction);
+            constraint.force = (normal + along) * self.multipliers.begun(slot);
+        }
+        self.constraints = constraints;
+    }
+
+    /// Lets iterations begin with forces of the listed contacts, N, and with none at others.
+    pub fn begin_with_forces(&mut self, forces: &[Vector3]) {
+        self.multipliers.begin_without();
+        for (index, force) in forces.iter().enumerate() {
+            let constraint = &self.constraints[index];
+            let (slot, normal) = (self.slot_of(constraint), constraint.normal);
+            let pressure = force.dot(&normal);
+            if pressure > 0.0 {
+                self.multipliers.begin_with(slot, pressure);
+                let traction = (force - normal * pressure) / pressure;
+                self.carried_tractions.begin_with(slot, traction);
+            }
+        }
+    }
+
+    /// Gap (m) at which a listed contact rests under a normal force, N.
+    pub fn rest_gap(&self, constraint: &ContactConstraint, force: f64) -> f64 {
+        if force <= LEAST_FORCE {
+            return 0.0;
+        }
+        let [first, _, second, _] = constraint.nodes;
+        let (scale, standoff) = match constraint.bodies {
+            Bodies::Edges(_) => (0.5 * constraint.threshold, self.parameters.standoff()),
+            Bodies::Plane(_) => (constraint.threshold, 0.0),
+        };
+        let stiffness = self.stiffness_between(first, second);
+        NormalLaw::new(&self.parameters, scale, stiffness).gap_of_force(force) + standoff
     }
 
     /// The contacts that [`Self::list_constraints`] found.

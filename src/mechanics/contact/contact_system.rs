@@ -226,6 +226,18 @@ impl ContactSystem {
         self.carried_tractions.begin(self.slots());
     }
 
+    /// Begins the iterations of a step again from the forces of the last one.
+    pub fn begin_forces_anew(&mut self) {
+        self.multipliers.begin(self.slots());
+        self.carried_tractions.begin(self.slots());
+    }
+
+    /// Whether the contact forces at the prediction differ much from those of the last step, and are so many that a
+    /// prediction of all of them pays among so many rods: to be asked after the first linearisation of a step.
+    pub fn is_surprised(&self, rods: usize) -> bool {
+        self.iterate.is_surprised(rods)
+    }
+
     /// Whether the Jacobians are those of the carried normal forces.
     pub fn uses_multipliers(&self) -> bool {
         self.multipliers.in_use()

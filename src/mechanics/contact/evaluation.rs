@@ -220,6 +220,7 @@ impl ContactSystem {
         );
         self.jacobians.push(linearised.jacobian);
         if carries {
+            self.compare_with_last(slot, 2, &pressure, &friction);
             self.multipliers
                 .keep(slot, &pressure, &linearised.gap_gradient);
             self.carried_tractions
@@ -263,6 +264,23 @@ impl ContactSystem {
             _ => at_present,
         };
         (pressure, friction)
+    }
+
+    /// Counts by how much the force of a slot, on so many rods, has changed since the last step.
+    fn compare_with_last(
+        &mut self,
+        slot: usize,
+        rods: usize,
+        pressure: &LinearLaw,
+        friction: &LinearTraction,
+    ) {
+        let traction = self.carried_tractions.committed()[slot];
+        let before = (
+            self.multipliers.committed()[slot],
+            traction.unwrap_or_else(Vector3::zeros),
+        );
+        self.iterate
+            .compare(rods, before, (pressure.tangent.force, friction.value));
     }
 
     /// The gap at which forces are evaluated, m: iterations that carry forces along may pass a barrier on their way to
@@ -334,6 +352,7 @@ impl ContactSystem {
                     );
                     self.plane_jacobians.push(linearised.jacobian);
                     if self.multipliers.in_use() {
+                        self.compare_with_last(slot, 1, &pressure, &friction);
                         self.multipliers
                             .keep(slot, &pressure, &linearised.gap_gradient);
                         self.carried_tractions

@@ -6,6 +6,14 @@ use crate::mechanics::Vector3;
 /// Resistance of bodies that are held on both sides, N/m: any finite one, since nothing moves them.
 const HELD: f64 = 1.0;
 
+/// Contacts from which on a prediction of all their forces may pay.
+const MANY_CONTACTS: usize = 8;
+/// Contacts on a rod, in the mean, up to which it does: every one of them moves the whole rod in every sweep, while the cost of
+/// an iteration grows with the number of rods that contacts join. A pile has ten, a knot forty.
+const MOST_PER_ROD: usize = 24;
+/// Part of their forces by which these must change for it, from the last step to the linear laws at the prediction.
+const SURPRISE: f64 = 0.1;
+
 /// The configuration of the last linearisation.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Iterate {
@@ -13,6 +21,12 @@ pub(super) struct Iterate {
     mobilities: Vec<f64>,
     /// Positions, m; empty before the first linearisation of a step.
     positions: Vec<Vector3>,
+    /// Contacts of the first linearisation that bear or bore force, the sum of these forces, and that of their changes, N.
+    contacts: usize,
+    /// Rods that they press on, each as often as it is pressed on.
+    pressed: usize,
+    forces: f64,
+    changes: f64,
     /// Whether the last correction was small: against the radius, so that directions of contacts hardly turned.
     pub moved_slightly: bool,
 }
@@ -24,6 +38,26 @@ impl Iterate {
         self.mobilities.extend_from_slice(mobilities);
         self.positions.clear();
         self.moved_slightly = false;
+        (self.contacts, self.pressed) = (0, 0);
+        (self.forces, self.changes) = (0.0, 0.0);
+    }
+
+    /// Counts the force of a contact with so many rods in the first linearisation: normal force (N) and traction, in the
+    /// last step and now.
+    pub fn compare(&mut self, rods: usize, before: (f64, Vector3), now: (f64, Vector3)) {
+        if !self.positions.is_empty() {
+            return;
+        }
+        self.contacts += 1;
+        self.pressed += rods;
+        self.forces += before.0.max(now.0);
+        self.changes += (now.0 - before.0).abs() + (now.1 * now.0 - before.1 * before.0).norm();
+    }
+
+    /// Whether many contacts bear other forces than in the last step, and not too many for so many rods.
+    pub fn is_surprised(&self, rods: usize) -> bool {
+        let suits = self.contacts >= MANY_CONTACTS && self.pressed <= MOST_PER_ROD * rods;
+        suits && self.changes > SURPRISE * self.forces
     }
 
     /// Takes over the positions of a linearisation.
@@ -51,6 +85,48 @@ impl Iterate {
             displacements,
             inertia: if mobility > 0.0 { 1.0 / mobility } else { HELD },
             slightly: self.moved_slightly,
+            predicted: self.positions.is_empty(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An iterate that has seen so many contacts with two rods each, whose force has changed by this factor.
+    fn seen(contacts: usize, factor: f64) -> Iterate {
+        let mut iterate = Iterate::default();
+        iterate.begin(&[]);
+        for _ in 0..contacts {
+            iterate.compare(2, (1.0, Vector3::zeros()), (factor, Vector3::zeros()));
+        }
+        iterate
+    }
+
+    #[test]
+    fn many_new_forces_among_many_rods_are_a_surprise() {
+        assert!(seen(100, 1.5).is_surprised(20));
+        assert!(!seen(100, 1.05).is_surprised(20), "the forces are known");
+        assert!(!seen(7, 1.5).is_surprised(20), "there are few");
+        assert!(!seen(100, 1.5).is_surprised(2), "a knot");
+    }
+
+    #[test]
+    fn friction_that_turns_is_a_surprise() {
+        let mut iterate = seen(0, 1.0);
+        for _ in 0..20 {
+            let traction = Vector3::x() * 0.3;
+            iterate.compare(2, (1.0, traction), (1.0, -traction));
+        }
+        assert!(iterate.is_surprised(20));
+    }
+
+    #[test]
+    fn later_linearisations_do_not_count() {
+        let mut iterate = seen(20, 1.0);
+        iterate.linearised_at(&[Vector3::zeros()]);
+        iterate.compare(2, (1.0, Vector3::zeros()), (1e6, Vector3::zeros()));
+        assert!(!iterate.is_surprised(20));
     }
 }

@@ -71,6 +71,18 @@ struct Tangent {
     reversals: u8,
 }
 
+impl Tangent {
+    /// A traction that no displacement changes.
+    fn constant(value: Vector3) -> Self {
+        Self {
+            value,
+            rates: [[0.0; 12]; 3],
+            slip: Vector3::zeros(),
+            reversals: 0,
+        }
+    }
+}
+
 /// The tractions of all slots, as in [`multipliers`](super::multipliers); those without contact are not known.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tractions {
@@ -85,15 +97,19 @@ impl Tractions {
     pub fn begin(&mut self, slots: Slots) {
         self.committed.resize(slots.count(), None);
         self.tangents.clear();
-        let constant = |value: &Vector3| Tangent {
-            value: *value,
-            rates: [[0.0; 12]; 3],
-            slip: Vector3::zeros(),
-            reversals: 0,
-        };
         let known = self.committed.iter();
         self.tangents
-            .extend(known.map(|known| known.as_ref().map(constant)));
+            .extend(known.map(|known| known.map(Tangent::constant)));
+    }
+
+    /// Traction that iterations begin with at a slot.
+    pub fn begun(&self, slot: usize) -> Vector3 {
+        self.tangents[slot].map_or_else(Vector3::zeros, |tangent| tangent.value)
+    }
+
+    /// Lets iterations begin with a traction at a slot.
+    pub fn begin_with(&mut self, slot: usize, traction: Vector3) {
+        self.tangents[slot] = Some(Tangent::constant(traction));
     }
 
     /// At the end of the last accepted step, one per slot.
@@ -237,6 +253,7 @@ mod tests {
             displacements,
             inertia: 1.0,
             slightly: false,
+            predicted: false,
         }
     }
 

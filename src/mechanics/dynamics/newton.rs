@@ -58,7 +58,8 @@ impl Newton {
     }
 
     /// Solves R(q) = 0, starting from `unknowns` and leaving the solution there; returns the number of
-    /// linear solves. The frames and the residual of `system` are those of the solution.
+    /// linear solves, without those of a prediction of contact forces, which solves for no contacts. The frames and the
+    /// residual of `system` are those of the solution.
     ///
     /// # Errors
     /// [`Divergence`] when the iterations run out or lead nowhere, a number is not finite, or `goes_on` says no.
@@ -81,6 +82,9 @@ impl Newton {
             stopping.iterations
         };
         system.linearize(unknowns, Some(stage));
+        if carries && system.predict_contacts(unknowns, stage, stopping.radius) {
+            system.linearize(unknowns, Some(stage));
+        }
         for iteration in 0..=limit {
             let imbalance = system.imbalance();
             let Imbalance {

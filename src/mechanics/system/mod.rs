@@ -14,6 +14,7 @@ mod balance;
 mod build;
 mod clamps;
 mod complementarity;
+mod contact_prediction;
 mod events;
 mod grasp;
 mod loads;

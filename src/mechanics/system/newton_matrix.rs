@@ -258,6 +258,16 @@ impl NewtonMatrix {
         self.lost_symmetry = false;
     }
 
+    /// Factors the band of the rods alone, without elements that couple; tells its inertia unless it is singular.
+    pub fn factor_rods(&mut self) -> Option<Inertia> {
+        self.factor.factor(&self.band).ok()
+    }
+
+    /// The factors of the last [`Self::factor_rods`].
+    pub fn rod_factor(&self) -> &BandedFactor {
+        &self.factor
+    }
+
     pub fn factor(&mut self) -> Result<Option<Inertia>, SingularMatrix> {
         self.uses_band = self.permanent.is_empty() && self.active.is_empty();
         if self.uses_band {
