@@ -7,7 +7,7 @@ pub use resolved::{GraspSamples, Points, Span};
 
 use crate::learn::MOST_POINTS;
 use crate::plan::grasp::GraspProblem;
-use crate::scenario::keys::{NON_NEGATIVE, OwnTable, Request, Section};
+use crate::scenario::keys::{FINITE, OwnTable, Request, Section};
 use serde::Serialize;
 
 /// The table of this experiment.
@@ -43,8 +43,11 @@ pub fn resolve(request: &Request<'_>) -> Option<SampleTables> {
     let curvature = span(
         "curvature",
         &typed.curvature,
-        [0.0, 2.0],
-        [0.0, GraspProblem::LARGEST_CURVATURE],
+        [-0.3, 2.0],
+        [
+            -GraspProblem::LARGEST_CURVATURE,
+            GraspProblem::LARGEST_CURVATURE,
+        ],
     );
     let stretch_compliance = span(
         "stretch_compliance",
@@ -117,8 +120,8 @@ fn span(
     let below = section.below(key);
     let none = typed::Span::default();
     let typed = typed.unwrap_or(&none);
-    let from = below.with_default("from", &typed.from, NON_NEGATIVE, default[0]);
-    let to = below.with_default("to", &typed.to, NON_NEGATIVE, default[1]);
+    let from = below.with_default("from", &typed.from, FINITE, default[0]);
+    let to = below.with_default("to", &typed.to, FINITE, default[1]);
     if from.is_nan() || to.is_nan() {
         return None;
     }
