@@ -1,17 +1,26 @@
 //! What samples of optimal grasps leave in a results directory, in words.
 
-use crate::results::{Column, FileDescription, always, columns, table};
+use crate::results::{Column, FileDescription, always, columns, file, table};
 
 /// The grasps, a row per point.
 pub const SAMPLES: &str = "samples.csv";
 
+/// The same as a figure.
+pub const SAMPLES_FIGURE: &str = "samples.svg";
+
 /// The files of this experiment.
-pub static FILES: [FileDescription; 1] = [table(
-    &[SAMPLES],
-    "Optimal grasps (experiment \"grasp-samples\"), a row per point. Lengths are in gravito-bending lengths L_gb, forces in \
+pub static FILES: [FileDescription; 2] = [
+    table(
+        &[SAMPLES],
+        "Optimal grasps (experiment \"grasp-samples\"), a row per point. Lengths are in gravito-bending lengths L_gb, forces in \
      EI/L_gb²; the contact node is the origin, the lying rod comes along x, z is up.",
-    &[always(SAMPLE_COLUMNS)],
-)];
+        &[always(SAMPLE_COLUMNS)],
+    ),
+    file(
+        &[SAMPLES_FIGURE, "samples.png"],
+        "Where the grippers of samples.csv are, over the suspended length.",
+    ),
+];
 
 const SAMPLE_COLUMNS: &[Column] = columns! {
     "suspended_length": "l̄_s, the suspended length.",

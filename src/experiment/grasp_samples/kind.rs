@@ -1,13 +1,18 @@
 //! The experiment `grasp-samples`.
 
-use super::files::{FILES, SAMPLES};
+use super::figure::samples_figure;
+use super::files::{FILES, SAMPLES, SAMPLES_FIGURE};
+use super::hanging_rod::hanging_rod;
 use super::keys::{SampleTables, TABLES, resolve};
 use super::samples::Samples;
-use crate::experiment::kind::{Kind, SampleColumns};
-use crate::results::FileDescription;
+use crate::experiment::kind::{FigureError, Kind, Page, SampleColumns};
+use crate::figure::Figure;
+use crate::mechanics::scene::Scene;
+use crate::results::{FileDescription, ResultsError};
 use crate::run::PreparedRun;
 use crate::scenario::keys::{CommonTables, ExperimentKeys, OwnTable, Request, Section};
-use crate::scenario::{Contact, Experiment, Fluid, Issue, Scenario, Time};
+use crate::scenario::{Contact, Experiment, Fluid, Issue, KeyPath, Scenario, Time};
+use std::path::Path;
 use std::sync::Arc;
 
 /// Optimal grasps at many points.
@@ -65,6 +70,13 @@ impl Kind for GraspSamplesKind {
         include_str!("template.toml")
     }
 
+    fn build(&self, scenario: &Scenario, scene: &mut Scene) -> Result<(), Issue> {
+        *scene = hanging_rod(&tables(scenario).grasp_samples).map_err(|error| {
+            Issue::new(KeyPath::from("grasp_samples.points"), error.to_string())
+        })?;
+        Ok(())
+    }
+
     fn attach(&self, scenario: &Scenario, run: &mut PreparedRun) -> Result<(), Issue> {
         run.table = Some(Arc::new(Samples {
             plan: tables(scenario).grasp_samples.clone(),
@@ -74,6 +86,21 @@ impl Kind for GraspSamplesKind {
 
     fn files(&self) -> &'static [FileDescription] {
         &FILES
+    }
+
+    fn figures(&self, directory: &Path) -> Result<Vec<(&'static str, Figure)>, FigureError> {
+        if !directory.join(SAMPLES).exists() {
+            return Ok(Vec::new());
+        }
+        Ok(vec![(SAMPLES_FIGURE, samples_figure(directory)?)])
+    }
+
+    fn page(&self, directory: &Path) -> Result<Page, ResultsError> {
+        Ok(if directory.join(SAMPLES).exists() {
+            Page::Nothing("samples of grasps; rodlab plot draws them")
+        } else {
+            Page::RodsInMotion
+        })
     }
 
     fn samples(&self) -> Option<SampleColumns> {

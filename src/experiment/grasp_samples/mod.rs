@@ -4,9 +4,12 @@
 //! |---|---|
 //! | `kind`, `keys` | the experiment and its table |
 //! | `samples` | a grasp for each point |
-//! | `files` | what it leaves |
+//! | `hanging_rod` | the scene that stands for them |
+//! | `files`, `figure` | what it leaves |
 
+mod figure;
 mod files;
+mod hanging_rod;
 mod keys;
 mod kind;
 mod samples;

@@ -1,10 +1,12 @@
 //! All samples of an experiment, each solved on its own.
 
-use super::files::SAMPLES;
+use super::figure::figure;
+use super::files::{SAMPLES, SAMPLES_FIGURE};
 use super::keys::GraspSamples;
+use crate::figure::Paper;
 use crate::mechanics::rotation;
 use crate::plan::grasp::{GraspError, GraspMethod, GraspProblem, GraspSolver};
-use crate::results::ResultsError;
+use crate::results::{ResultsError, write_whole};
 use crate::run::TableJob;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -114,7 +116,9 @@ impl TableJob for Samples {
         goes_on().then(|| self.sample(index))
     }
 
-    fn conclude(&self, rows: &[Sample], _directory: &Path) -> Result<Vec<String>, ResultsError> {
+    fn conclude(&self, rows: &[Sample], directory: &Path) -> Result<Vec<String>, ResultsError> {
+        let svg = figure(rows).svg(&Paper::default());
+        write_whole(&directory.join(SAMPLES_FIGURE), svg.as_bytes())?;
         let missing = rows
             .iter()
             .filter(|row| row.outcome == Outcome::NoConvergence)
