@@ -33,7 +33,7 @@ impl Default for Plan {
             seed: 0,
             batch: [128, 2048],
             rates: [1e-3, 1e-5],
-            patience: 12,
+            patience: 30,
             most_epochs: 2000,
         }
     }

@@ -57,7 +57,8 @@ impl NeuralGrasps {
     /// The kind of samples that it learns from.
     pub const SAMPLES: &str = "grasp-samples";
 
-    /// The network that comes with the program: `results/models/grasps.safetensors`.
+    /// The network that comes with the program: `results/models/grasps.safetensors`, made by `rodlab dataset
+    /// scenarios/deployment_dataset.toml` and `rodlab train results/deployment_dataset`.
     pub fn built_in() -> &'static Self {
         &BUILT_IN
     }
@@ -159,7 +160,8 @@ mod tests {
             errors[0] += (found.position - exact.position).norm() / 500.0;
             errors[1] += found.rotation.angle_to(&exact.rotation).to_degrees() / 500.0;
         }
-        assert!(errors[0] < 0.005 && errors[1] < 0.15, "{errors:?}");
+        // Over the whole range of its samples; `reproduce tab5.3` has the errors along patterns.
+        assert!(errors[0] < 0.008 && errors[1] < 0.15, "{errors:?}");
     }
 
     #[test]
