@@ -6,7 +6,9 @@ use crate::mechanics::Vector3;
 /// Resistance of bodies that are held on both sides, N/m: any finite one, since nothing moves them.
 const HELD: f64 = 1.0;
 
-/// Contacts from which on a prediction of all their forces may pay.
+/// Rods and contacts from which on a prediction of all their forces may pay. Ten rods of a pile take 3.3 iterations a step
+/// with it and 4.0 without, in the same time; two flagella that touch take a sixth more time for the same iterations.
+const MANY_RODS: usize = 16;
 const MANY_CONTACTS: usize = 8;
 /// Contacts on a rod, in the mean, up to which it does: every one of them moves the whole rod in every sweep, while the cost of
 /// an iteration grows with the number of rods that contacts join. A pile has ten, a knot forty.
@@ -56,7 +58,8 @@ impl Iterate {
 
     /// Whether many contacts bear other forces than in the last step, and not too many for so many rods.
     pub fn is_surprised(&self, rods: usize) -> bool {
-        let suits = self.contacts >= MANY_CONTACTS && self.pressed <= MOST_PER_ROD * rods;
+        let are_many = rods >= MANY_RODS && self.contacts >= MANY_CONTACTS;
+        let suits = are_many && self.pressed <= MOST_PER_ROD * rods;
         suits && self.changes > SURPRISE * self.forces
     }
 

@@ -400,7 +400,7 @@ mod tests {
     const STEP: f64 = 1e-3;
     const FRICTION: f64 = 0.3;
 
-    /// Six short rods side by side, a hundredth of a radius above a floor.
+    /// Eighteen short rods side by side, a hundredth of a radius above a floor.
     fn raft(model: ContactModel) -> Scene {
         let (modulus, density) = (1e7, 1000.0);
         let area = PI * RADIUS * RADIUS;
@@ -409,7 +409,7 @@ mod tests {
             bending: [0.25 * modulus * area * RADIUS * RADIUS; 2],
             twisting: modulus / 6.0 * area * RADIUS * RADIUS,
         };
-        let rods = (0..6).map(|rod| {
+        let rods = (0..18).map(|rod| {
             let node = |k: usize| Vector3::new(0.01 * rod as f64, 5e-3 * k as f64, RADIUS + GAP);
             let nodes = (0..3).map(node).collect();
             let name = format!("rod {rod}");
