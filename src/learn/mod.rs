@@ -32,6 +32,6 @@ pub use model::{About, Model, ModelError, read_model};
 pub use network::Network;
 pub use samples::{Samples, SamplesError};
 pub use scaling::Scaling;
-pub use sobol::{MOST_POINTS, sobol};
+pub use sobol::{MOST_DIMENSIONS, MOST_POINTS, sobol};
 pub use trainer::{FEWEST_SAMPLES, Standing, Trainer};
 pub use training::{Epoch, Method, Phase, Plan};

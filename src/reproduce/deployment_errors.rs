@@ -117,7 +117,7 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
         PageFigure::new(
             "deployment-errors_length",
             "Distance from the pattern over the error of the gravito-bending length",
-            line_plots([length], "Error of L_gb in %"),
+            line_plots([length], "Error of L_{gb} in %"),
         ),
     ]
 }

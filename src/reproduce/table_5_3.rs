@@ -219,18 +219,23 @@ fn figure(rows: &[Row]) -> PageFigure {
             .collect(),
     };
     let plots = [
-        plot("mean position error in L_gb", |row| row.mean_position_error),
+        plot("mean position error in L_{gb}", |row| {
+            row.mean_position_error
+        }),
         plot("mean rotation error in degrees", |row| {
             row.mean_angle_degrees
         }),
     ];
     let names: Vec<&str> = PATTERNS.iter().map(|pattern| pattern.name).collect();
+    let numbered = names.iter().enumerate();
+    let numbered = numbered.map(|(index, name)| format!("{} {name}", index + 1));
+    let numbered = format!("pattern: {}", numbered.collect::<Vec<_>>().join(", "));
     PageFigure::new(
         "tab5.3",
         &format!(
             "Mean errors of the network's trajectories along the patterns {}",
             names.join(", ")
         ),
-        line_plots(plots, "pattern"),
+        line_plots(plots, &numbered),
     )
 }

@@ -43,9 +43,9 @@ pub fn figure(rows: &[Sample]) -> Figure {
         }
     };
     let plots = [
-        plot("gripper ahead, x in L_gb", |row| row.x),
-        plot("gripper aside, y in L_gb", |row| row.y),
-        plot("drop l̄_s − z in L_gb", |row| row.drop),
+        plot("gripper ahead, x in L_{gb}", |row| row.x),
+        plot("gripper aside, y in L_{gb}", |row| row.y),
+        plot("drop in L_{gb}", |row| row.drop),
     ];
-    line_plots(plots, "suspended length in L_gb")
+    line_plots(plots, "suspended length in L_{gb}")
 }
