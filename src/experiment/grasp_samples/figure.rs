@@ -1,7 +1,7 @@
 //! Where grippers are, over the suspended length.
 
 use super::files::SAMPLES;
-use super::samples::Sample;
+use super::row::Sample;
 use crate::figure::{Curve, Figure, LinePlot, Look, line_plots};
 use crate::results::{ResultsError, read_whole_rows};
 use std::path::Path;

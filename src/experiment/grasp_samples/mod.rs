@@ -3,7 +3,7 @@
 //! | file | what |
 //! |---|---|
 //! | `kind`, `keys` | the experiment and its table |
-//! | `samples` | a grasp for each point |
+//! | `samples`, `row` | a grasp for each point |
 //! | `hanging_rod` | the scene that stands for them |
 //! | `files`, `figure` | what it leaves |
 
@@ -12,6 +12,7 @@ mod files;
 mod hanging_rod;
 mod keys;
 mod kind;
+mod row;
 mod samples;
 
 pub use kind::GraspSamplesKind;

@@ -1,0 +1,50 @@
+//! A row of `samples.csv`.
+
+use serde::{Deserialize, Serialize};
+
+/// Whether a grasp was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// It was.
+    Found,
+    /// Newton's method did not converge.
+    NoConvergence,
+}
+
+/// A row of `samples.csv`: lengths in L_gb, forces in EI/L_gb².
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct Sample {
+    /// l̄_s.
+    pub suspended_length: f64,
+    /// κ̄.
+    pub curvature: f64,
+    /// 1/k̄_s.
+    pub stretch_compliance: f64,
+    /// √l̄_s.
+    pub root_length: f64,
+    /// Whether there is a grasp.
+    pub outcome: Outcome,
+    /// Place of the gripper.
+    pub x: Option<f64>,
+    /// Place of the gripper.
+    pub y: Option<f64>,
+    /// Place of the gripper.
+    pub z: Option<f64>,
+    /// l̄_s less the height of the gripper.
+    pub drop: Option<f64>,
+    /// Axis times angle of its rotation, rad.
+    pub rotation_x: Option<f64>,
+    /// Axis times angle, rad.
+    pub rotation_y: Option<f64>,
+    /// Axis times angle, rad.
+    pub rotation_z: Option<f64>,
+    /// Force at the contact node.
+    pub force_y: Option<f64>,
+    /// Force at the contact node.
+    pub force_z: Option<f64>,
+    /// Whether the hanging rod is stable.
+    pub stable: Option<bool>,
+    /// What is left of the equations.
+    pub residual: Option<f64>,
+}
