@@ -4,8 +4,8 @@ use crate::figure::Figure;
 use crate::mechanics::scene::Scene;
 use crate::results::{FileDescription, ResultsError};
 use crate::run::PreparedRun;
-use crate::scenario::keys::ExperimentKeys;
-use crate::scenario::{Issue, Scenario, ScenarioError};
+use crate::scenario::keys::{CommonTables, ExperimentKeys, Section};
+use crate::scenario::{Contact, Fluid, Issue, Scenario, ScenarioError, Time};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 use std::fmt;
@@ -70,6 +70,19 @@ pub trait Kind: ExperimentKeys {
 impl fmt::Debug for dyn Kind {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(self.name())
+    }
+}
+
+/// Refuses time, contact and fluid, for kinds that know none of them; `why` tells the user.
+pub(super) fn refuse_surroundings(top: &Section<'_>, common: &CommonTables<'_>, why: &str) {
+    for (key, present) in [
+        ("time", *common.time != Time::Static),
+        ("contact", *common.contact != Contact::None),
+        ("fluid", *common.fluid != Fluid::None),
+    ] {
+        if present {
+            top.fault(key, why);
+        }
     }
 }
 

@@ -5,13 +5,13 @@ use super::files::{FILES, SAMPLES, SAMPLES_FIGURE};
 use super::hanging_rod::hanging_rod;
 use super::keys::{SampleTables, TABLES, resolve};
 use super::samples::Samples;
-use crate::experiment::kind::{FigureError, Kind, Page, SampleColumns};
+use crate::experiment::kind::{FigureError, Kind, Page, SampleColumns, refuse_surroundings};
 use crate::figure::Figure;
 use crate::mechanics::scene::Scene;
 use crate::results::{FileDescription, ResultsError};
 use crate::run::PreparedRun;
 use crate::scenario::keys::{CommonTables, ExperimentKeys, OwnTable, Request, Section};
-use crate::scenario::{Contact, Experiment, Fluid, Issue, KeyPath, Scenario, Time};
+use crate::scenario::{Experiment, Issue, KeyPath, Scenario, Time};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -50,18 +50,11 @@ impl ExperimentKeys for GraspSamplesKind {
     }
 
     fn judge(&self, top: &Section<'_>, common: &CommonTables<'_>) {
-        for (key, present) in [
-            ("time", *common.time != Time::Static),
-            ("contact", *common.contact != Contact::None),
-            ("fluid", *common.fluid != Fluid::None),
-        ] {
-            if present {
-                top.fault(
-                    key,
-                    "grasps are solved for in equilibrium and in a vacuum; leave the table out",
-                );
-            }
-        }
+        refuse_surroundings(
+            top,
+            common,
+            "grasps are solved for in equilibrium and in a vacuum; leave the table out",
+        );
     }
 }
 

@@ -183,25 +183,18 @@ mod tests {
         Pattern::along(&points, 2e-4).unwrap().sampled(0.01)
     }
 
+    /// The trajectory of the green rod by exact grasps.
+    fn exact(points: &[PatternPoint], scheme: Scheme) -> Result<Vec<GripperPose>, DeploymentError> {
+        trajectory(points, &GREEN, scheme, OptimalGrasps::Exact)
+    }
+
     #[test]
     fn a_moved_pattern_moves_the_trajectory() {
         let (turn, shift) = (2.4, Point::new(0.3, -0.7));
         let turned = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn);
         for scheme in [Scheme::Optimal, Scheme::Intuitive] {
-            let here = trajectory(
-                &wave(0.0, Point::zeros(), 1.0),
-                &GREEN,
-                scheme,
-                OptimalGrasps::Exact,
-            )
-            .unwrap();
-            let there = trajectory(
-                &wave(turn, shift, 1.0),
-                &GREEN,
-                scheme,
-                OptimalGrasps::Exact,
-            )
-            .unwrap();
+            let here = exact(&wave(0.0, Point::zeros(), 1.0), scheme).unwrap();
+            let there = exact(&wave(turn, shift, 1.0), scheme).unwrap();
             assert_eq!(here.len(), there.len());
             for (here, there) in here.iter().zip(&there) {
                 let expected = turned * here.position + Vector3::new(shift.x, shift.y, 0.0);
@@ -214,20 +207,8 @@ mod tests {
     #[test]
     fn a_mirrored_pattern_mirrors_the_trajectory() {
         for scheme in [Scheme::Optimal, Scheme::Intuitive] {
-            let here = trajectory(
-                &wave(0.0, Point::zeros(), 1.0),
-                &GREEN,
-                scheme,
-                OptimalGrasps::Exact,
-            )
-            .unwrap();
-            let there = trajectory(
-                &wave(0.0, Point::zeros(), -1.0),
-                &GREEN,
-                scheme,
-                OptimalGrasps::Exact,
-            )
-            .unwrap();
+            let here = exact(&wave(0.0, Point::zeros(), 1.0), scheme).unwrap();
+            let there = exact(&wave(0.0, Point::zeros(), -1.0), scheme).unwrap();
             for (here, there) in here.iter().zip(&there) {
                 let expected = Vector3::new(here.position.x, -here.position.y, here.position.z);
                 assert!((there.position - expected).norm() < 1e-9);
@@ -247,13 +228,7 @@ mod tests {
     #[test]
     fn along_a_line_the_gripper_keeps_its_distance_until_the_rod_is_short() {
         let line = Pattern::new(Box::new(Line { length: 0.5 }), 0.0).unwrap();
-        let poses = trajectory(
-            &line.sampled(0.005),
-            &GREEN,
-            Scheme::Optimal,
-            OptimalGrasps::Exact,
-        )
-        .unwrap();
+        let poses = exact(&line.sampled(0.005), Scheme::Optimal).unwrap();
         assert_eq!(poses.len(), 101);
         for pose in &poses {
             let ahead = pose.position.x - pose.s;
@@ -270,7 +245,7 @@ mod tests {
         let circle = Pattern::new(Box::new(Circle { radius: 0.09 }), 0.0).unwrap();
         let points = circle.with_lead_in(0.1).sampled(0.004);
         for scheme in [Scheme::Optimal, Scheme::Intuitive] {
-            let poses = trajectory(&points, &GREEN, scheme, OptimalGrasps::Exact).unwrap();
+            let poses = exact(&points, scheme).unwrap();
             for pair in poses.windows(2) {
                 assert!(pair[0].rotation.coords.dot(&pair[1].rotation.coords) > 0.99);
                 assert!((pair[0].position - pair[1].position).norm() < 0.02);
@@ -281,12 +256,7 @@ mod tests {
     #[test]
     fn a_rod_that_is_too_short_has_no_grasp_there() {
         let line = Pattern::new(Box::new(Line { length: 0.9 }), 0.0).unwrap();
-        let found = trajectory(
-            &line.sampled(0.05),
-            &GREEN,
-            Scheme::Optimal,
-            OptimalGrasps::Exact,
-        );
+        let found = exact(&line.sampled(0.05), Scheme::Optimal);
         assert!(matches!(found, Err(DeploymentError::Grasp { s_m, .. }) if s_m > 0.85));
     }
 }

@@ -6,13 +6,13 @@ use super::files::{BOUNDARY, FILES};
 use super::keys::{HelixTables, TABLES, resolve};
 use super::sections::section_figures;
 use super::surface::boundary_page;
-use crate::experiment::kind::{FigureError, Kind, Page};
+use crate::experiment::kind::{FigureError, Kind, Page, refuse_surroundings};
 use crate::figure::Figure;
 use crate::mechanics::scene::Scene;
 use crate::results::{FileDescription, ResultsError};
 use crate::run::PreparedRun;
 use crate::scenario::keys::{CommonTables, ExperimentKeys, OwnTable, Request, Section};
-use crate::scenario::{Contact, Experiment, Fluid, Issue, Scenario, Time};
+use crate::scenario::{Experiment, Issue, Scenario, Time};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -51,18 +51,11 @@ impl ExperimentKeys for HelixStabilityKind {
     }
 
     fn judge(&self, top: &Section<'_>, common: &CommonTables<'_>) {
-        for (key, present) in [
-            ("time", *common.time != Time::Static),
-            ("contact", *common.contact != Contact::None),
-            ("fluid", *common.fluid != Fluid::None),
-        ] {
-            if present {
-                top.fault(
-                    key,
-                    "helices are judged in equilibrium and in a vacuum; leave the table out",
-                );
-            }
-        }
+        refuse_surroundings(
+            top,
+            common,
+            "helices are judged in equilibrium and in a vacuum; leave the table out",
+        );
     }
 }
 
