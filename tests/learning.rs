@@ -162,6 +162,26 @@ fn a_training_that_was_stopped_goes_on() {
     );
 }
 
+/// Killed while its first files were written, it left a folder that was refused.
+#[test]
+fn a_training_that_was_killed_at_its_start_begins_anew() {
+    let folder = folder();
+    let folder = folder.path();
+    let own = folder.join("network");
+    let place = own.join(".rodlab-unfinished-a1b2c3");
+    fs::create_dir_all(&own).unwrap();
+    fs::write(&place, "{").unwrap();
+    let stopped = rodlab(folder, &[&SMALL[..], &["--timeout", "0"]].concat());
+    assert_eq!(stopped.status.code(), Some(5));
+    let record = own.join("training.json");
+    let mut begun: Value = serde_json::from_slice(&fs::read(&record).unwrap()).unwrap();
+    begun["epochs"] = 0.into();
+    begun["next_phase"] = 0.into();
+    fs::write(&record, begun.to_string()).unwrap();
+    fs::write(own.join("model.safetensors"), "half").unwrap();
+    assert_eq!(done(folder, &SMALL)["status"], "finished");
+}
+
 #[test]
 fn what_is_no_sample_and_no_model_is_refused_by_name() {
     let folder = folder();

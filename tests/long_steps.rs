@@ -1,5 +1,6 @@
-//! Steps of enormous systems, between whose iterations nobody asks whether to stop.
+//! Work in which nobody asks whether to stop: steps of enormous systems, and what is done between two runs.
 
+use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -38,6 +39,13 @@ fn end_of(mut program: Child) -> (Option<i32>, String) {
     (output.status.code(), String::from_utf8(text).unwrap())
 }
 
+fn terminate(program: &Child) {
+    let kill = Command::new("kill")
+        .args(["-TERM", &program.id().to_string()])
+        .status();
+    assert!(kill.unwrap().success());
+}
+
 #[test]
 fn time_limits_and_signals_are_heard_within_a_step_that_takes_minutes() {
     let directory = tempfile::tempdir().unwrap();
@@ -53,10 +61,7 @@ fn time_limits_and_signals_are_heard_within_a_step_that_takes_minutes() {
     }
     // The first step begins.
     std::thread::sleep(Duration::from_secs(1));
-    let kill = Command::new("kill")
-        .args(["-TERM", &program.id().to_string()])
-        .status();
-    assert!(kill.unwrap().success());
+    terminate(&program);
     let (code, text) = end_of(program);
     assert_eq!(code, Some(130), "{text}");
 }
@@ -67,4 +72,23 @@ fn check_gives_a_trial_up_whose_first_step_takes_minutes() {
     let (code, text) = end_of(rodlab(directory.path(), &["check"]));
     assert_eq!(code, Some(0), "{text}");
     assert!(text.contains("of a trial"), "{text}");
+}
+
+/// The first run over, a signal before the next one was swallowed, and minutes of work went on.
+#[test]
+fn a_signal_between_two_runs_of_an_artefact_ends_it() {
+    let directory = tempfile::tempdir().unwrap();
+    let mut program = Command::new(env!("CARGO_BIN_EXE_rodlab"))
+        .current_dir(directory.path())
+        .args(["reproduce", "tab5.3", "--quick"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let said = BufReader::new(program.stderr.take().unwrap());
+    let mut lines = said.lines();
+    let line = lines.next().unwrap().unwrap();
+    assert!(line.contains("finished"), "{line}");
+    terminate(&program);
+    assert_eq!(end_of(program).0, Some(130));
 }

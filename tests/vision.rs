@@ -142,6 +142,32 @@ fn a_photograph_is_traced_and_scored() {
     assert!(place.join("score.svg").is_file() && place.join("score.png").is_file());
 }
 
+/// `trace --pattern`, `score --out` and the like replaced whatever stood there.
+#[test]
+fn files_of_the_user_are_not_replaced_by_answers() {
+    let folder = TempDir::new().expect("a folder");
+    let place = folder.path();
+    photograph(place);
+    let notes = "length of the cable,0.4 m\n";
+    fs::write(place.join("notes.csv"), notes).expect("notes");
+    fs::write(place.join("notes.svg"), notes).expect("notes");
+    let scored = ["score", "pattern.csv", "pattern.csv", "--out", "notes.svg"];
+    let traced = ["trace", "photo.png", "--cell", "camera.toml", "--pattern"];
+    for arguments in [&scored[..], &[&traced[..], &["notes.csv"]].concat()] {
+        let refused = rodlab(place, arguments).code(2);
+        let said = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+        assert!(said.contains("is not replaced"), "{said}");
+    }
+    for name in ["notes.csv", "notes.svg"] {
+        let kept = fs::read_to_string(place.join(name)).expect("notes");
+        assert_eq!(kept, notes);
+    }
+    // The answer of an earlier call is replaced.
+    for _ in 0..2 {
+        rodlab(place, &[&traced[..], &["drawn.csv"]].concat()).success();
+    }
+}
+
 #[test]
 fn bad_images_end_with_exit_code_2() {
     let folder = TempDir::new().expect("a folder");

@@ -1,9 +1,8 @@
 //! `rodlab calibrate`: cameras and where they are mounted.
 
 use super::failure::Failure;
-use super::output::{print, print_json};
+use super::output::{print, print_json, write_file};
 use super::values::positive_length;
-use crate::results::write_whole;
 use crate::vision::{
     Calibration, Camera, Checkerboard, HandEye, Point, VisionError, board_pose,
     calibrate as calibrate_lens, hand_eye, pictures_in, read_picture, read_poses,
@@ -212,7 +211,7 @@ fn camera(arguments: &CameraArguments) -> Result<(), Failure> {
     };
     let calibrated = found.camera(on_table, width, height);
     if let Some(out) = &arguments.out {
-        write_whole(out, calibrated.to_toml().as_bytes())?;
+        write_file(out, calibrated.to_toml().as_bytes())?;
     }
     let [fx, fy, cx, cy, ..] = found.lens_deviations;
     let answer = CameraAnswer {
@@ -274,7 +273,7 @@ fn pose(arguments: &PoseArguments) -> Result<(), Failure> {
     };
     let text = format!("# reprojection {rms:.4} px\n{}", camera.to_toml());
     if let Some(out) = &arguments.out {
-        write_whole(out, text.as_bytes())?;
+        write_file(out, text.as_bytes())?;
     }
     print(&text)
 }

@@ -1,11 +1,10 @@
 //! `rodlab evaluate`.
 
 use super::failure::Failure;
-use super::output::{print, print_json};
+use super::output::{print, print_json, write_file};
 use super::samples::SampleFiles;
 use crate::figure::Paper;
 use crate::learn::{Errors, Model, Samples, error_figure, evaluate as errors_of, read_model};
-use crate::results::write_whole;
 use clap::Args;
 use serde::Serialize;
 use std::fmt::Write;
@@ -62,7 +61,7 @@ pub fn evaluate(arguments: &EvaluateArguments) -> Result<(), Failure> {
     let errors = errors.map_err(|error| input(&error))?;
     if let Some(out) = &arguments.out {
         let figure = error_figure(&errors).svg(&Paper::default());
-        write_whole(out, figure.as_bytes())?;
+        write_file(out, figure.as_bytes())?;
     }
     let out_of_range = samples.rows() - covered.rows();
     if arguments.json {

@@ -2,11 +2,9 @@
 
 use super::failure::Failure;
 use super::helix_file::HelixFile;
-use super::output::{print, print_json};
+use super::output::{print, print_json, write_file, write_files};
 use super::picture_source::{RecordingArguments, SourcePicture, is_series, pictures};
-use super::trace::write_files;
 use super::values::positive_length;
-use crate::results::write_whole;
 use crate::vision::{
     Camera, ColourRule, InstabilityRule, InstabilityWatch, MarkerErrors, Point, compare_markers,
     encode_picture, find_markers, marker_overlay,
@@ -143,7 +141,7 @@ pub fn measure_markers(arguments: &MarkerArguments) -> Result<(), Failure> {
         answer.pictures.push(picture);
     }
     if let Some(out) = &arguments.out {
-        write_whole(&out.join("markers.csv"), table(&answer).as_bytes())?;
+        write_file(&out.join("markers.csv"), table(&answer).as_bytes())?;
     }
     if arguments.json {
         return print_json(&answer);

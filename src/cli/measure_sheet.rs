@@ -1,8 +1,8 @@
 //! `rodlab measure sheet`: where a sheet of paper lies, and how far it slid.
 
 use super::failure::Failure;
-use super::output::print_json;
-use super::trace::{mask_of_rule, write_files};
+use super::output::{print_json, write_files};
+use super::trace::mask_of_rule;
 use crate::vision::{
     Camera, ColourRule, EdgePose, Point, Sheet, encode_picture, find_sheet, mask_overlay,
     read_picture, sheet_overlay, sliding,

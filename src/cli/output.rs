@@ -1,8 +1,11 @@
 //! Writing to standard output.
 
 use super::failure::Failure;
+use crate::figure::{is_page, is_picture};
+use crate::results::replace_own;
 use serde::Serialize;
 use std::io::{ErrorKind, Write};
+use std::path::Path;
 
 /// Writes text to standard output. A reader that has gone away, as `head` does, is no fault.
 pub fn print(text: &str) -> Result<(), Failure> {
@@ -24,4 +27,69 @@ pub fn print_json(value: &impl Serialize) -> Result<(), Failure> {
         Failure::System(format!("the answer cannot be written as JSON: {error}"))
     })?;
     print(&(text + "\n"))
+}
+
+/// Writes a file to a place that the user chose. Only a file of the same kind is replaced there.
+///
+/// # Errors
+/// Something else stands there, or it cannot be written.
+pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    Ok(replace_own(path, bytes, |head| are_alike(head, bytes))?)
+}
+
+/// [`write_file`] of some into a directory, which is made where it is not there.
+///
+/// # Errors
+/// As [`write_file`].
+pub fn write_files(directory: &Path, files: Vec<(&str, Vec<u8>)>) -> Result<(), Failure> {
+    std::fs::create_dir_all(directory).map_err(|error| {
+        Failure::System(format!("{}: cannot be made: {error}", directory.display()))
+    })?;
+    for (name, bytes) in files {
+        write_file(&directory.join(name), &bytes)?;
+    }
+    Ok(())
+}
+
+/// Whether two files begin as files of one kind do: both are pictures, both are pages, or, of texts, the first line that is no
+/// comment is the same, as the header of a table is.
+fn are_alike(one: &[u8], other: &[u8]) -> bool {
+    let kinds: [fn(&[u8]) -> bool; 2] = [is_picture, is_page];
+    kinds.iter().any(|is_kind| is_kind(one) && is_kind(other))
+        || first_line(one).is_some_and(|line| first_line(other) == Some(line))
+}
+
+fn first_line(text: &[u8]) -> Option<&[u8]> {
+    text.split(|byte| *byte == b'\n')
+        .map(<[u8]>::trim_ascii)
+        .find(|line| !line.is_empty() && !line.starts_with(b"#"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_of_another_kind_are_not_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let place = folder.path().join("answer");
+        let files = [
+            "s_m,x_m,y_m\n0,0,0\n",
+            "# reprojection 0.04 px\n[camera]\nwidth = 640\n",
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"8\"></svg>",
+            "{\n  \"poses\": []\n}\n",
+        ];
+        for (k, old) in files.iter().enumerate() {
+            for (l, new) in files.iter().enumerate() {
+                std::fs::write(&place, old).unwrap();
+                let new = new.replace('0', "1").replace("width=\"8\"", "width=\"9\"");
+                assert_eq!(write_file(&place, new.as_bytes()).is_ok(), k == l);
+                let kept = if k == l { new.as_str() } else { old };
+                assert_eq!(std::fs::read_to_string(&place).unwrap(), kept);
+            }
+        }
+        std::fs::write(&place, "").unwrap();
+        write_file(&place, files[0].as_bytes()).unwrap();
+        assert!(write_file(folder.path(), files[0].as_bytes()).is_err());
+    }
 }

@@ -1,11 +1,10 @@
 //! `rodlab plan`: trajectories.
 
 use super::failure::Failure;
-use super::output::{print, print_json};
+use super::output::{print, print_json, write_file};
 use super::plan_deployment::DeploymentArguments;
 use super::solve_arm::ArmChoice;
 use crate::cell::{Place, PlanError, PlanRequest, read_poses};
-use crate::results::write_whole;
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
 
@@ -91,7 +90,7 @@ fn joints(arguments: &JointsArguments) -> Result<(), Failure> {
     match &arguments.out {
         None => print(&csv),
         Some(file) => {
-            write_whole(file, csv.as_bytes())?;
+            write_file(file, csv.as_bytes())?;
             print_json(&plan.report)
         }
     }

@@ -6,7 +6,7 @@ use super::deployment_files::{
 };
 use super::drawn_pattern::drawn_points;
 use super::failure::Failure;
-use super::output::print_json;
+use super::output::{print_json, write_file};
 use super::values::positive_length;
 use crate::plan::deployment::{
     DeployedRod, DeploymentError, Feasibility, GripperPose, MOST_POSES, OptimalGrasps, Scheme,
@@ -16,7 +16,6 @@ use crate::plan::grasp::NeuralGrasps;
 use crate::plan::pattern::{
     Circle, Crossing, Drawing, Line, Pattern, PatternError, PatternSource, Point, Sine, crossings,
 };
-use crate::results::write_whole;
 use crate::scenario::metres;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
@@ -201,7 +200,7 @@ impl DeploymentArguments {
         let mut files = Vec::new();
         for (name, text) in named {
             let path = self.out.join(name);
-            write_whole(&path, text.as_bytes())?;
+            write_file(&path, text.as_bytes())?;
             files.push(path);
         }
         print_json(&Report {

@@ -4,7 +4,7 @@ use super::common::Common;
 use super::failure::Failure;
 use super::figure_arguments::FigureArguments;
 use super::output::print;
-use super::standard_error;
+use super::{standard_error, watchdog};
 use crate::figure::Format;
 use crate::reproduce::{self, ARTIFACTS, Artifact, ReproduceOptions};
 use clap::Args;
@@ -84,6 +84,7 @@ pub fn reproduce(arguments: &ReproduceArguments, common: &Common) -> Result<(), 
             standard_error::report(&format!("{line}\n"));
         }
     };
+    watchdog::watch(None);
     let written = if arguments.redraw {
         reproduce::redraw(artifact, &options)?
     } else {

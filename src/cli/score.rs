@@ -2,11 +2,10 @@
 
 use super::drawn_pattern::drawn_points;
 use super::failure::Failure;
-use super::output::{print, print_json};
+use super::output::{print, print_json, write_file};
 use super::values::{length_from_zero, positive_length};
 use crate::figure::{Format, Paper};
 use crate::plan::pattern::Drawing;
-use crate::results::write_whole;
 use crate::scenario::read_text_file;
 use crate::vision::{
     CurveError, Point, SCORE_POINTS, Score, part_of_curve, read_curve, score as score_curves,
@@ -197,7 +196,7 @@ fn write_figure(out: &Path, found: &Score, result: &Path, pattern: &Path) -> Res
     let svg = score_figure(found, &result, &pattern).svg(&Paper::default());
     for format in [Format::Svg, Format::Png] {
         let path = out.with_extension(format.ending());
-        write_whole(&path, &format.encode(&svg))?;
+        write_file(&path, &format.encode(&svg))?;
     }
     Ok(())
 }

@@ -1,11 +1,10 @@
 //! `rodlab trace`: from images to centrelines.
 
 use super::failure::Failure;
-use super::output::{print, print_json};
+use super::output::{print, print_json, write_file, write_files};
 use super::picture_source::{RecordingArguments, SourcePicture, is_series, pictures};
 use super::trace_answer::{Answer, answer, counted, summary};
 use super::values::positive_length;
-use crate::results::write_whole;
 use crate::vision::{
     Camera, ColourRule, Contrast, Mask, Metric, Trace, TraceOptions, VisionError, centrelines_csv,
     centrelines_svg, clean_mask, encode_labels, encode_picture, instance_dice, mask_overlay,
@@ -13,7 +12,6 @@ use crate::vision::{
 };
 use clap::Args;
 use image::{GrayImage, RgbImage};
-use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `rodlab trace`.
@@ -224,8 +222,7 @@ fn write_pattern(
         ))
     })?;
     let points = pattern(strand, metric, arguments.smoothing, PATTERN_STEP)?;
-    write_whole(path, pattern_csv(&points).as_bytes())?;
-    Ok(())
+    write_file(path, pattern_csv(&points).as_bytes())
 }
 
 fn mask_of(path: &Path, picture: &RgbImage) -> Result<GrayImage, VisionError> {
@@ -243,15 +240,4 @@ fn mask_of(path: &Path, picture: &RgbImage) -> Result<GrayImage, VisionError> {
     Ok(GrayImage::from_fn(mask.width(), mask.height(), |u, v| {
         image::Luma([brightest(mask.get_pixel(u, v))])
     }))
-}
-
-/// Writes files into a directory, which is made where it is not there.
-pub fn write_files(directory: &Path, files: Vec<(&str, Vec<u8>)>) -> Result<(), Failure> {
-    fs::create_dir_all(directory).map_err(|error| {
-        Failure::System(format!("{}: cannot be made: {error}", directory.display()))
-    })?;
-    for (name, bytes) in files {
-        write_whole(&directory.join(name), &bytes)?;
-    }
-    Ok(())
 }

@@ -2,10 +2,10 @@
 
 use super::common::Common;
 use super::failure::Failure;
-use super::output::print;
+use super::output::{print, write_file};
 use crate::cell::Cell;
 use crate::report::write_page;
-use crate::results::{PAGE, write_whole};
+use crate::results::PAGE;
 use crate::robot::JointTrajectory;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -99,7 +99,7 @@ fn view_cell(arguments: &ViewArguments) -> Result<(), Failure> {
     let page = cell.page(trajectory.as_ref(), arguments.outputs as usize);
     let to = arguments.out.clone();
     let to = to.unwrap_or_else(|| arguments.directory.with_extension("html"));
-    write_whole(&to, page.as_bytes())?;
+    write_file(&to, page.as_bytes())?;
     print(&format!("{}\n", to.display()))?;
     if arguments.open { show(&to) } else { Ok(()) }
 }

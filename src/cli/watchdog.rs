@@ -61,7 +61,7 @@ impl Watchdog {
         let request = loop {
             std::thread::sleep(LOOK);
             match self.request() {
-                // There is nothing to save yet.
+                // There is nothing to save: not yet, or, between two runs, no more.
                 Some((INTERRUPTED, _)) if !is_attended() => std::process::exit(INTERRUPTED.into()),
                 Some(request) => break request,
                 None => {}

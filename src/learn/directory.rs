@@ -1,11 +1,11 @@
 //! The directory of a training: model, rounds, figure, and where it stands.
 
+use super::loss_figure::loss_figure;
 use super::model::{ModelError, read_model};
 use super::samples::{Samples, SamplesError};
 use super::trainer::{FEWEST_SAMPLES, Standing, Trainer};
 use super::training::{Epoch, Plan};
-use crate::figure::{AxisScale, Curve, LinePlot, Look, Paper, PlotStyle, styled_line_plots};
-use crate::results::{ResultsError, write_whole};
+use crate::results::{ResultsError, is_unfinished, write_whole};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -200,10 +200,13 @@ pub fn train(
     }
     let names = [owned(task.inputs), owned(task.outputs)];
     let mut trainer = Trainer::new(task.plan.clone(), task.kind, names, &samples)?;
-    if let Some(record) = &earlier {
-        resume(task, record, &mut trainer)?;
-    }
     std::fs::create_dir_all(task.directory).map_err(system(task.directory))?;
+    match &earlier {
+        None => begin(task, &recorded, &samples)?,
+        // One that was killed before its first round was written begins anew.
+        Some(record) if record.epochs == 0 => {}
+        Some(record) => resume(task, record, &mut trainer)?,
+    }
     let write =
         |trainer: &Trainer, status| write(task, &recorded, provenance, &samples, trainer, status);
     let mut written = Instant::now();
@@ -244,8 +247,9 @@ fn earlier(task: &Task<'_>, recorded: &RecordedTask) -> Result<Option<Record>, T
     let directory = task.directory;
     let path = directory.join(RECORD);
     if !path.exists() {
-        let mut entries = std::fs::read_dir(directory).into_iter().flatten();
-        return match entries.next() {
+        let entries = std::fs::read_dir(directory).into_iter().flatten().flatten();
+        let mut others = entries.filter(|entry| !is_unfinished(&entry.file_name()));
+        return match others.next() {
             None => Ok(None),
             Some(_) => Err(TrainingError::NotOwn {
                 directory: directory.to_owned(),
@@ -275,6 +279,26 @@ fn earlier(task: &Task<'_>, recorded: &RecordedTask) -> Result<Option<Record>, T
     } else {
         Ok(Some(record))
     }
+}
+
+/// Notes whose directory this is, before anything else is written there.
+fn begin(task: &Task<'_>, recorded: &RecordedTask, samples: &Samples) -> Result<(), TrainingError> {
+    place_record(
+        task,
+        &Record {
+            status: Status::Stopped,
+            task: recorded.clone(),
+            next_phase: 0,
+            samples: samples.rows(),
+            epochs: 0,
+            held_back_error: None,
+        },
+    )
+}
+
+fn place_record(task: &Task<'_>, record: &Record) -> Result<(), TrainingError> {
+    let json = serde_json::to_vec_pretty(record).expect("names and numbers are JSON values");
+    Ok(write_whole(&task.directory.join(RECORD), &json)?)
 }
 
 fn resume(task: &Task<'_>, record: &Record, trainer: &mut Trainer) -> Result<(), TrainingError> {
@@ -362,29 +386,6 @@ fn write(
         &writer.into_inner().expect("memory can be written to"),
     )?;
     place(LOSS_FIGURE, loss_figure(trainer.epochs()).as_bytes())?;
-    let json = serde_json::to_vec_pretty(&record).expect("names and numbers are JSON values");
-    place(RECORD, &json)?;
+    place_record(task, &record)?;
     Ok(record)
-}
-
-/// Errors of the rounds, on a logarithmic axis.
-fn loss_figure(epochs: &[Epoch]) -> String {
-    let curve = |value: fn(&Epoch) -> f64| {
-        let points = epochs.iter().enumerate();
-        points
-            .map(|(index, epoch)| (index as f64 + 1.0, Some(value(epoch))))
-            .collect::<Vec<_>>()
-    };
-    let plot = LinePlot {
-        label: "mean absolute error of the standardised outputs".into(),
-        curves: vec![
-            Curve::new("learned from", curve(|epoch| epoch.training)).looking(Look::Dashed),
-            Curve::new("held back", curve(|epoch| epoch.held_back)),
-        ],
-    };
-    let style = PlotStyle {
-        vertical: vec![AxisScale::Logarithmic],
-        ..PlotStyle::default()
-    };
-    styled_line_plots([plot], "rounds over all samples", style).svg(&Paper::default())
 }

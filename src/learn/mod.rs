@@ -10,12 +10,14 @@
 //! | `trainer` | a training that can be interrupted |
 //! | `model` | a network with what is needed to use it, and its file |
 //! | `directory` | what a training leaves, and how it goes on |
+//! | `loss_figure` | how the error fell |
 //! | `evaluation` | errors of a model |
 //!
 //! Nothing here knows what the numbers mean.
 
 mod directory;
 mod evaluation;
+mod loss_figure;
 mod model;
 mod network;
 mod samples;

@@ -5,6 +5,7 @@
 //! [`place_whole`] not at all.
 
 use super::ResultsError;
+use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io::{Read, Write};
 use std::path::Path;
@@ -12,6 +13,11 @@ use tempfile::NamedTempFile;
 
 /// Prefix of files being written; what is left of them after a crash is swept at the next start.
 pub(super) const TEMPORARY_PREFIX: &str = ".rodlab-unfinished-";
+
+/// Whether a file of that name is what is left of one that was being written when the program was killed.
+pub fn is_unfinished(name: &OsStr) -> bool {
+    name.to_string_lossy().starts_with(TEMPORARY_PREFIX)
+}
 
 /// Bytes by which the kind of a file is known.
 const HEAD: u64 = 4096;
@@ -38,7 +44,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), ResultsError> {
 pub fn replace_own(
     path: &Path,
     bytes: &[u8],
-    is_own: fn(&[u8]) -> bool,
+    is_own: impl Fn(&[u8]) -> bool,
 ) -> Result<(), ResultsError> {
     let refusal = |what| {
         Err(ResultsError::NotOwn {

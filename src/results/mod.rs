@@ -39,7 +39,7 @@ mod value;
 mod vtk;
 
 pub(crate) use atomic::sync;
-pub use atomic::{replace_own, write_whole};
+pub use atomic::{is_unfinished, replace_own, write_whole};
 pub use branch::{BranchKind, BranchRow, read_branches};
 pub use case_record::{CaseRecord, CaseStatus};
 pub use checkpoint::CheckpointFiles;

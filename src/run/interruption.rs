@@ -6,29 +6,30 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1};
 use signal_hook::{SigId, flag, low_level};
 use std::io;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Watches for a request to stop, from its creation until it is dropped.
 ///
 /// Signals end the program at once as long as nobody has asked for them: there is nothing to save yet. From the first
 /// call of [`requested`](Self::requested) on, whoever asks has work to save and will stop; a second signal, which shells
 /// and wrappers often send within milliseconds of the first, then changes nothing, until all is saved.
-#[derive(Default)]
 pub(crate) struct Interruption {
     interrupted: Arc<AtomicBool>,
     time_is_up: Arc<AtomicBool>,
-    /// Whether nobody has asked yet.
+    /// Whether nobody asks: not yet, or no more.
     unattended: Arc<AtomicBool>,
     handlers: Vec<SigId>,
 }
 
-/// Whether anybody in this process has asked yet.
-static ATTENDED: AtomicBool = AtomicBool::new(false);
+/// How many in this process ask now and then.
+static ATTENDANTS: AtomicUsize = AtomicUsize::new(0);
+/// Whether one of them has heard a request, and ends the program in its own way.
+static HEARD: AtomicBool = AtomicBool::new(false);
 
-/// Whether anybody in this process has begun to ask for requests to stop. Until then nothing is at work that would have to
-/// be saved.
+/// Whether anybody in this process asks for requests to stop, or has heard one. While nobody does, before the first run and
+/// between two, nothing is at work that would have to be saved.
 pub(crate) fn is_attended() -> bool {
-    ATTENDED.load(Ordering::Relaxed)
+    ATTENDANTS.load(Ordering::Relaxed) > 0 || HEARD.load(Ordering::Relaxed)
 }
 
 /// Exit code of a program ended by Ctrl-C.
@@ -39,13 +40,22 @@ impl Interruption {
     pub fn watch() -> Self {
         Self::install().unwrap_or_else(|error| {
             tracing::warn!("Ctrl-C will end the run without a checkpoint: {error}");
-            Self::default()
+            Self::deaf()
         })
     }
 
+    /// One that no signal reaches.
+    fn deaf() -> Self {
+        Self {
+            interrupted: Arc::default(),
+            time_is_up: Arc::default(),
+            unattended: Arc::new(AtomicBool::new(true)),
+            handlers: Vec::new(),
+        }
+    }
+
     fn install() -> io::Result<Self> {
-        let mut interruption = Self::default();
-        interruption.unattended.store(true, Ordering::Relaxed);
+        let mut interruption = Self::deaf();
         for signal in [SIGINT, SIGTERM, SIGHUP] {
             let unattended = Arc::clone(&interruption.unattended);
             let at_once = flag::register_conditional_shutdown(signal, EXIT_CODE, unattended)?;
@@ -59,22 +69,27 @@ impl Interruption {
 
     /// Whether the run was asked to stop.
     pub fn requested(&self) -> Option<StopRequest> {
-        self.unattended.store(false, Ordering::Relaxed);
-        ATTENDED.store(true, Ordering::Relaxed);
-        if self.interrupted.load(Ordering::Relaxed) {
-            Some(StopRequest::Interrupt)
-        } else if self.time_is_up.load(Ordering::Relaxed) {
-            Some(StopRequest::TimeLimit)
-        } else {
-            None
+        if self.unattended.swap(false, Ordering::Relaxed) {
+            ATTENDANTS.fetch_add(1, Ordering::Relaxed);
         }
+        let request = if self.interrupted.load(Ordering::Relaxed) {
+            StopRequest::Interrupt
+        } else if self.time_is_up.load(Ordering::Relaxed) {
+            StopRequest::TimeLimit
+        } else {
+            return None;
+        };
+        HEARD.store(true, Ordering::Relaxed);
+        Some(request)
     }
 }
 
 impl Interruption {
     /// Nobody will ask any more: what is still done need not be saved. A request that has come already stands.
     pub fn leave_unattended(&self) {
-        self.unattended.store(true, Ordering::Relaxed);
+        if !self.unattended.swap(true, Ordering::Relaxed) {
+            ATTENDANTS.fetch_sub(1, Ordering::Relaxed);
+        }
     }
 }
 
@@ -83,5 +98,6 @@ impl Drop for Interruption {
         for handler in self.handlers.drain(..) {
             low_level::unregister(handler);
         }
+        self.leave_unattended();
     }
 }
