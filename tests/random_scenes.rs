@@ -21,6 +21,9 @@ use std::path::Path;
 
 /// Steps of each scene.
 const STEPS: usize = 40;
+/// Scenes that were found broken among ten thousand: in the first two the contact stiffness rose amid an impact and threw
+/// rods apart with up to 46 times their energy, in the third rods gained energy as they slid around each other.
+const FOUND_BROKEN: [u64; 3] = [260, 8864, 9355];
 /// Part of scenes that may end with a refusal.
 const REFUSALS: f64 = 0.05;
 /// Penetration allowed, of the sum of the radii, and what rounding adds.
@@ -404,6 +407,8 @@ fn random_scenes_end_well_or_with_a_refusal() {
     }
     let count = number("RODLAB_RANDOM_SCENES").unwrap_or(200);
     let ends: Vec<(u64, End)> = (0..count)
+        .chain(FOUND_BROKEN.into_iter().filter(|seed| *seed >= count))
+        .collect::<Vec<u64>>()
         .into_par_iter()
         .map(|seed| {
             let end = std::panic::catch_unwind(|| run(&Case::new(seed)));

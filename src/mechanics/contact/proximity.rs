@@ -46,6 +46,9 @@ impl Proximity {
     }
 }
 
+/// Part of the penetration allowed from which on a contact is better made stiffer at once.
+const DEEP: f64 = 0.2;
+
 impl ContactSystem {
     /// Smallest centreline distance over the candidates, m; infinite without candidates.
     pub fn minimum_distance(&self, positions: &[Vector3]) -> f64 {
@@ -105,8 +108,18 @@ impl ContactSystem {
 
     /// The deepest penetration at the last evaluation, where it exceeds `maximum_penetration`.
     pub fn excessive_penetration(&self) -> Option<Proximity> {
+        self.penetration_beyond(self.parameters().maximum_penetration)
+    }
+
+    /// Whether a contact of the last evaluation is pressed deeper than those that bear what they are made for.
+    pub fn is_deep(&self) -> bool {
+        let allowed = DEEP * self.parameters().maximum_penetration;
+        self.penetration_beyond(allowed).is_some()
+    }
+
+    fn penetration_beyond(&self, allowed: f64) -> Option<Proximity> {
         self.touching()
-            .filter(|proximity| proximity.penetration() > self.parameters().maximum_penetration)
+            .filter(|proximity| proximity.penetration() > allowed)
             .min_by(|a, b| a.ratio().total_cmp(&b.ratio()))
     }
 

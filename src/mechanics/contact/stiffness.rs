@@ -76,6 +76,13 @@ impl ContactSystem {
         self.stiffness = stiffness;
     }
 
+    /// Work over δ of the force that contacts of the present stiffness are made for, J.
+    pub fn work_over_tolerance(&self) -> f64 {
+        let parameters = &self.parameters;
+        let per_force = parameters.stiffness_per_force(self.surface.largest_moving_radius());
+        self.stiffness / per_force * parameters.distance_tolerance
+    }
+
     /// Adapts the stiffness to `forces`, the total force on every node without contact and friction, N
     /// (Eqs. 2.18, 2.19); returns whether it changed.
     ///

@@ -2,7 +2,7 @@
 
 use super::Simulation;
 use super::failure::no_equilibrium;
-use super::integrator::{report_contacts, stiffen_contact};
+use super::integrator::{STIFFENING, report_contacts};
 use super::report::{SimulationError, StepReport};
 use super::simulation::ONLY_EULER;
 use crate::mechanics::statics::{Descent, nearby_equilibrium};
@@ -69,7 +69,7 @@ impl Simulation {
             }
             report.retries += 1;
             self.system.adapt_contact_stiffness(&trial, None);
-            stiffen_contact(&mut self.system);
+            self.system.stiffen_contact(STIFFENING, None);
         }
         self.rest_at(&trial);
         self.validity

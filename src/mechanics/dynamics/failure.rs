@@ -15,6 +15,8 @@ pub(super) enum Failure {
     Penetration { iterations: usize, overlap: Overlap },
     /// No contact forces obey the laws of Signorini and Coulomb, or none were found.
     NoContactForces { iterations: usize },
+    /// Contact forces that only hold rods apart would bring energy.
+    Work { iterations: usize, work: f64 },
     /// Where the motion leads, or must lead, surfaces would cross.
     Crossing {
         iterations: usize,
@@ -61,6 +63,7 @@ impl Failure {
             Self::Newton(divergence) => divergence.iterations,
             Self::Penetration { iterations, .. }
             | Self::NoContactForces { iterations }
+            | Self::Work { iterations, .. }
             | Self::Crossing { iterations, .. } => *iterations,
         }
     }
@@ -73,7 +76,7 @@ impl Failure {
             }
             Self::Penetration { .. } => "try smaller steps, or contact.model = \"ipc\"",
             Self::NoContactForces { .. } => "try contact.model = \"imc\" or \"ipc\"",
-            Self::Crossing { .. } => {
+            Self::Work { .. } | Self::Crossing { .. } => {
                 "impacts need steps in which nodes move by about a radius; step = \"auto\" finds them"
             }
         }
@@ -100,7 +103,7 @@ impl Failure {
                 }
             }
             Self::NoContactForces { .. } => SimulationError::NoContactForces { time, step },
-            Self::Penetration { .. } | Self::Crossing { .. } => {
+            Self::Penetration { .. } | Self::Work { .. } | Self::Crossing { .. } => {
                 SimulationError::Unphysical(format!("at t = {time:.6e} s {self}"))
             }
         }
@@ -119,6 +122,10 @@ impl fmt::Display for Failure {
             Self::NoContactForces { .. } => {
                 formatter.write_str("no contact forces obey the laws of Signorini and Coulomb")
             }
+            Self::Work { work, .. } => write!(
+                formatter,
+                "rods slide so far around each other within a step that contact forces bring {work:.3e} J"
+            ),
             Self::Crossing { crossing, .. } => crossing.fmt(formatter),
         }
     }

@@ -16,10 +16,11 @@ use crate::mechanics::system::System;
 use tracing::{debug, trace_span, warn};
 
 /// Factor by which the contact stiffness grows when a step ends with too much penetration.
-const STIFFENING: f64 = 10.0;
+pub(super) const STIFFENING: f64 = 10.0;
 /// Part of the largest step that is no step.
 const SAME_TIME: f64 = 1e-6;
-/// Such growths before the step is halved instead.
+/// Such growths before the step is halved instead, or accepted where contacts are only deep. Where it cannot be halved they may
+/// make any energy.
 const STIFFENINGS: usize = 3;
 
 /// Part of a step of the grid below which a step counts as far smaller than the one asked for.
@@ -131,7 +132,7 @@ impl Integrator {
         let sizes = self.setting.parameters.step;
         let until = earlier_event(system, &sizes, state.time, until);
         let mut goal = self.control.goal(&sizes, state.time, until);
-        let (mut stiffenings, mut crosses) = (0, false);
+        let (mut deepenings, mut stiffenings, mut crosses) = (0, 0, false);
         loop {
             let step = goal - state.time;
             report.fluid_iterations += self
@@ -143,7 +144,29 @@ impl Integrator {
             if !goes_on() {
                 return Ok(None);
             }
+            let stage = &self.workspace.stage;
+            let is_least = 0.5 * step < self.setting.parameters.minimum_step;
+            // The midpoint rule promises no energy, and where it goes on from the middle of the step through a soft contact, no
+            // smaller step helps.
+            let scheme = self.setting.parameters.scheme.rules();
+            let bound = (!is_least && !scheme.extrapolates()).then_some(stage);
             let smaller = match attempt {
+                // Before the energy of its contacts has grown that would rise with their stiffness.
+                Ok(attempt)
+                    if attempt.is_deep
+                        && deepenings < STIFFENINGS
+                        && system.stiffen_contact(STIFFENING, Some(stage)) =>
+                {
+                    report.newton_iterations += attempt.iterations;
+                    deepenings += 1;
+                    debug!(
+                        time = state.time,
+                        step,
+                        reason = "contacts are pressed deep",
+                        "contact stiffened"
+                    );
+                    step
+                }
                 Ok(attempt) => {
                     report.newton_iterations += attempt.iterations;
                     match self.decide(step, &attempt) {
@@ -161,10 +184,11 @@ impl Integrator {
                         }
                     }
                 }
-                Err(failure @ Failure::Penetration { .. }) if stiffenings < STIFFENINGS => {
+                Err(failure @ Failure::Penetration { .. })
+                    if stiffenings < STIFFENINGS && system.stiffen_contact(STIFFENING, bound) =>
+                {
                     stiffenings += 1;
                     debug!(time = state.time, step, reason = %failure, "contact stiffened");
-                    stiffen_contact(system);
                     step
                 }
                 Err(failure) => {
@@ -178,7 +202,7 @@ impl Integrator {
                         "step rejected"
                     );
                     self.last_failure = format!("{failure}; {}", failure.advice());
-                    if 0.5 * step < self.setting.parameters.minimum_step {
+                    if is_least {
                         return Err(self.give_up(system, state, step, failure));
                     }
                     0.5 * step
@@ -322,13 +346,6 @@ fn earlier_event(system: &System, sizes: &StepSize, time: f64, until: f64) -> f6
 /// Times that are nearer to each other than this count as one, s.
 fn same_time(sizes: &StepSize) -> f64 {
     SAME_TIME * sizes.largest()
-}
-
-/// Makes contact stiffer.
-pub(super) fn stiffen_contact(system: &mut System) {
-    if let Some(contact) = &mut system.contact {
-        contact.stiffen(STIFFENING);
-    }
 }
 
 /// Counts the contacts of the last evaluation and finds the nearest.

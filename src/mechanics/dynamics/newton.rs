@@ -43,6 +43,9 @@ const SLIGHT_MOVE: f64 = 1e-2;
 /// iterations there are. Fewer iterations or a smaller part give up steps that would have converged.
 const TRIAL_ITERATIONS: usize = 5;
 const TRIAL_REDUCTION: f64 = 0.2;
+/// A correction of so many last digits of the unknowns is none: where contact is stiff they leave more of the residual than
+/// is asked for.
+const LAST_DIGITS: f64 = 4.0;
 /// Reductions of the step along one direction before it is taken as it is.
 const LINE_SEARCH_STEPS: usize = 12;
 /// A step is accepted when the force along the direction has fallen below this fraction.
@@ -74,6 +77,8 @@ impl Newton {
         let mut last_move = 0.0;
         // Whether a whole correction has been made.
         let mut is_corrected = false;
+        // Whether the last one, made whole, changed no more than last digits.
+        let mut is_exhausted = false;
         let mut largest_imbalance = 0.0_f64;
         let carries = system.uses_multipliers();
         let limit = if carries {
@@ -91,9 +96,9 @@ impl Newton {
                 ratio, residual, ..
             } = imbalance;
             trace!(iteration, residual, ratio, last_move, "Newton iteration");
-            if imbalance.is_balanced()
-                && last_move <= stopping.displacement
-                && (is_corrected || system.is_balanced_as_predicted(unknowns, Some(stage)))
+            let is_solved =
+                is_exhausted || imbalance.is_balanced() && last_move <= stopping.displacement;
+            if is_solved && (is_corrected || system.is_balanced_as_predicted(unknowns, Some(stage)))
             {
                 return Ok(iteration);
             }
@@ -141,9 +146,11 @@ impl Newton {
             // The residual alone costs a quarter of the Jacobian, which the solution no longer needs.
             system.evaluate(unknowns, Some(stage));
             is_corrected |= longest == 1.0;
-            if is_corrected
-                && system.imbalance().is_balanced()
-                && last_move <= stopping.displacement
+            is_exhausted = longest == 1.0 && are_last_digits(&self.direction, unknowns);
+            if is_exhausted
+                || is_corrected
+                    && system.imbalance().is_balanced()
+                    && last_move <= stopping.displacement
             {
                 continue;
             }
@@ -240,6 +247,23 @@ impl Progress {
         self.squared_residual <= before.squared_residual
             || self.slope.abs() <= SUFFICIENT_REDUCTION * before.slope.abs()
     }
+}
+
+/// Whether a correction is one of the last digits of positions and angles, the farthest of which count for all.
+fn are_last_digits(direction: &[f64], unknowns: &[f64]) -> bool {
+    let farthest = largest_move(unknowns);
+    direction
+        .iter()
+        .zip(unknowns)
+        .enumerate()
+        .all(|(k, (d, unknown))| {
+            let size = if k % STRIDE == 3 {
+                unknown.abs().max(1.0)
+            } else {
+                farthest
+            };
+            d.abs() <= LAST_DIGITS * f64::EPSILON * size
+        })
 }
 
 /// Largest move of a position along a direction, m.

@@ -37,6 +37,8 @@ pub(super) struct Attempt {
     pub iterations: usize,
     /// Local error of the positions, m.
     pub error: f64,
+    /// Whether a contact is pressed deeper than those that bear what they are made for.
+    pub is_deep: bool,
 }
 
 /// What does not change from step to step.
@@ -141,6 +143,7 @@ impl Workspace {
         if scheme.extrapolates() {
             self.extrapolate(system, state, goal, iterations)?;
         }
+        let is_deep = !scheme.extrapolates() && system.is_contact_deep();
         self.certify(setting, system, state, iterations)?;
         let solved = SolvedStep {
             step,
@@ -151,7 +154,11 @@ impl Workspace {
             held: &system.assembly.held,
         };
         let error = scheme.finish(&solved, &mut self.next_velocity);
-        Ok(Attempt { iterations, error })
+        Ok(Attempt {
+            iterations,
+            error,
+            is_deep,
+        })
     }
 
     /// Newton's method with carried contact forces from the prediction as it is; where that fails, from one that crosses
@@ -253,8 +260,8 @@ impl Workspace {
         Ok(())
     }
 
-    /// Certifies the step that ends at the trial: no surfaces overlap there beyond the bound, and none have passed through
-    /// each other on the way.
+    /// Certifies the step that ends at the trial: no surfaces overlap there beyond the bound, none have passed through
+    /// each other on the way, and forces of contacts that do not rebound have brought no energy.
     fn certify(
         &self,
         setting: &Setting,
@@ -275,12 +282,20 @@ impl Workspace {
             let passage = system.passage(&state.unknowns, trial);
             passage.map(Crossing::Passage)
         });
-        match crossing {
-            None => Ok(()),
-            Some(crossing) => Err(Failure::Crossing {
+        if let Some(crossing) = crossing {
+            return Err(Failure::Crossing {
                 iterations,
                 crossing,
-            }),
+            });
+        }
+        let work = if system.has_constraints() {
+            system.work_of_constraints(&self.stage, trial)
+        } else {
+            None
+        };
+        match work {
+            None => Ok(()),
+            Some(work) => Err(Failure::Work { iterations, work }),
         }
     }
 
@@ -303,7 +318,11 @@ impl Workspace {
         self.prediction.copy_from_slice(&self.trial.unknowns);
         // What a barrier stops counts among the inertia; where a clamp leads through it, Newton's method has the last word.
         let _ = self.shorten_prediction(system, state);
+        let before = system.contact_stiffness();
         system.adapt_contact_stiffness(&self.trial.unknowns, Some(&self.stage));
+        if !setting.parameters.scheme.rules().extrapolates() {
+            system.bound_contact_stiffness(before, &self.stage);
+        }
         self.trial.unknowns.copy_from_slice(&self.prediction);
         self.stage.acceleration_step = acceleration_step;
     }

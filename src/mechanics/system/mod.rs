@@ -15,6 +15,7 @@ mod build;
 mod clamps;
 mod complementarity;
 mod contact_prediction;
+mod contact_stiffness;
 mod events;
 mod grasp;
 mod loads;
@@ -502,28 +503,6 @@ impl System {
     /// Forgets the factorisation pattern, as after a restart from a checkpoint.
     pub fn forget_pattern(&mut self) {
         self.matrix.forget_pattern();
-    }
-
-    /// Adapts the contact stiffness to the forces without contact at `unknowns` (thesis Eqs. 2.18, 2.19).
-    pub fn adapt_contact_stiffness(&mut self, unknowns: &[f64], stage: Option<&Stage>) {
-        let Some(mut contact) = self.contact.take() else {
-            return;
-        };
-        let may_touch = !contact.candidates().is_empty() || self.has_planes;
-        if may_touch && !contact.parameters().is_complementarity() {
-            self.evaluate(unknowns, stage);
-            for node in 0..self.nodal_forces.len() {
-                let held = self.assembly.held[STRIDE * node];
-                self.nodal_forces[node] = if held {
-                    Vector3::zeros()
-                } else {
-                    position(&self.residual, node)
-                };
-            }
-            copy_positions(unknowns, &mut self.positions);
-            contact.adapt_stiffness(&self.positions, &self.nodal_forces);
-        }
-        self.contact = Some(contact);
     }
 
     /// The Jacobian of the last linearisation as a dense matrix over all unknowns, held ones with unit

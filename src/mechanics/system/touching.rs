@@ -80,6 +80,13 @@ impl System {
         Some(name_overlap(&overlap, contact, &self.assembly))
     }
 
+    /// Whether a contact of the last evaluation is pressed deeper than those that bear what they are made for. Contact by
+    /// complementarity is rigid.
+    pub fn is_contact_deep(&self) -> bool {
+        let contact = self.contact.as_ref();
+        !self.has_constraints() && contact.is_some_and(ContactSystem::is_deep)
+    }
+
     /// Whether surfaces touch at the last evaluation that a barrier should have kept apart.
     pub fn touches_barrier(&self) -> bool {
         self.contact

@@ -1,0 +1,118 @@
+//! The contact stiffness of a step, and the energy that a change of it makes.
+//!
+//! A contact that bears a force stores the energy k φ(g) of its gap g. Where its stiffness k rises from one step to the next, as
+//! it does with the forces that rods meet with, the gap is still that of the softer contact, and the energy rises with k, out
+//! of nothing. Where contacts bear what they were made for, that is a force times a part of δ, and is lost again as they
+//! open. Rods that meet at great speed, however, are caught deep in a soft contact: a thousand times as stiff, it
+//! throws them apart with many times the energy that they came with. So k rises only as far as the energy that
+//! this makes is small.
+
+use super::{Stage, System, copy_positions};
+use crate::mechanics::Vector3;
+use crate::mechanics::contact::ContactSystem;
+use crate::mechanics::rod::{STRIDE, topology::position};
+
+/// Energy that a rise of the stiffness may make, of the kinetic and elastic energy of the scene.
+const MADE: f64 = 1e-4;
+/// The same for every contact, of the work that the force for which it rises does over δ: what contacts store that bear it.
+const MADE_BY_CONTACT: f64 = 0.2;
+
+impl System {
+    /// Adapts the contact stiffness to the forces without contact at `unknowns` (thesis Eqs. 2.18, 2.19).
+    pub fn adapt_contact_stiffness(&mut self, unknowns: &[f64], stage: Option<&Stage>) {
+        let Some(mut contact) = self.contact.take() else {
+            return;
+        };
+        let may_touch = !contact.candidates().is_empty() || self.has_planes;
+        if may_touch && !contact.parameters().is_complementarity() {
+            self.evaluate(unknowns, stage);
+            for node in 0..self.nodal_forces.len() {
+                let held = self.assembly.held[STRIDE * node];
+                self.nodal_forces[node] = if held {
+                    Vector3::zeros()
+                } else {
+                    position(&self.residual, node)
+                };
+            }
+            copy_positions(unknowns, &mut self.positions);
+            contact.adapt_stiffness(&self.positions, &self.nodal_forces);
+        }
+        self.contact = Some(contact);
+    }
+
+    /// Contact stiffness k; zero without contact.
+    pub fn contact_stiffness(&self) -> f64 {
+        self.contact.as_ref().map_or(0.0, ContactSystem::stiffness)
+    }
+
+    /// Lowers the contact stiffness, risen from `before`, as far as the energy of the contacts at the start of a step asks
+    /// for.
+    pub fn bound_contact_stiffness(&mut self, before: f64, stage: &Stage) {
+        if let Some(mut contact) = self.contact.take() {
+            self.bound_stiffness(&mut contact, before, stage);
+            self.contact = Some(contact);
+        }
+    }
+
+    /// Makes contact stiffer by this factor, in a time step where that makes little energy; says whether it did. Contact by
+    /// complementarity is rigid already.
+    pub fn stiffen_contact(&mut self, factor: f64, stage: Option<&Stage>) -> bool {
+        if self.has_constraints() {
+            return false;
+        }
+        let Some(mut contact) = self.contact.take() else {
+            return false;
+        };
+        let before = contact.stiffness();
+        contact.stiffen(factor);
+        let wanted = contact.stiffness();
+        if let Some(stage) = stage {
+            self.bound_stiffness(&mut contact, before, stage);
+        }
+        let is_stiffer = contact.stiffness() == wanted;
+        if !is_stiffer {
+            contact.set_stiffness(before);
+        }
+        self.contact = Some(contact);
+        is_stiffer
+    }
+
+    /// Lowers the stiffness, risen from `before`, to where it makes no more energy than is allowed.
+    fn bound_stiffness(&self, contact: &mut ContactSystem, before: f64, stage: &Stage) {
+        let wanted = contact.stiffness();
+        if wanted <= before {
+            return;
+        }
+        let stored = energy_at_start(contact, before, stage);
+        if stored == 0.0 {
+            return contact.set_stiffness(wanted);
+        }
+        let made = energy_at_start(contact, wanted, stage) - stored;
+        let by_contacts =
+            MADE_BY_CONTACT * contact.contact_count() as f64 * contact.work_over_tolerance();
+        let mut allowed = by_contacts + MADE * self.kinetic_energy_at_start(stage);
+        if made > allowed {
+            allowed += MADE * self.elastic_energy().total();
+        }
+        if made > allowed {
+            contact.set_stiffness(before + (wanted - before) * allowed / made);
+        }
+    }
+
+    /// Of all that is not held, J.
+    pub(super) fn kinetic_energy_at_start(&self, stage: &Stage) -> f64 {
+        let masses = self.assembly.masses.iter().zip(&self.assembly.held);
+        masses
+            .zip(&stage.velocity)
+            .filter(|((_, held), _)| !**held)
+            .map(|((mass, _), velocity)| 0.5 * mass * velocity * velocity)
+            .sum()
+    }
+}
+
+/// Energy of the contacts where the step begins, J, with the stiffness k, which is left.
+fn energy_at_start(contact: &mut ContactSystem, stiffness: f64, stage: &Stage) -> f64 {
+    contact.set_stiffness(stiffness);
+    contact.evaluate_forces(&stage.positions, &stage.positions, f64::INFINITY);
+    contact.energy()
+}
