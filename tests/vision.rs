@@ -181,7 +181,7 @@ fn bad_images_end_with_exit_code_2() {
     let wrong = camera().to_toml().replace("width = 640", "width = 320");
     fs::write(place.join("wrong.toml"), wrong).expect("a camera");
     fs::write(place.join("none.toml"), "[arm]\nlength = 1\n").expect("a file");
-    let cases: [(&[&str], &str); 9] = [
+    let cases: [(&[&str], &str); 13] = [
         (&["trace", "absent.png"], "absent.png"),
         (&["trace", "half.png"], "half.png: the image is"),
         (&["trace", "text.png"], "neither a PNG nor a JPEG"),
@@ -194,6 +194,16 @@ fn bad_images_end_with_exit_code_2() {
             "no table [camera]",
         ),
         (&["trace", "photo.png", "--pattern", "p.csv"], "--pixel"),
+        (
+            &["trace", "rosbridge://127.0.0.1/camera"],
+            "host:port/topic",
+        ),
+        (&["trace", "ros2://300/camera"], "ROS_DOMAIN_ID"),
+        (&["trace", "ros2://0@here/camera"], "ros2://domain@address"),
+        (
+            &["trace", "http://127.0.0.1/a.png"],
+            "ros1://, rosbridge://",
+        ),
     ];
     for (arguments, expected) in cases {
         let failed = rodlab(place, arguments).code(2);
@@ -259,6 +269,24 @@ fn a_camera_is_calibrated_from_pictures() {
         found.lens
     );
     assert!((found.pose.translation.vector.z - 0.4).abs() < 0.004);
+
+    assert_eq!(answer["camera"]["width"], 640);
+
+    let view = fs::read_dir(place.join("views")).expect("views").next();
+    let view = view.expect("a view").expect("a view").path();
+    let view = view.to_str().expect("a name");
+    let size = ["--board", "6x5", "--square", "30 mm"];
+    let pose = [
+        &["calibrate", "pose", view],
+        &size[..],
+        &["--cell", "camera.toml", "--json"],
+    ];
+    let seen = json(&rodlab(place, &pose.concat()).success());
+    assert!(
+        seen["reprojection_rms_px"].as_f64().expect("a number") < 0.2,
+        "{seen}"
+    );
+    assert_eq!(seen["camera"]["width"], 640);
 
     let wrong = [
         "calibrate",

@@ -89,6 +89,9 @@ struct PoseArguments {
     /// Where to write the table [camera] with the pose found
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Print the result as JSON
+    #[arg(long)]
+    json: bool,
 }
 
 #[derive(Debug, Args)]
@@ -100,6 +103,9 @@ struct HandEyeArguments {
     /// The camera does not move and the hand holds the target
     #[arg(long)]
     fixed_camera: bool,
+    /// Print the result as JSON, which it is in any case
+    #[arg(long)]
+    json: bool,
 }
 
 fn board_size(text: &str) -> Result<(usize, usize), String> {
@@ -121,6 +127,23 @@ struct CameraAnswer {
     cx_deviation_px: f64,
     cy_deviation_px: f64,
     left_out: Vec<String>,
+    /// The table of its file.
+    camera: toml::Value,
+}
+
+#[derive(Serialize)]
+struct TableAnswer {
+    image: PathBuf,
+    reprojection_rms_px: f64,
+    /// The table of its file.
+    camera: toml::Value,
+}
+
+/// The table `[camera]` of a file.
+fn table(camera: &Camera) -> Result<toml::Value, Failure> {
+    let file = camera.to_toml().parse::<toml::Table>();
+    let mut file = file.map_err(|error| Failure::System(error.to_string()))?;
+    Ok(file.remove("camera").unwrap_or_else(|| file.into()))
 }
 
 #[derive(Serialize)]
@@ -223,6 +246,7 @@ fn camera(arguments: &CameraArguments) -> Result<(), Failure> {
         cx_deviation_px: cx,
         cy_deviation_px: cy,
         left_out,
+        camera: table(&calibrated)?,
     };
     if arguments.json {
         return print_json(&answer);
@@ -274,6 +298,13 @@ fn pose(arguments: &PoseArguments) -> Result<(), Failure> {
     let text = format!("# reprojection {rms:.4} px\n{}", camera.to_toml());
     if let Some(out) = &arguments.out {
         write_file(out, text.as_bytes())?;
+    }
+    if arguments.json {
+        return print_json(&TableAnswer {
+            image: arguments.image.clone(),
+            reprojection_rms_px: rms,
+            camera: table(&camera)?,
+        });
     }
     print(&text)
 }

@@ -41,6 +41,9 @@ pub struct SheetArguments {
     /// Directory for the images with the edges on them: sheet_1.png, sheet_2.png
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Print the answer as JSON, which it is in any case
+    #[arg(long)]
+    json: bool,
 }
 
 fn direction(text: &str) -> Result<Point, String> {

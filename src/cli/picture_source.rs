@@ -1,7 +1,10 @@
 //! Where pictures come from: files, folders, recordings and cameras.
 
 use super::failure::Failure;
-use crate::robot::{Bag, BagError, BagPicture, CameraPicture, DriverError, Ros1Camera};
+use crate::robot::{
+    Bag, BagError, BagPicture, CameraPicture, DriverError, PictureTopic, Ros1Camera, Ros2Address,
+    Ros2CameraAddress, RosbridgeCamera,
+};
 use crate::vision::{VisionError, decode_picture, pictures_in, read_picture};
 use clap::Args;
 use image::RgbImage;
@@ -10,6 +13,9 @@ use std::time::Duration;
 
 /// Longest wait for a picture of a camera.
 const CAMERA_PATIENCE: Duration = Duration::from_secs(5);
+
+/// Highest domain whose ports of DDS exist.
+const LAST_DOMAIN: u16 = 232;
 
 /// Which pictures of a recording.
 #[derive(Clone, Debug, Args)]
@@ -73,9 +79,10 @@ pub fn pictures(
     }
     if has_ending(source, &["db3", "mcap"]) {
         return Err(Failure::Input(format!(
-            "{}: recordings of ROS 2 are not read; allowed: PNG and JPEG files, folders of them, and bags of ROS 1 \
-             (.bag), which rosbags-convert makes of it",
-            source.display()
+            "{source}: recordings of ROS 2 are not read; `rosbags-convert --src {source} --dst {bag}` makes one of ROS 1 of it. \
+             Allowed: PNG and JPEG files, folders of them, bags of ROS 1 (.bag), and cameras",
+            source = source.display(),
+            bag = source.with_extension("bag").display()
         )));
     }
     Ok(Box::new(std::iter::once(SourcePicture {
@@ -129,26 +136,76 @@ fn decoded(picture: CameraPicture, name: &Path) -> Result<RgbImage, Failure> {
 
 /// The picture in a file, or the next one of a camera.
 fn single(source: &Path) -> Result<RgbImage, Failure> {
-    let Some(place) = source
-        .to_str()
-        .and_then(|text| text.strip_prefix("ros1://"))
-    else {
+    let Some(mut camera) = camera_at(source).transpose()? else {
         return Ok(read_picture(source)?);
     };
-    let (master, topic) = place
-        .split_once('/')
-        .filter(|(master, topic)| master.contains(':') && !topic.is_empty())
-        .ok_or_else(|| {
-            let shape =
-                "ros1://host:port/topic is needed, as in ros1://192.168.1.5:11311/camera/image_raw";
-            Failure::Input(format!("{}: {shape}", source.display()))
-        })?;
-    let of_camera = |error: DriverError| Failure::System(error.to_string());
-    let mut camera =
-        Ros1Camera::open(&format!("http://{master}"), &format!("/{topic}")).map_err(of_camera)?;
     match camera.picture(CAMERA_PATIENCE).map_err(of_camera)? {
         CameraPicture::Pixels(picture) => Ok(picture),
         CameraPicture::File(bytes) => decode_picture(&bytes)
             .map_err(|reason| Failure::System(format!("{}: {reason}", source.display()))),
     }
+}
+
+fn of_camera(error: DriverError) -> Failure {
+    Failure::System(error.to_string())
+}
+
+/// The camera that a source names; none where it is a file.
+fn camera_at(source: &Path) -> Option<Result<Box<dyn PictureTopic>, Failure>> {
+    let text = source.to_str()?;
+    let (scheme, place) = text.split_once("://")?;
+    Some(
+        camera(scheme, place)
+            .unwrap_or_else(|shape| Err(Failure::Input(format!("{text}: {shape}")))),
+    )
+}
+
+/// Opens a camera, or says which shape its name has to have.
+fn camera(
+    scheme: &str,
+    place: &str,
+) -> Result<Result<Box<dyn PictureTopic>, Failure>, &'static str> {
+    const ROS_1: &str =
+        "ros1://host:port/topic is needed, as in ros1://192.168.1.5:11311/camera/image_raw";
+    const ROSBRIDGE: &str = "rosbridge://host:port/topic is needed, as in rosbridge://192.168.1.5:9090/camera/image_raw";
+    const ROS_2: &str = "ros2://domain/topic is needed, as in ros2://0/camera/image_raw: the camera's ROS_DOMAIN_ID; \
+                         or ros2://domain@address/topic with the address of this machine on the camera's network";
+    let (server, topic) = match place.split_once('/') {
+        Some((server, topic)) if !topic.is_empty() => (server, format!("/{topic}")),
+        _ => (place, String::new()),
+    };
+    let is_whole = server.contains(':') && !topic.is_empty();
+    match scheme {
+        "ros1" if is_whole => {
+            let camera = Ros1Camera::open(&format!("http://{server}"), &topic);
+            Ok(camera.map(boxed).map_err(of_camera))
+        }
+        "rosbridge" if is_whole => {
+            let camera = RosbridgeCamera::open(server, &topic);
+            Ok(camera.map(boxed).map_err(of_camera))
+        }
+        "ros2" => {
+            let (domain, interface) = match server.split_once('@') {
+                Some((domain, address)) => (domain, Some(address.parse().map_err(|_| ROS_2)?)),
+                None => (server, None),
+            };
+            let domain = domain.parse().ok().filter(|domain| *domain <= LAST_DOMAIN);
+            if !Ros2Address::IS_BUILT {
+                return Err("this program was built without cameras of ROS 2 (cargo feature ros2)");
+            }
+            let address = Ros2CameraAddress {
+                domain: domain.filter(|_| !topic.is_empty()).ok_or(ROS_2)?,
+                interface,
+                topic,
+            };
+            Ok(address.open().map_err(of_camera))
+        }
+        "ros1" => Err(ROS_1),
+        "rosbridge" => Err(ROSBRIDGE),
+        _ => Err("cameras are named by ros1://, rosbridge:// or ros2://"),
+    }
+}
+
+fn boxed<T: PictureTopic + 'static>(camera: T) -> Box<dyn PictureTopic> {
+    Box::new(camera)
 }

@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 #[command(after_help = EXAMPLES)]
 pub struct TraceArguments {
     /// A PNG or JPEG image; a folder of them, taken in order of their names; a recording of ROS 1 or of a RealSense
-    /// camera (.bag); or the next picture of a camera of ROS 1, ros1://host:port/topic
+    /// camera (.bag); or the next picture of a camera: ros1://host:port/topic, rosbridge://host:port/topic, ros2://domain/topic
     pub image: PathBuf,
     #[command(flatten)]
     recording: RecordingArguments,
@@ -74,6 +74,8 @@ Examples:
   rodlab trace photo.jpg --colour pick:320,240 --cell cell.toml --out traced
   rodlab trace recording.bag --every 30 --out traced
   rodlab trace ros1://192.168.1.5:11311/camera/image_raw --cell cell.toml --out traced
+  rodlab trace rosbridge://192.168.1.5:9090/camera/image_raw/compressed --out traced
+  rodlab trace ros2://0/camera/image_raw --out traced
 
 Pixels count from the centre of the first one, u to the right and v down. Strands count from 1, points from 0.";
 

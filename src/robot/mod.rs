@@ -38,8 +38,9 @@ pub use chain::{Chain, Joint, JointKind, Limits, MOST_JOINTS, Motion, Segment};
 pub use collision::{Approach, FAR, Member, StandingBox, Surroundings};
 pub use driver::{
     Bag, BagError, BagPicture, CameraPicture, Driver, DriverError, FileDriver, JointState,
-    Middleware, PartTrajectory, Progress, Ros1Camera, Ros1Driver, Ros2Address, RosVersion,
-    RosbridgeDriver, SerialLine, StepperAnswer, StepperDriver, StepperLink, StepperRequest,
+    Middleware, PartTrajectory, PictureTopic, Progress, Ros1Camera, Ros1Driver, Ros2Address,
+    Ros2CameraAddress, RosVersion, RosbridgeCamera, RosbridgeDriver, SerialLine, StepperAnswer,
+    StepperDriver, StepperLink, StepperRequest,
 };
 pub use inverse::{Nearest, REACHED};
 pub use kinematics::Jacobian;

@@ -59,6 +59,8 @@ const POINTS_PER_WIDTH: f64 = 6.0;
 const SMOOTHING: f64 = 0.6;
 /// A strand is measured where its width is within these bounds of its median: elsewhere it meets another one.
 const PLAUSIBLE_WIDTH: [f64; 2] = [0.7, 1.18];
+/// How far an end goes straight on where its width cannot be measured, in widths; beyond that it follows the skeleton.
+const LONGEST_TAIL: f64 = 1.5;
 /// Rounds of measuring across the curve and smoothing it.
 const ROUNDS: usize = 2;
 
@@ -84,6 +86,7 @@ pub(super) fn centreline(
     let (mut points, mut weights) = first_guess(skeleton, path, step, ends);
     let lambda = |width: f64| (SMOOTHING * width / step).powi(4);
     points = smooth(&points, &weights, lambda(width), path.closed);
+    let (guess, trusted) = (points.clone(), weights.clone());
     let mut measured = vec![None; points.len()];
     for _ in 0..ROUNDS {
         let strand = Strand {
@@ -114,6 +117,12 @@ pub(super) fn centreline(
         if measured.iter().flatten().count() < 3 {
             // Too thin or too short to measure: the skeleton has to do.
             weights.fill(1.0);
+        }
+        if !path.closed {
+            let margin = (LONGEST_TAIL * width / step).ceil() as usize;
+            for index in tails(&measured, margin) {
+                (points[index], weights[index]) = (guess[index], trusted[index]);
+            }
         }
         points = smooth(&points, &weights, lambda(width), path.closed);
     }
@@ -247,6 +256,14 @@ fn chord(contrast: &Contrast, strand: &Strand, index: usize, width: f64) -> Opti
     Some(Chord {
         edges: [edge(-1.0)?, edge(1.0)?],
     })
+}
+
+/// Points that are farther than a margin before the first chord or behind the last one, of strands with chords.
+fn tails(chords: &[Option<Chord>], margin: usize) -> impl Iterator<Item = usize> + use<> {
+    let count = chords.len();
+    let first = chords.iter().position(Option::is_some).unwrap_or(0);
+    let last = chords.iter().rposition(Option::is_some).unwrap_or(count);
+    (0..first.saturating_sub(margin)).chain((last + margin + 1).min(count)..count)
 }
 
 /// Drops chords of another width than the strand's, and their neighbours.

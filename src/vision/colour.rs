@@ -1,6 +1,7 @@
 //! Which colours belong to a rod: rules, their presets, and conversions between colour spaces.
 
 use super::VisionError;
+use std::sync::LazyLock;
 
 /// A rule that tells pixels of a rod from the others.
 #[derive(Clone, Debug, PartialEq)]
@@ -210,7 +211,9 @@ pub fn hsv(rgb: [u8; 3]) -> [f64; 3] {
 
 /// CIE L\*a\*b\* of an sRGB colour (IEC 61966-2-1), white point D65.
 pub fn lab(rgb: [u8; 3]) -> [f64; 3] {
-    lab_of_linear(rgb.map(|channel| linear(f64::from(channel) / 255.0)))
+    static LINEAR: LazyLock<[f64; 256]> =
+        LazyLock::new(|| std::array::from_fn(|channel| linear(channel as f64 / 255.0)));
+    lab_of_linear(rgb.map(|channel| LINEAR[usize::from(channel)]))
 }
 
 /// Linear light of an sRGB channel, both from 0 to 1.

@@ -38,7 +38,9 @@ pub(super) fn join_arms(
     }
     ways.find_along_branches();
     let arms = ways.departures.keys().copied();
-    let loose: Vec<Arm> = arms.filter(|arm| !partner.contains_key(arm)).collect();
+    let loose: Vec<Arm> = arms
+        .filter(|arm| !partner.contains_key(arm) || ways.is_at_corner(*arm))
+        .collect();
     ways.find_across_gaps(&loose, mask);
     let mut pairing = Pairing { ways, partner };
     pairing.exchange();

@@ -53,11 +53,14 @@ pub(super) fn group_junctions(skeleton: &Skeleton) -> (Vec<usize>, Vec<bool>) {
                 away.dot(&along) < -FORK_COSINE
             })
         };
+        let are_forks = odd(&groups.arms[a]) && odd(&groups.arms[b]);
+        // Where three strands cross at nearly one place, two junctions have four arms each.
+        let are_whole = !odd(&groups.arms[a]) && !odd(&groups.arms[b]);
+        let is_short = *length < SAME_CROSSING * width;
         if a != b
             && *length < LONGEST_LINK * width
-            && odd(&groups.arms[a])
-            && odd(&groups.arms[b])
-            && (*length < SAME_CROSSING * width || is_fork(&groups, a, 0) && is_fork(&groups, b, 1))
+            && (is_short && (are_forks || are_whole)
+                || are_forks && is_fork(&groups, a, 0) && is_fork(&groups, b, 1))
         {
             groups.join(skeleton, *branch);
         }

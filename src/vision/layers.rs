@@ -36,7 +36,7 @@ pub(super) fn layers(
         .iter()
         .map(|index| {
             let (column, row) = mask.position(*index);
-            hue(mean_colour(picture, column, row))
+            hue_at(picture, column, row)
         })
         .collect();
     let peaks = peaks(&hues)?;
@@ -54,6 +54,11 @@ pub(super) fn layers(
     });
     let masks: Vec<Mask> = masks.filter(|layer| layer.area() > 0).collect();
     (masks.len() > 1).then_some(masks)
+}
+
+/// Hue of a pixel in bins, from its mean over 3 × 3 pixels; none where it is grey.
+pub(super) fn hue_at(picture: &RgbImage, column: usize, row: usize) -> Option<f64> {
+    hue(mean_colour(picture, column, row))
 }
 
 /// Mean over 3 × 3 pixels, against noise.
@@ -79,14 +84,14 @@ fn hue(rgb: [u8; 3]) -> Option<f64> {
 }
 
 /// How far apart two hues are, in bins.
-fn apart(a: f64, b: f64) -> f64 {
+pub(super) fn hue_apart(a: f64, b: f64) -> f64 {
     let away = (a - b).abs();
     away.min(BINS as f64 - away)
 }
 
 fn nearest(peaks: &[f64], hue: f64) -> usize {
     (0..peaks.len())
-        .min_by(|a, b| apart(peaks[*a], hue).total_cmp(&apart(peaks[*b], hue)))
+        .min_by(|a, b| hue_apart(peaks[*a], hue).total_cmp(&hue_apart(peaks[*b], hue)))
         .unwrap_or(0)
 }
 
@@ -115,7 +120,7 @@ fn peaks(hues: &[Option<f64>]) -> Option<Vec<f64>> {
         let is_highest = mass(bin) >= mass(bin + 1) && mass(bin) >= mass(bin + BINS - 1);
         let is_free = peaks
             .iter()
-            .all(|peak| apart(*peak, middle) >= LEAST_APART as f64);
+            .all(|peak| hue_apart(*peak, middle) >= LEAST_APART as f64);
         if is_highest && is_free && mass(bin) >= LEAST_PART * total && peaks.len() < MOST_LAYERS {
             peaks.push(middle);
         }

@@ -7,10 +7,12 @@
 //! 2. Thinning wears the mask down to lines one pixel wide; as a graph these are ends and junctions joined by branches.
 //! 3. Forks that face each other are the halves of one crossing. Arms are paired such that the paths from one to the other
 //!    bend least and keep their colour: at a crossing, along a stretch that two strands share, or across a gap under
-//!    another strand. Where ends remain that touch other strands, the mask is split by hue and looked at again.
+//!    another strand. Where ends remain that touch other strands, where strands change their hue, or where parts of the mask
+//!    remain, the mask is split by hue and looked at again.
 //! 4. Each path becomes a [`Strand`]: the middle between both of its edges, measured between pixels, smoothed along
-//!    the strand, bridged where it meets others.
-//! 5. [`find_crossings`] intersects the centrelines and tells which strand lies on top.
+//!    the strand, bridged where it meets others. An end that comes out beyond another strand is followed to its tip.
+//! 5. [`find_crossings`] intersects the centrelines. Which strand lies on top the picture tells where both overlap: it goes
+//!    on there with the cross-section that it has beside the crossing.
 //! 6. [`paint_labels`] gives each pixel of the mask to a strand; [`instance_dice`] compares that with the truth.
 //!
 //! A [`Camera`] maps pixels to the table; [`calibrate`], [`board_pose`] and [`hand_eye()`] find it. [`pattern()`] makes a
@@ -36,6 +38,7 @@
 //! Everything runs on one thread. An image of 672 × 896 pixels takes some 10 ms and about 20 bytes of memory a pixel;
 //! [`read_picture`] refuses images of more than [`MOST_PIXELS`].
 
+mod across;
 #[cfg(test)]
 mod benchmark_tests;
 mod calibration;
@@ -45,9 +48,13 @@ mod centreline;
 mod checkerboard;
 mod colour;
 mod contrast;
+mod corner;
 mod crossing;
+#[cfg(test)]
+mod crossing_tests;
 mod curve_file;
 mod dice;
+mod doubt;
 mod error;
 mod hand_eye;
 mod homography;
@@ -61,7 +68,9 @@ mod layers;
 mod marker;
 mod mask;
 mod order;
+mod overlap;
 mod overlay;
+mod passage;
 mod path_energy;
 mod pattern;
 #[cfg(test)]
@@ -99,11 +108,12 @@ pub use marker::{
     InstabilityRule, InstabilityWatch, MarkerErrors, compare_markers, find_markers, helix_points,
 };
 pub use mask::Mask;
-pub use order::{Passage, StrandCrossing, find_crossings};
+pub use order::{StrandCrossing, find_crossings};
 pub use overlay::{
     centrelines_csv, centrelines_svg, encode_labels, encode_picture, marker_overlay, mask_overlay,
     overlay, sheet_overlay, strand_colour,
 };
+pub use passage::Passage;
 pub use pattern::{Metric, pattern, pattern_csv};
 pub use picture::{
     LARGEST_FILE, LONGEST_SIDE, MOST_PIXELS, decode_labels, decode_picture, pictures_in,

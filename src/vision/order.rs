@@ -5,7 +5,8 @@
 
 use super::Point;
 use super::centreline::Strand;
-use super::colour::lab;
+use super::overlap::differences;
+use super::passage::{Passage, locate, segment, segments};
 use image::RgbImage;
 use std::collections::HashMap;
 
@@ -24,18 +25,6 @@ pub struct StrandCrossing {
     pub confidence: f64,
 }
 
-/// A strand at a crossing.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Passage {
-    /// Which strand, from 0.
-    pub strand: usize,
-    /// Where on it: 3.5 is half-way between its points 3 and 4.
-    pub at: f64,
-}
-
-/// Lanes along a strand on which its colours are looked at, in widths from its middle.
-const LANES: [f64; 5] = [-0.3, -0.15, 0.0, 0.15, 0.3];
-
 /// Finds all crossings of strands and their order. Along each strand they come in no particular order.
 pub fn find_crossings(picture: &RgbImage, strands: &[Strand]) -> Vec<StrandCrossing> {
     intersections(strands)
@@ -44,12 +33,7 @@ pub fn find_crossings(picture: &RgbImage, strands: &[Strand]) -> Vec<StrandCross
             let (position, tangent_a) = locate(strands, a);
             let (_, tangent_b) = locate(strands, b);
             let sine = tangent_a.perp(&tangent_b).abs();
-            let widths = [a, b].map(|passage| width_at(strands, passage));
-            // Across the other strand's edges lies its normal: cot of the angle along for each step to the side.
-            let skew = (tangent_a.dot(&tangent_b) / tangent_a.perp(&tangent_b)).clamp(-5.0, 5.0);
-            let covered = widths.map(|width| width / sine.max(0.2));
-            let change_a = change(picture, strands, a, widths[0], covered[1], skew);
-            let change_b = change(picture, strands, b, widths[1], covered[0], -skew);
+            let [change_a, change_b] = differences(picture, strands, [a, b]);
             let (over, under) = if change_a <= change_b { (a, b) } else { (b, a) };
             StrandCrossing {
                 position,
@@ -60,33 +44,6 @@ pub fn find_crossings(picture: &RgbImage, strands: &[Strand]) -> Vec<StrandCross
             }
         })
         .collect()
-}
-
-fn segment(strand: &Strand, index: usize) -> [Point; 2] {
-    let count = strand.points.len();
-    [strand.points[index], strand.points[(index + 1) % count]]
-}
-
-fn segments(strand: &Strand) -> usize {
-    match strand.points.len() {
-        0 | 1 => 0,
-        count if strand.closed => count,
-        count => count - 1,
-    }
-}
-
-/// Position and direction of a strand at a passage.
-fn locate(strands: &[Strand], passage: Passage) -> (Point, Point) {
-    let strand = &strands[passage.strand];
-    let index = (passage.at as usize).min(segments(strand) - 1);
-    let [from, to] = segment(strand, index);
-    let t = passage.at - index as f64;
-    (from + (to - from) * t, strand.tangent(index))
-}
-
-fn width_at(strands: &[Strand], passage: Passage) -> f64 {
-    let widths = &strands[passage.strand].widths;
-    widths[(passage.at as usize).min(widths.len() - 1)]
 }
 
 /// What tells how near two places of a strand are along it.
@@ -207,101 +164,6 @@ fn merge(scales: &[Scale], mut found: Vec<[Passage; 2]>) -> Vec<[Passage; 2]> {
     }
     let odd = groups.into_iter().filter(|group| group.len() % 2 == 1);
     odd.map(|group| group[group.len() / 2]).collect()
-}
-
-/// How much a strand's colour on a crossing differs from that beside it: mean along the strand of the colour difference
-/// to what the colours before and behind the crossing say. `covered` is how far the other strand reaches along this one,
-/// `skew` how much farther along it lies for each step to the side: with it, edges of the other strand are met at once on
-/// all lanes, whose mean has less noise.
-fn change(
-    picture: &RgbImage,
-    strands: &[Strand],
-    passage: Passage,
-    width: f64,
-    covered: f64,
-    skew: f64,
-) -> f64 {
-    let strand = &strands[passage.strand];
-    let step = (strand.length() / segments(strand).max(1) as f64).max(1e-3);
-    let half = 0.5 * covered;
-    // Blurred edges reach a little beyond the strand that makes them.
-    let margin = 1.0 + 0.1 * width;
-    let look = |along: f64, lane: f64| {
-        let index = passage.at + along / step;
-        let count = strand.points.len() as f64;
-        let index = if strand.closed {
-            index.rem_euclid(count)
-        } else {
-            index.clamp(0.0, count - 1.0)
-        };
-        let (position, tangent) = locate(
-            strands,
-            Passage {
-                at: index,
-                ..passage
-            },
-        );
-        let point = position + Point::new(-tangent.y, tangent.x) * (lane * width);
-        colour_at(picture, point)
-    };
-    let across = |along: f64| {
-        let mut mean = [0.0; 3];
-        for lane in LANES {
-            let colour = look(along + skew * lane * width, lane);
-            for (mean, value) in mean.iter_mut().zip(colour) {
-                *mean += value / LANES.len() as f64;
-            }
-        }
-        mean
-    };
-    let mean = |from: f64, to: f64| {
-        let count = ((to - from).abs().ceil() as usize).clamp(3, 40);
-        let mut sum = [0.0; 3];
-        for index in 0..count {
-            let along = from + (to - from) * (index as f64 + 0.5) / count as f64;
-            for (sum, value) in sum.iter_mut().zip(across(along)) {
-                *sum += value / count as f64;
-            }
-        }
-        sum
-    };
-    let (near, far) = (half + margin, half + margin + 0.75 * width);
-    let (before, behind) = (mean(-far, -near), mean(near, far));
-    let count = (2.0 * (half + margin)).ceil().clamp(5.0, 60.0);
-    let mut total = 0.0;
-    for index in 0..count as usize {
-        let t = (index as f64 + 0.5) / count;
-        let colour = across((2.0 * t - 1.0) * (half + 0.5 * margin));
-        let mut square = 0.0;
-        for channel in 0..3 {
-            let expected = before[channel] * (1.0 - t) + behind[channel] * t;
-            square += (colour[channel] - expected).powi(2);
-        }
-        total += square.sqrt();
-    }
-    total / count
-}
-
-/// Colour between pixels, L\*a\*b\* of the bilinear mean; outside of the picture, that of its border.
-fn colour_at(picture: &RgbImage, point: Point) -> [f64; 3] {
-    let (u, v) = (
-        point.x.clamp(0.0, f64::from(picture.width() - 1)),
-        point.y.clamp(0.0, f64::from(picture.height() - 1)),
-    );
-    let (column, row) = (u as u32, v as u32);
-    let (right, below) = (
-        (column + 1).min(picture.width() - 1),
-        (row + 1).min(picture.height() - 1),
-    );
-    let (du, dv) = (u - f64::from(column), v - f64::from(row));
-    let mut rgb = [0; 3];
-    for (channel, value) in rgb.iter_mut().enumerate() {
-        let pixel = |u, v| f64::from(picture.get_pixel(u, v)[channel]);
-        let above = pixel(column, row) * (1.0 - du) + pixel(right, row) * du;
-        let under = pixel(column, below) * (1.0 - du) + pixel(right, below) * du;
-        *value = (above * (1.0 - dv) + under * dv).round() as u8;
-    }
-    lab(rgb)
 }
 
 #[cfg(test)]

@@ -158,7 +158,7 @@ fn in_picture(contrast: &Contrast, point: Point) -> bool {
 }
 
 /// Direction at the end of a strand, and how much it turns per length, from the last two widths.
-fn end_direction(points: &[Point], width: f64, step: f64) -> Option<(Point, f64)> {
+pub(super) fn end_direction(points: &[Point], width: f64, step: f64) -> Option<(Point, f64)> {
     let back = (width / step).ceil() as usize;
     let at = |index: usize| {
         points

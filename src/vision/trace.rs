@@ -1,9 +1,12 @@
 //! From a picture to its strands.
 
+use super::across::reach_across;
 use super::centreline::{Strand, centreline};
 use super::colour::{ColourRule, lab};
 use super::contrast::Contrast;
+use super::corner::cut_corners;
 use super::crossing::crossings;
+use super::doubt::doubts;
 use super::joining::join_arms;
 use super::labels::paint_labels;
 use super::layers::layers;
@@ -57,9 +60,6 @@ pub struct Trace {
 /// Largest part of a picture that lines may cover.
 const LARGEST_COVERAGE_PERCENT: usize = 50;
 
-/// With more strands than this the mask is noise.
-const MOST_STRANDS: usize = 60;
-
 /// Finds the strands of a picture.
 ///
 /// # Errors
@@ -105,34 +105,8 @@ impl Found {
                 rejected.push((*point, length, width));
             }
         }
+        reach_across(contrast, &mut strands);
         Self { strands, rejected }
-    }
-
-    /// Ends of strands that touch another strand: there, one may have been cut in two. None where all is noise.
-    fn doubtful_ends(&self) -> usize {
-        if self.strands.len() > MOST_STRANDS {
-            return 0;
-        }
-        let open = self
-            .strands
-            .iter()
-            .enumerate()
-            .filter(|(_, strand)| !strand.closed);
-        let ends = open.flat_map(|(number, strand)| {
-            let ends = [strand.points[0], strand.points[strand.points.len() - 1]];
-            ends.map(|end| (number, end, strand.width()))
-        });
-        ends.filter(|(number, end, width)| {
-            self.strands.iter().enumerate().any(|(other, strand)| {
-                let reach = 0.5 * (width + strand.width()) + 2.0;
-                other != *number
-                    && strand
-                        .points
-                        .iter()
-                        .any(|point| (point - end).norm_squared() < reach * reach)
-            })
-        })
-        .count()
     }
 }
 
@@ -182,14 +156,18 @@ pub fn trace_contrast(
         });
     }
     let plain = Found::new(picture, contrast, &mask, Skeleton::new(&mask), options);
-    let Found { strands, rejected } = match plain.doubtful_ends() {
+    let doubts = |found: &Found| doubts(picture, &mask, &found.strands);
+    let Found { strands, rejected } = match doubts(&plain) {
         0 => plain,
         doubtful => layers(picture, &mask, options.least_area, options.largest_hole)
             .map(|masks| Skeleton::joined(masks.iter().map(Skeleton::new)))
-            .map(|skeleton| Found::new(picture, contrast, &mask, skeleton, options))
+            .map(|mut skeleton| {
+                cut_corners(&mut skeleton);
+                Found::new(picture, contrast, &mask, skeleton, options)
+            })
             .filter(|layered| {
                 let rank = |doubtful, found: &Found| (doubtful, found.strands.len());
-                rank(layered.doubtful_ends(), layered) <= rank(doubtful, &plain)
+                rank(doubts(layered), layered) <= rank(doubtful, &plain)
             })
             .unwrap_or(plain),
     };

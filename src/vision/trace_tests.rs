@@ -78,14 +78,26 @@ pub(super) fn wandering_rod(
     }
 }
 
+/// Rods of different colours that lie on each other, by the number of the scene.
+pub(super) fn scene(number: u64, count: usize) -> Vec<RenderedRod> {
+    const COLOURS: [[u8; 3]; 3] = [[205, 70, 90], [90, 170, 120], [190, 200, 90]];
+    let mut dice = Dice(number * 7919 + 17 + count as u64);
+    for _ in 0..8 {
+        dice.roll();
+    }
+    (0..count)
+        .map(|rod| wandering_rod(&mut dice, 0.0035, COLOURS[rod], 0.0105 * rod as f64))
+        .collect()
+}
+
 /// The true image of a centreline.
-fn imaged(camera: &Camera, rod: &RenderedRod) -> Vec<Point> {
+pub(super) fn imaged(camera: &Camera, rod: &RenderedRod) -> Vec<Point> {
     let points = rod.points.iter().filter_map(|point| camera.project(*point));
     points.collect()
 }
 
 /// Distance of a point from a polyline, and the parameter of the nearest place.
-fn distance(line: &[Point], point: Point) -> (f64, f64) {
+pub(super) fn distance(line: &[Point], point: Point) -> (f64, f64) {
     let mut best = (f64::INFINITY, 0.0);
     for (index, pair) in line.windows(2).enumerate() {
         let along = pair[1] - pair[0];
@@ -141,7 +153,6 @@ struct Totals {
 
 /// Traces rendered scenes and compares centrelines and the order of crossings with the truth.
 fn trial(scenes: u64, rods_each: usize, options: &RenderOptions, camera: &Camera) -> Totals {
-    let colours = [[205, 70, 90], [90, 170, 120], [190, 200, 90]];
     let mut totals = Totals {
         points: 0,
         error: 0.0,
@@ -151,14 +162,8 @@ fn trial(scenes: u64, rods_each: usize, options: &RenderOptions, camera: &Camera
         right_count: 0,
         pictures: 0,
     };
-    for scene in 0..scenes {
-        let mut dice = Dice(scene * 7919 + 17 + rods_each as u64);
-        for _ in 0..8 {
-            dice.roll();
-        }
-        let rods: Vec<RenderedRod> = (0..rods_each)
-            .map(|rod| wandering_rod(&mut dice, 0.0035, colours[rod], 0.0105 * rod as f64))
-            .collect();
+    for number in 0..scenes {
+        let rods = scene(number, rods_each);
         let picture = render(camera, &rods, |_| [12.0, 12.0, 14.0], options);
         let trace = trace(&picture, &TraceOptions::default()).expect("strands");
         totals.pictures += 1;

@@ -112,6 +112,12 @@ impl<'a> Ways<'a> {
         })
     }
 
+    /// Whether an arm meets one other: at a corner, where a branch was cut.
+    pub fn is_at_corner(&self, arm: Arm) -> bool {
+        let crossing = self.crossing_of.get(&arm);
+        crossing.is_some_and(|crossing| self.crossings[*crossing].len() == 2)
+    }
+
     fn width(&self, arm: Arm) -> f64 {
         (2.0 * self.skeleton.branches[arm.branch].half_width()).max(1.0)
     }

@@ -389,3 +389,54 @@ fn a_robot_with_other_joints_is_not_moved() {
     );
     assert!(shared.lock().unwrap().goal_at.is_none());
 }
+
+/// A server with a camera that shows a rod, as pixels or as a file.
+fn serve_pictures(message: Value) -> String {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = listener.local_addr().unwrap().to_string();
+    std::thread::spawn(move || {
+        let (stream, _) = listener.accept().unwrap();
+        let mut socket = tungstenite::accept(stream).unwrap();
+        let request = socket.read().unwrap();
+        let request: Value = serde_json::from_str(request.to_text().unwrap()).unwrap();
+        let published = json!({ "op": "publish", "topic": request["topic"], "msg": message });
+        send(&mut socket, &published);
+        // Until the client leaves.
+        while socket.read().is_ok() {}
+    });
+    address
+}
+
+#[test]
+fn a_rod_before_a_camera_behind_rosbridge_is_traced() {
+    use base64::Engine;
+    use base64::engine::general_purpose::STANDARD;
+    let (width, height) = (320, 240);
+    let picture = image::RgbImage::from_fn(width, height, |u, v| {
+        let is_rod = (60..260).contains(&u) && v.abs_diff(120) < 5;
+        image::Rgb(if is_rod { [200, 60, 70] } else { [12; 3] })
+    });
+    let file = rodlab::vision::encode_picture(&picture);
+    let pixels = json!({ "height": height, "width": width, "encoding": "rgb8", "is_bigendian": 0,
+        "step": 3 * width, "data": STANDARD.encode(picture.as_raw()) });
+    let compressed = json!({ "format": "png", "data": STANDARD.encode(file) });
+    let folder = tempfile::tempdir().unwrap();
+    for (message, topic) in [
+        (pixels, "camera/image_raw"),
+        (compressed, "camera/compressed"),
+    ] {
+        let place = format!("rosbridge://{}/{topic}", serve_pictures(message));
+        let output = rodlab(folder.path(), &["trace", &place, "--json"]);
+        assert!(output.status.success(), "{}", said(&output));
+        let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let length = found["strands"][0]["length_px"].as_f64().unwrap();
+        assert!((length - 200.0).abs() < 10.0, "{topic}: {found}");
+    }
+    let output = rodlab(folder.path(), &["trace", "rosbridge://127.0.0.1:1/camera"]);
+    assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+    assert!(
+        said(&output).contains("is the server started"),
+        "{}",
+        said(&output)
+    );
+}

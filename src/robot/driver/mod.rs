@@ -6,15 +6,19 @@
 mod action_client;
 mod file;
 mod follow_joint_trajectory;
+mod picture;
 mod ros1;
 mod ros2;
 mod rosbridge;
+mod rosbridge_camera;
 mod stepper;
 
 pub use file::FileDriver;
-pub use ros1::{Bag, BagError, BagPicture, CameraPicture, Ros1Camera, Ros1Driver};
-pub use ros2::{Middleware, Ros2Address};
+pub use picture::{CameraPicture, PictureTopic};
+pub use ros1::{Bag, BagError, BagPicture, Ros1Camera, Ros1Driver};
+pub use ros2::{Middleware, Ros2Address, Ros2CameraAddress};
 pub use rosbridge::{RosVersion, RosbridgeDriver};
+pub use rosbridge_camera::RosbridgeCamera;
 pub use stepper::{SerialLine, StepperAnswer, StepperDriver, StepperLink, StepperRequest};
 
 use std::time::Instant;

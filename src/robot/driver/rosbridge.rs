@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 use std::io::ErrorKind;
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::{Duration, Instant};
+use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Message, WebSocket};
 
 /// Longest time for a connection, and for a message to leave.
@@ -255,28 +256,8 @@ impl ActionClient for RosbridgeDriver {
 impl Driver for RosbridgeDriver {
     fn connect(&mut self, joints: &[String]) -> Result<(), DriverError> {
         self.joints = joints.to_vec();
-        let resolved = self
-            .address
-            .to_socket_addrs()
-            .map_err(|error| self.lost(format_args!("{error}")))?;
-        let mut stream = Err(std::io::Error::from(ErrorKind::AddrNotAvailable));
-        for address in resolved {
-            stream = TcpStream::connect_timeout(&address, PATIENCE);
-            if stream.is_ok() {
-                break;
-            }
-        }
-        let stream = stream.map_err(|error| {
-            self.lost(format_args!(
-                "no connection: {error}; is the server started?"
-            ))
-        })?;
-        let prepared = stream
-            .set_nodelay(true)
-            .and_then(|()| stream.set_read_timeout(Some(PATIENCE)));
-        prepared.map_err(|error| self.lost(format_args!("{error}")))?;
-        let (socket, _) = tungstenite::client(format!("ws://{}/", self.address), stream)
-            .map_err(|error| self.lost(format_args!("no WebSocket: {error}")))?;
+        let socket = open_socket(&self.address, WebSocketConfig::default())
+            .map_err(|reason| self.lost(format_args!("{reason}")))?;
         let prepared = socket.get_ref().set_nonblocking(true);
         self.socket = Some(socket);
         prepared.map_err(|error| self.lost(format_args!("{error}")))?;
@@ -334,6 +315,36 @@ impl Driver for RosbridgeDriver {
     fn hold(&mut self) -> Result<(), DriverError> {
         self.cancel_and_wait()
     }
+}
+
+/// A WebSocket to the server at `host:port`.
+///
+/// # Errors
+/// In words.
+pub(super) fn open_socket(
+    address: &str,
+    config: WebSocketConfig,
+) -> Result<WebSocket<TcpStream>, String> {
+    let resolved = address
+        .to_socket_addrs()
+        .map_err(|error| error.to_string())?;
+    let mut stream = Err(std::io::Error::from(ErrorKind::AddrNotAvailable));
+    for address in resolved {
+        stream = TcpStream::connect_timeout(&address, PATIENCE);
+        if stream.is_ok() {
+            break;
+        }
+    }
+    let stream =
+        stream.map_err(|error| format!("no connection: {error}; is the server started?"))?;
+    stream
+        .set_nodelay(true)
+        .and_then(|()| stream.set_read_timeout(Some(PATIENCE)))
+        .map_err(|error| error.to_string())?;
+    let url = format!("ws://{address}/");
+    let (socket, _) = tungstenite::client::client_with_config(url, stream, Some(config))
+        .map_err(|error| format!("no WebSocket: {error}"))?;
+    Ok(socket)
 }
 
 /// The end of a ROS 2 goal as the server tells it.

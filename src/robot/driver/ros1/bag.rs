@@ -3,9 +3,10 @@
 //! A bag is a row of records: a header of named fields, then data. Connections (op 7) name topics, messages (op 2) have
 //! a time and a connection, chunks (op 5) hold both, plain or compressed. At its end stand all connections again.
 
-use super::bag_record::{Record, decompressed, field, op, read_record, split_record, u32_of};
-use super::camera::{CameraPicture, pixels};
-use super::message::{COMPRESSED_IMAGE, IMAGE, compressed_image, raw_image};
+use super::super::picture::{CameraPicture, pixels};
+use super::bag_record::{decompressed, field, op, read_record, split_record, u32_of};
+use super::bag_topic::{Topic, chosen, picture_topic};
+use super::message::{compressed_image, raw_image};
 use std::collections::VecDeque;
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
@@ -52,13 +53,6 @@ struct Message {
     nanoseconds: u64,
     is_compressed: bool,
     bytes: Vec<u8>,
-}
-
-/// A topic of pictures.
-struct Topic {
-    connection: u32,
-    name: String,
-    is_compressed: bool,
 }
 
 impl Bag {
@@ -199,56 +193,6 @@ fn open(path: &Path) -> Result<(BufReader<File>, Vec<Topic>), String> {
     }
     file.seek(SeekFrom::Start(chunks)).map_err(unreadable)?;
     Ok((file, topics))
-}
-
-fn picture_topic(record: &Record) -> Option<Topic> {
-    let kind = field(&record.data, "type")?;
-    let is_compressed = kind == COMPRESSED_IMAGE.name.as_bytes();
-    if !is_compressed && kind != IMAGE.name.as_bytes() {
-        return None;
-    }
-    let name = field(&record.header, "topic")?;
-    Some(Topic {
-        connection: field(&record.header, "conn").and_then(u32_of)?,
-        name: String::from_utf8_lossy(name).into_owned(),
-        is_compressed,
-    })
-}
-
-/// Connections of the topic that is meant.
-fn chosen(topics: Vec<Topic>, wanted: Option<&str>) -> Result<Vec<(u32, bool)>, String> {
-    let mut names: Vec<&str> = topics.iter().map(|topic| topic.name.as_str()).collect();
-    names.sort_unstable();
-    names.dedup();
-    let known = names.join(", ");
-    if names.is_empty() {
-        return Err(
-            "it has no topic of type sensor_msgs/Image or sensor_msgs/CompressedImage".into(),
-        );
-    }
-    let in_colour: Vec<&str> = names
-        .iter()
-        .copied()
-        .filter(|name| name.to_ascii_lowercase().contains("color"))
-        .collect();
-    let name = match (wanted, &names[..], &in_colour[..]) {
-        (Some(wanted), names, _) if names.contains(&wanted) => wanted,
-        (Some(wanted), ..) => {
-            return Err(format!(
-                "it has no pictures on topic {wanted}; it has {known}"
-            ));
-        }
-        (None, [only], _) | (None, _, [only]) => *only,
-        _ => {
-            return Err(format!(
-                "it has several topics of pictures, name one: {known}"
-            ));
-        }
-    };
-    let chosen = topics.iter().filter(|topic| topic.name == name);
-    Ok(chosen
-        .map(|topic| (topic.connection, topic.is_compressed))
-        .collect())
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 //! their lengths.
 
 use super::super::PartTrajectory;
+use super::super::picture::RawImage;
 
 /// Type of a topic: name and MD5 sum of its definition.
 #[derive(Clone, Copy, Debug)]
@@ -197,21 +198,6 @@ pub fn result(message: &[u8]) -> Option<(GoalStatus, i32, String)> {
     let status = goal_status(&mut reader)?;
     let code = reader.u32()? as i32;
     Some((status, code, reader.text()?))
-}
-
-/// `sensor_msgs/Image`.
-#[derive(Debug, PartialEq, Eq)]
-pub struct RawImage<'a> {
-    /// Pixels along and across.
-    pub size: [u32; 2],
-    /// Such as `rgb8`.
-    pub encoding: String,
-    /// Whether the first byte of a number of two counts more.
-    pub is_big_endian: bool,
-    /// Bytes from row to row.
-    pub step: usize,
-    /// Rows from above.
-    pub data: &'a [u8],
 }
 
 /// A picture as its pixels; `None` where the message is damaged.

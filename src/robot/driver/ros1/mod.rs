@@ -5,6 +5,7 @@
 
 mod bag;
 mod bag_record;
+mod bag_topic;
 mod camera;
 mod lz4;
 mod message;
@@ -12,7 +13,7 @@ mod node;
 mod xmlrpc;
 
 pub use bag::{Bag, BagError, BagPicture};
-pub use camera::{CameraPicture, Ros1Camera};
+pub use camera::Ros1Camera;
 
 use super::action_client::{ActionClient, Goal};
 use super::follow_joint_trajectory::ros_1_outcome;

@@ -1,4 +1,4 @@
-//! The messages of ROS 2 that a trajectory needs, field by field as their definitions have them, for CDR.
+//! The messages of ROS 2 that a trajectory or a picture needs, field by field as their definitions have them, for CDR.
 //!
 //! What an answer carries beyond what is needed is not read: CDR is read from the front.
 
@@ -10,7 +10,7 @@ pub type GoalId = [u8; 16];
 
 /// `std_msgs/Header`, `builtin_interfaces/Time` in it.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-struct Header {
+pub struct Header {
     seconds: i32,
     nanoseconds: u32,
     frame: String,
@@ -170,6 +170,36 @@ pub struct JointStates {
     pub name: Vec<String>,
     /// Where they are, rad or m.
     pub position: Vec<f64>,
+}
+
+/// `sensor_msgs/Image`.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Image {
+    /// When and of which camera.
+    pub header: Header,
+    /// Rows.
+    pub height: u32,
+    /// Pixels along a row.
+    pub width: u32,
+    /// Such as `rgb8`.
+    pub encoding: String,
+    /// Whether the first byte of a number of two counts more.
+    pub is_bigendian: u8,
+    /// Bytes from row to row.
+    pub step: u32,
+    /// Rows from above.
+    pub data: Vec<u8>,
+}
+
+/// `sensor_msgs/CompressedImage`.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct CompressedImage {
+    /// When and of which camera.
+    pub header: Header,
+    /// Such as `jpeg`.
+    pub format: String,
+    /// A PNG or JPEG file.
+    pub data: Vec<u8>,
 }
 
 #[cfg(test)]

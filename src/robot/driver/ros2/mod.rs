@@ -1,8 +1,10 @@
 //! `control_msgs/FollowJointTrajectory` of ROS 2, natively: no ROS installation, no bridge; DDS by rustdds.
 //!
 //! An action of ROS 2 is three services, send_goal, get_result and cancel_goal (`service`), and topics of feedback and
-//! status; their messages (`message`) are CDR. All of it (`client`) needs the cargo feature `ros2`.
+//! status; their messages (`message`) are CDR. Pictures come from a `camera`. All of it needs the cargo feature `ros2`.
 
+#[cfg(feature = "ros2")]
+mod camera;
 #[cfg(feature = "ros2")]
 mod client;
 #[cfg(feature = "ros2")]
@@ -10,7 +12,8 @@ mod message;
 #[cfg(feature = "ros2")]
 mod service;
 
-use super::Driver;
+use super::picture::PictureTopic;
+use super::{Driver, DriverError};
 use std::net::IpAddr;
 
 /// What carries the messages of a robot that runs ROS 2.
@@ -60,6 +63,38 @@ impl Ros2Address {
         #[cfg(not(feature = "ros2"))]
         {
             None
+        }
+    }
+}
+
+/// Where a camera of ROS 2 is met.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Ros2CameraAddress {
+    /// Its `ROS_DOMAIN_ID`.
+    pub domain: u16,
+    /// Address of this machine on the camera's network; `None`: all networks.
+    pub interface: Option<IpAddr>,
+    /// Topic of its pictures.
+    pub topic: String,
+}
+
+impl Ros2CameraAddress {
+    /// Subscribes the topic; the camera may start later.
+    ///
+    /// # Errors
+    /// If there is no such network, or the program was built without the feature `ros2` ([`Ros2Address::IS_BUILT`]).
+    pub fn open(&self) -> Result<Box<dyn PictureTopic>, DriverError> {
+        #[cfg(feature = "ros2")]
+        {
+            let camera = camera::Ros2Camera::open(self).map_err(|reason| {
+                DriverError::Lost(format!("ROS 2, domain {}: {reason}", self.domain))
+            })?;
+            Ok(Box::new(camera))
+        }
+        #[cfg(not(feature = "ros2"))]
+        {
+            let reason = "this program was built without the feature ros2";
+            Err(DriverError::Refused(format!("{}: {reason}", self.topic)))
         }
     }
 }

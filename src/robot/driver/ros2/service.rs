@@ -61,7 +61,11 @@ pub fn subscribe<T: DeserializeOwned + 'static>(
         .map_err(in_words)
 }
 
-fn publish<T: Serialize>(
+/// Publishes a topic of DDS.
+///
+/// # Errors
+/// In words.
+pub fn publish<T: Serialize>(
     participant: &DomainParticipant,
     topic: &str,
     kind: &str,
