@@ -2,6 +2,7 @@
 
 use super::bundling::Bundling;
 use super::cases::{Case, Run, run_all};
+use super::grasp_grid::GraspGrid;
 use super::helices::Helices;
 use super::inversion::Inversion;
 use super::laying::Laying;
@@ -12,9 +13,10 @@ use super::simplified_inversion::{self, Factor};
 use super::table::FiguresOfTable;
 use super::tightening::Tightening;
 use super::{
-    ReproduceError, ReproduceOptions, auto_steps, cost, deployment_errors, drag_steps, figure_2_5,
-    figure_2_6, figure_2_7, figure_2_8, figure_3_4, figure_3_9, figure_5_5, figure_6_2, figure_6_5,
-    inversion_factors, knot_convergence, table_2_1, table_2_2, table_5_2, table_5_3,
+    ReproduceError, ReproduceOptions, auto_steps, cost, deployment_correction, deployment_errors,
+    drag_steps, figure_2_5, figure_2_6, figure_2_7, figure_2_8, figure_3_4, figure_3_9, figure_5_4,
+    figure_5_5, figure_5_6, figure_6_2, figure_6_5, inversion_factors, knot_convergence,
+    laid_patterns, table_2_1, table_2_2, table_5_2, table_5_3,
 };
 use std::fmt;
 use std::path::PathBuf;
@@ -27,7 +29,7 @@ pub struct Artifact {
 }
 
 /// All tables and figures.
-pub static ARTIFACTS: [Artifact; 24] = [
+pub static ARTIFACTS: [Artifact; 29] = [
     Artifact {
         name: "tab2.1",
         title: "Table 2.1: IMC and IPC, iterations and time of bundling flagella",
@@ -152,12 +154,48 @@ pub static ARTIFACTS: [Artifact; 24] = [
         },
     },
     Artifact {
+        name: "fig5.4",
+        title: "Figure 5.4: where a gripper may be above a straight line",
+        recipe: &Recipe {
+            runs: SidewaysPush::of_figure_5_5,
+            write: figure_5_4::write,
+            figures_of_table: Some(figure_5_4::figures_of_table),
+        },
+    },
+    Artifact {
         name: "fig5.5",
         title: "Figure 5.5: two optimal grasps pushed sideways",
         recipe: &Recipe {
             runs: SidewaysPush::of_figure_5_5,
             write: figure_5_5::write,
             figures_of_table: Some(figure_5_5::figures_of_table),
+        },
+    },
+    Artifact {
+        name: "fig5.6",
+        title: "Figure 5.6: optimal grasps over curvature, length and stiffness",
+        recipe: &Recipe {
+            runs: GraspGrid::of_figure_5_6,
+            write: figure_5_6::write,
+            figures_of_table: Some(figure_5_6::figures_of_table),
+        },
+    },
+    Artifact {
+        name: "fig5.10",
+        title: "Figure 5.10: three rods laid along patterns on fabric",
+        recipe: &Recipe {
+            runs: Laying::of_figure_5_10,
+            write: laid_patterns::write_rods,
+            figures_of_table: None,
+        },
+    },
+    Artifact {
+        name: "fig5.11",
+        title: "Figure 5.11: a rod laid along patterns on three tables",
+        recipe: &Recipe {
+            runs: Laying::of_figure_5_11,
+            write: laid_patterns::write_tables,
+            figures_of_table: None,
         },
     },
     Artifact {
@@ -221,6 +259,15 @@ pub static ARTIFACTS: [Artifact; 24] = [
             runs: Laying::of_errors,
             write: deployment_errors::write,
             figures_of_table: Some(deployment_errors::figures_of_table),
+        },
+    },
+    Artifact {
+        name: "deployment-correction",
+        title: "Laid rods: what online correction makes up for",
+        recipe: &Recipe {
+            runs: Laying::of_correction,
+            write: deployment_correction::write,
+            figures_of_table: Some(deployment_correction::figures_of_table),
         },
     },
     Artifact {

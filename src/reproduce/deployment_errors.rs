@@ -60,6 +60,7 @@ fn row(case: &Case<Laying>) -> Row {
         jitter,
         seed,
         length_error,
+        ..
     } = run.disturbance;
     Row {
         pattern: PATTERNS[run.pattern].name.into(),

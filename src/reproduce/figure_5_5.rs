@@ -75,6 +75,16 @@ pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, Reproduc
     Ok(vec![figure(&rows_of::<Row>(table)?)])
 }
 
+/// Largest sideways displacement at a push, L_gb; `None` where the run ended before.
+pub(super) fn largest_sideways_at(
+    case: &Case<SidewaysPush>,
+    push: f64,
+) -> Result<Option<f64>, ReproduceError> {
+    let rows = rows_of_case(case)?;
+    let there = rows.iter().find(|row| row.push >= push * (1.0 - 1e-9));
+    Ok(there.map(|row| row.largest_sideways))
+}
+
 fn rows_of_case(case: &Case<SidewaysPush>) -> Result<Vec<Row>, ReproduceError> {
     let nodes = case.manifest.rods.iter().map(|rod| rod.nodes).sum();
     let outputs = read_nodes(&case.directory, nodes)?;
@@ -113,4 +123,33 @@ fn figure(rows: &[Row]) -> PageFigure {
         "Push of the gripper, Δy\u{304} = Δy/L_{gb}",
     );
     PageFigure::new("fig5.5", "Two optimal grasps pushed sideways", figure)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figure::FigureOptions;
+    use crate::reproduce::ReproduceOptions;
+    use crate::reproduce::cases::run_all;
+
+    #[test]
+    fn a_rod_snaps_from_the_second_local_minimum_and_follows_in_the_first() {
+        let directory = tempfile::tempdir().unwrap();
+        let options = ReproduceOptions {
+            directory: directory.path().to_owned(),
+            quick: true,
+            jobs: 2,
+            command_line: Vec::new(),
+            figures: FigureOptions::default(),
+        };
+        let runs = SidewaysPush::up_to(0.06);
+        let cases = run_all(&runs, &options, &|_| {}).unwrap();
+        let [first, second] = [0, 1].map(|index| {
+            let rows = rows_of_case(&cases[index]).unwrap();
+            rows.last().unwrap().clone()
+        });
+        assert!((first.push - 0.06).abs() < 1e-9);
+        assert!(first.largest_sideways < 0.07, "{}", first.largest_sideways);
+        assert!(second.largest_sideways > 0.5, "{}", second.largest_sideways);
+    }
 }

@@ -135,12 +135,17 @@ pub(super) struct Disturbance {
     pub seed: u64,
     /// Relative error of the gravito-bending length that is planned for.
     pub length_error: f64,
+    /// Whether the path is corrected while the rod is laid; then root mean square of the camera's noise, m.
+    pub correction: Option<f64>,
 }
 
 /// Jitters (m) and their seeds, and errors of the gravito-bending length.
 const JITTERS: [f64; 4] = [0.5e-3, 1e-3, 2e-3, 5e-3];
 const SEEDS: [u64; 3] = [1, 2, 3];
 const LENGTH_ERRORS: [f64; 4] = [-0.1, -0.05, 0.05, 0.1];
+/// Jitter of runs that are corrected online, and noise of their camera, m.
+const CORRECTED_JITTER: f64 = 2e-3;
+const CAMERA_NOISE: f64 = 0.5e-3;
 /// The patterns that are laid with errors: circle, U and L.
 const DISTURBED: [usize; 3] = [1, 3, 5];
 
@@ -168,6 +173,22 @@ impl Laying {
         if quick {
             runs.retain(|run| run.rod == 1 && run.friction == 1);
         }
+        runs
+    }
+
+    /// All rods on fabric; a quick look has the green one.
+    pub fn of_figure_5_10(quick: bool) -> Vec<Self> {
+        let mut runs = Self::of_table_5_2(false);
+        runs.retain(|run| {
+            RODS[run.rod].substrates[run.friction] == Substrate::Fabric && (run.rod == 1 || !quick)
+        });
+        runs
+    }
+
+    /// The green rod on all tables; a quick look has the medium friction.
+    pub fn of_figure_5_11(quick: bool) -> Vec<Self> {
+        let mut runs = Self::of_table_5_2(false);
+        runs.retain(|run| run.rod == 1 && (run.friction == 1 || !quick));
         runs
     }
 
@@ -212,6 +233,43 @@ impl Laying {
         patterns.iter().flat_map(of).collect()
     }
 
+    /// The green rod at the medium friction with errors, as planned before and corrected online; a quick look has one pattern.
+    pub fn of_correction(quick: bool) -> Vec<Self> {
+        let mut disturbances = vec![Disturbance::default()];
+        disturbances.extend(SEEDS.map(|seed| Disturbance {
+            jitter: CORRECTED_JITTER,
+            seed,
+            ..Disturbance::default()
+        }));
+        disturbances.extend([-0.1, 0.1].map(|length_error| Disturbance {
+            length_error,
+            ..Disturbance::default()
+        }));
+        let patterns = if quick { &DISTURBED[..1] } else { &DISTURBED };
+        let of = |&pattern: &usize| {
+            // Noise of the camera on the first pattern only.
+            let noise = (pattern == DISTURBED[0]).then_some(Some(CAMERA_NOISE));
+            let corrections = [None, Some(0.0)].into_iter().chain(noise);
+            let disturbances = disturbances.clone();
+            corrections.flat_map(move |correction| {
+                let disturbances = disturbances.clone().into_iter();
+                disturbances.map(move |disturbance| Self {
+                    rod: 1,
+                    friction: 1,
+                    is_optimal: true,
+                    is_neural: false,
+                    pattern,
+                    end: END,
+                    disturbance: Disturbance {
+                        correction,
+                        ..disturbance
+                    },
+                })
+            })
+        };
+        patterns.iter().flat_map(of).collect()
+    }
+
     fn keys_of_the_pattern(&self) -> String {
         if self.end < END {
             return "kind = \"line\", length = 0.002".to_owned();
@@ -237,6 +295,7 @@ impl Run for Laying {
             jitter,
             seed,
             length_error,
+            correction,
         } = self.disturbance;
         let mut errors = String::new();
         if jitter > 0.0 {
@@ -244,6 +303,9 @@ impl Run for Laying {
         }
         if length_error != 0.0 {
             errors += &format!("-length_{length_error}");
+        }
+        if let Some(noise) = correction {
+            errors += &format!("-corrected_{noise}");
         }
         format!(
             "{}-{}-{}-{}{errors}",
@@ -270,13 +332,18 @@ impl Run for Laying {
             jitter,
             seed,
             length_error,
+            correction,
         } = self.disturbance;
         let solver = if self.is_neural {
             "solver = \"neural\""
         } else {
             ""
         };
-        let errors = format!("jitter = {jitter:?}\nseed = {seed}\nlength_error = {length_error:?}");
+        let mut errors =
+            format!("jitter = {jitter:?}\nseed = {seed}\nlength_error = {length_error:?}");
+        if let Some(noise) = correction {
+            errors += &format!("\ncorrection = {{ noise = {noise:?} }}");
+        }
         let text = format!(
             "experiment = \"deployment\"\n\
              title = \"{}\"\n\

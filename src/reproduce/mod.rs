@@ -19,13 +19,16 @@
 //! | `table_2_1`, `table_2_2`, `figure_2_5` to `figure_2_8` | one artefact each |
 //! | `figure_3_4`, `inversion_factors` | figures 3.4 and 3.5 to 3.7; `inversion_page` and `inversion_pictures` are their parts |
 //! | `figure_3_9`, `simplified_inversion` | the simplified knot: figures 3.9, 3.10 and 3.11 |
+//! | `figure_5_4` | where a gripper may be above a straight line |
 //! | `figure_5_5`, `sideways_push` | optimal grasps that are pushed sideways |
+//! | `figure_5_6`, `grasp_grid` | optimal grasps over curvature, length and stiffness |
+//! | `laid_patterns`, `laid_outlines` | rods laid along patterns, from above |
 //! | `table_5_2`, `measured_deployments` | how well rods are laid along patterns, simulated and measured |
 //! | `figure_6_2` | figures 6.2 and 6.6 |
 //! | `figure_6_5` | disturbances of a manipulated rod |
 //! | `overhand_law` | knots pulled tight against Eq. 2.30, part by part |
 //! | `knot_convergence` | what mesh, pull speed and contact tolerance change |
-//! | `deployment_errors` | what jitter and errors of the rod do to a laid rod |
+//! | `deployment_errors`, `deployment_correction` | what jitter and errors of the rod do to a laid rod, and their correction |
 //! | `cost`, `drag_steps`, `auto_steps` | what steps cost, and what larger and automatic ones lose |
 //! | `difference` | distance of the nodes between two runs (thesis Eq. 2.28) |
 
@@ -34,6 +37,7 @@ mod auto_steps;
 mod bundling;
 mod cases;
 mod cost;
+mod deployment_correction;
 mod deployment_errors;
 mod difference;
 mod drag_steps;
@@ -43,15 +47,20 @@ mod figure_2_7;
 mod figure_2_8;
 mod figure_3_4;
 mod figure_3_9;
+mod figure_5_4;
 mod figure_5_5;
+mod figure_5_6;
 mod figure_6_2;
 mod figure_6_5;
+mod grasp_grid;
 mod helices;
 mod inversion;
 mod inversion_factors;
 mod inversion_page;
 mod inversion_pictures;
 mod knot_convergence;
+mod laid_outlines;
+mod laid_patterns;
 mod laying;
 mod manipulated_helix;
 mod measured_deployments;

@@ -5,7 +5,7 @@ use crate::plan::grasp::{GraspProblem, GraspSolver};
 use crate::run::PreparedRun;
 
 /// l̄_s of thesis Figs. 5.4 and 5.5.
-const SUSPENDED: f64 = 17.68;
+pub(super) const SUSPENDED: f64 = 17.68;
 /// L_gb and radius of the rod, m: the green one of thesis Tab. 5.1.
 pub(super) const UNIT: f64 = 0.032;
 pub(super) const RADIUS: f64 = 0.0016;
@@ -36,6 +36,11 @@ pub(super) fn bending_stiffness() -> f64 {
     2.0 * UNIT.powi(3) * weight
 }
 
+/// k̄_s of the rod.
+pub(super) fn stretch_stiffness() -> f64 {
+    4.0 * (UNIT / RADIUS).powi(2)
+}
+
 impl SidewaysPush {
     /// Both minima.
     pub fn of_figure_5_5(quick: bool) -> Vec<Self> {
@@ -43,10 +48,16 @@ impl SidewaysPush {
         [1, 2].map(|minimum| Self { minimum, end }).into()
     }
 
+    /// Both minima, up to a push Δȳ.
+    #[cfg(test)]
+    pub fn up_to(push: f64) -> Vec<Self> {
+        let end = END * push / LARGEST;
+        [1, 2].map(|minimum| Self { minimum, end }).into()
+    }
+
     /// Nodes of the suspended part, m.
     fn nodes(&self) -> Vec<[f64; 3]> {
-        let stiffness = 4.0 * (UNIT / RADIUS).powi(2);
-        let problem = GraspProblem::new(SUSPENDED, 0.0, stiffness);
+        let problem = GraspProblem::new(SUSPENDED, 0.0, stretch_stiffness());
         let problem = problem.expect("a length, a curvature and a stiffness in range");
         let found = GraspSolver::new().all_centrelines(&problem, EDGES);
         let mut found = found.expect("there are planar grasps of this length");

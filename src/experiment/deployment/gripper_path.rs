@@ -8,8 +8,9 @@ use crate::plan::deployment::{
     DeployedRod, DeploymentError, Feasibility, GripperPose, MOST_POSES, hanging_rod, laid_after,
     times, trajectory,
 };
-use crate::plan::pattern::{Pattern, PatternError, PatternPoint};
+use crate::plan::pattern::{Pattern, PatternError, PatternPoint, Point};
 use nalgebra::{Matrix2, Vector2};
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// Distance of neighbouring poses along the pattern, m.
@@ -32,8 +33,16 @@ pub struct GripperPath {
     pub feasibility: Feasibility,
     /// Times (s) of the poses and what has been laid then, m.
     pub laid: Vec<(f64, f64)>,
+    /// The pattern at these times, where the planner sees it.
+    pub points: Vec<PatternPoint>,
+    /// The poses as planned.
+    pub planned: Vec<GripperPose>,
+    /// Displacement (m) and turn (rad) of the gripper from them.
+    pub jitter: Vec<(Vector3, Vector3)>,
     /// The poses, errors included.
     pub poses: Vec<GripperPose>,
+    /// What the planner believes.
+    pub seen: Planned,
     /// The rod at the start, m.
     pub start: Vec<Vector3>,
 }
@@ -109,15 +118,25 @@ impl GripperPath {
             points[index].angle += TAU * turns.round();
         }
         let seen = planned.seen(points);
-        let mut poses = trajectory(&seen, &planned.rod, scheme, grasps)?;
+        let poses = trajectory(&seen, &planned.rod, scheme, grasps)?;
         let start = hanging_rod(&seen[0], &planned.rod, scheme, deployment.rod.edges)?;
-        Jitter::new(deployment).add(&laid, &mut poses);
+        let jitter = Jitter::new(deployment);
+        let jitter: Vec<_> = laid.iter().map(|(time, _)| jitter.at(*time)).collect();
+        let disturbed = poses.iter().zip(&jitter).map(|(pose, jitter)| GripperPose {
+            position: pose.position + jitter.0,
+            rotation: rotation::from_vector(jitter.1) * pose.rotation,
+            ..pose.clone()
+        });
         Ok(Self {
             length,
             curve,
             feasibility,
             laid,
-            poses,
+            points: seen,
+            poses: disturbed.collect(),
+            planned: poses,
+            jitter,
+            seen: planned,
             start,
         })
     }
@@ -170,8 +189,10 @@ impl Deployment {
 }
 
 /// What the planner believes: the rod, and where the pattern lies.
-struct Planned {
-    rod: DeployedRod,
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Planned {
+    /// The rod.
+    pub rod: DeployedRod,
     pivot: Vector2<f64>,
     shift: Vector2<f64>,
     turn: f64,
@@ -192,12 +213,17 @@ impl Planned {
         }
     }
 
-    /// Where the planner sees points of the pattern.
-    fn seen(&self, mut points: Vec<PatternPoint>) -> Vec<PatternPoint> {
+    /// Where the planner sees a place, m.
+    pub fn place(&self, place: Point) -> Point {
         let (sine, cosine) = libm::sincos(self.turn);
         let turned = Matrix2::new(cosine, -sine, sine, cosine);
+        self.pivot + turned * (place - self.pivot) + self.shift
+    }
+
+    /// Where the planner sees points of the pattern.
+    fn seen(&self, mut points: Vec<PatternPoint>) -> Vec<PatternPoint> {
         for point in &mut points {
-            point.position = self.pivot + turned * (point.position - self.pivot) + self.shift;
+            point.position = self.place(point.position);
             point.angle += self.turn;
         }
         points
@@ -233,6 +259,9 @@ impl Jitter {
 
     /// Displacement (m) and turn (rad) at a time; they begin with nothing.
     fn at(&self, time: f64) -> (Vector3, Vector3) {
+        if self.amplitudes == [0.0; 6] {
+            return (Vector3::zeros(), Vector3::zeros());
+        }
         let begun = (time / self.period).min(1.0);
         let begun = begun * begun * (3.0 - 2.0 * begun);
         let values: [f64; 6] = std::array::from_fn(|direction| {
@@ -244,17 +273,6 @@ impl Jitter {
         });
         let [x, y, z, a, b, c] = values;
         (Vector3::new(x, y, z), Vector3::new(a, b, c))
-    }
-
-    fn add(&self, laid: &[(f64, f64)], poses: &mut [GripperPose]) {
-        if self.amplitudes == [0.0; 6] {
-            return;
-        }
-        for ((time, _), pose) in laid.iter().zip(poses) {
-            let (displacement, turn) = self.at(*time);
-            pose.position += displacement;
-            pose.rotation = rotation::from_vector(turn) * pose.rotation;
-        }
     }
 }
 
@@ -275,6 +293,7 @@ mod tests {
             jitter_angle: 0.0,
             jitter_period: 1.0,
             seed: 0,
+            correction: None,
             pattern: Pattern::Circle { radius: 0.09 },
             rod: Rod {
                 gravito_bending_length: 0.032,

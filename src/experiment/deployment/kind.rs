@@ -6,6 +6,7 @@ use super::keys::{Deployment, TABLES, resolve};
 use super::laid_figure::laid_figure;
 use super::laid_rod::{POINTS, PatternMark};
 use super::monitor::{DeploymentMonitor, Watched};
+use super::online::OnlineCorrection;
 use super::outcome::DerivedDeployment;
 use super::tables::DeploymentTables;
 use crate::experiment::kind::{FigureError, Kind, OwnNumbers};
@@ -87,6 +88,16 @@ impl Kind for DeploymentKind {
         let path = gripper_path(scenario)?;
         run.observers
             .push(Box::new(monitor(scenario, deployment, path)));
+        if let Some(keys) = deployment.correction {
+            let node = deployment.rod.edges;
+            let clamps = &run.scene.clamps;
+            let holds = |clamp: &Clamp| clamp.rod == 0 && clamp.node == node;
+            let clamp = clamps.iter().position(holds);
+            let clamp = clamp.expect("the gripper of a deployment");
+            let lying = lying_height(scenario, deployment);
+            let correction = OnlineCorrection::new(deployment, keys, path, clamp, lying);
+            run.controllers.push(Box::new(correction));
+        }
         Ok(())
     }
 
@@ -178,6 +189,12 @@ fn add(scene: &mut Scene, deployment: &Deployment, path: &GripperPath, friction:
     });
 }
 
+/// Height below which a node lies on the table, m.
+fn lying_height(scenario: &Scenario, deployment: &Deployment) -> f64 {
+    let tolerance = scenario.contact.distance_tolerance().unwrap_or(0.0);
+    deployment.rod.radius + 2.0 * tolerance
+}
+
 fn monitor(scenario: &Scenario, deployment: &Deployment, path: &GripperPath) -> DeploymentMonitor {
     let rod = &deployment.rod;
     let from = deployment.lead_in;
@@ -199,12 +216,11 @@ fn monitor(scenario: &Scenario, deployment: &Deployment, path: &GripperPath) -> 
         share_above_friction: asked.share_above_friction.unwrap_or(0.0),
         largest_gripper_speed: path.largest_speed(),
     };
-    let tolerance = scenario.contact.distance_tolerance().unwrap_or(0.0);
     DeploymentMonitor::new(Watched {
         marks,
         length: rod.length,
         nodes: rod.edges + 1,
-        lying_height: rod.radius + 2.0 * tolerance,
+        lying_height: lying_height(scenario, deployment),
         friction: scenario.contact.friction(),
         laid: path.laid.clone(),
         derived,
@@ -274,12 +290,21 @@ mod tests {
     }
 
     #[test]
+    fn correction_makes_up_for_a_wrong_gravito_bending_length() {
+        let wrong = format!("{ARC}\nlength_error = 0.1");
+        let [open, corrected] = ["", "\ncorrection = {}"]
+            .map(|keys| laid(&format!("{wrong}{keys}"), 40.0).mean_error_m.unwrap());
+        assert!(corrected < 0.7 * open, "{corrected} {open}");
+    }
+
+    #[test]
     fn deployments_read_back_to_themselves() {
         for text in [
             ARC,
             "pattern = { kind = \"sine\", amplitude = 0.01, wavelength = \"20 cm\", waves = 1 }\nlead_in = 0.02",
             "pattern = { points = [[0, 0], [0.1, 0.01], [0.2, 0.01]], size = 0.15, reverse = true }\njitter = \"1 mm\"\nseed = 3",
             "pattern = { kind = \"line\", length = 0.1 }\nscheme = \"intuitive\"\nframe_turn = \"3 deg\"",
+            "pattern = { kind = \"line\", length = 0.1 }\ncorrection = { every = \"3 cm\", noise = \"0.5 mm\" }",
         ] {
             let scenario = scenario(text, "").unwrap();
             let again = from_text("laid", &scenario.to_toml(), Path::new(""), &[]).unwrap();
@@ -299,6 +324,9 @@ mod tests {
         insta::assert_snapshot!(fault("pattern = { points = [[0, 0], [0, 0]] }"), @"laid.toml:3:11: `deployment.pattern`: it has no length");
         insta::assert_snapshot!(fault(&format!("{ARC}\nlength_error = -1")), @"laid.toml:4:16: `deployment.length_error`: -1.0 is out of range; allowed: -0.9 to 0.9");
         insta::assert_snapshot!(fault(&format!("{ARC}\nseed = -2")), @"laid.toml:4:8: `deployment.seed`: -2 is out of range; allowed: 0 and above");
+        insta::assert_snapshot!(fault(&format!("{ARC}\ncorrection = {{ every = 0.03, return_length = 0.05 }}")), @"laid.toml:4:46: `deployment.correction.return_length`: 0.05 m is too short: the rod would swing about its pattern; allowed: 3 times `every` and the gravito-bending length, 0.0900 m, and more");
+        insta::assert_snapshot!(fault(&format!("{ARC}\ncorrection = {{ every = 0.001 }}")), @"laid.toml:4:24: `deployment.correction.every`: 0.001 m is less than an edge of the rod, 0.0045 m (`rod.edges`)");
+        insta::assert_snapshot!(fault(&format!("{ARC}\nscheme = \"intuitive\"\ncorrection = {{}}")), @r#"laid.toml:5:14: `deployment.correction`: the intuitive scheme is not corrected: use "optimal""#);
         insta::assert_snapshot!(scenario(ARC, "[material]\ndensity = 1").unwrap_err(), @"laid.toml:12:1: `material`: the rod of a deployment and its material are [deployment.rod]");
     }
 

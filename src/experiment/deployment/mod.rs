@@ -5,6 +5,7 @@
 //! | `kind` | the experiment |
 //! | `keys` | its table `[deployment]` |
 //! | `gripper_path` | the path of the gripper with its errors, planned before the run |
+//! | `online` | the path planned anew from where the rod is seen to lie |
 //! | `tables` | that table with what is planned of it |
 //! | `laid_rod` | distances of the laid rod from its pattern |
 //! | `monitor`, `outcome` | what is measured, and what it came to |
@@ -17,6 +18,7 @@ mod kind;
 mod laid_figure;
 mod laid_rod;
 mod monitor;
+mod online;
 mod outcome;
 mod tables;
 

@@ -7,8 +7,10 @@
 //! | `timing` | when the gripper is where |
 //! | `feasibility` | friction, bending and length that the pattern needs |
 //! | `landing` | the hanging rod at the start |
+//! | `correction` | what remains to be laid, from where the rod was seen to lie |
 //! | `figure` | pattern, path of the gripper and friction demand |
 
+mod correction;
 mod feasibility;
 mod figure;
 mod landing;
@@ -16,6 +18,7 @@ mod rod;
 mod timing;
 mod trajectory;
 
+pub use correction::{ObservedContact, corrected_length, return_curve};
 pub use feasibility::{Feasibility, friction_demand, lead_in_length, long_enough};
 pub use figure::deployment_figure;
 pub use landing::hanging_rod;

@@ -1,7 +1,9 @@
 //! A rod that is laid on a table.
 
+use serde::{Deserialize, Serialize};
+
 /// What of a rod matters for laying it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DeployedRod {
     /// L_gb, (E h²/(8ρg))^(1/3), m.
     pub gravito_bending_length: f64,

@@ -20,6 +20,8 @@
 //! | `continuation` | from the planar rod to the length and curvature that are asked for |
 //! | `branches` | all solutions that are found |
 //! | `stability` | the second variation |
+//! | `sideways` | a push out of the plane, by linear theory |
+//! | `region` | where the gripper may be above a straight line |
 //! | `solution` | the gripper's place and rotation |
 //! | `discrete` | the same with the discrete elastic rod |
 //! | `solver` | grasps one after the other |
@@ -32,12 +34,18 @@ mod gauss;
 mod interval;
 mod mesh;
 mod neural;
+mod region;
 mod shape;
+mod sideways;
 mod solution;
 mod solver;
 mod stability;
 
 pub use neural::{LearnedGrasp, NeuralError, NeuralGrasps};
+pub use region::{
+    FreeGrasp, GraspBound, GraspStretch, PlanarGrasp, SidewaysAnswer, free_grasps, grasp_region,
+    rod_along_ray,
+};
 pub use solution::Grasp;
 pub use solver::{GraspMethod, GraspSolver};
 pub use stability::TWIST_STIFFNESS;

@@ -27,11 +27,15 @@ const LEAST_COMPLIANCE: f64 = 1e-12;
 
 /// What the second variation needs to know of an element, at its middle.
 #[derive(Clone, Copy, Debug)]
-struct Element {
-    length: f64,
-    tangent: Vector3,
-    moment: Vector3,
-    force: Vector3,
+pub struct Element {
+    /// Its length.
+    pub length: f64,
+    /// t.
+    pub tangent: Vector3,
+    /// M.
+    pub moment: Vector3,
+    /// n.
+    pub force: Vector3,
 }
 
 /// Number of independent ways in which the rod gives way with both ends held: zero where it is stable.
@@ -54,7 +58,7 @@ pub fn unstable_modes(shape: &Shape) -> usize {
 }
 
 /// Negative eigenvalues of the second variation, less those of the conditions: block LDLᵀ from end to end.
-fn negative_modes(elements: &[Element], twist_stiffness: f64, compliance: f64) -> usize {
+pub fn negative_modes(elements: &[Element], twist_stiffness: f64, compliance: f64) -> usize {
     let compliance = compliance.max(LEAST_COMPLIANCE);
     let mut negative = 0;
     let mut conditions = Matrix3::zeros();
@@ -88,17 +92,22 @@ fn negative_modes(elements: &[Element], twist_stiffness: f64, compliance: f64) -
 }
 
 /// Blocks of an element's second variation, for the rotations of its two ends.
-struct Variation {
-    before: Matrix3,
-    across: Matrix3,
-    after: Matrix3,
+pub struct Variation {
+    /// Of its first end.
+    pub before: Matrix3,
+    /// Of its first end with its second one.
+    pub across: Matrix3,
+    /// Of its second end.
+    pub after: Matrix3,
     /// ∂(place of the gripper)/∂θ, the same for both ends.
-    condition: Matrix3,
-    multiplier: Matrix3,
+    pub condition: Matrix3,
+    /// Of the multiplier of the gripper's place.
+    pub multiplier: Matrix3,
 }
 
 impl Element {
-    fn variation(&self, twist_stiffness: f64, compliance: f64) -> Variation {
+    /// Its part of the second variation.
+    pub fn variation(&self, twist_stiffness: f64, compliance: f64) -> Variation {
         let Self {
             length,
             tangent,

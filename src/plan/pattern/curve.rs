@@ -2,6 +2,7 @@
 
 use super::{PatternError, Point};
 use crate::mechanics::kirchhoff::numerics::gauss_legendre;
+use serde::{Deserialize, Serialize};
 
 /// Points of the Gauss rule on each piece of a curve.
 const QUADRATURE: usize = 5;
@@ -21,7 +22,7 @@ pub trait PlaneCurve: Send + Sync {
 }
 
 /// A point of a pattern.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PatternPoint {
     /// Arc length, m.
     pub s: f64,

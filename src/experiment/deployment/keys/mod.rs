@@ -4,7 +4,7 @@ mod pattern;
 mod resolved;
 mod typed;
 
-pub use resolved::{Deployment, Pattern, Rod, Scheme, Solver};
+pub use resolved::{Correction, Deployment, Pattern, Rod, Scheme, Solver};
 
 use crate::plan::deployment::{DeployedRod, lead_in_length, long_enough};
 use crate::scenario::Time;
@@ -20,6 +20,11 @@ const EDGES: [usize; 2] = [10, 100_000];
 const DENSITY: f64 = 1000.0;
 /// Largest relative error of a length.
 const LARGEST_ERROR: f64 = 0.9;
+/// Length between corrections over L_gb where none is given.
+const CORRECTED_EVERY: f64 = 0.8;
+/// Length of return over L_gb where none is given, and the shortest over L_gb and over the length between corrections.
+const RETURN_LENGTH: f64 = 3.5;
+const SHORTEST_RETURN: f64 = 3.0;
 /// Period of the fastest jitter where none is given, s.
 const JITTER_PERIOD: f64 = 1.0;
 
@@ -85,8 +90,22 @@ pub fn resolve(request: &Request<'_>) -> Option<Deployment> {
     }
     let (rod, pattern) = (rod?, pattern?);
     let lead_in = lead_in(&section, typed, &rod, &pattern)?;
+    let scheme = typed.scheme.unwrap_or(Scheme::Optimal);
+    let correction = match &typed.correction {
+        Some(_) if scheme == Scheme::Intuitive => {
+            let message = "the intuitive scheme is not corrected: use \"optimal\"";
+            section.fault("correction", message);
+            return None;
+        }
+        Some(typed) => Some(resolve_correction(
+            &section.below("correction"),
+            typed,
+            &rod,
+        )?),
+        None => None,
+    };
     Some(Deployment {
-        scheme: typed.scheme.unwrap_or(Scheme::Optimal),
+        scheme,
         solver: typed.solver.unwrap_or(Solver::Exact),
         lead_in,
         length_error,
@@ -96,8 +115,52 @@ pub fn resolve(request: &Request<'_>) -> Option<Deployment> {
         jitter_angle,
         jitter_period,
         seed: seed.unsigned_abs(),
+        correction,
         pattern,
         rod,
+    })
+}
+
+fn resolve_correction(
+    section: &Section<'_>,
+    typed: &typed::Correction,
+    rod: &Rod,
+) -> Option<Correction> {
+    let unit = rod.gravito_bending_length;
+    let every = section.with_default("every", &typed.every, POSITIVE, CORRECTED_EVERY * unit);
+    let shortest = SHORTEST_RETURN * every.max(unit);
+    let usual = shortest.max(RETURN_LENGTH * unit);
+    let return_length =
+        section.with_default("return_length", &typed.return_length, POSITIVE, usual);
+    let noise = section.with_default("noise", &typed.noise, NON_NEGATIVE, 0.0);
+    if ![every, return_length, noise]
+        .iter()
+        .all(|value| value.is_finite())
+    {
+        return None;
+    }
+    let edge = rod.length / rod.edges as f64;
+    if every < edge {
+        section.fault(
+            "every",
+            format!("{every:?} m is less than an edge of the rod, {edge:.4} m (`rod.edges`)"),
+        );
+        return None;
+    }
+    if return_length < shortest * (1.0 - 1e-9) {
+        section.fault(
+            "return_length",
+            format!(
+                "{return_length:?} m is too short: the rod would swing about its pattern; allowed: {SHORTEST_RETURN} times `every` and \
+                 the gravito-bending length, {shortest:.4} m, and more"
+            ),
+        );
+        return None;
+    }
+    Some(Correction {
+        every,
+        return_length,
+        noise,
     })
 }
 

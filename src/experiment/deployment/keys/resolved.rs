@@ -26,12 +26,26 @@ pub struct Deployment {
     pub jitter_angle: f64,
     /// Period of the fastest jitter, s.
     pub jitter_period: f64,
-    /// Seed of the jitter.
+    /// Seed of the jitter, and of the noise of observations.
     pub seed: u64,
+    /// How the path is corrected while the rod is laid, if it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub correction: Option<Correction>,
     /// The curve that the rod is to follow.
     pub pattern: Pattern,
     /// The rod.
     pub rod: Rod,
+}
+
+/// Correction of the gripper's path from where the rod is seen to lie.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Correction {
+    /// Length that is laid between two corrections, m.
+    pub every: f64,
+    /// Length over which the rod returns to the pattern, m.
+    pub return_length: f64,
+    /// Root mean square, in each direction, by which places of the lying rod are seen wrongly, m.
+    pub noise: f64,
 }
 
 /// How the gripper leads the rod.

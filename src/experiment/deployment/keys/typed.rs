@@ -37,8 +37,25 @@ pub struct Deployment {
     pub jitter_angle: Option<Quantity<Angle>>,
     /// Period of the fastest jitter; the slowest takes five times as long. Default: 1 s.
     pub jitter_period: Option<Quantity<Time>>,
-    /// Seed of the jitter. Default: 0.
+    /// Seed of the jitter, and of the noise of observations. Default: 0.
     pub seed: Option<i64>,
+    /// Corrects the gripper's path while the rod is laid, from where it is seen to lie. Without this table the path is that
+    /// which was planned before.
+    pub correction: Option<Correction>,
+}
+
+/// Correction of the gripper's path while a rod is laid by the optimal scheme.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "correction")]
+pub struct Correction {
+    /// Length that is laid between two corrections. Default: 0.8 gravito-bending lengths. Much shorter ones make the rod
+    /// swing about its pattern: it answers the gripper over about a gravito-bending length.
+    pub every: Option<Quantity<Length>>,
+    /// Length over which the rod returns to the pattern, at least three times `every` and the gravito-bending length.
+    /// Default: 3.5 gravito-bending lengths, or three times `every`.
+    pub return_length: Option<Quantity<Length>>,
+    /// Root mean square, in each direction, by which the camera sees places of the lying rod wrongly. Default: none.
+    pub noise: Option<Quantity<Length>>,
 }
 
 /// What a laid rod is to follow.

@@ -1,0 +1,352 @@
+//! Figure 5.4: where a gripper may be above a straight line.
+
+use super::ReproduceError;
+use super::cases::Case;
+use super::figure_5_5::largest_sideways_at;
+use super::page::{Page, PageFigure, number};
+use super::sideways_push::{SUSPENDED, SidewaysPush, stretch_stiffness};
+use super::table::rows_of;
+use crate::figure::{Curve, Figure, LinePlot, Look, PlotStyle, styled_line_plots};
+use crate::plan::grasp::{
+    FreeGrasp, Grasp, GraspBound, GraspProblem, GraspSolver, PlanarGrasp, SidewaysAnswer,
+    free_grasps, grasp_region, rod_along_ray,
+};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Rays, degrees above the table, and grasps along each.
+const RAY_STEP: usize = 3;
+const GRASPS_PER_RAY: usize = 9;
+/// Forces of the table, EI/L_gb², at which grasps without a contact moment are shown: up to this, in such steps.
+const LARGEST_FORCE: f64 = 2.5;
+const FORCE_STEP: f64 = 0.05;
+/// The push of thesis Fig. 5.4d.
+const PUSH: f64 = 0.12;
+/// Edges of drawn rods.
+const EDGES: usize = 200;
+/// Bounds of the classes of force in the figure, EI/L_gb², and of displacements over the push.
+const FORCES: [f64; 5] = [0.5, 1.0, 2.0, 4.0, 8.0];
+const DISPLACEMENTS: [f64; 3] = [1.01, 1.5, 3.0];
+
+/// A row of the CSV file; lengths in L_gb, forces in EI/L_gb².
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Row {
+    /// "ray", or "free" of a contact moment.
+    of: String,
+    x: f64,
+    z: f64,
+    gripper_degrees: f64,
+    force_x: f64,
+    force_z: f64,
+    contact_moment: f64,
+    lowest: f64,
+    /// "pull", "moment" or "table" at the ends of a ray.
+    bound: Option<String>,
+    unstable_modes: usize,
+    sideways_over_push: f64,
+}
+
+impl Row {
+    fn new(of: &str, grasp: &PlanarGrasp, answer: &SidewaysAnswer, bound: Option<&str>) -> Self {
+        Self {
+            of: of.into(),
+            x: grasp.gripper[0],
+            z: grasp.gripper[1],
+            gripper_degrees: grasp.angle.to_degrees(),
+            force_x: grasp.contact_force[0],
+            force_z: grasp.contact_force[1],
+            contact_moment: grasp.contact_moment,
+            lowest: grasp.lowest,
+            bound: bound.map(str::to_owned),
+            unstable_modes: answer.unstable_modes,
+            sideways_over_push: answer.largest_over_push,
+        }
+    }
+
+    fn force(&self) -> f64 {
+        libm::hypot(self.force_x, self.force_z)
+    }
+}
+
+/// Writes table and figures.
+pub(super) fn write(page: &mut Page, cases: &[Case<SidewaysPush>]) -> Result<(), ReproduceError> {
+    let rows = rows();
+    page.text(&format!(
+        "Places of the gripper above a straight line (thesis 5.3.2, Algorithm 6) for l̄_s = {SUSPENDED} and k̄_s = {:.0}, the green rod of \
+         Tab. 5.1, by the equations of the suspended rod. Lengths are in L_gb, forces in EI/L_gb²; the thesis' F̄ = F h²/EI is (h/L_gb)² = \
+         1/400 of them.",
+        stretch_stiffness()
+    ));
+    page.text(
+        "What the thesis leaves out. Algorithm 6 gives its solver a place and no direction, and Eq. 5.3 asks for no bending at the \
+         gripper: here the contact node is clamped level on the table, the gripper holds a place and the rod turns freely in it; α \
+         follows. Then there is a region with the two bounds of Fig. 5.4b: outside, F_z < 0; inside, the rod comes down to the table. \
+         Such a clamp bears a moment M(0) where a lying rod of κ̄ = 0 bears none. F = 0 (Eq. 5.8) is found once, on the outer \
+         boundary, with the moment of the last row: a rod cannot lie straight there. Grasps with M(0) = 0 form a curve, which is the inner \
+         boundary of the region up to rays of about 108° and goes on from there among rods that lean back over the contact node; on \
+         it the axial force F_x, which friction must hold, vanishes twice: the local minima 1 and 2, the optimal grasps.",
+    );
+    let minima = minima();
+    let simulated = |minimum: usize| {
+        let case = cases.iter().find(|case| case.run.minimum == minimum);
+        case.map_or(Ok(None), |case| largest_sideways_at(case, PUSH))
+    };
+    let mut lines = Vec::new();
+    for (index, grasp) in minima.iter().enumerate() {
+        let free = free(&[grasp.contact_force.z]);
+        let found = free.first().map(|free| free.grasp);
+        let of =
+            |value: fn(&PlanarGrasp) -> f64, decimals| number(found.as_ref().map(value), decimals);
+        let sideways = simulated(index + 1)?;
+        lines.push(vec![
+            format!("local minimum {}", index + 1),
+            of(|grasp| grasp.gripper[0], 4),
+            of(|grasp| grasp.gripper[1], 4),
+            of(|grasp| grasp.angle.to_degrees(), 2),
+            of(|grasp| grasp.contact_force[0].abs(), 4),
+            of(|grasp| grasp.contact_force[1], 4),
+            of(|grasp| grasp.contact_moment.abs(), 4),
+            grasp.unstable_modes.to_string(),
+            number(sideways, 2),
+        ]);
+    }
+    if let Some(grasp) = without_force() {
+        lines.push(vec![
+            "F = 0 with a moment".into(),
+            number(Some(grasp.gripper[0]), 4),
+            number(Some(grasp.gripper[1]), 4),
+            number(Some(grasp.angle.to_degrees()), 2),
+            number(Some(grasp.contact_force[0].abs()), 4),
+            number(Some(grasp.contact_force[1].abs()), 4),
+            number(Some(grasp.contact_moment), 4),
+            "–".into(),
+            "–".into(),
+        ]);
+    }
+    page.table(
+        &[
+            "grasp",
+            "x̄",
+            "z̄",
+            "α in °",
+            "\\|F_x\\|",
+            "F_z",
+            "M(0)",
+            "unstable ways",
+            "sideways at Δȳ = 0.12, simulated",
+        ],
+        &lines,
+    );
+    page.text(&verdict(&rows));
+    page.csv(&rows)?;
+    for figure in figures(&rows) {
+        page.figure(&figure)?;
+    }
+    Ok(())
+}
+
+/// The figures from the table alone; rods are solved for again.
+pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
+    Ok(figures(&rows_of::<Row>(table)?))
+}
+
+fn free(forces: &[f64]) -> Vec<FreeGrasp> {
+    let found = free_grasps(SUSPENDED, stretch_stiffness(), forces);
+    found.expect("a length and a stiffness in range")
+}
+
+fn rows() -> Vec<Row> {
+    let rays: Vec<f64> = (1..180 / RAY_STEP)
+        .map(|ray| ((RAY_STEP * ray) as f64).to_radians())
+        .collect();
+    let region = grasp_region(SUSPENDED, stretch_stiffness(), &rays);
+    let region = region.expect("a length and a stiffness in range");
+    let mut rows = Vec::new();
+    for stretch in &region {
+        let grasps = stretch.grasps(GRASPS_PER_RAY);
+        for (index, (grasp, answer)) in grasps.iter().enumerate() {
+            let bound = match index {
+                0 => Some(stretch.bounds[0]),
+                _ if index + 1 == GRASPS_PER_RAY => Some(stretch.bounds[1]),
+                _ => None,
+            };
+            let bound = bound.map(|bound| match bound {
+                GraspBound::Pull => "pull",
+                GraspBound::Moment => "moment",
+                GraspBound::Table => "table",
+            });
+            rows.push(Row::new("ray", grasp, answer, bound));
+        }
+    }
+    let count = (LARGEST_FORCE / FORCE_STEP).round() as usize;
+    let forces: Vec<f64> = (2..=count).map(|index| FORCE_STEP * index as f64).collect();
+    let free = free(&forces);
+    rows.extend(
+        free.iter()
+            .map(|free| Row::new("free", &free.grasp, &free.answer, None)),
+    );
+    rows
+}
+
+/// Local minima 1 and 2: the gentle grasp, and the other one that gives way in the fewest directions.
+fn minima() -> [Grasp; 2] {
+    let problem = GraspProblem::new(SUSPENDED, 0.0, stretch_stiffness());
+    let problem = problem.expect("a length and a stiffness in range");
+    let found = GraspSolver::new().all_centrelines(&problem, 1);
+    let mut found = found.expect("there are planar grasps of this length");
+    let others = (1..found.len()).filter(|&index| found[index].0.is_feasible());
+    let second = others.min_by_key(|&index| found[index].0.unstable_modes);
+    let second = second.expect("there are several grasps of this length");
+    let second = found.swap_remove(second).0;
+    [found.swap_remove(0).0, second]
+}
+
+/// The grasp of the outer boundary whose axial force vanishes, too.
+fn without_force() -> Option<PlanarGrasp> {
+    let outer = |direction: f64| {
+        let region = grasp_region(SUSPENDED, stretch_stiffness(), &[direction]).ok()?;
+        Some(region.first()?.ends[0])
+    };
+    let [mut flat, mut steep] = [80f64, 90.0].map(f64::to_radians);
+    let mut found = outer(flat)?;
+    for _ in 0..20 {
+        let middle = 0.5 * (flat + steep);
+        found = outer(middle)?;
+        if found.contact_force[0] < 0.0 {
+            flat = middle;
+        } else {
+            steep = middle;
+        }
+    }
+    Some(found)
+}
+
+fn verdict(rows: &[Row]) -> String {
+    let stable = rows
+        .iter()
+        .filter(|row| row.of == "free" && row.unstable_modes == 0);
+    let last = stable.map(|row| row.force_z).fold(0.0, f64::max);
+    format!(
+        "Of the grasps without a contact moment those with F_z up to {last:.2} are stable, so that local minimum 1 is and local minimum 2 \
+         is not: by linear theory a rod there gives way without a push. How far a rod goes sideways when the gripper is pushed by a \
+         little (Fig. 5.4d) is the largest displacement over the push, by the second variation of its energy; near the boundary of the \
+         unstable grasps it grows without bound."
+    )
+}
+
+fn figures(rows: &[Row]) -> Vec<PageFigure> {
+    vec![
+        PageFigure::new(
+            "fig5.4_rods",
+            "Rods of the local minima, and of grasps along a ray of 60°: in region I, in the region, in region III",
+            rods(),
+        ),
+        PageFigure::new(
+            "fig5.4_force",
+            "The region of grasps and the force of the lying part; the grasps without a contact moment as a line",
+            region(rows, |row| row.force(), &FORCES, "F", |_| false),
+        ),
+        PageFigure::new(
+            "fig5.4_sideways",
+            "Largest sideways displacement of the rod over that of its gripper, and grasps that are unstable",
+            region(
+                rows,
+                |row| row.sideways_over_push,
+                &DISPLACEMENTS,
+                "Δq/Δy",
+                |row| row.unstable_modes > 0,
+            ),
+        ),
+    ]
+}
+
+/// Grasps as marks, by classes of a value, with the line of those that are free of a contact moment.
+fn region(
+    rows: &[Row],
+    value: fn(&Row) -> f64,
+    bounds: &[f64],
+    name: &str,
+    is_unstable: fn(&Row) -> bool,
+) -> Figure {
+    let rays = || rows.iter().filter(|row| row.of == "ray");
+    let points = |rows: &mut dyn Iterator<Item = &Row>| -> Vec<(f64, Option<f64>)> {
+        rows.map(|row| (row.x, Some(row.z))).collect()
+    };
+    let mut curves = Vec::new();
+    for class in 0..=bounds.len() {
+        let low = class.checked_sub(1).map_or(0.0, |below| bounds[below]);
+        let high = bounds.get(class).copied().unwrap_or(f64::INFINITY);
+        let label = match class {
+            0 => format!("{name} below {high}"),
+            _ if high.is_finite() => format!("{low} to {high}"),
+            _ => format!("above {low}"),
+        };
+        let mut chosen =
+            rays().filter(|row| !is_unstable(row) && (low..high).contains(&value(row)));
+        let found = points(&mut chosen);
+        if !found.is_empty() {
+            curves.push(Curve::new(label, found).looking(Look::Marks));
+        }
+    }
+    let unstable = points(&mut rays().filter(|row| is_unstable(row)));
+    if !unstable.is_empty() {
+        curves.push(Curve::new("unstable", unstable).looking(Look::OpenMarks));
+    }
+    let free = points(&mut rows.iter().filter(|row| row.of == "free"));
+    curves.push(Curve::new("M(0) = 0", free).looking(Look::Dashed));
+    let minima = minima().map(|grasp| (grasp.position.x, Some(grasp.position.z)));
+    curves.push(Curve::new("local minima 1 (right) and 2", minima.into()).looking(Look::Marks));
+    to_scale(curves)
+}
+
+fn rods() -> Figure {
+    let problem = GraspProblem::new(SUSPENDED, 0.0, stretch_stiffness());
+    let problem = problem.expect("a length and a stiffness in range");
+    let found = GraspSolver::new().all_centrelines(&problem, EDGES);
+    let found = found.expect("there are planar grasps of this length");
+    let mut curves = Vec::new();
+    for (index, minimum) in minima().iter().enumerate() {
+        let same = |(grasp, _): &&(Grasp, Vec<_>)| {
+            (grasp.contact_force - minimum.contact_force).norm() < 1e-9
+        };
+        if let Some((_, nodes)) = found.iter().find(same) {
+            let points = nodes.iter().map(|node| (node.x, Some(node.z)));
+            curves.push(Curve::new(
+                format!("local minimum {}", index + 1),
+                points.collect(),
+            ));
+        }
+    }
+    let direction = 60f64.to_radians();
+    let region = grasp_region(SUSPENDED, stretch_stiffness(), &[direction]);
+    let region = region.expect("a length and a stiffness in range");
+    if let Some(stretch) = region.first() {
+        let [outer, inner] = stretch
+            .ends
+            .map(|end| libm::hypot(end.gripper[0], end.gripper[1]));
+        for (name, distance) in [
+            ("region I", 1.05 * outer),
+            ("in the region", 0.5 * (outer + inner)),
+            ("region III", 0.6 * inner),
+        ] {
+            let rod = rod_along_ray(SUSPENDED, stretch_stiffness(), [direction, distance], EDGES);
+            if let Ok(Some(places)) = rod {
+                let points = places.iter().map(|[x, z]| (*x, Some(*z)));
+                curves.push(Curve::new(name, points.collect()).looking(Look::Dashed));
+            }
+        }
+    }
+    to_scale(curves)
+}
+
+fn to_scale(curves: Vec<Curve>) -> Figure {
+    let plot = LinePlot {
+        label: "z/L_{gb}".into(),
+        curves,
+    };
+    let style = PlotStyle {
+        is_to_scale: true,
+        ..PlotStyle::default()
+    };
+    styled_line_plots([plot], "x/L_{gb}", style)
+}

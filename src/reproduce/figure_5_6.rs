@@ -1,0 +1,200 @@
+//! Figure 5.6: optimal grasps over curvature, suspended length and stretching stiffness, exact and by the network.
+
+use super::ReproduceError;
+use super::cases::Case;
+use super::grasp_grid::{GraspGrid, LENGTH, STIFFNESS};
+use super::page::{Page, PageFigure, number};
+use super::table::rows_of;
+use crate::figure::{Curve, LinePlot, Look, line_plots};
+use crate::mechanics::rotation;
+use crate::plan::grasp::{GraspProblem, NeuralGrasps};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// What is read of `samples.csv`.
+#[derive(Deserialize)]
+struct Sample {
+    suspended_length: f64,
+    curvature: f64,
+    stretch_compliance: f64,
+    x: Option<f64>,
+    y: Option<f64>,
+    z: Option<f64>,
+    rotation_x: Option<f64>,
+    rotation_y: Option<f64>,
+    rotation_z: Option<f64>,
+}
+
+/// A row of the CSV file: lengths in L_gb, rotation vectors in rad; first exact, then by the network.
+#[derive(Clone, Serialize, Deserialize)]
+struct Row {
+    part: String,
+    suspended_length: f64,
+    curvature: f64,
+    stretch_compliance: f64,
+    x: f64,
+    y: f64,
+    z: f64,
+    rotation_x: f64,
+    rotation_y: f64,
+    rotation_z: f64,
+    network_x: Option<f64>,
+    network_y: Option<f64>,
+    network_z: Option<f64>,
+    network_rotation_x: Option<f64>,
+    network_rotation_y: Option<f64>,
+    network_rotation_z: Option<f64>,
+}
+
+/// A quantity: its label, exact, and by the network.
+type Quantity = (&'static str, fn(&Row) -> f64, fn(&Row) -> Option<f64>);
+
+/// What is drawn.
+const QUANTITIES: [Quantity; 6] = [
+    ("x/L_{gb}", |row| row.x, |row| row.network_x),
+    ("y/L_{gb}", |row| row.y, |row| row.network_y),
+    ("z/L_{gb}", |row| row.z, |row| row.network_z),
+    ("e_{x}", |row| row.rotation_x, |row| row.network_rotation_x),
+    ("e_{y}", |row| row.rotation_y, |row| row.network_rotation_y),
+    ("e_{z}", |row| row.rotation_z, |row| row.network_rotation_z),
+];
+
+/// Writes table and figures.
+pub(super) fn write(page: &mut Page, cases: &[Case<GraspGrid>]) -> Result<(), ReproduceError> {
+    let mut rows = Vec::new();
+    for case in cases {
+        rows.extend(rows_of_case(case)?);
+    }
+    page.text(&format!(
+        "Optimal grasps over the curvature κ̄ of the pattern, for suspended lengths l̄_s at k̄_s = {STIFFNESS:.0} (Fig. 5.6a) and for \
+         stretching stiffnesses k̄_s at l̄_s = {LENGTH} (Fig. 5.6b): place of the gripper in L_gb and rotation vector e in rad, in the frame \
+         of the contact node. Lines are exact, by collocation; marks are what the network of this program says. The thesis draws \
+         surfaces and does not give their ranges."
+    ));
+    let header = [
+        "part",
+        "grasps",
+        "position, mean error in L_gb",
+        "largest",
+        "rotation, mean error in °",
+        "largest",
+    ];
+    let lines: Vec<Vec<String>> = ["a", "b"].iter().map(|part| line(part, &rows)).collect();
+    page.table(&header, &lines);
+    page.csv(&rows)?;
+    for figure in figures(&rows) {
+        page.figure(&figure)?;
+    }
+    Ok(())
+}
+
+/// The figures from the table alone.
+pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
+    Ok(figures(&rows_of::<Row>(table)?))
+}
+
+fn rows_of_case(case: &Case<GraspGrid>) -> Result<Vec<Row>, ReproduceError> {
+    let samples: Vec<Sample> = rows_of(&case.directory.join("samples.csv"))?;
+    let problems = samples.iter().map(|sample| {
+        let stiffness = 1.0 / sample.stretch_compliance;
+        GraspProblem::new(sample.suspended_length, sample.curvature, stiffness)
+    });
+    let problems: Vec<GraspProblem> = problems
+        .collect::<Result<_, _>>()
+        .expect("samples of grasps are in range");
+    let learned = NeuralGrasps::built_in().predict(&problems);
+    let learned = learned.expect("the network of the program answers");
+    let part = if case.run.is_over_length { "a" } else { "b" };
+    let row = |(sample, learned): (Sample, Option<_>)| {
+        let (place, vector) = learned
+            .map(|grasp: crate::plan::grasp::LearnedGrasp| {
+                (grasp.position, rotation::to_vector(&grasp.rotation))
+            })
+            .unzip();
+        Some(Row {
+            part: part.into(),
+            suspended_length: sample.suspended_length,
+            curvature: sample.curvature,
+            stretch_compliance: sample.stretch_compliance,
+            x: sample.x?,
+            y: sample.y?,
+            z: sample.z?,
+            rotation_x: sample.rotation_x?,
+            rotation_y: sample.rotation_y?,
+            rotation_z: sample.rotation_z?,
+            network_x: place.map(|place| place.x),
+            network_y: place.map(|place| place.y),
+            network_z: place.map(|place| place.z),
+            network_rotation_x: vector.map(|vector| vector.x),
+            network_rotation_y: vector.map(|vector| vector.y),
+            network_rotation_z: vector.map(|vector| vector.z),
+        })
+    };
+    Ok(samples.into_iter().zip(learned).filter_map(row).collect())
+}
+
+fn line(part: &str, rows: &[Row]) -> Vec<String> {
+    let error = |row: &Row, quantities: &[Quantity]| -> Option<f64> {
+        let differences = quantities
+            .iter()
+            .map(|(_, exact, network)| Some((network(row)? - exact(row)).powi(2)));
+        differences.sum::<Option<f64>>().map(f64::sqrt)
+    };
+    let rows: Vec<&Row> = rows.iter().filter(|row| row.part == part).collect();
+    let mut line = vec![part.to_owned(), rows.len().to_string()];
+    for (quantities, unit) in [
+        (&QUANTITIES[..3], 1.0),
+        (&QUANTITIES[3..], 1f64.to_degrees()),
+    ] {
+        let errors = rows.iter().filter_map(|row| error(row, quantities));
+        let errors: Vec<f64> = errors.collect();
+        let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
+        let largest = errors.iter().copied().fold(0.0, f64::max);
+        line.push(number(Some(unit * mean), 4));
+        line.push(number(Some(unit * largest), 4));
+    }
+    line
+}
+
+fn figures(rows: &[Row]) -> Vec<PageFigure> {
+    let of = |part: &str, value: fn(&Row) -> f64, name: &dyn Fn(f64) -> String| {
+        let rows: Vec<&Row> = rows.iter().filter(|row| row.part == part).collect();
+        let mut values: Vec<f64> = rows.iter().map(|row| value(row)).collect();
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        let plots = QUANTITIES.map(|(label, exact, network)| {
+            let mut curves: Vec<Curve> = Vec::new();
+            let mut marks = Vec::new();
+            for &chosen in &values {
+                let of_value = || rows.iter().filter(move |row| value(row) == chosen);
+                let exact = of_value().map(|row| (row.curvature, Some(exact(row))));
+                curves.push(Curve::new(name(chosen), exact.collect()));
+                // Every fourth, to be told apart.
+                let seen = of_value().step_by(4);
+                marks.extend(seen.map(|row| (row.curvature, network(row))));
+            }
+            curves.push(Curve::new("network", marks).looking(Look::OpenMarks));
+            LinePlot {
+                label: label.into(),
+                curves,
+            }
+        });
+        line_plots(plots, "curvature κ̄")
+    };
+    vec![
+        PageFigure::new(
+            "fig5.6a",
+            "Grasps over the curvature for five suspended lengths, exact (lines) and by the network (marks)",
+            of("a", |row| row.suspended_length, &|length| {
+                format!("l̄_{{s}} = {length:.1}")
+            }),
+        ),
+        PageFigure::new(
+            "fig5.6b",
+            "Grasps over the curvature for five stretching stiffnesses, exact (lines) and by the network (marks)",
+            of("b", |row| row.stretch_compliance, &|compliance| {
+                format!("1/k̄_{{s}} = {compliance:.5}")
+            }),
+        ),
+    ]
+}

@@ -1,0 +1,90 @@
+//! Exact grasps on a grid (thesis 5.3.4).
+
+use super::cases::{Run, prepared};
+use crate::run::PreparedRun;
+
+/// k̄_s of thesis Fig. 5.6a and l̄_s of Fig. 5.6b.
+pub(super) const STIFFNESS: f64 = 2087.0;
+pub(super) const LENGTH: f64 = 13.68;
+/// Suspended lengths of Fig. 5.6a, compliances 1/k̄_s of Fig. 5.6b, and curvatures.
+const LENGTHS: [f64; 2] = [2.0, 24.0];
+const COMPLIANCES: [f64; 2] = [0.0, 0.003];
+const CURVATURES: [f64; 2] = [0.0, 2.0];
+/// Curves, and grasps of each.
+const CURVES: usize = 5;
+const GRASPS: usize = 41;
+
+/// A grid of grasps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct GraspGrid {
+    /// Whether it is over the suspended length; else over the stretching stiffness.
+    pub is_over_length: bool,
+    /// Curvatures for each.
+    grasps: usize,
+}
+
+impl GraspGrid {
+    /// Both parts of figure 5.6; a quick look has fewer curvatures.
+    pub fn of_figure_5_6(quick: bool) -> Vec<Self> {
+        let grasps = if quick { 11 } else { GRASPS };
+        [true, false]
+            .map(|is_over_length| Self {
+                is_over_length,
+                grasps,
+            })
+            .into()
+    }
+}
+
+impl Run for GraspGrid {
+    fn id(&self) -> String {
+        let over = if self.is_over_length {
+            "length"
+        } else {
+            "stiffness"
+        };
+        format!("grasps_over_{over}_{}", self.grasps)
+    }
+
+    fn prepare(&self) -> PreparedRun {
+        let same = |value: f64| [value, value];
+        let (lengths, compliances, [long, soft]) = if self.is_over_length {
+            (LENGTHS, same(1.0 / STIFFNESS), [CURVES, 1])
+        } else {
+            (same(LENGTH), COMPLIANCES, [1, CURVES])
+        };
+        let span = |[from, to]: [f64; 2]| format!("{{ from = {from:?}, to = {to:?} }}");
+        let text = format!(
+            "experiment = \"grasp-samples\"\n\
+             title = \"{}\"\n\
+             [grasp_samples]\n\
+             points = {{ kind = \"grid\", suspended_lengths = {long}, curvatures = {}, stretch_compliances = {soft} }}\n\
+             suspended_length = {}\n\
+             curvature = {}\n\
+             stretch_compliance = {}\n",
+            self.id(),
+            self.grasps,
+            span(lengths),
+            span(CURVATURES),
+            span(compliances),
+        );
+        prepared(&self.id(), &text, &[])
+    }
+
+    fn end(&self) -> f64 {
+        0.0
+    }
+
+    fn extent(&self) -> String {
+        format!("rods of {} curvatures were solved for", self.grasps)
+    }
+
+    fn cost(&self) -> f64 {
+        2e-3 * (CURVES * self.grasps) as f64
+    }
+
+    #[cfg(test)]
+    fn shortened(&self) -> Self {
+        Self { grasps: 3, ..*self }
+    }
+}
