@@ -1,7 +1,9 @@
 //! Rods as edges and the vertices between them.
 
+use super::clamped_end::VertexWeights;
 use super::topology::RodRange;
-use super::vertex::{VertexStiffness, VertexStrains};
+use super::turning_angle::{AngleRatio, BendingStrain};
+use super::vertex::{self, EdgeFrame, Moments, VertexGradient, VertexStiffness, VertexStrains};
 use crate::linalg::Element;
 use crate::mechanics::Vector3;
 use serde::{Deserialize, Serialize};
@@ -38,14 +40,48 @@ pub struct Vertex {
     pub before: usize,
     /// Edge after it.
     pub after: usize,
-    /// Natural strains.
+    /// Natural strains; none of bending where the angle is the strain.
     pub natural: VertexStrains,
-    /// Stiffness over Voronoi length.
+    /// What bends it.
+    pub strain: BendingStrain,
+    /// Stiffness over Voronoi length, as this is weighed.
     pub stiffness: VertexStiffness,
+    /// What its Voronoi length counts as; not 1 beside clamps of rods with consistent inertia.
+    pub weights: VertexWeights,
     /// Twist at which the frames of a ring are glued at its joint, rad; zero elsewhere.
     pub joint_twist: f64,
     /// Where its derivatives go.
     pub unknowns: VertexUnknowns,
+}
+
+impl Vertex {
+    /// What bends and twists it beyond its nature, rad.
+    pub fn elastic_strains(&self, strains: &VertexStrains) -> VertexStrains {
+        let (turning, natural) = (self.strain.of(strains), &self.natural);
+        VertexStrains {
+            curvature: std::array::from_fn(|k| turning.curvature[k] - natural.curvature[k]),
+            twist: turning.twist - natural.twist,
+        }
+    }
+
+    /// Bending energy and twisting energy, J.
+    pub fn energies(&self, strains: &VertexStrains) -> (f64, f64) {
+        vertex::energies(&self.strain.of(strains), &self.natural, &self.stiffness)
+    }
+
+    /// Gradient of the energy.
+    pub fn gradient(
+        &self,
+        [before, after]: [&EdgeFrame; 2],
+        strains: &VertexStrains,
+    ) -> VertexGradient {
+        let c = 0.5 * (1.0 + before.tangent.dot(&after.tangent));
+        let ratio = AngleRatio::of(c, self.strain.share());
+        let moments = Moments::new(&ratio.turning(strains), &self.natural, &self.stiffness);
+        ratio
+            .over_components(&moments, &strains.curvature)
+            .gradient(before, after)
+    }
 }
 
 /// Numbering of the eleven unknowns (x₋, θ⁰, x, θ¹, x₊) of a vertex.

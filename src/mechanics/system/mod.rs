@@ -18,6 +18,7 @@ mod contact_prediction;
 mod events;
 mod grasp;
 mod loads;
+mod mass;
 mod newton_matrix;
 mod residual;
 mod resultants;
@@ -561,6 +562,7 @@ fn add_inertia(
         let change = (unknowns[k] - stage.start[k]) * per_step - stage.velocity[k];
         residual[k] += assembly.masses[k] * per_acceleration_step * change;
     }
+    assembly.add_shared_inertia(stage, unknowns, residual);
     for (k, coefficient) in loads.damping.iter().enumerate() {
         residual[k] += coefficient * (unknowns[k] - stage.start[k]) * per_step;
     }
