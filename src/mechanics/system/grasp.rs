@@ -6,8 +6,8 @@
 //! the natural strains κ̃ l̄ᵢ/l̄ and the stiffness EI/l̄ᵢ, and the ghost edge lies in the middle of turn and twist, so that
 //! the energy stays as it is but for terms of fourth order in the turning angle. Letting go joins the halves again:
 //! their natural strains add, and so do the inverses of their stiffness. Weights of vertices beside clamps
-//! ([`VertexWeights`]) stay what they are, since others would move a stressed rod by themselves: those of a clamp that
-//! lets go cancel but for the fourth order, and a grasp is of second order. At a free end, which bears no moment, the
+//! ([`VertexWeights`]) stay what they are, since others would move a stressed rod by themselves: what a clamp that lets go
+//! leaves behind cancels but for the fourth order, and a grasp is of second order. At a free end, which bears no moment, the
 //! ghost edge goes on along the last edge, without stress.
 
 use super::{Drive, System};
@@ -305,29 +305,37 @@ impl System {
         let angle = |edge: usize| unknowns[STRIDE * edge + 3];
         let mut ghosts = Vec::new();
         // The natural strains per length, the stiffness times length, and half of the twist now.
-        let (natural, stiffness, strain, half_twist) = match (neighbours.before, neighbours.after) {
-            (Some(before), Some(after)) => {
-                let index = self.vertex_between(before, after).expect("asked before");
-                let half_twist = 0.5 * self.geometry.twist(index);
-                let vertex = self.assembly.rods.vertices.remove(index);
-                self.reference.twist.remove(index);
-                let length = self.half_length(before) + self.half_length(after);
-                (
-                    scaled(&vertex.natural, 1.0 / length),
-                    of_unit_length(&vertex, length),
-                    vertex.strain,
-                    half_twist,
-                )
-            }
-            (before, after) => {
-                let edge = before.or(after).expect("asked before");
-                let index = self.vertex_at_edge(edge).expect("asked before");
-                let vertex = self.assembly.rods.vertices[index];
-                let length = self.half_length(vertex.before) + self.half_length(vertex.after);
-                let stiffness = of_unit_length(&vertex, length);
-                (VertexStrains::default(), stiffness, vertex.strain, 0.0)
-            }
-        };
+        let (natural, stiffness, strain, weights, half_twist) =
+            match (neighbours.before, neighbours.after) {
+                (Some(before), Some(after)) => {
+                    let index = self.vertex_between(before, after).expect("asked before");
+                    let half_twist = 0.5 * self.geometry.twist(index);
+                    let vertex = self.assembly.rods.vertices.remove(index);
+                    self.reference.twist.remove(index);
+                    let length = self.half_length(before) + self.half_length(after);
+                    (
+                        scaled(&vertex.natural, 1.0 / length),
+                        stiffer(&vertex.stiffness, length),
+                        vertex.strain,
+                        vertex.weights,
+                        half_twist,
+                    )
+                }
+                (before, after) => {
+                    let edge = before.or(after).expect("asked before");
+                    let index = self.vertex_at_edge(edge).expect("asked before");
+                    let vertex = self.assembly.rods.vertices[index];
+                    let length = self.half_length(vertex.before) + self.half_length(vertex.after);
+                    let stiffness = of_unit_length(&vertex, length);
+                    (
+                        VertexStrains::default(),
+                        stiffness,
+                        vertex.strain,
+                        VertexWeights::default(),
+                        0.0,
+                    )
+                }
+            };
         for (edge, ghost_first) in [(neighbours.before, false), (neighbours.after, true)] {
             let Some(edge) = edge else { continue };
             let ghost = nodes + self.assembly.rods.ghosts;
@@ -353,7 +361,7 @@ impl System {
                 natural: scaled(&natural, length),
                 stiffness: stiffer(&stiffness, 1.0 / length),
                 strain,
-                weights: VertexWeights::default(),
+                weights,
                 joint_twist: 0.0,
                 unknowns: VertexUnknowns::Consecutive {
                     first: at.0,

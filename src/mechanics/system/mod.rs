@@ -15,6 +15,7 @@ mod build;
 mod clamps;
 mod complementarity;
 mod contact_prediction;
+mod contact_response;
 mod events;
 mod grasp;
 mod loads;
