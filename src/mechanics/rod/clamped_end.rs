@@ -36,9 +36,8 @@
 //!
 //! Where the first edge is more than twice as long as the second, and for one edge between two clamps, nothing is changed.
 
-use super::discretization::{ElasticRods, Vertex};
+use super::discretization::{ElasticRods, Vertex, VertexWeights};
 use super::turning_angle::BendingStrain;
-use serde::{Deserialize, Serialize};
 
 /// Longest first edge over the second: beyond 2.3 the third vertex would count as none.
 const LARGEST_RATIO: f64 = 2.0;
@@ -49,25 +48,6 @@ const TWIST_LESS: f64 = 0.036_777_001_896_685_47;
 /// Largest natural strain of a vertex of a straight rod, rad: far beyond what rounding makes of one that is placed so, and
 /// so small that angles and their tangents do not differ.
 const STRAIGHT: f64 = 1e-4;
-
-/// What the Voronoi length of a vertex counts as in the integrals of energy, over itself.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct VertexWeights {
-    /// In that of bending.
-    pub bending: f64,
-    /// In that of twist.
-    pub twisting: f64,
-}
-
-impl Default for VertexWeights {
-    /// As itself.
-    fn default() -> Self {
-        Self {
-            bending: 1.0,
-            twisting: 1.0,
-        }
-    }
-}
 
 /// What Gregory's rule adds to the lengths (m) of the first three vertices in the integral of bending, where edges of the
 /// lengths `first` and `second` (m) follow the end.

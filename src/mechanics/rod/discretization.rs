@@ -1,6 +1,5 @@
 //! Rods as edges and the vertices between them.
 
-use super::clamped_end::VertexWeights;
 use super::topology::RodRange;
 use super::turning_angle::{AngleRatio, BendingStrain};
 use super::vertex::{self, EdgeFrame, Moments, VertexGradient, VertexStiffness, VertexStrains};
@@ -31,6 +30,25 @@ pub struct Edge {
     pub natural_length: f64,
     /// Stretching stiffness EA, N.
     pub stretching: f64,
+}
+
+/// What the Voronoi length of a vertex counts as in the integrals of energy, over itself: `clamped_end` says where and why it is not 1.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct VertexWeights {
+    /// In that of bending.
+    pub bending: f64,
+    /// In that of twist.
+    pub twisting: f64,
+}
+
+impl Default for VertexWeights {
+    /// As itself.
+    fn default() -> Self {
+        Self {
+            bending: 1.0,
+            twisting: 1.0,
+        }
+    }
 }
 
 /// A place where two edges, one of which may be a ghost, meet.

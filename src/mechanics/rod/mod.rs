@@ -26,8 +26,7 @@ pub mod vertex;
 mod vertex_hessian;
 mod vertex_lanes;
 
-pub use clamped_end::VertexWeights;
-pub use discretization::{Edge, ElasticRods, GhostEdge, Vertex, VertexUnknowns};
+pub use discretization::{Edge, ElasticRods, GhostEdge, Vertex, VertexUnknowns, VertexWeights};
 pub use elastic::ElasticEnergy;
 pub use geometry::{ReferenceFrames, RodGeometry};
 pub use holonomy::holonomy_jacobian;

@@ -1,7 +1,7 @@
 //! From the description of a scene to numbered rods, masses, held unknowns and clamps that move.
 
 use super::clamps::{Drive, HeldEdge};
-use super::mass::ConsistentMasses;
+use super::shared_mass::ConsistentMasses;
 use crate::mechanics::rod::vertex::{VertexStiffness, VertexStrains};
 use crate::mechanics::rod::{
     BendingStrain, Edge, ElasticRods, GhostEdge, Placement, ReferenceFrames, RodRange, STRIDE,
@@ -123,7 +123,7 @@ impl Assembly {
                 })?;
             first_node += rod.centreline.len();
         }
-        assembly.share_masses();
+        assembly.consistent.share(&assembly.rods);
         if assembly.force_scale == 0.0 {
             assembly.force_scale = 1.0;
             assembly.shortest_edge = 1.0;

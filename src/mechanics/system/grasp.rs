@@ -191,7 +191,7 @@ impl System {
             assembly.held = switched.held;
             assembly.rods.vertices = switched.vertices;
             assembly.rods.ghosts = switched.ghosts;
-            assembly.share_masses();
+            assembly.consistent.share(&assembly.rods);
             let any = GhostEdge {
                 tangent: Vector3::x(),
                 director: Vector3::y(),
@@ -210,7 +210,7 @@ impl System {
     /// Makes everything else fit what is held and the vertices there are.
     fn rebuild(&mut self, unknowns: &[f64]) {
         self.switched = true;
-        self.assembly.share_masses();
+        self.assembly.consistent.share(&self.assembly.rods);
         self.geometry = RodGeometry::new(&self.assembly.rods);
         self.matrix.adapt(&self.assembly);
         self.update_geometry(unknowns);

@@ -3,6 +3,7 @@
 use super::super::Stage;
 use super::*;
 use crate::linalg::BandedSymmetric;
+use crate::mechanics::scene::RodDescription;
 use crate::mechanics::scene::{Clamp, Inertia, Motion, Scene, Stiffness};
 
 const MASS_PER_LENGTH: f64 = 0.7;

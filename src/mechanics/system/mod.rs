@@ -24,6 +24,7 @@ mod newton_matrix;
 mod residual;
 mod resultants;
 mod rigid_contact;
+mod shared_mass;
 mod start;
 mod strain;
 mod touching;
