@@ -9,7 +9,7 @@
 //! ```
 //!
 //! of which nothing is left at free and hinged ends, where M = 0 makes f' = 2 M M'/EI vanish. At a clamp it is
-//! h² M₀ M₁'/6: the rod turns too far by as much, and swings too slowly by the second order in h. Gregory's end weights
+//! h² M₀ M₀'/6EI: the rod turns too far by as much, and swings too slowly by the second order in h. Gregory's end weights
 //! take f'(0) from the first three vertices, (−3 f₀ + 4 f₁ − f₂)/2h, exactly where M is linear, as it is beside a clamp,
 //! near which nothing moves (M'' = ρA ẅ = 0 and M‴ = 0 there):
 //!

@@ -77,9 +77,10 @@ pub struct Rod {
     #[serde(default)]
     pub stiffness: Stiffness,
     /// How edges weigh on their nodes: "lumped", half at either node (vibrations of second order in the edge length);
-    /// "consistent", as edges that move linearly from node to node, with the weights of vertices beside clamps that go with
-    /// it, in equilibria, too (of fourth order for straight rods; the guide's page `accuracy` has the numbers); or "auto"
-    /// (the default): "consistent" for naturally straight rods of a `scene` without contact and fluid, else "lumped".
+    /// "consistent", as edges that move linearly from node to node (of fourth order for straight rods), with the strains and
+    /// the weights of vertices beside clamps that go with it, in equilibria, too; the guide's page `accuracy` has the numbers;
+    /// or "auto" (the default): "consistent" for naturally straight rods of a `scene` without contact and fluid, else
+    /// "lumped".
     pub inertia: Option<InertiaChoice>,
     /// Velocity of the rod at time zero. Default: at rest.
     pub velocity: Option<Vector<Velocity>>,
