@@ -70,6 +70,8 @@ pub struct RodDescription {
     pub mass_per_length: f64,
     /// Moment of inertia about the centreline per length, ρ(I₁ + I₂), kg m.
     pub rotational_inertia_per_length: f64,
+    /// How edges weigh on their nodes.
+    pub inertia: Inertia,
     /// Velocity of every node at time zero, m/s.
     pub velocity: Vector3,
     /// Angular velocity about the rod's centroid at time zero, rad/s (nodes' velocities only).
@@ -103,11 +105,24 @@ impl RodDescription {
             radius,
             mass_per_length,
             rotational_inertia_per_length: 0.5 * mass_per_length * radius * radius,
+            inertia: Inertia::Lumped,
             velocity: Vector3::zeros(),
             angular_velocity: Vector3::zeros(),
             held: false,
         }
     }
+}
+
+/// How the edges of a rod weigh on their nodes, and vertices beside clamps on the rod.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Inertia {
+    /// Half of the edge at either node: vibrations of second order in the edge length.
+    #[default]
+    Lumped,
+    /// As they move, linearly from node to node, with Gregory's weights beside clamps: vibrations of straight rods of
+    /// fourth order.
+    Consistent,
 }
 
 /// The shape of a rod without stress.

@@ -7,7 +7,7 @@ use crate::mechanics::dynamics::{
     Grasp, IntegrationParameters, Scheme, Simulation, SimulationError, StepSize,
 };
 use crate::mechanics::scene::{
-    Clamp, Load, LoadKind, Motion, NaturalShape, RodDescription, Scene, Stiffness,
+    Clamp, Inertia, Load, LoadKind, Motion, NaturalShape, RodDescription, Scene, Stiffness,
 };
 use crate::results::{Ending, NODES, NamedValues, SERIES, SUMMARY, SeriesRow, Table, Value};
 use serde::{Deserialize, Serialize};
@@ -169,6 +169,7 @@ fn cantilever(integration: IntegrationParameters) -> PreparedRun {
         radius,
         mass_per_length: density * area,
         rotational_inertia_per_length: 2.0 * density * second_moment,
+        inertia: Inertia::Consistent,
         velocity: Vector3::zeros(),
         angular_velocity: Vector3::zeros(),
         held: false,

@@ -1,7 +1,7 @@
 //! A free helix of 67 edges with the flagellum's cross-section, in the middle of a time step of 1 ms.
 
 use rodlab::mechanics::Vector3;
-use rodlab::mechanics::scene::{NaturalShape, RodDescription, Scene, Stiffness};
+use rodlab::mechanics::scene::{Inertia, NaturalShape, RodDescription, Scene, Stiffness};
 use rodlab::mechanics::system::{Stage, System};
 
 /// System, unknowns and stage.
@@ -54,6 +54,7 @@ fn scene() -> Scene {
             radius,
             mass_per_length: density * area,
             rotational_inertia_per_length: density * 2.0 * second_moment,
+            inertia: Inertia::Lumped,
             velocity: Vector3::zeros(),
             angular_velocity: Vector3::zeros(),
             held: false,

@@ -5,7 +5,8 @@ use super::gripper_motion::gripper_motion;
 use crate::mechanics::Vector3;
 use crate::mechanics::scene as mechanics;
 use crate::scenario::{
-    Clamp, Hold, Issue, KeyPath, Load, LoadKind, NaturalShape, Place, Plane, Rod, did_you_mean,
+    Clamp, Hold, Inertia, Issue, KeyPath, Load, LoadKind, NaturalShape, Place, Plane, Rod,
+    did_you_mean,
 };
 
 pub(super) fn place_rod(rod: &Rod, path: &KeyPath) -> Result<mechanics::RodDescription, Issue> {
@@ -46,6 +47,10 @@ pub(super) fn place_rod(rod: &Rod, path: &KeyPath) -> Result<mechanics::RodDescr
         radius: rod.radius,
         mass_per_length: density * area,
         rotational_inertia_per_length: density * (second_moment_1 + second_moment_2),
+        inertia: match rod.inertia {
+            Inertia::Lumped => mechanics::Inertia::Lumped,
+            Inertia::Consistent => mechanics::Inertia::Consistent,
+        },
         velocity: Vector3::from(rod.velocity),
         angular_velocity: Vector3::from(rod.angular_velocity),
         held: rod.held,

@@ -57,17 +57,12 @@ impl Simulation {
     pub fn energies_of(&self, rod: usize) -> Energies {
         let assembly = &self.system.assembly;
         let nodes = assembly.rods.rods[rod].node_indices();
-        let unknowns = STRIDE * nodes.start..STRIDE * nodes.end;
-        let velocity = self.state.velocity[unknowns.clone()].iter();
-        let kinetic = velocity
-            .zip(&assembly.masses[unknowns])
-            .map(|(v, m)| 0.5 * m * v * v);
         let left_out: Vec<bool> = (0..assembly.rods.nodes)
             .map(|node| assembly.obstacle[node] || !nodes.contains(&node))
             .collect();
         let elastic = self.system.elastic_energy_of(rod);
         Energies {
-            kinetic: kinetic.sum(),
+            kinetic: assembly.kinetic_energy(&nodes, &self.state.velocity),
             stretching: elastic.stretching,
             bending: elastic.bending,
             twisting: elastic.twisting,

@@ -55,6 +55,8 @@ mod event_tests;
 #[cfg(test)]
 mod friction_tests;
 #[cfg(test)]
+mod inertia_tests;
+#[cfg(test)]
 mod intervene_tests;
 #[cfg(test)]
 mod path_tests;

@@ -76,15 +76,9 @@ impl Simulation {
     pub fn energies(&self) -> Energies {
         let elastic = self.system.elastic_energy();
         let assembly = &self.system.assembly;
-        let kinetic = self
-            .state
-            .velocity
-            .iter()
-            .zip(&assembly.masses)
-            .map(|(v, m)| 0.5 * m * v * v)
-            .sum();
+        let nodes = 0..assembly.rods.nodes;
         Energies {
-            kinetic,
+            kinetic: assembly.kinetic_energy(&nodes, &self.state.velocity),
             stretching: elastic.stretching,
             bending: elastic.bending,
             twisting: elastic.twisting,
@@ -137,12 +131,17 @@ impl Simulation {
             .collect()
     }
 
-    /// Masses (kg) and moments of inertia (kg m²) of the free unknowns.
-    pub fn masses(&self) -> Vec<f64> {
-        self.free_unknowns()
-            .into_iter()
-            .map(|k| self.system.assembly.masses[k])
-            .collect()
+    /// Momentum, kg m/s, and angular momentum about the origin, kg m²/s, of the motion of all nodes.
+    pub fn momenta(&self) -> [Vector3; 2] {
+        let assembly = &self.system.assembly;
+        assembly.momenta(&self.state.unknowns, &self.state.velocity)
+    }
+
+    /// Masses (kg) and moments of inertia (kg m²) of the free unknowns: the mass matrix.
+    pub fn mass_matrix(&self) -> nalgebra::DMatrix<f64> {
+        let dense = self.system.assembly.mass_matrix();
+        let free = self.free_unknowns();
+        nalgebra::DMatrix::from_fn(free.len(), free.len(), |i, j| dense[(free[i], free[j])])
     }
 
     /// Hessian of the elastic energy, less the derivative of loads and contact forces, over the free

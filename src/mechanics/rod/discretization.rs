@@ -1,7 +1,8 @@
 //! Rods as edges and the vertices between them.
 
 use super::topology::RodRange;
-use super::vertex::{VertexStiffness, VertexStrains};
+use super::turning_angle::{AngleRatio, BendingStrain};
+use super::vertex::{self, EdgeFrame, Moments, VertexGradient, VertexStiffness, VertexStrains};
 use crate::linalg::Element;
 use crate::mechanics::Vector3;
 use serde::{Deserialize, Serialize};
@@ -31,6 +32,25 @@ pub struct Edge {
     pub stretching: f64,
 }
 
+/// What the Voronoi length of a vertex counts as in the integrals of energy, over itself: `clamped_end` says where and why it is not 1.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct VertexWeights {
+    /// In that of bending.
+    pub bending: f64,
+    /// In that of twist.
+    pub twisting: f64,
+}
+
+impl Default for VertexWeights {
+    /// As itself.
+    fn default() -> Self {
+        Self {
+            bending: 1.0,
+            twisting: 1.0,
+        }
+    }
+}
+
 /// A place where two edges, one of which may be a ghost, meet.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Vertex {
@@ -38,14 +58,48 @@ pub struct Vertex {
     pub before: usize,
     /// Edge after it.
     pub after: usize,
-    /// Natural strains.
+    /// Natural strains; none of bending where the angle is the strain.
     pub natural: VertexStrains,
-    /// Stiffness over Voronoi length.
+    /// What bends it.
+    pub strain: BendingStrain,
+    /// Stiffness over Voronoi length, as this is weighed.
     pub stiffness: VertexStiffness,
+    /// What its Voronoi length counts as; not 1 beside clamps of rods with consistent inertia.
+    pub weights: VertexWeights,
     /// Twist at which the frames of a ring are glued at its joint, rad; zero elsewhere.
     pub joint_twist: f64,
     /// Where its derivatives go.
     pub unknowns: VertexUnknowns,
+}
+
+impl Vertex {
+    /// What bends and twists it beyond its nature, rad.
+    pub fn elastic_strains(&self, strains: &VertexStrains) -> VertexStrains {
+        let (turning, natural) = (self.strain.of(strains), &self.natural);
+        VertexStrains {
+            curvature: std::array::from_fn(|k| turning.curvature[k] - natural.curvature[k]),
+            twist: turning.twist - natural.twist,
+        }
+    }
+
+    /// Bending energy and twisting energy, J.
+    pub fn energies(&self, strains: &VertexStrains) -> (f64, f64) {
+        vertex::energies(&self.strain.of(strains), &self.natural, &self.stiffness)
+    }
+
+    /// Gradient of the energy.
+    pub fn gradient(
+        &self,
+        [before, after]: [&EdgeFrame; 2],
+        strains: &VertexStrains,
+    ) -> VertexGradient {
+        let c = 0.5 * (1.0 + before.tangent.dot(&after.tangent));
+        let ratio = AngleRatio::of(c, self.strain.share());
+        let moments = Moments::new(&ratio.turning(strains), &self.natural, &self.stiffness);
+        ratio
+            .over_components(&moments, &strains.curvature)
+            .gradient(before, after)
+    }
 }
 
 /// Numbering of the eleven unknowns (x₋, θ⁰, x, θ¹, x₊) of a vertex.

@@ -64,8 +64,8 @@ impl ElasticRods {
             );
         }
         for (vertices, lanes) in self.vertex_batches(geometry) {
-            for lane in 0..vertices.len() {
-                let (bending, twisting) = lanes.energies(lane);
+            for (lane, vertex) in vertices.iter().enumerate() {
+                let (bending, twisting) = vertex.energies(&lanes.strains(lane));
                 energy.bending += bending;
                 energy.twisting += twisting;
             }

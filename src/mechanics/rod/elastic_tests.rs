@@ -4,7 +4,7 @@ use super::*;
 use crate::linalg::instruction_set::InstructionSet;
 use crate::mechanics::rod::transport::{any_normal, rotated};
 use crate::mechanics::rod::vertex::{VertexStiffness, VertexStrains};
-use crate::mechanics::rod::{GhostEdge, Placement, ReferenceFrames};
+use crate::mechanics::rod::{BendingStrain, GhostEdge, Placement, ReferenceFrames, VertexWeights};
 
 const NODES: usize = 21;
 
@@ -27,6 +27,11 @@ fn clamped_rod() -> (ElasticRods, Vec<f64>, ReferenceFrames, GhostEdge) {
             twist: 0.05,
         },
         stiffness,
+        strain: match first / (6 * STRIDE) {
+            1 => BendingStrain::Angle,
+            _ => BendingStrain::Tangent,
+        },
+        weights: VertexWeights::default(),
         joint_twist: 0.0,
         unknowns: VertexUnknowns::Consecutive {
             first,

@@ -82,6 +82,12 @@ impl FrameLanes {
         shift(&mut self.holonomy, &other.holonomy);
     }
 
+    /// Unit tangent of the edge in a lane.
+    #[inline(always)]
+    pub fn tangent(&self, lane: usize) -> Vector3 {
+        vector(&self.tangent, lane)
+    }
+
     /// The edge in a lane.
     #[inline(always)]
     pub fn get(&self, lane: usize) -> EdgeFrame {

@@ -1,7 +1,7 @@
 //! The discrete elastic rod: topology, frames, strains, energies and their derivatives.
 //!
 //! [`vertex`] holds bending and twisting, [`edge`] stretching; [`ElasticRods`] adds them up over all rods
-//! into a gradient and a band matrix. [`RodGeometry`] computes edges, frames and strains from the
+//! into a gradient and a band matrix; `clamped_end` weighs vertices beside clamps. [`RodGeometry`] computes edges, frames and strains from the
 //! unknowns. Both go through edges and vertices in lanes, several at a time (`frame_lanes`, `edge_lanes`,
 //! `vertex_lanes`), with the formulas written for one; `trigonometry` has sines and angles for that.
 //!
@@ -9,6 +9,7 @@
 //! time-parallel frames), Kaldor et al. 2010 (twist that counts turns), Panetta et al. 2019 (the corrected
 //! Hessian).
 
+mod clamped_end;
 mod discretization;
 pub mod edge;
 mod edge_lanes;
@@ -20,13 +21,15 @@ mod placement;
 pub mod topology;
 pub mod transport;
 mod trigonometry;
+mod turning_angle;
 pub mod vertex;
 mod vertex_hessian;
 mod vertex_lanes;
 
-pub use discretization::{Edge, ElasticRods, GhostEdge, Vertex, VertexUnknowns};
+pub use discretization::{Edge, ElasticRods, GhostEdge, Vertex, VertexUnknowns, VertexWeights};
 pub use elastic::ElasticEnergy;
 pub use geometry::{ReferenceFrames, RodGeometry};
 pub use holonomy::holonomy_jacobian;
 pub use placement::{Placement, PlacementError};
 pub use topology::{RodRange, STRIDE};
+pub use turning_angle::BendingStrain;

@@ -26,6 +26,8 @@
 //! squares agrees with it to second order in the edge length and does not soften under strong twist: for
 //! an isotropic, naturally straight rod the bending energy is EI|κb|²/2l̄ whatever the frames do.
 //!
+//! Rods that are straight by nature may bend by the angle φ instead of |κb| = 2 tan(φ/2): [`super::BendingStrain`].
+//!
 //! **Derivatives.** With t̃ = (t⁰+t¹)/χ, any S = κb·(M⁰+M¹), where Mʲ is a fixed combination of the
 //! directors of edge j, and Σ = 2(M⁰+M¹)/χ, Nʲ = tʲ×Mʲ, has under a change of the edges that carries the
 //! frames along without spin
@@ -200,23 +202,10 @@ pub fn gradient(
     natural: &VertexStrains,
     stiffness: &VertexStiffness,
 ) -> VertexGradient {
-    let common = Common::new(before, after);
-    let moments = Moments::new(strains, natural, stiffness);
-    let (m0, m1) = moments.directors(before, after);
-    let s = common.binormal.dot(&(m0 + m1));
-    let (g0, g1) = common.natural_gradient(s, &((m0 + m1) * common.two_over_chi));
-    let half = common.binormal * (0.5 * moments.twisting);
-    let phi0 = common.binormal.dot(&common.t0.cross(&m0)) - moments.twisting;
-    let phi1 = common.binormal.dot(&common.t1.cross(&m1)) + moments.twisting;
-    VertexGradient {
-        e0: g0 + half * common.inverse_length_0 + before.holonomy * phi0,
-        phi0,
-        e1: g1 + half * common.inverse_length_1 + after.holonomy * phi1,
-        phi1,
-    }
+    Moments::new(strains, natural, stiffness).gradient(before, after)
 }
 
-/// Derivatives of the energy with respect to the strains.
+/// Derivatives of an energy with respect to the strains, N m.
 pub(super) struct Moments {
     pub(super) bending: [f64; 4],
     pub(super) twisting: f64,
@@ -236,6 +225,24 @@ impl Moments {
         Self {
             bending,
             twisting: stiffness.twisting * (strains.twist - natural.twist),
+        }
+    }
+
+    /// Gradient of an energy of these derivatives.
+    #[inline(always)]
+    pub(super) fn gradient(&self, before: &EdgeFrame, after: &EdgeFrame) -> VertexGradient {
+        let common = Common::new(before, after);
+        let (m0, m1) = self.directors(before, after);
+        let s = common.binormal.dot(&(m0 + m1));
+        let (g0, g1) = common.natural_gradient(s, &((m0 + m1) * common.two_over_chi));
+        let half = common.binormal * (0.5 * self.twisting);
+        let phi0 = common.binormal.dot(&common.t0.cross(&m0)) - self.twisting;
+        let phi1 = common.binormal.dot(&common.t1.cross(&m1)) + self.twisting;
+        VertexGradient {
+            e0: g0 + half * common.inverse_length_0 + before.holonomy * phi0,
+            phi0,
+            e1: g1 + half * common.inverse_length_1 + after.holonomy * phi1,
+            phi1,
         }
     }
 

@@ -2,6 +2,7 @@
 //!
 //! With the moments Q = ∂E/∂(strain) and the stiffness K it is Σ K ∇(strain)⊗∇(strain) + Σ Q ∇∇(strain).
 
+use super::turning_angle::{AngleRatio, PairHessian};
 use super::vertex::{Common, EdgeFrame, Moments, VertexStiffness, VertexStrains};
 use crate::mechanics::{Matrix3, Vector3};
 
@@ -46,11 +47,49 @@ pub fn hessian(
     hessian
 }
 
+/// Hessian of the energy of a vertex of which a `share` bends by the angle ([`super::turning_angle`]).
+#[inline(always)]
+pub fn hessian_of_angle(
+    before: &EdgeFrame,
+    after: &EdgeFrame,
+    kappa: &[f64; 4],
+    moments: &Moments,
+    ratio: &AngleRatio,
+    stiffness: &VertexStiffness,
+) -> VertexHessian {
+    let common = Common::new(before, after);
+    let over_components = ratio.over_components(moments, kappa);
+    let mut hessian = strain_curvature(before, after, &common, &over_components);
+    let q = &moments.bending;
+    let pair = PairHessian::new([kappa[0], kappa[1]], [q[0], q[1]], stiffness, ratio);
+    let [one, other] = slopes_before(before, &common, [kappa[0], kappa[1]]);
+    hessian.add_outer_before(&one.combined(pair.first, &other, pair.mixed), &one);
+    hessian.add_outer_before(&one.combined(pair.mixed, &other, pair.second), &other);
+    let pair = PairHessian::new([kappa[2], kappa[3]], [q[2], q[3]], stiffness, ratio);
+    let [one, other] = slopes_after(after, &common, [kappa[2], kappa[3]]);
+    hessian.add_outer_after(&one.combined(pair.first, &other, pair.mixed), &one);
+    hessian.add_outer_after(&one.combined(pair.mixed, &other, pair.second), &other);
+    hessian.add_twist(stiffness.twisting, before, after, &common);
+    hessian
+}
+
 /// Gradient of a strain that one edge sees, over e⁰, e¹ and the angle of that edge.
 struct SeenGradient {
     e0: Vector3,
     e1: Vector3,
     phi: f64,
+}
+
+impl SeenGradient {
+    /// `own` times this and `factor` times another.
+    #[inline(always)]
+    fn combined(&self, own: f64, other: &Self, factor: f64) -> Self {
+        Self {
+            e0: self.e0 * own + other.e0 * factor,
+            e1: self.e1 * own + other.e1 * factor,
+            phi: self.phi * own + other.phi * factor,
+        }
+    }
 }
 
 /// Gradients of the two components of the curvature binormal that the edge before sees. When the frame spins, κ¹ turns
@@ -109,6 +148,31 @@ impl VertexHessian {
         self.e0phi1 += g.e0 * phi;
         self.e1phi1 += g.e1 * phi;
         self.phi1phi1 += g.phi * phi;
+    }
+
+    /// Adds f⊗g of strains that the edge before sees, which with others makes a symmetric matrix.
+    #[inline(always)]
+    fn add_outer_before(&mut self, f: &SeenGradient, g: &SeenGradient) {
+        self.add_outer_of_edges(f, g);
+        self.e0phi0 += f.e0 * g.phi;
+        self.e1phi0 += f.e1 * g.phi;
+        self.phi0phi0 += f.phi * g.phi;
+    }
+
+    /// The same of strains that the edge after sees.
+    #[inline(always)]
+    fn add_outer_after(&mut self, f: &SeenGradient, g: &SeenGradient) {
+        self.add_outer_of_edges(f, g);
+        self.e0phi1 += f.e0 * g.phi;
+        self.e1phi1 += f.e1 * g.phi;
+        self.phi1phi1 += f.phi * g.phi;
+    }
+
+    #[inline(always)]
+    fn add_outer_of_edges(&mut self, f: &SeenGradient, g: &SeenGradient) {
+        self.e0e0 += outer(&f.e0, &g.e0);
+        self.e1e0 += outer(&f.e1, &g.e0);
+        self.e1e1 += outer(&f.e1, &g.e1);
     }
 
     #[inline(always)]

@@ -4,8 +4,9 @@ use super::discretization::Vertex;
 use super::frame_lanes::{FrameLanes, VectorLanes, every_lane, set_vector, shift, vector};
 use super::transport::parallel_transport;
 use super::trigonometry::angle_of;
-use super::vertex::{self, EdgeFrame, VertexGradient, VertexStiffness, VertexStrains};
-use super::vertex_hessian;
+use super::turning_angle::AngleRatio;
+use super::vertex::{self, EdgeFrame, Moments, VertexGradient, VertexStiffness, VertexStrains};
+use super::vertex_hessian::{self, VertexHessian};
 use crate::linalg::instruction_set::{InstructionSet, LANES, Lanes, kernel};
 use crate::mechanics::Vector3;
 
@@ -58,6 +59,9 @@ pub(super) struct VertexLanes {
     natural: StrainLanes,
     bending: [Lanes; 2],
     twisting: Lanes,
+    /// 1 where the angle of turning is the strain, 0 where the curvature binormal is.
+    angle: Lanes,
+    has_angles: bool,
     is_chain: bool,
 }
 
@@ -72,6 +76,8 @@ impl VertexLanes {
             natural: StrainLanes::new(),
             bending: [[0.0; LANES]; 2],
             twisting: [0.0; LANES],
+            angle: [0.0; LANES],
+            has_angles: vertices.iter().any(|vertex| vertex.strain.share() > 0.0),
             is_chain: vertices.len() == LANES
                 && vertices
                     .windows(2)
@@ -82,6 +88,7 @@ impl VertexLanes {
             lanes.bending[0][lane] = vertex.stiffness.bending[0];
             lanes.bending[1][lane] = vertex.stiffness.bending[1];
             lanes.twisting[lane] = vertex.stiffness.twisting;
+            lanes.angle[lane] = vertex.strain.share();
         }
         lanes
     }
@@ -128,10 +135,22 @@ impl VertexLanes {
         self.strains.twist[lane]
     }
 
-    /// Bending energy and twisting energy of a lane, J.
-    pub fn energies(&self, lane: usize) -> (f64, f64) {
-        let (strains, natural) = (self.strains.get(lane), self.natural.get(lane));
-        vertex::energies(&strains, &natural, &self.stiffness(lane))
+    /// Strains of a lane.
+    pub fn strains(&self, lane: usize) -> VertexStrains {
+        self.strains.get(lane)
+    }
+
+    /// Factor of the curvatures in a lane, and the moments on what it makes of them.
+    #[inline(always)]
+    fn angle_moments(&self, lane: usize) -> (AngleRatio, Moments) {
+        let chi = 1.0 + self.before.tangent(lane).dot(&self.after.tangent(lane));
+        let ratio = AngleRatio::of(0.5 * chi, self.angle[lane]);
+        let turning = ratio.turning(&self.strains.get(lane));
+        let natural = self.natural.get(lane);
+        (
+            ratio,
+            Moments::new(&turning, &natural, &self.stiffness(lane)),
+        )
     }
 
     #[inline(always)]
@@ -163,6 +182,33 @@ kernel! {
     }
 }
 
+/// Gradient and Hessian of every lane.
+pub(super) fn derivatives(
+    set: InstructionSet,
+    vertices: &VertexLanes,
+    gradients: &mut GradientLanes,
+    hessians: &mut HessianLanes,
+) {
+    if vertices.has_angles {
+        derivatives_of_angles(set, vertices, gradients, hessians);
+    } else {
+        derivatives_of_tangents(set, vertices, gradients, hessians);
+    }
+}
+
+/// Gradient of every lane.
+pub(super) fn gradients(
+    set: InstructionSet,
+    vertices: &VertexLanes,
+    gradients: &mut GradientLanes,
+) {
+    if vertices.has_angles {
+        gradients_of_angles(set, vertices, gradients);
+    } else {
+        gradients_of_tangents(set, vertices, gradients);
+    }
+}
+
 /// Gradients over (x₋, θ⁰, x, θ¹, x₊).
 pub(super) type GradientLanes = [Lanes; VERTEX_UNKNOWNS];
 
@@ -171,7 +217,7 @@ pub(super) type HessianLanes = [[Lanes; VERTEX_UNKNOWNS]; VERTEX_UNKNOWNS];
 
 kernel! {
     /// [`vertex::gradient`] and [`vertex_hessian::hessian`] of every lane.
-    fn derivatives(vertices: &VertexLanes, gradients: &mut GradientLanes, hessians: &mut HessianLanes) {
+    fn derivatives_of_tangents(vertices: &VertexLanes, gradients: &mut GradientLanes, hessians: &mut HessianLanes) {
         for lane in 0..LANES {
             let (before, after) = (vertices.before.get(lane), vertices.after.get(lane));
             let (strains, natural) = (vertices.strains.get(lane), vertices.natural.get(lane));
@@ -179,40 +225,48 @@ kernel! {
             let gradient = vertex::gradient(&before, &after, &strains, &natural, &stiffness);
             let h = vertex_hessian::hessian(&before, &after, &strains, &natural, &stiffness);
             store_gradient(&gradient, lane, gradients);
-            for i in 0..3 {
-                for j in 0..3 {
-                    let (a, b, c) = (h.e0e0[(i, j)], h.e1e0[(i, j)], h.e1e1[(i, j)]);
-                    if j <= i {
-                        hessians[j][i - j][lane] = a;
-                        hessians[4 + j][i - j][lane] = a - b - h.e1e0[(j, i)] + c;
-                        hessians[8 + j][i - j][lane] = c;
-                    }
-                    hessians[j][4 + i - j][lane] = b - a;
-                    hessians[j][8 + i - j][lane] = -b;
-                    hessians[4 + j][4 + i - j][lane] = b - c;
-                }
-                hessians[i][3 - i][lane] = -h.e0phi0[i];
-                hessians[i][7 - i][lane] = -h.e0phi1[i];
-                hessians[3][1 + i][lane] = h.e0phi0[i] - h.e1phi0[i];
-                hessians[3][5 + i][lane] = h.e1phi0[i];
-                hessians[4 + i][3 - i][lane] = h.e0phi1[i] - h.e1phi1[i];
-                hessians[7][1 + i][lane] = h.e1phi1[i];
-            }
-            hessians[3][0][lane] = h.phi0phi0;
-            hessians[3][4][lane] = h.phi1phi0;
-            hessians[7][0][lane] = h.phi1phi1;
+            store_hessian(&h, lane, hessians);
         }
     }
 }
 
 kernel! {
     /// [`vertex::gradient`] of every lane.
-    fn gradients(vertices: &VertexLanes, gradients: &mut GradientLanes) {
+    fn gradients_of_tangents(vertices: &VertexLanes, gradients: &mut GradientLanes) {
         for lane in 0..LANES {
             let (before, after) = (vertices.before.get(lane), vertices.after.get(lane));
             let (strains, natural) = (vertices.strains.get(lane), vertices.natural.get(lane));
             let stiffness = vertices.stiffness(lane);
             let gradient = vertex::gradient(&before, &after, &strains, &natural, &stiffness);
+            store_gradient(&gradient, lane, gradients);
+        }
+    }
+}
+
+kernel! {
+    /// The same with the angle of turning as the strain of some lanes.
+    fn derivatives_of_angles(vertices: &VertexLanes, gradients: &mut GradientLanes, hessians: &mut HessianLanes) {
+        for lane in 0..LANES {
+            let (before, after) = (vertices.before.get(lane), vertices.after.get(lane));
+            let kappa = vertices.strains.get(lane).curvature;
+            let (ratio, moments) = vertices.angle_moments(lane);
+            let gradient = ratio.over_components(&moments, &kappa).gradient(&before, &after);
+            let stiffness = vertices.stiffness(lane);
+            let h = vertex_hessian::hessian_of_angle(&before, &after, &kappa, &moments, &ratio, &stiffness);
+            store_gradient(&gradient, lane, gradients);
+            store_hessian(&h, lane, hessians);
+        }
+    }
+}
+
+kernel! {
+    /// The gradients alone.
+    fn gradients_of_angles(vertices: &VertexLanes, gradients: &mut GradientLanes) {
+        for lane in 0..LANES {
+            let (before, after) = (vertices.before.get(lane), vertices.after.get(lane));
+            let kappa = vertices.strains.get(lane).curvature;
+            let (ratio, moments) = vertices.angle_moments(lane);
+            let gradient = ratio.over_components(&moments, &kappa).gradient(&before, &after);
             store_gradient(&gradient, lane, gradients);
         }
     }
@@ -227,4 +281,30 @@ fn store_gradient(gradient: &VertexGradient, lane: usize, gradients: &mut Gradie
     }
     gradients[3][lane] = gradient.phi0;
     gradients[7][lane] = gradient.phi1;
+}
+
+#[inline(always)]
+fn store_hessian(h: &VertexHessian, lane: usize, hessians: &mut HessianLanes) {
+    for i in 0..3 {
+        for j in 0..3 {
+            let (a, b, c) = (h.e0e0[(i, j)], h.e1e0[(i, j)], h.e1e1[(i, j)]);
+            if j <= i {
+                hessians[j][i - j][lane] = a;
+                hessians[4 + j][i - j][lane] = a - b - h.e1e0[(j, i)] + c;
+                hessians[8 + j][i - j][lane] = c;
+            }
+            hessians[j][4 + i - j][lane] = b - a;
+            hessians[j][8 + i - j][lane] = -b;
+            hessians[4 + j][4 + i - j][lane] = b - c;
+        }
+        hessians[i][3 - i][lane] = -h.e0phi0[i];
+        hessians[i][7 - i][lane] = -h.e0phi1[i];
+        hessians[3][1 + i][lane] = h.e0phi0[i] - h.e1phi0[i];
+        hessians[3][5 + i][lane] = h.e1phi0[i];
+        hessians[4 + i][3 - i][lane] = h.e0phi1[i] - h.e1phi1[i];
+        hessians[7][1 + i][lane] = h.e1phi1[i];
+    }
+    hessians[3][0][lane] = h.phi0phi0;
+    hessians[3][4][lane] = h.phi1phi0;
+    hessians[7][0][lane] = h.phi1phi1;
 }

@@ -3,7 +3,11 @@
 
 use super::*;
 use crate::mechanics::rod::transport::{any_normal, parallel_transport, rotated, signed_angle};
-use crate::mechanics::rod::vertex_hessian::{VertexHessian, hessian as hessian_blocks};
+use crate::mechanics::rod::turning_angle::AngleRatio;
+use crate::mechanics::rod::vertex_hessian::{
+    VertexHessian, hessian as hessian_blocks, hessian_of_angle,
+};
+use crate::mechanics::rod::{BendingStrain, Vertex, VertexUnknowns, VertexWeights};
 use nalgebra::SVector;
 use num_dual::{DualNum, hessian};
 
@@ -45,6 +49,7 @@ struct Setup {
     director: [Vector3; 2],
     reference_twist_near: f64,
     natural: VertexStrains,
+    strain: BendingStrain,
     stiffness: VertexStiffness,
 }
 
@@ -72,7 +77,12 @@ fn energy<D: DualNum<Primitive = f64> + Copy>(x: SVector<D, 8>, setup: &Setup) -
         references[j] = d;
     }
     let chi = dot(&tangents[0], &tangents[1]) + 1.0;
-    let binormal = cross(&tangents[0], &tangents[1]).map(|c| c * 2.0 / chi);
+    let c = chi / 2.0;
+    let factor = match setup.strain {
+        BendingStrain::Tangent => D::one(),
+        BendingStrain::Angle => (c * 9.0 - c * c * 2.0 + 8.0) / 15.0,
+    };
+    let binormal = cross(&tangents[0], &tangents[1]).map(|c| c * factor * 2.0 / chi);
     let mut total = D::zero();
     for j in 0..2 {
         let kappa = [
@@ -125,7 +135,8 @@ fn derivatives_match_dual_numbers() {
         seed ^= seed << 17;
         (seed >> 11) as f64 / (1u64 << 53) as f64 * 2.0 - 1.0
     };
-    for trial in 0..200 {
+    for trial in 0..400 {
+        let strain = [BendingStrain::Tangent, BendingStrain::Angle][trial as usize % 2];
         let scale = 10f64.powi(trial % 5 - 3);
         let edge = |random: &mut dyn FnMut() -> f64| {
             Vector3::new(1.0 + 0.6 * random(), random(), 0.8 * random()) * scale
@@ -149,6 +160,7 @@ fn derivatives_match_dual_numbers() {
                 curvature: [random(), random(), random(), random()],
                 twist: random(),
             },
+            strain,
             stiffness: VertexStiffness {
                 bending: [1.0 + random(), 1.3 + random()],
                 twisting: 0.9 + 0.5 * random(),
@@ -166,13 +178,35 @@ fn derivatives_match_dual_numbers() {
         let x = SVector::<f64, 8>::from([e0.x, e0.y, e0.z, theta_0, e1.x, e1.y, e1.z, theta_1]);
         let (value, expected_gradient, expected_hessian) = hessian(|x| energy(x, &setup), &x);
 
-        let (bending, twisting) = energies(&strains, &setup.natural, &setup.stiffness);
+        let vertex = Vertex {
+            before: 0,
+            after: 1,
+            natural: setup.natural,
+            strain,
+            stiffness: setup.stiffness,
+            weights: VertexWeights::default(),
+            joint_twist: 0.0,
+            unknowns: VertexUnknowns::Closing { element: 0 },
+        };
+        let (bending, twisting) = vertex.energies(&strains);
         assert!(((bending + twisting) / value - 1.0).abs() < 1e-11);
 
         // Lengths in units of the edge, so that forces and moments weigh alike.
         let unit = |k: usize| if k % 4 == 3 { 1.0 } else { scale };
-        let ours = gradient(&before, &after, &strains, &setup.natural, &setup.stiffness);
-        let blocks = hessian_blocks(&before, &after, &strains, &setup.natural, &setup.stiffness);
+        let ours = vertex.gradient([&before, &after], &strains);
+        let blocks = match strain {
+            BendingStrain::Tangent => {
+                hessian_blocks(&before, &after, &strains, &setup.natural, &setup.stiffness)
+            }
+            BendingStrain::Angle => {
+                let c = 0.5 * (1.0 + before.tangent.dot(&after.tangent));
+                let ratio = AngleRatio::of(c, 1.0);
+                let moments =
+                    Moments::new(&ratio.turning(&strains), &setup.natural, &setup.stiffness);
+                let kappa = &strains.curvature;
+                hessian_of_angle(&before, &after, kappa, &moments, &ratio, &setup.stiffness)
+            }
+        };
         let moments = [ours.phi0, ours.phi1];
         let ours = entries(&ours);
         let size = (0..8)

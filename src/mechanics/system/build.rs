@@ -1,12 +1,13 @@
 //! From the description of a scene to numbered rods, masses, held unknowns and clamps that move.
 
 use super::clamps::{Drive, HeldEdge};
+use super::shared_mass::ConsistentMasses;
 use crate::mechanics::rod::vertex::{VertexStiffness, VertexStrains};
 use crate::mechanics::rod::{
-    Edge, ElasticRods, GhostEdge, Placement, ReferenceFrames, RodRange, STRIDE, Vertex,
-    VertexUnknowns,
+    BendingStrain, Edge, ElasticRods, GhostEdge, Placement, ReferenceFrames, RodRange, STRIDE,
+    Vertex, VertexUnknowns, VertexWeights,
 };
-use crate::mechanics::scene::{NaturalShape, RodDescription, Scene};
+use crate::mechanics::scene::{Inertia, NaturalShape, RodDescription, Scene};
 use crate::mechanics::{RodError, SceneError, Vector3};
 
 /// The rods of a scene, numbered and placed, with what holds them.
@@ -26,8 +27,11 @@ pub struct Assembly {
     pub reference: ReferenceFrames,
     /// Ghost edges at time zero.
     pub ghosts: Vec<GhostEdge>,
-    /// Mass (kg) or moment of inertia (kg m²) of each unknown; zero where there is none.
+    /// Mass (kg) or moment of inertia (kg m²) lumped at each unknown, the sum of its row of the mass matrix; zero where there
+    /// is none.
     pub masses: Vec<f64>,
+    /// Densities of the rods with consistent inertia, and what their neighbours share of the masses.
+    pub consistent: ConsistentMasses,
     /// Unknowns that are prescribed.
     pub held: Vec<bool>,
     /// Nodes that are held with their whole rod as rigid obstacles.
@@ -99,6 +103,7 @@ impl Assembly {
             },
             ghosts: Vec::new(),
             masses: vec![0.0; STRIDE * nodes],
+            consistent: ConsistentMasses::default(),
             held: vec![false; STRIDE * nodes],
             obstacle: vec![false; nodes],
             drives: Vec::new(),
@@ -118,6 +123,7 @@ impl Assembly {
                 })?;
             first_node += rod.centreline.len();
         }
+        assembly.consistent.share(&assembly.rods);
         if assembly.force_scale == 0.0 {
             assembly.force_scale = 1.0;
             assembly.shortest_edge = 1.0;
@@ -164,6 +170,7 @@ impl Assembly {
             .clone();
         self.place_nodes(rod, &range, &placed);
         self.add_edges_and_masses(rod, &range, &natural_lengths);
+        let first_vertex = self.rods.vertices.len();
         self.add_vertices(
             index,
             rod,
@@ -173,6 +180,10 @@ impl Assembly {
             natural_placement.as_ref(),
             &natural_lengths,
         )?;
+        if rod.inertia == Inertia::Consistent && !rod.held {
+            self.rods.refine(first_vertex);
+            self.consistent.add_rod(range, rod);
+        }
         let scale = RodScale::of(rod, &natural_lengths);
         self.scales.push(scale);
         if !rod.held {
@@ -328,6 +339,8 @@ impl Assembly {
                         after,
                         natural: natural(placed_strains, &of_shape, voronoi),
                         stiffness: stiffness(rod, voronoi),
+                        strain: BendingStrain::default(),
+                        weights: VertexWeights::default(),
                         joint_twist: 0.0,
                         unknowns,
                     });
@@ -352,6 +365,8 @@ impl Assembly {
                     after: range.first_node + after,
                     natural: natural(placed_strains, &of_shape, voronoi),
                     stiffness: stiffness(rod, voronoi),
+                    strain: BendingStrain::default(),
+                    weights: VertexWeights::default(),
                     joint_twist,
                     unknowns,
                 });

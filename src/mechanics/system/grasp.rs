@@ -5,7 +5,9 @@
 //! ghost edge (as [`crate::mechanics::scene::Clamp`] describes): with Voronoi lengths l̄ = l̄₀ + l̄₁, the halves have
 //! the natural strains κ̃ l̄ᵢ/l̄ and the stiffness EI/l̄ᵢ, and the ghost edge lies in the middle of turn and twist, so that
 //! the energy stays as it is but for terms of fourth order in the turning angle. Letting go joins the halves again:
-//! their natural strains add, and so do the inverses of their stiffness. At a free end, which bears no moment, the
+//! their natural strains add, and so do the inverses of their stiffness. Weights of vertices beside clamps
+//! ([`VertexWeights`]) stay what they are, since others would move a stressed rod by themselves: what a clamp that lets go
+//! leaves behind cancels but for the fourth order, and a grasp is of second order. At a free end, which bears no moment, the
 //! ghost edge goes on along the last edge, without stress.
 
 use super::{Drive, System};
@@ -13,7 +15,9 @@ use crate::mechanics::Vector3;
 use crate::mechanics::rod::topology::position;
 use crate::mechanics::rod::transport::{any_normal, normal_part, parallel_transport, rotated};
 use crate::mechanics::rod::vertex::{VertexStiffness, VertexStrains};
-use crate::mechanics::rod::{GhostEdge, RodGeometry, RodRange, STRIDE, Vertex, VertexUnknowns};
+use crate::mechanics::rod::{
+    GhostEdge, RodGeometry, RodRange, STRIDE, Vertex, VertexUnknowns, VertexWeights,
+};
 use crate::mechanics::scene::{Clamp, Motion};
 use serde::{Deserialize, Serialize};
 
@@ -187,6 +191,7 @@ impl System {
             assembly.held = switched.held;
             assembly.rods.vertices = switched.vertices;
             assembly.rods.ghosts = switched.ghosts;
+            assembly.consistent.share(&assembly.rods);
             let any = GhostEdge {
                 tangent: Vector3::x(),
                 director: Vector3::y(),
@@ -205,6 +210,7 @@ impl System {
     /// Makes everything else fit what is held and the vertices there are.
     fn rebuild(&mut self, unknowns: &[f64]) {
         self.switched = true;
+        self.assembly.consistent.share(&self.assembly.rods);
         self.geometry = RodGeometry::new(&self.assembly.rods);
         self.matrix.adapt(&self.assembly);
         self.update_geometry(unknowns);
@@ -299,28 +305,37 @@ impl System {
         let angle = |edge: usize| unknowns[STRIDE * edge + 3];
         let mut ghosts = Vec::new();
         // The natural strains per length, the stiffness times length, and half of the twist now.
-        let (natural, stiffness, half_twist) = match (neighbours.before, neighbours.after) {
-            (Some(before), Some(after)) => {
-                let index = self.vertex_between(before, after).expect("asked before");
-                let half_twist = 0.5 * self.geometry.twist(index);
-                let vertex = self.assembly.rods.vertices.remove(index);
-                self.reference.twist.remove(index);
-                let length = self.half_length(before) + self.half_length(after);
-                (
-                    scaled(&vertex.natural, 1.0 / length),
-                    stiffer(&vertex.stiffness, length),
-                    half_twist,
-                )
-            }
-            (before, after) => {
-                let edge = before.or(after).expect("asked before");
-                let index = self.vertex_at_edge(edge).expect("asked before");
-                let vertex = self.assembly.rods.vertices[index];
-                let length = self.half_length(vertex.before) + self.half_length(vertex.after);
-                let stiffness = stiffer(&vertex.stiffness, length);
-                (VertexStrains::default(), stiffness, 0.0)
-            }
-        };
+        let (natural, stiffness, strain, weights, half_twist) =
+            match (neighbours.before, neighbours.after) {
+                (Some(before), Some(after)) => {
+                    let index = self.vertex_between(before, after).expect("asked before");
+                    let half_twist = 0.5 * self.geometry.twist(index);
+                    let vertex = self.assembly.rods.vertices.remove(index);
+                    self.reference.twist.remove(index);
+                    let length = self.half_length(before) + self.half_length(after);
+                    (
+                        scaled(&vertex.natural, 1.0 / length),
+                        stiffer(&vertex.stiffness, length),
+                        vertex.strain,
+                        vertex.weights,
+                        half_twist,
+                    )
+                }
+                (before, after) => {
+                    let edge = before.or(after).expect("asked before");
+                    let index = self.vertex_at_edge(edge).expect("asked before");
+                    let vertex = self.assembly.rods.vertices[index];
+                    let length = self.half_length(vertex.before) + self.half_length(vertex.after);
+                    let stiffness = of_unit_length(&vertex, length);
+                    (
+                        VertexStrains::default(),
+                        stiffness,
+                        vertex.strain,
+                        VertexWeights::default(),
+                        0.0,
+                    )
+                }
+            };
         for (edge, ghost_first) in [(neighbours.before, false), (neighbours.after, true)] {
             let Some(edge) = edge else { continue };
             let ghost = nodes + self.assembly.rods.ghosts;
@@ -345,6 +360,8 @@ impl System {
                 after,
                 natural: scaled(&natural, length),
                 stiffness: stiffer(&stiffness, 1.0 / length),
+                strain,
+                weights,
                 joint_twist: 0.0,
                 unknowns: VertexUnknowns::Consecutive {
                     first: at.0,
@@ -354,6 +371,19 @@ impl System {
             });
         }
         ghosts
+    }
+
+    /// Weights of the vertex of two halves.
+    fn joined_weights(&self, first: &Vertex, second: &Vertex) -> VertexWeights {
+        let [one, other] = [first.before, second.after].map(|edge| self.half_length(edge));
+        let mean = |weight: fn(&VertexWeights) -> f64| {
+            let excess = |vertex: &Vertex| weight(&vertex.weights) - 1.0;
+            1.0 + (one * excess(first) + other * excess(second)) / (one + other)
+        };
+        VertexWeights {
+            bending: mean(|weights| weights.bending),
+            twisting: mean(|weights| weights.twisting),
+        }
     }
 
     /// Removes ghost edges with their half vertices, and joins the halves to whole ones.
@@ -388,6 +418,8 @@ impl System {
                     twist: first.natural.twist + second.natural.twist,
                 },
                 stiffness: in_series(&first.stiffness, &second.stiffness),
+                strain: first.strain,
+                weights: self.joined_weights(&first, &second),
                 joint_twist: 0.0,
                 unknowns: VertexUnknowns::Consecutive {
                     first: unknown,
@@ -413,6 +445,15 @@ impl System {
                 }
             }
         }
+    }
+}
+
+/// Stiffness of a vertex of unit length and weight.
+fn of_unit_length(vertex: &Vertex, voronoi: f64) -> VertexStiffness {
+    let (stiffness, weights) = (&vertex.stiffness, &vertex.weights);
+    VertexStiffness {
+        bending: (stiffness.bending).map(|bending| voronoi * weights.bending * bending),
+        twisting: voronoi * weights.twisting * stiffness.twisting,
     }
 }
 

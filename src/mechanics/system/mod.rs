@@ -15,14 +15,17 @@ mod build;
 mod clamps;
 mod complementarity;
 mod contact_prediction;
+mod contact_response;
 mod contact_stiffness;
 mod events;
 mod grasp;
 mod loads;
+mod mass;
 mod newton_matrix;
 mod residual;
 mod resultants;
 mod rigid_contact;
+mod shared_mass;
 mod start;
 mod strain;
 mod touching;
@@ -540,6 +543,7 @@ fn add_inertia(
         let change = (unknowns[k] - stage.start[k]) * per_step - stage.velocity[k];
         residual[k] += assembly.masses[k] * per_acceleration_step * change;
     }
+    assembly.add_shared_inertia(stage, unknowns, residual);
     for (k, coefficient) in loads.damping.iter().enumerate() {
         residual[k] += coefficient * (unknowns[k] - stage.start[k]) * per_step;
     }

@@ -101,6 +101,8 @@ impl NewtonMatrix {
         for (column, mass) in columns.iter_mut().zip(&assembly.masses) {
             column[0] += mass * per_acceleration_step * per_step;
         }
+        let closing = &mut self.permanent_matrices[..self.closing];
+        assembly.add_shared_masses(per_acceleration_step * per_step, columns, closing);
         for (column, coefficient) in columns.iter_mut().zip(&loads.damping) {
             column[0] += coefficient * per_step;
         }

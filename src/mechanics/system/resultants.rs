@@ -2,7 +2,7 @@
 //!
 //! A vertex of bending stiffness EI/l̄ and twisting stiffness GJ/l̄ bears the moments EI (κ − κ̃)/l̄ about the two
 //! material directors, where κ is the mean of the integrated curvatures seen by its two edges, and GJ (τ − τ̃)/l̄ about
-//! the tangent; an edge bears the tension EA (l/l̃ − 1).
+//! the tangent, where rods that bend by the angle of turning take that for κ; an edge bears the tension EA (l/l̃ − 1).
 //!
 //! **Moment of a clamp.** The energy E of the half vertex at a ghost edge does not change when all of it is turned, so
 //! that turning the ghost edge alone by δφ changes it by M·δφ, where −M·δφ is the change when the rod's edge is turned
@@ -14,7 +14,7 @@
 use super::System;
 use crate::mechanics::Vector3;
 use crate::mechanics::rod::vertex::{self, EdgeFrame, VertexStrains, curvature_binormal};
-use crate::mechanics::rod::{ElasticEnergy, STRIDE, Vertex};
+use crate::mechanics::rod::{BendingStrain, ElasticEnergy, STRIDE, Vertex};
 
 /// What a rod bears at a node, and its curvature there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -63,13 +63,7 @@ impl System {
             }
             let frames = [vertex.before, vertex.after].map(|edge| &self.geometry.edges[edge]);
             let strains = self.strains(index, vertex);
-            let gradient = vertex::gradient(
-                frames[0],
-                frames[1],
-                &strains,
-                &vertex.natural,
-                &vertex.stiffness,
-            );
+            let gradient = vertex.gradient(frames, &strains);
             moment -= if vertex.before < rods.nodes {
                 turning(frames[0], &gradient.e0, gradient.phi0)
             } else {
@@ -99,8 +93,7 @@ impl System {
         for (index, vertex) in rods.vertices.iter().enumerate() {
             if nodes.contains(&self.node_of(vertex)) {
                 let strains = self.strains(index, vertex);
-                let (bending, twisting) =
-                    vertex::energies(&strains, &vertex.natural, &vertex.stiffness);
+                let (bending, twisting) = vertex.energies(&strains);
                 energy.bending += bending;
                 energy.twisting += twisting;
             }
@@ -138,9 +131,9 @@ impl System {
     fn resultants_of(&self, index: usize, vertex: &Vertex) -> Resultants {
         let strains = self.strains(index, vertex);
         let [before, after] = [vertex.before, vertex.after].map(|edge| &self.geometry.edges[edge]);
+        let elastic = vertex.elastic_strains(&strains);
         let moment = |axis: usize| {
-            let of_edge = |k: usize| strains.curvature[k] - vertex.natural.curvature[k];
-            vertex.stiffness.bending[axis] * (of_edge(axis) + of_edge(axis + 2))
+            vertex.stiffness.bending[axis] * (elastic.curvature[axis] + elastic.curvature[axis + 2])
         };
         let half_length = |frame: &EdgeFrame| {
             if frame.length.is_finite() {
@@ -151,11 +144,30 @@ impl System {
         };
         let length = half_length(before) + half_length(after);
         let binormal = curvature_binormal(&before.tangent, &after.tangent);
+        let turned = if vertex.weights.bending == 1.0 && vertex.strain == BendingStrain::Tangent {
+            binormal.norm()
+        } else {
+            let turning = vertex.strain.of(&strains);
+            // Beside a clamp the turning is no mean of the curvature around the node; the moment is right there.
+            let over_length = |axis: usize| {
+                let of_edges =
+                    |of: &VertexStrains| 0.5 * (of.curvature[axis] + of.curvature[axis + 2]);
+                let natural = of_edges(&vertex.natural);
+                natural + (of_edges(&turning) - natural) / vertex.weights.bending
+            };
+            libm::hypot(over_length(0), over_length(1))
+        };
+        let natural_twist = vertex.natural.twist;
+        let twisted = if vertex.weights.twisting == 1.0 {
+            strains.twist
+        } else {
+            natural_twist + (strains.twist - natural_twist) / vertex.weights.twisting
+        };
         Resultants {
             bending_moment: libm::hypot(moment(0), moment(1)),
-            twisting_moment: vertex.stiffness.twisting * (strains.twist - vertex.natural.twist),
-            curvature: binormal.norm() / length,
-            twist: strains.twist / length,
+            twisting_moment: vertex.stiffness.twisting * (strains.twist - natural_twist),
+            curvature: turned / length,
+            twist: twisted / length,
         }
     }
 }

@@ -71,13 +71,14 @@ impl System {
             let strains = self.strains(index, vertex);
             // κ¹ = m₂·κb turns about m₂.
             let inverse_length = 2.0 * vertex.stiffness.bending[0] / section.bending_2;
+            let elastic = vertex.elastic_strains(&strains);
             let mean = |axis: usize| {
-                let of_edge = |k: usize| strains.curvature[k] - vertex.natural.curvature[k];
-                0.5 * inverse_length * (of_edge(axis) + of_edge(axis + 2))
+                0.5 * inverse_length * (elastic.curvature[axis] + elastic.curvature[axis + 2])
             };
             let bending = libm::hypot(fibre_2 * mean(0), fibre_1 * mean(1));
             keep_larger(&mut largest.bending, bending, node);
-            let twist = inverse_length * (strains.twist - vertex.natural.twist);
+            let inverse_length = inverse_length * vertex.weights.bending / vertex.weights.twisting;
+            let twist = inverse_length * elastic.twist;
             let rim = std::f64::consts::FRAC_1_SQRT_2 * libm::hypot(fibre_1, fibre_2);
             keep_larger(&mut largest.twist, rim * twist.abs(), node);
         }

@@ -4,7 +4,7 @@
 use super::*;
 use crate::mechanics::contact::ContactParameters;
 use crate::mechanics::scene::{
-    Clamp, Load, LoadKind, Motion, NaturalShape, Plane, RodDescription, Scene, Stiffness,
+    Clamp, Inertia, Load, LoadKind, Motion, NaturalShape, Plane, RodDescription, Scene, Stiffness,
 };
 use std::f64::consts::TAU;
 
@@ -130,50 +130,69 @@ fn jacobian_error(system: &mut System, unknowns: &[f64], stage: Option<&Stage>, 
     worst / jacobian.amax()
 }
 
+/// The scene with lumped masses, and with consistent inertia of rods that are bent by nature or straight.
+fn elastic_scenes() -> [Scene; 3] {
+    [0, 1, 2].map(|case| {
+        let mut scene = elastic_scene();
+        for rod in &mut scene.rods {
+            if case > 0 {
+                rod.inertia = Inertia::Consistent;
+            }
+            if case == 2 {
+                rod.natural_shape = NaturalShape::Straight;
+            }
+        }
+        scene
+    })
+}
+
 #[test]
 fn the_residual_is_the_gradient_of_the_energy() {
-    let mut system = System::new(&elastic_scene()).unwrap();
-    let unknowns = perturbed(&system, 0.02);
-    system.evaluate(&unknowns, None);
-    let residual = system.residual.clone();
-    let scale = residual.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
-    let step = 1e-5;
-    for k in free(&system) {
-        let mut energy_at = |change: f64| {
-            let mut moved = unknowns.clone();
-            moved[k] += change;
-            system.update_geometry(&moved);
-            system.elastic_energy().total()
-        };
-        let slope = (8.0 * (energy_at(step) - energy_at(-step)) - energy_at(2.0 * step)
-            + energy_at(-2.0 * step))
-            / (12.0 * step);
-        assert!(
-            (slope - residual[k]).abs() < 1e-8 * scale,
-            "unknown {k}: {slope} against {}",
-            residual[k]
-        );
+    for scene in elastic_scenes() {
+        let mut system = System::new(&scene).unwrap();
+        let unknowns = perturbed(&system, 0.02);
+        system.evaluate(&unknowns, None);
+        let residual = system.residual.clone();
+        let scale = residual.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
+        let step = 1e-5;
+        for k in free(&system) {
+            let mut energy_at = |change: f64| {
+                let mut moved = unknowns.clone();
+                moved[k] += change;
+                system.update_geometry(&moved);
+                system.elastic_energy().total()
+            };
+            let slope = (8.0 * (energy_at(step) - energy_at(-step)) - energy_at(2.0 * step)
+                + energy_at(-2.0 * step))
+                / (12.0 * step);
+            assert!(
+                (slope - residual[k]).abs() < 1e-8 * scale,
+                "unknown {k}: {slope} against {}",
+                residual[k]
+            );
+        }
     }
 }
 
 #[test]
 fn the_jacobian_of_elasticity_inertia_and_drag_is_exact() {
-    let mut scene = elastic_scene();
-    scene.loads.push(Load {
-        kind: LoadKind::Drag {
-            rod: None,
-            translation: 0.3,
-            rotation: 0.2,
-        },
-        schedule: Vec::new(),
-    });
-    let mut system = System::new(&scene).unwrap();
-    let unknowns = perturbed(&system, 0.02);
-    let stage = stage_at(&system, system.assembly.unknowns.clone());
-    assert!(jacobian_error(&mut system, &unknowns, Some(&stage), 1e-6) < 1e-8);
-    assert!(jacobian_error(&mut system, &unknowns, None, 1e-6) < 1e-8);
-    let dense = system.dense_matrix();
-    assert!((&dense - dense.transpose()).amax() < 1e-12 * dense.amax());
+    for mut scene in elastic_scenes() {
+        scene.loads.push(Load {
+            kind: LoadKind::Drag {
+                rod: None,
+                translation: 0.3,
+                rotation: 0.2,
+            },
+            schedule: Vec::new(),
+        });
+        let mut system = System::new(&scene).unwrap();
+        let unknowns = perturbed(&system, 0.02);
+        let stage = stage_at(&system, system.assembly.unknowns.clone());
+        assert!(jacobian_error(&mut system, &unknowns, Some(&stage), 1e-6) < 1e-8);
+        assert!(jacobian_error(&mut system, &unknowns, None, 1e-6) < 1e-8);
+        let dense = system.dense_matrix();
+        assert!((&dense - dense.transpose()).amax() < 1e-12 * dense.amax());
+    }
 }
 
 #[test]

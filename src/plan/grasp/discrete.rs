@@ -12,8 +12,8 @@ use super::{Grasp, GraspError, GraspProblem, TWIST_STIFFNESS, Vector3, WEIGHT};
 use crate::linalg::{BandedFactor, BandedSymmetric};
 use crate::mechanics::rod::vertex::{VertexStiffness, VertexStrains};
 use crate::mechanics::rod::{
-    Edge, ElasticRods, GhostEdge, ReferenceFrames, RodGeometry, STRIDE, Vertex, VertexUnknowns,
-    topology::position,
+    BendingStrain, Edge, ElasticRods, GhostEdge, ReferenceFrames, RodGeometry, STRIDE, Vertex,
+    VertexUnknowns, VertexWeights, topology::position,
 };
 use crate::mechanics::{Matrix3, UnitQuaternion};
 use nalgebra::Rotation3;
@@ -268,6 +268,8 @@ fn elastic_rod(problem: &GraspProblem, places: &[f64]) -> ElasticRods {
         after,
         natural: VertexStrains::default(),
         stiffness: VertexStiffness::about_directors([1.0, 1.0], TWIST_STIFFNESS, voronoi),
+        strain: BendingStrain::default(),
+        weights: VertexWeights::default(),
         joint_twist: 0.0,
         unknowns: VertexUnknowns::Consecutive {
             first,

@@ -11,7 +11,7 @@ use crate::mechanics::contact::{ContactPair, Proximity};
 use crate::mechanics::dynamics::{
     Energies, IntegrationParameters, Simulation, SimulationError, StepReport,
 };
-use crate::mechanics::scene::{NaturalShape, RodDescription, Scene, Start, Stiffness};
+use crate::mechanics::scene::{Inertia, NaturalShape, RodDescription, Scene, Start, Stiffness};
 use crate::mechanics::statics::{PathPlan, PathPoint, Tracer};
 use crate::results::{
     CaseStatus, Frame, MANIFEST, Manifest, NODE_FORCES, NODES, SCENARIO, SERIES, SUMMARY, TIMINGS,
@@ -42,6 +42,7 @@ fn prepared(mode: Mode) -> PreparedRun {
         radius: 0.5,
         mass_per_length: 1.0,
         rotational_inertia_per_length: 1.0,
+        inertia: Inertia::Lumped,
         velocity: Vector3::zeros(),
         angular_velocity: Vector3::zeros(),
         held: false,

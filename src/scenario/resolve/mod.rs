@@ -71,7 +71,7 @@ pub fn resolve(
     if kind.is_none() {
         top.missing("experiment", context.experiments.as_str());
     }
-    let rods = rod::rods(context, &top, file);
+    let rods = rod::rods(context, &top, file, kind.map(|kind| kind.name()));
     let smallest_radius = rods
         .iter()
         .map(|rod| rod.radius)

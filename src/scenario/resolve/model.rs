@@ -174,14 +174,23 @@ pub fn time(top: &Section<'_>, file: &ScenarioFile) -> Time {
     }
 }
 
+/// Whether the scene has contact.
+pub fn touches(file: &ScenarioFile) -> bool {
+    let contact = file.contact.as_ref();
+    contact.is_some_and(|contact| contact.model != Some(typed::ContactModel::None))
+}
+
+/// Whether the scene has a fluid.
+pub fn flows(file: &ScenarioFile) -> bool {
+    let fluid = file.fluid.as_ref();
+    fluid.is_some_and(|fluid| fluid.model != Some(typed::FluidModel::None))
+}
+
 /// The scheme that is named, or the best for what the scene holds. Where things touch, velocities jump, which only
 /// implicit Euler takes without ringing; otherwise backward differences follow a heavy cantilever's swing with a twentieth
 /// of its error, at the same cost.
 fn scheme(file: &ScenarioFile, choice: Option<typed::SchemeChoice>) -> Scheme {
-    let touches = file
-        .contact
-        .as_ref()
-        .is_some_and(|contact| contact.model != Some(typed::ContactModel::None));
+    let touches = touches(file);
     match choice.unwrap_or(typed::SchemeChoice::Auto) {
         typed::SchemeChoice::Auto if touches => Scheme::ImplicitEuler,
         typed::SchemeChoice::Auto => Scheme::BackwardDifferences,

@@ -1,15 +1,23 @@
 //! Resolving rods.
 
 use super::section::{FINITE, POISSONS_RATIO, POSITIVE, Section};
-use super::{Context, shape};
-use crate::scenario::resolved::{CrossSection, Material, NaturalShape, Rod, Shape, Stiffness};
+use super::{Context, model, shape};
+use crate::scenario::resolved::{
+    CrossSection, Inertia, Material, NaturalShape, Rod, Shape, Stiffness,
+};
 use crate::scenario::typed::{self, ScenarioFile};
 
 /// More edges than any machine could step; a slip of the fingers.
 const MOST_EDGES: usize = 1_000_000;
 
-/// Resolves all rods.
-pub fn rods(context: &Context<'_>, top: &Section<'_>, file: &ScenarioFile) -> Vec<Rod> {
+/// Resolves all rods, those of a general `scene` or such as stand beside what another experiment builds.
+pub fn rods(
+    context: &Context<'_>,
+    top: &Section<'_>,
+    file: &ScenarioFile,
+    experiment: Option<&str>,
+) -> Vec<Rod> {
+    let vibrates = experiment == Some("scene") && !model::touches(file) && !model::flows(file);
     let common = CommonMaterial {
         section: top.below("material"),
         typed: file.material.as_ref(),
@@ -26,6 +34,7 @@ pub fn rods(context: &Context<'_>, top: &Section<'_>, file: &ScenarioFile) -> Ve
                 typed,
                 index,
                 &common,
+                vibrates,
             )
         })
         .collect();
@@ -52,6 +61,7 @@ fn rod(
     typed: &typed::Rod,
     index: usize,
     common: &CommonMaterial<'_>,
+    vibrates: bool,
 ) -> Rod {
     let material = own_material(&section.below("material"), &typed.material, common);
     let cross_section = cross_section(&section.below("cross_section"), typed);
@@ -81,13 +91,16 @@ fn rod(
         cross_section.stiffness(radius, &material),
     );
     refuse_degenerate(section, &stiffness);
+    let natural_shape = natural_shape(context, section, typed);
+    let gains = vibrates && is_straight(&natural_shape, &shape);
     Rod {
         name: name(section, typed.name.as_deref(), index),
         radius,
         edges: edges(section, typed.edges, &shape, closed),
         closed,
         held: typed.held.unwrap_or(false),
-        natural_shape: natural_shape(context, section, typed),
+        inertia: inertia(typed.inertia, gains),
+        natural_shape,
         twist: section.with_default("twist", &typed.twist, FINITE, 0.0),
         director: section.direction("director", &typed.director),
         stiffness,
@@ -100,6 +113,26 @@ fn rod(
             .vector("angular_velocity", &typed.angular_velocity)
             .unwrap_or_default(),
         shape,
+    }
+}
+
+/// The inertia that is named, or the best for the rod: consistent where vibrations are of fourth order by it, lumped where
+/// other errors rule.
+fn inertia(choice: Option<typed::InertiaChoice>, gains: bool) -> Inertia {
+    match choice.unwrap_or(typed::InertiaChoice::Auto) {
+        typed::InertiaChoice::Auto if gains => Inertia::Consistent,
+        typed::InertiaChoice::Auto | typed::InertiaChoice::Lumped => Inertia::Lumped,
+        typed::InertiaChoice::Consistent => Inertia::Consistent,
+    }
+}
+
+/// Whether a rod without stress is straight and untwisted.
+fn is_straight(natural: &NaturalShape, placed: &Shape) -> bool {
+    match natural {
+        NaturalShape::Straight => true,
+        NaturalShape::AsPlaced => matches!(placed, Shape::Straight { .. }),
+        NaturalShape::Curved { curvature, twist } => *curvature == [0.0; 2] && *twist == 0.0,
+        NaturalShape::Curve(shape) => matches!(shape, Shape::Straight { .. }),
     }
 }
 

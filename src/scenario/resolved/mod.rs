@@ -19,7 +19,7 @@ pub use model::{Contact, Fluid};
 pub use probe::{
     AtPlace, Between, OneRod, PressedRod, Probe, ProbeKind, StopWhen, Summary, TwoNodes, TwoRods,
 };
-pub use rod::{CrossSection, Handedness, Material, NaturalShape, Rod, Shape, Stiffness};
+pub use rod::{CrossSection, Handedness, Inertia, Material, NaturalShape, Rod, Shape, Stiffness};
 pub use run::{Output, Scheme, Solver, Step, Time};
 pub use start::Start;
 

@@ -32,10 +32,22 @@ pub struct Rod {
     pub cross_section: CrossSection,
     /// Stiffness of the cross-section, derived or given.
     pub stiffness: Stiffness,
+    /// How edges weigh on their nodes.
+    pub inertia: Inertia,
     /// Velocity at time zero, m/s.
     pub velocity: [f64; 3],
     /// Angular velocity about the centroid at time zero, rad/s.
     pub angular_velocity: [f64; 3],
+}
+
+/// How edges weigh on their nodes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Inertia {
+    /// Half of an edge at either node.
+    Lumped,
+    /// Edges that move linearly from node to node.
+    Consistent,
 }
 
 /// A linear elastic material.

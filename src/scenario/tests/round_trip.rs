@@ -1,7 +1,7 @@
 //! Resolved scenarios: units, defaults, and a canonical form that reads back to itself.
 
 use super::{BEAM, read};
-use crate::scenario::{Contact, Hold, NaturalShape, Scenario, Shape, Time};
+use crate::scenario::{Contact, Hold, Inertia, NaturalShape, Scenario, Shape, Time};
 use proptest::prelude::*;
 
 #[test]
@@ -32,6 +32,7 @@ closed = false
 held = false
 natural_shape = "as-placed"
 twist = 0.0
+inertia = "consistent"
 velocity = [0.0, 0.0, 0.0]
 angular_velocity = [0.0, 0.0, 0.0]
 
@@ -205,6 +206,33 @@ fn every_kind_reads_back_to_itself() {
         }
     );
     assert_eq!(again.to_toml(), scenario.to_toml());
+}
+
+#[test]
+fn inertia_is_consistent_by_default_where_that_gains() {
+    let inertia = |text: &str| read(text).unwrap().rods[0].inertia;
+    let with = |key: &str| BEAM.replace("edges = 50", &format!("edges = 50\n{key}"));
+    let beside = |table: &str| format!("{BEAM}\n{table}");
+    for text in [
+        BEAM.to_owned(),
+        with("inertia = \"auto\""),
+        with("natural_shape = \"straight\""),
+        with("natural_curvature = [0, 0]"),
+        beside("[contact]\nmodel = \"none\""),
+    ] {
+        assert_eq!(inertia(&text), Inertia::Consistent, "{text}");
+    }
+    for text in [
+        with("inertia = \"lumped\""),
+        with("natural_curvature = [0, 0.1]"),
+        with("natural_twist = 1.0"),
+        beside("[contact]\nmodel = \"imc\""),
+        beside("[fluid]\nmodel = \"resistive\"\nviscosity = 1.0"),
+    ] {
+        assert_eq!(inertia(&text), Inertia::Lumped, "{text}");
+    }
+    let both = with("inertia = \"consistent\"\nnatural_curvature = [0, 0.1]");
+    assert_eq!(inertia(&both), Inertia::Consistent);
 }
 
 #[test]

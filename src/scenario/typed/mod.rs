@@ -23,7 +23,7 @@ pub use probe::{
     ContactForceProbe, DistanceProbe, EdgeProbe, NodeProbe, Probe, RodProbe, SectionProbe, StopWhen,
 };
 pub use quantity::{Quantity, Vector};
-pub use rod::{CrossSection, Material, Rod, Stiffness};
+pub use rod::{CrossSection, InertiaChoice, Material, Rod, Stiffness};
 pub use shape::{Arc, Helix, NaturalShape, Points, Ring, Shape, Straight};
 pub use start::Start;
 pub use sweep::{End, Sample, SampleMethod, Search, SearchMethod, Sweep};

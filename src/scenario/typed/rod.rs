@@ -76,6 +76,12 @@ pub struct Rod {
     /// Stiffnesses that replace those derived from material and cross-section.
     #[serde(default)]
     pub stiffness: Stiffness,
+    /// How edges weigh on their nodes: "lumped", half at either node (vibrations of second order in the edge length);
+    /// "consistent", as edges that move linearly from node to node (of fourth order for straight rods), with the strains and
+    /// the weights of vertices beside clamps that go with it, in equilibria, too; the guide's page `accuracy` has the numbers;
+    /// or "auto" (the default): "consistent" for naturally straight rods of a `scene` without contact and fluid, else
+    /// "lumped".
+    pub inertia: Option<InertiaChoice>,
     /// Velocity of the rod at time zero. Default: at rest.
     pub velocity: Option<Vector<Velocity>>,
     /// Angular velocity about the rod's centroid at time zero. Default: 0.
@@ -107,6 +113,19 @@ pub enum CrossSection {
 /// Adds the cross-sections that need no further keys, as text.
 fn plain_cross_sections(schema: &mut Schema) {
     allow_text(schema, &["circle"]);
+}
+
+/// How edges weigh on their nodes, and the choice between both.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+pub enum InertiaChoice {
+    /// By what the rod is and what the scene holds.
+    Auto,
+    /// Half of an edge at either node.
+    Lumped,
+    /// Edges that move linearly from node to node.
+    Consistent,
 }
 
 /// Stiffnesses of a cross-section that replace the derived ones.

@@ -13,6 +13,14 @@ pub fn cantilever_wave_number(mode: usize) -> f64 {
     })
 }
 
+/// The same of a free rod, roots of cos x cosh x = 1; those of the rigid body do not count.
+pub fn free_wave_number(mode: usize) -> f64 {
+    let middle = (mode as f64 + 0.5) * PI;
+    bisect(middle - 0.25 * PI, middle + 0.25 * PI, |x| {
+        libm::cos(x) - 1.0 / libm::cosh(x)
+    })
+}
+
 /// Natural wave numbers ω L/c of torsional or axial waves in a rod held at one end: (2 n − 1) π/2, where
 /// c² is G/ρ or E/ρ.
 pub fn fixed_free_wave_number(mode: usize) -> f64 {

@@ -1,0 +1,105 @@
+//! Rods that land on a floor, by the prediction alone.
+
+use super::*;
+use crate::mechanics::contact::{ContactModel, ContactParameters};
+use crate::mechanics::rod::STRIDE;
+use crate::mechanics::scene::{Plane, RodDescription, Scene, Stiffness};
+use crate::mechanics::system::copy_positions;
+use std::f64::consts::PI;
+
+const RADIUS: f64 = 1e-3;
+const GAP: f64 = 1e-5;
+const STEP: f64 = 1e-3;
+const FRICTION: f64 = 0.3;
+
+/// Eighteen short rods side by side, a hundredth of a radius above a floor.
+fn raft(model: ContactModel) -> Scene {
+    let (modulus, density) = (1e7, 1000.0);
+    let area = PI * RADIUS * RADIUS;
+    let stiffness = Stiffness {
+        stretching: modulus * area,
+        bending: [0.25 * modulus * area * RADIUS * RADIUS; 2],
+        twisting: modulus / 6.0 * area * RADIUS * RADIUS,
+    };
+    let rods = (0..18).map(|rod| {
+        let node = |k: usize| Vector3::new(0.01 * rod as f64, 5e-3 * k as f64, RADIUS + GAP);
+        let nodes = (0..3).map(node).collect();
+        let name = format!("rod {rod}");
+        RodDescription::uniform(&name, nodes, stiffness, RADIUS, density * area)
+    });
+    Scene {
+        rods: rods.collect(),
+        planes: vec![Plane {
+            point: Vector3::zeros(),
+            normal: Vector3::z(),
+            friction: None,
+        }],
+        contact: Some(ContactParameters {
+            model,
+            friction: FRICTION,
+            ..ContactParameters::default()
+        }),
+        ..Scene::default()
+    }
+}
+
+/// Where the prediction moves the nodes of a scene in a step that begins with the same velocity everywhere, m.
+fn moves(scene: &Scene, velocity: Vector3) -> Option<Vec<Vector3>> {
+    let mut system = System::new(scene).unwrap();
+    let start = system.assembly.unknowns.clone();
+    let nodes = start.len() / STRIDE;
+    let mut stage = Stage {
+        step: STEP,
+        acceleration_step: STEP,
+        start: start.clone(),
+        velocity: vec![0.0; start.len()],
+        drag: Vec::new(),
+        drag_velocity: Vec::new(),
+        resistance: Vec::new(),
+        positions: vec![Vector3::zeros(); nodes],
+    };
+    copy_positions(&start, &mut stage.positions);
+    for node in 0..nodes {
+        for axis in 0..3 {
+            stage.velocity[STRIDE * node + axis] = velocity[axis];
+        }
+    }
+    let mut unknowns = start.clone();
+    for (unknown, velocity) in unknowns.iter_mut().zip(&stage.velocity) {
+        *unknown += STEP * velocity;
+    }
+    system.update_candidates(&unknowns);
+    system.begin_iterations(&stage);
+    system.linearize(&unknowns, Some(&stage));
+    let predicted = system.predict_contacts(&mut unknowns, &stage, RADIUS);
+    let node = |node: usize| position(&unknowns, node) - position(&start, node);
+    predicted.then(|| (0..nodes).map(node).collect())
+}
+
+#[test]
+fn rods_that_land_keep_of_their_speed_what_friction_leaves() {
+    for model in [
+        ContactModel::ImplicitContact,
+        ContactModel::IncrementalPotential,
+    ] {
+        let scene = raft(model);
+        // The floor takes all of the fall, and friction of the slide what it can bear.
+        let fall = 0.5;
+        for slide in [0.0, 0.1, 0.5, 1.0] {
+            let velocity = Vector3::new(0.6 * slide, 0.8 * slide, -fall);
+            let left = (slide - FRICTION * (fall - GAP / STEP)).max(0.0);
+            let along = Vector3::new(0.6, 0.8, 0.0) * (left * STEP);
+            for moved in moves(&scene, velocity).unwrap() {
+                let error = moved - along;
+                assert!(error.xy().norm() < 0.02 * STEP * fall, "{slide}: {moved}");
+                // They rest where the contact law bears what stopped them.
+                assert!(error.z > -GAP && error.z < GAP, "{slide}: {moved}");
+            }
+        }
+    }
+}
+
+#[test]
+fn rods_that_meet_nothing_are_left_where_they_are() {
+    assert!(moves(&raft(ContactModel::ImplicitContact), Vector3::z()).is_none());
+}

@@ -1,0 +1,194 @@
+//! How rods yield to forces at contacts, where they do not know of each other: the responses A⁻¹Hᵀ of
+//! [`super::contact_prediction`], rod by rod from the factors of a band.
+
+use super::Assembly;
+use crate::linalg::BandedFactor;
+use crate::mechanics::Vector3;
+use crate::mechanics::contact::ContactConstraint;
+use crate::mechanics::rod::STRIDE;
+
+/// Response of one rod to a force at a contact.
+#[derive(Clone, Copy)]
+pub(super) struct Part {
+    /// First unknown of the rod.
+    first: usize,
+    /// Its rows among those of all contacts.
+    rows: [usize; 2],
+}
+
+/// How a contact yields to its own force.
+pub(super) struct Response {
+    parts: [Option<Part>; 2],
+    /// What a force along the normal moves, m/N.
+    pub by_pressure: Vector3,
+    /// Two directions along the surfaces, and the motion along them under forces along them, m/N.
+    along: [Vector3; 2],
+    yielding: [f64; 3],
+}
+
+/// Responses of rods to forces on single nodes, found when they are first asked for.
+pub(super) struct Responses<'a> {
+    factor: &'a BandedFactor,
+    assembly: &'a Assembly,
+    /// Where the rows of each node begin.
+    of_node: Vec<Option<usize>>,
+    /// Motion of an unknown by unit forces on a node along the three axes, m/N.
+    rows: Vec<[f64; 4]>,
+    /// The same by unit forces at a contact.
+    of_contacts: Vec<[f64; 4]>,
+}
+
+impl Response {
+    /// The friction, N, of at most `most`, that ends the slip at a contact, or else acts against it; `drag` is the present one.
+    pub fn friction(&self, drag: &Vector3, apart: &Vector3, most: f64) -> Vector3 {
+        let [p, q] = self.along.map(|direction| direction.dot(apart));
+        let [a, b, c] = self.yielding;
+        let determinant = a * c - b * b;
+        if determinant > 0.0 {
+            let [x, y] = [(c * p - b * q) / determinant, (a * q - b * p) / determinant];
+            let sticking = drag - self.along[0] * x - self.along[1] * y;
+            if sticking.norm() <= most {
+                return sticking;
+            }
+        }
+        let softest = 0.5 * (a + c) + (0.25 * (a - c) * (a - c) + b * b).sqrt();
+        let slip = self.along[0] * p + self.along[1] * q;
+        let sliding = if softest > 0.0 {
+            drag - slip / softest
+        } else {
+            *drag
+        };
+        let size = sliding.norm();
+        if size > most {
+            sliding * (most / size)
+        } else {
+            sliding
+        }
+    }
+}
+
+impl<'a> Responses<'a> {
+    pub fn new(factor: &'a BandedFactor, assembly: &'a Assembly) -> Self {
+        Self {
+            factor,
+            assembly,
+            of_node: vec![None; assembly.held.len() / STRIDE],
+            rows: Vec::new(),
+            of_contacts: Vec::new(),
+        }
+    }
+
+    /// −A⁻¹R.
+    pub fn free_motion(&self, residual: &[f64]) -> Vec<f64> {
+        let entries = residual.iter().zip(&self.assembly.held);
+        let mut motion: Vec<f64> = entries
+            .map(|(residual, held)| if *held { 0.0 } else { -residual })
+            .collect();
+        self.factor.solve(&mut motion);
+        motion
+    }
+
+    /// First unknown and number of unknowns of the rod of a node.
+    fn rod_of(&self, node: usize) -> (usize, usize) {
+        let range = &self.assembly.rods.rods[self.assembly.locate(node).0];
+        (STRIDE * range.first_node, STRIDE * range.nodes)
+    }
+
+    /// Where the rows of a node begin.
+    fn of_node(&mut self, node: usize) -> usize {
+        if let Some(begin) = self.of_node[node] {
+            return begin;
+        }
+        let begin = self.rows.len();
+        let (first, count) = self.rod_of(node);
+        self.rows.resize(begin + count, [0.0; 4]);
+        for axis in 0..3 {
+            let unknown = STRIDE * node + axis;
+            if !self.assembly.held[unknown] {
+                self.rows[begin + unknown - first][axis] = 1.0;
+            }
+        }
+        self.factor.solve_part(first, &mut self.rows[begin..]);
+        self.of_node[node] = Some(begin);
+        begin
+    }
+
+    pub fn of_contact(&mut self, constraint: &ContactConstraint) -> Response {
+        let ContactConstraint {
+            nodes,
+            weights,
+            normal,
+            ..
+        } = *constraint;
+        let mut parts = [None; 2];
+        for (part, [m, n]) in parts.iter_mut().zip([[0, 1], [2, 3]]) {
+            if weights[m] == 0.0 && weights[n] == 0.0 {
+                continue;
+            }
+            let (first, count) = self.rod_of(nodes[m]);
+            let [p, q] = [m, n].map(|m| self.of_node(nodes[m]));
+            let begin = self.of_contacts.len();
+            self.of_contacts.extend((0..count).map(|row| -> [f64; 4] {
+                let (p, q) = (&self.rows[p + row], &self.rows[q + row]);
+                std::array::from_fn(|axis| weights[m] * p[axis] + weights[n] * q[axis])
+            }));
+            *part = Some(Part {
+                first,
+                rows: [begin, begin + count],
+            });
+        }
+        let mut response = Response {
+            parts,
+            by_pressure: Vector3::zeros(),
+            along: directions_along(&normal),
+            yielding: [0.0; 3],
+        };
+        let moved = |force: &Vector3| {
+            constraint.relative_motion(|node| self.motion_of(node, &response.parts, force))
+        };
+        let [first, second] = response.along;
+        let by = [moved(&first), moved(&second)];
+        let yielding = [first.dot(&by[0]), first.dot(&by[1]), second.dot(&by[1])];
+        response.by_pressure = moved(&normal);
+        response.yielding = yielding;
+        response
+    }
+
+    /// Motion of a node under a force at a contact, m.
+    fn motion_of(&self, node: usize, parts: &[Option<Part>; 2], force: &Vector3) -> Vector3 {
+        let mut motion = Vector3::zeros();
+        for part in parts.iter().flatten() {
+            let rows = &self.of_contacts[part.rows[0]..part.rows[1]];
+            let Some(row) = (STRIDE * node).checked_sub(part.first) else {
+                continue;
+            };
+            for axis in 0..3 {
+                if let Some([x, y, z, _]) = rows.get(row + axis) {
+                    motion[axis] += x * force.x + y * force.y + z * force.z;
+                }
+            }
+        }
+        motion
+    }
+
+    /// Adds the motion under a force at a contact.
+    pub fn push(&self, response: Option<&Response>, force: &Vector3, motion: &mut [f64]) {
+        if *force == Vector3::zeros() {
+            return;
+        }
+        let parts = response.iter().flat_map(|response| response.parts);
+        for part in parts.flatten() {
+            let rows = &self.of_contacts[part.rows[0]..part.rows[1]];
+            for (entry, [x, y, z, _]) in motion[part.first..].iter_mut().zip(rows) {
+                *entry += x * force.x + y * force.y + z * force.z;
+            }
+        }
+    }
+}
+
+/// Two unit vectors that are perpendicular to each other and to a unit normal.
+fn directions_along(normal: &Vector3) -> [Vector3; 2] {
+    let axis = Vector3::from_fn(|k, _| if k == normal.iamin() { 1.0 } else { 0.0 });
+    let first = normal.cross(&axis).normalize();
+    [first, normal.cross(&first)]
+}

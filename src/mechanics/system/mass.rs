@@ -1,0 +1,179 @@
+//! The mass matrix of rods with consistent inertia: what edges weigh, shared between their nodes as they move.
+//!
+//! Between two nodes that move with v₀ and v₁ an edge of mass m moves linearly, with the kinetic energy
+//!
+//! ```text
+//! ½ m ∫₀¹ |(1−s) v₀ + s v₁|² ds = ½ [ m/2 |v₀|² + m/2 |v₁|² − m/6 |v₁ − v₀|² ]
+//! ```
+//!
+//! the "consistent" mass of the finite element method: half of the edge lumped at either node, less a sixth of it on the
+//! difference. In the middle of a uniform rod its stencil is ρA h [⅙, ⅔, ⅙]. To waves e^{ikx} it is lighter than lumped
+//! masses by the factor 1 − (kh)²/6, as the bending of the vertices is softer than that of the rod by (1 − (kh)²/12)²:
+//! the errors cancel, and bending waves travel right but for (kh)⁴. The same holds at free and hinged ends, whose
+//! conditions the energy implies, and at clamps with the weights of [`crate::mechanics::rod::VertexWeights`]. Held nodes
+//! move what is beside them as others do; where a clamp jerks, its neighbours feel it.
+//!
+//! **Twist.** Angles belong to edges, twist to the vertices between them. Waves of twist are too slow by the factor
+//! 1 − (kh)²/12 of their squared frequency; so the moments of inertia of the two half edges at a vertex are shared with
+//! 1/12: ρJ h [1/12, 10/12, 1/12].
+//!
+//! **Stretching** keeps an error of second order. It wants the stencil of twist, bending that of linear interpolation,
+//! and a mass that is not the same in all directions would not keep angular momentum. Axial waves are too fast by
+//! (kh)²/24, as much as they are too slow with lumped masses, the fastest by √3.
+//!
+//! **Rods that are bent.** The nodes follow w − h²/12 w'', the projection of the centreline on polygons in the mean of
+//! squares: where it is bent they lie h²κ/12 outside of it, and a polygon around an arc of the length h has edges of
+//! h (1 + φ²/24) where it turns by φ. Edges here keep the length h, which leaves an error of second order: small where loads
+//! bend a straight rod that measures the angle by which it turns ([`crate::mechanics::rod::BendingStrain`]), large where
+//! rods are bent closely by nature: the lowest frequency of a ring of 25 edges is 1.5 % too high, that with lumped masses
+//! 0.6 %.
+//!
+//! **Conservation.** The matrix is constant and the same for x, y and z: Σ Mᵢⱼ vⱼ and Σ Mᵢⱼ xᵢ × vⱼ are momentum and
+//! angular momentum, which balance the forces and their moments exactly in space; its rows sum to the lumped masses, so
+//! that weight, and the momentum of the whole, are those of lumped masses.
+
+use super::shared_mass::Shared;
+use super::{Assembly, Stage};
+use crate::linalg::{ElementMatrix, HALF_BANDWIDTH};
+use crate::mechanics::Vector3;
+use crate::mechanics::rod::STRIDE;
+use crate::mechanics::rod::topology::position;
+use nalgebra::DMatrix;
+use std::ops::Range;
+
+impl Assembly {
+    /// Adds to the residual what the accelerations of a stage at `unknowns` make of the shared masses: c (a₁ − a₀) at the
+    /// first of two nodes, and the opposite at the second.
+    pub(super) fn add_shared_inertia(&self, stage: &Stage, unknowns: &[f64], residual: &mut [f64]) {
+        if self.consistent.chains.is_empty() {
+            return;
+        }
+        let per_step = 1.0 / stage.step;
+        let per_acceleration_step = 1.0 / stage.acceleration_step;
+        let [unknowns, start, velocity] =
+            [unknowns, &stage.start, &stage.velocity].map(|vector| vector.as_chunks::<STRIDE>().0);
+        let acceleration = |node: usize| -> Shared {
+            let (now, start, velocity) = (&unknowns[node], &start[node], &velocity[node]);
+            std::array::from_fn(|k| {
+                let change = (now[k] - start[k]) * per_step - velocity[k];
+                per_acceleration_step * change
+            })
+        };
+        let (residual, _) = residual.as_chunks_mut::<STRIDE>();
+        for chain in &self.consistent.chains {
+            let mut own = acceleration(chain.first_node);
+            for (node, shared) in (chain.first_node..).zip(&chain.shared) {
+                let next = acceleration(node + 1);
+                for k in 0..STRIDE {
+                    let force = shared[k] * (next[k] - own[k]);
+                    residual[node][k] += force;
+                    residual[node + 1][k] -= force;
+                }
+                own = next;
+            }
+        }
+        for joint in &self.consistent.joints {
+            let [own, next] = joint.nodes.map(acceleration);
+            for k in 0..STRIDE {
+                let force = joint.shared[k] * (next[k] - own[k]);
+                residual[joint.nodes[0]][k] += force;
+                residual[joint.nodes[1]][k] -= force;
+            }
+        }
+    }
+
+    /// Adds `scale` (1/s²) times the shared masses to a band, given by its columns, that has the lumped ones already, and to
+    /// the elements that close rings.
+    pub(super) fn add_shared_masses(
+        &self,
+        scale: f64,
+        columns: &mut [[f64; HALF_BANDWIDTH + 1]],
+        elements: &mut [ElementMatrix],
+    ) {
+        let (nodes, _) = columns.as_chunks_mut::<STRIDE>();
+        for chain in &self.consistent.chains {
+            let mut before = [0.0; STRIDE];
+            let last = chain.first_node + chain.shared.len();
+            for (node, shared) in (chain.first_node..last).zip(&chain.shared) {
+                for (k, column) in nodes[node].iter_mut().enumerate() {
+                    let mass = scale * shared[k];
+                    // What rounding keeps of it beside a stiffness 10¹⁵ times as large is what the diagonals lose, so
+                    // that rows still sum to the masses: a short rod of steel falls as one.
+                    let sum = column[STRIDE] + mass;
+                    let kept = sum - column[STRIDE];
+                    column[STRIDE] = sum;
+                    column[0] -= before[k] + kept;
+                    before[k] = kept;
+                }
+            }
+            for (column, before) in nodes[last].iter_mut().zip(before) {
+                column[0] -= before;
+            }
+        }
+        for joint in &self.consistent.joints {
+            let (element, [row, place]) = joint.element;
+            let matrix = &mut elements[element];
+            for k in (0..STRIDE).filter(|&k| joint.shared[k] != 0.0) {
+                let mass = scale * joint.shared[k];
+                matrix[row + k][place + k] += mass;
+                matrix[place + k][row + k] += mass;
+                matrix[row + k][row + k] -= mass;
+                matrix[place + k][place + k] -= mass;
+            }
+        }
+    }
+
+    /// The mass matrix of all unknowns.
+    pub fn mass_matrix(&self) -> DMatrix<f64> {
+        let mut matrix = DMatrix::from_diagonal(&self.masses.clone().into());
+        for (nodes, shared) in self.consistent.pairs() {
+            for k in 0..STRIDE {
+                let [first, second] = nodes.map(|node| STRIDE * node + k);
+                matrix[(first, first)] -= shared[k];
+                matrix[(second, second)] -= shared[k];
+                matrix[(first, second)] += shared[k];
+                matrix[(second, first)] += shared[k];
+            }
+        }
+        matrix
+    }
+
+    /// Kinetic energy of some of the nodes, of whole rods, J.
+    pub fn kinetic_energy(&self, nodes: &Range<usize>, velocity: &[f64]) -> f64 {
+        let unknowns = STRIDE * nodes.start..STRIDE * nodes.end;
+        let velocities = velocity[unknowns.clone()].iter();
+        let lumped: f64 = velocities
+            .zip(&self.masses[unknowns])
+            .map(|(v, m)| 0.5 * m * v * v)
+            .sum();
+        let pairs = self.consistent.pairs();
+        let own = pairs.filter(|(pair, _)| nodes.contains(&pair[0]));
+        let shared = own.map(|(pair, shared)| -> f64 {
+            let between =
+                |k: usize| velocity[STRIDE * pair[1] + k] - velocity[STRIDE * pair[0] + k];
+            (0..STRIDE)
+                .map(|k| 0.5 * shared[k] * between(k).powi(2))
+                .sum()
+        });
+        lumped - shared.sum::<f64>()
+    }
+
+    /// Momentum, kg m/s, and angular momentum about the origin, kg m²/s, of the motion of all nodes.
+    pub fn momenta(&self, unknowns: &[f64], velocity: &[f64]) -> [Vector3; 2] {
+        let [mut momentum, mut angular] = [Vector3::zeros(); 2];
+        for node in 0..self.rods.nodes {
+            let own = position(velocity, node) * self.masses[STRIDE * node];
+            momentum += own;
+            angular += position(unknowns, node).cross(&own);
+        }
+        for (pair, shared) in self.consistent.pairs() {
+            let between = |vector: &[f64]| position(vector, pair[1]) - position(vector, pair[0]);
+            angular -= between(unknowns).cross(&between(velocity)) * shared[0];
+        }
+        [momentum, angular]
+    }
+}
+
+#[cfg(test)]
+#[path = "mass_tests.rs"]
+mod tests;
