@@ -57,7 +57,12 @@ pub fn evaluate(arguments: &EvaluateArguments) -> Result<(), Failure> {
             arguments.model.display()
         )));
     }
-    let errors = errors_of(&model, &covered, files.columns.vectors);
+    let errors = errors_of(
+        &model,
+        &covered,
+        files.columns.vectors,
+        files.columns.ratios,
+    );
     let errors = errors.map_err(|error| input(&error))?;
     if let Some(out) = &arguments.out {
         let figure = error_figure(&errors).svg(&Paper::default());

@@ -130,6 +130,8 @@ pub struct SampleColumns {
     pub outputs: &'static [&'static str],
     /// Vectors among them whose errors are reported as lengths: quantity with unit, and columns.
     pub vectors: &'static [(&'static str, &'static [&'static str])],
+    /// Outputs that are over an input: errors are reported of their products. Output and input.
+    pub ratios: &'static [(&'static str, &'static str)],
 }
 
 /// What `rodlab view` shows of a run.

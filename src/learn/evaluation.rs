@@ -23,7 +23,8 @@ pub struct Errors {
     pub sizes: Vec<f64>,
 }
 
-/// Compares a model with samples: the length of the difference of each vector, given by its name and columns.
+/// Compares a model with samples: the length of the difference of each vector, given by its name and columns; of `ratios`, which
+/// are outputs over an input, that of the products with the input counts.
 ///
 /// # Errors
 /// [`ModelError::Tensors`].
@@ -31,19 +32,28 @@ pub fn evaluate(
     model: &Model,
     samples: &Samples,
     vectors: &[(&str, &[&str])],
+    ratios: &[(&str, &str)],
 ) -> Result<Vec<Errors>, ModelError> {
     let predicted = model.predict(&samples.inputs)?;
     let width = samples.output_width;
     let vectors = vectors.iter().map(|(quantity, columns)| {
         let names = &model.about.outputs;
-        let columns: Vec<usize> = columns
+        let input_of = |column: &str| {
+            let (_, input) = ratios.iter().find(|(output, _)| *output == column)?;
+            model.about.inputs.iter().position(|name| name == input)
+        };
+        let columns: Vec<(usize, Option<usize>)> = columns
             .iter()
-            .filter_map(|column| names.iter().position(|name| name == column))
+            .filter_map(|column| {
+                let index = names.iter().position(|name| name == column)?;
+                Some((index, input_of(column)))
+            })
             .collect();
         let size = |row: usize| {
-            let differences = columns
-                .iter()
-                .map(|column| predicted[row * width + column] - samples.output(row)[*column]);
+            let differences = columns.iter().map(|&(column, input)| {
+                let factor = input.map_or(1.0, |input| samples.input(row)[input]);
+                factor * (predicted[row * width + column] - samples.output(row)[column])
+            });
             differences
                 .map(|difference| difference.powi(2))
                 .sum::<f64>()

@@ -52,6 +52,7 @@ fn a_smooth_function_is_learned_from_its_values() {
         &model,
         &others,
         &[("both", &["to_1", "to_2"]), ("one", &["to_1"])],
+        &[],
     )
     .unwrap();
     assert!(errors[0].mean < 0.03, "{errors:?}");

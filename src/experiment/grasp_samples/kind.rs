@@ -8,6 +8,7 @@ use super::samples::Samples;
 use crate::experiment::kind::{FigureError, Kind, Page, SampleColumns, refuse_surroundings};
 use crate::figure::Figure;
 use crate::mechanics::scene::Scene;
+use crate::plan::grasp::NeuralGrasps;
 use crate::results::{FileDescription, ResultsError};
 use crate::run::PreparedRun;
 use crate::scenario::keys::{CommonTables, ExperimentKeys, OwnTable, Request, Section};
@@ -99,15 +100,20 @@ impl Kind for GraspSamplesKind {
     fn samples(&self) -> Option<SampleColumns> {
         Some(SampleColumns {
             file: SAMPLES,
-            inputs: &["root_length", "curvature", "stretch_compliance"],
-            outputs: &["x", "y", "drop", "rotation_x", "rotation_y", "rotation_z"],
+            inputs: &NeuralGrasps::INPUTS,
+            outputs: &NeuralGrasps::OUTPUTS,
             vectors: &[
-                ("position in L_gb", &["x", "y", "drop"]),
+                ("position in L_gb", &["x", "y_per_curvature", "drop"]),
                 (
                     "rotation in rad",
-                    &["rotation_x", "rotation_y", "rotation_z"],
+                    &[
+                        "rotation_x_per_curvature",
+                        "rotation_y",
+                        "rotation_z_per_curvature",
+                    ],
                 ),
             ],
+            ratios: &NeuralGrasps::RATIOS,
         })
     }
 }

@@ -21,8 +21,8 @@ pub struct Sample {
     pub curvature: f64,
     /// 1/k̄_s.
     pub stretch_compliance: f64,
-    /// √l̄_s.
-    pub root_length: f64,
+    /// ln(1 + l̄_s).
+    pub log_length: f64,
     /// Whether there is a grasp.
     pub outcome: Outcome,
     /// Place of the gripper.
@@ -31,14 +31,20 @@ pub struct Sample {
     pub y: Option<f64>,
     /// Place of the gripper.
     pub z: Option<f64>,
-    /// l̄_s less the height of the gripper.
+    /// l̄_s, stretched as it hangs, less the height of the gripper.
     pub drop: Option<f64>,
+    /// y over κ̄.
+    pub y_per_curvature: Option<f64>,
     /// Axis times angle of its rotation, rad.
     pub rotation_x: Option<f64>,
     /// Axis times angle, rad.
     pub rotation_y: Option<f64>,
     /// Axis times angle, rad.
     pub rotation_z: Option<f64>,
+    /// Its first component over κ̄, rad.
+    pub rotation_x_per_curvature: Option<f64>,
+    /// Its last component over κ̄, rad.
+    pub rotation_z_per_curvature: Option<f64>,
     /// Force at the contact node.
     pub force_y: Option<f64>,
     /// Force at the contact node.

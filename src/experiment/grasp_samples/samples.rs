@@ -6,10 +6,15 @@ use super::keys::GraspSamples;
 use super::row::{Outcome, Sample};
 use crate::figure::Paper;
 use crate::mechanics::rotation;
-use crate::plan::grasp::{GraspError, GraspMethod, GraspProblem, GraspSolver};
+use crate::plan::grasp::{
+    Grasp, GraspMethod, GraspProblem, GraspSolver, hanging_height, log_length,
+};
 use crate::results::{ResultsError, write_whole};
 use crate::run::TableJob;
 use std::path::Path;
+
+/// Least |κ̄| over which something is divided.
+const LEAST_CURVATURE: f64 = 1e-4;
 
 /// Grasps at the points of an experiment.
 #[derive(Debug)]
@@ -22,10 +27,22 @@ impl Samples {
     /// From no other sample: rows are the same in whatever order they are computed.
     fn sample(&self, index: usize) -> Sample {
         let [suspended_length, curvature, stretch_compliance] = self.plan.point(index);
-        let grasp = GraspProblem::new(suspended_length, curvature, 1.0 / stretch_compliance)
-            .and_then(|problem| GraspSolver::new().solve(&problem, GraspMethod::Theory));
-        let grasp: Result<_, GraspError> = grasp;
-        let found = grasp.ok();
+        let grasp_of = |curvature: f64| -> Option<Grasp> {
+            let stiffness = 1.0 / stretch_compliance;
+            let problem = GraspProblem::new(suspended_length, curvature, stiffness).ok()?;
+            let grasp = GraspSolver::new().solve(&problem, GraspMethod::Theory);
+            grasp.ok()
+        };
+        let found = grasp_of(curvature);
+        // What is odd in κ̄, over it: nearly the same for all small ones.
+        let bent = curvature.abs().max(LEAST_CURVATURE).copysign(curvature);
+        let bent_grasp = if bent == curvature {
+            found.clone()
+        } else {
+            grasp_of(bent)
+        };
+        let per_curvature =
+            |value: fn(&Grasp) -> f64| bent_grasp.as_ref().map(|grasp| value(grasp) / bent);
         let position = found.as_ref().map(|grasp| grasp.position);
         let vector = found
             .as_ref()
@@ -35,7 +52,7 @@ impl Samples {
             suspended_length,
             curvature,
             stretch_compliance,
-            root_length: suspended_length.sqrt(),
+            log_length: log_length(suspended_length),
             outcome: match found {
                 Some(_) => Outcome::Found,
                 None => Outcome::NoConvergence,
@@ -43,10 +60,14 @@ impl Samples {
             x: position.map(|place| place.x),
             y: position.map(|place| place.y),
             z: position.map(|place| place.z),
-            drop: position.map(|place| suspended_length - place.z),
+            drop: position
+                .map(|place| hanging_height(suspended_length, stretch_compliance) - place.z),
+            y_per_curvature: per_curvature(|grasp| grasp.position.y),
             rotation_x: vector.map(|vector| vector.x),
             rotation_y: vector.map(|vector| vector.y),
             rotation_z: vector.map(|vector| vector.z),
+            rotation_x_per_curvature: per_curvature(|grasp| rotation::to_vector(&grasp.rotation).x),
+            rotation_z_per_curvature: per_curvature(|grasp| rotation::to_vector(&grasp.rotation).z),
             force_y: force.map(|force| force.y),
             force_z: force.map(|force| force.z),
             stable: found.as_ref().map(|grasp| grasp.is_stable()),

@@ -17,6 +17,8 @@ pub struct Stopping {
     pub trust_radius: f64,
     /// Most iterations.
     pub iterations: usize,
+    /// Whether a correction of the last digits of the unknowns ends it, whatever they leave of the residual.
+    pub ends_at_last_digits: bool,
     /// Whether to give up earlier, where the residual does not fall or a line search would be needed: a smaller
     /// step may be the cheaper way.
     pub gives_up: bool,
@@ -146,7 +148,9 @@ impl Newton {
             // The residual alone costs a quarter of the Jacobian, which the solution no longer needs.
             system.evaluate(unknowns, Some(stage));
             is_corrected |= longest == 1.0;
-            is_exhausted = longest == 1.0 && are_last_digits(&self.direction, unknowns);
+            is_exhausted = stopping.ends_at_last_digits
+                && longest == 1.0
+                && are_last_digits(&self.direction, unknowns);
             if is_exhausted
                 || is_corrected
                     && system.imbalance().is_balanced()

@@ -361,6 +361,8 @@ fn stopping(setting: &Setting, system: &System, step: f64) -> Stopping {
         displacement: parameters.displacement_tolerance * radius,
         trust_radius: parameters.scheme.rules().trust_radius() * radius,
         iterations: parameters.maximum_iterations,
+        // What the midpoint rule goes on from must be known better than the end of a step.
+        ends_at_last_digits: !parameters.scheme.rules().extrapolates(),
         gives_up: system.has_friction() && step > FULL_EFFORT_PART * whole,
     }
 }

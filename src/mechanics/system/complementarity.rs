@@ -41,6 +41,8 @@ const NEGLIGIBLE_PART: f64 = 1e-2;
 
 /// Work of the contact forces over a step that counts as none, of the kinetic and elastic energy of the scene.
 const NEGLIGIBLE_WORK: f64 = 1e-3;
+/// The same of what all of them do over the distance tolerance: rods that lie still move by less, this way and that.
+const NEGLIGIBLE_WAY: f64 = 0.2;
 
 /// Why no contact forces were found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -99,7 +101,12 @@ impl System {
             .iter()
             .map(|constraint| constraint.force.dot(&constraint.relative_motion(moved)))
             .sum();
-        let is_small = |energy: f64| work <= NEGLIGIBLE_WORK * energy;
+        let forces: f64 = constraints
+            .iter()
+            .map(|constraint| constraint.force.norm())
+            .sum();
+        let way = NEGLIGIBLE_WAY * self.contact.as_ref()?.parameters().distance_tolerance;
+        let is_small = |energy: f64| work <= NEGLIGIBLE_WORK * energy + way * forces;
         let kinetic = self.kinetic_energy_at_start(stage);
         (!is_small(kinetic) && !is_small(kinetic + self.elastic_energy().total())).then_some(work)
     }

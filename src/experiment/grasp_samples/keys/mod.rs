@@ -43,7 +43,7 @@ pub fn resolve(request: &Request<'_>) -> Option<SampleTables> {
     let curvature = span(
         "curvature",
         &typed.curvature,
-        [-0.3, 2.0],
+        [0.0, 2.0],
         [
             -GraspProblem::LARGEST_CURVATURE,
             GraspProblem::LARGEST_CURVATURE,

@@ -12,8 +12,7 @@ pub struct GraspSamples {
     pub points: Option<Points>,
     /// Suspended lengths l̄_s, in L_gb. Default: 0.5 to 50, more closely where they are short: evenly in √l̄_s.
     pub suspended_length: Option<Span>,
-    /// Curvatures κ̄ of the pattern, times L_gb; the mirror image has the other sign. Default: −0.3 to
-    /// 2; a network that has seen both sides of straight patterns errs less there.
+    /// Curvatures κ̄ of the pattern, times L_gb; the mirror image has the other sign. Default: 0 to 2.
     pub curvature: Option<Span>,
     /// Compliances 1/k̄_s = EI/(k_s L_gb²), 0 for a rod that does not stretch. Default: 0 to 0.003.
     pub stretch_compliance: Option<Span>,
