@@ -5,7 +5,6 @@ use super::cases::Case;
 use super::laying::{Disturbance, Laying, PATTERNS};
 use super::page::{Page, PageFigure, number};
 use super::table::rows_of;
-use crate::experiment::DeploymentOutcome;
 use crate::figure::{Curve, LinePlot, Look, line_plots};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -56,11 +55,6 @@ pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, Reproduc
 }
 
 fn rows(cases: &[Case<Laying>]) -> Vec<Row> {
-    let mean_cm = |case: &Case<Laying>| {
-        let laid = DeploymentOutcome::of(&case.record.outcome)?;
-        let has_ended = case.record.outcome.simulated_time >= case.run.end * (1.0 - 1e-9);
-        laid.mean_error_m.filter(|_| has_ended).map(|m| 1e2 * m)
-    };
     let open = cases
         .iter()
         .filter(|case| case.run.disturbance.correction.is_none());
@@ -79,15 +73,15 @@ fn rows(cases: &[Case<Laying>]) -> Vec<Row> {
             })
         };
         let exact = corrected(|noise| noise == 0.0);
-        let sliding = exact.and_then(|case| DeploymentOutcome::of(&case.record.outcome));
+        let sliding = exact.and_then(Case::laid);
         Row {
             pattern: PATTERNS[case.run.pattern].name.into(),
             jitter_mm: 1e3 * disturbance.jitter,
             seed: disturbance.seed,
             length_error: disturbance.length_error,
-            open_cm: mean_cm(case),
-            corrected_cm: exact.and_then(mean_cm),
-            corrected_with_noise_cm: corrected(|noise| noise > 0.0).and_then(mean_cm),
+            open_cm: case.mean_error_cm(),
+            corrected_cm: exact.and_then(Case::mean_error_cm),
+            corrected_with_noise_cm: corrected(|noise| noise > 0.0).and_then(Case::mean_error_cm),
             corrected_sliding_cm: sliding.map(|laid| 1e2 * laid.largest_sliding_m),
         }
     })

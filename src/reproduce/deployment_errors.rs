@@ -5,7 +5,6 @@ use super::cases::Case;
 use super::laying::{Disturbance, Laying, PATTERNS};
 use super::page::{Page, PageFigure, number};
 use super::table::rows_of;
-use crate::experiment::DeploymentOutcome;
 use crate::figure::{Curve, LinePlot, Look, line_plots};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -55,7 +54,7 @@ pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, Reproduc
 
 fn row(case: &Case<Laying>) -> Row {
     let run = &case.run;
-    let outcome = DeploymentOutcome::of(&case.record.outcome);
+    let outcome = case.laid();
     let Disturbance {
         jitter,
         seed,

@@ -1,6 +1,7 @@
 //! A rod laid along a pattern, with the rods and the patterns of the thesis, section 5.5.
 
-use super::cases::{Run, prepared};
+use super::cases::{Case, Run, prepared};
+use crate::experiment::DeploymentOutcome;
 use crate::plan::pattern::{chosen_stroke, read_svg};
 use crate::run::PreparedRun;
 
@@ -286,6 +287,25 @@ impl Laying {
                 format!("points = [{}]", points.join(", "))
             }
         }
+    }
+}
+
+impl Case<Laying> {
+    /// What came of the rod, wherever it was left.
+    pub fn laid(&self) -> Option<DeploymentOutcome> {
+        DeploymentOutcome::of(&self.record.outcome)
+    }
+
+    /// What came of a rod that was laid to its end.
+    pub fn laid_to_the_end(&self) -> Option<DeploymentOutcome> {
+        let has_ended = self.record.outcome.simulated_time >= self.run.end * (1.0 - 1e-9);
+        self.laid().filter(|_| has_ended)
+    }
+
+    /// Mean distance of such a rod from its pattern, cm (thesis Eq. 5.11).
+    pub fn mean_error_cm(&self) -> Option<f64> {
+        let mean = self.laid_to_the_end()?.mean_error_m?;
+        Some(1e2 * mean)
     }
 }
 

@@ -6,7 +6,6 @@ use super::laid_outlines::outlines_figure;
 use super::laying::{FRICTIONS, Laying, PATTERNS, RODS, Substrate};
 use super::measured_deployments::measured;
 use super::page::{Page, number};
-use crate::experiment::DeploymentOutcome;
 use serde::{Deserialize, Serialize};
 
 /// Index of the medium friction, 0.4.
@@ -81,9 +80,7 @@ pub(super) fn row(case: &Case<Laying>) -> Row {
     let run = &case.run;
     let rod = &RODS[run.rod];
     let substrate = rod.substrates[run.friction];
-    let outcome = DeploymentOutcome::of(&case.record.outcome);
-    let has_ended = case.record.outcome.simulated_time >= run.end * (1.0 - 1e-9);
-    let ended = outcome.filter(|_| has_ended);
+    let (outcome, ended) = (case.laid(), case.laid_to_the_end());
     let cm = |metres: f64| 1e2 * metres;
     let (thesis_mean_cm, thesis_deviation_cm) = measured(run, substrate);
     Row {

@@ -5,7 +5,7 @@ use super::cases::Case;
 use super::laying::{Laying, PATTERNS, RODS};
 use super::page::{Page, PageFigure, number};
 use super::table::rows_of;
-use crate::experiment::{DeploymentOutcome, DeploymentTables, from_text};
+use crate::experiment::{DeploymentTables, from_text};
 use crate::figure::{Curve, LinePlot, Look, line_plots};
 use crate::plan::deployment::{DeployedRod, GripperPose, OptimalGrasps, Scheme, trajectory};
 use crate::plan::grasp::NeuralGrasps;
@@ -50,7 +50,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Laying>]) -> Result<(), Repro
             other.run.is_neural
                 && (other.run.rod, other.run.pattern) == (case.run.rod, case.run.pattern)
         };
-        let laid = cases.iter().find(twin).and_then(laid_cm);
+        let laid = cases.iter().find(twin).and_then(Case::mean_error_cm);
         rows.push(row(case, laid)?);
     }
     page.text(&format!(
@@ -87,15 +87,6 @@ pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, Reproduc
     Ok(vec![figure(&rows_of::<Row>(table)?)])
 }
 
-fn laid_cm(case: &Case<Laying>) -> Option<f64> {
-    let outcome = DeploymentOutcome::of(&case.record.outcome)?;
-    let has_ended = case.record.outcome.simulated_time >= case.run.end * (1.0 - 1e-9);
-    outcome
-        .mean_error_m
-        .filter(|_| has_ended)
-        .map(|mean| 1e2 * mean)
-}
-
 fn row(case: &Case<Laying>, laid_neural_cm: Option<f64>) -> Result<Row, ReproduceError> {
     let (points, rod) = planned(case);
     let network = OptimalGrasps::Neural(NeuralGrasps::built_in());
@@ -129,7 +120,7 @@ fn row(case: &Case<Laying>, laid_neural_cm: Option<f64>) -> Result<Row, Reproduc
         mean_position_error_m: mean(0) * unit,
         mean_angle_degrees: mean(1),
         largest_angle_degrees: largest(1),
-        laid_exact_cm: laid_cm(case),
+        laid_exact_cm: case.mean_error_cm(),
         laid_neural_cm,
     })
 }
