@@ -3,6 +3,7 @@
 use super::bundling::Bundling;
 use super::cases::{Case, Run, run_all};
 use super::grasp_grid::GraspGrid;
+use super::heavy_loops::LoopOfRod;
 use super::helices::Helices;
 use super::inversion::Inversion;
 use super::laying::Laying;
@@ -15,8 +16,8 @@ use super::tightening::Tightening;
 use super::{
     ReproduceError, ReproduceOptions, auto_steps, cost, deployment_correction, deployment_errors,
     drag_steps, figure_2_5, figure_2_6, figure_2_7, figure_2_8, figure_3_4, figure_3_9, figure_5_4,
-    figure_5_5, figure_5_6, figure_6_2, figure_6_5, inversion_factors, knot_convergence,
-    laid_patterns, table_2_1, table_2_2, table_5_2, table_5_3,
+    figure_5_5, figure_5_6, figure_5_8, figure_6_2, figure_6_5, inversion_factors,
+    knot_convergence, laid_patterns, table_2_1, table_2_2, table_5_2, table_5_3,
 };
 use std::fmt;
 use std::path::PathBuf;
@@ -29,7 +30,7 @@ pub struct Artifact {
 }
 
 /// All tables and figures.
-pub static ARTIFACTS: [Artifact; 29] = [
+pub static ARTIFACTS: [Artifact; 30] = [
     Artifact {
         name: "tab2.1",
         title: "Table 2.1: IMC and IPC, iterations and time of bundling flagella",
@@ -178,6 +179,15 @@ pub static ARTIFACTS: [Artifact; 29] = [
             runs: GraspGrid::of_figure_5_6,
             write: figure_5_6::write,
             figures_of_table: Some(figure_5_6::figures_of_table),
+        },
+    },
+    Artifact {
+        name: "fig5.8",
+        title: "Figure 5.8: the gravito-bending length from the height of a loop",
+        recipe: &Recipe {
+            runs: LoopOfRod::of_figure_5_8,
+            write: figure_5_8::write,
+            figures_of_table: Some(figure_5_8::figures_of_table),
         },
     },
     Artifact {

@@ -22,6 +22,7 @@
 //! | `figure_5_4` | where a gripper may be above a straight line |
 //! | `figure_5_5`, `sideways_push` | optimal grasps that are pushed sideways |
 //! | `figure_5_6`, `grasp_grid` | optimal grasps over curvature, length and stiffness |
+//! | `figure_5_8`, `heavy_loops` | rods folded over onto themselves |
 //! | `laid_patterns`, `laid_outlines` | rods laid along patterns, from above |
 //! | `table_5_2`, `measured_deployments` | how well rods are laid along patterns, simulated and measured |
 //! | `figure_6_2` | figures 6.2 and 6.6 |
@@ -50,9 +51,11 @@ mod figure_3_9;
 mod figure_5_4;
 mod figure_5_5;
 mod figure_5_6;
+mod figure_5_8;
 mod figure_6_2;
 mod figure_6_5;
 mod grasp_grid;
+mod heavy_loops;
 mod helices;
 mod inversion;
 mod inversion_factors;

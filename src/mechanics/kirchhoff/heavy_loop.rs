@@ -47,6 +47,21 @@ impl HeavyLoop {
             vertical_force: force,
         }
     }
+
+    /// Nodes that divide the loop into `edges` equal parts, shape `[edges + 1][x, z]`, in L_gb: from where the rod leaves
+    /// the table, along x, to where it comes down.
+    pub fn places(&self, edges: usize) -> Vec<[f64; 2]> {
+        // The abscissa beside height and angle; a multiple of the edges, so that every node is a step.
+        let steps = edges * STEPS.div_ceil(edges);
+        let slope = |s: f64, &[_, _, angle, slope]: &[f64; 4]| {
+            let (sine, cosine) = libm::sincos(angle);
+            let load = self.vertical_force + 0.5 * s;
+            [cosine, sine, slope, -load * cosine]
+        };
+        let path = runge_kutta(0.0, self.length, [0.0; 4], steps, slope);
+        let nodes = path.iter().step_by(steps / edges);
+        nodes.map(|[x, z, ..]| [*x, *z]).collect()
+    }
 }
 
 impl Default for HeavyLoop {
@@ -80,6 +95,20 @@ mod tests {
         let heavy = HeavyLoop::new();
         assert!((heavy.height - 1.142_240).abs() < 5e-7, "{heavy:?}");
         assert!((heavy.height / 2f64.cbrt() - 0.906_597).abs() < 5e-7);
+    }
+
+    #[test]
+    fn the_places_lie_on_the_loop() {
+        let heavy = HeavyLoop::new();
+        for edges in [7, 400] {
+            let places = heavy.places(edges);
+            assert_eq!(places.len(), edges + 1);
+            let top = places.iter().fold(0.0, |top: f64, [_, z]| top.max(*z));
+            let edge = heavy.length / edges as f64;
+            assert!(top <= heavy.height + 1e-12 && top > heavy.height - edge * edge);
+            let [_, last] = places[edges];
+            assert!(last.abs() < 1e-9);
+        }
     }
 
     #[test]

@@ -1,0 +1,160 @@
+//! Figure 5.8: the gravito-bending length of a rod from the height of its loop.
+
+use super::ReproduceError;
+use super::cases::Case;
+use super::heavy_loops::{LoopOfRod, RODS};
+use super::page::{Page, PageFigure, number};
+use super::table::rows_of;
+use crate::figure::{Curve, LinePlot, Look, PlotStyle, line_plots, styled_line_plots};
+use crate::mechanics::Vector3;
+use crate::mechanics::kirchhoff::HeavyLoop;
+use crate::results::read_nodes;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// The factor that the thesis gives.
+const THESIS: f64 = 0.9066;
+/// Edges of the drawn loop, and length of rod drawn on either side of it, L_gb.
+const EDGES: usize = 200;
+const TAIL: f64 = 2.0;
+
+/// A row of the CSV file.
+#[derive(Serialize, Deserialize)]
+struct Row {
+    rod: usize,
+    rod_name: String,
+    gravito_bending_length_m: f64,
+    height_m: Option<f64>,
+    height_over_length: Option<f64>,
+    theory_over_length: f64,
+}
+
+/// Writes table and figures.
+pub(super) fn write(page: &mut Page, cases: &[Case<LoopOfRod>]) -> Result<(), ReproduceError> {
+    let theory = HeavyLoop::new();
+    let rows: Vec<Row> = cases
+        .iter()
+        .map(|case| row(case, theory.height))
+        .collect::<Result<_, _>>()?;
+    page.text(&format!(
+        "A rod that lies on a table and is folded over onto itself leaves a loop open, whose height h_f tells its gravito-bending length \
+         (thesis 5.5.1). The loop leaves the table flat and without moment, and comes down flat and without moment to where it left: its \
+         height is {:.6} L_gb. The thesis gives h_f = {THESIS} L_gb; that factor goes with the length (EI/ρgA)^(1/3) = 2^(1/3) L_gb, by which \
+         it is {:.6}. With L_gb of Eq. 5.10, as printed, it would make every measured L_gb 26 % too large. The simulated loops are static \
+         equilibria of the discrete rod, held at both ends. They are ribbons of the same L_gb: the upright loop of a round rod that is held at \
+         its ends alone falls to the side. `rodlab solve loop-height` gives the height for any L_gb.",
+        theory.height,
+        theory.height / libm::cbrt(2.0)
+    ));
+    let header = [
+        "rod",
+        "L_gb in cm",
+        "height of the loop in cm, simulated",
+        "over L_gb",
+        "in theory",
+    ];
+    let lines: Vec<Vec<String>> = rows
+        .iter()
+        .map(|row| {
+            vec![
+                format!("#{} {}", row.rod, row.rod_name),
+                number(Some(1e2 * row.gravito_bending_length_m), 2),
+                number(row.height_m.map(|height| 1e2 * height), 3),
+                number(row.height_over_length, 5),
+                number(Some(row.theory_over_length), 5),
+            ]
+        })
+        .collect();
+    page.table(&header, &lines);
+    page.csv(&rows)?;
+    for figure in figures(&rows) {
+        page.figure(&figure)?;
+    }
+    Ok(())
+}
+
+/// The figures from the table alone.
+pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
+    Ok(figures(&rows_of::<Row>(table)?))
+}
+
+fn row(case: &Case<LoopOfRod>, theory: f64) -> Result<Row, ReproduceError> {
+    let (rod, name, unit) = RODS[case.run.rod];
+    let outputs = read_nodes(&case.directory, case.run.nodes())?;
+    let height = outputs.last().map(|output| highest(&output.positions));
+    Ok(Row {
+        rod,
+        rod_name: name.into(),
+        gravito_bending_length_m: unit,
+        height_m: height,
+        height_over_length: height.map(|height| height / unit),
+        theory_over_length: theory,
+    })
+}
+
+/// Height of the parabola through the highest node and its neighbours.
+fn highest(nodes: &[Vector3]) -> f64 {
+    let inner = 1..nodes.len().saturating_sub(1);
+    let top = inner.max_by(|&one, &other| nodes[one].z.total_cmp(&nodes[other].z));
+    let Some(top) = top else {
+        return 0.0;
+    };
+    let [before, here, after] = [top - 1, top, top + 1].map(|node| nodes[node].z);
+    let (slope, bend) = (0.5 * (after - before), after - 2.0 * here + before);
+    if bend < 0.0 {
+        here - 0.5 * slope * slope / bend
+    } else {
+        here
+    }
+}
+
+fn figures(rows: &[Row]) -> Vec<PageFigure> {
+    let theory = HeavyLoop::new();
+    let places = theory.places(EDGES);
+    let end = places.last().map_or(0.0, |[x, _]| *x);
+    let tail = [[-TAIL, 0.0]];
+    let lying = [[end - TAIL, 0.0]];
+    let shape = tail.iter().chain(&places).chain(&lying);
+    let shape: Vec<(f64, Option<f64>)> = shape.map(|[x, z]| (*x, Some(*z))).collect();
+    let plot = LinePlot {
+        label: "z/L_{gb}".into(),
+        curves: vec![Curve::new("loop", shape)],
+    };
+    let style = PlotStyle {
+        is_to_scale: true,
+        ..PlotStyle::default()
+    };
+    let shape = styled_line_plots([plot], "x/L_{gb}", style);
+    let simulated = rows.iter().map(|row| {
+        let height = row.height_m.map(|height| 1e2 * height);
+        (1e2 * row.gravito_bending_length_m, height)
+    });
+    let longest = rows
+        .iter()
+        .map(|row| 1e2 * row.gravito_bending_length_m)
+        .fold(0.0, f64::max);
+    let line = |name: &str, factor: f64| {
+        let points = vec![(0.0, Some(0.0)), (longest, Some(factor * longest))];
+        Curve::new(name, points).looking(Look::Dashed)
+    };
+    let plot = LinePlot {
+        label: "height of the loop in cm".into(),
+        curves: vec![
+            Curve::new("simulated", simulated.collect()).looking(Look::Marks),
+            line("theory, 1.1422 L_{gb}", theory.height),
+            line("thesis, 0.9066 L_{gb}", THESIS),
+        ],
+    };
+    vec![
+        PageFigure::new(
+            "fig5.8_shape",
+            "The loop of a rod that is folded over onto itself",
+            shape,
+        ),
+        PageFigure::new(
+            "fig5.8_height",
+            "Height of the loop over the gravito-bending length, simulated and in theory",
+            line_plots([plot], "L_{gb} in cm"),
+        ),
+    ]
+}
