@@ -50,6 +50,7 @@ mod schema;
 mod score;
 mod solve;
 mod solve_arm;
+mod solve_fold;
 mod solve_grasp;
 mod solve_knot;
 mod standard_error;

@@ -3,6 +3,7 @@
 use super::failure::Failure;
 use super::output::print_json;
 use super::solve_arm::{ForwardArguments, InverseArguments};
+use super::solve_fold::FoldArguments;
 use super::solve_grasp::GraspArguments;
 use super::solve_knot::KnotInversionArguments;
 use super::values::positive_length;
@@ -24,6 +25,7 @@ Examples:
   rodlab solve loop-height --gravito-bending-length \"3 cm\"
   rodlab solve hanging-plate --length 0.2 --gravito-bending-length 0.1
   rodlab solve grasp --suspended-length 10 --curvature 0.5 --stretch 2087
+  rodlab solve fold --x 3.4 --z 1.7
   rodlab solve ik --cell scenarios/cells/six_joints.toml --pose=0.4,0.1,0.2,0,1,0,0 --all
 
 The gravito-bending length L_gb of a rod is (E h²/(8 ρ g))^(1/3) with its radius h, that of a strip
@@ -77,6 +79,20 @@ x, z points up, and positive curvature turns to y. `position` is that of the gri
 `contact_force` is that of the lying rod on the suspended one. `stable`: with both ends held. `branch` 1 is the
 gentle one, the local minimum 1 of thesis Fig. 5.4. `feasible`: the rod stays above the table and presses on it.")]
     Grasp(GraspArguments),
+    /// What a sheet does that is folded by its edge
+    #[command(after_help = "\
+Examples:
+  rodlab solve fold --x 3.4 --z 1.7
+  rodlab solve fold --x 3.4 --z 1.7 --method der --edges 200
+  rodlab solve fold --x 1.386061835 --z 1.173187179 --all
+
+A sheet lies flat on a table; a gripper holds its edge without a moment (thesis sec. 4.3). --x and --z say where: x̄ from where
+the edge lay, towards the sheet, and z̄ above the table, both over L_gb = (E h²/(24 ρ g))^(1/3). `alpha` is the angle in rad by
+which the edge is turned; `suspended_length` is in L_gb; `horizontal_force` H and `vertical_force` V, in EI/L_gb² per width, are
+what the suspended part exerts on the lying one at the touchdown point: H below 0 pushes it away, V below 0 presses it down;
+`lambda` is |H|/|V| (Eq. 4.6). `stable`: with the gripper in its place, free to turn. Without --all the answer is the gentle
+fold, which belongs to the family that begins with the flat sheet.")]
+    Fold(FoldArguments),
     /// Where the joints of an arm bring its hand
     #[command(after_help = "\
 Example:
@@ -151,6 +167,7 @@ pub fn solve(arguments: &SolveArguments) -> Result<(), Failure> {
         Problem::Helix(arguments) => print_json(&helix(arguments)?),
         Problem::KnotInversion(arguments) => print_json(&arguments.solve()?),
         Problem::Grasp(arguments) => print_json(&arguments.solve()?),
+        Problem::Fold(arguments) => print_json(&arguments.solve()?),
         Problem::Fk(arguments) => print_json(&arguments.solve()?),
         Problem::Ik(arguments) => print_json(&arguments.solve()?),
         Problem::LoopHeight {

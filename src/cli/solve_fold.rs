@@ -1,0 +1,130 @@
+//! `rodlab solve fold`.
+
+use super::failure::Failure;
+use crate::plan::fold::{Fold, FoldAtlas, FoldError};
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+
+/// Fewest and most edges of a discrete rod; beyond, round-off outweighs the error of the mesh.
+const EDGES: [usize; 2] = [10, 5000];
+
+/// Arguments of `rodlab solve fold`.
+#[derive(Debug, Args)]
+pub struct FoldArguments {
+    /// x̄: how far the manipulated edge has moved towards the sheet, over the gravito-bending length
+    #[arg(long, value_name = "X", allow_hyphen_values = true)]
+    x: f64,
+    /// z̄: how high it is above the table, over the gravito-bending length
+    #[arg(long, value_name = "Z", allow_hyphen_values = true)]
+    z: f64,
+    /// How
+    #[arg(long, default_value = "theory")]
+    method: Method,
+    /// Edges of the discrete rod
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = edges)]
+    edges: usize,
+    /// All solutions that are found, the gentle one first
+    #[arg(long)]
+    all: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+enum Method {
+    /// Initial values of the continuous sheet.
+    Theory,
+    /// The planar discrete elastic rod.
+    Der,
+}
+
+/// What is printed.
+#[derive(Serialize)]
+#[serde(untagged)]
+pub enum FoldAnswer {
+    /// Without `--all`.
+    One(Answer),
+    /// With `--all`.
+    All {
+        /// The gentle one first, the others by growing suspended length.
+        solutions: Vec<Answer>,
+    },
+}
+
+/// A fold, dimensionless.
+#[derive(Serialize)]
+pub struct Answer {
+    x: f64,
+    z: f64,
+    method: Method,
+    lambda: f64,
+    alpha: f64,
+    suspended_length: f64,
+    horizontal_force: f64,
+    vertical_force: f64,
+    stable: bool,
+    unstable_modes: usize,
+}
+
+impl FoldArguments {
+    /// Finds the fold, or all.
+    pub fn solve(&self) -> Result<FoldAnswer, Failure> {
+        for (flag, value) in [("--x", self.x), ("--z", self.z)] {
+            if !value.is_finite() {
+                return Err(Failure::Input(format!(
+                    "{flag} {value}: a finite number is needed"
+                )));
+            }
+        }
+        let atlas = FoldAtlas::new();
+        let gripper = [self.x, self.z];
+        let folds = match (self.method, self.all) {
+            (Method::Theory, true) => atlas.solve_all(gripper)?,
+            (Method::Theory, false) => vec![atlas.solve(gripper)?],
+            (Method::Der, true) => {
+                let folds = atlas.solve_all(gripper)?;
+                let discrete = folds.iter().map(|fold| fold.discrete(self.edges));
+                discrete.collect::<Result<_, _>>()?
+            }
+            (Method::Der, false) => vec![atlas.solve(gripper)?.discrete(self.edges)?],
+        };
+        let mut answers: Vec<Answer> = folds.iter().map(|fold| self.answer(fold)).collect();
+        Ok(match (self.all, answers.pop()) {
+            (false, Some(answer)) => FoldAnswer::One(answer),
+            (_, last) => FoldAnswer::All {
+                solutions: answers.into_iter().chain(last).collect(),
+            },
+        })
+    }
+
+    fn answer(&self, fold: &Fold) -> Answer {
+        let unstable_modes = fold.unstable_modes();
+        Answer {
+            x: fold.gripper[0],
+            z: fold.gripper[1],
+            method: self.method,
+            lambda: fold.force_ratio(),
+            alpha: fold.angle,
+            suspended_length: fold.suspended_length,
+            horizontal_force: fold.forces.horizontal,
+            vertical_force: fold.forces.vertical,
+            stable: unstable_modes == 0,
+            unstable_modes,
+        }
+    }
+}
+
+impl From<FoldError> for Failure {
+    fn from(error: FoldError) -> Self {
+        Self::Input(error.to_string())
+    }
+}
+
+fn edges(text: &str) -> Result<usize, String> {
+    let [fewest, most] = EDGES;
+    match text.parse() {
+        Ok(edges) if (fewest..=most).contains(&edges) => Ok(edges),
+        _ => Err(format!(
+            "a number of edges from {fewest} to {most} is needed"
+        )),
+    }
+}

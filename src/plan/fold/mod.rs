@@ -1,0 +1,87 @@
+//! Folding of a sheet by its edge, without sliding (thesis sec. 4).
+//!
+//! The sheet lies flat on a table; a gripper holds its edge without a moment, at (x, z) from where the edge lay, and lifts a
+//! part of length l_s. With lengths in L_gb = (E h²/(24 ρ g))^(1/3) and forces in EI/L_gb², so that the weight per length is 1/2,
+//! the suspended part is a planar heavy elastica:
+//!
+//! > θ'' = H sin θ − (V + s/2) cos θ,  θ(0) = θ'(0) = 0,  θ'(l̄_s) = 0
+//! >
+//! > x̄ = l̄_s − ∫ cos θ ds,  z̄ = ∫ sin θ ds,  α = θ(l̄_s),  λ = |H|/|V|
+//!
+//! (H, V) is what the suspended part exerts on the lying one: it presses on the table with |V|, and pulls (H > 0) or pushes it.
+//! Some places of the gripper have several solutions; the gentle one belongs to the family that begins with the flat sheet.
+//!
+//! | file | what |
+//! |---|---|
+//! | `elastica` | the sheet from the touchdown point on, by Taylor series |
+//! | `equilibrium` | one fold, and Newton's method for it |
+//! | `atlas` | gentle folds all over the workspace |
+//! | `search_all` | all folds at a gripper |
+//! | `stability` | the second variation |
+//! | `discrete` | the same with a discrete elastic rod |
+//! | `manifold` | folds on a grid |
+//! | `graph_search` | paths over that grid |
+//! | `path` | the way of the gripper from the flat sheet to the crease |
+
+mod atlas;
+mod discrete;
+mod elastica;
+mod equilibrium;
+mod graph_search;
+mod manifold;
+mod path;
+mod search_all;
+mod stability;
+
+pub use atlas::{FoldAtlas, solve_from};
+pub use elastica::Forces;
+pub use equilibrium::Fold;
+pub use graph_search::{Cell, Objective, uniform_cost_search};
+pub use manifold::{ForceManifold, ManifoldPoint};
+pub use path::{FoldPath, Sheet, fold_path};
+
+use thiserror::Error;
+
+/// Why there is no fold.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum FoldError {
+    /// The gripper is out of the workspace.
+    #[error(
+        "no sheet can be held without a moment at x̄ = {}, z̄ = {} with a suspended length up to {} L_gb; the nearest place known is \
+         ({:.4}, {:.4})",
+        gripper[0], gripper[1], FoldAtlas::LONGEST, nearest[0], nearest[1]
+    )]
+    Unreachable {
+        /// (x̄, z̄).
+        gripper: [f64; 2],
+        /// A place that is reached.
+        nearest: [f64; 2],
+    },
+    /// The discrete rod has no such equilibrium.
+    #[error("no equilibrium of {edges} edges was found at x̄ = {}, z̄ = {}", gripper[0], gripper[1])]
+    NoConvergence {
+        /// (x̄, z̄).
+        gripper: [f64; 2],
+        /// Edges.
+        edges: usize,
+    },
+    /// The edge cannot be brought there.
+    #[error(
+        "the edge cannot be brought to x̄ = {target}: it would lie {reason}; targets from {least:.4} to {largest:.4} L_gb can be reached"
+    )]
+    Target {
+        /// C̄.
+        target: f64,
+        /// Least and largest target, L_gb.
+        least: f64,
+        /// Largest.
+        largest: f64,
+        /// What is wrong.
+        reason: &'static str,
+    },
+    /// No way leads there.
+    #[error(
+        "no way over the manifold leads to x̄ = {0} within the suspended lengths that are allowed"
+    )]
+    NoPath(f64),
+}

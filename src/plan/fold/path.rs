@@ -1,0 +1,316 @@
+//! The way of the gripper from the flat sheet to the crease target.
+
+use super::FoldError;
+use super::atlas::{FoldAtlas, solve_from};
+use super::equilibrium::Fold;
+use super::graph_search::{Cell, Objective, uniform_cost_search};
+use super::manifold::ForceManifold;
+
+/// Folds of the lift per L_gb of suspended length.
+const LIFT_STEPS: usize = 100;
+/// Parts between two folds of a way in its integral.
+const PARTS: usize = 3;
+/// Sweeps of the refinement, the least gain of a move, the first move of a point in grid spacings, and the least.
+const SWEEPS: usize = 400;
+const LEAST_GAIN: f64 = 1e-9;
+const FIRST_MOVE: f64 = 0.5;
+const LEAST_MOVE: f64 = 0.01;
+
+/// What of a sheet matters for folding it, in L_gb.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sheet {
+    /// L̄, its length in the direction of the fold.
+    pub length: f64,
+    /// Least suspended length while it is bent, L_gb: shorter ones crease it (thesis sec. 4.6.5).
+    pub least_suspended: f64,
+}
+
+/// A planned fold.
+#[derive(Clone, Debug)]
+pub struct FoldPath {
+    /// From next to flat to the crease target.
+    pub folds: Vec<Fold>,
+    /// How many of them only lift the edge, without a push along the table.
+    pub lift: usize,
+    /// What the search over the grid made least: Σλ or the largest friction demand.
+    pub grid_cost: f64,
+    /// ∫ λ over the way of the gripper, in L_gb, along the cells and along the folds.
+    pub grid_integral: f64,
+    /// Along the folds.
+    pub integral: f64,
+}
+
+impl Sheet {
+    /// Whether a fold is allowed: neither too little nor more than the sheet suspended.
+    fn allows(&self, fold: &Fold) -> bool {
+        self.allows_place(fold.gripper, fold.suspended_length)
+    }
+
+    fn allows_place(&self, [_, z]: [f64; 2], suspended_length: f64) -> bool {
+        z >= 0.0 && (self.least_suspended..=self.length).contains(&suspended_length)
+    }
+}
+
+/// Plans a fold whose edge comes to (C̄, 0). The edge is lifted without a push; where the way leaves the lift, and how it goes on
+/// over the grid (thesis Algorithm 4), is searched; then its points are moved until ∫ λ ds no longer decreases, for
+/// [`Objective::Sum`], and the folds along it are solved exactly.
+///
+/// # Errors
+/// The target cannot be reached.
+pub fn fold_path(
+    atlas: &FoldAtlas,
+    manifold: &ForceManifold,
+    sheet: &Sheet,
+    target: f64,
+    objective: Objective,
+) -> Result<FoldPath, FoldError> {
+    let goal = goal_fold(atlas, sheet, target)?;
+    let longest = sheet.length.min(FoldAtlas::LONGEST);
+    let steps = (LIFT_STEPS as f64 * longest).ceil() as usize;
+    let lift = FoldAtlas::lift(longest, steps);
+    let starts: Vec<Cell> = lift
+        .iter()
+        .filter(|fold| sheet.allows(fold))
+        .map(|fold| manifold.cell(fold.gripper))
+        .collect();
+    let cost = |fold: &Fold| {
+        let cost = match objective {
+            Objective::Sum => fold.force_ratio(),
+            Objective::Largest => fold.friction_demand(sheet.length),
+        };
+        sheet.allows(fold).then_some(cost)
+    };
+    let goal_cell = manifold.cell(goal.gripper);
+    let found = uniform_cost_search(manifold, &starts, goal_cell, objective, cost);
+    let (cells, grid_cost) = found.ok_or(FoldError::NoPath(target))?;
+    let on_lift = lift
+        .iter()
+        .position(|fold| sheet.allows(fold) && manifold.cell(fold.gripper) == cells[0]);
+    let leave = on_lift.ok_or(FoldError::NoPath(target))?;
+    let mut way = vec![lift[leave]];
+    for cell in &cells[1..cells.len().max(2) - 1] {
+        way.extend(manifold.fold(*cell));
+    }
+    way.push(goal);
+    let grid_integral = integral(&way)?;
+    if objective == Objective::Sum {
+        let moved = refined(&way, manifold, sheet);
+        let exact = exactly(&way, &moved)?;
+        // The manifold is only as good as its grid.
+        if integral(&exact)? < grid_integral {
+            way = exact;
+        }
+    }
+    let mut folds = lift[..leave].to_vec();
+    thin(&mut folds, manifold.spacing());
+    let lifted = folds.len();
+    folds.extend(&way);
+    Ok(FoldPath {
+        folds,
+        lift: lifted,
+        grid_cost,
+        grid_integral,
+        integral: integral(&way)?,
+    })
+}
+
+impl FoldPath {
+    /// Largest λ while the sheet presses on the table with more than its edge.
+    pub fn largest_force_ratio(&self) -> f64 {
+        self.folds[self.lift..]
+            .iter()
+            .fold(0.0, |largest, fold| fold.force_ratio().max(largest))
+    }
+
+    /// The coefficient of friction that holds a sheet of length L̄ all along.
+    pub fn friction_demand(&self, length: f64) -> f64 {
+        self.folds.iter().fold(0.0, |largest, fold| {
+            fold.friction_demand(length).max(largest)
+        })
+    }
+}
+
+/// The fold with the edge on the table at the target.
+fn goal_fold(atlas: &FoldAtlas, sheet: &Sheet, target: f64) -> Result<Fold, FoldError> {
+    let down = atlas.folds().windows(2).filter_map(|pair| {
+        let [above, below] = [pair[0], pair[1]];
+        let is_last = below.gripper[1] <= 0.0 && above.gripper[1] > 0.0;
+        (is_last && sheet.allows(&above)).then_some(below.gripper[0])
+    });
+    let down: Vec<f64> = down.collect();
+    let least = down.iter().copied().fold(f64::INFINITY, f64::min);
+    let largest = down.iter().copied().fold(0.0, f64::max).min(sheet.length);
+    let fault = |reason| FoldError::Target {
+        target,
+        least,
+        largest,
+        reason,
+    };
+    if target > sheet.length {
+        return Err(fault("beyond the end of the sheet"));
+    }
+    let goal = atlas.solve([target, 0.0]);
+    let goal = goal.map_err(|_| fault("where no sheet can be held without a moment"))?;
+    if goal.suspended_length < sheet.least_suspended {
+        return Err(fault("where the sheet would have to be bent too sharply"));
+    }
+    if goal.suspended_length > sheet.length {
+        return Err(fault(
+            "where more of the sheet would have to be suspended than there is",
+        ));
+    }
+    Ok(goal)
+}
+
+/// ∫ λ |dr|, by the trapezoidal rule with folds between those of the way.
+fn integral(way: &[Fold]) -> Result<f64, FoldError> {
+    let mut sum = 0.0;
+    for pair in way.windows(2) {
+        let mut last = pair[0];
+        for part in 1..=PARTS {
+            let place = between(pair[0].gripper, pair[1].gripper, part as f64 / PARTS as f64);
+            let next = solve_from(&last, place).ok_or(FoldError::NoPath(place[0]))?;
+            let mean = 0.5 * (last.force_ratio() + next.force_ratio());
+            sum += mean * distance(last.gripper, next.gripper);
+            last = next;
+        }
+    }
+    Ok(sum)
+}
+
+/// The places of a way, each inner one moved across it as long as the parts of the integral beside it decrease, by ever smaller
+/// moves; λ is that of the manifold. The end stays where it is, and so does the start on the lift.
+fn refined(way: &[Fold], manifold: &ForceManifold, sheet: &Sheet) -> Vec<[f64; 2]> {
+    let mut places: Vec<[f64; 2]> = way.iter().map(|fold| fold.gripper).collect();
+    let mut ratios: Vec<f64> = way.iter().map(Fold::force_ratio).collect();
+    let mut size = FIRST_MOVE * manifold.spacing();
+    for _ in 0..SWEEPS {
+        let mut moved = 0;
+        for point in 1..places.len() - 1 {
+            let [before, here, after] = [places[point - 1], places[point], places[point + 1]];
+            let length = distance(before, after).max(f64::MIN_POSITIVE);
+            let across = [
+                size * (before[1] - after[1]) / length,
+                size * (after[0] - before[0]) / length,
+            ];
+            let cost = |place: [f64; 2], ratio: f64| {
+                (ratios[point - 1] + ratio) * distance(before, place)
+                    + (ratio + ratios[point + 1]) * distance(place, after)
+            };
+            let candidates = [
+                [here[0] + across[0], here[1] + across[1]],
+                [here[0] - across[0], here[1] - across[1]],
+                // Keeps the points apart.
+                between(before, after, 0.5),
+            ];
+            let best = cost(here, ratios[point]) - LEAST_GAIN;
+            let better = candidates.into_iter().find_map(|place| {
+                let known = manifold.at(place)?;
+                let allowed = sheet.allows_place(place, known.suspended_length);
+                (allowed && cost(place, known.force_ratio) < best)
+                    .then_some((place, known.force_ratio))
+            });
+            if let Some((place, ratio)) = better {
+                (places[point], ratios[point]) = (place, ratio);
+                moved += 1;
+            }
+        }
+        if moved == 0 {
+            size *= 0.5;
+            if size < LEAST_MOVE * manifold.spacing() {
+                break;
+            }
+        }
+    }
+    places
+}
+
+/// The folds at moved places, from those before.
+fn exactly(way: &[Fold], places: &[[f64; 2]]) -> Result<Vec<Fold>, FoldError> {
+    let folds = way
+        .iter()
+        .zip(places)
+        .map(|(fold, place)| solve_from(fold, *place).ok_or(FoldError::NoPath(place[0])));
+    folds.collect()
+}
+
+fn between(from: [f64; 2], to: [f64; 2], part: f64) -> [f64; 2] {
+    [0, 1].map(|k| from[k] + part * (to[k] - from[k]))
+}
+
+fn distance(from: [f64; 2], to: [f64; 2]) -> f64 {
+    libm::hypot(to[0] - from[0], to[1] - from[1])
+}
+
+/// Leaves out folds whose gripper is nearer to the last kept than a spacing.
+fn thin(folds: &mut Vec<Fold>, spacing: f64) {
+    let mut last = [0.0; 2];
+    folds.retain(|fold| {
+        let keeps = distance(last, fold.gripper) >= spacing;
+        if keeps {
+            last = fold.gripper;
+        }
+        keeps
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Half an A4 sheet, thesis sec. 4.6.3.
+    const A4: Sheet = Sheet {
+        length: 0.297 / 0.048,
+        least_suspended: 0.958,
+    };
+
+    #[test]
+    fn a_fold_begins_flat_and_ends_at_the_crease_target() {
+        let atlas = FoldAtlas::new();
+        let manifold = ForceManifold::new(&atlas, 0.11, 6.84);
+        for (target, objective) in [(6.1875, Objective::Sum), (5.2083, Objective::Largest)] {
+            let path = fold_path(&atlas, &manifold, &A4, target, objective).unwrap();
+            let last = path.folds.last().unwrap();
+            assert!((last.gripper[0] - target).abs() < 1e-9 && last.gripper[1].abs() < 1e-9);
+            assert!(
+                path.folds[..path.lift]
+                    .iter()
+                    .all(|fold| fold.force_ratio() < 1e-9)
+            );
+            assert!(
+                path.folds
+                    .iter()
+                    .all(|fold| fold.gripper[1] >= 0.0 && fold.unstable_modes() == 0)
+            );
+            assert!(path.folds[0].gripper[1] < 0.25);
+            assert!(path.integral <= path.grid_integral);
+        }
+    }
+
+    /// The least friction is no larger than what the least sum needs, and the other way round.
+    #[test]
+    fn each_plan_is_best_in_what_it_is_made_for() {
+        let atlas = FoldAtlas::new();
+        let manifold = ForceManifold::new(&atlas, 0.11, 6.84);
+        let plan = |objective| fold_path(&atlas, &manifold, &A4, 6.1875, objective).unwrap();
+        let (sum, largest) = (plan(Objective::Sum), plan(Objective::Largest));
+        assert!(sum.integral < largest.integral);
+        let [by_sum, by_largest] = [&sum, &largest].map(|path| path.friction_demand(A4.length));
+        assert!(by_largest < 0.5 * by_sum, "{by_sum} {by_largest}");
+        assert!(sum.integral < 0.99 * sum.grid_integral);
+    }
+
+    #[test]
+    fn targets_out_of_reach_are_refused() {
+        let atlas = FoldAtlas::new();
+        let manifold = ForceManifold::new(&atlas, 0.2, 6.84);
+        for target in [0.3, 6.3] {
+            let refused = fold_path(&atlas, &manifold, &A4, target, Objective::Sum);
+            assert!(
+                matches!(refused, Err(FoldError::Target { .. })),
+                "{:?}",
+                refused.err()
+            );
+        }
+    }
+}

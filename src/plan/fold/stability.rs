@@ -1,0 +1,106 @@
+//! The second variation of the energy of a folded sheet.
+
+use super::elastica::places;
+use super::equilibrium::Fold;
+
+/// Parts into which the sheet is divided.
+const PARTS: usize = 200;
+
+/// Number of directions in which the energy of a fold decreases while the gripper stays where it is and turns freely.
+///
+/// > δ²E = ∫ η'² + (H cos θ + (V + s/2) sin θ) η² ds,  η(0) = 0,  ∫ η cos θ ds = ∫ η sin θ ds = 0
+///
+/// With piecewise linear η a tridiagonal matrix, bordered by the two conditions; its negative pivots are counted. Where the
+/// sheet leaves the table it does so without curvature, so that a little more or less of it lifted changes nothing to second
+/// order.
+pub(super) fn unstable_modes(fold: &Fold) -> usize {
+    let places = places(fold.forces, fold.suspended_length, PARTS);
+    let ds = fold.suspended_length / PARTS as f64;
+    let mut negative = 0;
+    // Pivot, and the two borders after elimination, of the last node.
+    let mut last: Option<(f64, [f64; 2])> = None;
+    let mut schur = [[0.0; 2]; 2];
+    for (node, place) in places.iter().enumerate().skip(1) {
+        let (sine, cosine) = libm::sincos(place.state.angle);
+        let load = fold.forces.vertical + 0.5 * place.arc_length;
+        let stiffness = fold.forces.horizontal * cosine + load * sine;
+        let share = if node == PARTS { 0.5 } else { 1.0 };
+        let mut pivot = 2.0 * share / ds + share * ds * stiffness;
+        let mut border = [share * ds * cosine, share * ds * sine];
+        if let Some((before, borders)) = last {
+            let factor = -1.0 / (ds * before);
+            pivot += factor / ds;
+            for k in 0..2 {
+                border[k] -= factor * borders[k];
+            }
+        }
+        for i in 0..2 {
+            for j in 0..2 {
+                schur[i][j] -= border[i] * border[j] / pivot;
+            }
+        }
+        negative += usize::from(pivot < 0.0);
+        last = Some((pivot, border));
+    }
+    let determinant = schur[0][0] * schur[1][1] - schur[0][1] * schur[1][0];
+    negative += if determinant < 0.0 {
+        1
+    } else if schur[0][0] < 0.0 {
+        2
+    } else {
+        0
+    };
+    negative.saturating_sub(2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::FoldAtlas;
+    use super::*;
+    use nalgebra::DMatrix;
+
+    /// Of all folds at a gripper, against the eigenvalues of the second variation in the plane of the two conditions, for a sheet
+    /// of rigid edges.
+    #[test]
+    fn modes_are_those_of_the_eigenvalues() {
+        const EDGES: usize = 80;
+        let folds = FoldAtlas::new().solve_all([0.347_207_809_1, 0.577_905_550_1]);
+        let counts = folds.unwrap().into_iter().map(|fold| {
+            let ds = fold.suspended_length / EDGES as f64;
+            let places = places(fold.forces, fold.suspended_length, 2 * EDGES);
+            let mut matrix = DMatrix::<f64>::zeros(EDGES, EDGES);
+            let mut borders = DMatrix::<f64>::zeros(EDGES, 2);
+            for edge in 0..EDGES {
+                let middle = &places[2 * edge + 1];
+                let (sine, cosine) = middle.state.angle.sin_cos();
+                let load = fold.forces.vertical + 0.5 * middle.arc_length;
+                matrix[(edge, edge)] += ds * (fold.forces.horizontal * cosine + load * sine);
+                // The first edge turns against the table over half an edge.
+                matrix[(edge, edge)] += if edge == 0 { 2.0 / ds } else { 1.0 / ds };
+                if edge > 0 {
+                    matrix[(edge - 1, edge - 1)] += 1.0 / ds;
+                    matrix[(edge, edge - 1)] -= 1.0 / ds;
+                    matrix[(edge - 1, edge)] -= 1.0 / ds;
+                }
+                borders[(edge, 0)] = cosine;
+                borders[(edge, 1)] = sine;
+            }
+            let basis = borders.qr().q();
+            let projector = DMatrix::identity(EDGES, EDGES) - &basis * basis.transpose();
+            let values = (&projector * matrix * &projector).symmetric_eigenvalues();
+            let negative = values.iter().filter(|value| **value < -1e-9).count();
+            assert_eq!(unstable_modes(&fold), negative, "{fold:?} {values}");
+            negative
+        });
+        let counts: Vec<usize> = counts.collect();
+        assert!(counts.contains(&0) && counts.contains(&1) && counts.contains(&2));
+    }
+
+    #[test]
+    fn gentle_folds_are_stable() {
+        let folds = FoldAtlas::new();
+        for fold in folds.folds().iter().step_by(17) {
+            assert_eq!(unstable_modes(fold), 0, "{fold:?}");
+        }
+    }
+}
