@@ -3,6 +3,7 @@
 use super::failure::Failure;
 use super::output::{print, print_json, write_file};
 use super::plan_deployment::DeploymentArguments;
+use super::plan_fold::FoldPlanArguments;
 use super::solve_arm::ArmChoice;
 use crate::cell::{Place, PlanError, PlanRequest, read_poses};
 use clap::{Args, Subcommand};
@@ -30,6 +31,20 @@ trajectory.json, pattern.csv (s_m, x_m, y_m, curvature_per_m, friction_demand), 
 landing, landing.toml with rod.csv; prints what the pattern asks of the rod and the table. The table is z = 0; the gripper's x axis is the tangent of the rod, towards the
 gripper. `rodlab guide deployment` says more.")]
     Deployment(Box<DeploymentArguments>),
+    /// A gripper's trajectory that folds a sheet with little sliding
+    #[command(after_help = "\
+Examples:
+  rodlab plan fold --paper scenarios/papers/a4.toml --crease half --out results/fold_a4
+  rodlab plan fold --paper scenarios/papers/us_letter.toml --crease \"20 cm\" --objective friction --out results/fold_letter
+  rodlab plan fold --paper scenarios/papers/origami.toml --crease diagonal --out results/fold_origami
+
+The edge is lifted without a push along the table; where the way leaves the lift and how it goes on over the force manifold is
+searched on a grid of 0.0548 L_gb (thesis Algorithm 4), and its points are moved until the sum of λ no longer decreases.
+Writes trajectory.csv (time_s, x_m, y_m, z_m, qw, qx, qy, qz), folds.csv, fold.svg (the sheet along its way) and friction.svg;
+prints the largest λ = |F_x|/|F_z| at the touchdown point, and the friction that the whole sheet, its lying rest included, asks
+for: where it is above that of the table the sheet slides. --objective friction plans the way with the least of it. The edge
+lay at the origin, the sheet along x on the table z = 0; the gripper's x axis is the tangent of the sheet, towards the gripper.")]
+    Fold(FoldPlanArguments),
     /// A joint trajectory along poses of the hand
     #[command(after_help = "\
 Examples:
@@ -70,6 +85,7 @@ struct JointsArguments {
 pub fn plan(arguments: &PlanArguments) -> Result<(), Failure> {
     match &arguments.what {
         What::Deployment(arguments) => arguments.plan(),
+        What::Fold(arguments) => arguments.plan(),
         What::Joints(arguments) => joints(arguments),
     }
 }

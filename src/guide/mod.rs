@@ -48,6 +48,7 @@ pages! {
     knots
     helices
     deployment
+    folding
     fluid
     results
     probes

@@ -64,7 +64,7 @@ pub use units::{metres, seconds};
 /// Physical dimensions, for [`Quantity`].
 pub mod dimension {
     pub use super::units::{
-        Angle, AngularVelocity, Curvature, Density, Dimension, Dimensionless, Length, Time,
-        Velocity,
+        Angle, AngularVelocity, Curvature, Density, Dimension, Dimensionless, Length, Pressure,
+        Time, Velocity,
     };
 }

@@ -12,7 +12,7 @@ const ANGLE: f64 = 0.1;
 /// Part of an angle below which no shorter one is tried.
 const SHORTEST: f64 = 1e-3;
 /// Largest pull H l̄_s².
-const LARGEST_PULL: f64 = 200.0;
+const LARGEST_PULL: f64 = 100.0;
 /// What two neighbours differ by at most: ln l̄_s, α, V l̄_s².
 const FARTHEST: [f64; 3] = [0.3, 0.4, 6.0];
 /// Neighbours from which a fold is sought.

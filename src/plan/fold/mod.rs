@@ -22,6 +22,7 @@
 //! | `manifold` | folds on a grid |
 //! | `graph_search` | paths over that grid |
 //! | `path` | the way of the gripper from the flat sheet to the crease |
+//! | `sheet` | the same in metres |
 
 mod atlas;
 mod discrete;
@@ -31,6 +32,7 @@ mod graph_search;
 mod manifold;
 mod path;
 mod search_all;
+mod sheet;
 mod stability;
 
 pub use atlas::{FoldAtlas, solve_from};
@@ -39,6 +41,7 @@ pub use equilibrium::Fold;
 pub use graph_search::{Cell, Objective, uniform_cost_search};
 pub use manifold::{ForceManifold, ManifoldPoint};
 pub use path::{FoldPath, Sheet, fold_path};
+pub use sheet::FoldedSheet;
 
 use thiserror::Error;
 

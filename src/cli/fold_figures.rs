@@ -1,0 +1,99 @@
+//! Figures of a planned fold.
+
+use crate::figure::{Curve, Figure, LinePlot, Look, PlotStyle, line_plots, styled_line_plots};
+use crate::plan::fold::{Cell, Fold, FoldPath, ForceManifold};
+
+/// Poses of the sheet that are drawn, and points of each.
+const POSES: usize = 7;
+const POINTS: usize = 60;
+/// Rows and columns of the manifold between two that are looked at.
+const EVERY: usize = 4;
+
+/// The sheet along its path over the places where it neither pushes nor pulls along the table, to scale, in L_gb.
+pub fn fold_figure(path: &FoldPath, manifold: &ForceManifold, length: f64) -> Figure {
+    let mut poses = vec![];
+    for pose in 0..POSES {
+        let fold = &path.folds[pose * (path.folds.len() - 1) / (POSES - 1)];
+        poses.extend(whole(fold, length));
+        poses.push((0.0, None));
+    }
+    let mut curves = vec![Curve::new("sheet", poses).like(1)];
+    let way = path.folds.iter().map(|fold| point(fold.gripper));
+    curves.push(
+        Curve::new(
+            "gripper",
+            [(0.0, Some(0.0))].into_iter().chain(way).collect(),
+        )
+        .like(0),
+    );
+    let free = Curve::new("no push: λ = 0", without_push(manifold));
+    curves.push(free.looking(Look::OpenMarks).like(2));
+    let plot = LinePlot {
+        label: "z/L_{gb}".into(),
+        curves,
+    };
+    let style = PlotStyle {
+        is_to_scale: true,
+        ..PlotStyle::default()
+    };
+    styled_line_plots([plot], "x/L_{gb}", style)
+}
+
+/// λ, and the friction demand of a sheet of length L̄, along the way of the gripper in L_gb, against the friction there is.
+pub fn friction_figure(path: &FoldPath, length: f64, friction: Option<f64>) -> Figure {
+    let mut way = 0.0;
+    let mut before = [0.0; 2];
+    let mut curves = [vec![], vec![]];
+    for fold in &path.folds {
+        way += libm::hypot(fold.gripper[0] - before[0], fold.gripper[1] - before[1]);
+        before = fold.gripper;
+        curves[0].push((way, Some(fold.force_ratio())));
+        curves[1].push((way, Some(fold.friction_demand(length))));
+    }
+    let [ratios, demands] = curves;
+    let mut curves = vec![
+        Curve::new("λ, at the touchdown point alone", ratios),
+        Curve::new("demand of the whole sheet", demands),
+    ];
+    if let Some(friction) = friction {
+        let line = vec![(0.0, Some(friction)), (way, Some(friction))];
+        curves.push(Curve::new("friction of the table", line).looking(Look::Dashed));
+    }
+    let plot = LinePlot {
+        label: "friction".into(),
+        curves,
+    };
+    line_plots([plot], "way of the gripper over L_{gb}")
+}
+
+/// The suspended part and the lying rest.
+fn whole(fold: &Fold, length: f64) -> Vec<(f64, Option<f64>)> {
+    let lying = [[length.max(fold.suspended_length), 0.0]];
+    let shape = fold.shape(POINTS);
+    lying.into_iter().chain(shape).map(point).collect()
+}
+
+fn point([x, z]: [f64; 2]) -> (f64, Option<f64>) {
+    (x, Some(z))
+}
+
+/// Places, on some rows and columns of the grid, where H changes its sign.
+fn without_push(manifold: &ForceManifold) -> Vec<(f64, Option<f64>)> {
+    let [columns, rows] = manifold.size();
+    let right = (0..rows)
+        .step_by(EVERY)
+        .flat_map(|row| (1..columns).map(move |column| [[column - 1, row], [column, row]]));
+    let up = (0..columns)
+        .step_by(EVERY)
+        .flat_map(|column| (1..rows).map(move |row| [[column, row - 1], [column, row]]));
+    let place = |pair: [Cell; 2]| {
+        let [Some(one), Some(other)] = pair.map(|cell| manifold.fold(cell)) else {
+            return None;
+        };
+        let [a, b] = [one, other].map(|fold| fold.forces.horizontal);
+        let part = a / (a - b);
+        let between = |k: usize| one.gripper[k] + part * (other.gripper[k] - one.gripper[k]);
+        (a * b < 0.0).then(|| point([between(0), between(1)]))
+    };
+    right.chain(up).filter_map(place).collect()
+}
