@@ -5,9 +5,9 @@ use super::failure::Failure;
 use super::output::{print, print_json};
 use super::samples::SampleFiles;
 use super::values::duration;
-use crate::learn::{self, Plan, Status, Task, Trainer};
+use crate::learn::{self, Plan, Processor, Status, Task, Trainer};
 use crate::run::{Interruption, StopRequest};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -48,6 +48,9 @@ pub struct TrainArguments {
     /// Rounds over all samples, at most
     #[arg(long, value_name = "N", default_value_t = 2000, value_parser = clap::value_parser!(u32).range(1..))]
     pub most_epochs: u32,
+    /// What trains it; a GPU needs a program that was built with `--features cuda`
+    #[arg(long, value_name = "PROCESSOR", default_value = "cpu")]
+    pub device: DeviceName,
     /// Start over and discard an earlier training
     #[arg(long)]
     pub force: bool,
@@ -57,6 +60,15 @@ pub struct TrainArguments {
     /// Stop this long after the start, such as \"10 min\"; the same command goes on
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub timeout: Option<Duration>,
+}
+
+/// What trains a network.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum DeviceName {
+    /// The processor: the same network on every machine of a kind.
+    Cpu,
+    /// The first GPU, by CUDA.
+    Gpu,
 }
 
 /// Trains a network.
@@ -87,6 +99,10 @@ pub fn train(arguments: &TrainArguments, common: &Common) -> Result<(), Failure>
             patience: arguments.patience as usize,
             most_epochs: arguments.most_epochs as usize,
             ..Plan::default()
+        },
+        processor: match arguments.device {
+            DeviceName::Cpu => Processor::Cpu,
+            DeviceName::Gpu => Processor::Gpu,
         },
         directory: &arguments.out,
         force: arguments.force,

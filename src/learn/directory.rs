@@ -2,6 +2,7 @@
 
 use super::loss_figure::loss_figure;
 use super::model::{ModelError, read_model};
+use super::processor::Processor;
 use super::samples::{Samples, SamplesError};
 use super::trainer::{FEWEST_SAMPLES, Standing, Trainer};
 use super::training::{Epoch, Plan};
@@ -36,6 +37,8 @@ pub struct Task<'a> {
     pub outputs: &'a [&'a str],
     /// How.
     pub plan: Plan,
+    /// What it is trained on.
+    pub processor: Processor,
     /// Where the results go.
     pub directory: &'a Path,
     /// Whether an earlier training there is thrown away.
@@ -199,7 +202,13 @@ pub fn train(
         });
     }
     let names = [owned(task.inputs), owned(task.outputs)];
-    let mut trainer = Trainer::new(task.plan.clone(), task.kind, names, &samples)?;
+    let mut trainer = Trainer::new(
+        task.plan.clone(),
+        task.kind,
+        names,
+        &samples,
+        task.processor,
+    )?;
     std::fs::create_dir_all(task.directory).map_err(system(task.directory))?;
     match &earlier {
         None => begin(task, &recorded, &samples)?,

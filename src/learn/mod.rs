@@ -6,6 +6,7 @@
 //! | `samples` | rows of inputs and outputs, from CSV |
 //! | `scaling` | standardisation |
 //! | `network` | the multilayer perceptron |
+//! | `processor` | what a network is trained on |
 //! | `training` | how its error is made small |
 //! | `trainer` | a training that can be interrupted |
 //! | `model` | a network with what is needed to use it, and its file |
@@ -20,6 +21,7 @@ mod evaluation;
 mod loss_figure;
 mod model;
 mod network;
+mod processor;
 mod samples;
 mod scaling;
 mod sobol;
@@ -32,6 +34,7 @@ pub use directory::{Status, Task, Trained, TrainingError, train};
 pub use evaluation::{Errors, error_figure, evaluate};
 pub use model::{About, Model, ModelError, read_model};
 pub use network::Network;
+pub use processor::Processor;
 pub use samples::{Samples, SamplesError};
 pub use scaling::Scaling;
 pub use sobol::{MOST_DIMENSIONS, MOST_POINTS, sobol};

@@ -57,6 +57,9 @@ pub struct About {
 /// Why a file is no model.
 #[derive(Debug, Error)]
 pub enum ModelError {
+    /// There is no GPU that it could be trained on.
+    #[error("no GPU can be used: {0}")]
+    NoGpu(String),
     /// It is no file of safetensors, or a part of one.
     #[error("{path} is not a whole safetensors file: {error}")]
     NotSafetensors {

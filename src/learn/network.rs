@@ -73,10 +73,19 @@ impl Network {
         Self::from_tensors(copies.collect::<Result<_>>()?)
     }
 
-    /// Takes over the weights and biases of a network of the same shape.
+    /// A copy on another device.
+    pub fn on(&self, device: &Device) -> Result<Self> {
+        let copies = self
+            .tensors()
+            .into_iter()
+            .map(|[weight, bias]| Ok([weight.to_device(device)?, bias.to_device(device)?]));
+        Self::from_tensors(copies.collect::<Result<_>>()?)
+    }
+
+    /// Takes over the weights and biases of a network of the same shape, on whatever device.
     pub fn restore(&self, other: &Self) -> Result<()> {
         for (here, there) in self.variables().iter().zip(other.variables()) {
-            here.set(&there)?;
+            here.set(&there.to_device(here.device())?)?;
         }
         Ok(())
     }

@@ -34,7 +34,14 @@ fn plan() -> Plan {
 
 fn trainer(plan: &Plan) -> Trainer {
     let names = ["from", "to"].map(|word| vec![format!("{word}_1"), format!("{word}_2")]);
-    Trainer::new(plan.clone(), "smooth", names, &samples(1200, 0)).unwrap()
+    Trainer::new(
+        plan.clone(),
+        "smooth",
+        names,
+        &samples(1200, 0),
+        Processor::Cpu,
+    )
+    .unwrap()
 }
 
 fn trained(plan: &Plan) -> Trainer {

@@ -2,6 +2,7 @@
 
 use super::model::{About, Model, ModelError};
 use super::network::Network;
+use super::processor::Processor;
 use super::samples::Samples;
 use super::scaling::{Scaling, range_of};
 use super::training::{Epoch, Phase, Plan, Rows, random_of_phase, train_phase};
@@ -39,7 +40,7 @@ impl Trainer {
     /// Before the first phase. `names` are those of the columns of samples of a kind.
     ///
     /// # Errors
-    /// [`ModelError::Tensors`].
+    /// [`ModelError::Tensors`]; [`ModelError::NoGpu`].
     ///
     /// # Panics
     /// Fewer than [`FEWEST_SAMPLES`].
@@ -48,14 +49,16 @@ impl Trainer {
         kind: &str,
         names: [Vec<String>; 2],
         samples: &Samples,
+        processor: Processor,
     ) -> Result<Self, ModelError> {
+        let device = processor.device()?;
         assert!(samples.rows() >= FEWEST_SAMPLES, "too few samples to split");
         let [kept, held] = samples.split(HELD_BACK, plan.seed);
         let inputs = Scaling::of(&kept.inputs, kept.input_width);
         let outputs = Scaling::of(&kept.outputs, kept.output_width);
         let rows = |samples: &Samples| -> candle_core::Result<Rows> {
             let tensor =
-                |numbers, width| Tensor::from_vec(numbers, (samples.rows(), width), &Device::Cpu);
+                |numbers, width| Tensor::from_vec(numbers, (samples.rows(), width), &device);
             Ok(Rows {
                 inputs: tensor(inputs.standardised(&samples.inputs), samples.input_width)?,
                 outputs: tensor(outputs.standardised(&samples.outputs), samples.output_width)?,
@@ -66,7 +69,7 @@ impl Trainer {
         widths.extend(&plan.hidden);
         widths.push(samples.output_width);
         let mut random = random_of_phase(plan.seed, usize::MAX - 1);
-        let network = Network::new(&widths, &mut random, &Device::Cpu)?;
+        let network = Network::new(&widths, &mut random, &device)?;
         Ok(Self {
             best: network.snapshot()?,
             network,
@@ -175,6 +178,6 @@ impl Trainer {
             .iter()
             .map(|(name, text)| ((*name).to_owned(), text.clone()));
         about.provenance = provenance.collect();
-        Ok(Model::new(about, self.best.snapshot()?))
+        Ok(Model::new(about, self.best.on(&Device::Cpu)?))
     }
 }

@@ -14,7 +14,7 @@ use std::path::Path;
 
 /// The factor that the thesis gives.
 const THESIS: f64 = 0.9066;
-/// Edges of the drawn loop, and length of rod drawn on either side of it, L_gb.
+/// Edges of the drawn loop, and length of rod drawn beyond it, L_gb.
 const EDGES: usize = 200;
 const TAIL: f64 = 2.0;
 
@@ -38,7 +38,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case<LoopOfRod>]) -> Result<(), Re
         .collect::<Result<_, _>>()?;
     page.text(&format!(
         "A rod that lies on a table and is folded over onto itself leaves a loop open, whose height h_f tells its gravito-bending length \
-         (thesis 5.5.1). The loop leaves the table flat and without moment, and comes down flat and without moment to where it left: its \
+         (thesis 5.5.1). The loop leaves the table flat and without moment, and comes down flat and without moment onto the lying part: its \
          height is {:.6} L_gb. The thesis gives h_f = {THESIS} L_gb; that factor goes with the length (EI/ρgA)^(1/3) = 2^(1/3) L_gb, by which \
          it is {:.6}. With L_gb of Eq. 5.10, as printed, it would make every measured L_gb 26 % too large. The simulated loops are static \
          equilibria of the discrete rod, held at both ends. They are ribbons of the same L_gb: the upright loop of a round rod that is held at \
@@ -112,9 +112,8 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
     let theory = HeavyLoop::new();
     let places = theory.places(EDGES);
     let end = places.last().map_or(0.0, |[x, _]| *x);
-    let tail = [[-TAIL, 0.0]];
     let lying = [[end - TAIL, 0.0]];
-    let shape = tail.iter().chain(&places).chain(&lying);
+    let shape = lying.iter().chain(&places).chain(&lying);
     let shape: Vec<(f64, Option<f64>)> = shape.map(|[x, z]| (*x, Some(*z))).collect();
     let plot = LinePlot {
         label: "z/L_{gb}".into(),

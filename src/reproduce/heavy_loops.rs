@@ -89,7 +89,7 @@ impl Run for LoopOfRod {
     }
 
     fn extent(&self) -> String {
-        format!("loops of {} edges were bent", self.edges)
+        format!("rods of {} edges were bent", self.edges)
     }
 
     fn cost(&self) -> f64 {

@@ -26,7 +26,7 @@ impl HeavyLoop {
     /// length ℓ, by shooting and Newton's method.
     ///
     /// The rod leaves the table flat and without moment, turns over by more than π, and comes down flat and
-    /// without moment upon itself; no horizontal force acts. That it comes down to where it left,
+    /// without moment upon itself; no horizontal force acts. that it comes down to the height at which it left,
     /// ∫ sin θ ds = 0, follows: multiply the equation by θ' and integrate. Its height is that of the point
     /// where θ first is π.
     pub fn new() -> Self {

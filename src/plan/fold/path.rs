@@ -280,7 +280,7 @@ mod tests {
             assert!(
                 path.folds
                     .iter()
-                    .all(|fold| fold.gripper[1] >= 0.0 && fold.unstable_modes() == 0)
+                    .all(|fold| fold.gripper[1] > -1e-9 && fold.unstable_modes() == 0)
             );
             assert!(path.folds[0].gripper[1] < 0.25);
             assert!(path.integral <= path.grid_integral);

@@ -1,0 +1,52 @@
+//! What a network is trained on.
+
+use super::ModelError;
+use candle_core::Device;
+
+/// What a network is trained on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Processor {
+    /// The processor of the machine: the same network on every machine of a kind.
+    #[default]
+    Cpu,
+    /// The first GPU, by CUDA; sums there have no order, so that the network differs in its last digits from run to run.
+    Gpu,
+}
+
+impl Processor {
+    /// Whether this program was built for GPUs.
+    pub const KNOWS_GPUS: bool = cfg!(feature = "cuda");
+
+    /// Its device.
+    ///
+    /// # Errors
+    /// [`ModelError::NoGpu`].
+    pub(super) fn device(self) -> Result<Device, ModelError> {
+        match self {
+            Self::Cpu => Ok(Device::Cpu),
+            Self::Gpu if Self::KNOWS_GPUS => {
+                Device::new_cuda(0).map_err(|error| ModelError::NoGpu(error.to_string()))
+            }
+            Self::Gpu => Err(ModelError::NoGpu(
+                "this program was built without the cargo feature `cuda`, which needs the CUDA toolkit".into(),
+            )),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_program_without_gpus_says_so() {
+        assert!(Processor::Cpu.device().is_ok());
+        if !Processor::KNOWS_GPUS {
+            let refused = Processor::Gpu.device();
+            let Err(ModelError::NoGpu(reason)) = refused else {
+                panic!("{refused:?}");
+            };
+            assert!(reason.contains("`cuda`"), "{reason}");
+        }
+    }
+}
