@@ -39,14 +39,22 @@ pub fn fold_figure(path: &FoldPath, manifold: &ForceManifold, length: f64) -> Fi
     styled_line_plots([plot], "x/L_{gb}", style)
 }
 
-/// λ, and the friction demand of a sheet of length L̄, along the way of the gripper in L_gb, against the friction there is.
-pub fn friction_figure(path: &FoldPath, length: f64, friction: Option<f64>) -> Figure {
+/// λ, and the friction demand of a sheet of length L̄, along the way of the gripper in L_gb, against the friction there is; and how
+/// far the sheet has slid.
+pub fn friction_figure(
+    path: &FoldPath,
+    length: f64,
+    friction: Option<f64>,
+    slid: Option<&[f64]>,
+) -> Figure {
     let mut way = 0.0;
     let mut before = [0.0; 2];
     let mut curves = [vec![], vec![]];
+    let mut ways = vec![];
     for fold in &path.folds {
         way += libm::hypot(fold.gripper[0] - before[0], fold.gripper[1] - before[1]);
         before = fold.gripper;
+        ways.push(way);
         curves[0].push((way, Some(fold.force_ratio())));
         curves[1].push((way, Some(fold.friction_demand(length))));
     }
@@ -63,7 +71,15 @@ pub fn friction_figure(path: &FoldPath, length: f64, friction: Option<f64>) -> F
         label: "friction".into(),
         curves,
     };
-    line_plots([plot], "way of the gripper over L_{gb}")
+    let slid = slid.map(|slid| {
+        let points = ways.iter().copied().zip(slid.iter().copied().map(Some));
+        LinePlot {
+            label: "slid over L_{gb}".into(),
+            curves: vec![Curve::new("sheet", points.collect())],
+        }
+    });
+    let plots: Vec<LinePlot> = [plot].into_iter().chain(slid).collect();
+    line_plots(plots, "way of the gripper over L_{gb}")
 }
 
 /// The suspended part and the lying rest.

@@ -42,7 +42,7 @@ The edge is lifted without a push along the table; where the way leaves the lift
 searched on a grid of 0.0548 L_gb (thesis Algorithm 4), and its points are moved until the sum of λ no longer decreases.
 Writes trajectory.csv (time_s, x_m, y_m, z_m, qw, qx, qy, qz), folds.csv, fold.svg (the sheet along its way) and friction.svg;
 prints the largest λ = |F_x|/|F_z| at the touchdown point, and the friction that the whole sheet, its lying rest included, asks
-for: where it is above that of the table the sheet slides. --objective friction plans the way with the least of it. The edge
+for: where it is above that of the table the sheet slides, by `slides_m` at most, without inertia and with the planned angles. --objective friction plans the way with the least of it. The edge
 lay at the origin, the sheet along x on the table z = 0; the gripper's x axis is the tangent of the sheet, towards the gripper.")]
     Fold(FoldPlanArguments),
     /// A joint trajectory along poses of the hand

@@ -8,7 +8,9 @@ use super::output::{print_json, write_files};
 use super::values::positive_length;
 use crate::figure::Paper;
 use crate::plan::deployment::GripperPose;
-use crate::plan::fold::{FoldAtlas, FoldPath, FoldedSheet, ForceManifold, Objective, fold_path};
+use crate::plan::fold::{
+    FoldAtlas, FoldPath, FoldedSheet, ForceManifold, Objective, fold_path, sliding,
+};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::fmt::Write;
@@ -77,6 +79,11 @@ struct Report {
     friction: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     holds: Option<bool>,
+    /// Farthest on the way.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    slides_m: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    slides_away: Option<String>,
     duration_s: f64,
     files: Vec<PathBuf>,
 }
@@ -101,6 +108,13 @@ impl FoldPlanArguments {
         let times = self.times(&poses);
         let friction = self.friction.or(file.friction);
         let demand = path.friction_demand(dimensionless.length);
+        let slid = friction
+            .map(|friction| sliding(&path.folds, dimensionless.length, friction))
+            .transpose();
+        let (slid, slides_away) = match slid {
+            Ok(slid) => (slid, None),
+            Err(error) => (None, Some(error.to_string())),
+        };
         let svg = |figure: crate::figure::Figure| figure.svg(&Paper::default()).into_bytes();
         let named = vec![
             (
@@ -114,7 +128,12 @@ impl FoldPlanArguments {
             ),
             (
                 "friction.svg",
-                svg(friction_figure(&path, dimensionless.length, friction)),
+                svg(friction_figure(
+                    &path,
+                    dimensionless.length,
+                    friction,
+                    slid.as_deref(),
+                )),
             ),
         ];
         let files = named.iter().map(|(name, _)| self.out.join(name)).collect();
@@ -135,6 +154,13 @@ impl FoldPlanArguments {
             friction_demand: demand,
             friction,
             holds: friction.map(|friction| demand <= friction),
+            slides_m: slid.map(|slid| {
+                let farthest = slid
+                    .iter()
+                    .fold(0.0, |most: f64, slid| most.max(slid.abs()));
+                farthest * unit
+            }),
+            slides_away,
             duration_s: times.last().copied().unwrap_or(0.0),
             files,
         })

@@ -31,7 +31,10 @@ mod scene;
 #[cfg(test)]
 mod tests;
 
-pub use deployment::{Deployment, DeploymentMonitor, DeploymentOutcome, DeploymentTables};
+pub use deployment::{
+    Deployment, DeploymentMonitor, DeploymentOutcome, DeploymentTables, LaidOutlines, Outline,
+    PassedPegs, laid_outlines,
+};
 pub use derived::{DerivedNumbers, DerivedRod, derived_numbers};
 pub use described::{Described, describe, described_files, files_with_column};
 pub use helix::stability::{

@@ -1,5 +1,6 @@
 //! What can be reproduced: one value for each table and figure, with its runs and what is made of them.
 
+use super::applications::Application;
 use super::bundling::Bundling;
 use super::cases::{Case, Run, run_all};
 use super::grasp_grid::GraspGrid;
@@ -17,7 +18,7 @@ use super::{
     ReproduceError, ReproduceOptions, auto_steps, cost, deployment_correction, deployment_errors,
     drag_steps, figure_2_5, figure_2_6, figure_2_7, figure_2_8, figure_3_4, figure_3_9, figure_5_4,
     figure_5_5, figure_5_6, figure_5_8, figure_6_2, figure_6_5, inversion_factors,
-    knot_convergence, laid_patterns, table_2_1, table_2_2, table_5_2, table_5_3,
+    knot_convergence, laid_patterns, table_2_1, table_2_2, table_5_2, table_5_3, table_5_4,
 };
 use std::fmt;
 use std::path::PathBuf;
@@ -30,7 +31,7 @@ pub struct Artifact {
 }
 
 /// All tables and figures.
-pub static ARTIFACTS: [Artifact; 30] = [
+pub static ARTIFACTS: [Artifact; 31] = [
     Artifact {
         name: "tab2.1",
         title: "Table 2.1: IMC and IPC, iterations and time of bundling flagella",
@@ -224,6 +225,15 @@ pub static ARTIFACTS: [Artifact; 30] = [
             runs: Laying::of_table_5_3,
             write: table_5_3::write,
             figures_of_table: Some(table_5_3::figures_of_table),
+        },
+    },
+    Artifact {
+        name: "tab5.4",
+        title: "Table 5.4: cables placed in clips",
+        recipe: &Recipe {
+            runs: Application::of_table_5_4,
+            write: table_5_4::write,
+            figures_of_table: None,
         },
     },
     Artifact {

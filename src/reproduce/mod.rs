@@ -12,6 +12,7 @@
 //! | `helices` | the search for the boundary of the stable helices (thesis 6.2) |
 //! | `manipulated_helix` | a helical rod manipulated in time (thesis 6.3) |
 //! | `laying` | a rod laid along a pattern (thesis 5.5) |
+//! | `applications` | cables placed in clips (thesis 5.5.5) |
 //! | `cases` | running the runs |
 //! | `page` | CSV, Markdown and manifest of an artefact |
 //! | `table` | that CSV, read again |
@@ -25,6 +26,7 @@
 //! | `figure_5_8`, `heavy_loops` | rods folded over onto themselves |
 //! | `laid_patterns`, `laid_outlines` | rods laid along patterns, from above |
 //! | `table_5_2`, `measured_deployments` | how well rods are laid along patterns, simulated and measured |
+//! | `table_5_4` | how often cables are placed |
 //! | `figure_6_2` | figures 6.2 and 6.6 |
 //! | `figure_6_5` | disturbances of a manipulated rod |
 //! | `overhand_law` | knots pulled tight against Eq. 2.30, part by part |
@@ -33,6 +35,7 @@
 //! | `cost`, `drag_steps`, `auto_steps` | what steps cost, and what larger and automatic ones lose |
 //! | `difference` | distance of the nodes between two runs (thesis Eq. 2.28) |
 
+mod applications;
 mod artifact;
 mod auto_steps;
 mod bundling;
@@ -77,6 +80,7 @@ mod table_2_1;
 mod table_2_2;
 mod table_5_2;
 mod table_5_3;
+mod table_5_4;
 mod tightening;
 
 pub use artifact::{ARTIFACTS, Artifact};

@@ -47,4 +47,7 @@ const SUMMARY: &[Column] = columns! {
     "largest_gripper_force_n": "Largest force of the gripper on the rod, N.",
     "largest_friction_demand": "The largest friction that the pattern asks for, 2 L_gb³|κ''| (thesis Eq. 5.2).",
     "share_above_friction": "Part of the pattern that asks for more friction than the table has; there the rod slides.",
+    "pegs": "Pegs on the table, two of each clip; where there are any.",
+    "pegs_passed": "Pegs that the rod, as far as it belongs to the pattern, passes at the end on the side on which the pattern does, below \
+        their tops.",
 };

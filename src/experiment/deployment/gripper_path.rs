@@ -294,6 +294,8 @@ mod tests {
             jitter_period: 1.0,
             seed: 0,
             correction: None,
+            release: None,
+            pegs: Vec::new(),
             pattern: Pattern::Circle { radius: 0.09 },
             rod: Rod {
                 gravito_bending_length: 0.032,

@@ -8,6 +8,8 @@ use super::laid_rod::{POINTS, PatternMark};
 use super::monitor::{DeploymentMonitor, Watched};
 use super::online::OnlineCorrection;
 use super::outcome::DerivedDeployment;
+use super::pegs;
+use super::release::Release;
 use super::tables::DeploymentTables;
 use crate::experiment::kind::{FigureError, Kind, OwnNumbers};
 use crate::experiment::prepare::round_rod;
@@ -88,12 +90,16 @@ impl Kind for DeploymentKind {
         let path = gripper_path(scenario)?;
         run.observers
             .push(Box::new(monitor(scenario, deployment, path)));
+        let node = deployment.rod.edges;
+        let clamps = &run.scene.clamps;
+        let holds = |clamp: &Clamp| clamp.rod == 0 && clamp.node == node;
+        let clamp = clamps.iter().position(holds);
+        let clamp = clamp.expect("the gripper of a deployment");
+        if deployment.release.is_some() {
+            let end = path.laid.last().map_or(0.0, |(time, _)| *time);
+            run.controllers.push(Box::new(Release::new(clamp, end)));
+        }
         if let Some(keys) = deployment.correction {
-            let node = deployment.rod.edges;
-            let clamps = &run.scene.clamps;
-            let holds = |clamp: &Clamp| clamp.rod == 0 && clamp.node == node;
-            let clamp = clamps.iter().position(holds);
-            let clamp = clamp.expect("the gripper of a deployment");
             let lying = lying_height(scenario, deployment);
             let correction = OnlineCorrection::new(deployment, keys, path, clamp, lying);
             run.controllers.push(Box::new(correction));
@@ -169,6 +175,9 @@ fn add(scene: &mut Scene, deployment: &Deployment, path: &GripperPath, friction:
         natural_shape: NaturalShape::Centreline(straight),
         ..round_rod("rod", path.start.clone(), &material, &section)
     });
+    let standing = deployment.pegs.iter().enumerate();
+    let standing = standing.map(|(number, peg)| pegs::post(&format!("peg_{}", number + 1), peg));
+    scene.rods.extend(standing);
     scene.clamps.push(Clamp {
         rod: index,
         node: rod.edges,
@@ -223,6 +232,12 @@ fn monitor(scenario: &Scenario, deployment: &Deployment, path: &GripperPath) -> 
         lying_height: lying_height(scenario, deployment),
         friction: scenario.contact.friction(),
         laid: path.laid.clone(),
+        outline: if deployment.pegs.is_empty() {
+            Vec::new()
+        } else {
+            pegs::outline(&path.curve)
+        },
+        pegs: deployment.pegs.clone(),
         derived,
     })
 }
@@ -289,6 +304,32 @@ mod tests {
         assert!(outcome.error_deviation_m.unwrap() < 1e-4);
     }
 
+    const CLIPS: &str = "pattern = { kind = \"line\", length = 0.1 }\nrelease = 1\n\
+        clips = { at = [0.02, 0.05, 0.08], width = 0.008, radius = 0.004, height = 0.006 }";
+
+    #[test]
+    fn a_rod_is_laid_into_clips_and_stays_there_when_the_gripper_lets_go() {
+        let outcome = laid(CLIPS, 5.0);
+        let pegs = outcome.pegs.unwrap();
+        assert_eq!((pegs.count, pegs.passed), (6, 6), "{outcome:?}");
+        assert!(pegs.are_all());
+    }
+
+    #[test]
+    fn a_rod_that_is_laid_beside_its_clips_passes_half_of_their_pegs_on_the_wrong_side() {
+        let outcome = laid(&format!("{CLIPS}\nframe_shift = [0.0, 0.03]"), 5.0);
+        let pegs = outcome.pegs.unwrap();
+        assert_eq!((pegs.count, pegs.passed), (6, 3), "{outcome:?}");
+        // A peg that stands on that side of the pattern is passed on the wrong side, one on the other side is not.
+        let peg = |y: f64| {
+            let line = "pattern = { kind = \"line\", length = 0.1 }\nframe_shift = [0.0, 0.03]";
+            let peg =
+                format!("pegs = [{{ position = [0.05, {y}], radius = 0.004, height = 0.01 }}]");
+            laid(&format!("{line}\n{peg}"), 4.0).pegs.unwrap().passed
+        };
+        assert_eq!((peg(0.015), peg(-0.015)), (0, 1));
+    }
+
     #[test]
     fn correction_makes_up_for_a_wrong_gravito_bending_length() {
         let wrong = format!("{ARC}\nlength_error = 0.1");
@@ -305,6 +346,8 @@ mod tests {
             "pattern = { points = [[0, 0], [0.1, 0.01], [0.2, 0.01]], size = 0.15, reverse = true }\njitter = \"1 mm\"\nseed = 3",
             "pattern = { kind = \"line\", length = 0.1 }\nscheme = \"intuitive\"\nframe_turn = \"3 deg\"",
             "pattern = { kind = \"line\", length = 0.1 }\ncorrection = { every = \"3 cm\", noise = \"0.5 mm\" }",
+            CLIPS,
+            "pattern = { kind = \"line\", length = 0.1 }\npegs = [{ position = [0.05, \"1 cm\"], radius = 0.004, height = 0.01 }]",
         ] {
             let scenario = scenario(text, "").unwrap();
             let again = from_text("laid", &scenario.to_toml(), Path::new(""), &[]).unwrap();
@@ -327,6 +370,25 @@ mod tests {
         insta::assert_snapshot!(fault(&format!("{ARC}\ncorrection = {{ every = 0.03, return_length = 0.05 }}")), @"laid.toml:4:46: `deployment.correction.return_length`: 0.05 m is too short: the rod would swing about its pattern; allowed: 3 times `every` and the gravito-bending length, 0.0900 m, and more");
         insta::assert_snapshot!(fault(&format!("{ARC}\ncorrection = {{ every = 0.001 }}")), @"laid.toml:4:24: `deployment.correction.every`: 0.001 m is less than an edge of the rod, 0.0045 m (`rod.edges`)");
         insta::assert_snapshot!(fault(&format!("{ARC}\nscheme = \"intuitive\"\ncorrection = {{}}")), @r#"laid.toml:5:14: `deployment.correction`: the intuitive scheme is not corrected: use "optimal""#);
+        let peg = |keys: &str| {
+            fault(&format!(
+                "pattern = {{ kind = \"line\", length = 0.1 }}\npegs = [{{ {keys} }}]"
+            ))
+        };
+        insta::assert_snapshot!(peg("position = [0.05, 0.003], radius = 0.004, height = 0.01"), @"laid.toml:4:22: `deployment.pegs.0.position`: the pattern runs through this peg, 0.0030 m from its axis; allowed: 0.0056 m, the radii of peg and rod, and more");
+        insta::assert_snapshot!(peg("position = [0.05, 0.03], radius = 0.004, height = 0.004"), @"laid.toml:4:61: `deployment.pegs.0.height`: 0.004 m is out of range; allowed: more than the radius of its round top, 0.004 m");
+        insta::assert_snapshot!(peg("radius = 0.004, height = 0.005"), @"laid.toml:4:9: `deployment.pegs.0`: missing key `position` (two lengths [x, y])");
+        insta::assert_snapshot!(peg("position = [0, 1], radius = -0.004, heigth = 0.005"), @"laid.toml:4:47: `deployment.pegs.0.heigth`: unknown key (did you mean `height`?)");
+        let clips = |keys: &str| {
+            fault(&format!(
+                "pattern = {{ kind = \"line\", length = 0.1 }}\nclips = {{ {keys} }}"
+            ))
+        };
+        insta::assert_snapshot!(clips("at = [0.02, 0.12], width = 0.008, radius = 0.004, height = 0.006"), @"laid.toml:4:23: `deployment.clips.at.1`: 0.12 m is out of range; allowed: 0 to 0.1000 m, the length of the pattern");
+        insta::assert_snapshot!(clips("at = [0.02, -0.01], width = 0.008, radius = 0.004, height = 0.006"), @"laid.toml:4:23: `deployment.clips.at.1`: -0.01 is out of range; allowed: at least 0");
+        insta::assert_snapshot!(clips("at = [0.02], width = 0.003, radius = 0.004, height = 0.006"), @"laid.toml:4:32: `deployment.clips.width`: 0.003 m is too narrow; allowed: at least 0.0032 m, as thick as the rod is");
+        insta::assert_snapshot!(clips("width = 0.008, radius = 0.004, height = 0.006"), @r#"laid.toml:4:9: `deployment.clips`: missing key `at` (arc lengths of the pattern, ["2 cm", "8 cm"])"#);
+        insta::assert_snapshot!(fault(&format!("{ARC}\nrelease = 70")), @"laid.toml:4:11: `deployment.release`: 70.0 s is out of range; allowed: less than the time in which the rod is laid, 60.0 s (`time.end`)");
         insta::assert_snapshot!(scenario(ARC, "[material]\ndensity = 1").unwrap_err(), @"laid.toml:12:1: `material`: the rod of a deployment and its material are [deployment.rod]");
     }
 

@@ -1,6 +1,7 @@
-//! The laid rod from above, beside its pattern.
+//! The laid rod from above, beside its pattern and the pegs.
 
 use super::laid_rod::rod_at;
+use super::pegs;
 use super::tables::DeploymentTables;
 use crate::experiment::kind::FigureError;
 use crate::experiment::load;
@@ -11,11 +12,24 @@ use std::path::Path;
 /// Points of the pattern and of the rod.
 const POINTS: usize = 400;
 
-/// Rod and pattern from above at the last output; `None` where the run wrote no nodes.
+/// Points of a curve from above, m; a gap where there is no height.
+pub type Outline = Vec<(f64, Option<f64>)>;
+
+/// What a deployment left on the table, seen from above.
+pub struct LaidOutlines {
+    /// The rod, as far as it belongs to the pattern.
+    pub rod: Outline,
+    /// The pattern with its lead-in.
+    pub pattern: Outline,
+    /// Circles of pegs; empty without any.
+    pub pegs: Outline,
+}
+
+/// Rod, pattern and pegs from above at the last output; `None` where the run wrote no nodes.
 ///
 /// # Errors
 /// Where files of the run cannot be read.
-pub fn laid_figure(directory: &Path) -> Result<Option<Figure>, FigureError> {
+pub fn laid_outlines(directory: &Path) -> Result<Option<LaidOutlines>, FigureError> {
     if !directory.join(NODES).exists() {
         return Ok(None);
     }
@@ -29,24 +43,42 @@ pub fn laid_figure(directory: &Path) -> Result<Option<Figure>, FigureError> {
     let curve = curve.with_lead_in(deployment.lead_in);
     let nodes = deployment.rod.edges + 1;
     let others: usize = scenario.rods.iter().map(nodes_of).sum();
+    let others = others + pegs::NODES * deployment.pegs.len();
     let outputs = read_nodes(directory, nodes + others)?;
     let Some(last) = outputs.last() else {
         return Ok(None);
     };
     let rod = &last.positions[..nodes];
     let length = curve.length();
-    let arc_lengths = || (0..=POINTS).map(move |index| length * index as f64 / POINTS as f64);
-    let pattern = arc_lengths().map(|s| curve.at(s).position);
-    let laid = arc_lengths().map(|s| rod_at(rod, deployment.rod.length, s));
-    let line = |name: &str, points: &mut dyn Iterator<Item = nalgebra::Vector2<f64>>| {
-        Curve::new(name, points.map(|point| (point.x, Some(point.y))).collect())
+    let arc_lengths = || (0..=POINTS).map(|index| length * index as f64 / POINTS as f64);
+    let point = |point: nalgebra::Vector2<f64>| (point.x, Some(point.y));
+    Ok(Some(LaidOutlines {
+        rod: arc_lengths()
+            .map(|s| point(rod_at(rod, deployment.rod.length, s)))
+            .collect(),
+        pattern: arc_lengths().map(|s| point(curve.at(s).position)).collect(),
+        pegs: pegs::outlines(&deployment.pegs),
+    }))
+}
+
+/// The figure of these; `None` where the run wrote no nodes.
+///
+/// # Errors
+/// Where files of the run cannot be read.
+pub fn laid_figure(directory: &Path) -> Result<Option<Figure>, FigureError> {
+    let Some(outlines) = laid_outlines(directory)? else {
+        return Ok(None);
     };
+    let mut curves = vec![
+        Curve::new("rod", outlines.rod),
+        Curve::new("pattern", outlines.pattern).looking(Look::Dashed),
+    ];
+    if !outlines.pegs.is_empty() {
+        curves.push(Curve::new("pegs", outlines.pegs));
+    }
     let plot = LinePlot {
         label: "y in m".into(),
-        curves: vec![
-            line("rod", &mut { laid }),
-            line("pattern", &mut { pattern }).looking(Look::Dashed),
-        ],
+        curves,
     };
     let style = PlotStyle {
         is_to_scale: true,

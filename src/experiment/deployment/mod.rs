@@ -8,6 +8,8 @@
 //! | `online` | the path planned anew from where the rod is seen to lie |
 //! | `tables` | that table with what is planned of it |
 //! | `laid_rod` | distances of the laid rod from its pattern |
+//! | `pegs` | posts on the table, and whether the rod passes them as its pattern does |
+//! | `release` | the gripper lets go |
 //! | `monitor`, `outcome` | what is measured, and what it came to |
 //! | `files`, `laid_figure` | what it leaves in a results directory |
 
@@ -20,10 +22,13 @@ mod laid_rod;
 mod monitor;
 mod online;
 mod outcome;
+mod pegs;
+mod release;
 mod tables;
 
 pub use keys::Deployment;
 pub use kind::DeploymentKind;
+pub use laid_figure::{LaidOutlines, Outline, laid_outlines};
 pub use monitor::DeploymentMonitor;
-pub use outcome::DeploymentOutcome;
+pub use outcome::{DeploymentOutcome, PassedPegs};
 pub use tables::DeploymentTables;

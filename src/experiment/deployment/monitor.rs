@@ -1,7 +1,9 @@
 //! Watches a rod while it is laid: how well it lies, how far it slides, how hard the gripper pulls.
 
+use super::keys::Peg;
 use super::laid_rod::{LaidError, PatternMark, laid_error};
-use super::outcome::{DeploymentOutcome, DerivedDeployment};
+use super::outcome::{DeploymentOutcome, DerivedDeployment, PassedPegs};
+use super::pegs;
 use crate::mechanics::Vector3;
 use crate::mechanics::scene::piecewise_linear;
 use crate::results::{CaseOutcome, NamedValues, SeriesRow, Value};
@@ -23,6 +25,10 @@ pub struct Watched {
     pub lying_height: f64,
     /// Friction of the table.
     pub friction: f64,
+    /// Posts on the table.
+    pub pegs: Vec<Peg>,
+    /// The pattern from above, m, where there are pegs.
+    pub outline: Vec<[f64; 2]>,
     /// What the pattern asks for.
     pub derived: DerivedDeployment,
 }
@@ -42,6 +48,8 @@ pub struct DeploymentMonitor {
     largest_force: f64,
     /// Mean, standard deviation and largest of the distances at the last output, m.
     last: Option<(f64, f64, f64)>,
+    /// Pegs that were passed as the pattern does at the last output.
+    passed: usize,
 }
 
 /// Samples in the time of a run.
@@ -59,6 +67,7 @@ impl DeploymentMonitor {
             largest_sliding: 0.0,
             largest_force: 0.0,
             last: None,
+            passed: 0,
         }
     }
 
@@ -101,6 +110,15 @@ impl DeploymentMonitor {
         }
     }
 
+    /// How many pegs the part of the rod that belongs to the pattern passes as the pattern does.
+    fn pegs_passed(&self, rod: &[Vector3]) -> usize {
+        let Watched { pegs, outline, .. } = &self.watched;
+        let part = self.watched.derived.pattern_length / self.watched.length;
+        let laid = pegs::first_part(rod, part);
+        let passed = pegs.iter().filter(|peg| pegs::passes(&laid, outline, peg));
+        passed.count()
+    }
+
     fn outcome(&self) -> DeploymentOutcome {
         let error = self.last;
         DeploymentOutcome {
@@ -111,6 +129,10 @@ impl DeploymentMonitor {
             largest_gripper_force_n: self.largest_force,
             largest_friction_demand: self.watched.derived.largest_friction_demand,
             share_above_friction: self.watched.derived.share_above_friction,
+            pegs: (!self.watched.pegs.is_empty()).then_some(PassedPegs {
+                count: self.watched.pegs.len(),
+                passed: self.passed,
+            }),
         }
     }
 }
@@ -150,6 +172,7 @@ impl Observer for DeploymentMonitor {
         let (error, force) = self.look(sample);
         (self.touched, self.largest_sliding, self.largest_force) = kept;
         self.last = error.map(|error| (error.mean, error.deviation, error.largest));
+        self.passed = self.pegs_passed(&sample.simulation.positions()[..self.watched.nodes]);
         let values = vec![
             self.laid_at(sample.time()).into(),
             error.map(|error| error.mean).into(),

@@ -37,6 +37,32 @@ pub struct DeploymentOutcome {
     pub largest_friction_demand: f64,
     /// Part of the pattern that asks for more friction than there is.
     pub share_above_friction: f64,
+    /// What became of pegs; `None` where there are none.
+    pub pegs: Option<PassedPegs>,
+}
+
+/// Pegs that a rod passes on the side on which its pattern does, below their tops.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PassedPegs {
+    /// How many there are.
+    pub count: usize,
+    /// How many are passed so.
+    pub passed: usize,
+}
+
+impl PassedPegs {
+    /// Whether the rod is placed: it passes all of them so.
+    pub fn are_all(&self) -> bool {
+        self.passed == self.count
+    }
+}
+
+fn passed_pegs(observed: &NamedValues) -> Option<PassedPegs> {
+    let count = |name: &str| Some(observed.number(name)? as usize);
+    Some(PassedPegs {
+        count: count("pegs")?,
+        passed: count("pegs_passed")?,
+    })
 }
 
 impl DeploymentOutcome {
@@ -51,12 +77,13 @@ impl DeploymentOutcome {
             largest_gripper_force_n: observed.number("largest_gripper_force_n")?,
             largest_friction_demand: observed.number("largest_friction_demand")?,
             share_above_friction: observed.number("share_above_friction")?,
+            pegs: passed_pegs(observed),
         })
     }
 
     /// The columns of the summary.
     pub fn values(&self) -> NamedValues {
-        NamedValues::from([
+        let mut values = NamedValues::from([
             ("mean_error_m", self.mean_error_m.into()),
             ("error_deviation_m", self.error_deviation_m.into()),
             ("largest_error_m", self.largest_error_m.into()),
@@ -70,15 +97,25 @@ impl DeploymentOutcome {
                 self.largest_friction_demand.into(),
             ),
             ("share_above_friction", self.share_above_friction.into()),
-        ])
+        ]);
+        if let Some(pegs) = self.pegs {
+            let counts = [("pegs", pegs.count), ("pegs_passed", pegs.passed)];
+            let counts = counts.map(|(name, count)| (name.to_owned(), (count as u64).into()));
+            values.0.extend(counts);
+        }
+        values
     }
 
     /// Says so where the table has less `friction` than the pattern asks for.
     pub fn remark(&self, friction: f64) -> Option<String> {
+        let what = match self.pegs {
+            Some(_) => "only pegs hold the rod in its bends",
+            None => "the rod slides out of its bends",
+        };
         (self.share_above_friction > 0.0).then(|| {
             format!(
                 "{:.0} % of the pattern asks for more friction than the table has, {:.2} at most against {friction}: there \
-                 the rod slides out of its bends (thesis Eq. 5.2)",
+                 {what} (thesis Eq. 5.2)",
                 (1e2 * self.share_above_friction).max(1.0),
                 self.largest_friction_demand
             )
@@ -94,6 +131,18 @@ impl DeploymentOutcome {
         }
         let slid = format!("{:.2} cm at most", 1e2 * self.largest_sliding_m);
         lines.push(("slid".to_owned(), slid));
+        if let Some(pegs) = self.pegs {
+            let verdict = if pegs.are_all() {
+                "placed"
+            } else {
+                "not placed"
+            };
+            let text = format!(
+                "{} of {} passed as the pattern does: {verdict}",
+                pegs.passed, pegs.count
+            );
+            lines.push(("pegs".to_owned(), text));
+        }
         lines
     }
 }
@@ -112,6 +161,10 @@ mod tests {
             largest_gripper_force_n: 0.5,
             largest_friction_demand: 1.5,
             share_above_friction: 0.25,
+            pegs: Some(PassedPegs {
+                count: 4,
+                passed: 3,
+            }),
         };
         let case = CaseOutcome {
             observed: outcome.values(),

@@ -43,7 +43,8 @@ impl DeploymentTables {
             Time::Static | Time::Continuation => (None, 1.0),
         };
         let friction = scenario.contact.friction();
-        let planned = GripperPath::new(&self.deployment, friction, end, step)?;
+        let laid_by = end - self.deployment.release.unwrap_or(0.0);
+        let planned = GripperPath::new(&self.deployment, friction, laid_by, step)?;
         Ok(self.path.get_or_init(|| planned))
     }
 }

@@ -80,23 +80,39 @@ impl Fold {
 
     /// With the gripper at (x̄, z̄), from another fold nearby.
     pub fn at(gripper: [f64; 2], near: &Self) -> Option<Self> {
+        Self::held(gripper, None, near)
+    }
+
+    /// With the gripper at (x̄, z̄) and its angle held at α, by whatever moment that takes, from another fold nearby.
+    pub fn clamped_at(gripper: [f64; 2], angle: f64, near: &Self) -> Option<Self> {
+        Self::held(gripper, Some(angle), near)
+    }
+
+    /// θ(l̄_s) = α where an angle is given, else θ'(l̄_s) = 0.
+    fn held(gripper: [f64; 2], angle: Option<f64>, near: &Self) -> Option<Self> {
         let mut forces = near.forces;
         let mut length = near.suspended_length;
         for _ in 0..ITERATIONS {
             let end = place(forces, length);
             let state = &end.state;
             let (sine, cosine) = libm::sincos(state.angle);
-            let slope = forces.horizontal * sine - (forces.vertical + 0.5 * length) * cosine;
-            let residual = Vector3::new(
-                state.curvature,
-                length - state.x - gripper[0],
-                state.z - gripper[1],
-            );
             let [by_h, by_v] = [&end.by_horizontal, &end.by_vertical];
+            let (fault, faults_by) = match angle {
+                Some(angle) => (
+                    state.angle - angle,
+                    [by_h.angle, by_v.angle, state.curvature],
+                ),
+                None => {
+                    let load = forces.vertical + 0.5 * length;
+                    let slope = forces.horizontal * sine - load * cosine;
+                    (state.curvature, [by_h.curvature, by_v.curvature, slope])
+                }
+            };
+            let residual = Vector3::new(fault, length - state.x - gripper[0], state.z - gripper[1]);
             let jacobian = Matrix3::new(
-                by_h.curvature,
-                by_v.curvature,
-                slope,
+                faults_by[0],
+                faults_by[1],
+                faults_by[2],
                 -by_h.x,
                 -by_v.x,
                 1.0 - cosine,

@@ -22,6 +22,7 @@
 //! | `manifold` | folds on a grid |
 //! | `graph_search` | paths over that grid |
 //! | `path` | the way of the gripper from the flat sheet to the crease |
+//! | `sliding` | how far the sheet slides on the way |
 //! | `sheet` | the same in metres |
 
 mod atlas;
@@ -33,6 +34,7 @@ mod manifold;
 mod path;
 mod search_all;
 mod sheet;
+mod sliding;
 mod stability;
 
 pub use atlas::{FoldAtlas, solve_from};
@@ -42,6 +44,7 @@ pub use graph_search::{Cell, Objective, uniform_cost_search};
 pub use manifold::{ForceManifold, ManifoldPoint};
 pub use path::{FoldPath, Sheet, fold_path};
 pub use sheet::FoldedSheet;
+pub use sliding::sliding;
 
 use thiserror::Error;
 
@@ -87,4 +90,7 @@ pub enum FoldError {
         "no way over the manifold leads to x̄ = {0} within the suspended lengths that are allowed"
     )]
     NoPath(f64),
+    /// A sheet that slides is not held anywhere.
+    #[error("with the gripper at x̄ = {:.4}, z̄ = {:.4} the sheet slides away without a hold", .0[0], .0[1])]
+    NoHold([f64; 2]),
 }

@@ -1,12 +1,14 @@
 //! The keys of deployments: `typed`, `resolved`, and here the way from the one to the other.
 
+mod fixtures;
 mod pattern;
 mod resolved;
 mod typed;
 
-pub use resolved::{Correction, Deployment, Pattern, Rod, Scheme, Solver};
+pub use resolved::{Correction, Deployment, Pattern, Peg, Rod, Scheme, Solver};
 
 use crate::plan::deployment::{DeployedRod, lead_in_length, long_enough};
+use crate::plan::pattern::Pattern as Curve;
 use crate::scenario::Time;
 use crate::scenario::keys::{FINITE, NON_NEGATIVE, OwnTable, POSITIVE, Range, Request, Section};
 
@@ -89,7 +91,9 @@ pub fn resolve(request: &Request<'_>) -> Option<Deployment> {
         );
     }
     let (rod, pattern) = (rod?, pattern?);
-    let lead_in = lead_in(&section, typed, &rod, &pattern)?;
+    let curve = with_lead_in(&section, typed, &rod, &pattern)?;
+    let pegs = fixtures::resolve(&section, typed, &rod, &curve)?;
+    let release = release(request, &section, typed)?;
     let scheme = typed.scheme.unwrap_or(Scheme::Optimal);
     let correction = match &typed.correction {
         Some(_) if scheme == Scheme::Intuitive => {
@@ -107,7 +111,7 @@ pub fn resolve(request: &Request<'_>) -> Option<Deployment> {
     Some(Deployment {
         scheme,
         solver: typed.solver.unwrap_or(Solver::Exact),
-        lead_in,
+        lead_in: curve.lead_in(),
         length_error,
         frame_shift,
         frame_turn,
@@ -116,9 +120,31 @@ pub fn resolve(request: &Request<'_>) -> Option<Deployment> {
         jitter_period,
         seed: seed.unsigned_abs(),
         correction,
+        release,
+        pegs,
         pattern,
         rod,
     })
+}
+
+/// When the gripper lets go, s before the end; `None` where a fault was reported.
+fn release(
+    request: &Request<'_>,
+    section: &Section<'_>,
+    typed: &typed::Deployment,
+) -> Option<Option<f64>> {
+    let release = section.optional("release", &typed.release, POSITIVE);
+    let Time::Dynamic { end, .. } = *request.time else {
+        return None;
+    };
+    if let Some(release) = release.filter(|release| *release >= end) {
+        let message = format!(
+            "{release:?} s is out of range; allowed: less than the time in which the rod is laid, {end:?} s (`time.end`)"
+        );
+        section.fault("release", message);
+        return None;
+    }
+    Some(release)
 }
 
 fn resolve_correction(
@@ -164,13 +190,13 @@ fn resolve_correction(
     })
 }
 
-/// The length of the lead-in; the pattern with it is one that can be laid.
-fn lead_in(
+/// The pattern with its lead-in, which can be laid.
+fn with_lead_in(
     section: &Section<'_>,
     typed: &typed::Deployment,
     rod: &Rod,
     pattern: &Pattern,
-) -> Option<f64> {
+) -> Option<Curve> {
     let rod = rod.deployed();
     let curve = match pattern.source().pattern() {
         Ok(curve) => curve,
@@ -184,11 +210,12 @@ fn lead_in(
         Some(typed) => section.number("lead_in", typed, NON_NEGATIVE),
         None => lead_in_length(&rod, curve.at(0.0).curvature),
     };
-    if let Err(error) = long_enough(&rod, &curve.with_lead_in(length)) {
+    let curve = curve.with_lead_in(length);
+    if let Err(error) = long_enough(&rod, &curve) {
         section.fault("pattern", error.to_string());
         return None;
     }
-    Some(length)
+    Some(curve)
 }
 
 fn resolve_rod(section: &Section<'_>, typed: &typed::Rod) -> Option<Rod> {

@@ -31,6 +31,12 @@ pub struct Deployment {
     /// How the path is corrected while the rod is laid, if it is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub correction: Option<Correction>,
+    /// How long before the end of the run the gripper lets go, s; never without it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub release: Option<f64>,
+    /// Posts on the table; those of clips among them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub pegs: Vec<Peg>,
     /// The curve that the rod is to follow.
     pub pattern: Pattern,
     /// The rod.
@@ -46,6 +52,17 @@ pub struct Correction {
     pub return_length: f64,
     /// Root mean square, in each direction, by which places of the lying rod are seen wrongly, m.
     pub noise: f64,
+}
+
+/// A post on the table: a cylinder with a round top.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Peg {
+    /// Where its axis stands, m.
+    pub position: [f64; 2],
+    /// Its radius, m.
+    pub radius: f64,
+    /// Height of its top, m.
+    pub height: f64,
 }
 
 /// How the gripper leads the rod.

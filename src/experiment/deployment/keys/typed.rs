@@ -42,6 +42,40 @@ pub struct Deployment {
     /// Corrects the gripper's path while the rod is laid, from where it is seen to lie. Without this table the path is that
     /// which was planned before.
     pub correction: Option<Correction>,
+    /// Posts that stand on the table, beside the pattern, and hold the rod in its bends. A rod is placed when it passes all of
+    /// them on the side on which its pattern does, below their tops.
+    pub pegs: Option<Vec<Peg>>,
+    /// Clips along the pattern: pairs of pegs, between which it runs.
+    pub clips: Option<Clips>,
+    /// How long before the end of the simulated time the gripper lets go. The pattern is laid by then, and what still hangs falls.
+    /// Default: it holds the rod to the end.
+    pub release: Option<Quantity<Time>>,
+}
+
+/// A post on the table that does not move.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "peg")]
+pub struct Peg {
+    /// Where its axis stands, [x, y].
+    pub position: Option<[Quantity<Length>; 2]>,
+    /// Its radius, and that of its round top.
+    pub radius: Option<Quantity<Length>>,
+    /// Height of its top above the table, more than its radius.
+    pub height: Option<Quantity<Length>>,
+}
+
+/// Clips along a pattern: each is a pair of pegs, one on either side.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "clips")]
+pub struct Clips {
+    /// Arc lengths of the pattern at which they stand, from its first point, the lead-in left out.
+    pub at: Option<Vec<Quantity<Length>>>,
+    /// Clear width between the two pegs, no less than the rod is thick.
+    pub width: Option<Quantity<Length>>,
+    /// Radius of each peg, and of its round top.
+    pub radius: Option<Quantity<Length>>,
+    /// Height of their tops above the table, more than their radius.
+    pub height: Option<Quantity<Length>>,
 }
 
 /// Correction of the gripper's path while a rod is laid by the optimal scheme.

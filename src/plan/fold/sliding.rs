@@ -1,0 +1,97 @@
+//! How far a sheet slides while it is folded.
+
+use super::FoldError;
+use super::equilibrium::Fold;
+
+/// Steps in which a sheet slides, L_gb, the farthest, and how well the end of a slide is found.
+const STEP: f64 = 0.004;
+const FARTHEST: f64 = 4.0;
+const BISECTIONS: usize = 30;
+
+/// How far the sheet has slid along x at each fold of a way, in L_gb, on a table of friction μ: without inertia, by a gripper that
+/// holds its planned angles.
+///
+/// A fold at x̄ of a sheet that has slid by Δ is one at x̄ − Δ, no longer without a moment at the gripper. Where it asks for more friction than there is, the sheet slides,
+/// away where it is pushed and towards the gripper where it is pulled, until it asks for μ.
+///
+/// # Errors
+/// It finds no hold.
+pub fn sliding(folds: &[Fold], length: f64, friction: f64) -> Result<Vec<f64>, FoldError> {
+    let mut slid = 0.0;
+    let mut last: Option<Fold> = None;
+    let mut all = Vec::with_capacity(folds.len());
+    for fold in folds {
+        let held = |slid: f64, near: &Fold| {
+            let [x, z] = fold.gripper;
+            let held = Fold::clamped_at([x - slid, z], fold.angle, near)?;
+            let ratio = held.suspended_length / near.suspended_length;
+            (held.forces.vertical < 0.0 && (0.7..1.4).contains(&ratio)).then_some(held)
+        };
+        let lost = || FoldError::NoHold(fold.gripper);
+        let here = held(slid, last.as_ref().unwrap_or(fold)).ok_or_else(lost)?;
+        let mut state = here;
+        if here.friction_demand(length) > friction {
+            let step = -STEP * here.forces.horizontal.signum();
+            let mut held_at = None;
+            for part in 1..=(FARTHEST / STEP) as usize {
+                let next = slid + step * part as f64;
+                let Some(moved) = held(next, &state) else {
+                    break;
+                };
+                // Past the fold without a push it is held on the way, by less than μ.
+                let turned = moved.forces.horizontal * here.forces.horizontal <= 0.0;
+                if turned || moved.friction_demand(length) <= friction {
+                    held_at = Some(next);
+                    break;
+                }
+                state = moved;
+            }
+            let end = held_at.ok_or_else(lost)?;
+            let (mut slips, mut holds) = (end - step, end);
+            for _ in 0..BISECTIONS {
+                let middle = 0.5 * (slips + holds);
+                let found = held(middle, &state).ok_or_else(lost)?;
+                let turned = found.forces.horizontal * here.forces.horizontal <= 0.0;
+                if turned || found.friction_demand(length) <= friction {
+                    (holds, state) = (middle, found);
+                } else {
+                    slips = middle;
+                }
+            }
+            slid = holds;
+        }
+        last = Some(state);
+        all.push(slid);
+    }
+    Ok(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{FoldAtlas, ForceManifold, Objective, Sheet, fold_path};
+    use super::*;
+
+    #[test]
+    fn a_sheet_slides_only_where_the_demand_is_above_the_friction() {
+        let atlas = FoldAtlas::new();
+        let manifold = ForceManifold::new(&atlas, 0.11, 6.84);
+        let sheet = Sheet {
+            length: 0.297 / 0.048,
+            least_suspended: 0.958,
+        };
+        for objective in [Objective::Sum, Objective::Largest] {
+            let path = fold_path(&atlas, &manifold, &sheet, 6.1875, objective).unwrap();
+            let demand = path.friction_demand(sheet.length);
+            let enough = sliding(&path.folds, sheet.length, 1.01 * demand).unwrap();
+            assert!(enough.iter().all(|slid| *slid == 0.0));
+            let less = sliding(&path.folds, sheet.length, 0.9 * demand).unwrap();
+            let largest = less.iter().copied().fold(0.0, f64::max);
+            assert!(largest > 0.01 && largest < 0.3, "{largest}");
+            // The sheet is pushed away.
+            assert!(less.iter().all(|slid| *slid >= 0.0));
+            // Less friction, farther.
+            let least = sliding(&path.folds, sheet.length, 0.7 * demand).unwrap();
+            assert!(least.iter().copied().fold(0.0, f64::max) > largest);
+        }
+    }
+}

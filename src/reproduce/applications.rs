@@ -1,0 +1,190 @@
+//! Applications of the thesis' deployment: cables placed in clips (5.5.5), ten runs each that differ by the gripper's jitter.
+
+use super::cases::{Case, Run, prepared};
+use crate::experiment::DeploymentOutcome;
+use crate::plan::pattern::{chosen_stroke, read_svg};
+use crate::run::PreparedRun;
+
+/// A task of thesis Tab. 5.4.
+#[derive(Debug)]
+pub(super) struct Task {
+    /// Its name in the thesis.
+    pub name: &'static str,
+    /// The same for files.
+    pub id: &'static str,
+    /// Successes in ten trials of the thesis, by the intuitive and by the optimal scheme.
+    pub measured: [usize; 2],
+    scenario: &'static str,
+    rod: &'static str,
+    pattern: &'static str,
+}
+
+/// The tasks.
+pub(super) const TASKS: [Task; 2] = [
+    Task {
+        name: "\"S\" cable placement",
+        id: "cable_S",
+        measured: [0, 9],
+        scenario: include_str!("../../scenarios/cable_placement_s.toml"),
+        rod: include_str!("../../scenarios/rods/cable.toml"),
+        pattern: include_str!("../../scenarios/patterns/cable_S.svg"),
+    },
+    Task {
+        name: "\"U\" cable placement",
+        id: "cable_U",
+        measured: [0, 9],
+        scenario: include_str!("../../scenarios/cable_placement_u.toml"),
+        rod: include_str!("../../scenarios/rods/cable.toml"),
+        pattern: include_str!("../../scenarios/patterns/cable_U.svg"),
+    },
+];
+
+/// Trials of each task by each scheme.
+pub(super) const TRIALS: u64 = 10;
+/// A few steps, s.
+#[cfg(test)]
+const FEW_STEPS: f64 = 0.05;
+
+/// A trial of a task.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Application {
+    /// Index into [`TASKS`].
+    pub task: usize,
+    /// Whether the rod is laid by the optimal grasps; else by the intuitive scheme.
+    pub is_optimal: bool,
+    /// Seed of the jitter.
+    pub seed: u64,
+    /// Time, s; all that the scenario says where there is none.
+    shortened: Option<f64>,
+}
+
+impl Application {
+    /// Ten trials of each task by each scheme; a quick look has one.
+    pub fn of_table_5_4(quick: bool) -> Vec<Self> {
+        let trials = if quick { 1 } else { TRIALS };
+        let trial = |task: usize, is_optimal: bool| {
+            (1..=trials).map(move |seed| Self {
+                task,
+                is_optimal,
+                seed,
+                shortened: None,
+            })
+        };
+        let tasks = 0..TASKS.len();
+        let both = |task| {
+            [false, true]
+                .into_iter()
+                .flat_map(move |is| trial(task, is))
+        };
+        tasks.flat_map(both).collect()
+    }
+
+    /// The scenario of the task, its rod and its pattern in it.
+    fn scenario(&self) -> String {
+        let Task {
+            scenario,
+            rod,
+            pattern,
+            ..
+        } = TASKS[self.task];
+        let pattern = if self.shortened.is_some() {
+            "kind = \"line\", length = 0.002".to_owned()
+        } else {
+            points(pattern)
+        };
+        let own = |line: &&str| !line.starts_with("extends") && !line.starts_with('#');
+        let lines = scenario.lines().filter(own).map(|line| {
+            if line.starts_with("pattern = ") {
+                format!("pattern = {{ {pattern} }}\n")
+            } else {
+                format!("{line}\n")
+            }
+        });
+        let rod = &rod[rod.find("[deployment.rod]").expect("a table of the rod")..];
+        lines.collect::<String>() + rod
+    }
+
+    fn overrides(&self) -> Vec<String> {
+        let scheme = if self.is_optimal {
+            "optimal"
+        } else {
+            "intuitive"
+        };
+        let mut overrides = vec![
+            format!("deployment.scheme={scheme}"),
+            format!("deployment.seed={}", self.seed),
+        ];
+        if let Some(end) = self.shortened {
+            overrides.push(format!("time.end={end:?}"));
+            overrides.push(format!("deployment.release={:?}", 0.5 * end));
+            overrides.push("deployment.clips.at=[]".to_owned());
+        }
+        overrides
+    }
+}
+
+/// The points of the program's own drawing as keys of a pattern.
+fn points(svg: &str) -> String {
+    let strokes = read_svg(svg).and_then(|strokes| chosen_stroke(strokes, None));
+    let points = strokes.expect("the drawings of the repository are patterns");
+    let points = points
+        .iter()
+        .map(|point| format!("[{:?}, {:?}]", point.x, point.y));
+    format!("points = [{}]", points.collect::<Vec<_>>().join(", "))
+}
+
+impl Case<Application> {
+    /// What came of the rod, wherever it was left.
+    pub fn outcome(&self) -> Option<DeploymentOutcome> {
+        DeploymentOutcome::of(&self.record.outcome)
+    }
+
+    /// Whether the trial came to its end, and to success.
+    pub fn has_succeeded(&self) -> bool {
+        let has_ended = self.record.outcome.simulated_time >= self.run.end() * (1.0 - 1e-9);
+        let pegs = self.outcome().and_then(|laid| laid.pegs);
+        has_ended && pegs.is_some_and(|pegs| pegs.are_all())
+    }
+}
+
+impl Run for Application {
+    fn id(&self) -> String {
+        format!(
+            "{}-{}-{}",
+            TASKS[self.task].id,
+            if self.is_optimal {
+                "optimal"
+            } else {
+                "intuitive"
+            },
+            self.seed
+        )
+    }
+
+    fn prepare(&self) -> PreparedRun {
+        prepared(&self.id(), &self.scenario(), &self.overrides())
+    }
+
+    fn end(&self) -> f64 {
+        self.shortened.unwrap_or(33.0)
+    }
+
+    fn cost(&self) -> f64 {
+        0.08 * self.end()
+    }
+
+    #[cfg(test)]
+    fn shortened(&self) -> Self {
+        Self {
+            shortened: Some(FEW_STEPS),
+            ..*self
+        }
+    }
+
+    fn extent(&self) -> String {
+        match self.shortened {
+            Some(end) => format!("{end} s were simulated"),
+            None => "rods of one trial were laid".to_owned(),
+        }
+    }
+}

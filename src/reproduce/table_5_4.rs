@@ -1,0 +1,188 @@
+//! Table 5.4: how often cables are placed in clips, simulated beside measured.
+
+use super::ReproduceError;
+use super::applications::{Application, TASKS, TRIALS};
+use super::cases::Case;
+use super::page::{Page, PageFigure, number};
+use crate::experiment::{FigureError, LaidOutlines, laid_outlines};
+use crate::figure::{Curve, LinePlot, Look, PlotStyle, styled_line_plots};
+use serde::Serialize;
+
+/// A row of the CSV file; lengths in cm.
+#[derive(Serialize)]
+struct Row {
+    task: &'static str,
+    scheme: &'static str,
+    seed: u64,
+    status: String,
+    succeeded: bool,
+    pegs: Option<usize>,
+    pegs_passed: Option<usize>,
+    mean_cm: Option<f64>,
+    largest_cm: Option<f64>,
+    simulated_s: f64,
+    wall_time_s: f64,
+    cpu_time_s: Option<f64>,
+}
+
+/// Writes table and figures.
+pub(super) fn write(page: &mut Page, cases: &[Case<Application>]) -> Result<(), ReproduceError> {
+    page.text(
+        "A gripper lays a USB cable (rod #5 of thesis Tab. 5.1: L_gb = 8.01 cm, 3.6 mm thick) along a U of 70 cm and an S of 74 cm, on \
+         steel of friction 0.2, which cannot hold it in its bends: the U asks for 2.1 and the S for 2.9. Clips hold it, 11 along the U and 12 \
+         along the S, each a pair of pegs of 8 mm thickness and 6 mm height with round tops, 8 mm apart. The thesis shows its fixtures in \
+         a photograph only; shape and size of these are a choice. The gripper moves about its path at random, by 1 mm and 0.5° root \
+         mean square in each direction and about each axis, ten times the repeatability that the maker of the thesis' robot states; ten \
+         seeds make ten trials. When the pattern is laid the gripper lets go, and the cable is left to itself for 3 s.",
+    );
+    page.text(
+        "A trial succeeds when the cable passes every peg as its pattern does: seen from above, no peg stands between the cable and the \
+         pattern (the closed curve of both does not go around it), and beside the peg the cable lies below its top.",
+    );
+    let rows: Vec<Row> = cases.iter().map(row).collect();
+    let lines = TASKS
+        .iter()
+        .enumerate()
+        .flat_map(|(task, _)| [false, true].map(|is_optimal| line(task, is_optimal, cases)));
+    let header = [
+        "task",
+        "scheme",
+        "successes, simulated",
+        "measured",
+        "pegs passed, least to most",
+        "off the pattern, cm",
+    ];
+    page.table(&header, &lines.collect::<Vec<_>>());
+    let wall: f64 = rows.iter().map(|row| row.wall_time_s).sum();
+    page.text(&format!(
+        "All {} trials took {wall:.0} s of wall time. Run one by itself with `rodlab run scenarios/cable_placement_s.toml`, and look at it with \
+         `rodlab view`.",
+        rows.len()
+    ));
+    page.csv(&rows)?;
+    for task in 0..TASKS.len() {
+        if let Some(figure) = figure(task, cases)? {
+            page.figure(&figure)?;
+        }
+    }
+    Ok(())
+}
+
+fn row(case: &Case<Application>) -> Row {
+    let run = &case.run;
+    let outcome = case.outcome();
+    let pegs = outcome.and_then(|laid| laid.pegs);
+    let cm = |metres: f64| 1e2 * metres;
+    Row {
+        task: TASKS[run.task].id,
+        scheme: if run.is_optimal {
+            "optimal"
+        } else {
+            "intuitive"
+        },
+        seed: run.seed,
+        status: case.status().into(),
+        succeeded: case.has_succeeded(),
+        pegs: pegs.map(|pegs| pegs.count),
+        pegs_passed: pegs.map(|pegs| pegs.passed),
+        mean_cm: outcome.and_then(|laid| laid.mean_error_m).map(cm),
+        largest_cm: outcome.and_then(|laid| laid.largest_error_m).map(cm),
+        simulated_s: case.record.outcome.simulated_time,
+        wall_time_s: case.record.wall_time,
+        cpu_time_s: case.record.cpu_time,
+    }
+}
+
+/// The trials of a task by a scheme.
+fn trials(
+    task: usize,
+    is_optimal: bool,
+    cases: &[Case<Application>],
+) -> impl Iterator<Item = &Case<Application>> {
+    let wanted = (task, is_optimal);
+    cases
+        .iter()
+        .filter(move |case| (case.run.task, case.run.is_optimal) == wanted)
+}
+
+fn line(task: usize, is_optimal: bool, cases: &[Case<Application>]) -> Vec<String> {
+    let of = || trials(task, is_optimal, cases);
+    let succeeded = of().filter(|case| case.has_succeeded()).count();
+    let pegs = || of().filter_map(|case| case.outcome()?.pegs);
+    let passed = || pegs().map(|pegs| pegs.passed);
+    let passed = match (passed().min(), passed().max(), pegs().next()) {
+        (Some(least), Some(most), Some(pegs)) => format!("{least} to {most} of {}", pegs.count),
+        _ => "–".to_owned(),
+    };
+    let errors: Vec<f64> = of()
+        .filter_map(|case| case.outcome()?.mean_error_m)
+        .map(|mean| 1e2 * mean)
+        .collect();
+    let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+    vec![
+        TASKS[task].name.to_owned(),
+        if is_optimal { "optimal" } else { "intuitive" }.to_owned(),
+        format!("{succeeded} of {}", of().count()),
+        format!(
+            "{} of {TRIALS}",
+            TASKS[task].measured[usize::from(is_optimal)]
+        ),
+        passed,
+        number(Some(mean).filter(|mean| mean.is_finite()), 2),
+    ]
+}
+
+/// A task from above: pegs, pattern and what lies there after all trials.
+fn figure(task: usize, cases: &[Case<Application>]) -> Result<Option<PageFigure>, ReproduceError> {
+    let mut curves = Vec::new();
+    let mut shown = None;
+    for (is_optimal, name) in [(true, "optimal"), (false, "intuitive")] {
+        let mut lying = Vec::new();
+        for case in trials(task, is_optimal, cases) {
+            let Some(outlines) = outlines(case)? else {
+                continue;
+            };
+            lying.extend(outlines.rod.iter().copied());
+            lying.extend(outlines.rod.last().map(|(x, _)| (*x, None)));
+            shown = Some(outlines);
+        }
+        curves.push(Curve::new(name, lying));
+    }
+    let Some(LaidOutlines { pattern, pegs, .. }) = shown else {
+        return Ok(None);
+    };
+    curves.push(Curve::new("pattern", pattern).looking(Look::Dashed));
+    if !pegs.is_empty() {
+        curves.push(Curve::new("pegs", pegs));
+    }
+    let plot = LinePlot {
+        label: "y in m".into(),
+        curves,
+    };
+    let style = PlotStyle {
+        is_to_scale: true,
+        ..PlotStyle::default()
+    };
+    let figure = styled_line_plots([plot], "x in m", style);
+    let Some(name) = TASKS.get(task) else {
+        return Ok(None);
+    };
+    let caption = format!(
+        "{}: what lies on the table after all trials, from above",
+        name.name
+    );
+    Ok(Some(PageFigure::new(
+        &format!("tab5.4_{}", name.id),
+        &caption,
+        figure,
+    )))
+}
+
+fn outlines(case: &Case<Application>) -> Result<Option<LaidOutlines>, ReproduceError> {
+    match laid_outlines(&case.directory) {
+        Ok(outlines) => Ok(outlines),
+        Err(FigureError::Results(error)) => Err(error.into()),
+        // Scenarios of the program's own are read.
+        Err(FigureError::Scenario(_)) => Ok(None),
+    }
+}
