@@ -7,28 +7,32 @@ use super::equilibrium::Fold;
 const STEP: f64 = 0.004;
 const FARTHEST: f64 = 4.0;
 const BISECTIONS: usize = 30;
+/// Parts of the way from one planned fold to the next.
+const PARTS: usize = 4;
 
 /// How far the sheet has slid along x at each fold of a way, in L_gb, on a table of friction μ: without inertia, by a gripper that
 /// holds its planned angles.
 ///
-/// A fold at x̄ of a sheet that has slid by Δ is one at x̄ − Δ, no longer without a moment at the gripper. Where it asks for more friction than there is, the sheet slides,
-/// away where it is pushed and towards the gripper where it is pulled, until it asks for μ.
+/// A fold at x̄ of a sheet that has slid by Δ is one at x̄ − Δ, no longer without a moment at the gripper. Where it asks for more
+/// friction than there is, the sheet slides, away where it is pushed and back where it is pulled, until it asks for μ.
 ///
 /// # Errors
 /// It finds no hold.
 pub fn sliding(folds: &[Fold], length: f64, friction: f64) -> Result<Vec<f64>, FoldError> {
     let mut slid = 0.0;
-    let mut last: Option<Fold> = None;
+    let mut last: Option<(&Fold, Fold)> = None;
     let mut all = Vec::with_capacity(folds.len());
     for fold in folds {
-        let held = |slid: f64, near: &Fold| {
-            let [x, z] = fold.gripper;
-            let held = Fold::clamped_at([x - slid, z], fold.angle, near)?;
-            let ratio = held.suspended_length / near.suspended_length;
-            (held.forces.vertical < 0.0 && (0.7..1.4).contains(&ratio)).then_some(held)
-        };
         let lost = || FoldError::NoHold(fold.gripper);
-        let here = held(slid, last.as_ref().unwrap_or(fold)).ok_or_else(lost)?;
+        let here = match &last {
+            None => Some(*fold),
+            Some((planned, state)) => carried(planned, fold, slid, state),
+        };
+        let here = here.ok_or_else(lost)?;
+        let held = |slid: f64, near: &Fold| {
+            let held = held(fold.gripper, fold.angle, slid, near);
+            held.filter(|held| held.suspended_length <= length)
+        };
         let mut state = here;
         if here.friction_demand(length) > friction {
             let step = -STEP * here.forces.horizontal.signum();
@@ -60,10 +64,26 @@ pub fn sliding(folds: &[Fold], length: f64, friction: f64) -> Result<Vec<f64>, F
             }
             slid = holds;
         }
-        last = Some(state);
+        last = Some((fold, state));
         all.push(slid);
     }
     Ok(all)
+}
+
+/// From one planned fold to the next, while the sheet stays where it has slid to.
+fn carried(from: &Fold, to: &Fold, slid: f64, state: &Fold) -> Option<Fold> {
+    (1..=PARTS).try_fold(*state, |state, part| {
+        let between = |from: f64, to: f64| from + (to - from) * part as f64 / PARTS as f64;
+        let gripper = [0, 1].map(|k| between(from.gripper[k], to.gripper[k]));
+        held(gripper, between(from.angle, to.angle), slid, &state)
+    })
+}
+
+/// The sheet that has slid, with the gripper at a place and an angle.
+fn held([x, z]: [f64; 2], angle: f64, slid: f64, near: &Fold) -> Option<Fold> {
+    let held = Fold::clamped_at([x - slid, z], angle, near)?;
+    let ratio = held.suspended_length / near.suspended_length;
+    (held.forces.vertical < 0.0 && (0.7..1.4).contains(&ratio)).then_some(held)
 }
 
 #[cfg(test)]
