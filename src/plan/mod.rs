@@ -3,3 +3,4 @@
 pub mod deployment;
 pub mod grasp;
 pub mod pattern;
+pub mod tying;
