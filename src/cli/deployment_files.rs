@@ -4,11 +4,14 @@ use super::deployed_rod::RodFile;
 use super::failure::Failure;
 use crate::plan::deployment::{GripperPose, Scheme};
 use crate::plan::pattern::{PatternPoint, PatternSource, Point};
+use crate::plan::tying::Pass;
 use serde::Serialize;
 use std::fmt::Write;
 
 /// Friction of the simulated table where none is given.
 const FRICTION: f64 = 0.4;
+/// How long a tied rod is left to itself, s.
+const SETTLING: f64 = 2.0;
 /// The points of a drawing beside the scenario that reads them.
 pub const DRAWING: &str = "drawing.csv";
 
@@ -105,6 +108,8 @@ pub struct Landing<'a> {
     pub is_neural: bool,
     /// Friction of the table.
     pub friction: Option<f64>,
+    /// How it passes its crossings where a knot is tied; empty without.
+    pub knot: Vec<Pass>,
     /// How long it takes, s.
     pub duration: f64,
 }
@@ -142,7 +147,7 @@ pub fn landing(landing: &Landing) -> String {
          [deployment]\n\
          pattern = {{ {pattern} }}\n\
          lead_in = {lead_in:?}\n\
-         scheme = \"{scheme}\"\n{solver}\n\
+         scheme = \"{scheme}\"\n{solver}{knot}\n\
          [deployment.rod]\n\
          gravito_bending_length = {unit:?}\n\
          radius = {radius:?}\n\
@@ -162,13 +167,32 @@ pub fn landing(landing: &Landing) -> String {
         } else {
             ""
         },
+        knot = knot_keys(&landing.knot),
         lead_in = landing.lead_in,
         unit = rod.gravito_bending_length,
         radius = rod.radius,
         length = rod.length,
         friction = landing.friction.unwrap_or(FRICTION),
-        duration = landing.duration,
+        duration = landing.duration
+            + if landing.knot.is_empty() {
+                0.0
+            } else {
+                SETTLING
+            },
     )
+}
+
+/// The keys of a knot, after which both grippers let go.
+fn knot_keys(passes: &[Pass]) -> String {
+    if passes.is_empty() {
+        return String::new();
+    }
+    let words = passes.iter().map(|pass| match pass {
+        Pass::Over => "\"over\"",
+        Pass::Under => "\"under\"",
+    });
+    let words = words.collect::<Vec<_>>().join(", ");
+    format!("knot = {{ crossings = [{words}] }}\nrelease = {SETTLING:?}\n")
 }
 
 /// Position and quaternion w, x, y, z, without negative zeros.

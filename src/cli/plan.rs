@@ -25,10 +25,11 @@ Examples:
   rodlab plan deployment --pattern scenarios/patterns/A.svg --rod scenarios/rods/green_vps.toml --out results/letter_a
   rodlab plan deployment --pattern traced.csv --size \"25 cm\" --rod scenarios/rods/rope.toml --friction steel --out results/traced
   rodlab plan deployment --pattern circle:0.1 --rod scenarios/rods/pink_vps.toml --scheme intuitive --out results/circle
+  rodlab plan deployment --pattern scenarios/patterns/trefoil.svg --rod scenarios/rods/thick_pink_vps.toml --knot over,under,over --lead-in none --out results/trefoil
 
 Writes trajectory.csv (time_s, x_m, y_m, z_m, qw, qx, qy, qz: what a clamp follows, and `rodlab plan joints` reads),
 trajectory.json, pattern.csv (s_m, x_m, y_m, curvature_per_m, friction_demand), deployment.svg and a scenario of the
-landing, landing.toml with rod.csv; prints what the pattern asks of the rod and the table. The table is z = 0; the gripper's x axis is the tangent of the rod, towards the
+landing, landing.toml with rod.csv; with --knot also lift_1.csv and so on, the poses of the gripper that lifts a strand, in the same time; prints what the pattern asks of the rod and the table. The table is z = 0; the gripper's x axis is the tangent of the rod, towards the
 gripper. `rodlab guide deployment` says more.")]
     Deployment(Box<DeploymentArguments>),
     /// A gripper's trajectory that folds a sheet with little sliding

@@ -16,6 +16,10 @@ use crate::plan::grasp::NeuralGrasps;
 use crate::plan::pattern::{
     Circle, Crossing, Drawing, Line, Pattern, PatternError, PatternSource, Point, Sine, crossings,
 };
+use crate::plan::tying::{
+    GripperPoses, Handling, LiftPath, Pass, Passage, Schedule, end_path, laid_length, lift_paths,
+    passages,
+};
 use crate::scenario::metres;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
@@ -69,6 +73,18 @@ pub struct DeploymentArguments {
     /// Friction of the table that the demand is compared with: a number, or a name in the rod's file
     #[arg(long, value_name = "FRICTION")]
     friction: Option<String>,
+    /// Tie a knot: `over` or `under` for each crossing, in the order in which the pattern comes there again; what is longer than the
+    /// rod is the path of its end
+    #[arg(long, value_name = "PASS,...", value_delimiter = ',')]
+    knot: Vec<PassName>,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum PassName {
+    /// Over what lies there.
+    Over,
+    /// Under it, when it is lifted.
+    Under,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum, Serialize)]
@@ -137,6 +153,11 @@ impl DeploymentArguments {
         let friction = self.friction(&file)?;
         let source = self.source()?;
         let pattern = self.pattern(&source, &rod)?;
+        let knot = self.passages(&pattern, &rod)?;
+        let pattern = match knot {
+            Some(_) => pattern.shortened(laid_length(&rod)),
+            None => pattern,
+        };
         // Before anything is sampled: it may be very long.
         long_enough(&rod, &pattern).map_err(|error| self.refused(&error))?;
         if pattern.length() / self.step > MOST_POSES {
@@ -167,7 +188,22 @@ impl DeploymentArguments {
         let title = format!("{} along {}", file.title, self.pattern);
         let figure = deployment_figure(&title, &points, &poses, &demands, friction, &crossings);
         let times = times(&poses, self.speed);
-        let duration = times.last().copied().unwrap_or(0.0);
+        let laid_by = times.last().copied().unwrap_or(0.0);
+        let tied = knot.as_ref().zip(poses.last());
+        let tied = tied.map(|(passages, last)| self.tied(passages, &source, &rod, last));
+        let tied = tied.transpose()?;
+        let duration = laid_by + tied.as_ref().map_or(0.0, |tied| tied.duration);
+        let mut followed = poses.clone();
+        let mut followed_times = times.clone();
+        for (time, position, rotation) in tied.iter().flat_map(|tied| tied.end.iter().skip(1)) {
+            followed.push(GripperPose {
+                s: rod.length,
+                position: *position,
+                rotation: *rotation,
+                grasp: None,
+            });
+            followed_times.push(laid_by + time);
+        }
         let simulated = Landing {
             file: &file,
             name: &self.pattern,
@@ -176,23 +212,43 @@ impl DeploymentArguments {
             scheme,
             is_neural: network.is_some(),
             friction,
+            knot: self.knot.iter().map(|pass| Pass::from(*pass)).collect(),
             duration,
         };
         let mut named = vec![
-            ("trajectory.csv", trajectory_csv(&poses, &times)),
             (
-                "trajectory.json",
-                trajectory_json(&poses, &times, &self.pattern, &file)?,
+                "trajectory.csv".to_owned(),
+                trajectory_csv(&followed, &followed_times),
             ),
-            ("pattern.csv", pattern_csv(&points, &demands)),
-            ("deployment.svg", figure),
+            (
+                "trajectory.json".to_owned(),
+                trajectory_json(&followed, &followed_times, &self.pattern, &file)?,
+            ),
+            ("pattern.csv".to_owned(), pattern_csv(&points, &demands)),
+            ("deployment.svg".to_owned(), figure),
         ];
+        for (index, lift) in tied.iter().flat_map(|tied| &tied.lifts).enumerate() {
+            let poses = lift.poses.iter();
+            let (times, poses): (Vec<f64>, Vec<GripperPose>) = poses
+                .map(|&(time, position, rotation)| {
+                    let pose = GripperPose {
+                        s: rod.length,
+                        position,
+                        rotation,
+                        grasp: None,
+                    };
+                    (laid_by + time, pose)
+                })
+                .unzip();
+            let name = format!("lift_{}.csv", index + 1);
+            named.push((name, trajectory_csv(&poses, &times)));
+        }
         // A scenario knows the network of the program only.
         if self.model.is_none() {
-            named.push(("landing.toml", landing(&simulated)));
+            named.push(("landing.toml".to_owned(), landing(&simulated)));
         }
         if let PatternSource::Drawn { points, .. } = &source {
-            named.push((DRAWING, drawing_csv(points)));
+            named.push((DRAWING.to_owned(), drawing_csv(points)));
         }
         std::fs::create_dir_all(&self.out).map_err(|error| {
             Failure::System(format!("{} cannot be made: {error}", self.out.display()))
@@ -225,6 +281,41 @@ impl DeploymentArguments {
                 .map(|_| poses.iter().filter(|pose| pose.grasp.is_some()).count()),
             duration_s: duration,
             files,
+        })
+    }
+
+    /// The crossings of a knot; `None` where none is tied.
+    fn passages(
+        &self,
+        pattern: &Pattern,
+        rod: &DeployedRod,
+    ) -> Result<Option<Vec<Passage>>, Failure> {
+        if self.knot.is_empty() {
+            return Ok(None);
+        }
+        let words: Vec<Pass> = self.knot.iter().map(|pass| Pass::from(*pass)).collect();
+        let passages = passages(pattern, rod, &words);
+        passages
+            .map(Some)
+            .map_err(|error| Failure::Input(format!("--knot: {}: {error}", self.pattern)))
+    }
+
+    /// What the grippers do after the `last` pose of the laying.
+    fn tied(
+        &self,
+        passages: &[Passage],
+        source: &PatternSource,
+        rod: &DeployedRod,
+        last: &GripperPose,
+    ) -> Result<Tied, Failure> {
+        let whole = self.pattern(source, rod)?;
+        let handling = Handling::usual(rod);
+        let schedule = Schedule::new(passages, rod, whole.length(), &handling);
+        let pattern = |s: f64| whole.at(s);
+        Ok(Tied {
+            duration: schedule.duration(),
+            end: end_path(&schedule, passages, rod, &pattern, last),
+            lifts: lift_paths(&schedule, passages, rod, &pattern, &handling),
         })
     }
 
@@ -365,6 +456,22 @@ impl DeploymentArguments {
             reverse: self.reverse,
         };
         drawing.of(points).map_err(|error| self.no_pattern(&error))
+    }
+}
+
+/// What follows the laying where a knot is tied; times from its end, s.
+struct Tied {
+    duration: f64,
+    end: GripperPoses,
+    lifts: Vec<LiftPath>,
+}
+
+impl From<PassName> for Pass {
+    fn from(name: PassName) -> Self {
+        match name {
+            PassName::Over => Self::Over,
+            PassName::Under => Self::Under,
+        }
     }
 }
 

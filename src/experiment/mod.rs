@@ -33,7 +33,7 @@ mod tests;
 
 pub use deployment::{
     Deployment, DeploymentMonitor, DeploymentOutcome, DeploymentTables, LaidOutlines, Outline,
-    PassedPegs, laid_outlines,
+    PassedPegs, TiedKnot, laid_outlines,
 };
 pub use derived::{DerivedNumbers, DerivedRod, derived_numbers};
 pub use described::{Described, describe, described_files, files_with_column};

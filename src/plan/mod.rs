@@ -4,3 +4,4 @@ pub mod deployment;
 pub mod fold;
 pub mod grasp;
 pub mod pattern;
+pub mod tying;

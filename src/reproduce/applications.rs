@@ -1,4 +1,5 @@
-//! Applications of the thesis' deployment: cables placed in clips (5.5.5), ten runs each that differ by the gripper's jitter.
+//! Applications of the thesis' deployment: cables placed in clips (5.5.5) and a knot tied on the table (5.5.6), ten trials each that
+//! differ by the jitter of the grippers.
 
 use super::cases::{Case, Run, prepared};
 use crate::experiment::DeploymentOutcome;
@@ -14,17 +15,20 @@ pub(super) struct Task {
     pub id: &'static str,
     /// Successes in ten trials of the thesis, by the intuitive and by the optimal scheme.
     pub measured: [usize; 2],
+    /// Time, s: `time.end` of its scenario.
+    end: f64,
     scenario: &'static str,
     rod: &'static str,
     pattern: &'static str,
 }
 
 /// The tasks.
-pub(super) const TASKS: [Task; 2] = [
+pub(super) const TASKS: [Task; 3] = [
     Task {
         name: "\"S\" cable placement",
         id: "cable_S",
         measured: [0, 9],
+        end: 33.0,
         scenario: include_str!("../../scenarios/cable_placement_s.toml"),
         rod: include_str!("../../scenarios/rods/cable.toml"),
         pattern: include_str!("../../scenarios/patterns/cable_S.svg"),
@@ -33,9 +37,19 @@ pub(super) const TASKS: [Task; 2] = [
         name: "\"U\" cable placement",
         id: "cable_U",
         measured: [0, 9],
+        end: 33.0,
         scenario: include_str!("../../scenarios/cable_placement_u.toml"),
         rod: include_str!("../../scenarios/rods/cable.toml"),
         pattern: include_str!("../../scenarios/patterns/cable_U.svg"),
+    },
+    Task {
+        name: "Trefoil knot",
+        id: "trefoil",
+        measured: [0, 9],
+        end: 52.0,
+        scenario: include_str!("../../scenarios/tied_trefoil.toml"),
+        rod: include_str!("../../scenarios/rods/thick_pink_vps.toml"),
+        pattern: include_str!("../../scenarios/patterns/trefoil.svg"),
     },
 ];
 
@@ -92,9 +106,17 @@ impl Application {
         } else {
             points(pattern)
         };
-        let own = |line: &&str| !line.starts_with("extends") && !line.starts_with('#');
-        let lines = scenario.lines().filter(own).map(|line| {
-            if line.starts_with("pattern = ") {
+        let mut table = "";
+        let lines = scenario.lines().map(|line| {
+            if line.starts_with('[') {
+                table = line;
+            }
+            // A line of 2 mm has neither clips nor crossings.
+            let is_dropped = self.shortened.is_some()
+                && ["[deployment.clips]", "[deployment.knot]"].contains(&table);
+            if line.starts_with("extends") || is_dropped {
+                String::new()
+            } else if line.starts_with("pattern = ") {
                 format!("pattern = {{ {pattern} }}\n")
             } else {
                 format!("{line}\n")
@@ -117,7 +139,6 @@ impl Application {
         if let Some(end) = self.shortened {
             overrides.push(format!("time.end={end:?}"));
             overrides.push(format!("deployment.release={:?}", 0.5 * end));
-            overrides.push("deployment.clips.at=[]".to_owned());
         }
         overrides
     }
@@ -142,8 +163,12 @@ impl Case<Application> {
     /// Whether the trial came to its end, and to success.
     pub fn has_succeeded(&self) -> bool {
         let has_ended = self.record.outcome.simulated_time >= self.run.end() * (1.0 - 1e-9);
-        let pegs = self.outcome().and_then(|laid| laid.pegs);
-        has_ended && pegs.is_some_and(|pegs| pegs.are_all())
+        let outcome = self.outcome();
+        let pegs = outcome.and_then(|laid| laid.pegs);
+        let knot = outcome.and_then(|laid| laid.knot);
+        let is_placed = pegs.map(|pegs| pegs.are_all());
+        let is_tied = knot.map(|knot| knot.is_tied());
+        has_ended && is_placed.or(is_tied).unwrap_or(false)
     }
 }
 
@@ -166,7 +191,7 @@ impl Run for Application {
     }
 
     fn end(&self) -> f64 {
-        self.shortened.unwrap_or(33.0)
+        self.shortened.unwrap_or(TASKS[self.task].end)
     }
 
     fn cost(&self) -> f64 {
@@ -185,6 +210,22 @@ impl Run for Application {
         match self.shortened {
             Some(end) => format!("{end} s were simulated"),
             None => "rods of one trial were laid".to_owned(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::Mode;
+
+    #[test]
+    fn trials_take_the_time_of_their_scenarios() {
+        for run in Application::of_table_5_4(true) {
+            let Mode::Dynamic { end } = run.prepare().mode else {
+                panic!("rods are laid in time");
+            };
+            assert_eq!(end, run.end());
         }
     }
 }

@@ -12,7 +12,7 @@
 //! | `helices` | the search for the boundary of the stable helices (thesis 6.2) |
 //! | `manipulated_helix` | a helical rod manipulated in time (thesis 6.3) |
 //! | `laying` | a rod laid along a pattern (thesis 5.5) |
-//! | `applications` | cables placed in clips (thesis 5.5.5) |
+//! | `applications` | cables placed in clips, a knot tied on the table (thesis 5.5.5, 5.5.6) |
 //! | `cases` | running the runs |
 //! | `page` | CSV, Markdown and manifest of an artefact |
 //! | `table` | that CSV, read again |
@@ -26,7 +26,7 @@
 //! | `figure_5_8`, `heavy_loops` | rods folded over onto themselves |
 //! | `laid_patterns`, `laid_outlines` | rods laid along patterns, from above |
 //! | `table_5_2`, `measured_deployments` | how well rods are laid along patterns, simulated and measured |
-//! | `table_5_4` | how often cables are placed |
+//! | `table_5_4` | how often cables are placed and knots tied |
 //! | `figure_6_2` | figures 6.2 and 6.6 |
 //! | `figure_6_5` | disturbances of a manipulated rod |
 //! | `overhand_law` | knots pulled tight against Eq. 2.30, part by part |

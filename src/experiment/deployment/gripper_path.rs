@@ -1,7 +1,8 @@
 //! The path of the gripper, with the errors that it is given: made before the run, followed during it.
 
+use super::jitter::Jitter;
 use super::keys::Deployment;
-use crate::mechanics::random::uniform_numbers;
+use super::tying::{Tying, TyingPlan};
 use crate::mechanics::scene::Motion;
 use crate::mechanics::{Vector3, rotation};
 use crate::plan::deployment::{
@@ -9,6 +10,7 @@ use crate::plan::deployment::{
     times, trajectory,
 };
 use crate::plan::pattern::{Pattern, PatternError, PatternPoint, Point};
+use crate::plan::tying::{GripperPoses, TyingError};
 use nalgebra::{Matrix2, Vector2};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -19,9 +21,6 @@ const POSE_SPACING: f64 = 3e-3;
 const TIMING_SPACING: f64 = 12e-3;
 /// Poses per period of the fastest jitter.
 const POSES_PER_PERIOD: f64 = 10.0;
-/// Waves that make up the jitter of one direction, and the period of the slowest over that of the fastest.
-const WAVES: usize = 8;
-const SLOWEST: f64 = 5.0;
 
 /// What is laid where and when.
 pub struct GripperPath {
@@ -45,6 +44,8 @@ pub struct GripperPath {
     pub seen: Planned,
     /// The rod at the start, m.
     pub start: Vec<Vector3>,
+    /// What comes after, where a knot is tied.
+    pub tying: Option<Tying>,
 }
 
 /// Why there is no path.
@@ -56,6 +57,19 @@ pub enum PathError {
     /// It cannot be laid.
     #[error(transparent)]
     Deployment(#[from] DeploymentError),
+    /// No knot can be tied along it.
+    #[error(transparent)]
+    Tying(#[from] TyingError),
+    /// There is no time left.
+    #[error(
+        "tying takes {tying_s:.1} s when the rod is laid, and there are {end_s:?} s for all: `time.end` must be later"
+    )]
+    NoTime {
+        /// Time of tying, s.
+        tying_s: f64,
+        /// Time of all, s.
+        end_s: f64,
+    },
     /// It takes too many poses.
     #[error("its gripper would need {0:.1e} poses; allowed: {MOST_POSES:.0e}")]
     TooManyPoses(f64),
@@ -74,8 +88,12 @@ impl GripperPath {
         step: Option<f64>,
     ) -> Result<Self, PathError> {
         let rod = deployment.rod.deployed();
-        let curve = deployment.pattern.source().pattern()?;
-        let curve = curve.with_lead_in(deployment.lead_in);
+        let curve = deployment.laid_pattern()?;
+        let plan = TyingPlan::new(deployment)?;
+        let end = match &plan {
+            Some(plan) => plan.laid_by(end)?,
+            None => end,
+        };
         let length = curve.length();
         let refuse_many = |count: f64| {
             if count > MOST_POSES {
@@ -120,6 +138,8 @@ impl GripperPath {
         let seen = planned.seen(points);
         let poses = trajectory(&seen, &planned.rod, scheme, grasps)?;
         let start = hanging_rod(&seen[0], &planned.rod, scheme, deployment.rod.edges)?;
+        let tying = plan.zip(poses.last());
+        let tying = tying.map(|(plan, last)| plan.tying(deployment, &planned, last, end));
         let jitter = Jitter::new(deployment);
         let jitter: Vec<_> = laid.iter().map(|(time, _)| jitter.at(*time)).collect();
         let disturbed = poses.iter().zip(&jitter).map(|(pose, jitter)| GripperPose {
@@ -138,7 +158,15 @@ impl GripperPath {
             jitter,
             seen: planned,
             start,
+            tying,
         })
+    }
+
+    /// When the gripper has done its work, s.
+    pub fn end(&self) -> f64 {
+        let tied = self.tying.as_ref().and_then(|tying| tying.end.last());
+        let laid = self.laid.last().map(|(time, _)| *time);
+        tied.map(|pose| pose.0).or(laid).unwrap_or(0.0)
     }
 
     /// Direction of the rod at the gripper at the start.
@@ -149,13 +177,18 @@ impl GripperPath {
     /// The motion of the rod's end with the gripper.
     pub fn motion(&self) -> Motion {
         let first = &self.poses[0];
-        let timed = || self.laid.iter().zip(&self.poses);
+        let laying = self.laid.iter().zip(&self.poses);
+        let laying = laying.map(|((time, _), pose)| (*time, pose.position, pose.rotation));
+        // It begins with the last pose of the laying.
+        let after = self.tying.iter().flat_map(|tying| &tying.end[1..]).copied();
+        let timed: GripperPoses = laying.chain(after).collect();
+        let timed = || timed.iter();
         Motion {
             translation: timed()
-                .map(|((time, _), pose)| (*time, pose.position - first.position))
+                .map(|(time, position, _)| (*time, position - first.position))
                 .collect(),
             orientation: timed()
-                .map(|((time, _), pose)| (*time, pose.rotation * first.rotation.inverse()))
+                .map(|(time, _, rotation)| (*time, rotation * first.rotation.inverse()))
                 .collect(),
             pivot: Some(first.position),
             ..Motion::default()
@@ -221,7 +254,7 @@ impl Planned {
     }
 
     /// Where the planner sees points of the pattern.
-    fn seen(&self, mut points: Vec<PatternPoint>) -> Vec<PatternPoint> {
+    pub fn seen(&self, mut points: Vec<PatternPoint>) -> Vec<PatternPoint> {
         for point in &mut points {
             point.position = self.place(point.position);
             point.angle += self.turn;
@@ -230,58 +263,13 @@ impl Planned {
     }
 }
 
-/// Smooth random displacements and turns: sums of waves of equal amplitude whose periods and phases are drawn, so that their
-/// mean squares are those asked for.
-struct Jitter {
-    amplitudes: [f64; 6],
-    period: f64,
-    /// Angular frequency (rad/s) and phase of each wave, by direction.
-    waves: [[(f64, f64); WAVES]; 6],
-}
-
-impl Jitter {
-    fn new(deployment: &Deployment) -> Self {
-        let mut number = uniform_numbers(deployment.seed);
-        let waves = std::array::from_fn(|_| {
-            std::array::from_fn(|_| {
-                let period = deployment.jitter_period * libm::pow(SLOWEST, number());
-                (TAU / period, TAU * number())
-            })
-        });
-        let unit = (2.0 / WAVES as f64).sqrt();
-        let [way, turn] = [deployment.jitter, deployment.jitter_angle].map(|rms| unit * rms);
-        Self {
-            amplitudes: [way, way, way, turn, turn, turn],
-            period: deployment.jitter_period,
-            waves,
-        }
-    }
-
-    /// Displacement (m) and turn (rad) at a time; they begin with nothing.
-    fn at(&self, time: f64) -> (Vector3, Vector3) {
-        if self.amplitudes == [0.0; 6] {
-            return (Vector3::zeros(), Vector3::zeros());
-        }
-        let begun = (time / self.period).min(1.0);
-        let begun = begun * begun * (3.0 - 2.0 * begun);
-        let values: [f64; 6] = std::array::from_fn(|direction| {
-            let waves = self.waves[direction].iter();
-            let sum: f64 = waves
-                .map(|(rate, phase)| libm::sin(rate * time + phase))
-                .sum();
-            begun * self.amplitudes[direction] * sum
-        });
-        let [x, y, z, a, b, c] = values;
-        (Vector3::new(x, y, z), Vector3::new(a, b, c))
-    }
-}
-
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use super::super::keys::{Pattern, Rod, Scheme, Solver};
     use super::*;
 
-    fn deployment() -> Deployment {
+    /// A circle.
+    pub fn deployment() -> Deployment {
         Deployment {
             scheme: Scheme::Optimal,
             solver: Solver::Exact,
@@ -296,6 +284,7 @@ mod tests {
             correction: None,
             release: None,
             pegs: Vec::new(),
+            knot: None,
             pattern: Pattern::Circle { radius: 0.09 },
             rod: Rod {
                 gravito_bending_length: 0.032,
@@ -339,33 +328,5 @@ mod tests {
             assert!((other.position - expected).norm() < 1e-8, "{}", pose.s);
             assert!(other.rotation.angle_to(&(turn * pose.rotation)) < 1e-6);
         }
-    }
-
-    #[test]
-    fn jitter_has_its_mean_square_and_repeats() {
-        let given = Deployment {
-            jitter: 1e-3,
-            jitter_angle: 0.01,
-            seed: 7,
-            ..deployment()
-        };
-        let jitter = Jitter::new(&given);
-        let mut squares = [0.0; 6];
-        let count = 200_000;
-        for index in 0..count {
-            let (way, turn) = jitter.at(10.0 + 0.05 * f64::from(index));
-            for axis in 0..3 {
-                squares[axis] += (way[axis] / 1e-3).powi(2) / f64::from(count);
-                squares[axis + 3] += (turn[axis] / 0.01).powi(2) / f64::from(count);
-            }
-        }
-        for square in squares {
-            assert!((square - 1.0).abs() < 0.02, "{squares:?}");
-        }
-        assert_eq!(jitter.at(0.0), (Vector3::zeros(), Vector3::zeros()));
-        let again = Jitter::new(&given);
-        assert_eq!(again.at(3.3), jitter.at(3.3));
-        let other = Jitter::new(&Deployment { seed: 8, ..given });
-        assert_ne!(other.at(3.3), jitter.at(3.3));
     }
 }

@@ -3,6 +3,7 @@
 use super::files::{FILES, LAID_FIGURE};
 use super::gripper_path::GripperPath;
 use super::keys::{Deployment, TABLES, resolve};
+use super::knot_proof::determinant_of_pattern;
 use super::laid_figure::laid_figure;
 use super::laid_rod::{POINTS, PatternMark};
 use super::monitor::{DeploymentMonitor, Watched};
@@ -10,6 +11,7 @@ use super::online::OnlineCorrection;
 use super::outcome::DerivedDeployment;
 use super::pegs;
 use super::release::Release;
+use super::strand_gripper::StrandGripper;
 use super::tables::DeploymentTables;
 use crate::experiment::kind::{FigureError, Kind, OwnNumbers};
 use crate::experiment::prepare::round_rod;
@@ -96,8 +98,12 @@ impl Kind for DeploymentKind {
         let clamp = clamps.iter().position(holds);
         let clamp = clamp.expect("the gripper of a deployment");
         if deployment.release.is_some() {
-            let end = path.laid.last().map_or(0.0, |(time, _)| *time);
-            run.controllers.push(Box::new(Release::new(clamp, end)));
+            run.controllers
+                .push(Box::new(Release::new(clamp, path.end())));
+        }
+        if let (Some(tying), Some(knot)) = (&path.tying, &deployment.knot) {
+            let gripper = StrandGripper::new(&tying.lifts, deployment.rod.edges + 1, knot.reach);
+            run.controllers.push(Box::new(gripper));
         }
         if let Some(keys) = deployment.correction {
             let lying = lying_height(scenario, deployment);
@@ -238,6 +244,10 @@ fn monitor(scenario: &Scenario, deployment: &Deployment, path: &GripperPath) -> 
             pegs::outline(&path.curve)
         },
         pegs: deployment.pegs.clone(),
+        knot: path.tying.as_ref().map(|tying| {
+            let whole = deployment.whole_pattern().ok()?;
+            determinant_of_pattern(&whole, &tying.passages)
+        }),
         derived,
     })
 }
@@ -245,7 +255,7 @@ fn monitor(scenario: &Scenario, deployment: &Deployment, path: &GripperPath) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::deployment::DeploymentOutcome;
+    use crate::experiment::deployment::{DeploymentOutcome, TiedKnot};
     use crate::experiment::{from_text, prepare};
     use crate::run::{RunOptions, run};
 
@@ -330,6 +340,38 @@ mod tests {
         assert_eq!((peg(0.015), peg(-0.015)), (0, 1));
     }
 
+    /// The scenario of a trefoil, with other keys.
+    fn tied(overrides: &[&str]) -> TiedKnot {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let file = root.join("scenarios/tied_trefoil.toml");
+        let overrides: Vec<String> = overrides.iter().map(|key| (*key).to_owned()).collect();
+        let loaded = crate::experiment::load(&file, &overrides).unwrap();
+        let again = from_text(
+            "tied_trefoil",
+            &loaded.scenario.to_toml(),
+            Path::new(""),
+            &[],
+        );
+        assert_eq!(again.unwrap().scenario, loaded.scenario);
+        let prepared = prepare(&loaded.scenario).unwrap();
+        let directory = tempfile::tempdir().unwrap();
+        let finished = run(&prepared, &RunOptions::new(directory.path())).unwrap();
+        DeploymentOutcome::of(&finished.case).unwrap().knot.unwrap()
+    }
+
+    #[test]
+    fn a_trefoil_is_tied_on_the_table() {
+        let knot = tied(&[]);
+        assert_eq!((knot.pattern, knot.rod), (Some(3), Some(3)));
+        assert!(knot.is_tied());
+    }
+
+    #[test]
+    fn an_end_that_is_led_over_everything_ties_nothing() {
+        let knot = tied(&["deployment.knot.crossings=[\"over\", \"over\", \"over\"]"]);
+        assert_eq!((knot.pattern, knot.rod), (Some(1), Some(1)));
+    }
+
     #[test]
     fn correction_makes_up_for_a_wrong_gravito_bending_length() {
         let wrong = format!("{ARC}\nlength_error = 0.1");
@@ -388,6 +430,9 @@ mod tests {
         insta::assert_snapshot!(clips("at = [0.02, -0.01], width = 0.008, radius = 0.004, height = 0.006"), @"laid.toml:4:23: `deployment.clips.at.1`: -0.01 is out of range; allowed: at least 0");
         insta::assert_snapshot!(clips("at = [0.02], width = 0.003, radius = 0.004, height = 0.006"), @"laid.toml:4:32: `deployment.clips.width`: 0.003 m is too narrow; allowed: at least 0.0032 m, as thick as the rod is");
         insta::assert_snapshot!(clips("width = 0.008, radius = 0.004, height = 0.006"), @r#"laid.toml:4:9: `deployment.clips`: missing key `at` (arc lengths of the pattern, ["2 cm", "8 cm"])"#);
+        insta::assert_snapshot!(fault("pattern = { kind = \"line\", length = 0.1 }\nknot = { crossings = [\"over\"] }"), @r#"laid.toml:4:22: `deployment.knot.crossings`: crossings that the pattern comes to again: 0; passes given: 1; say "over" or "under" for each, in the order in which it comes there"#);
+        insta::assert_snapshot!(fault(&format!("{ARC}\nknot = {{ crossings = [\"beside\"] }}")), @r#"laid.toml:4:23: `deployment.knot.crossings.0`: "beside" is not known here; allowed: over, under"#);
+        insta::assert_snapshot!(fault(&format!("{ARC}\nknot = {{ lift = 0.02 }}")), @r#"laid.toml:4:8: `deployment.knot`: missing key `crossings` ("over" or "under" for each crossing, as ["over", "under", "over"])"#);
         insta::assert_snapshot!(fault(&format!("{ARC}\nrelease = 70")), @"laid.toml:4:11: `deployment.release`: 70.0 s is out of range; allowed: less than the time in which the rod is laid, 60.0 s (`time.end`)");
         insta::assert_snapshot!(scenario(ARC, "[material]\ndensity = 1").unwrap_err(), @"laid.toml:12:1: `material`: the rod of a deployment and its material are [deployment.rod]");
     }

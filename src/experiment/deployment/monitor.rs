@@ -1,8 +1,9 @@
 //! Watches a rod while it is laid: how well it lies, how far it slides, how hard the gripper pulls.
 
 use super::keys::Peg;
+use super::knot_proof::determinant_on_table;
 use super::laid_rod::{LaidError, PatternMark, laid_error};
-use super::outcome::{DeploymentOutcome, DerivedDeployment, PassedPegs};
+use super::outcome::{DeploymentOutcome, DerivedDeployment, PassedPegs, TiedKnot};
 use super::pegs;
 use crate::mechanics::Vector3;
 use crate::mechanics::scene::piecewise_linear;
@@ -29,6 +30,8 @@ pub struct Watched {
     pub pegs: Vec<Peg>,
     /// The pattern from above, m, where there are pegs.
     pub outline: Vec<[f64; 2]>,
+    /// Whether a knot is tied, and then the determinant of the pattern.
+    pub knot: Option<Option<u64>>,
     /// What the pattern asks for.
     pub derived: DerivedDeployment,
 }
@@ -50,6 +53,8 @@ pub struct DeploymentMonitor {
     last: Option<(f64, f64, f64)>,
     /// Pegs that were passed as the pattern does at the last output.
     passed: usize,
+    /// Determinant of the rod at the last output.
+    determinant: Option<u64>,
 }
 
 /// Samples in the time of a run.
@@ -68,6 +73,7 @@ impl DeploymentMonitor {
             largest_force: 0.0,
             last: None,
             passed: 0,
+            determinant: None,
         }
     }
 
@@ -133,6 +139,10 @@ impl DeploymentMonitor {
                 count: self.watched.pegs.len(),
                 passed: self.passed,
             }),
+            knot: self.watched.knot.map(|pattern| TiedKnot {
+                pattern,
+                rod: self.determinant,
+            }),
         }
     }
 }
@@ -171,8 +181,18 @@ impl Observer for DeploymentMonitor {
         );
         let (error, force) = self.look(sample);
         (self.touched, self.largest_sliding, self.largest_force) = kept;
-        self.last = error.map(|error| (error.mean, error.deviation, error.largest));
-        self.passed = self.pegs_passed(&sample.simulation.positions()[..self.watched.nodes]);
+        // A rod whose end is led on leaves the pattern along which it was laid.
+        let laid_by = self.watched.laid.last().map_or(0.0, |(time, _)| *time);
+        let is_led = self.watched.knot.is_some() && sample.time() > laid_by * (1.0 + 1e-9);
+        let error = error.filter(|_| !is_led);
+        if !is_led {
+            self.last = error.map(|error| (error.mean, error.deviation, error.largest));
+        }
+        let rod = &sample.simulation.positions()[..self.watched.nodes];
+        self.passed = self.pegs_passed(rod);
+        if self.watched.knot.is_some() {
+            self.determinant = determinant_on_table(rod);
+        }
         let values = vec![
             self.laid_at(sample.time()).into(),
             error.map(|error| error.mean).into(),

@@ -39,6 +39,24 @@ pub struct DeploymentOutcome {
     pub share_above_friction: f64,
     /// What became of pegs; `None` where there are none.
     pub pegs: Option<PassedPegs>,
+    /// What became of a knot; `None` where none is tied.
+    pub knot: Option<TiedKnot>,
+}
+
+/// Knots by their determinants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TiedKnot {
+    /// That of the pattern; `None` where it depends on how its ends are joined.
+    pub pattern: Option<u64>,
+    /// That of the rod; `None` where it depends on how its ends are joined.
+    pub rod: Option<u64>,
+}
+
+impl TiedKnot {
+    /// Whether the knot of the pattern is tied.
+    pub fn is_tied(&self) -> bool {
+        self.rod.is_some() && self.rod == self.pattern
+    }
 }
 
 /// Pegs that a rod passes on the side on which its pattern does, below their tops.
@@ -55,6 +73,15 @@ impl PassedPegs {
     pub fn are_all(&self) -> bool {
         self.passed == self.count
     }
+}
+
+fn tied_knot(observed: &NamedValues) -> Option<TiedKnot> {
+    let number = |name: &str| observed.number(name).map(|number| number as u64);
+    let knot = TiedKnot {
+        pattern: number("pattern_determinant"),
+        rod: number("rod_determinant"),
+    };
+    (knot.pattern.is_some() || knot.rod.is_some()).then_some(knot)
 }
 
 fn passed_pegs(observed: &NamedValues) -> Option<PassedPegs> {
@@ -78,12 +105,14 @@ impl DeploymentOutcome {
             largest_friction_demand: observed.number("largest_friction_demand")?,
             share_above_friction: observed.number("share_above_friction")?,
             pegs: passed_pegs(observed),
+            knot: tied_knot(observed),
         })
     }
 
     /// The columns of the summary.
     pub fn values(&self) -> NamedValues {
-        let mut values = NamedValues::from([
+        let Self { pegs, knot, .. } = self;
+        NamedValues::from([
             ("mean_error_m", self.mean_error_m.into()),
             ("error_deviation_m", self.error_deviation_m.into()),
             ("largest_error_m", self.largest_error_m.into()),
@@ -97,13 +126,14 @@ impl DeploymentOutcome {
                 self.largest_friction_demand.into(),
             ),
             ("share_above_friction", self.share_above_friction.into()),
-        ]);
-        if let Some(pegs) = self.pegs {
-            let counts = [("pegs", pegs.count), ("pegs_passed", pegs.passed)];
-            let counts = counts.map(|(name, count)| (name.to_owned(), (count as u64).into()));
-            values.0.extend(counts);
-        }
-        values
+            ("pegs", pegs.map(|pegs| pegs.count as u64).into()),
+            ("pegs_passed", pegs.map(|pegs| pegs.passed as u64).into()),
+            (
+                "pattern_determinant",
+                knot.and_then(|knot| knot.pattern).into(),
+            ),
+            ("rod_determinant", knot.and_then(|knot| knot.rod).into()),
+        ])
     }
 
     /// Says so where the table has less `friction` than the pattern asks for.
@@ -143,6 +173,24 @@ impl DeploymentOutcome {
             );
             lines.push(("pegs".to_owned(), text));
         }
+        if let Some(knot) = self.knot {
+            let verdict = if knot.is_tied() {
+                "as drawn"
+            } else {
+                "not as drawn"
+            };
+            let words = |number: Option<u64>| {
+                number.map_or("depends on how the ends are joined".to_owned(), |n| {
+                    n.to_string()
+                })
+            };
+            let text = format!(
+                "determinant {}; that of the pattern: {}: {verdict}",
+                words(knot.rod),
+                words(knot.pattern)
+            );
+            lines.push(("knot".to_owned(), text));
+        }
         lines
     }
 }
@@ -164,6 +212,10 @@ mod tests {
             pegs: Some(PassedPegs {
                 count: 4,
                 passed: 3,
+            }),
+            knot: Some(TiedKnot {
+                pattern: Some(3),
+                rod: None,
             }),
         };
         let case = CaseOutcome {

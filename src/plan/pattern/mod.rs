@@ -87,6 +87,7 @@ pub struct Pattern {
     curve: Box<dyn PlaneCurve>,
     arc_length: ArcLength,
     lead_in: Option<LeadIn>,
+    end: Option<f64>,
     /// Largest distance of the curve from the points that were drawn, m; zero for analytic curves.
     pub deviation: f64,
 }
@@ -102,6 +103,7 @@ impl Pattern {
             curve,
             arc_length,
             lead_in: None,
+            end: None,
             deviation,
         })
     }
@@ -129,9 +131,16 @@ impl Pattern {
         self.lead_in.as_ref().map_or(0.0, |lead_in| lead_in.length)
     }
 
+    /// Ends the pattern at a length, m, the lead-in included, if it does not end before.
+    pub fn shortened(mut self, length: f64) -> Self {
+        self.end = Some(length);
+        self
+    }
+
     /// Length, the lead-in included, m.
     pub fn length(&self) -> f64 {
-        self.lead_in() + self.arc_length.total()
+        let whole = self.lead_in() + self.arc_length.total();
+        self.end.map_or(whole, |end| end.min(whole))
     }
 
     /// The point at an arc length, m, from 0 to the length.

@@ -1,11 +1,12 @@
 //! The keys of deployments: `typed`, `resolved`, and here the way from the one to the other.
 
 mod fixtures;
+mod knot;
 mod pattern;
 mod resolved;
 mod typed;
 
-pub use resolved::{Correction, Deployment, Pattern, Peg, Rod, Scheme, Solver};
+pub use resolved::{Correction, Deployment, Knot, Pattern, Peg, Rod, Scheme, Solver};
 
 use crate::plan::deployment::{DeployedRod, lead_in_length, long_enough};
 use crate::plan::pattern::Pattern as Curve;
@@ -94,6 +95,7 @@ pub fn resolve(request: &Request<'_>) -> Option<Deployment> {
     let curve = with_lead_in(&section, typed, &rod, &pattern)?;
     let pegs = fixtures::resolve(&section, typed, &rod, &curve)?;
     let release = release(request, &section, typed)?;
+    let knot = knot::resolve(&section, typed, &rod, &curve)?;
     let scheme = typed.scheme.unwrap_or(Scheme::Optimal);
     let correction = match &typed.correction {
         Some(_) if scheme == Scheme::Intuitive => {
@@ -122,6 +124,7 @@ pub fn resolve(request: &Request<'_>) -> Option<Deployment> {
         correction,
         release,
         pegs,
+        knot,
         pattern,
         rod,
     })
@@ -211,7 +214,10 @@ fn with_lead_in(
         None => lead_in_length(&rod, curve.at(0.0).curvature),
     };
     let curve = curve.with_lead_in(length);
-    if let Err(error) = long_enough(&rod, &curve) {
+    // What is longer than a rod that is tied is the path of its end.
+    if typed.knot.is_none()
+        && let Err(error) = long_enough(&rod, &curve)
+    {
         section.fault("pattern", error.to_string());
         return None;
     }

@@ -1,7 +1,10 @@
 //! Deployments as resolved.
 
 use crate::plan::deployment::DeployedRod;
-use crate::plan::pattern::{Circle, Line, PatternSource, Point, Sine};
+use crate::plan::pattern::{
+    Circle, Line, Pattern as Curve, PatternError, PatternSource, Point, Sine,
+};
+use crate::plan::tying::{Handling, Pass, laid_length};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -37,6 +40,9 @@ pub struct Deployment {
     /// Posts on the table; those of clips among them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub pegs: Vec<Peg>,
+    /// The knot that is tied, if one is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub knot: Option<Knot>,
     /// The curve that the rod is to follow.
     pub pattern: Pattern,
     /// The rod.
@@ -52,6 +58,19 @@ pub struct Correction {
     pub return_length: f64,
     /// Root mean square, in each direction, by which places of the lying rod are seen wrongly, m.
     pub noise: f64,
+}
+
+/// A knot that is tied along the pattern.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Knot {
+    /// How the rod passes the crossings when it comes to them again.
+    pub crossings: Vec<Pass>,
+    /// Height to which strands are lifted, m.
+    pub lift: f64,
+    /// Speed at which the end is led, m/s.
+    pub speed: f64,
+    /// How far from where a strand should lie it is found, m.
+    pub reach: f64,
 }
 
 /// A post on the table: a cylinder with a round top.
@@ -186,5 +205,37 @@ impl Rod {
             radius: self.radius,
             length: self.length,
         }
+    }
+}
+
+impl Knot {
+    /// The same for those who plan.
+    pub fn handling(&self) -> Handling {
+        Handling {
+            lift: self.lift,
+            speed: self.speed,
+        }
+    }
+}
+
+impl Deployment {
+    /// The pattern with its lead-in, all of it.
+    ///
+    /// # Errors
+    /// It is none.
+    pub fn whole_pattern(&self) -> Result<Curve, PatternError> {
+        Ok(self.pattern.source().pattern()?.with_lead_in(self.lead_in))
+    }
+
+    /// The part of it along which the rod is laid: all, unless its rest is the path of the rod's end.
+    ///
+    /// # Errors
+    /// It is none.
+    pub fn laid_pattern(&self) -> Result<Curve, PatternError> {
+        let whole = self.whole_pattern()?;
+        Ok(match self.knot {
+            Some(_) => whole.shortened(laid_length(&self.rod.deployed())),
+            None => whole,
+        })
     }
 }

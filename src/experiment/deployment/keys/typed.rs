@@ -1,7 +1,8 @@
 //! Deployments as typed.
 
 use super::resolved::{Scheme, Solver};
-use crate::scenario::keys::{Angle, Density, Dimensionless, Length, Quantity, Time};
+use crate::plan::tying::Pass;
+use crate::scenario::keys::{Angle, Density, Dimensionless, Length, Quantity, Time, Velocity};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -47,9 +48,27 @@ pub struct Deployment {
     pub pegs: Option<Vec<Peg>>,
     /// Clips along the pattern: pairs of pegs, between which it runs.
     pub clips: Option<Clips>,
+    /// Ties a knot along a pattern that crosses itself and is longer than the rod: when the rod is laid, its end is led along the rest
+    /// of the pattern, under strands that another gripper lifts.
+    pub knot: Option<Knot>,
     /// How long before the end of the simulated time the gripper lets go. The pattern is laid by then, and what still hangs falls.
     /// Default: it holds the rod to the end.
     pub release: Option<Quantity<Time>>,
+}
+
+/// A knot that is tied along the pattern.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "tied_knot")]
+pub struct Knot {
+    /// How the rod passes each crossing of the pattern when it comes there again, "over" or "under", in the order in which it does.
+    /// Where it is laid it goes over.
+    pub crossings: Option<Vec<Pass>>,
+    /// Height to which strands are lifted. Default: eight radii of the rod.
+    pub lift: Option<Quantity<Length>>,
+    /// Speed at which the end is led. Default: 4 cm/s.
+    pub speed: Option<Quantity<Velocity>>,
+    /// How far from where a strand should lie the gripper finds it. Default: 1.5 cm; beyond, it takes hold of nothing.
+    pub reach: Option<Quantity<Length>>,
 }
 
 /// A post on the table that does not move.

@@ -1,0 +1,45 @@
+//! Resolving a knot that is tied along the pattern.
+
+use super::resolved::{Knot, Rod};
+use super::typed;
+use crate::plan::pattern::Pattern;
+use crate::plan::tying::{Handling, passages};
+use crate::scenario::keys::{POSITIVE, Section};
+
+/// How far a gripper reaches where nothing is said, m: fingers that open by 3 cm.
+const REACH: f64 = 0.015;
+
+/// The knot of a deployment, if there is one; `None` where a fault was reported.
+pub fn resolve(
+    section: &Section<'_>,
+    typed: &typed::Deployment,
+    rod: &Rod,
+    curve: &Pattern,
+) -> Option<Option<Knot>> {
+    let Some(knot) = &typed.knot else {
+        return Some(None);
+    };
+    if typed.correction.is_some() {
+        let message = "a path that is corrected while the rod is laid does not lead its end: leave `correction` out";
+        section.fault("knot", message);
+        return None;
+    }
+    let section = section.below("knot");
+    let help = "\"over\" or \"under\" for each crossing, as [\"over\", \"under\", \"over\"]";
+    let crossings = section.needed("crossings", knot.crossings.clone(), help)?;
+    if let Err(error) = passages(curve, &rod.deployed(), &crossings) {
+        section.fault("crossings", error.to_string());
+        return None;
+    }
+    let usual = Handling::usual(&rod.deployed());
+    let lift = section.with_default("lift", &knot.lift, POSITIVE, usual.lift);
+    let speed = section.with_default("speed", &knot.speed, POSITIVE, usual.speed);
+    let reach = section.with_default("reach", &knot.reach, POSITIVE, REACH);
+    let is_known = [lift, speed, reach].iter().all(|value| value.is_finite());
+    is_known.then_some(Some(Knot {
+        crossings,
+        lift,
+        speed,
+        reach,
+    }))
+}
