@@ -34,8 +34,8 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Application>]) -> Result<(), 
         "A gripper lays a USB cable (rod #5 of thesis Tab. 5.1: L_gb = 8.01 cm, 3.6 mm thick) along a U of 70 cm and an S of 74 cm, on \
          steel of friction 0.2, which cannot hold it in its bends: the U asks for 2.1 and the S for 2.9. Clips hold it, 11 along the U and 12 \
          along the S, each a pair of pegs of 8 mm thickness and 6 mm height with round tops, 8 mm apart. The thesis shows its fixtures in \
-         a photograph only; shape and size of these are a choice. The gripper moves about its path at random, by 1 mm and 0.5° root \
-         mean square in each direction and about each axis, ten times the repeatability that the maker of the thesis' robot states; ten \
+         a photograph only; shape and size of these are a choice. The gripper moves about its path at random, by 1 mm root mean square in \
+         each direction, ten times the repeatability that the maker of the thesis' robot states, and by 0.5° about each axis; ten \
          seeds make ten trials. When the pattern is laid the gripper lets go, and the cable is left to itself for 3 s.",
     );
     page.text(

@@ -6,6 +6,7 @@
 //! | `keys` | its table `[deployment]` |
 //! | `gripper_path`, `jitter` | the path of the gripper with its errors, planned before the run |
 //! | `tying` | what both grippers do when the rod is laid, where a knot is tied |
+//! | `planned` | what the planner believes |
 //! | `online` | the path planned anew from where the rod is seen to lie |
 //! | `tables` | that table with what is planned of it |
 //! | `laid_rod` | distances of the laid rod from its pattern |
@@ -27,6 +28,7 @@ mod monitor;
 mod online;
 mod outcome;
 mod pegs;
+mod planned;
 mod release;
 mod strand_gripper;
 mod tables;

@@ -1,7 +1,8 @@
 //! Online correction: the gripper's path is planned anew from where the rod is seen to lie.
 
-use super::gripper_path::{GripperPath, Planned};
+use super::gripper_path::GripperPath;
 use super::keys::{Correction, Deployment, Solver};
+use super::planned::Planned;
 use crate::mechanics::dynamics::{Simulation, SimulationError};
 use crate::mechanics::random::uniform_numbers;
 use crate::mechanics::scene::Motion;

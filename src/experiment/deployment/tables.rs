@@ -1,7 +1,8 @@
 //! The tables of a deployment, and what is planned of them.
 
-use super::gripper_path::{GripperPath, PathError};
+use super::gripper_path::GripperPath;
 use super::keys::Deployment;
+use super::planned::PathError;
 use crate::scenario::{Scenario, Step, Time};
 use serde::Serialize;
 use std::sync::OnceLock;

@@ -1,8 +1,8 @@
 //! How a knot is tied when the rod is laid: the poses of both grippers, with their errors.
 
-use super::gripper_path::{PathError, Planned};
 use super::jitter::Jitter;
 use super::keys::{Deployment, Knot};
+use super::planned::{PathError, Planned};
 use crate::mechanics::rotation;
 use crate::plan::deployment::GripperPose;
 use crate::plan::pattern::Pattern;
