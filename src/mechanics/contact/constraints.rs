@@ -11,7 +11,8 @@
 use super::candidates::approach;
 use super::closest_points::ClosestPoints;
 use super::contact_system::ContactSystem;
-use super::contacts::{ActiveContact, Bodies, ContactConstraint, PlaneContact};
+use super::contacts::{ActiveContact, Bodies, ContactConstraint, EdgeJacobian, PlaneContact};
+use super::distance::{DistanceDerivatives, WEIGHT_RATES};
 use super::normal_law::{LEAST_FORCE, NormalLaw};
 use crate::mechanics::Vector3;
 
@@ -134,6 +135,33 @@ impl ContactSystem {
         };
         let stiffness = self.stiffness_between(first, second);
         NormalLaw::new(&self.parameters, scale, stiffness).gap_of_force(force) + standoff
+    }
+
+    /// How the forces of a listed contact, as they are, change with the positions of its nodes as it turns, N/m.
+    ///
+    /// Without friction and for edges that touch between their ends this is minus the stiffness N Δ Q⁻¹ of
+    /// `distance`, which grows as edges turn through parallel.
+    pub fn turning(&self, constraint: &ContactConstraint, positions: &[Vector3]) -> EdgeJacobian {
+        let mut jacobian = [[0.0; 12]; 12];
+        if let Bodies::Edges(_) = constraint.bodies {
+            let nodes = constraint.nodes.map(|node| positions[node]);
+            let closest = ClosestPoints::of(&nodes);
+            let distance = DistanceDerivatives::of(&nodes, &closest);
+            let force = constraint.force;
+            let pressure = force.dot(&constraint.normal);
+            for (row, entries) in jacobian.iter_mut().enumerate() {
+                let (node, axis) = (row / 3, row % 3);
+                let (weight, rate) = (distance.weights[node], WEIGHT_RATES[node]);
+                let (turn, moved) = (
+                    &distance.normal_jacobian[axis],
+                    &distance.ratio_gradients[node / 2],
+                );
+                for (column, entry) in entries.iter_mut().enumerate() {
+                    *entry = pressure * weight * turn[column] + force[axis] * rate * moved[column];
+                }
+            }
+        }
+        jacobian
     }
 
     /// The contacts that [`Self::list_constraints`] found.

@@ -226,8 +226,9 @@ impl ContactSystem {
         self.carried_tractions.begin(self.slots());
     }
 
-    /// Begins the iterations of a step again from the forces of the last one.
+    /// Begins the iterations of a step again from the forces of the last one; what is no surprise any more is forgotten.
     pub fn begin_forces_anew(&mut self) {
+        self.iterate.forget_changes();
         self.multipliers.begin(self.slots());
         self.carried_tractions.begin(self.slots());
     }

@@ -60,7 +60,8 @@ pub(super) fn edge_force(
 ///
 /// What turning adds is of the order of N/Δ and of either sign. While forces and contact points are still those of a guess
 /// it leads astray: a force that is far too large makes the system indefinite. Without it the Jacobian of frictionless
-/// contact is positive.
+/// contact is positive. Where edges are nearly parallel it must be there, though, however far corrections still move them: the
+/// contact points run along them as they turn.
 pub(super) fn edge_jacobian(
     nodes: &[Vector3; 4],
     closest: &ClosestPoints,

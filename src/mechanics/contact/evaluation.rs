@@ -211,12 +211,13 @@ impl ContactSystem {
             },
         );
         let carries = self.multipliers.in_use();
+        let is_known = self.multipliers.is_known(slot, pressure.tangent.force);
         let linearised = edge_jacobian(
             &edges.nodes,
             &edges.closest,
             &pressure.tangent,
             sliding.map(|sliding| (sliding, friction.slip)),
-            !carries || self.iterate.moved_slightly,
+            !carries || self.iterate.moved_slightly || is_known,
         );
         self.jacobians.push(linearised.jacobian);
         if carries {

@@ -14,7 +14,7 @@ const MANY_CONTACTS: usize = 8;
 /// an iteration grows with the number of rods that contacts join. A pile has ten, a knot forty.
 const MOST_PER_ROD: usize = 24;
 /// Part of their forces by which these must change for it, from the last step to the linear laws at the prediction.
-const SURPRISE: f64 = 0.1;
+const SURPRISE: f64 = 0.05;
 
 /// The configuration of the last linearisation.
 #[derive(Clone, Debug, Default)]
@@ -25,7 +25,8 @@ pub(super) struct Iterate {
     positions: Vec<Vector3>,
     /// Contacts of the first linearisation that bear or bore force, the sum of these forces, and that of their changes, N.
     contacts: usize,
-    /// Rods that they press on, each as often as it is pressed on.
+    /// Rods that those press on that bore force, each as often as it is pressed on: where rods overlap in the prediction, many
+    /// neighbours of each true contact count.
     pressed: usize,
     forces: f64,
     changes: f64,
@@ -40,8 +41,7 @@ impl Iterate {
         self.mobilities.extend_from_slice(mobilities);
         self.positions.clear();
         self.moved_slightly = false;
-        (self.contacts, self.pressed) = (0, 0);
-        (self.forces, self.changes) = (0.0, 0.0);
+        self.forget_changes();
     }
 
     /// Counts the force of a contact with so many rods in the first linearisation: normal force (N) and traction, in the
@@ -51,7 +51,9 @@ impl Iterate {
             return;
         }
         self.contacts += 1;
-        self.pressed += rods;
+        if before.0 > 0.0 {
+            self.pressed += rods;
+        }
         self.forces += before.0.max(now.0);
         self.changes += (now.0 - before.0).abs() + (now.1 * now.0 - before.1 * before.0).norm();
     }
@@ -61,6 +63,12 @@ impl Iterate {
         let are_many = rods >= MANY_RODS && self.contacts >= MANY_CONTACTS;
         let suits = are_many && self.pressed <= MOST_PER_ROD * rods;
         suits && self.changes > SURPRISE * self.forces
+    }
+
+    /// Forgets by how much the forces of contacts have changed.
+    pub fn forget_changes(&mut self) {
+        (self.contacts, self.pressed) = (0, 0);
+        (self.forces, self.changes) = (0.0, 0.0);
     }
 
     /// Takes over the positions of a linearisation.

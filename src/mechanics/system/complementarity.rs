@@ -15,6 +15,10 @@
 //! Beginning with the forces of the step before, this takes as many iterations as it takes to find the states; where they
 //! cycle, sweeps with soft contacts lead out.
 //!
+//! Contacts turn with the rods. Where edges are nearly parallel the contact points run along them as they do, and rods and forces
+//! found in turn would go to and fro; from the second time on A has, therefore, how the forces found last change as
+//! their contacts turn.
+//!
 //! Solved once per step this is the two-step method of the thesis: forces explicit, then the rods. Here it is
 //! repeated around Newton's method for the rods under these forces, until the forces found anew would move
 //! no node farther than the displacement tolerance. Contact points and directions are then those of the end of
@@ -30,7 +34,7 @@
 
 use super::rigid_contact::{RigidContact, State, find_forces};
 use super::{Stage, System, copy_positions};
-use crate::linalg::SingularMatrix;
+use crate::linalg::{ElementMatrix, SingularMatrix};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactConstraint, ContactSystem};
 use crate::mechanics::rod::{STRIDE, topology::position};
@@ -143,7 +147,10 @@ impl System {
         contact.list_constraints(&self.positions, &reaches, earlier);
         let mut moved = 0.0;
         if !contact.constraints().is_empty() {
-            let (forces, solved) = self.solve_constraints(contact, stage, &mut correction)?;
+            // Forces of the last step belong to other contact points and directions.
+            let turns = !earlier.is_empty();
+            let (forces, solved) =
+                self.solve_constraints(contact, stage, &mut correction, turns)?;
             contact.load_constraints(&forces);
             if !solved {
                 moved = f64::INFINITY;
@@ -154,12 +161,14 @@ impl System {
         Ok(moved)
     }
 
-    /// The forces of all constraints, N, whether they obey the laws, and the correction of the unknowns with them.
+    /// The forces of all constraints, N, which may be those of other configurations unless the contact `turns` under the
+    /// present ones; whether they obey the laws, and the correction of the unknowns with them.
     fn solve_constraints(
         &mut self,
         contact: &ContactSystem,
         stage: &Stage,
         correction: &mut [f64],
+        turns: bool,
     ) -> Result<(Vec<Vector3>, bool), NoContactForces> {
         let mut contacts: Vec<RigidContact> = contact
             .constraints()
@@ -171,15 +180,25 @@ impl System {
             })
             .collect();
         let constraints = contact.constraints();
+        let turning_of = |constraint| contact.turning(constraint, &self.positions);
+        let turning: Vec<ElementMatrix> = if turns {
+            constraints.iter().map(turning_of).collect()
+        } else {
+            Vec::new()
+        };
         let negligible = NEGLIGIBLE_PART * self.least_tolerance();
         let solved = find_forces(&mut contacts, negligible, |states, stiffness_changed| {
             if stiffness_changed {
-                let matrices = constraints.iter().zip(states);
-                self.matrix.set_constraints(
-                    contact,
-                    matrices
-                        .map(|(constraint, state)| (constraint.place(), state.matrix(constraint))),
-                );
+                let laws = constraints.iter().zip(states).enumerate();
+                let matrices = laws.map(|(index, (constraint, state))| {
+                    let mut matrix = state.matrix(constraint);
+                    let turning = turning.get(index).map_or(&[][..], |one| one.as_flattened());
+                    for (entry, turn) in matrix.as_flattened_mut().iter_mut().zip(turning) {
+                        *entry -= turn;
+                    }
+                    (constraint.place(), matrix)
+                });
+                self.matrix.set_constraints(contact, matrices);
                 self.factor()?;
             }
             self.correct_by(constraints, states, correction);

@@ -14,6 +14,9 @@
 //! factorisation with contact. They are slow to converge, but soon tell the states, and Newton's method begins with
 //! their forces and where these move the rods.
 //!
+//! The first time it is linearised where it begins. There rods have not yet passed each other nor been crushed by it, as they
+//! may have where each goes on with its velocity; later, where the last one has led.
+//!
 //! **What holds.** The solution does not depend on it: Newton's method has the last word. The prediction leaves out what closes
 //! a ring, the smoothing of friction, and how contacts turn, which is why it is repeated where rods move far.
 
@@ -23,11 +26,11 @@ use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactConstraint, ContactSystem};
 use crate::mechanics::rod::topology::position;
 
-/// Times that the step is linearised.
+/// Times that the step is linearised after the first.
 const PASSES: usize = 3;
 /// Move of a position, in radii, below which another linearisation has nothing new.
 const SMALL_MOVE: f64 = 0.05;
-/// Farthest that one of them moves a position, in radii.
+/// Farthest that one of them moves a position, in radii; the first goes as far beyond what the step moves.
 const FARTHEST: f64 = 2.0;
 /// Gap up to which contacts count beyond what the step closes without contact, in radii: those that are pushed together.
 const MARGIN: f64 = 0.5;
@@ -58,23 +61,48 @@ impl System {
             return false;
         };
         contact.begin_forces_anew();
+        let farthest = FARTHEST * radius;
+        let moves = (0..self.positions.len())
+            .map(|node| (position(unknowns, node) - stage.positions[node]).norm());
+        let of_step = moves.fold(0.0, f64::max);
+        let mut from_start = self.at_start(unknowns, stage);
+        let begun = self.predict_once(&mut from_start, stage, [radius, farthest + of_step]);
+        if begun.is_some() {
+            unknowns.copy_from_slice(&from_start);
+        }
         for _ in 0..PASSES {
-            let Some(moved) = self.predict_once(unknowns, stage, radius) else {
-                break;
-            };
             if !self.candidates_are_complete(unknowns) {
                 self.update_candidates(unknowns);
             }
+            let Some(moved) = self.predict_once(unknowns, stage, [radius, farthest]) else {
+                break;
+            };
             if moved <= SMALL_MOVE * radius {
                 break;
             }
         }
+        if !self.candidates_are_complete(unknowns) {
+            self.update_candidates(unknowns);
+        }
         true
     }
 
-    /// One of these passes; returns the farthest move of a node, m, or nothing where the rods are not stable or nothing
-    /// touches.
-    fn predict_once(&mut self, unknowns: &mut [f64], stage: &Stage, radius: f64) -> Option<f64> {
+    /// The unknowns at the start of a step, but for those that are held, which are where it ends.
+    fn at_start(&self, unknowns: &[f64], stage: &Stage) -> Vec<f64> {
+        let ends = unknowns.iter().zip(&self.assembly.held);
+        ends.zip(&stage.start)
+            .map(|((end, held), start)| if *held { *end } else { *start })
+            .collect()
+    }
+
+    /// One of these passes, which moves no position beyond the second `reach`; the first is the radius of the thinnest rod, m.
+    /// Returns the farthest move of a node, m, or nothing where the rods are not stable or nothing touches.
+    fn predict_once(
+        &mut self,
+        unknowns: &mut [f64],
+        stage: &Stage,
+        reach: [f64; 2],
+    ) -> Option<f64> {
         let mut contact = self.contact.take()?;
         self.linearize(unknowns, Some(stage));
         let moved = self
@@ -83,7 +111,7 @@ impl System {
             .is_some_and(|inertia| inertia.negative == 0)
             .then(|| {
                 copy_positions(unknowns, &mut self.positions);
-                self.sweep(&mut contact, stage, radius, unknowns)
+                self.sweep(&mut contact, stage, reach, unknowns)
             });
         contact.release_constraints();
         self.contact = Some(contact);
@@ -94,7 +122,7 @@ impl System {
         &self,
         contact: &mut ContactSystem,
         stage: &Stage,
-        radius: f64,
+        [radius, farthest]: [f64; 2],
         unknowns: &mut [f64],
     ) -> Option<f64> {
         let mut responses = Responses::new(self.matrix.rod_factor(), &self.assembly);
@@ -148,14 +176,14 @@ impl System {
             return None;
         }
         let moves = (0..self.positions.len()).map(|node| position(&correction, node).norm());
-        let farthest = moves.fold(0.0, f64::max);
-        let part = (FARTHEST * radius / farthest).min(1.0);
+        let longest = moves.fold(0.0, f64::max);
+        let part = (farthest / longest).min(1.0);
         for (own, correction) in unknowns.iter_mut().zip(&correction) {
             *own += part * correction;
         }
         let forces: Vec<Vector3> = touches.iter().map(|touch| touch.force).collect();
         contact.begin_with_forces(&forces);
-        Some(farthest)
+        Some(longest)
     }
 }
 
