@@ -15,7 +15,7 @@ pub(super) enum Failure {
     Penetration { iterations: usize, overlap: Overlap },
     /// No contact forces obey the laws of Signorini and Coulomb, or none were found.
     NoContactForces { iterations: usize },
-    /// Contact forces that only hold rods apart would bring energy.
+    /// Contact forces would bring energy.
     Work { iterations: usize, work: f64 },
     /// Where the motion leads, or must lead, surfaces would cross.
     Crossing {

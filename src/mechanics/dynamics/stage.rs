@@ -261,7 +261,7 @@ impl Workspace {
     }
 
     /// Certifies the step that ends at the trial: no surfaces overlap there beyond the bound, none have passed through
-    /// each other on the way, and forces of contacts that do not rebound have brought no energy.
+    /// each other on the way, and contact forces have brought no energy.
     fn certify(
         &self,
         setting: &Setting,
@@ -290,6 +290,8 @@ impl Workspace {
         }
         let work = if system.has_constraints() {
             system.work_of_constraints(&self.stage, trial)
+        } else if is_evaluated {
+            system.work_of_contact(&self.stage, trial)
         } else {
             None
         };

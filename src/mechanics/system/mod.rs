@@ -17,6 +17,7 @@ mod complementarity;
 mod contact_prediction;
 mod contact_response;
 mod contact_stiffness;
+mod contact_work;
 mod events;
 mod grasp;
 mod loads;
