@@ -5,7 +5,7 @@ use super::search_all::{differ, folds_at};
 use super::{FoldError, Forces};
 
 /// Suspended lengths of the folds, L_gb: the first, the last, and how they grow.
-const LENGTHS: [f64; 2] = [0.1, 7.4];
+const LENGTHS: [f64; 2] = [0.1, Fold::LONGEST];
 const GROWTH: f64 = 1.15;
 /// Angle between neighbours, rad.
 const ANGLE: f64 = 0.1;
@@ -27,9 +27,6 @@ pub struct FoldAtlas {
 }
 
 impl FoldAtlas {
-    /// Longest suspended length of the folds, L_gb.
-    pub const LONGEST: f64 = LENGTHS[1];
-
     /// For each suspended length the fold without a push along the table, and from it to smaller angles, where it is pulled
     /// taut, and to larger ones, until the edge is back on the table.
     pub fn new() -> Self {

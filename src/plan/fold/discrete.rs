@@ -1,5 +1,6 @@
 //! The same equilibrium with a discrete elastic rod.
 
+use super::FoldError;
 use super::elastica::Forces;
 use super::equilibrium::Fold;
 use nalgebra::{Matrix3, Vector3};
@@ -24,6 +25,19 @@ impl Dual {
     }
 }
 
+impl Fold {
+    /// The same with a discrete elastic rod of N edges; second order in their length.
+    ///
+    /// # Errors
+    /// Newton's method does not converge.
+    pub fn discrete(&self, edges: usize) -> Result<Self, FoldError> {
+        discrete_fold(self, edges).ok_or(FoldError::NoConvergence {
+            gripper: self.gripper,
+            edges,
+        })
+    }
+}
+
 /// The fold at a gripper with a planar discrete elastic rod of N equal edges of length l = l̄_s/N, from that of the
 /// continuous sheet. At node j the edges turn by φ_j and the moment is M_j = 2 tan(φ_j/2)/l (thesis Eq. 1.5); the moments of
 /// edge j balance:
@@ -31,7 +45,7 @@ impl Dual {
 /// > M_{j+1} − M_j = l (H sin θ_j − (V + (j + ½) l/2) cos θ_j),  θ_j = θ_{j−1} + φ_j
 ///
 /// The first edge lies on the table, without moment before it; after the last one the moment vanishes. Second order in l.
-pub(super) fn discrete_fold(near: &Fold, edges: usize) -> Option<Fold> {
+fn discrete_fold(near: &Fold, edges: usize) -> Option<Fold> {
     let mut unknowns = Vector3::new(
         near.forces.horizontal,
         near.forces.vertical,

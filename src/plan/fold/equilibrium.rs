@@ -1,9 +1,6 @@
 //! One equilibrium of a folded sheet, and Newton's method for it.
 
-use super::FoldError;
-use super::discrete::discrete_fold;
 use super::elastica::{Forces, Place, place, places};
-use super::stability::unstable_modes;
 use nalgebra::{Matrix3, Vector3};
 
 /// Iterations of Newton's method.
@@ -27,6 +24,9 @@ pub struct Fold {
 }
 
 impl Fold {
+    /// Longest suspended length at which folds are sought, L_gb.
+    pub const LONGEST: f64 = 7.4;
+
     /// Without a force along the table and next to flat: α = l̄³/24, z̄ = l̄⁴/48 and V = −l̄/4 of a beam.
     pub fn just_lifted(suspended_length: f64) -> Option<Self> {
         let guess = Forces {
@@ -162,22 +162,6 @@ impl Fold {
     pub fn friction_demand(&self, length: f64) -> f64 {
         let lying = 0.5 * (length - self.suspended_length).max(0.0);
         self.forces.horizontal.abs() / (lying - self.forces.vertical)
-    }
-
-    /// The same with a discrete elastic rod of N edges; second order in their length.
-    ///
-    /// # Errors
-    /// Newton's method does not converge.
-    pub fn discrete(&self, edges: usize) -> Result<Self, FoldError> {
-        discrete_fold(self, edges).ok_or(FoldError::NoConvergence {
-            gripper: self.gripper,
-            edges,
-        })
-    }
-
-    /// Directions in which the energy decreases while the gripper stays where it is and turns freely.
-    pub fn unstable_modes(&self) -> usize {
-        unstable_modes(self)
     }
 
     /// Points of the suspended sheet from the touchdown point to the gripper, `[parts + 1][x̄, z̄]`, in the frame of

@@ -55,7 +55,7 @@ pub enum FoldError {
     #[error(
         "no sheet can be held without a moment at x̄ = {}, z̄ = {} with a suspended length up to {} L_gb; the nearest place known is \
          ({:.4}, {:.4})",
-        gripper[0], gripper[1], FoldAtlas::LONGEST, nearest[0], nearest[1]
+        gripper[0], gripper[1], Fold::LONGEST, nearest[0], nearest[1]
     )]
     Unreachable {
         /// (x̄, z̄).

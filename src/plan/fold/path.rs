@@ -65,7 +65,7 @@ pub fn fold_path(
     objective: Objective,
 ) -> Result<FoldPath, FoldError> {
     let goal = goal_fold(atlas, sheet, target)?;
-    let longest = sheet.length.min(FoldAtlas::LONGEST);
+    let longest = sheet.length.min(Fold::LONGEST);
     let steps = (LIFT_STEPS as f64 * longest).ceil() as usize;
     let lift = FoldAtlas::lift(longest, steps);
     let starts: Vec<Cell> = lift

@@ -8,8 +8,6 @@ const HORIZONTAL: [f64; 2] = [-9.0, 5.0];
 const VERTICAL: [f64; 2] = [-5.0, 0.0];
 /// Forces in each direction.
 const GRID: usize = 90;
-/// Longest suspended length, L_gb.
-const LONGEST: f64 = super::FoldAtlas::LONGEST;
 /// Places without curvature that are followed along a sheet.
 const INFLECTIONS: usize = 4;
 /// Two folds are one where their suspended lengths differ by less.
@@ -70,9 +68,9 @@ fn edges_of(forces: Forces) -> [Option<Fold>; INFLECTIONS] {
     let mut place = Place::default();
     // At the touchdown point itself there is no curvature, either.
     let mut sign = -forces.vertical;
-    while place.arc_length < LONGEST && count < INFLECTIONS {
+    while place.arc_length < Fold::LONGEST && count < INFLECTIONS {
         let piece = Piece::new(place, forces);
-        let end = piece.at(piece.reach.min(LONGEST));
+        let end = piece.at(piece.reach.min(Fold::LONGEST));
         if end.state.curvature * sign < 0.0 {
             let (mut a, mut b) = (place.arc_length, end.arc_length);
             for _ in 0..12 {
@@ -94,7 +92,7 @@ fn edges_of(forces: Forces) -> [Option<Fold>; INFLECTIONS] {
 
 fn is_above_the_table(fold: &Fold) -> bool {
     fold.suspended_length > 0.0
-        && fold.suspended_length <= LONGEST
+        && fold.suspended_length <= Fold::LONGEST
         && fold.shape(48).iter().all(|[_, z]| *z > -1e-9)
 }
 

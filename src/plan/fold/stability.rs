@@ -6,6 +6,13 @@ use super::equilibrium::Fold;
 /// Parts into which the sheet is divided.
 const PARTS: usize = 200;
 
+impl Fold {
+    /// Directions in which the energy decreases while the gripper stays where it is and turns freely.
+    pub fn unstable_modes(&self) -> usize {
+        unstable_modes(self)
+    }
+}
+
 /// Number of directions in which the energy of a fold decreases while the gripper stays where it is and turns freely.
 ///
 /// > δ²E = ∫ η'² + (H cos θ + (V + s/2) sin θ) η² ds,  η(0) = 0,  ∫ η cos θ ds = ∫ η sin θ ds = 0
@@ -13,7 +20,7 @@ const PARTS: usize = 200;
 /// With piecewise linear η a tridiagonal matrix, bordered by the two conditions; its negative pivots are counted. Where the
 /// sheet leaves the table it does so without curvature, so that a little more or less of it lifted changes nothing to second
 /// order.
-pub(super) fn unstable_modes(fold: &Fold) -> usize {
+fn unstable_modes(fold: &Fold) -> usize {
     let places = places(fold.forces, fold.suspended_length, PARTS);
     let ds = fold.suspended_length / PARTS as f64;
     let mut negative = 0;

@@ -120,7 +120,7 @@ pub fn resolve(request: &Request<'_>) -> Option<Deployment> {
         jitter,
         jitter_angle,
         jitter_period,
-        seed: seed.unsigned_abs(),
+        seed: seed.max(0).unsigned_abs(),
         correction,
         release,
         pegs,
