@@ -6,10 +6,12 @@ use super::fold_figures::{fold_figure, friction_figure};
 use super::folded_sheet::PaperFile;
 use super::output::{print_json, write_files};
 use super::values::positive_length;
+use crate::experiment::Crease;
 use crate::figure::Paper;
 use crate::plan::deployment::GripperPose;
 use crate::plan::fold::{
-    FoldAtlas, FoldPath, FoldedSheet, ForceManifold, Objective, fold_path, sliding,
+    FoldAtlas, FoldPath, FoldedSheet, ForceManifold, Objective, PART_OF_FRICTION, fold_path,
+    held_path, sliding,
 };
 use clap::{Args, ValueEnum};
 use serde::Serialize;
@@ -52,13 +54,8 @@ enum ObjectiveName {
     Sum,
     /// The largest friction that the whole sheet asks for.
     Friction,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Crease {
-    Half,
-    Diagonal,
-    At(f64),
+    /// The moment at the gripper by which the sheet asks for no more than 0.85 of the friction of the table.
+    Moment,
 }
 
 #[derive(Serialize)]
@@ -76,6 +73,8 @@ struct Report {
     integral: f64,
     largest_force_ratio: f64,
     friction_demand: f64,
+    /// In EI/L_gb.
+    largest_moment: f64,
     friction: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     holds: Option<bool>,
@@ -92,21 +91,42 @@ impl FoldPlanArguments {
     /// Plans, and writes trajectory, folds and figures.
     pub fn plan(&self) -> Result<(), Failure> {
         let file = PaperFile::read(&self.paper)?;
-        let (sheet, target) = self.target(&file)?;
+        let sheet = file.paper.sheet(self.crease);
+        let target = file.paper.target(self.crease);
+        let target = target.map_err(|error| Failure::Input(format!("--crease: {error}")))?;
         let unit = sheet.gravito_bending_length;
         let atlas = FoldAtlas::new();
         let dimensionless = sheet.dimensionless();
-        let longest = dimensionless.length.min(LONGEST);
-        let manifold = ForceManifold::new(&atlas, ForceManifold::SPACING, longest);
-        let objective = match self.objective {
-            ObjectiveName::Sum => Objective::Sum,
-            ObjectiveName::Friction => Objective::Largest,
+        let friction = self.friction.or(file.paper.friction);
+        let manifold = match (self.objective, friction) {
+            (ObjectiveName::Moment, None) => {
+                let message = "--objective moment: the friction of the table is needed, --friction or `folding.paper.friction`";
+                return Err(Failure::Input(message.into()));
+            }
+            (ObjectiveName::Moment, Some(friction)) => ForceManifold::held(
+                ForceManifold::SPACING,
+                &dimensionless,
+                PART_OF_FRICTION * friction,
+            ),
+            _ => {
+                let longest = dimensionless.length.min(LONGEST);
+                ForceManifold::new(&atlas, ForceManifold::SPACING, longest)
+            }
         };
-        let path = fold_path(&atlas, &manifold, &dimensionless, target / unit, objective);
+        let optimal = |objective| {
+            fold_path(&atlas, &manifold, &dimensionless, target / unit, objective)
+        };
+        let path = match self.objective {
+            ObjectiveName::Sum => optimal(Objective::Sum),
+            ObjectiveName::Friction => optimal(Objective::Largest),
+            ObjectiveName::Moment => {
+                let part = PART_OF_FRICTION * friction.unwrap_or(0.0);
+                held_path(&manifold, &dimensionless, target / unit, part)
+            }
+        };
         let path = path.map_err(|error| Failure::Input(format!("{}: {error}", file.title)))?;
         let poses = sheet.poses(&path.folds);
         let times = self.times(&poses);
-        let friction = self.friction.or(file.friction);
         let demand = path.friction_demand(dimensionless.length);
         let slid = friction
             .map(|friction| sliding(&path.folds, dimensionless.length, friction))
@@ -152,6 +172,7 @@ impl FoldPlanArguments {
             integral: path.integral,
             largest_force_ratio: path.largest_force_ratio(),
             friction_demand: demand,
+            largest_moment: path.largest_moment(),
             friction,
             holds: friction.map(|friction| demand <= friction),
             slides_m: slid.map(|slid| {
@@ -166,29 +187,6 @@ impl FoldPlanArguments {
         })
     }
 
-    /// The sheet in the direction of the fold, and where its edge goes, m.
-    fn target(&self, file: &PaperFile) -> Result<(FoldedSheet, f64), Failure> {
-        let along_diagonal = self.crease == Crease::Diagonal;
-        if along_diagonal && !file.is_square() {
-            return Err(Failure::Input(format!(
-                "--crease diagonal: {} is {} m by {} m; only a square sheet is folded along its diagonal",
-                file.title, file.length, file.width
-            )));
-        }
-        let sheet = file.sheet(along_diagonal);
-        let target = match self.crease {
-            Crease::At(target) => target,
-            Crease::Half | Crease::Diagonal => sheet.length,
-        };
-        if target > sheet.length {
-            return Err(Failure::Input(format!(
-                "--crease {target} m: {} is {} m long, and its edge cannot go beyond the opposite one",
-                file.title, sheet.length
-            )));
-        }
-        Ok((sheet, target))
-    }
-
     /// When the gripper passes its poses, s, from 0.
     fn times(&self, poses: &[GripperPose]) -> Vec<f64> {
         let mut time = 0.0;
@@ -201,10 +199,11 @@ impl FoldPlanArguments {
     }
 }
 
-/// Columns x, z, suspended length (m), alpha_rad, lambda, friction_demand, and the forces per weight of L_gb of the sheet.
+/// Columns x, z, suspended length (m), alpha_rad, lambda, friction_demand, the forces per weight of L_gb of the sheet, and the moment at the
+/// gripper in EI/L_gb.
 fn folds_csv(path: &FoldPath, sheet: &FoldedSheet) -> String {
     let mut text = String::from(
-        "x_m,z_m,suspended_length_m,alpha_rad,lambda,friction_demand,horizontal_force,vertical_force\n",
+        "x_m,z_m,suspended_length_m,alpha_rad,lambda,friction_demand,horizontal_force,vertical_force,moment\n",
     );
     let length = sheet.dimensionless().length;
     for fold in &path.folds {
@@ -213,12 +212,14 @@ fn folds_csv(path: &FoldPath, sheet: &FoldedSheet) -> String {
         // Writing to a string does not fail.
         let _ = writeln!(
             text,
-            "{x:.9},{z:.9},{suspended:.9},{:.9},{:.9},{:.9},{:.9},{:.9}",
+            "{x:.9},{z:.9},{suspended:.9},{:.9},{:.9},{:.9},{:.9},{:.9},{:.9}",
             fold.angle,
             fold.force_ratio(),
             fold.friction_demand(length),
             2.0 * fold.forces.horizontal,
-            2.0 * fold.forces.vertical
+            2.0 * fold.forces.vertical,
+            // Added to zero, a zero has no sign.
+            (1e9 * fold.moment).round() / 1e9 + 0.0
         );
     }
     text

@@ -9,7 +9,7 @@
 //! | `prepare` | from a scenario to a run: the common tables, then what its kind adds |
 //! | `probes` | what a scenario asks to be measured, in terms of its scene |
 //! | `derived` | numbers for `rodlab check` |
-//! | `scene`, `flagella`, `knot`, `helix`, `deployment`, `grasp_samples` | the kinds |
+//! | `scene`, `flagella`, `knot`, `helix`, `deployment`, `grasp_samples`, `folding` | the kinds |
 
 #[cfg(test)]
 mod contact_tests;
@@ -17,6 +17,7 @@ pub(crate) mod deployment;
 mod derived;
 mod described;
 mod flagella;
+pub(crate) mod folding;
 mod grasp_samples;
 pub(crate) mod helix;
 mod kind;
@@ -37,6 +38,10 @@ pub use deployment::{
 };
 pub use derived::{DerivedNumbers, DerivedRod, derived_numbers};
 pub use described::{Described, describe, described_files, files_with_column};
+pub use folding::{
+    AlgorithmName, Crease, FoldedOutlines, FoldingOutcome, Paper, TypedPaper, folded_outlines,
+    resolve_paper,
+};
 pub use helix::stability::{
     HelixSearch, HelixStability, discrete_critical_distance, estimated_critical_distance,
 };
@@ -60,6 +65,7 @@ pub static KINDS: &[&dyn Kind] = &[
     &helix::stability::HelixStabilityKind,
     &deployment::DeploymentKind,
     &grasp_samples::GraspSamplesKind,
+    &folding::FoldingKind,
 ];
 
 /// The same, as scenario files see them.

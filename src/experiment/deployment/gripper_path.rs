@@ -1,9 +1,9 @@
 //! The path of the gripper, with the errors that it is given: made before the run, followed during it.
 
-use super::jitter::Jitter;
 use super::keys::Deployment;
 use super::planned::{PathError, Planned};
 use super::tying::{Tying, TyingPlan};
+use crate::experiment::prepare::Jitter;
 use crate::mechanics::scene::Motion;
 use crate::mechanics::{Vector3, rotation};
 use crate::plan::deployment::{
@@ -111,7 +111,7 @@ impl GripperPath {
         let start = hanging_rod(&seen[0], &planned.rod, scheme, deployment.rod.edges)?;
         let tying = plan.zip(poses.last());
         let tying = tying.map(|(plan, last)| plan.tying(deployment, &planned, last, end));
-        let jitter = Jitter::new(deployment);
+        let jitter = deployment.jitter_of_seed(deployment.seed);
         let jitter: Vec<_> = laid.iter().map(|(time, _)| jitter.at(*time)).collect();
         let disturbed = poses.iter().zip(&jitter).map(|(pose, jitter)| GripperPose {
             position: pose.position + jitter.0,
@@ -181,6 +181,11 @@ impl GripperPath {
 }
 
 impl Deployment {
+    /// The trembling of a gripper.
+    pub fn jitter_of_seed(&self, seed: u64) -> Jitter {
+        Jitter::new([self.jitter, self.jitter_angle], self.jitter_period, seed)
+    }
+
     /// Time between poses that follows pattern and jitter, s.
     fn pose_spacing(&self, end: f64, length: f64) -> f64 {
         let along = end * POSE_SPACING / length;

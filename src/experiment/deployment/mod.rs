@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `kind` | the experiment |
 //! | `keys` | its table `[deployment]` |
-//! | `gripper_path`, `jitter` | the path of the gripper with its errors, planned before the run |
+//! | `gripper_path` | the path of the gripper with its errors, planned before the run |
 //! | `tying` | what both grippers do when the rod is laid, where a knot is tied |
 //! | `planned` | what the planner believes |
 //! | `online` | the path planned anew from where the rod is seen to lie |
@@ -18,7 +18,6 @@
 
 mod files;
 mod gripper_path;
-mod jitter;
 mod keys;
 mod kind;
 mod knot_proof;

@@ -1,8 +1,9 @@
 //! How a knot is tied when the rod is laid: the poses of both grippers, with their errors.
 
-use super::jitter::Jitter;
+
 use super::keys::{Deployment, Knot};
 use super::planned::{PathError, Planned};
+use crate::experiment::prepare::Jitter;
 use crate::mechanics::rotation;
 use crate::plan::deployment::GripperPose;
 use crate::plan::pattern::Pattern;
@@ -87,12 +88,9 @@ impl TyingPlan {
             poses.collect()
         };
         // Another gripper, whose jitter is another.
-        let other = Jitter::new(&Deployment {
-            seed: deployment.seed.wrapping_add(OTHER_GRIPPER),
-            ..deployment.clone()
-        });
+        let other = deployment.jitter_of_seed(deployment.seed.wrapping_add(OTHER_GRIPPER));
         Tying {
-            end: disturbed(&Jitter::new(deployment), end),
+            end: disturbed(&deployment.jitter_of_seed(deployment.seed), end),
             lifts: lifts
                 .into_iter()
                 .map(|lift| {

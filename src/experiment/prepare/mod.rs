@@ -3,6 +3,7 @@
 pub(crate) mod curve;
 mod estimate;
 mod gripper_motion;
+mod jitter;
 mod place;
 mod round_rod;
 mod settings;
@@ -21,6 +22,7 @@ use crate::scenario::{self, Continuation, Issue, Issues, KeyPath, Scenario, Time
 use place::{place_clamp, place_load, place_plane, place_rod, same_node};
 use settings::{contact_parameters, fluid_model, integration_parameters};
 
+pub use jitter::Jitter;
 pub use round_rod::round_rod;
 
 /// Builds the mechanics of a scenario.

@@ -79,6 +79,7 @@ fn discrete_fold(near: &Fold, edges: usize) -> Option<Fold> {
                     horizontal: unknowns.x,
                     vertical: unknowns.y,
                 },
+                moment: end.moment.value,
             });
         }
     }

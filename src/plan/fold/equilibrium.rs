@@ -21,6 +21,19 @@ pub struct Fold {
     pub suspended_length: f64,
     /// What the suspended part exerts on the lying one.
     pub forces: Forces,
+    /// θ'(l̄_s): the moment at the gripper, in EI/L_gb.
+    pub moment: f64,
+}
+
+/// What is given beside the place of the gripper.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Given {
+    /// No moment at the gripper.
+    NoMoment,
+    /// α.
+    Angle(f64),
+    /// H over the weight of the lying rest and −V, for a sheet of length L̄.
+    Push { ratio: f64, length: f64 },
 }
 
 impl Fold {
@@ -80,16 +93,21 @@ impl Fold {
 
     /// With the gripper at (x̄, z̄), from another fold nearby.
     pub fn at(gripper: [f64; 2], near: &Self) -> Option<Self> {
-        Self::held(gripper, None, near)
+        Self::held(gripper, Given::NoMoment, near)
     }
 
     /// With the gripper at (x̄, z̄) and its angle held at α, by whatever moment that takes, from another fold nearby.
     pub fn clamped_at(gripper: [f64; 2], angle: f64, near: &Self) -> Option<Self> {
-        Self::held(gripper, Some(angle), near)
+        Self::held(gripper, Given::Angle(angle), near)
     }
 
-    /// θ(l̄_s) = α where an angle is given, else θ'(l̄_s) = 0.
-    fn held(gripper: [f64; 2], angle: Option<f64>, near: &Self) -> Option<Self> {
+    /// With the gripper at (x̄, z̄) and its angle held so that a sheet of length L̄ pulls along the table with `ratio` of what it
+    /// presses on it with, H = `ratio` ((L̄ − l̄_s)/2 − V), from another fold nearby.
+    pub fn pushing_at(gripper: [f64; 2], ratio: f64, length: f64, near: &Self) -> Option<Self> {
+        Self::held(gripper, Given::Push { ratio, length }, near)
+    }
+
+    fn held(gripper: [f64; 2], given: Given, near: &Self) -> Option<Self> {
         let mut forces = near.forces;
         let mut length = near.suspended_length;
         for _ in 0..ITERATIONS {
@@ -97,15 +115,20 @@ impl Fold {
             let state = &end.state;
             let (sine, cosine) = libm::sincos(state.angle);
             let [by_h, by_v] = [&end.by_horizontal, &end.by_vertical];
-            let (fault, faults_by) = match angle {
-                Some(angle) => (
+            let (fault, faults_by) = match given {
+                Given::Angle(angle) => (
                     state.angle - angle,
                     [by_h.angle, by_v.angle, state.curvature],
                 ),
-                None => {
+                Given::NoMoment => {
                     let load = forces.vertical + 0.5 * length;
                     let slope = forces.horizontal * sine - load * cosine;
                     (state.curvature, [by_h.curvature, by_v.curvature, slope])
+                }
+                Given::Push { ratio, length: whole } => {
+                    let press = 0.5 * (whole - length) - forces.vertical;
+                    let fault = forces.horizontal - ratio * press;
+                    (fault, [1.0, ratio, 0.5 * ratio])
                 }
             };
             let residual = Vector3::new(fault, length - state.x - gripper[0], state.z - gripper[1]);
@@ -141,13 +164,14 @@ impl Fold {
         None
     }
 
-    /// The sheet up to a place without curvature.
+    /// The sheet up to a place.
     pub(super) fn of(forces: Forces, end: &Place) -> Self {
         Self {
             gripper: [end.arc_length - end.state.x, end.state.z],
             angle: end.state.angle,
             suspended_length: end.arc_length,
             forces,
+            moment: end.state.curvature,
         }
     }
 

@@ -2,6 +2,7 @@
 
 use super::equilibrium::Fold;
 use super::manifold::ForceManifold;
+use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
@@ -36,7 +37,7 @@ impl Ord for Waiting {
 }
 
 /// What a path over the manifold is to make small.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Objective {
     /// The sum over its cells (thesis Eq. 4.11).
     Sum,
@@ -115,7 +116,7 @@ fn search(
 }
 
 /// The eight cells around a cell; those left of or below the grid wrap to cells beyond it, which no manifold has.
-fn neighbours([column, row]: Cell) -> impl Iterator<Item = Cell> {
+pub fn neighbours([column, row]: Cell) -> impl Iterator<Item = Cell> {
     const STEPS: [[isize; 2]; 8] = [
         [1, 0],
         [-1, 0],

@@ -57,6 +57,31 @@ impl ForceManifold {
         }
     }
 
+    /// A grid on which no fold is known.
+    pub(super) fn without_folds(spacing: f64, [columns, rows]: [usize; 2]) -> Self {
+        Self {
+            spacing,
+            columns,
+            rows,
+            folds: vec![None; columns * rows],
+        }
+    }
+
+    /// Whether the grid has a cell.
+    pub(super) fn has(&self, [column, row]: [usize; 2]) -> bool {
+        column < self.columns && row < self.rows
+    }
+
+    /// The middle of a cell.
+    pub(super) fn place(&self, cell: [usize; 2]) -> [f64; 2] {
+        cell.map(|index| (index as f64 + 0.5) * self.spacing)
+    }
+
+    /// Notes the fold of a cell.
+    pub(super) fn set(&mut self, [column, row]: [usize; 2], fold: Fold) {
+        self.folds[row * self.columns + column] = Some(fold);
+    }
+
     /// Columns and rows.
     pub fn size(&self) -> [usize; 2] {
         [self.columns, self.rows]
@@ -68,8 +93,9 @@ impl ForceManifold {
     }
 
     /// The fold of a cell.
-    pub fn fold(&self, [column, row]: [usize; 2]) -> Option<&Fold> {
-        (column < self.columns && row < self.rows)
+    pub fn fold(&self, cell: [usize; 2]) -> Option<&Fold> {
+        let [column, row] = cell;
+        self.has(cell)
             .then(|| self.folds[row * self.columns + column].as_ref())
             .flatten()
     }

@@ -21,17 +21,23 @@
 //! | `discrete` | the same with a discrete elastic rod |
 //! | `manifold` | folds on a grid |
 //! | `graph_search` | paths over that grid |
+//! | `held` | folds and ways with a moment at the gripper, where friction is scarce |
 //! | `path` | the way of the gripper from the flat sheet to the crease |
+//! | `baseline` | the ways of folding that the thesis compares with |
+//! | `planner` | a plan by any of these, and its rest planned anew |
 //! | `sliding` | how far the sheet slides on the way |
 //! | `sheet` | the same in metres |
 
 mod atlas;
+mod baseline;
 mod discrete;
 mod elastica;
 mod equilibrium;
 mod graph_search;
+mod held;
 mod manifold;
 mod path;
+mod planner;
 mod search_all;
 mod sheet;
 mod sliding;
@@ -41,8 +47,10 @@ pub use atlas::{FoldAtlas, solve_from};
 pub use elastica::Forces;
 pub use equilibrium::Fold;
 pub use graph_search::{Cell, Objective, uniform_cost_search};
+pub use held::held_path;
 pub use manifold::{ForceManifold, ManifoldPoint};
 pub use path::{FoldPath, Sheet, fold_path};
+pub use planner::{Algorithm, FoldPlanner, FoldPose, PART_OF_FRICTION};
 pub use sheet::FoldedSheet;
 pub use sliding::sliding;
 
@@ -90,6 +98,17 @@ pub enum FoldError {
         "no way over the manifold leads to x̄ = {0} within the suspended lengths that are allowed"
     )]
     NoPath(f64),
+    /// No moment at the gripper makes do with a friction.
+    #[error(
+        "no moment at the gripper brings the edge to x̄ = {target:.4} without asking the table for a friction of more than {friction:.4}: \
+         so tight a fold pushes or pulls what lies"
+    )]
+    NotHeld {
+        /// C̄.
+        target: f64,
+        /// φ.
+        friction: f64,
+    },
     /// A sheet that slides is not held anywhere.
     #[error("with the gripper at x̄ = {:.4}, z̄ = {:.4} the sheet slides away without a hold", .0[0], .0[1])]
     NoHold([f64; 2]),

@@ -5,6 +5,7 @@ use super::atlas::{FoldAtlas, solve_from};
 use super::equilibrium::Fold;
 use super::graph_search::{Cell, Objective, uniform_cost_search};
 use super::manifold::ForceManifold;
+use serde::{Deserialize, Serialize};
 
 /// Folds of the lift per L_gb of suspended length.
 const LIFT_STEPS: usize = 100;
@@ -17,7 +18,7 @@ const FIRST_MOVE: f64 = 0.5;
 const LEAST_MOVE: f64 = 0.01;
 
 /// What of a sheet matters for folding it, in L_gb.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sheet {
     /// L̄, its length in the direction of the fold.
     pub length: f64,
@@ -42,7 +43,7 @@ pub struct FoldPath {
 
 impl Sheet {
     /// Whether a fold is allowed: neither too little nor more than the sheet suspended.
-    fn allows(&self, fold: &Fold) -> bool {
+    pub(super) fn allows(&self, fold: &Fold) -> bool {
         self.allows_place(fold.gripper, fold.suspended_length)
     }
 
@@ -65,33 +66,13 @@ pub fn fold_path(
     objective: Objective,
 ) -> Result<FoldPath, FoldError> {
     let goal = goal_fold(atlas, sheet, target)?;
-    let longest = sheet.length.min(Fold::LONGEST);
-    let steps = (LIFT_STEPS as f64 * longest).ceil() as usize;
-    let lift = FoldAtlas::lift(longest, steps);
-    let starts: Vec<Cell> = lift
-        .iter()
-        .filter(|fold| sheet.allows(fold))
-        .map(|fold| manifold.cell(fold.gripper))
-        .collect();
-    let cost = |fold: &Fold| {
-        let cost = match objective {
-            Objective::Sum => fold.force_ratio(),
-            Objective::Largest => fold.friction_demand(sheet.length),
-        };
-        sheet.allows(fold).then_some(cost)
-    };
+    let lift = lift_of(sheet);
+    let cost = |fold: &Fold| path_cost(fold, sheet, objective);
+    let starts = starts(&lift, manifold, sheet);
     let goal_cell = manifold.cell(goal.gripper);
     let found = uniform_cost_search(manifold, &starts, goal_cell, objective, cost);
     let (cells, grid_cost) = found.ok_or(FoldError::NoPath(target))?;
-    let on_lift = lift
-        .iter()
-        .position(|fold| sheet.allows(fold) && manifold.cell(fold.gripper) == cells[0]);
-    let leave = on_lift.ok_or(FoldError::NoPath(target))?;
-    let mut way = vec![lift[leave]];
-    for cell in &cells[1..cells.len().max(2) - 1] {
-        way.extend(manifold.fold(*cell));
-    }
-    way.push(goal);
+    let (leave, mut way) = way_over(&cells, &lift, manifold, sheet, goal)?;
     let grid_integral = integral(&way)?;
     if objective == Objective::Sum {
         let moved = refined(&way, manifold, sheet);
@@ -101,10 +82,7 @@ pub fn fold_path(
             way = exact;
         }
     }
-    let mut folds = lift[..leave].to_vec();
-    thin(&mut folds, manifold.spacing());
-    let lifted = folds.len();
-    folds.extend(&way);
+    let (lifted, folds) = after_lift(&lift[..leave], &way, manifold.spacing());
     Ok(FoldPath {
         folds,
         lift: lifted,
@@ -114,12 +92,67 @@ pub fn fold_path(
     })
 }
 
+/// What a fold on the way costs; none where it is not allowed.
+pub fn path_cost(fold: &Fold, sheet: &Sheet, objective: Objective) -> Option<f64> {
+    let cost = match objective {
+        Objective::Sum => fold.force_ratio(),
+        Objective::Largest => fold.friction_demand(sheet.length),
+    };
+    sheet.allows(fold).then_some(cost)
+}
+
+/// A sheet that is only lifted, as far as it can be.
+pub fn lift_of(sheet: &Sheet) -> Vec<Fold> {
+    let longest = sheet.length.min(Fold::LONGEST);
+    FoldAtlas::lift(longest, (LIFT_STEPS as f64 * longest).ceil() as usize)
+}
+
+/// Cells on the lift from which a path over a manifold may begin.
+pub fn starts(lift: &[Fold], manifold: &ForceManifold, sheet: &Sheet) -> Vec<Cell> {
+    let allowed = lift.iter().filter(|fold| sheet.allows(fold));
+    allowed.map(|fold| manifold.cell(fold.gripper)).collect()
+}
+
+/// The folds of a path over cells: from that of the lift where it begins, whose index comes first, to the goal.
+pub fn way_over(
+    cells: &[Cell],
+    lift: &[Fold],
+    manifold: &ForceManifold,
+    sheet: &Sheet,
+    goal: Fold,
+) -> Result<(usize, Vec<Fold>), FoldError> {
+    let leave = lift
+        .iter()
+        .position(|fold| sheet.allows(fold) && manifold.cell(fold.gripper) == cells[0]);
+    let leave = leave.ok_or(FoldError::NoPath(goal.gripper[0]))?;
+    let inner = &cells[1..cells.len().max(2) - 1];
+    let inner = inner.iter().filter_map(|cell| manifold.fold(*cell));
+    let begin = std::iter::once(&lift[leave]);
+    let way = begin.chain(inner).chain([&goal]).copied();
+    Ok((leave, way.collect()))
+}
+
+/// How many folds of a lift are kept, a spacing apart, and they with the way after it.
+pub fn after_lift(lift: &[Fold], way: &[Fold], spacing: f64) -> (usize, Vec<Fold>) {
+    let mut folds = lift.to_vec();
+    thin(&mut folds, spacing);
+    let lifted = folds.len();
+    folds.extend(way);
+    (lifted, folds)
+}
+
 impl FoldPath {
     /// Largest λ while the sheet presses on the table with more than its edge.
     pub fn largest_force_ratio(&self) -> f64 {
         self.folds[self.lift..]
             .iter()
             .fold(0.0, |largest, fold| fold.force_ratio().max(largest))
+    }
+
+    /// Largest moment at the gripper, in EI/L_gb.
+    pub fn largest_moment(&self) -> f64 {
+        let moments = self.folds.iter().map(|fold| fold.moment.abs());
+        moments.fold(0.0, f64::max)
     }
 
     /// The coefficient of friction that holds a sheet of length L̄ all along.
@@ -243,7 +276,7 @@ fn distance(from: [f64; 2], to: [f64; 2]) -> f64 {
 }
 
 /// Leaves out folds whose gripper is nearer to the last kept than a spacing.
-fn thin(folds: &mut Vec<Fold>, spacing: f64) {
+pub fn thin(folds: &mut Vec<Fold>, spacing: f64) {
     let mut last = [0.0; 2];
     folds.retain(|fold| {
         let keeps = distance(last, fold.gripper) >= spacing;

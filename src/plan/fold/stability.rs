@@ -9,25 +9,31 @@ const PARTS: usize = 200;
 impl Fold {
     /// Directions in which the energy decreases while the gripper stays where it is and turns freely.
     pub fn unstable_modes(&self) -> usize {
-        unstable_modes(self)
+        unstable_modes(self, PARTS)
+    }
+
+    /// Directions in which the energy decreases while the gripper stays where it is and does not turn.
+    pub fn unstable_modes_held(&self) -> usize {
+        unstable_modes(self, PARTS - 1)
     }
 }
 
-/// Number of directions in which the energy of a fold decreases while the gripper stays where it is and turns freely.
+/// Number of directions in which the energy of a fold decreases while the gripper stays where it is and turns freely, if `nodes` are
+/// all, or does not turn, if they are all but the last.
 ///
 /// > δ²E = ∫ η'² + (H cos θ + (V + s/2) sin θ) η² ds,  η(0) = 0,  ∫ η cos θ ds = ∫ η sin θ ds = 0
 ///
 /// With piecewise linear η a tridiagonal matrix, bordered by the two conditions; its negative pivots are counted. Where the
 /// sheet leaves the table it does so without curvature, so that a little more or less of it lifted changes nothing to second
 /// order.
-fn unstable_modes(fold: &Fold) -> usize {
+fn unstable_modes(fold: &Fold, nodes: usize) -> usize {
     let places = places(fold.forces, fold.suspended_length, PARTS);
     let ds = fold.suspended_length / PARTS as f64;
     let mut negative = 0;
     // Pivot, and the two borders after elimination, of the last node.
     let mut last: Option<(f64, [f64; 2])> = None;
     let mut schur = [[0.0; 2]; 2];
-    for (node, place) in places.iter().enumerate().skip(1) {
+    for (node, place) in places.iter().enumerate().take(nodes + 1).skip(1) {
         let (sine, cosine) = libm::sincos(place.state.angle);
         let load = fold.forces.vertical + 0.5 * place.arc_length;
         let stiffness = fold.forces.horizontal * cosine + load * sine;
@@ -96,7 +102,7 @@ mod tests {
             let projector = DMatrix::identity(EDGES, EDGES) - &basis * basis.transpose();
             let values = (&projector * matrix * &projector).symmetric_eigenvalues();
             let negative = values.iter().filter(|value| **value < -1e-9).count();
-            assert_eq!(unstable_modes(&fold), negative, "{fold:?} {values}");
+            assert_eq!(fold.unstable_modes(), negative, "{fold:?} {values}");
             negative
         });
         let counts: Vec<usize> = counts.collect();
@@ -107,7 +113,7 @@ mod tests {
     fn gentle_folds_are_stable() {
         let folds = FoldAtlas::new();
         for fold in folds.folds().iter().step_by(17) {
-            assert_eq!(unstable_modes(fold), 0, "{fold:?}");
+            assert_eq!(fold.unstable_modes(), 0, "{fold:?}");
         }
     }
 }

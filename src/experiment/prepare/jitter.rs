@@ -1,6 +1,5 @@
 //! The trembling of a gripper.
 
-use super::keys::Deployment;
 use crate::mechanics::Vector3;
 use crate::mechanics::random::uniform_numbers;
 use std::f64::consts::TAU;
@@ -19,20 +18,20 @@ pub struct Jitter {
 }
 
 impl Jitter {
-    /// That of a deployment's seed.
-    pub fn new(deployment: &Deployment) -> Self {
-        let mut number = uniform_numbers(deployment.seed);
+    /// Of a root mean square in each direction, m, and about each axis, rad, with the period (s) of the fastest wave, by a seed.
+    pub fn new(rms: [f64; 2], period: f64, seed: u64) -> Self {
+        let mut number = uniform_numbers(seed);
         let waves = std::array::from_fn(|_| {
             std::array::from_fn(|_| {
-                let period = deployment.jitter_period * libm::pow(SLOWEST, number());
+                let period = period * libm::pow(SLOWEST, number());
                 (TAU / period, TAU * number())
             })
         });
         let unit = (2.0 / WAVES as f64).sqrt();
-        let [way, turn] = [deployment.jitter, deployment.jitter_angle].map(|rms| unit * rms);
+        let [way, turn] = rms.map(|rms| unit * rms);
         Self {
             amplitudes: [way, way, way, turn, turn, turn],
-            period: deployment.jitter_period,
+            period,
             waves,
         }
     }
@@ -58,18 +57,12 @@ impl Jitter {
 
 #[cfg(test)]
 mod tests {
-    use super::super::gripper_path::tests::deployment;
     use super::*;
 
     #[test]
     fn jitter_has_its_mean_square_and_repeats() {
-        let given = Deployment {
-            jitter: 1e-3,
-            jitter_angle: 0.01,
-            seed: 7,
-            ..deployment()
-        };
-        let jitter = Jitter::new(&given);
+        let of_seed = |seed| Jitter::new([1e-3, 0.01], 1.0, seed);
+        let jitter = of_seed(7);
         let mut squares = [0.0; 6];
         let count = 200_000;
         for index in 0..count {
@@ -83,9 +76,9 @@ mod tests {
             assert!((square - 1.0).abs() < 0.02, "{squares:?}");
         }
         assert_eq!(jitter.at(0.0), (Vector3::zeros(), Vector3::zeros()));
-        let again = Jitter::new(&given);
+        let again = of_seed(7);
         assert_eq!(again.at(3.3), jitter.at(3.3));
-        let other = Jitter::new(&Deployment { seed: 8, ..given });
+        let other = of_seed(8);
         assert_ne!(other.at(3.3), jitter.at(3.3));
     }
 }

@@ -1,0 +1,132 @@
+//! Visual feedback: the rest of the path is planned anew from how far the sheet is seen to have slid.
+
+use super::gripper_path::GripperPath;
+use super::keys::{Feedback, Folding};
+use crate::mechanics::dynamics::{Simulation, SimulationError};
+use crate::mechanics::random::uniform_numbers;
+use crate::plan::fold::{Algorithm, FoldPlanner, FoldPose, Sheet};
+use crate::run::Controller;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// How far the gripper lifts the edge where it gives up, in L_gb.
+const RISE: f64 = 0.5;
+
+/// Looks at the sheet after each part of the path but the last, and plans the next part anew (thesis Algorithm 5): on the sheet,
+/// which has slid by Δx, the gripper is at x_i − Δx, and goes on to where it was to go, x_{i+1}.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct VisualFeedback {
+    keys: Feedback,
+    seed: u64,
+    path: GripperPath,
+    /// Where parts end: times, s, and poses as planned at first.
+    ends: Vec<(f64, FoldPose)>,
+    /// Which of them comes next.
+    next: usize,
+    /// Clamp of the gripper, and x of the free end at first, m.
+    clamp: usize,
+    free_end: f64,
+    /// What plans, and what it is made of.
+    sheet: Sheet,
+    algorithm: Algorithm,
+    #[serde(skip)]
+    planner: Option<Arc<FoldPlanner>>,
+}
+
+impl VisualFeedback {
+    /// For a path on a table of friction μ, of the gripper that is a clamp of the scene.
+    pub fn new(
+        folding: &Folding,
+        keys: Feedback,
+        path: &GripperPath,
+        clamp: usize,
+        friction: f64,
+    ) -> Self {
+        let last = path.times.len() - 1;
+        let ends = (1..=keys.parts).map(|part| {
+            let time = path.times[last] * part as f64 / keys.parts as f64;
+            let index = path.times.partition_point(|known| *known < time);
+            let index = index.min(last);
+            (path.times[index], path.poses[index])
+        });
+        Self {
+            keys,
+            seed: folding.seed,
+            ends: ends.collect(),
+            path: path.clone(),
+            next: 0,
+            clamp,
+            free_end: folding.sheet().length,
+            sheet: folding.believed().dimensionless(),
+            algorithm: folding.algorithm.on(friction),
+            planner: None,
+        }
+    }
+
+    /// How far the sheet seems to have slid, m.
+    fn look(&self, simulation: &Simulation) -> f64 {
+        let mut number = uniform_numbers(self.seed ^ (self.next as u64 + 1).wrapping_mul(0x9e37_79b9));
+        // Evenly distributed, of variance 1.
+        let noise = 12f64.sqrt() * (number() - 0.5);
+        simulation.positions()[0].x - self.free_end + self.keys.noise * noise
+    }
+
+    /// The part from an end on, planned anew; the gripper lifts the edge where there is no way.
+    fn plan(&mut self, end: usize, slid: f64) {
+        let planner = self.planner.get_or_insert_with(|| {
+            let planner = FoldPlanner::new(self.sheet, self.algorithm);
+            Arc::new(planner)
+        });
+        let index_of = |time: f64| {
+            let index = self.path.times.partition_point(|known| *known < time);
+            index.min(self.path.times.len() - 1)
+        };
+        let [from, to] = [end, end + 1].map(|end| index_of(self.ends[end].0));
+        let FoldPose { gripper, angle } = self.path.poses[from];
+        let believed = self.path.slid[from];
+        let held = FoldPose {
+            gripper: [gripper[0] + (believed - slid) / self.path.unit, gripper[1]],
+            angle,
+        };
+        let sheet_end = self.sheet.length;
+        let is_off = held.gripper[0] > sheet_end;
+        match planner.onwards(held, self.ends[end + 1].1) {
+            Ok(poses) if !is_off => {
+                // The pose itself is the same place, seen from a sheet that has slid.
+                self.path.poses[from] = held;
+                self.path.slid[from] = slid;
+                self.path.replace([from, to], &poses, slid);
+            }
+            _ => {
+                self.path.lift_from(from, RISE * self.path.unit);
+                self.next = self.ends.len();
+            }
+        }
+    }
+}
+
+impl Controller for VisualFeedback {
+    fn name(&self) -> &str {
+        "visual feedback"
+    }
+
+    fn act(&mut self, simulation: &mut Simulation) -> Result<(), SimulationError> {
+        // After the last part there is nothing to plan.
+        if self.next + 1 >= self.ends.len()
+            || simulation.time() < self.ends[self.next].0 * (1.0 - 1e-12)
+        {
+            return Ok(());
+        }
+        let end = self.next;
+        let slid = self.look(simulation);
+        self.next += 1;
+        self.plan(end, slid);
+        simulation.move_clamp(self.clamp, self.path.motion());
+        Ok(())
+    }
+
+    fn next_time(&self) -> f64 {
+        let ends = &self.ends[..self.ends.len() - 1];
+        ends.get(self.next).map_or(f64::INFINITY, |(time, _)| *time)
+    }
+}

@@ -1,0 +1,26 @@
+//! Folding: a gripper folds a sheet on a table (thesis chapter 4).
+//!
+//! | file | what |
+//! |---|---|
+//! | `kind` | the experiment |
+//! | `keys` | its table `[folding]` |
+//! | `tables` | that table with what is planned of it |
+//! | `gripper_path` | the path of the gripper with its errors, planned before the run |
+//! | `feedback` | the rest of the path planned anew from how far the sheet is seen to have slid |
+//! | `monitor`, `outcome` | what is measured, and what it came to |
+//! | `files`, `folded_figure` | what it leaves in a results directory |
+
+mod feedback;
+mod files;
+mod folded_figure;
+mod gripper_path;
+mod keys;
+mod kind;
+mod monitor;
+mod outcome;
+mod tables;
+
+pub use folded_figure::{FoldedOutlines, folded_outlines};
+pub use keys::{AlgorithmName, Crease, Paper, TypedPaper, resolve_paper};
+pub use kind::FoldingKind;
+pub use outcome::FoldingOutcome;

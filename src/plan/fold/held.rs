@@ -1,0 +1,241 @@
+//! Folds whose edge is held by a moment, so that the sheet asks for no more friction than there is.
+
+use super::FoldError;
+use super::equilibrium::Fold;
+use super::graph_search::{Objective, uniform_cost_search};
+use super::manifold::ForceManifold;
+use super::path::{FoldPath, Sheet, after_lift, lift_of, starts, way_over};
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+/// Parts of the way to a neighbour that are tried when the whole fails.
+const MOST_PARTS: usize = 16;
+/// What a fold and its neighbour differ by at most: ln l̄_s and α.
+const FARTHEST: [f64; 2] = [0.3, 0.5];
+/// Cost of a step where no moment is needed: the shortest of such ways is taken.
+const STEP_COST: f64 = 0.02;
+/// Points of a sheet that must not be below the table, and how far they may.
+const POINTS: usize = 24;
+const BELOW: f64 = 1e-6;
+
+/// From a fold to another place of the gripper, with as little moment there as the friction φ of the table allows:
+///
+/// > |H| ≤ φ ((L̄ − l̄_s)/2 − V)
+///
+/// Without a moment where the sheet asks for no more, else with a push or pull of that size.
+pub fn held_from(start: &Fold, gripper: [f64; 2], length: f64, friction: f64) -> Option<Fold> {
+    let mut parts = 1;
+    while parts <= MOST_PARTS {
+        let found = (1..=parts).try_fold(*start, |fold, part| {
+            let part = part as f64 / parts as f64;
+            let between = |k: usize| start.gripper[k] + part * (gripper[k] - start.gripper[k]);
+            held_next_to(&fold, [between(0), between(1)], length, friction)
+        });
+        if found.is_some() {
+            return found;
+        }
+        parts *= 4;
+    }
+    None
+}
+
+fn held_next_to(near: &Fold, gripper: [f64; 2], length: f64, friction: f64) -> Option<Fold> {
+    let is_like = |fold: &Fold| is_like(fold, near, length);
+    let free = Fold::at(gripper, near).filter(is_like);
+    if let Some(free) = free.filter(|free| free.friction_demand(length) <= friction) {
+        return Some(free);
+    }
+    let pushed = free.unwrap_or(*near).forces.horizontal;
+    let ratio = friction * pushed.signum();
+    Fold::pushing_at(gripper, ratio, length, near).filter(is_like)
+}
+
+/// Whether a fold is of the kind of its neighbour, and possible.
+fn is_like(fold: &Fold, near: &Fold, length: f64) -> bool {
+    let stretched = libm::log(fold.suspended_length / near.suspended_length);
+    let turned = fold.angle - near.angle;
+    fold.suspended_length > 0.0
+        && fold.suspended_length <= length
+        && fold.forces.vertical < 0.0
+        && stretched.abs() < FARTHEST[0]
+        && turned.abs() < FARTHEST[1]
+}
+
+impl ForceManifold {
+    /// Folds of a sheet on a table of friction φ at every cell that [`held_from`] reaches, from those of the lift on; from the
+    /// cells with the smallest moments first.
+    pub fn held(spacing: f64, sheet: &Sheet, friction: f64) -> Self {
+        let cells = |reach: f64| (reach / spacing).ceil() as usize + 1;
+        let (columns, rows) = (cells(sheet.length), cells(sheet.length.min(Fold::LONGEST)));
+        let mut manifold = Self::without_folds(spacing, [columns, rows]);
+        let mut waiting = BinaryHeap::new();
+        for fold in &lift_of(sheet) {
+            waiting.push(Waiting {
+                moment: 0.0,
+                cell: manifold.cell(fold.gripper),
+                from: *fold,
+            });
+        }
+        while let Some(Waiting { cell, from, .. }) = waiting.pop() {
+            if !manifold.has(cell) || manifold.fold(cell).is_some() {
+                continue;
+            }
+            let found = held_from(&from, manifold.place(cell), sheet.length, friction);
+            let Some(fold) = found.filter(is_above_the_table) else {
+                continue;
+            };
+            manifold.set(cell, fold);
+            let [column, row] = cell;
+            let beside = [
+                [column.wrapping_sub(1), row],
+                [column + 1, row],
+                [column, row.wrapping_sub(1)],
+                [column, row + 1],
+            ];
+            for cell in beside {
+                waiting.push(Waiting {
+                    moment: fold.moment.abs(),
+                    cell,
+                    from: fold,
+                });
+            }
+        }
+        manifold
+    }
+}
+
+/// Plans a fold whose edge comes to (C̄, 0), with moments at the gripper by which the sheet asks for no more than a friction φ:
+/// those whose sum over the cells of [`ForceManifold::held`] is least.
+///
+/// # Errors
+/// The target is not reached so.
+pub fn held_path(
+    manifold: &ForceManifold,
+    sheet: &Sheet,
+    target: f64,
+    friction: f64,
+) -> Result<FoldPath, FoldError> {
+    let refused = FoldError::NotHeld { target, friction };
+    let lift = lift_of(sheet);
+    let goal_cell = manifold.cell([target, 0.0]);
+    let starts = starts(&lift, manifold, sheet);
+    let starts: Vec<_> = starts
+        .into_iter()
+        .filter(|cell| manifold.fold(*cell).is_some())
+        .collect();
+    let cost = |fold: &Fold| held_cost(fold, sheet);
+    let found = uniform_cost_search(manifold, &starts, goal_cell, Objective::Sum, cost);
+    let (cells, grid_cost) = found.ok_or(refused)?;
+    let near = manifold.fold(goal_cell).ok_or(refused)?;
+    let goal = held_from(near, [target, 0.0], sheet.length, friction).ok_or(refused)?;
+    let (leave, way) = way_over(&cells, &lift, manifold, sheet, goal)?;
+    let integral = way.windows(2).map(|pair| {
+        let [one, other] = [pair[0], pair[1]].map(|fold| (fold.gripper, fold.force_ratio()));
+        let step = libm::hypot(other.0[0] - one.0[0], other.0[1] - one.0[1]);
+        0.5 * step * (one.1 + other.1)
+    });
+    let integral = integral.sum();
+    let (lifted, folds) = after_lift(&lift[..leave], &way, manifold.spacing());
+    Ok(FoldPath {
+        folds,
+        lift: lifted,
+        grid_cost,
+        grid_integral: integral,
+        integral,
+    })
+}
+
+/// What a fold on such a way costs; none where it is not allowed.
+pub fn held_cost(fold: &Fold, sheet: &Sheet) -> Option<f64> {
+    let cost = fold.moment.abs() + STEP_COST;
+    sheet.allows(fold).then_some(cost)
+}
+
+fn is_above_the_table(fold: &Fold) -> bool {
+    fold.shape(POINTS).iter().all(|[_, z]| *z > -BELOW)
+}
+
+/// A cell that waits for its turn, the smallest moment beside it first; equal ones in the order of the cells.
+struct Waiting {
+    moment: f64,
+    cell: [usize; 2],
+    from: Fold,
+}
+
+impl PartialEq for Waiting {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Waiting {}
+
+impl PartialOrd for Waiting {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Waiting {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let by_moment = other.moment.total_cmp(&self.moment);
+        by_moment.then_with(|| other.cell.cmp(&self.cell))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Half an A4 sheet, thesis sec. 4.6.3.
+    const A4: Sheet = Sheet {
+        length: 0.297 / 0.048,
+        least_suspended: 0.958,
+    };
+
+    #[test]
+    fn a_small_moment_brings_a_sheet_over_the_ridge_without_asking_for_friction() {
+        let friction = 0.1;
+        let plan = |friction: f64| {
+            let manifold = ForceManifold::held(0.11, &A4, friction);
+            held_path(&manifold, &A4, A4.length, friction).unwrap()
+        };
+        let path = plan(friction);
+        let demand = path.friction_demand(A4.length);
+        assert!(demand <= friction * (1.0 + 1e-9), "{demand}");
+        let last = path.folds.last().unwrap();
+        assert!((last.gripper[0] - A4.length).abs() < 1e-9 && last.gripper[1].abs() < 1e-9);
+        let moment = |fold: &Fold| fold.moment.abs();
+        let most = path.folds.iter().map(moment).fold(0.0, f64::max);
+        // Without a push and without weight θ'² = 2 |V| sin θ: where the loop is tightest it is bent by √6 at the end.
+        assert!((0.3..1.1).contains(&most), "{most}");
+        assert!(path.folds.iter().all(|fold| fold.unstable_modes_held() == 0));
+        // Without friction enough for it no moment is needed.
+        let free = plan(0.7);
+        assert!(free.folds.iter().map(moment).fold(0.0, f64::max) < 1e-9);
+    }
+
+    #[test]
+    fn the_equations_hold_with_a_moment_at_the_gripper() {
+        let manifold = ForceManifold::held(0.11, &A4, 0.1);
+        let path = held_path(&manifold, &A4, 5.2, 0.1).unwrap();
+        for fold in path.folds.iter().filter(|fold| fold.moment.abs() > 0.1) {
+            let again = Fold::clamped_at(fold.gripper, fold.angle, fold).unwrap();
+            assert!((again.forces.horizontal - fold.forces.horizontal).abs() < 1e-8);
+            assert!((again.moment - fold.moment).abs() < 1e-8);
+        }
+    }
+
+    /// Where the weight is nothing a sheet that leaves the table under a force at atan φ swings about its direction like a
+    /// pendulum, and its edge never comes down.
+    #[test]
+    fn a_tight_fold_is_held_by_no_moment() {
+        let cardboard = Sheet {
+            length: 0.2794 / 0.132,
+            least_suspended: 0.958,
+        };
+        let manifold = ForceManifold::held(0.11, &cardboard, 0.1);
+        let refused = held_path(&manifold, &cardboard, cardboard.length, 0.1);
+        assert!(matches!(refused, Err(FoldError::NotHeld { .. })));
+    }
+}

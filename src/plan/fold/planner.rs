@@ -1,0 +1,170 @@
+//! One plan by any of the ways there are, and its rest planned anew.
+
+use super::FoldError;
+use super::atlas::FoldAtlas;
+use super::baseline::{circle, step_by_step};
+use super::equilibrium::Fold;
+use super::graph_search::{Objective, uniform_cost_search};
+use super::held::{held_cost, held_path};
+use super::manifold::ForceManifold;
+use super::path::{Sheet, fold_path, path_cost};
+use serde::{Deserialize, Serialize};
+
+/// Part of the table's friction that a plan with moments asks for at most.
+pub const PART_OF_FRICTION: f64 = 0.85;
+/// Longest suspended length of the manifold, in L_gb (thesis sec. 4.3.3).
+const LONGEST: f64 = 6.84;
+
+/// Where the gripper holds the edge, in L_gb from where it lay, and by which angle it is turned.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FoldPose {
+    /// (x̄, z̄).
+    pub gripper: [f64; 2],
+    /// α, rad.
+    pub angle: f64,
+}
+
+impl FoldPose {
+    /// That of a fold.
+    pub fn of(fold: &Fold) -> Self {
+        Self {
+            gripper: fold.gripper,
+            angle: fold.angle,
+        }
+    }
+}
+
+/// A way of folding.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Algorithm {
+    /// Without a moment at the gripper: of what the thesis makes least, Σλ, or of the largest friction demand.
+    Optimal(Objective),
+    /// With as little moment as a table of friction μ needs.
+    Held {
+        /// μ.
+        friction: f64,
+    },
+    /// The edge on half a circle.
+    Circle,
+    /// Each step by itself.
+    StepByStep,
+}
+
+/// Plans folds of a sheet.
+#[derive(Clone, Debug)]
+pub struct FoldPlanner {
+    sheet: Sheet,
+    algorithm: Algorithm,
+    atlas: FoldAtlas,
+    manifold: ForceManifold,
+}
+
+impl FoldPlanner {
+    /// With the force manifold that the way of folding needs.
+    pub fn new(sheet: Sheet, algorithm: Algorithm) -> Self {
+        let atlas = FoldAtlas::new();
+        let spacing = ForceManifold::SPACING;
+        let manifold = match algorithm {
+            Algorithm::Held { friction } => {
+                ForceManifold::held(spacing, &sheet, PART_OF_FRICTION * friction)
+            }
+            _ => ForceManifold::new(&atlas, spacing, sheet.length.min(LONGEST)),
+        };
+        Self {
+            sheet,
+            algorithm,
+            atlas,
+            manifold,
+        }
+    }
+
+    /// Poses from the flat sheet to the edge at (C̄, 0).
+    ///
+    /// # Errors
+    /// The target cannot be reached.
+    pub fn poses(&self, target: f64) -> Result<Vec<FoldPose>, FoldError> {
+        let folds = match self.algorithm {
+            Algorithm::Circle => return Ok(circle(target)),
+            Algorithm::StepByStep => return step_by_step(&self.manifold, &self.sheet, target),
+            Algorithm::Optimal(objective) => fold_path(
+                &self.atlas,
+                &self.manifold,
+                &self.sheet,
+                target,
+                objective,
+            ),
+            Algorithm::Held { friction } => {
+                let part = PART_OF_FRICTION * friction;
+                held_path(&self.manifold, &self.sheet, target, part)
+            }
+        };
+        Ok(folds?.folds.iter().map(FoldPose::of).collect())
+    }
+
+    /// Poses from one that is held to another, as a part of a way that is planned anew (thesis Eq. 4.15): the best over the manifold, whose
+    /// angles differ at first by what the held one differs from that of the manifold, and less and less on the way:
+    ///
+    /// > α_k + Δα (1 − k/L),  Δα = α − α(x̄, z̄)
+    ///
+    /// # Errors
+    /// No way leads there.
+    pub fn onwards(&self, held: FoldPose, to: FoldPose) -> Result<Vec<FoldPose>, FoldError> {
+        let lost = FoldError::NoPath(to.gripper[0]);
+        let [start, goal] = [held, to].map(|pose| self.manifold.cell(pose.gripper));
+        let cost = |fold: &Fold| match self.algorithm {
+            Algorithm::Held { .. } => held_cost(fold, &self.sheet),
+            Algorithm::Optimal(objective) => path_cost(fold, &self.sheet, objective),
+            Algorithm::Circle | Algorithm::StepByStep => Some(fold.force_ratio()),
+        };
+        let here = self.manifold.at(held.gripper).ok_or(lost)?;
+        let found =
+            uniform_cost_search(&self.manifold, &[start], goal, Objective::Sum, cost).ok_or(lost)?;
+        let inner = &found.0[1..found.0.len().max(2) - 1];
+        let turned = held.angle - here.angle;
+        let parts = (inner.len() + 1) as f64;
+        let mut poses = vec![held];
+        for (index, cell) in inner.iter().enumerate() {
+            let fold = self.manifold.fold(*cell).ok_or(lost)?;
+            let left = 1.0 - (index + 1) as f64 / parts;
+            poses.push(FoldPose {
+                gripper: fold.gripper,
+                angle: fold.angle + left * turned,
+            });
+        }
+        poses.push(to);
+        Ok(poses)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rest_that_is_planned_anew_begins_where_the_edge_is_held() {
+        let sheet = Sheet {
+            length: 0.297 / 0.048,
+            least_suspended: 0.958,
+        };
+        let planner = FoldPlanner::new(sheet, Algorithm::Optimal(Objective::Sum));
+        let poses = planner.poses(sheet.length).unwrap();
+        let [from, to] = [poses[poses.len() / 2], poses[3 * poses.len() / 4]];
+        let slid = 0.1;
+        let held = FoldPose {
+            gripper: [from.gripper[0] - slid, from.gripper[1]],
+            ..from
+        };
+        let rest = planner.onwards(held, to).unwrap();
+        assert_eq!((rest[0], rest[rest.len() - 1]), (held, to));
+        for pair in rest.windows(2) {
+            let [dx, dz] = [0, 1].map(|k| pair[1].gripper[k] - pair[0].gripper[k]);
+            assert!(dx.hypot(dz) < 3.0 * ForceManifold::SPACING, "{pair:?}");
+            assert!((pair[1].angle - pair[0].angle).abs() < 0.3, "{pair:?}");
+        }
+        let out = FoldPose {
+            gripper: [from.gripper[0] - 3.0, from.gripper[1]],
+            ..from
+        };
+        assert!(planner.onwards(out, to).is_err());
+    }
+}
