@@ -1,4 +1,4 @@
-//! `rodlab plan fold` and `rodlab solve fold` from outside: files, numbers and what is refused.
+//! `rodlab fold`, `rodlab plan fold` and `rodlab solve fold` from outside: files, numbers and what is refused.
 
 use serde_json::Value;
 use std::fs;
@@ -77,6 +77,64 @@ fn the_seven_scenarios_of_the_thesis_are_planned() {
     }
 }
 
+#[test]
+fn a_sheet_is_folded_by_one_command() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("fold");
+    let arguments = [
+        "fold",
+        "--paper",
+        "scenarios/papers/a4.toml",
+        "--simulate",
+        "--quiet",
+        "--out",
+        out.to_str().unwrap(),
+    ];
+    let (code, stdout, stderr) = rodlab(&arguments);
+    assert_eq!(code, 0, "{stderr}");
+    assert!(
+        stdout.contains("fold  ") && stdout.contains("slid  "),
+        "{stdout}"
+    );
+    let page = fs::read_to_string(out.join("view.html")).unwrap();
+    assert!(page.contains("<html"));
+    let summary = fs::read_to_string(out.join("summary.csv")).unwrap();
+    let mut lines = summary.lines().map(|line| line.split(','));
+    let (names, values) = (lines.next().unwrap(), lines.next().unwrap());
+    let slid = names
+        .zip(values)
+        .find(|(name, _)| *name == "largest_sliding_m");
+    let slid: f64 = slid.unwrap().1.parse().unwrap();
+    assert!(slid < 2e-4, "{slid}");
+    // The same again finds it finished.
+    let (code, stdout, _) = rodlab(&arguments);
+    assert_eq!(code, 0);
+    assert!(stdout.contains("already finished"), "{stdout}");
+}
+
+/// With a moment at the gripper the table holds a sheet that it does not hold without one.
+#[test]
+fn a_moment_makes_do_with_the_friction_there_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("plan");
+    let report = |objective: &str| -> Value {
+        let more = ["--crease", "half", "--objective", objective];
+        let (code, stdout, stderr) = plan("scenarios/papers/us_letter.toml", &more, &out);
+        assert_eq!(code, 0, "{stderr}");
+        serde_json::from_str(&stdout).unwrap()
+    };
+    let (free, held) = (report("sum"), report("moment"));
+    assert_eq!(
+        (&free["holds"], &held["holds"]),
+        (&false.into(), &true.into())
+    );
+    assert!(free["slides_m"].as_f64().unwrap() > 5e-3);
+    assert_eq!(held["slides_m"], 0.0);
+    assert!(free["largest_moment"].as_f64().unwrap() < 1e-9);
+    let moment = held["largest_moment"].as_f64().unwrap();
+    assert!((0.5..1.2).contains(&moment), "{moment}");
+}
+
 /// Sheets of the same L_gb and length fold alike, whatever their stiffness and weight.
 #[test]
 fn only_the_gravito_bending_length_matters() {
@@ -119,6 +177,7 @@ fn faults_of_a_fold_are_named() {
         (good.clone(), "diagonal", "square"),
         (good.clone(), "1 cm", "targets from"),
         (good.clone(), "quarter", "half"),
+        (format!("{good}\nthickness = -1"), "half", "paper.toml:5"),
     ] {
         let file = paper(folder.path(), &lines);
         let (code, _, stderr) = plan(&file, &["--crease", crease], &out);

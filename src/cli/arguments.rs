@@ -2,8 +2,8 @@
 
 use super::common::Common;
 use super::{
-    calibrate, check, completions, dataset, evaluate, explain, gather, guide, init, measure, plan,
-    plot, reproduce, run, score, solve, status, stream, submit, trace, train, verify, view,
+    calibrate, check, completions, dataset, evaluate, explain, fold, gather, guide, init, measure,
+    plan, plot, reproduce, run, score, solve, status, stream, submit, trace, train, verify, view,
 };
 use clap::{Parser, Subcommand};
 
@@ -62,6 +62,8 @@ pub enum Command {
     Evaluate(evaluate::EvaluateArguments),
     /// Plan a trajectory: joint positions along poses of a hand
     Plan(plan::PlanArguments),
+    /// Fold a sheet: plan, simulate, show and score it
+    Fold(fold::FoldArguments),
     /// Draw the figures of a results directory
     Plot(plot::PlotArguments),
     /// Write an interactive 3-D page of a results directory

@@ -28,6 +28,7 @@ mod exit_code;
 mod explain;
 mod failure;
 mod figure_arguments;
+mod fold;
 mod fold_figures;
 mod folded_sheet;
 mod gather;
@@ -111,6 +112,7 @@ fn run_command(arguments: &Arguments) -> Result<(), Failure> {
         Command::Verify(command) => verify::verify(command),
         Command::Reproduce(command) => reproduce::reproduce(command, &arguments.common),
         Command::Plan(command) => plan::plan(command),
+        Command::Fold(command) => fold::fold(command, &arguments.common),
         Command::Plot(command) => plot::plot(command),
         Command::View(command) => view::view(command, &arguments.common),
         Command::Stream(command) => stream::stream(command),

@@ -18,8 +18,6 @@ use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
 
-/// Longest suspended length of the manifold, in L_gb (thesis sec. 4.3.3).
-const LONGEST: f64 = 6.84;
 /// Fastest turn of the gripper, rad/s.
 const FASTEST_TURN: f64 = 1.0;
 
@@ -109,13 +107,12 @@ impl FoldPlanArguments {
                 PART_OF_FRICTION * friction,
             ),
             _ => {
-                let longest = dimensionless.length.min(LONGEST);
+                let longest = dimensionless.length.min(ForceManifold::LONGEST);
                 ForceManifold::new(&atlas, ForceManifold::SPACING, longest)
             }
         };
-        let optimal = |objective| {
-            fold_path(&atlas, &manifold, &dimensionless, target / unit, objective)
-        };
+        let optimal =
+            |objective| fold_path(&atlas, &manifold, &dimensionless, target / unit, objective);
         let path = match self.objective {
             ObjectiveName::Sum => optimal(Objective::Sum),
             ObjectiveName::Friction => optimal(Objective::Largest),
@@ -225,7 +222,8 @@ fn folds_csv(path: &FoldPath, sheet: &FoldedSheet) -> String {
     text
 }
 
-fn crease(text: &str) -> Result<Crease, String> {
+/// Where the edge goes, as typed.
+pub(super) fn crease(text: &str) -> Result<Crease, String> {
     match text.trim() {
         "half" => Ok(Crease::Half),
         "diagonal" => Ok(Crease::Diagonal),
@@ -235,7 +233,8 @@ fn crease(text: &str) -> Result<Crease, String> {
     }
 }
 
-fn friction(text: &str) -> Result<f64, String> {
+/// A coefficient of friction, as typed.
+pub(super) fn friction(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(friction) if friction >= 0.0 && friction.is_finite() => Ok(friction),
         _ => Err("a number from 0 up is needed".into()),

@@ -151,7 +151,7 @@ pub fn prepare(case_set: &CaseSet) -> Result<PreparedRun, Failure> {
 }
 
 /// Where the results lie and what came out, a line each.
-fn summary(outcome: &RunOutcome) -> String {
+pub(super) fn summary(outcome: &RunOutcome) -> String {
     let case = &outcome.case;
     let mut text = match outcome.status {
         RunStatus::Finished => "finished\n".to_owned(),

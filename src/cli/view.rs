@@ -104,7 +104,8 @@ fn view_cell(arguments: &ViewArguments) -> Result<(), Failure> {
     if arguments.open { show(&to) } else { Ok(()) }
 }
 
-fn show(page: &Path) -> Result<(), Failure> {
+/// Opens a page in the browser.
+pub(super) fn show(page: &Path) -> Result<(), Failure> {
     open::that(page).map_err(|error| {
         Failure::System(format!(
             "no browser could be started: {error}; open {}",

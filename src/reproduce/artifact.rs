@@ -3,7 +3,9 @@
 use super::applications::Application;
 use super::bundling::Bundling;
 use super::cases::{Case, Run, run_all};
+use super::folds::Folded;
 use super::grasp_grid::GraspGrid;
+use super::hanging_strips::Hanging;
 use super::heavy_loops::LoopOfRod;
 use super::helices::Helices;
 use super::inversion::Inversion;
@@ -16,9 +18,10 @@ use super::table::FiguresOfTable;
 use super::tightening::Tightening;
 use super::{
     ReproduceError, ReproduceOptions, auto_steps, cost, deployment_correction, deployment_errors,
-    drag_steps, figure_2_5, figure_2_6, figure_2_7, figure_2_8, figure_3_4, figure_3_9, figure_5_4,
-    figure_5_5, figure_5_6, figure_5_8, figure_6_2, figure_6_5, inversion_factors,
-    knot_convergence, laid_patterns, table_2_1, table_2_2, table_5_2, table_5_3, table_5_4,
+    drag_steps, figure_2_5, figure_2_6, figure_2_7, figure_2_8, figure_3_4, figure_3_9, figure_4_9,
+    figure_4_10, figure_4_11, figure_5_4, figure_5_5, figure_5_6, figure_5_8, figure_6_2,
+    figure_6_5, inversion_factors, knot_convergence, laid_patterns, table_2_1, table_2_2,
+    table_4_1, table_5_2, table_5_3, table_5_4,
 };
 use std::fmt;
 use std::path::PathBuf;
@@ -31,7 +34,7 @@ pub struct Artifact {
 }
 
 /// All tables and figures.
-pub static ARTIFACTS: [Artifact; 31] = [
+pub static ARTIFACTS: [Artifact; 35] = [
     Artifact {
         name: "tab2.1",
         title: "Table 2.1: IMC and IPC, iterations and time of bundling flagella",
@@ -153,6 +156,42 @@ pub static ARTIFACTS: [Artifact; 31] = [
             figures_of_table: Some(|table| {
                 simplified_inversion::figures_of_table("fig3.11", Factor::UnknottingNumber, table)
             }),
+        },
+    },
+    Artifact {
+        name: "fig4.9",
+        title: "Figure 4.9: the gravito-bending length from a strip that hangs down",
+        recipe: &Recipe {
+            runs: Hanging::of_figure_4_9,
+            write: figure_4_9::write,
+            figures_of_table: Some(figure_4_9::figures_of_table),
+        },
+    },
+    Artifact {
+        name: "fig4.10",
+        title: "Figure 4.10: ways of the gripper that folds US letter paper",
+        recipe: &Recipe {
+            runs: Folded::of_figure_4_10,
+            write: figure_4_10::write,
+            figures_of_table: None,
+        },
+    },
+    Artifact {
+        name: "fig4.11",
+        title: "Figure 4.11: seven folds by several ways, simulated",
+        recipe: &Recipe {
+            runs: Folded::of_figure_4_11,
+            write: figure_4_11::write,
+            figures_of_table: Some(figure_4_11::figures_of_table),
+        },
+    },
+    Artifact {
+        name: "tab4.1",
+        title: "Table 4.1: how long plans of folds take",
+        recipe: &Recipe {
+            runs: Folded::of_table_4_1,
+            write: table_4_1::write,
+            figures_of_table: None,
         },
     },
     Artifact {

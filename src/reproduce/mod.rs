@@ -20,6 +20,9 @@
 //! | `table_2_1`, `table_2_2`, `figure_2_5` to `figure_2_8` | one artefact each |
 //! | `figure_3_4`, `inversion_factors` | figures 3.4 and 3.5 to 3.7; `inversion_page` and `inversion_pictures` are their parts |
 //! | `figure_3_9`, `simplified_inversion` | the simplified knot: figures 3.9, 3.10 and 3.11 |
+//! | `folds` | a sheet that is folded (thesis 4.6) |
+//! | `figure_4_9`, `hanging_strips` | strips that hang down |
+//! | `figure_4_10`, `figure_4_11`, `table_4_1` | folds by several ways, and what planning them takes |
 //! | `figure_5_4` | where a gripper may be above a straight line |
 //! | `figure_5_5`, `sideways_push` | optimal grasps that are pushed sideways |
 //! | `figure_5_6`, `grasp_grid` | optimal grasps over curvature, length and stiffness |
@@ -51,13 +54,18 @@ mod figure_2_7;
 mod figure_2_8;
 mod figure_3_4;
 mod figure_3_9;
+mod figure_4_10;
+mod figure_4_11;
+mod figure_4_9;
 mod figure_5_4;
 mod figure_5_5;
 mod figure_5_6;
 mod figure_5_8;
 mod figure_6_2;
 mod figure_6_5;
+mod folds;
 mod grasp_grid;
+mod hanging_strips;
 mod heavy_loops;
 mod helices;
 mod inversion;
@@ -78,6 +86,7 @@ mod simplified_inversion;
 mod table;
 mod table_2_1;
 mod table_2_2;
+mod table_4_1;
 mod table_5_2;
 mod table_5_3;
 mod table_5_4;

@@ -1,6 +1,5 @@
 //! How a knot is tied when the rod is laid: the poses of both grippers, with their errors.
 
-
 use super::keys::{Deployment, Knot};
 use super::planned::{PathError, Planned};
 use crate::experiment::prepare::Jitter;

@@ -7,7 +7,6 @@ use crate::mechanics::random::uniform_numbers;
 use crate::plan::fold::{Algorithm, FoldPlanner, FoldPose, Sheet};
 use crate::run::Controller;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
 /// How far the gripper lifts the edge where it gives up, in L_gb.
 const RISE: f64 = 0.5;
@@ -29,8 +28,6 @@ pub struct VisualFeedback {
     /// What plans, and what it is made of.
     sheet: Sheet,
     algorithm: Algorithm,
-    #[serde(skip)]
-    planner: Option<Arc<FoldPlanner>>,
 }
 
 impl VisualFeedback {
@@ -59,13 +56,13 @@ impl VisualFeedback {
             free_end: folding.sheet().length,
             sheet: folding.believed().dimensionless(),
             algorithm: folding.algorithm.on(friction),
-            planner: None,
         }
     }
 
     /// How far the sheet seems to have slid, m.
     fn look(&self, simulation: &Simulation) -> f64 {
-        let mut number = uniform_numbers(self.seed ^ (self.next as u64 + 1).wrapping_mul(0x9e37_79b9));
+        let mut number =
+            uniform_numbers(self.seed ^ (self.next as u64 + 1).wrapping_mul(0x9e37_79b9));
         // Evenly distributed, of variance 1.
         let noise = 12f64.sqrt() * (number() - 0.5);
         simulation.positions()[0].x - self.free_end + self.keys.noise * noise
@@ -73,10 +70,7 @@ impl VisualFeedback {
 
     /// The part from an end on, planned anew; the gripper lifts the edge where there is no way.
     fn plan(&mut self, end: usize, slid: f64) {
-        let planner = self.planner.get_or_insert_with(|| {
-            let planner = FoldPlanner::new(self.sheet, self.algorithm);
-            Arc::new(planner)
-        });
+        let planner = FoldPlanner::shared(self.sheet, self.algorithm);
         let index_of = |time: f64| {
             let index = self.path.times.partition_point(|known| *known < time);
             index.min(self.path.times.len() - 1)

@@ -12,11 +12,7 @@ pub static FILES: [FileDescription; 3] = [
         "The sheet at each output time.",
         &[folded(SERIES)],
     ),
-    table(
-        &["summary.csv"],
-        "What a fold came to.",
-        &[folded(SUMMARY)],
-    ),
+    table(&["summary.csv"], "What a fold came to.", &[folded(SUMMARY)]),
     file(
         &["folding.svg", "folding.png"],
         "The sheet from the side while it is folded, and the way of the gripper. By `rodlab plot`.",
@@ -41,7 +37,7 @@ const SUMMARY: &[Column] = columns! {
     "largest_sliding_m": "Farthest that the free end of the sheet has come from where it lay, m.",
     "final_sliding_m": "How far it is from there at the end, in the direction in which the edge goes, m.",
     "fold_length_m": "Length of the sheet from its edge to a crease that is pressed half a crease target back from where the edge is, \
-        m; empty where the edge is not down.",
+        m; empty where the edge is not down, or no sheet lies below it.",
     "fold_length_error_m": "What that is more than half the crease target, m: the error of the fold.",
     "largest_gripper_force_n": "Largest force of the gripper on the whole sheet, N.",
     "largest_speed_m_s": "Largest speed of a node of the sheet, m/s; far above that of the gripper where the sheet snaps.",

@@ -30,7 +30,11 @@ pub fn folded_outlines(directory: &Path) -> Result<Option<FoldedOutlines>, Figur
     let Some(FoldingTables { folding, .. }) = scenario.experiment.tables() else {
         return Ok(None);
     };
-    let others: usize = scenario.rods.iter().map(|rod| rod.edges + usize::from(!rod.closed)).sum();
+    let others: usize = scenario
+        .rods
+        .iter()
+        .map(|rod| rod.edges + usize::from(!rod.closed))
+        .sum();
     let nodes = folding.paper.edges + 1;
     let outputs = read_nodes(directory, nodes + others)?;
     if outputs.is_empty() {

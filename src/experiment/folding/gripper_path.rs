@@ -27,8 +27,8 @@ pub struct GripperPath {
     pub unit: f64,
     /// Where the edge goes, m.
     target: f64,
-    /// Height of a lying sheet, and what a second layer adds, m.
-    height: f64,
+    /// Height of the middle of a lying sheet, and what a second layer adds, m.
+    pub height: f64,
     layer: f64,
 }
 
@@ -90,7 +90,7 @@ impl GripperPath {
             times,
             unit,
             target,
-            height: 0.5 * folding.paper.thickness,
+            height: 0.5 * folding.paper.thickness + gap,
             layer: folding.paper.thickness + 2.0 * gap,
         })
     }
@@ -99,25 +99,38 @@ impl GripperPath {
     fn pose(&self, index: usize) -> (Vector3, f64) {
         let FoldPose { gripper, angle } = self.poses[index];
         let [x, z] = gripper.map(|value| self.unit * value);
-        // It goes over from the table to what lies on it.
-        let layer = self.layer * (x / self.target).clamp(0.0, 1.0);
-        let place = Vector3::new(x + self.slid[index], 0.0, self.height + z + layer);
+        let place = Vector3::new(x + self.slid[index], 0.0, z + self.lowest(x));
         (place, angle)
+    }
+
+    /// Height of an edge that lies on the table where it lay, and on the sheet where it goes, m; in between it goes over from the one to the
+    /// other.
+    fn lowest(&self, x: f64) -> f64 {
+        self.height + self.layer * (x / self.target).clamp(0.0, 1.0)
     }
 
     /// The motion of the edge.
     pub fn motion(&self) -> Motion {
         let (start, _) = self.pose(0);
         let places = (0..self.times.len()).map(|index| {
-            let (place, angle) = self.pose(index);
+            let (mut place, angle) = self.pose(index);
             let [x, z, turn] = self.jitter[index];
-            let place = place + Vector3::new(x, 0.0, z) - start;
-            (self.times[index], place, turned(angle + turn))
+            // What lies under the gripper stops it.
+            let lowest = self.lowest(place.x);
+            place += Vector3::new(x, 0.0, z);
+            place.z = place.z.max(lowest);
+            (self.times[index], place - start, turned(angle + turn))
         });
         let places: Vec<_> = places.collect();
         Motion {
-            translation: places.iter().map(|(time, place, _)| (*time, *place)).collect(),
-            orientation: places.iter().map(|(time, _, turn)| (*time, *turn)).collect(),
+            translation: places
+                .iter()
+                .map(|(time, place, _)| (*time, *place))
+                .collect(),
+            orientation: places
+                .iter()
+                .map(|(time, _, turn)| (*time, *turn))
+                .collect(),
             pivot: Some(start),
             ..Motion::default()
         }

@@ -180,7 +180,7 @@ fn add(scene: &mut Scene, folding: &Folding, path: &GripperPath, friction: f64) 
     };
     let flat = (0..=paper.edges).map(|node| {
         let part = 1.0 - node as f64 / paper.edges as f64;
-        Vector3::new(sheet.length * part, 0.0, radius)
+        Vector3::new(sheet.length * part, 0.0, path.height)
     });
     let index = scene.rods.len();
     scene
@@ -221,5 +221,131 @@ fn watched(folding: &Folding, path: &GripperPath) -> Watched {
         gravito_bending_length: sheet.gravito_bending_length,
         poses: path.times.len(),
         largest_speed: path.largest_speed(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::{FoldingOutcome, from_text, prepare};
+    use crate::plan::fold::{FoldAtlas, ForceManifold, Objective, fold_path, sliding};
+    use crate::run::{RunOptions, run};
+
+    const A4: &str =
+        "length = \"297 mm\"\nwidth = \"210 mm\"\ngravito_bending_length = \"4.8 cm\"\n";
+
+    fn scenario(folding: &str, paper: &str, rest: &str) -> Result<Scenario, String> {
+        let text = format!(
+            "experiment = \"folding\"\n[folding]\n{folding}\n[folding.paper]\n{paper}\n\
+             [contact]\nfriction = 0.12\ndistance_tolerance = 2e-5\nslip_tolerance = 2e-5\n{rest}"
+        );
+        from_text("fold", &text, Path::new(""), &[])
+            .map(|loaded| loaded.scenario)
+            .map_err(|error| error.to_string())
+    }
+
+    fn folded(folding: &str) -> FoldingOutcome {
+        let paper = format!("{A4}edges = 80");
+        let time = "[time]\nstep = 0.01\nend = 12.0\n[output]\ninterval = 1.0\nnodes = false\n";
+        let prepared = prepare(&scenario(folding, &paper, time).unwrap()).unwrap();
+        let directory = tempfile::tempdir().unwrap();
+        let finished = run(&prepared, &RunOptions::new(directory.path())).unwrap();
+        FoldingOutcome::of(&finished.case).unwrap()
+    }
+
+    #[test]
+    fn a_sheet_that_is_held_by_a_moment_does_not_slide() {
+        let outcome = folded("algorithm = \"held\"");
+        assert!(outcome.largest_sliding_m < 3e-4, "{outcome:?}");
+        assert!(
+            outcome.fold_length_error_m.unwrap().abs() < 3e-4,
+            "{outcome:?}"
+        );
+        // The gripper carries a part of 210 mm × 297 mm of 80 g/m², 0.049 N, and bends the sheet down.
+        assert!(
+            (0.01..0.1).contains(&outcome.largest_gripper_force_n),
+            "{outcome:?}"
+        );
+    }
+
+    /// Without inertia, by the equilibrium of the suspended sheet: 7.3 mm.
+    #[test]
+    fn without_a_moment_the_sheet_slides_as_far_as_its_equilibrium_says() {
+        let length = 0.297 / 0.048;
+        let atlas = FoldAtlas::new();
+        let manifold = ForceManifold::new(&atlas, ForceManifold::SPACING, length);
+        let sheet = crate::plan::fold::Sheet {
+            length,
+            least_suspended: 0.958,
+        };
+        let path = fold_path(&atlas, &manifold, &sheet, length, Objective::Sum).unwrap();
+        let slid = sliding(&path.folds, length, 0.12).unwrap();
+        let expected = 0.048 * slid.last().unwrap();
+        let outcome = folded("");
+        assert!(
+            (outcome.final_sliding_m - expected).abs() < 0.05 * expected,
+            "{outcome:?} {expected}"
+        );
+        assert!((outcome.fold_length_error_m.unwrap() + outcome.final_sliding_m).abs() < 1e-4);
+    }
+
+    #[test]
+    fn feedback_folds_a_sheet_that_has_slid_where_it_should() {
+        let outcome = folded("feedback = { parts = 5 }");
+        assert!(outcome.largest_sliding_m > 5e-3, "{outcome:?}");
+        assert!(
+            outcome.fold_length_error_m.unwrap().abs() < 3e-4,
+            "{outcome:?}"
+        );
+    }
+
+    #[test]
+    fn folds_read_back_to_themselves() {
+        for (folding, paper) in [
+            ("", A4),
+            (
+                "crease = \"25 cm\"\nalgorithm = \"circle\"\njitter = \"1 mm\"\nseed = 3",
+                A4,
+            ),
+            ("feedback = { noise = \"0.5 mm\" }\nlength_error = -0.1", A4),
+            (
+                "crease = \"diagonal\"\nalgorithm = \"least-friction\"",
+                "length = 0.2\nwidth = 0.2\nyoungs_modulus = \"2 GPa\"\nthickness = \"0.1 mm\"\ndensity = 800\nedges = 90",
+            ),
+        ] {
+            let scenario = scenario(folding, paper, "").unwrap();
+            let again = from_text("fold", &scenario.to_toml(), Path::new(""), &[]).unwrap();
+            assert_eq!(again.scenario, scenario, "{folding}");
+        }
+    }
+
+    #[test]
+    fn faults_of_folds_name_what_is_allowed() {
+        let fault = |folding: &str, paper: &str| scenario(folding, paper, "").unwrap_err();
+        insta::assert_snapshot!(fault("crease = \"30 cm\"", A4), @"fold.toml:3:10: `folding.crease`: 0.3 m: the sheet is 0.297 m long, and its edge cannot go beyond the opposite one");
+        insta::assert_snapshot!(fault("crease = \"diagonal\"", A4), @"fold.toml:3:10: `folding.crease`: the sheet is 0.297 m by 0.21 m; only a square sheet is folded along its diagonal");
+        insta::assert_snapshot!(fault("algorithm = \"best\"", A4), @r#"fold.toml:3:13: `folding.algorithm`: "best" is not known here; allowed: optimal, least-friction, held, circle, step-by-step"#);
+        insta::assert_snapshot!(fault("algorithm = \"circle\"\nfeedback = {}", A4), @r#"fold.toml:4:12: `folding.feedback`: this way of folding is not planned anew: use "optimal", "least-friction" or "held""#);
+        insta::assert_snapshot!(fault("feedback = { parts = 1 }", A4), @"fold.toml:3:22: `folding.feedback.parts`: 1 is out of range; allowed: 2 to 1000");
+        insta::assert_snapshot!(fault("length_error = 2", A4), @"fold.toml:3:16: `folding.length_error`: 2.0 is out of range; allowed: -0.9 to 0.9");
+        insta::assert_snapshot!(fault("seed = -2", A4), @"fold.toml:3:8: `folding.seed`: -2 is out of range; allowed: 0 and above");
+        insta::assert_snapshot!(fault("", "length = 0.3\nwidth = 0.2"), @"fold.toml:4:1: `folding.paper`: missing key `gravito_bending_length` (a length; or `youngs_modulus`, `thickness` and `density`)");
+        insta::assert_snapshot!(fault("", "length = 0.3\nwidth = 0.2\ngravito_bending_length = 0"), @"fold.toml:7:26: `folding.paper.gravito_bending_length`: 0.0 is out of range; allowed: greater than 0");
+        insta::assert_snapshot!(fault("", "length = 0.3\nwidth = 0.2\nyoungs_modulus = 1e9"), @r#"
+        fold.toml:4:1: `folding.paper`: missing key `thickness` (a length, greater than 0)
+        fold.toml:4:1: `folding.paper`: missing key `density` (a density, greater than 0)
+        "#);
+        insta::assert_snapshot!(fault("", &format!("{A4}youngs_modulus = 1e9")), @"fold.toml:8:18: `folding.paper.youngs_modulus`: give `gravito_bending_length` or `youngs_modulus`, not both");
+        insta::assert_snapshot!(scenario("", A4, "[material]\ndensity = 1").unwrap_err(), @"fold.toml:13:1: `material`: the sheet of a fold and its material are [folding.paper]");
+    }
+
+    #[test]
+    fn a_target_out_of_reach_is_refused_before_the_run() {
+        let refused = |folding: &str| {
+            let scenario = scenario(folding, A4, "").unwrap();
+            prepare(&scenario).unwrap_err().0[0].message.clone()
+        };
+        assert!(refused("crease = \"1 cm\"").contains("targets from"));
+        assert!(refused("crease = \"12 cm\"\nalgorithm = \"held\"").contains("so tight a fold"));
     }
 }

@@ -65,10 +65,13 @@ impl FoldingMonitor {
         self.watched.weight * sample.simulation.reaction(self.watched.nodes - 1).norm()
     }
 
-    /// Length from the edge to a crease that is pressed half way from the edge to where it lay on the sheet, while the lying part stays: the
-    /// sheet below the crease at x − C/2 is that far from its edge, less what it has slid.
+    /// Length from the edge to a crease that is pressed half a crease target back from where the edge is: of the layer that lies there, which
+    /// has slid; `None` where the edge is not down, and where no layer lies there.
     fn fold_length(&self, edge: Vector3, slid: f64) -> Option<f64> {
-        (edge.z < self.watched.down).then_some(edge.x - 0.5 * self.watched.target - slid)
+        let crease = edge.x - 0.5 * self.watched.target;
+        let length = crease - slid;
+        let lies = (0.0..self.watched.length).contains(&length);
+        (edge.z < self.watched.down && lies).then_some(length)
     }
 }
 
@@ -78,12 +81,7 @@ impl Observer for FoldingMonitor {
     }
 
     fn columns(&self) -> Vec<String> {
-        let names = [
-            "sliding_m",
-            "gripper_x_m",
-            "gripper_z_m",
-            "gripper_force_n",
-        ];
+        let names = ["sliding_m", "gripper_x_m", "gripper_z_m", "gripper_force_n"];
         names.map(str::to_owned).into()
     }
 
@@ -98,7 +96,10 @@ impl Observer for FoldingMonitor {
         let force = self.force(sample);
         let speed = match &self.before {
             Some((time, before)) if sample.time() > *time => {
-                let moved = nodes.iter().zip(before).map(|(node, other)| (node - other).norm());
+                let moved = nodes
+                    .iter()
+                    .zip(before)
+                    .map(|(node, other)| (node - other).norm());
                 moved.fold(0.0, f64::max) / (sample.time() - time)
             }
             _ => 0.0,

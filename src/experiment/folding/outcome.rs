@@ -10,7 +10,7 @@ pub struct FoldingOutcome {
     pub largest_sliding_m: f64,
     /// How far it is from there at the end, along the fold, m.
     pub final_sliding_m: f64,
-    /// From the edge to the crease, along the sheet, m; `None` where the edge is not down.
+    /// From the edge to the crease, along the sheet, m; `None` where there is no fold.
     pub fold_length_m: Option<f64>,
     /// What that is more than was asked for, m.
     pub fold_length_error_m: Option<f64>,
@@ -57,7 +57,7 @@ impl FoldingOutcome {
                 1e3 * length,
                 1e3 * error
             ),
-            _ => "none: the edge is not down".to_owned(),
+            _ => "none: the edge is not down, or on no sheet".to_owned(),
         };
         let slid = format!(
             "{:.2} mm at most, {:+.2} mm at the end",

@@ -2,10 +2,13 @@
 
 use super::gripper_path::GripperPath;
 use super::keys::Folding;
-use crate::plan::fold::{FoldError, FoldPlanner};
+use crate::experiment::load;
+use crate::plan::fold::{FoldError, FoldPlanner, Sheet};
+use crate::results::SCENARIO;
 use crate::scenario::{Scenario, Step, Time};
 use serde::Serialize;
-use std::sync::OnceLock;
+use std::path::Path;
+use std::sync::{Arc, OnceLock};
 
 /// Everything that this experiment reads.
 #[derive(Serialize)]
@@ -50,8 +53,18 @@ impl FoldingTables {
     }
 }
 
+/// What the fold of a results directory plans, dimensionless: the sheet as it is believed to be and its crease target; `None` where it is
+/// no fold.
+pub fn planned_fold(directory: &Path) -> Option<(Sheet, f64)> {
+    let scenario = load(&directory.join(SCENARIO), &[]).ok()?.scenario;
+    let FoldingTables { folding, .. } = scenario.experiment.tables()?;
+    let sheet = folding.believed();
+    let target = folding.target() / sheet.gravito_bending_length;
+    Some((sheet.dimensionless(), target))
+}
+
 /// What plans a fold on a table.
-pub fn planner(folding: &Folding, friction: f64) -> FoldPlanner {
+pub fn planner(folding: &Folding, friction: f64) -> Arc<FoldPlanner> {
     let sheet = folding.believed().dimensionless();
-    FoldPlanner::new(sheet, folding.algorithm.on(friction))
+    FoldPlanner::shared(sheet, folding.algorithm.on(friction))
 }

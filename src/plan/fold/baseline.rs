@@ -6,7 +6,7 @@ use super::equilibrium::Fold;
 use super::graph_search::neighbours;
 use super::manifold::ForceManifold;
 use super::path::{Sheet, lift_of, thin};
-use super::planner::FoldPose;
+use super::pose::FoldPose;
 use std::f64::consts::PI;
 
 /// Poses of the circle (thesis sec. 4.6.2).

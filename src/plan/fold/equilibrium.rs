@@ -125,7 +125,10 @@ impl Fold {
                     let slope = forces.horizontal * sine - load * cosine;
                     (state.curvature, [by_h.curvature, by_v.curvature, slope])
                 }
-                Given::Push { ratio, length: whole } => {
+                Given::Push {
+                    ratio,
+                    length: whole,
+                } => {
                     let press = 0.5 * (whole - length) - forces.vertical;
                     let fault = forces.horizontal - ratio * press;
                     (fault, [1.0, ratio, 0.5 * ratio])

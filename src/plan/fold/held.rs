@@ -14,6 +14,9 @@ const MOST_PARTS: usize = 16;
 const FARTHEST: [f64; 2] = [0.3, 0.5];
 /// Cost of a step where no moment is needed: the shortest of such ways is taken.
 const STEP_COST: f64 = 0.02;
+/// Sweeps in which the corners of a way are rounded off, and by how much a moment may grow in each.
+const SWEEPS: usize = 16;
+const LARGER: f64 = 1e-3;
 /// Points of a sheet that must not be below the table, and how far they may.
 const POINTS: usize = 24;
 const BELOW: f64 = 1e-6;
@@ -128,7 +131,8 @@ pub fn held_path(
     let (cells, grid_cost) = found.ok_or(refused)?;
     let near = manifold.fold(goal_cell).ok_or(refused)?;
     let goal = held_from(near, [target, 0.0], sheet.length, friction).ok_or(refused)?;
-    let (leave, way) = way_over(&cells, &lift, manifold, sheet, goal)?;
+    let (leave, mut way) = way_over(&cells, &lift, manifold, sheet, goal)?;
+    smooth(&mut way, sheet, friction);
     let integral = way.windows(2).map(|pair| {
         let [one, other] = [pair[0], pair[1]].map(|fold| (fold.gripper, fold.force_ratio()));
         let step = libm::hypot(other.0[0] - one.0[0], other.0[1] - one.0[1]);
@@ -143,6 +147,26 @@ pub fn held_path(
         grid_integral: integral,
         integral,
     })
+}
+
+/// Rounds the corners of the grid off: each place of the gripper but the first and the last goes half way between its neighbours as long as
+/// that takes no larger moment.
+fn smooth(way: &mut [Fold], sheet: &Sheet, friction: f64) {
+    for _ in 0..SWEEPS {
+        for index in 1..way.len() - 1 {
+            let middle =
+                [0, 1].map(|k| 0.5 * (way[index - 1].gripper[k] + way[index + 1].gripper[k]));
+            let here = way[index];
+            let moved = held_from(&here, middle, sheet.length, friction);
+            let is_better = |fold: &Fold| {
+                let is_no_harder = fold.moment.abs() <= here.moment.abs() + LARGER;
+                is_no_harder && sheet.allows(fold) && is_above_the_table(fold)
+            };
+            if let Some(moved) = moved.filter(is_better) {
+                way[index] = moved;
+            }
+        }
+    }
 }
 
 /// What a fold on such a way costs; none where it is not allowed.
@@ -209,7 +233,11 @@ mod tests {
         let most = path.folds.iter().map(moment).fold(0.0, f64::max);
         // Without a push and without weight θ'² = 2 |V| sin θ: where the loop is tightest it is bent by √6 at the end.
         assert!((0.3..1.1).contains(&most), "{most}");
-        assert!(path.folds.iter().all(|fold| fold.unstable_modes_held() == 0));
+        assert!(
+            path.folds
+                .iter()
+                .all(|fold| fold.unstable_modes_held() == 0)
+        );
         // Without friction enough for it no moment is needed.
         let free = plan(0.7);
         assert!(free.folds.iter().map(moment).fold(0.0, f64::max) < 1e-9);

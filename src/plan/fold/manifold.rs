@@ -33,6 +33,8 @@ pub struct ManifoldPoint {
 impl ForceManifold {
     /// The thesis' δ̄ (sec. 4.6.5).
     pub const SPACING: f64 = 0.0548;
+    /// The thesis' longest suspended length, in L_gb (sec. 4.3.3).
+    pub const LONGEST: f64 = 6.84;
 
     /// Exact folds of suspended lengths up to `longest`, at every cell of the grid that the gripper can reach. Each row starts
     /// from the atlas and goes on from cell to cell.

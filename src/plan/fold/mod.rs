@@ -24,6 +24,7 @@
 //! | `held` | folds and ways with a moment at the gripper, where friction is scarce |
 //! | `path` | the way of the gripper from the flat sheet to the crease |
 //! | `baseline` | the ways of folding that the thesis compares with |
+//! | `pose` | a pose of the gripper |
 //! | `planner` | a plan by any of these, and its rest planned anew |
 //! | `sliding` | how far the sheet slides on the way |
 //! | `sheet` | the same in metres |
@@ -38,6 +39,7 @@ mod held;
 mod manifold;
 mod path;
 mod planner;
+mod pose;
 mod search_all;
 mod sheet;
 mod sliding;
@@ -50,7 +52,8 @@ pub use graph_search::{Cell, Objective, uniform_cost_search};
 pub use held::held_path;
 pub use manifold::{ForceManifold, ManifoldPoint};
 pub use path::{FoldPath, Sheet, fold_path};
-pub use planner::{Algorithm, FoldPlanner, FoldPose, PART_OF_FRICTION};
+pub use planner::{Algorithm, FoldPlanner, PART_OF_FRICTION};
+pub use pose::FoldPose;
 pub use sheet::FoldedSheet;
 pub use sliding::sliding;
 

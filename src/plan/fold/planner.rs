@@ -8,31 +8,14 @@ use super::graph_search::{Objective, uniform_cost_search};
 use super::held::{held_cost, held_path};
 use super::manifold::ForceManifold;
 use super::path::{Sheet, fold_path, path_cost};
+use super::pose::FoldPose;
 use serde::{Deserialize, Serialize};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Part of the table's friction that a plan with moments asks for at most.
 pub const PART_OF_FRICTION: f64 = 0.85;
-/// Longest suspended length of the manifold, in L_gb (thesis sec. 4.3.3).
-const LONGEST: f64 = 6.84;
-
-/// Where the gripper holds the edge, in L_gb from where it lay, and by which angle it is turned.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct FoldPose {
-    /// (x̄, z̄).
-    pub gripper: [f64; 2],
-    /// α, rad.
-    pub angle: f64,
-}
-
-impl FoldPose {
-    /// That of a fold.
-    pub fn of(fold: &Fold) -> Self {
-        Self {
-            gripper: fold.gripper,
-            angle: fold.angle,
-        }
-    }
-}
+/// Planners that are kept.
+const KEPT: usize = 8;
 
 /// A way of folding.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -68,7 +51,7 @@ impl FoldPlanner {
             Algorithm::Held { friction } => {
                 ForceManifold::held(spacing, &sheet, PART_OF_FRICTION * friction)
             }
-            _ => ForceManifold::new(&atlas, spacing, sheet.length.min(LONGEST)),
+            _ => ForceManifold::new(&atlas, spacing, sheet.length.min(ForceManifold::LONGEST)),
         };
         Self {
             sheet,
@@ -76,6 +59,23 @@ impl FoldPlanner {
             atlas,
             manifold,
         }
+    }
+
+    /// The same, of those that were made last: trials of one fold plan the same sheet again and again.
+    pub fn shared(sheet: Sheet, algorithm: Algorithm) -> Arc<Self> {
+        static MADE: Mutex<Vec<Arc<FoldPlanner>>> = Mutex::new(Vec::new());
+        let made = || MADE.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_it = |planner: &&Arc<Self>| planner.sheet == sheet && planner.algorithm == algorithm;
+        if let Some(planner) = made().iter().find(is_it) {
+            return Arc::clone(planner);
+        }
+        let planner = Arc::new(Self::new(sheet, algorithm));
+        let mut made = made();
+        if made.len() >= KEPT {
+            made.remove(0);
+        }
+        made.push(Arc::clone(&planner));
+        planner
     }
 
     /// Poses from the flat sheet to the edge at (C̄, 0).
@@ -86,13 +86,9 @@ impl FoldPlanner {
         let folds = match self.algorithm {
             Algorithm::Circle => return Ok(circle(target)),
             Algorithm::StepByStep => return step_by_step(&self.manifold, &self.sheet, target),
-            Algorithm::Optimal(objective) => fold_path(
-                &self.atlas,
-                &self.manifold,
-                &self.sheet,
-                target,
-                objective,
-            ),
+            Algorithm::Optimal(objective) => {
+                fold_path(&self.atlas, &self.manifold, &self.sheet, target, objective)
+            }
             Algorithm::Held { friction } => {
                 let part = PART_OF_FRICTION * friction;
                 held_path(&self.manifold, &self.sheet, target, part)
@@ -117,8 +113,8 @@ impl FoldPlanner {
             Algorithm::Circle | Algorithm::StepByStep => Some(fold.force_ratio()),
         };
         let here = self.manifold.at(held.gripper).ok_or(lost)?;
-        let found =
-            uniform_cost_search(&self.manifold, &[start], goal, Objective::Sum, cost).ok_or(lost)?;
+        let found = uniform_cost_search(&self.manifold, &[start], goal, Objective::Sum, cost)
+            .ok_or(lost)?;
         let inner = &found.0[1..found.0.len().max(2) - 1];
         let turned = held.angle - here.angle;
         let parts = (inner.len() + 1) as f64;

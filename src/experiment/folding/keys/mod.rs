@@ -80,8 +80,7 @@ pub fn resolve(request: &Request<'_>) -> Option<Folding> {
     let algorithm = typed.algorithm.unwrap_or(AlgorithmName::Optimal);
     let is_planned = !matches!(algorithm, AlgorithmName::Circle | AlgorithmName::StepByStep);
     if feedback.is_some() && !is_planned {
-        let message =
-            "this way of folding is not planned anew: use \"optimal\", \"least-friction\" or \"held\"";
+        let message = "this way of folding is not planned anew: use \"optimal\", \"least-friction\" or \"held\"";
         section.fault("feedback", message);
         return None;
     }
@@ -128,8 +127,7 @@ pub fn resolve_paper(section: &Section<'_>, typed: &TypedPaper) -> Option<Paper>
             let thickness = section.required("thickness", &typed.thickness, POSITIVE);
             let density = section.required("density", &typed.density, POSITIVE);
             let modulus = section.number("youngs_modulus", modulus, POSITIVE);
-            let unit =
-                FoldedSheet::gravito_bending_length_of(modulus, thickness, density, GRAVITY);
+            let unit = FoldedSheet::gravito_bending_length_of(modulus, thickness, density, GRAVITY);
             (thickness, density, unit)
         }
         (Some(_), Some(_)) => {

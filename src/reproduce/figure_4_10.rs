@@ -1,0 +1,61 @@
+//! Figure 4.10: ways of the gripper for US letter paper and C = 0.27 m.
+
+use super::ReproduceError;
+use super::cases::Case;
+use super::figure_4_11::{line, row};
+use super::folds::{Folded, SCENARIOS, WAYS};
+use super::page::{Page, PageFigure};
+use crate::experiment::{FigureError, folded_outlines};
+use crate::figure::{Curve, LinePlot, PlotStyle, styled_line_plots};
+
+/// Writes table and figure.
+pub(super) fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<(), ReproduceError> {
+    page.text(
+        "The edge of a sheet of US letter paper (L_gb = 6.0 cm) goes to C = 0.27 m on a table of friction 0.12, without jitter, by each of the \
+         ways of fig4.11. A gripper on half a circle holds the sheet too low at first and too high later; step by step the whole sheet is \
+         lifted before it comes down; the two planned ways leave the lift low, and cross the ridge of the force manifold where it is narrow \
+         (without a moment) or high (with one).",
+    );
+    let rows: Vec<_> = cases.iter().map(row).collect();
+    let header = [
+        "scenario",
+        "way",
+        "folds",
+        "error of the fold, mm",
+        "slid at most, mm",
+        "fastest node, m/s",
+    ];
+    let lines = cases.iter().zip(&rows).map(|(case, row)| {
+        let run = &case.run;
+        line(SCENARIOS[run.scenario].name, WAYS[run.way].name, &[row])
+    });
+    page.table(&header, &lines.collect::<Vec<_>>());
+    page.csv(&rows)?;
+    let mut curves = vec![];
+    for case in cases {
+        let outlines = match folded_outlines(&case.directory) {
+            Ok(outlines) => outlines,
+            Err(FigureError::Results(error)) => return Err(error.into()),
+            // Scenarios of the program's own are read.
+            Err(FigureError::Scenario(_)) => None,
+        };
+        if let Some(outlines) = outlines {
+            curves.push(Curve::new(WAYS[case.run.way].name, outlines.gripper));
+        }
+    }
+    let plot = LinePlot {
+        label: "z in m".into(),
+        curves,
+    };
+    let style = PlotStyle {
+        is_to_scale: true,
+        ..PlotStyle::default()
+    };
+    let figure = styled_line_plots([plot], "x in m", style);
+    page.figure(&PageFigure::new(
+        "fig4.10_ways",
+        "Ways of the gripper by the ways of planning, US letter paper, C = 0.27 m",
+        figure,
+    ))?;
+    Ok(())
+}

@@ -1,0 +1,102 @@
+//! Figure 4.9: the gravito-bending length of a sheet from how far a strip of it hangs down.
+
+use super::ReproduceError;
+use super::cases::Case;
+use super::hanging_strips::{Hanging, LENGTHS, UNIT};
+use super::page::{Page, PageFigure, number};
+use super::table::rows_of;
+use crate::figure::{Curve, LinePlot, Look, line_plots};
+use crate::mechanics::kirchhoff::HangingStrip;
+use crate::results::read_nodes;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Points of the drawn relation, and its last length, L_gb.
+const POINTS: usize = 120;
+const LONGEST: f64 = 6.5;
+
+/// A row of the CSV file.
+#[derive(Serialize, Deserialize)]
+struct Row {
+    length_over_unit: f64,
+    drop_over_length: Option<f64>,
+    theory: f64,
+    measured_length_over_unit: Option<f64>,
+}
+
+/// Writes table and figure.
+pub(super) fn write(page: &mut Page, cases: &[Case<Hanging>]) -> Result<(), ReproduceError> {
+    page.text(
+        "A strip is held horizontally, and a length l of it hangs down by l_h. The drop ε = l_h/l tells the length in gravito-bending \
+         lengths, l̄ = 𝓛(ε) (thesis Eq. 4.16), and with it L_gb = l/l̄. Drops of simulated strips of 100 edges, static equilibria of the discrete \
+         rod, beside those of the heavy cantilever; the last column is the length that the simulated drop would be taken for. `rodlab solve \
+         hanging-plate` gives either number, `rodlab measure` L_gb from a photograph.",
+    );
+    let rows: Vec<Row> = cases.iter().map(row).collect::<Result<_, _>>()?;
+    let header = [
+        "l/L_gb",
+        "ε, simulated",
+        "ε, in theory",
+        "l/L_gb of the simulated drop",
+    ];
+    let lines: Vec<Vec<String>> = rows
+        .iter()
+        .map(|row| {
+            vec![
+                number(Some(row.length_over_unit), 1),
+                number(row.drop_over_length, 5),
+                number(Some(row.theory), 5),
+                number(row.measured_length_over_unit, 4),
+            ]
+        })
+        .collect();
+    page.table(&header, &lines);
+    page.csv(&rows)?;
+    for figure in figures(&rows) {
+        page.figure(&figure)?;
+    }
+    Ok(())
+}
+
+/// The figures from the table alone.
+pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
+    Ok(figures(&rows_of::<Row>(table)?))
+}
+
+fn row(case: &Case<Hanging>) -> Result<Row, ReproduceError> {
+    let length = LENGTHS[case.run.strip];
+    let outputs = read_nodes(&case.directory, case.run.nodes())?;
+    let last = outputs.last().and_then(|output| output.positions.last());
+    let drop = last.map(|node| -node.z / (length * UNIT));
+    let theory = HangingStrip::of_length(length);
+    let found = drop.and_then(|drop| HangingStrip::of_drop(drop).ok());
+    Ok(Row {
+        length_over_unit: length,
+        drop_over_length: drop,
+        theory: theory.map_or(f64::NAN, |strip| strip.drop),
+        measured_length_over_unit: found.map(|strip| strip.length),
+    })
+}
+
+fn figures(rows: &[Row]) -> Vec<PageFigure> {
+    let lengths = (1..=POINTS).map(|index| LONGEST * index as f64 / POINTS as f64);
+    let theory = lengths.filter_map(|length| {
+        let strip = HangingStrip::of_length(length).ok()?;
+        Some((strip.drop, Some(length)))
+    });
+    let simulated = rows
+        .iter()
+        .filter_map(|row| Some((row.drop_over_length?, Some(row.length_over_unit))));
+    let plot = LinePlot {
+        label: "l/L_{gb}".into(),
+        curves: vec![
+            Curve::new("theory", theory.collect()),
+            Curve::new("simulated", simulated.collect()).looking(Look::Marks),
+        ],
+    };
+    vec![PageFigure::new(
+        "fig4.9_drop",
+        "Free length of a hanging strip over its drop",
+        line_plots([plot], "l_{h}/l"),
+    )]
+}

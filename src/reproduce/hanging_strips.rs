@@ -1,0 +1,84 @@
+//! Strips that are held horizontally at one end and hang down under their weight (thesis 4.6.1).
+
+use super::cases::{Run, prepared};
+use crate::run::PreparedRun;
+
+/// Free lengths of the strips, L_gb.
+pub(super) const LENGTHS: [f64; 8] = [0.8, 1.2, 1.6, 2.0, 2.6, 3.4, 4.5, 6.0];
+/// L_gb, thickness and width, m.
+pub(super) const UNIT: f64 = 0.05;
+const THICKNESS: f64 = 0.0001;
+const WIDTH: f64 = 0.05;
+/// Edges of a strip.
+const EDGES: usize = 100;
+/// Density, kg/m³, and acceleration of free fall, m/s².
+const DENSITY: f64 = 800.0;
+const GRAVITY: f64 = 9.81;
+
+/// A strip, an index into [`LENGTHS`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Hanging {
+    /// The strip.
+    pub strip: usize,
+    edges: usize,
+}
+
+impl Hanging {
+    /// All strips; a quick look has coarse ones.
+    pub fn of_figure_4_9(quick: bool) -> Vec<Self> {
+        let edges = if quick { 25 } else { EDGES };
+        let strip = |strip| Self { strip, edges };
+        (0..LENGTHS.len()).map(strip).collect()
+    }
+
+    /// Nodes of the strip.
+    pub fn nodes(&self) -> usize {
+        self.edges + 1
+    }
+}
+
+impl Run for Hanging {
+    fn id(&self) -> String {
+        format!("hanging_strip{}_{}", self.strip + 1, self.edges)
+    }
+
+    fn prepare(&self) -> PreparedRun {
+        // L_gb³ = E h²/(24 ρ g).
+        let modulus = 24.0 * DENSITY * GRAVITY * UNIT.powi(3) / THICKNESS.powi(2);
+        let text = format!(
+            "experiment = \"scene\"\n\
+             title = \"{}\"\n\
+             [material]\nyoungs_modulus = {modulus:?}\npoissons_ratio = 0.5\ndensity = {DENSITY:?}\n\
+             [contact]\nmodel = \"none\"\n\
+             [[rods]]\nname = \"strip\"\ndirector = [0, 1, 0]\nedges = {}\n\
+             cross_section = {{ kind = \"rectangle\", width = {WIDTH:?}, thickness = {THICKNESS:?} }}\n\
+             shape = {{ kind = \"straight\", start = [0, 0, 0], end = [{:?}, 0, 0] }}\n\
+             [[clamps]]\nrod = \"strip\"\nat = \"start\"\n\
+             [[loads]]\nkind = \"gravity\"\nacceleration = [0, 0, {:?}]\n\
+             [time]\nmode = \"static\"\n\
+             [output]\nnodes = true\n",
+            self.id(),
+            self.edges,
+            LENGTHS[self.strip] * UNIT,
+            -GRAVITY,
+        );
+        prepared(&self.id(), &text, &[])
+    }
+
+    fn end(&self) -> f64 {
+        0.0
+    }
+
+    fn extent(&self) -> String {
+        format!("rods of {} edges were bent", self.edges)
+    }
+
+    fn cost(&self) -> f64 {
+        0.1
+    }
+
+    #[cfg(test)]
+    fn shortened(&self) -> Self {
+        Self { edges: 25, ..*self }
+    }
+}

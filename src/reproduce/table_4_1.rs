@@ -1,0 +1,97 @@
+//! Table 4.1: how long plans of folds take.
+
+use super::ReproduceError;
+use super::cases::Case;
+use super::folds::{Folded, SCENARIOS};
+use super::page::{Page, number};
+use crate::experiment::planned_fold;
+use crate::plan::fold::{Algorithm, FoldPlanner, Objective};
+use serde::Serialize;
+use std::time::Instant;
+
+/// Times of the thesis, s: of its own method, two of which are missing in the printed table, and of that which it compares with.
+const THESIS: [(Option<f64>, f64); 7] = [
+    (Some(3.28), 59.46),
+    (None, 51.15),
+    (Some(1.80), 68.14),
+    (Some(2.28), 47.30),
+    (None, 80.07),
+    (Some(4.19), 77.28),
+    (Some(11.73), 43.20),
+];
+/// Friction of the table that the plans with moments are made for.
+const FRICTION: f64 = 0.12;
+/// How often a plan is timed; the fastest counts.
+const TIMES: usize = 5;
+
+/// A row of the CSV file; times in ms.
+#[derive(Serialize)]
+struct Row {
+    scenario: &'static str,
+    manifold_ms: f64,
+    plan_ms: f64,
+    held_manifold_ms: Option<f64>,
+    held_plan_ms: Option<f64>,
+}
+
+/// Writes the table.
+pub(super) fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<(), ReproduceError> {
+    page.text(
+        "Wall time of plans, on the machine and with the threads of the manifest, beside those of the thesis (one Intel i9-9900KF). The exact \
+         manifold of a sheet is made once; from it each plan is the grid search, the continuous refinement and the exact solution of \
+         all its folds. Plans with a moment have a manifold of their own. The thesis' numbers are as printed; two of the seven of its own \
+         method are missing there.",
+    );
+    let rows: Vec<Row> = cases.iter().filter_map(row).collect();
+    let header = [
+        "scenario",
+        "manifold, ms",
+        "plan, ms",
+        "manifold with moments, ms",
+        "plan, ms",
+        "thesis, s",
+        "Petrík et al. in the thesis, s",
+    ];
+    let lines = rows.iter().zip(THESIS).map(|(row, (own, other))| {
+        vec![
+            row.scenario.to_owned(),
+            number(Some(row.manifold_ms), 0),
+            number(Some(row.plan_ms), 1),
+            number(row.held_manifold_ms, 0),
+            number(row.held_plan_ms, 1),
+            number(own, 2),
+            number(Some(other), 2),
+        ]
+    });
+    page.table(&header, &lines.collect::<Vec<_>>());
+    page.csv(&rows)?;
+    Ok(())
+}
+
+/// The plan of a case made anew, and timed.
+fn row(case: &Case<Folded>) -> Option<Row> {
+    let scenario = &SCENARIOS[case.run.scenario];
+    let (sheet, target) = planned_fold(&case.directory)?;
+    let timed = |algorithm: Algorithm| {
+        let begin = Instant::now();
+        let planner = FoldPlanner::new(sheet, algorithm);
+        let manifold = begin.elapsed();
+        let plans = (0..TIMES).map(|_| {
+            let begin = Instant::now();
+            let is_planned = planner.poses(target).is_ok();
+            (begin.elapsed(), is_planned)
+        });
+        let (plan, is_planned) = plans.min()?;
+        let times = [manifold, plan].map(|time| 1e3 * time.as_secs_f64());
+        is_planned.then_some(times)
+    };
+    let [manifold_ms, plan_ms] = timed(Algorithm::Optimal(Objective::Sum))?;
+    let held = timed(Algorithm::Held { friction: FRICTION });
+    Some(Row {
+        scenario: scenario.name,
+        manifold_ms,
+        plan_ms,
+        held_manifold_ms: held.map(|[manifold, _]| manifold),
+        held_plan_ms: held.map(|[_, plan]| plan),
+    })
+}
