@@ -9,7 +9,7 @@ use super::values::positive_length;
 use crate::figure::Paper;
 use crate::plan::deployment::GripperPose;
 use crate::plan::fold::{
-    FoldAtlas, FoldPath, FoldedSheet, ForceManifold, Objective, fold_path, sliding,
+    FoldAtlas, FoldPath, FoldedSheet, ForceManifold, NeuralFolds, Objective, fold_path, sliding,
 };
 use clap::{Args, ValueEnum};
 use serde::Serialize;
@@ -37,6 +37,12 @@ pub struct FoldPlanArguments {
     /// What the way of the gripper makes least
     #[arg(long, default_value = "sum")]
     objective: ObjectiveName,
+    /// Who knows the folds of the manifold over which the way is searched; those of the plan are exact in any case
+    #[arg(long, default_value = "exact")]
+    solver: SolverName,
+    /// The network of --solver neural: model.safetensors of `rodlab train`
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
     /// Static friction of the table that the demand is compared with [default: that in the sheet's file]
     #[arg(long, value_name = "FRICTION", value_parser = friction)]
     friction: Option<f64>,
@@ -54,6 +60,15 @@ enum ObjectiveName {
     Friction,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+enum SolverName {
+    /// The equations of the suspended sheet.
+    Exact,
+    /// A network.
+    Neural,
+}
+
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Crease {
     Half,
@@ -69,6 +84,7 @@ struct Report {
     target_m: f64,
     crease_m: f64,
     objective: ObjectiveName,
+    solver: SolverName,
     poses: usize,
     lifted_without_push: usize,
     grid_cost: f64,
@@ -91,13 +107,22 @@ struct Report {
 impl FoldPlanArguments {
     /// Plans, and writes trajectory, folds and figures.
     pub fn plan(&self) -> Result<(), Failure> {
+        let network = self.network()?;
         let file = PaperFile::read(&self.paper)?;
         let (sheet, target) = self.target(&file)?;
         let unit = sheet.gravito_bending_length;
         let atlas = FoldAtlas::new();
         let dimensionless = sheet.dimensionless();
         let longest = dimensionless.length.min(LONGEST);
-        let manifold = ForceManifold::new(&atlas, ForceManifold::SPACING, longest);
+        let manifold = match &network {
+            None => ForceManifold::new(&atlas, ForceManifold::SPACING, longest),
+            Some(network) => {
+                let lengths = [dimensionless.least_suspended, longest];
+                let manifold = network.manifold(&atlas, ForceManifold::SPACING, lengths);
+                manifold
+                    .map_err(|error| Failure::Input(format!("{}: {error}", self.model_name())))?
+            }
+        };
         let objective = match self.objective {
             ObjectiveName::Sum => Objective::Sum,
             ObjectiveName::Friction => Objective::Largest,
@@ -145,6 +170,7 @@ impl FoldPlanArguments {
             target_m: target,
             crease_m: 0.5 * target,
             objective: self.objective,
+            solver: self.solver,
             poses: poses.len(),
             lifted_without_push: path.lift,
             grid_cost: path.grid_cost,
@@ -164,6 +190,32 @@ impl FoldPlanArguments {
             duration_s: times.last().copied().unwrap_or(0.0),
             files,
         })
+    }
+
+    /// The network that knows the folds, if one does.
+    fn network(&self) -> Result<Option<NeuralFolds>, Failure> {
+        let refused = |why: &str| Err(Failure::Input(why.into()));
+        match (self.solver, self.objective, &self.model) {
+            (SolverName::Exact, _, None) => Ok(None),
+            (SolverName::Exact, _, Some(_)) => refused("--model is for --solver neural"),
+            (SolverName::Neural, ObjectiveName::Friction, _) => refused(
+                "--objective friction is for --solver exact: a network tells λ, but not how hard the sheet presses on the table",
+            ),
+            (SolverName::Neural, _, None) => refused(
+                "--solver neural needs --model, model.safetensors of `rodlab train` from samples of scenarios/folding_dataset.toml",
+            ),
+            (SolverName::Neural, _, Some(path)) => {
+                let network = NeuralFolds::read(path);
+                network
+                    .map(Some)
+                    .map_err(|error| Failure::Input(error.to_string()))
+            }
+        }
+    }
+
+    fn model_name(&self) -> String {
+        let path = self.model.as_deref();
+        path.map_or_else(String::new, |path| path.display().to_string())
     }
 
     /// The sheet in the direction of the fold, and where its edge goes, m.

@@ -57,6 +57,17 @@ impl ForceManifold {
         }
     }
 
+    /// Folds found elsewhere, row by row.
+    pub(super) fn of(spacing: f64, [columns, rows]: [usize; 2], folds: Vec<Option<Fold>>) -> Self {
+        assert_eq!(folds.len(), columns * rows);
+        Self {
+            spacing,
+            columns,
+            rows,
+            folds,
+        }
+    }
+
     /// Columns and rows.
     pub fn size(&self) -> [usize; 2] {
         [self.columns, self.rows]

@@ -19,7 +19,9 @@
 //! | `search_all` | all folds at a gripper |
 //! | `stability` | the second variation |
 //! | `discrete` | the same with a discrete elastic rod |
+//! | `workspace` | where the gripper can be |
 //! | `manifold` | folds on a grid |
+//! | `neural` | folds by a network |
 //! | `graph_search` | paths over that grid |
 //! | `path` | the way of the gripper from the flat sheet to the crease |
 //! | `sliding` | how far the sheet slides on the way |
@@ -31,20 +33,24 @@ mod elastica;
 mod equilibrium;
 mod graph_search;
 mod manifold;
+mod neural;
 mod path;
 mod search_all;
 mod sheet;
 mod sliding;
 mod stability;
+mod workspace;
 
 pub use atlas::{FoldAtlas, solve_from};
 pub use elastica::Forces;
 pub use equilibrium::Fold;
 pub use graph_search::{Cell, Objective, uniform_cost_search};
 pub use manifold::{ForceManifold, ManifoldPoint};
+pub use neural::{LearnedFold, NeuralFoldError, NeuralFolds};
 pub use path::{FoldPath, Sheet, fold_path};
 pub use sheet::FoldedSheet;
 pub use sliding::sliding;
+pub use workspace::Workspace;
 
 use thiserror::Error;
 
