@@ -182,6 +182,144 @@ fn a_training_that_was_killed_at_its_start_begins_anew() {
     assert_eq!(done(folder, &SMALL)["status"], "finished");
 }
 
+/// Folds are learned by Adam along a cosine; the way of the gripper over the learned manifold is nearly the exact one.
+#[test]
+fn folds_are_learned_and_planned_with() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let scenario = "experiment = \"fold-samples\"
+[fold_samples]
+points = { kind = \"sobol\", count = 3000 }
+suspended_length = { from = 0.9, to = 4.7 }
+";
+    fs::write(folder.join("folds.toml"), scenario).unwrap();
+    done(folder, &["dataset", "folds.toml"]);
+    let table = fs::read_to_string(folder.join("results/folds/samples.csv")).unwrap();
+    assert_eq!(table.lines().count(), 3001);
+    let figure = fs::read_to_string(folder.join("results/folds/samples.svg")).unwrap();
+    assert!(figure.contains("<svg"));
+    let again = ["plot", "results/folds"];
+    done(folder, &again);
+
+    let train = [
+        "train",
+        "results/folds",
+        "--out",
+        "network",
+        "--hidden",
+        "64,64",
+        "--schedule",
+        "cosine",
+        "--most-epochs",
+        "60",
+        "--batch",
+        "32",
+        "--last-batch",
+        "128",
+        "--json",
+    ];
+    let trained = done(folder, &train);
+    assert_eq!(
+        (&trained["status"], &trained["epochs"]),
+        (&Value::from("finished"), &Value::from(60))
+    );
+    let rounds = fs::read_to_string(folder.join("network/training.csv")).unwrap();
+    let held_back = |row: &str| row.rsplit(',').next().unwrap().parse::<f64>().unwrap();
+    let (first, last) = (
+        rounds.lines().nth(1).unwrap(),
+        rounds.lines().last().unwrap(),
+    );
+    assert!(held_back(last) < 0.1 * held_back(first), "{first} {last}");
+
+    let model = "network/model.safetensors";
+    let others = [
+        "dataset",
+        "folds.toml",
+        "--set",
+        "fold_samples.points.first=5000",
+        "--set",
+        "fold_samples.points.count=500",
+        "--out",
+        "others",
+    ];
+    done(folder, &others);
+    let judged = done(folder, &["evaluate", model, "others", "--json"]);
+    let errors = judged["errors"].as_array().unwrap();
+    let named: Vec<&str> = errors
+        .iter()
+        .map(|error| error["quantity"].as_str().unwrap())
+        .collect();
+    assert_eq!(
+        named,
+        ["lambda", "alpha in rad", "suspended length in L_gb"]
+    );
+    assert!(errors[1]["mean"].as_f64().unwrap() < 0.05, "{judged}");
+
+    let letter = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/scenarios/papers/us_letter.toml"
+    );
+    let base = [
+        "plan", "fold", "--paper", letter, "--crease", "half", "--out", "plan",
+    ];
+    let exact = done(folder, &base);
+    let neural = [&base[..], &["--solver", "neural", "--model", model]].concat();
+    let learned = done(folder, &neural);
+    assert_eq!(
+        (&exact["solver"], &learned["solver"]),
+        (&Value::from("exact"), &Value::from("neural"))
+    );
+    let integral = |plan: &Value| plan["integral"].as_f64().unwrap();
+    assert!(integral(&learned) < 1.2 * integral(&exact), "{learned}");
+    assert!(integral(&learned) > 0.95 * integral(&exact), "{learned}");
+
+    // Sheets that it has not learned, networks of other things, and what does not go together.
+    fs::remove_dir_all(folder.join("plan")).unwrap();
+    let a4 = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/papers/a4.toml");
+    let mut other = neural.clone();
+    other[3] = a4;
+    let said = refused(folder, &other);
+    assert!(
+        said.contains("learned suspended lengths from 0.9") && said.contains("up to 6.18"),
+        "{said}"
+    );
+    let grasps = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/results/models/grasps.safetensors"
+    );
+    let mut other = neural.clone();
+    other[11] = grasps;
+    let said = refused(folder, &other);
+    assert!(
+        said.contains("is a model of `grasp-samples`; a model of `fold-samples`"),
+        "{said}"
+    );
+    let said = refused(folder, &["evaluate", grasps, "others"]);
+    assert!(
+        said.contains("a model of `fold-samples` is needed"),
+        "{said}"
+    );
+    for (more, why) in [
+        (&["--model", model][..], "--model is for --solver neural"),
+        (&["--solver", "neural"], "needs --model"),
+        (
+            &[
+                "--solver",
+                "neural",
+                "--model",
+                model,
+                "--objective",
+                "friction",
+            ],
+            "--objective friction is for --solver exact",
+        ),
+    ] {
+        let said = refused(folder, &[&base[..], more].concat());
+        assert!(said.contains(why), "{said}");
+    }
+    assert!(!folder.join("plan").exists());
+}
+
 #[test]
 fn what_is_no_sample_and_no_model_is_refused_by_name() {
     let folder = folder();
@@ -192,7 +330,7 @@ fn what_is_no_sample_and_no_model_is_refused_by_name() {
     );
     let said = refused(folder, &["dataset", scene]);
     assert!(
-        said.contains("makes no samples; those that do: grasp-samples"),
+        said.contains("makes no samples; those that do: grasp-samples, fold-samples"),
         "{said}"
     );
     assert!(refused(folder, &["train", ".", "--out", "n"]).contains("no results directory"));

@@ -13,6 +13,7 @@ Examples:
   rodlab dataset scenarios/deployment_dataset.toml
   rodlab dataset scenarios/deployment_dataset.toml --set grasp_samples.points.count=50000 --out results/many
   rodlab train results/deployment_dataset --out results/network
+  rodlab dataset scenarios/folding_dataset.toml
 
 The samples are a run like any other: it continues where it was interrupted, may be swept and submitted to a cluster.")]
 pub struct DatasetArguments {

@@ -46,6 +46,16 @@ pub fn evaluate(arguments: &EvaluateArguments) -> Result<(), Failure> {
     let input = |error: &dyn std::error::Error| Failure::Input(error.to_string());
     let model = read_model(&arguments.model, files.kind).map_err(|error| input(&error))?;
     let about = &model.about;
+    if about.inputs != files.columns.inputs || about.outputs != files.columns.outputs {
+        return Err(Failure::Input(format!(
+            "{} predicts {} from {}; needed here: {} from {}",
+            arguments.model.display(),
+            about.outputs.join(", "),
+            about.inputs.join(", "),
+            files.columns.outputs.join(", "),
+            files.columns.inputs.join(", ")
+        )));
+    }
     let samples = Samples::read_all(&files.files, &about.inputs, &about.outputs);
     let samples = samples.map_err(|error| input(&error))?;
     let covered = in_range(&model, &samples);
@@ -57,12 +67,7 @@ pub fn evaluate(arguments: &EvaluateArguments) -> Result<(), Failure> {
             arguments.model.display()
         )));
     }
-    let errors = errors_of(
-        &model,
-        &covered,
-        files.columns.vectors,
-        files.columns.ratios,
-    );
+    let errors = errors_of(&model, &covered, files.columns.compared);
     let errors = errors.map_err(|error| input(&error))?;
     if let Some(out) = &arguments.out {
         let figure = error_figure(&errors).svg(&Paper::default());

@@ -10,8 +10,8 @@ use crate::experiment::Crease;
 use crate::figure::Paper;
 use crate::plan::deployment::GripperPose;
 use crate::plan::fold::{
-    FoldAtlas, FoldPath, FoldedSheet, ForceManifold, Objective, PART_OF_FRICTION, fold_path,
-    held_path, sliding,
+    FoldAtlas, FoldPath, FoldedSheet, ForceManifold, NeuralFolds, Objective, PART_OF_FRICTION,
+    Sheet, fold_path, held_path, sliding,
 };
 use clap::{Args, ValueEnum};
 use serde::Serialize;
@@ -37,6 +37,12 @@ pub struct FoldPlanArguments {
     /// What the way of the gripper makes least
     #[arg(long, default_value = "sum")]
     objective: ObjectiveName,
+    /// Who knows the folds of the manifold over which the way is searched; those of the plan are exact in any case
+    #[arg(long, default_value = "exact")]
+    solver: SolverName,
+    /// The network of --solver neural: model.safetensors of `rodlab train`
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
     /// Static friction of the table that the demand is compared with [default: that in the sheet's file]
     #[arg(long, value_name = "FRICTION", value_parser = friction)]
     friction: Option<f64>,
@@ -56,6 +62,15 @@ enum ObjectiveName {
     Moment,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+enum SolverName {
+    /// The equations of the suspended sheet.
+    Exact,
+    /// A network.
+    Neural,
+}
+
 #[derive(Serialize)]
 struct Report {
     paper: String,
@@ -64,6 +79,7 @@ struct Report {
     target_m: f64,
     crease_m: f64,
     objective: ObjectiveName,
+    solver: SolverName,
     poses: usize,
     lifted_without_push: usize,
     grid_cost: f64,
@@ -88,6 +104,7 @@ struct Report {
 impl FoldPlanArguments {
     /// Plans, and writes trajectory, folds and figures.
     pub fn plan(&self) -> Result<(), Failure> {
+        let network = self.network()?;
         let file = PaperFile::read(&self.paper)?;
         let sheet = file.paper.sheet(self.crease);
         let target = file.paper.target(self.crease);
@@ -106,10 +123,7 @@ impl FoldPlanArguments {
                 &dimensionless,
                 PART_OF_FRICTION * friction,
             ),
-            _ => {
-                let longest = dimensionless.length.min(ForceManifold::LONGEST);
-                ForceManifold::new(&atlas, ForceManifold::SPACING, longest)
-            }
+            _ => self.manifold(network.as_ref(), &atlas, &dimensionless)?,
         };
         let optimal =
             |objective| fold_path(&atlas, &manifold, &dimensionless, target / unit, objective);
@@ -162,6 +176,7 @@ impl FoldPlanArguments {
             target_m: target,
             crease_m: 0.5 * target,
             objective: self.objective,
+            solver: self.solver,
             poses: poses.len(),
             lifted_without_push: path.lift,
             grid_cost: path.grid_cost,
@@ -182,6 +197,51 @@ impl FoldPlanArguments {
             duration_s: times.last().copied().unwrap_or(0.0),
             files,
         })
+    }
+
+    /// The network that knows the folds, if one does.
+    fn network(&self) -> Result<Option<NeuralFolds>, Failure> {
+        let refused = |why: &str| Err(Failure::Input(why.into()));
+        match (self.solver, self.objective, &self.model) {
+            (SolverName::Exact, _, None) => Ok(None),
+            (SolverName::Exact, _, Some(_)) => refused("--model is for --solver neural"),
+            (SolverName::Neural, ObjectiveName::Friction, _) => refused(
+                "--objective friction is for --solver exact: a network tells λ, but not how hard the sheet presses on the table",
+            ),
+            (SolverName::Neural, ObjectiveName::Moment, _) => refused(
+                "--objective moment is for --solver exact: a network knows folds without a moment",
+            ),
+            (SolverName::Neural, _, None) => refused(
+                "--solver neural needs --model, model.safetensors of `rodlab train` from samples of scenarios/folding_dataset.toml",
+            ),
+            (SolverName::Neural, _, Some(path)) => {
+                let network = NeuralFolds::read(path);
+                network
+                    .map(Some)
+                    .map_err(|error| Failure::Input(error.to_string()))
+            }
+        }
+    }
+
+    /// Folds without a moment, exact or by a network.
+    fn manifold(
+        &self,
+        network: Option<&NeuralFolds>,
+        atlas: &FoldAtlas,
+        sheet: &Sheet,
+    ) -> Result<ForceManifold, Failure> {
+        let longest = sheet.length.min(ForceManifold::LONGEST);
+        let Some(network) = network else {
+            return Ok(ForceManifold::new(atlas, ForceManifold::SPACING, longest));
+        };
+        let lengths = [sheet.least_suspended, longest];
+        let manifold = network.manifold(atlas, ForceManifold::SPACING, lengths);
+        manifold.map_err(|error| Failure::Input(format!("{}: {error}", self.model_name())))
+    }
+
+    fn model_name(&self) -> String {
+        let path = self.model.as_deref();
+        path.map_or_else(String::new, |path| path.display().to_string())
     }
 
     /// When the gripper passes its poses, s, from 0.

@@ -1,6 +1,7 @@
 //! What makes a kind of experiment: everything that the rest of the house asks of it.
 
 use crate::figure::Figure;
+use crate::learn::Compared;
 use crate::mechanics::scene::Scene;
 use crate::results::{FileDescription, ResultsError};
 use crate::run::PreparedRun;
@@ -120,7 +121,7 @@ impl Serialize for OwnNumbers {
 }
 
 /// Columns of a table of samples.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 pub struct SampleColumns {
     /// The table.
     pub file: &'static str,
@@ -128,10 +129,10 @@ pub struct SampleColumns {
     pub inputs: &'static [&'static str],
     /// Columns that it predicts; rows where they are empty are left out.
     pub outputs: &'static [&'static str],
-    /// Vectors among them whose errors are reported as lengths: quantity with unit, and columns.
-    pub vectors: &'static [(&'static str, &'static [&'static str])],
-    /// Outputs that are over an input: errors are reported of their products. Output and input.
-    pub ratios: &'static [(&'static str, &'static str)],
+    /// How much errors of each of these count; all alike where there are none.
+    pub weights: &'static [f64],
+    /// Quantities whose errors are told.
+    pub compared: &'static [Compared],
 }
 
 /// What `rodlab view` shows of a run.

@@ -9,7 +9,7 @@
 //! | `prepare` | from a scenario to a run: the common tables, then what its kind adds |
 //! | `probes` | what a scenario asks to be measured, in terms of its scene |
 //! | `derived` | numbers for `rodlab check` |
-//! | `scene`, `flagella`, `knot`, `helix`, `deployment`, `grasp_samples`, `folding` | the kinds |
+//! | `scene`, `flagella`, `knot`, `helix`, `deployment`, `grasp_samples`, `fold_samples`, `folding` | the kinds |
 
 #[cfg(test)]
 mod contact_tests;
@@ -17,6 +17,7 @@ pub(crate) mod deployment;
 mod derived;
 mod described;
 mod flagella;
+mod fold_samples;
 pub(crate) mod folding;
 mod grasp_samples;
 pub(crate) mod helix;
@@ -65,6 +66,7 @@ pub static KINDS: &[&dyn Kind] = &[
     &helix::stability::HelixStabilityKind,
     &deployment::DeploymentKind,
     &grasp_samples::GraspSamplesKind,
+    &fold_samples::FoldSamplesKind,
     &folding::FoldingKind,
 ];
 

@@ -35,6 +35,8 @@ pub struct Task<'a> {
     pub inputs: &'a [&'a str],
     /// Columns that shall come out.
     pub outputs: &'a [&'a str],
+    /// How much errors of each of these count; all alike where there are none.
+    pub weights: &'a [f64],
     /// How.
     pub plan: Plan,
     /// What it is trained on.
@@ -88,6 +90,8 @@ struct RecordedTask {
     kind: String,
     inputs: Vec<String>,
     outputs: Vec<String>,
+    #[serde(default)]
+    weights: Vec<f64>,
     /// BLAKE3 of the samples' files.
     samples_hash: String,
     plan: Plan,
@@ -185,6 +189,7 @@ pub fn train(
         kind: task.kind.to_owned(),
         inputs: owned(task.inputs),
         outputs: owned(task.outputs),
+        weights: task.weights.to_vec(),
         samples_hash: hash.finalize().to_hex().to_string(),
         plan: task.plan.clone(),
     };
@@ -206,6 +211,7 @@ pub fn train(
         task.plan.clone(),
         task.kind,
         names,
+        task.weights,
         &samples,
         task.processor,
     )?;

@@ -8,7 +8,7 @@ use serde::Serialize;
 /// Errors of a quantity over many samples, in its unit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Errors {
-    /// What is compared: an output, or a vector of several.
+    /// What is compared.
     pub quantity: String,
     /// Mean of the sizes.
     pub mean: f64,
@@ -23,41 +23,35 @@ pub struct Errors {
     pub sizes: Vec<f64>,
 }
 
-/// Compares a model with samples: the length of the difference of each vector, given by its name and columns; of `ratios`, which
-/// are outputs over an input, that of the products with the input counts.
+/// A quantity whose errors are told: a number or a vector that inputs and outputs give.
+#[derive(Clone, Copy, Debug)]
+pub struct Compared {
+    /// Its name, with its unit.
+    pub quantity: &'static str,
+    /// Its components by inputs and outputs; zeros where it has fewer than three.
+    pub components: fn(&[f64], &[f64]) -> [f64; 3],
+}
+
+/// Compares a model with samples: the length of the difference of each quantity.
 ///
 /// # Errors
 /// [`ModelError::Tensors`].
 pub fn evaluate(
     model: &Model,
     samples: &Samples,
-    vectors: &[(&str, &[&str])],
-    ratios: &[(&str, &str)],
+    compared: &[Compared],
 ) -> Result<Vec<Errors>, ModelError> {
     let predicted = model.predict(&samples.inputs)?;
     let width = samples.output_width;
-    let vectors = vectors.iter().map(|(quantity, columns)| {
-        let names = &model.about.outputs;
-        let input_of = |column: &str| {
-            let (_, input) = ratios.iter().find(|(output, _)| *output == column)?;
-            model.about.inputs.iter().position(|name| name == input)
-        };
-        let columns: Vec<(usize, Option<usize>)> = columns
-            .iter()
-            .filter_map(|column| {
-                let index = names.iter().position(|name| name == column)?;
-                Some((index, input_of(column)))
-            })
-            .collect();
+    let errors = compared.iter().map(|compared| {
         let size = |row: usize| {
-            let differences = columns.iter().map(|&(column, input)| {
-                let factor = input.map_or(1.0, |input| samples.input(row)[input]);
-                factor * (predicted[row * width + column] - samples.output(row)[column])
-            });
-            differences
-                .map(|difference| difference.powi(2))
-                .sum::<f64>()
-                .sqrt()
+            let of = |outputs: &[f64]| (compared.components)(samples.input(row), outputs);
+            let (found, exact) = (
+                of(&predicted[row * width..][..width]),
+                of(samples.output(row)),
+            );
+            let squares = found.iter().zip(&exact).map(|(a, b)| (a - b).powi(2));
+            squares.sum::<f64>().sqrt()
         };
         let sizes = (0..samples.rows()).map(|row| (size(row), row));
         let mut sizes: Vec<(f64, usize)> = sizes.collect();
@@ -65,7 +59,7 @@ pub fn evaluate(
         let last = sizes.last().copied();
         let sizes_only: Vec<f64> = sizes.iter().map(|(size, _)| *size).collect();
         Errors {
-            quantity: (*quantity).to_owned(),
+            quantity: compared.quantity.to_owned(),
             mean: sizes_only.iter().sum::<f64>() / sizes.len().max(1) as f64,
             percentile_95: sizes_only
                 .get((0.95 * sizes.len() as f64) as usize)
@@ -76,7 +70,7 @@ pub fn evaluate(
             sizes: sizes_only,
         }
     });
-    Ok(vectors.collect())
+    Ok(errors.collect())
 }
 
 /// How many samples have errors up to a size: a curve per quantity.

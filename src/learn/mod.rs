@@ -31,7 +31,7 @@ mod trainer;
 mod training;
 
 pub use directory::{Status, Task, Trained, TrainingError, train};
-pub use evaluation::{Errors, error_figure, evaluate};
+pub use evaluation::{Compared, Errors, error_figure, evaluate};
 pub use model::{About, Model, ModelError, read_model};
 pub use network::Network;
 pub use processor::Processor;
@@ -39,4 +39,4 @@ pub use samples::{Samples, SamplesError};
 pub use scaling::Scaling;
 pub use sobol::{MOST_DIMENSIONS, MOST_POINTS, sobol};
 pub use trainer::{FEWEST_SAMPLES, Standing, Trainer};
-pub use training::{Epoch, Method, Phase, Plan};
+pub use training::{Decay, Epoch, Method, Phase, Plan, Schedule};

@@ -50,6 +50,9 @@ pub struct About {
     pub output_scaling: Scaling,
     /// Least and largest value of each input that it was trained with.
     pub range: Vec<[f64; 2]>,
+    /// Least and largest value of each output; models of earlier versions do not say it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub output_range: Vec<[f64; 2]>,
     /// Where it came from: program, commit, number of samples, seed, errors.
     pub provenance: BTreeMap<String, String>,
 }
@@ -124,14 +127,15 @@ pub enum ModelError {
 }
 
 impl About {
-    /// A model of samples of a kind, with the standardisation and range of those it learns from.
+    /// A model of samples of a kind, with the standardisation and ranges of those it learns from, inputs first.
     pub fn new(
         samples: &str,
         names: [Vec<String>; 2],
         scalings: [Scaling; 2],
-        range: Vec<[f64; 2]>,
+        ranges: [Vec<[f64; 2]>; 2],
     ) -> Self {
         let [inputs, outputs] = names;
+        let [range, output_range] = ranges;
         let [input_scaling, output_scaling] = scalings;
         Self {
             kind: KIND.to_owned(),
@@ -142,6 +146,7 @@ impl About {
             input_scaling,
             output_scaling,
             range,
+            output_range,
             provenance: BTreeMap::new(),
         }
     }
@@ -162,6 +167,10 @@ impl About {
             Some("the standardisation does not belong to the columns".into())
         } else if self.range.len() != inputs || self.range.iter().any(|[from, to]| !(from <= to)) {
             Some("the range does not belong to the inputs".into())
+        } else if ![0, outputs].contains(&self.output_range.len())
+            || self.output_range.iter().any(|[from, to]| !(from <= to))
+        {
+            Some("the range of the outputs does not belong to them".into())
         } else {
             None
         }

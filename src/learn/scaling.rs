@@ -1,6 +1,5 @@
 //! Standardisation: what a network sees and says are numbers of size one.
 
-use super::Samples;
 use serde::{Deserialize, Serialize};
 
 /// Mean and standard deviation of each column (thesis Eq. 5.13).
@@ -8,7 +7,7 @@ use serde::{Deserialize, Serialize};
 pub struct Scaling {
     /// Mean of each column.
     pub mean: Vec<f64>,
-    /// Standard deviation of each column; 1 where a column does not vary.
+    /// Standard deviation of each column, over its weight; 1 where a column does not vary.
     pub deviation: Vec<f64>,
 }
 
@@ -38,6 +37,14 @@ impl Scaling {
         }
     }
 
+    /// The same with columns that count more where they have a larger weight; all count alike where there are none.
+    pub fn weighted(mut self, weights: &[f64]) -> Self {
+        for (deviation, weight) in self.deviation.iter_mut().zip(weights) {
+            *deviation /= weight;
+        }
+        self
+    }
+
     /// (x − mean)/deviation.
     pub fn standardised(&self, rows: &[f64]) -> Vec<f32> {
         let columns = self.mean.iter().zip(&self.deviation).cycle();
@@ -55,10 +62,10 @@ impl Scaling {
     }
 }
 
-/// Least and largest number of each column of inputs.
-pub fn range_of(samples: &Samples) -> Vec<[f64; 2]> {
-    let mut range = vec![[f64::INFINITY, f64::NEG_INFINITY]; samples.input_width];
-    for row in samples.inputs.chunks_exact(samples.input_width) {
+/// Least and largest number of each column.
+pub fn range_of(rows: &[f64], width: usize) -> Vec<[f64; 2]> {
+    let mut range = vec![[f64::INFINITY, f64::NEG_INFINITY]; width];
+    for row in rows.chunks_exact(width) {
         for (range, value) in range.iter_mut().zip(row) {
             *range = [range[0].min(*value), range[1].max(*value)];
         }

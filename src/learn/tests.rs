@@ -38,6 +38,7 @@ fn trainer(plan: &Plan) -> Trainer {
         plan.clone(),
         "smooth",
         names,
+        &[],
         &samples(1200, 0),
         Processor::Cpu,
     )
@@ -58,8 +59,16 @@ fn a_smooth_function_is_learned_from_its_values() {
     let errors = evaluate(
         &model,
         &others,
-        &[("both", &["to_1", "to_2"]), ("one", &["to_1"])],
-        &[],
+        &[
+            Compared {
+                quantity: "both",
+                components: |_, to| [to[0], to[1], 0.0],
+            },
+            Compared {
+                quantity: "one",
+                components: |_, to| [to[0], 0.0, 0.0],
+            },
+        ],
     )
     .unwrap();
     assert!(errors[0].mean < 0.03, "{errors:?}");
@@ -120,6 +129,95 @@ fn batches_grow_and_steps_shrink_from_phase_to_phase() {
     let batches: Vec<usize> = adam.iter().map(|phase| phase.batch).collect();
     assert_eq!(batches, [128, 256, 512, 1024, 2048]);
     assert!(adam.windows(2).all(|pair| pair[1].rate < pair[0].rate));
+}
+
+#[test]
+fn a_rate_falls_along_a_cosine_over_all_phases() {
+    let plan = Plan {
+        schedule: Schedule::Cosine,
+        batch: [128, 512],
+        rates: [4e-3, 1.0],
+        most_epochs: 100,
+        ..Plan::default()
+    };
+    let phases = plan.phases();
+    let decay = |phase: &Phase| phase.decay.unwrap();
+    let rounds: usize = phases.iter().map(|phase| decay(phase).rounds).sum();
+    assert_eq!((phases.len(), rounds), (3, 100));
+    assert!(phases.iter().all(|phase| phase.method == Method::Adam));
+    assert_eq!(phases[0].rate_after(0.0), 4e-3);
+    for pair in phases.windows(2) {
+        let end = pair[0].rate_after(decay(&pair[0]).rounds as f64);
+        assert!((end - pair[1].rate_after(0.0)).abs() < 1e-15);
+    }
+    // Half of it half way through, nothing at the end.
+    assert!((phases[1].rate_after(17.0) - 2e-3).abs() < 1e-15);
+    assert!(phases[2].rate_after(decay(&phases[2]).rounds as f64) < 1e-15);
+}
+
+#[test]
+fn along_a_cosine_as_many_rounds_are_trained_as_were_asked_for() {
+    let plan = Plan {
+        schedule: Schedule::Cosine,
+        most_epochs: 40,
+        ..plan()
+    };
+    let whole = trained(&plan);
+    assert_eq!(whole.epochs().len(), 40);
+    let first = whole.epochs()[0].held_back;
+    assert!(whole.least_error().unwrap() < 0.3 * first);
+
+    let mut stopped = trainer(&plan);
+    let standing =
+        stopped.train::<ModelError>(&mut |trainer| trainer.epochs().len() < 15, &mut |_| Ok(()));
+    assert_eq!(standing.unwrap(), Standing::Stopped);
+    let mut again = trainer(&plan);
+    let model = stopped.model(&[]).unwrap();
+    again
+        .resume(&model, stopped.epochs().to_vec(), stopped.next_phase())
+        .unwrap();
+    again
+        .train::<ModelError>(&mut |_| true, &mut |_| Ok(()))
+        .unwrap();
+    assert_eq!(again.epochs().len(), 40);
+}
+
+/// What counts more is learned better.
+#[test]
+fn weights_say_which_errors_matter() {
+    let plan = Plan {
+        schedule: Schedule::Cosine,
+        most_epochs: 15,
+        ..plan()
+    };
+    let names = ["from", "to"].map(|word| vec![format!("{word}_1"), format!("{word}_2")]);
+    let errors = |weights: &[f64]| {
+        let data = samples(1200, 0);
+        let mut trainer = Trainer::new(
+            plan.clone(),
+            "s",
+            names.clone(),
+            weights,
+            &data,
+            Processor::Cpu,
+        )
+        .unwrap();
+        trainer
+            .train::<ModelError>(&mut |_| true, &mut |_| Ok(()))
+            .unwrap();
+        let model = trainer.model(&[]).unwrap();
+        let one = |quantity, components| Compared {
+            quantity,
+            components,
+        };
+        let compared = [
+            one("first", |_, to| [to[0], 0.0, 0.0]),
+            one("second", |_, to| [to[1], 0.0, 0.0]),
+        ];
+        let errors = evaluate(&model, &samples(500, 5000), &compared).unwrap();
+        errors[0].mean / errors[1].mean
+    };
+    assert!(errors(&[10.0, 1.0]) < errors(&[1.0, 10.0]));
 }
 
 /// Gradients of the library against differences, through all layers.

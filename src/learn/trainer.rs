@@ -37,7 +37,8 @@ pub enum Standing {
 }
 
 impl Trainer {
-    /// Before the first phase. `names` are those of the columns of samples of a kind.
+    /// Before the first phase. `names` are those of the columns of samples of a kind; an error of an output of `weight` 2 counts like
+    /// one twice as large of another, and all count alike where there are no weights.
     ///
     /// # Errors
     /// [`ModelError::Tensors`]; [`ModelError::NoGpu`].
@@ -48,6 +49,7 @@ impl Trainer {
         plan: Plan,
         kind: &str,
         names: [Vec<String>; 2],
+        weights: &[f64],
         samples: &Samples,
         processor: Processor,
     ) -> Result<Self, ModelError> {
@@ -55,7 +57,7 @@ impl Trainer {
         assert!(samples.rows() >= FEWEST_SAMPLES, "too few samples to split");
         let [kept, held] = samples.split(HELD_BACK, plan.seed);
         let inputs = Scaling::of(&kept.inputs, kept.input_width);
-        let outputs = Scaling::of(&kept.outputs, kept.output_width);
+        let outputs = Scaling::of(&kept.outputs, kept.output_width).weighted(weights);
         let rows = |samples: &Samples| -> candle_core::Result<Rows> {
             let tensor =
                 |numbers, width| Tensor::from_vec(numbers, (samples.rows(), width), &device);
@@ -73,7 +75,15 @@ impl Trainer {
         Ok(Self {
             best: network.snapshot()?,
             network,
-            about: About::new(kind, names, [inputs, outputs], range_of(samples)),
+            about: About::new(
+                kind,
+                names,
+                [inputs, outputs],
+                [
+                    range_of(&samples.inputs, samples.input_width),
+                    range_of(&samples.outputs, samples.output_width),
+                ],
+            ),
             plan,
             training,
             held_back,
@@ -137,6 +147,8 @@ impl Trainer {
                 let network = self.network.clone();
                 let (training, held_back) = (self.training.clone(), self.held_back.clone());
                 let patience = self.plan.patience_of(phase);
+                let done = self.epochs.iter().filter(|epoch| epoch.phase == index);
+                let done = done.count();
                 let mut told = |error: f64, held_back: f64, best: &Network| {
                     self.best = best.clone();
                     self.epochs.push(Epoch {
@@ -151,6 +163,7 @@ impl Trainer {
                     &network,
                     phase,
                     patience,
+                    done,
                     &training,
                     &held_back,
                     &mut random,

@@ -1,5 +1,5 @@
-//! Training: the mean absolute error of standardised outputs, made small by Adam and stochastic gradient descent in turns,
-//! with batches that grow (thesis 5.3.5).
+//! Training: the mean absolute error of standardised outputs, made small by Adam and stochastic gradient descent in turns
+//! (thesis 4.3.4 and 5.3.5) or by Adam alone with steps that shrink along a cosine, with batches that grow.
 
 use super::network::Network;
 use super::samples::shuffle;
@@ -18,7 +18,10 @@ pub struct Plan {
     pub seed: u64,
     /// Batches at first and at last; they are doubled in between.
     pub batch: [usize; 2],
-    /// Rates of Adam with the first and with the last batch.
+    /// How the steps get smaller.
+    #[serde(default)]
+    pub schedule: Schedule,
+    /// Rates of Adam with the first and with the last batch; along a cosine only the first, from which it falls to zero.
     pub rates: [f64; 2],
     /// Rounds over all samples without a lower error of those held back after which the method changes.
     pub patience: usize,
@@ -32,11 +35,24 @@ impl Default for Plan {
             hidden: vec![392; 4],
             seed: 0,
             batch: [128, 2048],
+            schedule: Schedule::default(),
             rates: [1e-3, 1e-5],
             patience: 30,
             most_epochs: 2000,
         }
     }
+}
+
+/// How the steps of a training get smaller.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Schedule {
+    /// With each size of batches, Adam and gradient descent each until the error no longer falls.
+    #[default]
+    Plateau,
+    /// Adam for all rounds that there may be, with a rate that falls to zero along half a wave of a cosine (Loshchilov and Hutter
+    /// 2017), and as many rounds with each size of batches.
+    Cosine,
 }
 
 /// What makes the error small.
@@ -55,8 +71,31 @@ pub struct Phase {
     pub method: Method,
     /// Samples in a batch.
     pub batch: usize,
-    /// Size of its steps.
+    /// Size of its steps, or of the first of the schedule.
     pub rate: f64,
+    /// How they shrink; they do not where there is none, and the phase ends when the error no longer falls.
+    pub decay: Option<Decay>,
+}
+
+/// A part of a half wave of a cosine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Decay {
+    /// Rounds of the phase.
+    pub rounds: usize,
+    /// Where in the half wave it begins and ends, from 0 to 1.
+    pub parts: [f64; 2],
+}
+
+impl Phase {
+    /// Size of the steps after so many rounds of the phase.
+    pub fn rate_after(&self, rounds: f64) -> f64 {
+        let Some(decay) = &self.decay else {
+            return self.rate;
+        };
+        let [from, to] = decay.parts;
+        let part = from + (to - from) * rounds / decay.rounds.max(1) as f64;
+        0.5 * self.rate * (1.0 + libm::cos(std::f64::consts::PI * part))
+    }
 }
 
 /// A round over all samples.
@@ -79,10 +118,24 @@ impl Plan {
         }
     }
 
-    /// Adam, then gradient descent, for each size of batches.
+    /// For each size of batches Adam, then gradient descent; or Adam along the cosine.
     pub fn phases(&self) -> Vec<Phase> {
         let [first, last] = self.batch;
         let doublings = (last / first.max(1)).max(1).ilog2();
+        if self.schedule == Schedule::Cosine {
+            let begin = |size: usize| size * self.most_epochs / (doublings as usize + 1);
+            let phases = (0..=doublings as usize).map(|size| Phase {
+                method: Method::Adam,
+                batch: first << size,
+                rate: self.rates[0],
+                decay: Some(Decay {
+                    rounds: begin(size + 1) - begin(size),
+                    parts: [size, size + 1]
+                        .map(|size| begin(size) as f64 / self.most_epochs.max(1) as f64),
+                }),
+            });
+            return phases.collect();
+        }
         let rate = |doubling: u32| {
             let part = f64::from(doubling) / f64::from(doublings.max(1));
             self.rates[0] * libm::pow(self.rates[1] / self.rates[0], part)
@@ -95,6 +148,7 @@ impl Plan {
                     method,
                     batch,
                     rate,
+                    decay: None,
                 };
                 [
                     phase(Method::Adam, rate(doubling)),
@@ -155,14 +209,23 @@ impl Descent {
             Self::Gradient(method) => method.backward_step(error),
         }
     }
+
+    fn set_rate(&mut self, rate: f64) {
+        match self {
+            Self::Adam(method) => method.set_learning_rate(rate),
+            Self::Gradient(method) => method.set_learning_rate(rate),
+        }
+    }
 }
 
-/// Trains a network for a phase, which ends with the weights that served the samples held back best; `told` hears of each
-/// round, with both errors and the best network so far, and says whether to go on.
+/// Trains a network for a phase, of which some rounds may be done, and which ends with the weights that served the samples held back
+/// best; `told` hears of each round, with both errors and the best network so far, and says whether to go on.
+#[allow(clippy::too_many_arguments)]
 pub fn train_phase(
     network: &Network,
     phase: &Phase,
     patience: usize,
+    done: usize,
     training: &Rows,
     held_back: &Rows,
     random: &mut Pcg64,
@@ -174,11 +237,17 @@ pub fn train_phase(
     let count = training.inputs.dim(0)?;
     let mut order: Vec<u32> = (0..count as u32).collect();
     let mut since = 0;
-    while since < patience {
+    let mut done = done;
+    while phase
+        .decay
+        .map_or(since < patience, |decay| done < decay.rounds)
+    {
         shuffle(&mut order, random);
         let device: &Device = training.inputs.device();
         let mut sum = 0.0;
-        for rows in order.chunks(phase.batch) {
+        for (step, rows) in order.chunks(phase.batch).enumerate() {
+            let round = (step * phase.batch) as f64 / count as f64;
+            descent.set_rate(phase.rate_after(done as f64 + round));
             let chosen = training.chosen(&Tensor::new(rows, device)?)?;
             let error = chosen.mean_absolute_error(network)?;
             descent.step(&error)?;
@@ -186,6 +255,7 @@ pub fn train_phase(
         }
         let held = error_of(network)?;
         since += 1;
+        done += 1;
         if held < best.0 {
             // Small gains do not keep a phase alive.
             if held < 0.998 * best.0 {

@@ -59,6 +59,7 @@ const EXPERIMENT: Table = &[
     ("helix", &["kind"]),
     ("deployment", &["kind", "prepare"]),
     ("grasp_samples", &["kind"]),
+    ("fold_samples", &["kind"]),
     ("kind", &[]),
 ];
 

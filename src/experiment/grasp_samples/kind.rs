@@ -102,18 +102,8 @@ impl Kind for GraspSamplesKind {
             file: SAMPLES,
             inputs: &NeuralGrasps::INPUTS,
             outputs: &NeuralGrasps::OUTPUTS,
-            vectors: &[
-                ("position in L_gb", &["x", "y_per_curvature", "drop"]),
-                (
-                    "rotation in rad",
-                    &[
-                        "rotation_x_per_curvature",
-                        "rotation_y",
-                        "rotation_z_per_curvature",
-                    ],
-                ),
-            ],
-            ratios: &NeuralGrasps::RATIOS,
+            weights: &[],
+            compared: &NeuralGrasps::COMPARED,
         })
     }
 }

@@ -36,12 +36,7 @@ impl FoldAtlas {
         while let Some(free) = freely {
             folds.push(free);
             for direction in [-1.0, 1.0] {
-                folds.extend(Angles {
-                    last: free,
-                    before: free,
-                    direction,
-                    step: ANGLE,
-                });
+                folds.extend(angles_from(free, direction));
             }
             if length >= LENGTHS[1] {
                 break;
@@ -142,7 +137,7 @@ pub fn solve_from(start: &Fold, gripper: [f64; 2]) -> Option<Fold> {
 }
 
 /// The fold without a push that is longer.
-fn lengthened(fold: Fold, length: f64) -> Option<Fold> {
+pub(super) fn lengthened(fold: Fold, length: f64) -> Option<Fold> {
     const STEP: f64 = 0.1;
     let mut free = fold;
     while free.suspended_length < length {
@@ -155,6 +150,17 @@ fn lengthened(fold: Fold, length: f64) -> Option<Fold> {
         };
     }
     Some(free)
+}
+
+/// Folds of one suspended length from the one without a push on, to smaller angles (-1) until the sheet is pulled taut, or to larger
+/// ones (1) until its edge is back on the table: the last one is beyond.
+pub(super) fn angles_from(free: Fold, direction: f64) -> impl Iterator<Item = Fold> {
+    Angles {
+        last: free,
+        before: free,
+        direction,
+        step: ANGLE,
+    }
 }
 
 /// Folds of one suspended length, one angle after the other.
@@ -206,7 +212,7 @@ impl Iterator for Angles {
 }
 
 /// Whether a fold may be of the same family as another: not far in length, angle and forces.
-fn is_near(fold: &Fold, last: &Fold) -> bool {
+pub(super) fn is_near(fold: &Fold, last: &Fold) -> bool {
     let length = libm::log(fold.suspended_length / last.suspended_length).abs();
     let turn = (fold.angle - last.angle).abs();
     let unit = last.suspended_length.powi(2);

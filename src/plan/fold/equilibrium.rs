@@ -183,6 +183,12 @@ impl Fold {
         (self.forces.horizontal / self.forces.vertical).abs()
     }
 
+    /// arctan(H/|V|), rad: how far the force on the lying part is inclined from the vertical; positive where the sheet is pulled. λ is
+    /// the size of its tangent.
+    pub fn force_inclination(&self) -> f64 {
+        libm::atan(self.forces.horizontal / self.forces.vertical.abs())
+    }
+
     /// Least coefficient of friction that holds a sheet of total length L̄: the lying rest of it presses on the table, too,
     ///
     /// > |F_x| / (|F_z| + (L̄ − l̄_s)/2)

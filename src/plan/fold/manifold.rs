@@ -59,14 +59,20 @@ impl ForceManifold {
         }
     }
 
-    /// A grid on which no fold is known.
-    pub(super) fn without_folds(spacing: f64, [columns, rows]: [usize; 2]) -> Self {
+    /// Folds found elsewhere, row by row.
+    pub(super) fn of(spacing: f64, [columns, rows]: [usize; 2], folds: Vec<Option<Fold>>) -> Self {
+        assert_eq!(folds.len(), columns * rows);
         Self {
             spacing,
             columns,
             rows,
-            folds: vec![None; columns * rows],
+            folds,
         }
+    }
+
+    /// A grid on which no fold is known.
+    pub(super) fn without_folds(spacing: f64, [columns, rows]: [usize; 2]) -> Self {
+        Self::of(spacing, [columns, rows], vec![None; columns * rows])
     }
 
     /// Whether the grid has a cell.

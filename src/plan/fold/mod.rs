@@ -19,7 +19,9 @@
 //! | `search_all` | all folds at a gripper |
 //! | `stability` | the second variation |
 //! | `discrete` | the same with a discrete elastic rod |
+//! | `workspace` | where the gripper can be |
 //! | `manifold` | folds on a grid |
+//! | `neural` | folds by a network |
 //! | `graph_search` | paths over that grid |
 //! | `held` | folds and ways with a moment at the gripper, where friction is scarce |
 //! | `path` | the way of the gripper from the flat sheet to the crease |
@@ -37,6 +39,7 @@ mod equilibrium;
 mod graph_search;
 mod held;
 mod manifold;
+mod neural;
 mod path;
 mod planner;
 mod pose;
@@ -44,6 +47,7 @@ mod search_all;
 mod sheet;
 mod sliding;
 mod stability;
+mod workspace;
 
 pub use atlas::{FoldAtlas, solve_from};
 pub use elastica::Forces;
@@ -51,11 +55,13 @@ pub use equilibrium::Fold;
 pub use graph_search::{Cell, Objective, uniform_cost_search};
 pub use held::held_path;
 pub use manifold::{ForceManifold, ManifoldPoint};
+pub use neural::{LearnedFold, NeuralFoldError, NeuralFolds};
 pub use path::{FoldPath, Sheet, fold_path};
 pub use planner::{Algorithm, FoldPlanner, PART_OF_FRICTION};
 pub use pose::FoldPose;
 pub use sheet::FoldedSheet;
 pub use sliding::sliding;
+pub use workspace::Workspace;
 
 use thiserror::Error;
 

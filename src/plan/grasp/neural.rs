@@ -6,7 +6,7 @@
 //! exactly.
 
 use super::{GraspProblem, Vector3};
-use crate::learn::{Model, ModelError, read_model};
+use crate::learn::{Compared, Model, ModelError, read_model};
 use crate::mechanics::{UnitQuaternion, rotation};
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
@@ -77,11 +77,16 @@ impl NeuralGrasps {
         "rotation_y",
         "rotation_z_per_curvature",
     ];
-    /// Those that are over an input, with it.
-    pub const RATIOS: [(&str, &str); 3] = [
-        ("y_per_curvature", "curvature"),
-        ("rotation_x_per_curvature", "curvature"),
-        ("rotation_z_per_curvature", "curvature"),
+    /// Quantities whose errors are told: what is over the curvature is multiplied with it.
+    pub const COMPARED: [Compared; 2] = [
+        Compared {
+            quantity: "position in L_gb",
+            components: |input, output| [output[0], input[1] * output[1], output[2]],
+        },
+        Compared {
+            quantity: "rotation in rad",
+            components: |input, output| [input[1] * output[3], output[4], input[1] * output[5]],
+        },
     ];
 
     /// The network that comes with the program: `results/models/grasps.safetensors`, made by `rodlab dataset

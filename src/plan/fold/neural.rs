@@ -1,0 +1,213 @@
+//! Folds by a network that has learned them from exact ones (thesis 4.3.4), and the force manifold that it gives (4.4.1).
+//!
+//! It sees x̄ and z̄, and answers with α, l̄_s and the inclination of the force on the lying part, arctan(H/|V|), whose tangent is λ with
+//! a sign: smooth where λ has its kink, and bounded where λ is not.
+
+use super::atlas::FoldAtlas;
+use super::elastica::Forces;
+use super::equilibrium::Fold;
+use super::manifold::ForceManifold;
+use super::workspace::Workspace;
+use crate::learn::{Compared, Model, ModelError, read_model};
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// A trained network for folds.
+#[derive(Clone, Debug)]
+pub struct NeuralFolds {
+    model: Model,
+    /// Suspended lengths of its samples, L_gb.
+    lengths: [f64; 2],
+}
+
+/// What a network says of a fold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LearnedFold {
+    /// arctan(H/|V|), rad.
+    pub force_inclination: f64,
+    /// α, rad.
+    pub angle: f64,
+    /// l̄_s.
+    pub suspended_length: f64,
+}
+
+impl LearnedFold {
+    /// λ.
+    pub fn force_ratio(&self) -> f64 {
+        libm::tan(self.force_inclination).abs()
+    }
+}
+
+/// Why there is no network for folds.
+#[derive(Debug, Error)]
+pub enum NeuralFoldError {
+    /// It is no model, or fails.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// It has learned other columns.
+    #[error("{path} predicts {found} from {from}; needed here: {outputs} from {inputs}", outputs = NeuralFolds::OUTPUTS.join(", "), inputs = NeuralFolds::INPUTS.join(", "))]
+    Columns {
+        /// The file.
+        path: PathBuf,
+        /// Its outputs.
+        found: String,
+        /// Its inputs.
+        from: String,
+    },
+    /// It does not say what folds it has learned, or there are none like them.
+    #[error("{0} does not say which suspended lengths it has learned: train it again")]
+    Lengths(PathBuf),
+    /// It has learned no such sheets.
+    #[error(
+        "the network has learned suspended lengths from {:.3} to {:.3} L_gb; needed here: up to {longest:.3}, and {least:.3} and more",
+        learned[0], learned[1]
+    )]
+    OutOfRange {
+        /// Suspended lengths of its samples, L_gb.
+        learned: [f64; 2],
+        /// Least suspended length of the sheet.
+        least: f64,
+        /// Longest suspended length of the manifold.
+        longest: f64,
+    },
+}
+
+impl NeuralFolds {
+    /// The kind of samples that it learns from.
+    pub const SAMPLES: &str = "fold-samples";
+    /// Columns of samples that it sees.
+    pub const INPUTS: [&str; 2] = ["x", "z"];
+    /// Columns that it predicts.
+    pub const OUTPUTS: [&str; 3] = ["force_inclination", "alpha", "suspended_length"];
+    /// How much their errors count: standardised, those of α and l̄_s would be the larger ones in their units.
+    pub const WEIGHTS: [f64; 3] = [1.0, 1.5, 2.0];
+    /// Quantities whose errors are told.
+    pub const COMPARED: [Compared; 3] = [
+        Compared {
+            quantity: "lambda",
+            components: |_, output| [libm::tan(output[0]).abs(), 0.0, 0.0],
+        },
+        Compared {
+            quantity: "alpha in rad",
+            components: |_, output| [output[1], 0.0, 0.0],
+        },
+        Compared {
+            quantity: "suspended length in L_gb",
+            components: |_, output| [output[2], 0.0, 0.0],
+        },
+    ];
+
+    /// Reads a model.
+    ///
+    /// # Errors
+    /// See [`NeuralFoldError`].
+    pub fn read(path: &Path) -> Result<Self, NeuralFoldError> {
+        Self::of(path, read_model(path, Self::SAMPLES)?)
+    }
+
+    fn of(path: &Path, model: Model) -> Result<Self, NeuralFoldError> {
+        if model.about.inputs != Self::INPUTS || model.about.outputs != Self::OUTPUTS {
+            return Err(NeuralFoldError::Columns {
+                path: path.to_owned(),
+                found: model.about.outputs.join(", "),
+                from: model.about.inputs.join(", "),
+            });
+        }
+        let lengths = model.about.output_range.get(2).copied();
+        let lengths = lengths.ok_or_else(|| NeuralFoldError::Lengths(path.to_owned()))?;
+        Ok(Self { model, lengths })
+    }
+
+    /// The model.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// A fold for each place within the range of the samples, `None` for the others.
+    ///
+    /// # Errors
+    /// [`ModelError::Tensors`].
+    pub fn predict(&self, places: &[[f64; 2]]) -> Result<Vec<Option<LearnedFold>>, ModelError> {
+        let covered = |place: &&[f64; 2]| self.model.covers(&place[..]);
+        let inputs: Vec<f64> = places.iter().filter(covered).flatten().copied().collect();
+        let outputs = self.model.predict(&inputs)?;
+        let mut outputs = outputs.chunks_exact(Self::OUTPUTS.len());
+        let folds = places.iter().map(|place| {
+            let output = covered(&place).then(|| outputs.next()).flatten()?;
+            Some(LearnedFold {
+                force_inclination: output[0],
+                angle: output[1],
+                suspended_length: output[2],
+            })
+        });
+        Ok(folds.collect())
+    }
+
+    /// The manifold by the network (thesis sec. 4.4.1), of a sheet whose suspended length is between `least` and `longest`: at every cell
+    /// of the grid within the workspace that the network has learned. It tells λ, but not V, which is that of the nearest fold of the
+    /// atlas; so the manifold is for [`Objective::Sum`](super::Objective::Sum).
+    ///
+    /// # Errors
+    /// [`NeuralFoldError::OutOfRange`]; [`ModelError::Tensors`].
+    pub fn manifold(
+        &self,
+        atlas: &FoldAtlas,
+        spacing: f64,
+        [least, longest]: [f64; 2],
+    ) -> Result<ForceManifold, NeuralFoldError> {
+        let [from, to] = self.lengths;
+        let out_of_range = || NeuralFoldError::OutOfRange {
+            learned: self.lengths,
+            least,
+            longest,
+        };
+        let longest_learned = longest.min(to);
+        // Samples do not lie on the border of their workspace.
+        if least < from || longest > MARGIN * to {
+            return Err(out_of_range());
+        }
+        let from = from.max(Workspace::LENGTHS[0]);
+        let workspace = Workspace::new([from, longest_learned]).ok_or_else(out_of_range)?;
+        let [columns, rows] = workspace
+            .reach()
+            .map(|reach| (reach / spacing).ceil() as usize);
+        let place = |index: usize| (index as f64 + 0.5) * spacing;
+        let places: Vec<[f64; 2]> = (0..rows)
+            .flat_map(|row| (0..columns).map(move |column| [place(column), place(row)]))
+            .collect();
+        let learned = self.predict(&places)?;
+        let folds = places.par_iter().zip(&learned).map(|(place, learned)| {
+            let learned = learned.filter(|_| workspace.contains(*place))?;
+            Some(fold(*place, &learned, atlas))
+        });
+        let folds = folds.collect();
+        Ok(ForceManifold::of(spacing, [columns, rows], folds))
+    }
+}
+
+/// Longest suspended length that is asked for over the longest of the samples.
+const MARGIN: f64 = 1.01;
+
+/// What the network says at a place, with V of the nearest exact fold, by distance over that from where the edge lay.
+fn fold(gripper: [f64; 2], learned: &LearnedFold, atlas: &FoldAtlas) -> Fold {
+    let distance = |fold: &Fold| {
+        let [x, z] = fold.gripper;
+        libm::hypot(gripper[0] - x, gripper[1] - z) / libm::hypot(x, z)
+    };
+    let nearest = atlas
+        .folds()
+        .iter()
+        .min_by(|one, other| distance(one).total_cmp(&distance(other)));
+    let vertical = nearest.map_or(-1.0, |fold| fold.forces.vertical);
+    Fold {
+        gripper,
+        angle: learned.angle,
+        suspended_length: learned.suspended_length,
+        forces: Forces {
+            horizontal: vertical.abs() * libm::tan(learned.force_inclination),
+            vertical,
+        },
+        moment: 0.0,
+    }
+}
