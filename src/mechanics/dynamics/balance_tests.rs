@@ -221,3 +221,37 @@ fn weight_acts_over_six_decades_of_stiffness_length_density_and_gravity() {
         "{worst:?}"
     );
 }
+
+/// Found in a random scene: one correction leaves a residual of a millionth of EI/L², which the forces that turn a slow, stiff
+/// rod do not reach. It gained 7 % of its energy in sixty steps in which it lost 10 %.
+#[test]
+fn a_stiff_rod_that_turns_slowly_loses_as_much_energy_as_a_fast_one() {
+    // What implicit Euler takes of a rigid rod depends on nothing but the angle by which it turns within a step.
+    let angle = 0.03;
+    let rod = Round {
+        youngs_modulus: 7.7e8,
+        density: 1000.0,
+        radius: 3.4e-3,
+        length: 0.12,
+        edges: 16,
+    };
+    let kept = [0.03, 0.1, 0.3, 1.0, 3.0].map(|spin: f64| {
+        let mut scene = rod.scene(false, 0.0);
+        scene.loads.clear();
+        scene.rods[0].angular_velocity = Vector3::z() * spin;
+        let mut simulation = Simulation::new(&scene, &fixed(angle / spin)).unwrap();
+        let start = simulation.energies().total();
+        let mut last = start;
+        for _ in 0..60 {
+            simulation.advance(f64::INFINITY).unwrap();
+            let now = simulation.energies().total();
+            assert!(now < last, "{spin} rad/s: {now:e} after {last:e}");
+            last = now;
+        }
+        last / start
+    });
+    println!("{kept:?}");
+    for kept_of_one in kept {
+        assert!((kept_of_one - kept[4]).abs() < 1e-4, "{kept:?}");
+    }
+}

@@ -15,13 +15,24 @@ pub(super) enum Failure {
     Penetration { iterations: usize, overlap: Overlap },
     /// No contact forces obey the laws of Signorini and Coulomb, or none were found.
     NoContactForces { iterations: usize },
-    /// Contact forces would bring energy.
-    Work { iterations: usize, work: f64 },
+    /// Forces would bring energy, J.
+    Work {
+        iterations: usize,
+        forces: Forces,
+        work: f64,
+    },
     /// Where the motion leads, or must lead, surfaces would cross.
     Crossing {
         iterations: usize,
         crossing: Crossing,
     },
+}
+
+/// What forces would bring energy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Forces {
+    Contact,
+    Elastic,
 }
 
 /// How a motion would lead surfaces across each other.
@@ -76,6 +87,12 @@ impl Failure {
             }
             Self::Penetration { .. } => "try smaller steps, or contact.model = \"ipc\"",
             Self::NoContactForces { .. } => "try contact.model = \"imc\" or \"ipc\"",
+            Self::Work {
+                forces: Forces::Elastic,
+                ..
+            } => {
+                "rods that turn need steps in which they turn by a tenth of a radian; step = \"auto\" finds them"
+            }
             Self::Work { .. } | Self::Crossing { .. } => {
                 "impacts need steps in which nodes move by about a radius; step = \"auto\" finds them"
             }
@@ -122,10 +139,16 @@ impl fmt::Display for Failure {
             Self::NoContactForces { .. } => {
                 formatter.write_str("no contact forces obey the laws of Signorini and Coulomb")
             }
-            Self::Work { work, .. } => write!(
-                formatter,
-                "rods slide so far around each other within a step that contact forces bring {work:.3e} J"
-            ),
+            Self::Work { forces, work, .. } => match forces {
+                Forces::Contact => write!(
+                    formatter,
+                    "rods slide so far around each other within a step that contact forces bring {work:.3e} J"
+                ),
+                Forces::Elastic => write!(
+                    formatter,
+                    "rods turn so far within a step that elastic forces bring {work:.3e} J"
+                ),
+            },
             Self::Crossing { crossing, .. } => crossing.fmt(formatter),
         }
     }

@@ -59,6 +59,8 @@ mod inertia_tests;
 #[cfg(test)]
 mod intervene_tests;
 #[cfg(test)]
+mod parallel_tests;
+#[cfg(test)]
 mod path_tests;
 #[cfg(test)]
 mod test_log;

@@ -81,6 +81,8 @@ impl Newton {
         let mut is_corrected = false;
         // Whether the last one, made whole, changed no more than last digits.
         let mut is_exhausted = false;
+        // Whether what the last one leaves is to be corrected although it is small, which is done once.
+        let (mut leaves_work, mut is_refined) = (false, false);
         let mut largest_imbalance = 0.0_f64;
         let carries = system.uses_multipliers();
         let limit = if carries {
@@ -98,8 +100,8 @@ impl Newton {
                 ratio, residual, ..
             } = imbalance;
             trace!(iteration, residual, ratio, last_move, "Newton iteration");
-            let is_solved =
-                is_exhausted || imbalance.is_balanced() && last_move <= stopping.displacement;
+            let is_solved = is_exhausted
+                || imbalance.is_balanced() && last_move <= stopping.displacement && !leaves_work;
             if is_solved && (is_corrected || system.is_balanced_as_predicted(unknowns, Some(stage)))
             {
                 return Ok(iteration);
@@ -151,13 +153,14 @@ impl Newton {
             is_exhausted = stopping.ends_at_last_digits
                 && longest == 1.0
                 && are_last_digits(&self.direction, unknowns);
-            if is_exhausted
-                || is_corrected
-                    && system.imbalance().is_balanced()
-                    && last_move <= stopping.displacement
-            {
+            let is_balanced = is_corrected
+                && system.imbalance().is_balanced()
+                && last_move <= stopping.displacement;
+            leaves_work = is_balanced && !is_refined && system.residual_does_work(unknowns, stage);
+            if is_exhausted || is_balanced && !leaves_work {
                 continue;
             }
+            is_refined |= leaves_work;
             let after = Progress::of(system, &self.direction);
             system.set_moved_slightly(last_move <= SLIGHT_MOVE * stopping.radius);
             system.linearize(unknowns, Some(stage));

@@ -1,9 +1,9 @@
 //! One attempt at a step: the implicit stage with its predictor, Newton's method and contact.
 
 use super::drag::FluidDrag;
-use super::failure::{Crossing, Failure};
+use super::failure::{Crossing, Failure, Forces};
 use super::newton::{Newton, Stopping};
-use super::parameters::{IntegrationParameters, StepSize};
+use super::parameters::{IntegrationParameters, Scheme, StepSize};
 use super::scheme::{Prediction, SolvedStep};
 use super::state::State;
 use crate::mechanics::fluid::FluidError;
@@ -261,7 +261,7 @@ impl Workspace {
     }
 
     /// Certifies the step that ends at the trial: no surfaces overlap there beyond the bound, none have passed through
-    /// each other on the way, and contact forces have brought no energy.
+    /// each other on the way, and neither contacts nor, with implicit Euler, elastic forces have brought energy.
     fn certify(
         &self,
         setting: &Setting,
@@ -288,16 +288,27 @@ impl Workspace {
                 crossing,
             });
         }
-        let work = if system.has_constraints() {
-            system.work_of_constraints(&self.stage, trial)
-        } else if is_evaluated {
-            system.work_of_contact(&self.stage, trial)
-        } else {
-            None
-        };
-        match work {
+        let of_contact = (is_evaluated || system.has_constraints())
+            .then(|| system.work_of_contact(&self.stage, trial))
+            .flatten();
+        if let Some(work) = of_contact {
+            let forces = Forces::Contact;
+            return Err(Failure::Work {
+                iterations,
+                forces,
+                work,
+            });
+        }
+        let of_elasticity = (setting.parameters.scheme == Scheme::ImplicitEuler)
+            .then(|| system.work_of_elasticity(&self.stage, trial))
+            .flatten();
+        match of_elasticity {
             None => Ok(()),
-            Some(work) => Err(Failure::Work { iterations, work }),
+            Some(work) => Err(Failure::Work {
+                iterations,
+                forces: Forces::Elastic,
+                work,
+            }),
         }
     }
 

@@ -9,6 +9,9 @@
 //! configuration that no correction has touched counts as balanced only where the residual at every unknown is small
 //! against what acts there itself ([`System::is_balanced_as_predicted`]).
 //!
+//! In a time step a rod may turn besides, and that is not linear. What one correction leaves of forces that turn with it may
+//! do work that counts beside the energy of a slow motion, and is corrected once more ([`System::residual_does_work`]).
+//!
 //! No residual can be asked to be smaller than what the last digits of the unknowns leave in elastic forces, and in a
 //! time step in inertia and in friction, whose slip is the difference of two positions over the step.
 
@@ -22,6 +25,9 @@ const ROUNDINGS: f64 = 8.0;
 /// What residual contact by complementarity leaves of its forces: some millionths, for the compliance by which contacts
 /// that do the same work share them. A rod that sticks must not creep by it.
 const RIGID_CONTACT: f64 = 1e-5;
+
+/// Work of what is left of the residual that counts as none, of the energy of a rod: such works of many steps add up.
+const NEGLIGIBLE_WORK: f64 = 1e-5;
 
 /// What of its residual counts as none for one rod.
 #[derive(Clone, Copy, Debug, Default)]
@@ -232,6 +238,36 @@ impl System {
                 tolerance * largest
             };
             weight * self.residual[k].abs() <= allowed
+        })
+    }
+
+    /// Whether what is left of the residual does work on a rod in a step that ends at `unknowns`, where it was evaluated last:
+    /// more than counts beside the energy of the rod and the work of its loads, and more than rounding leaves.
+    pub fn residual_does_work(&self, unknowns: &[f64], stage: &Stage) -> bool {
+        let mut rods = self.assembly.rods.rods.iter().enumerate();
+        rods.any(|(rod, range)| {
+            let tolerance = self.tolerances[rod];
+            if !tolerance.force.is_finite() {
+                return false;
+            }
+            let (mut work, mut energy) = (0.0, 0.0);
+            for k in STRIDE * range.first_node..STRIDE * (range.first_node + range.nodes) {
+                if self.assembly.held[k] {
+                    continue;
+                }
+                let moved = unknowns[k] - stage.start[k];
+                let velocity = moved / stage.step;
+                work += self.residual[k] * moved;
+                energy += 0.5 * self.assembly.masses[k] * velocity * velocity;
+                energy += (self.dead_forces[k] * moved).abs();
+            }
+            let counts = |energy: f64| work.abs() > NEGLIGIBLE_WORK * energy;
+            counts(energy)
+                && counts(energy + self.elastic_energy_of(rod).total())
+                && self
+                    .worst_of(range, self.assembly.scales[rod].shortest_edge)
+                    .0
+                    > tolerance.rounding
         })
     }
 

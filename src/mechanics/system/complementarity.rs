@@ -43,11 +43,6 @@ use crate::mechanics::rod::{STRIDE, topology::position};
 /// far larger forces act are known no better.
 const NEGLIGIBLE_PART: f64 = 1e-2;
 
-/// Work of the contact forces over a step that counts as none, of the kinetic and elastic energy of the scene.
-const NEGLIGIBLE_WORK: f64 = 1e-3;
-/// The same of what all of them do over the distance tolerance: rods that lie still move by less, this way and that.
-const NEGLIGIBLE_WAY: f64 = 0.2;
-
 /// Why no contact forces were found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoContactForces {
@@ -92,27 +87,6 @@ impl System {
         };
         self.contact = Some(contact);
         found
-    }
-
-    /// Energy that contact forces bring into a step that ends at `unknowns`, J, where it is not negligible.
-    ///
-    /// Bodies that do not rebound lose energy where they meet. Those that slide far around each other within one step are
-    /// pushed apart, however, along a normal that has turned meanwhile.
-    pub fn work_of_constraints(&self, stage: &Stage, unknowns: &[f64]) -> Option<f64> {
-        let constraints = self.contact.as_ref()?.constraints();
-        let moved = |node: usize| position(unknowns, node) - stage.positions[node];
-        let work: f64 = constraints
-            .iter()
-            .map(|constraint| constraint.force.dot(&constraint.relative_motion(moved)))
-            .sum();
-        let forces: f64 = constraints
-            .iter()
-            .map(|constraint| constraint.force.norm())
-            .sum();
-        let way = NEGLIGIBLE_WAY * self.contact.as_ref()?.parameters().distance_tolerance;
-        let is_small = |energy: f64| work <= NEGLIGIBLE_WORK * energy + way * forces;
-        let kinetic = self.kinetic_energy_at_start(stage);
-        (!is_small(kinetic) && !is_small(kinetic + self.elastic_energy().total())).then_some(work)
     }
 
     /// Adds the correction that [`Self::find_contact_forces`] found last to the unknowns, or the part that moves no position

@@ -88,7 +88,7 @@ impl System {
     }
 
     /// The unknowns at the start of a step, but for those that are held, which are where it ends.
-    fn at_start(&self, unknowns: &[f64], stage: &Stage) -> Vec<f64> {
+    pub(super) fn at_start(&self, unknowns: &[f64], stage: &Stage) -> Vec<f64> {
         let ends = unknowns.iter().zip(&self.assembly.held);
         ends.zip(&stage.start)
             .map(|((end, held), start)| if *held { *end } else { *start })

@@ -17,7 +17,6 @@ mod complementarity;
 mod contact_prediction;
 mod contact_response;
 mod contact_stiffness;
-mod contact_work;
 mod events;
 mod grasp;
 mod loads;
@@ -30,6 +29,7 @@ mod shared_mass;
 mod start;
 mod strain;
 mod touching;
+mod work;
 
 pub use balance::Imbalance;
 use balance::RodTolerance;

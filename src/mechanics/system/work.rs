@@ -1,0 +1,182 @@
+//! The energy that forces bring into a step.
+//!
+//! An implicit step takes no more out of a convex energy φ than it held: f·(q₁ − q₀) ≤ φ(q₀) − φ(q₁) with the force f = −∇φ
+//! where the step ends. The energy of a contact is convex in its gap, elastic energy in the strains. Gaps and strains are
+//! nearly linear in the unknowns as long as nothing turns far within the step. Rods that move around each other by a good part
+//! of their thickness, however, are pushed apart along a normal that has turned meanwhile, and an edge that is compressed is
+//! pushed along as it turns. A step in which that brings energy is repeated.
+
+use super::{Stage, System};
+use crate::mechanics::Vector3;
+use crate::mechanics::contact::ContactSystem;
+use crate::mechanics::rod::STRIDE;
+use crate::mechanics::rod::topology::position;
+
+/// Energy that counts as none, of the kinetic and elastic energy of the scene.
+const NEGLIGIBLE: f64 = 1e-3;
+/// The same of what all contact forces do over the distance tolerance δ: rods that lie still move by less, this way and that.
+const NEGLIGIBLE_WAY: f64 = 0.2;
+/// Turn of an edge within a step, rad, up to which strains count as linear: what that leaves out is half of its square.
+const FAR_TURN: f64 = 0.1;
+
+impl System {
+    /// Energy that contacts bring into a step that ends at `unknowns`, where they were evaluated last, J, where it is not
+    /// negligible; of contact forces that hold where the step ends. Rigid contacts hold no energy.
+    pub fn work_of_contact(&self, stage: &Stage, unknowns: &[f64]) -> Option<f64> {
+        let contact = self.contact.as_ref()?;
+        let (work, forces) = work_and_forces(contact, stage, unknowns);
+        let way = NEGLIGIBLE_WAY * contact.parameters().distance_tolerance * forces;
+        let kinetic = self.kinetic_energy_at_start(stage);
+        let is_small = |made: f64, energy: f64| made <= NEGLIGIBLE * energy + way;
+        // Before the step they held something, too: that is looked at only where it matters.
+        let most = work + contact.energy();
+        if is_small(most, kinetic) {
+            return None;
+        }
+        let energy = kinetic + self.elastic_energy().total();
+        if is_small(most, energy) {
+            return None;
+        }
+        let mut before = contact.clone();
+        before.evaluate_forces(&stage.positions, &stage.positions, f64::INFINITY);
+        let made = most - before.energy();
+        (!is_small(made, energy)).then_some(made)
+    }
+
+    /// Energy that elastic forces bring into a step of implicit Euler that ends at `unknowns`, where they were evaluated last,
+    /// J, where it is not negligible: more than inertia loses in the step, ½ ‖v₁ − v₀‖²_M. A rod that spins as a rigid body
+    /// has that back from the forces that turn its velocities.
+    pub fn work_of_elasticity(&mut self, stage: &Stage, unknowns: &[f64]) -> Option<f64> {
+        if !self.turns_far(stage, unknowns) {
+            return None;
+        }
+        let after = self.elastic_energy().total();
+        let mut gradient = std::mem::take(&mut self.corrected_residual);
+        gradient.fill(0.0);
+        (self.assembly.rods).add_gradient(&self.geometry, &mut gradient);
+        // What is prescribed is where the step ends from its start: it is moved by others.
+        let start = self.at_start(unknowns, stage);
+        let (mut work, mut change) = (0.0, vec![0.0; start.len()]);
+        for k in (0..start.len()).filter(|k| !self.assembly.held[*k]) {
+            let moved = unknowns[k] - start[k];
+            work -= gradient[k] * moved;
+            change[k] = moved / stage.step - stage.velocity[k];
+        }
+        self.corrected_residual = gradient;
+        self.update_geometry(&start);
+        let before = self.elastic_energy().total();
+        self.update_geometry(unknowns);
+        let nodes = 0..self.positions.len();
+        let lost = self.assembly.kinetic_energy(&nodes, &change);
+        let made = work + after - before - lost;
+        let energy = self.kinetic_energy_at_start(stage) + after;
+        (made > NEGLIGIBLE * energy).then_some(made)
+    }
+
+    /// Whether an edge turns, or spins about itself, by more than [`FAR_TURN`] within a step, or is stretched as much.
+    fn turns_far(&self, stage: &Stage, unknowns: &[f64]) -> bool {
+        let moved = |node: usize| position(unknowns, node) - stage.positions[node];
+        self.assembly.rods.edges.iter().any(|edge| {
+            let angle = STRIDE * edge.start + 3;
+            let turn = (moved(edge.end) - moved(edge.start)).norm();
+            let spin = (unknowns[angle] - stage.start[angle]).abs();
+            turn > FAR_TURN * edge.natural_length || spin > FAR_TURN
+        })
+    }
+}
+
+/// f·(x₁ − x₀) and |f|, summed over the contacts.
+fn work_and_forces(contact: &ContactSystem, stage: &Stage, unknowns: &[f64]) -> (f64, f64) {
+    let moved = |node: usize| position(unknowns, node) - stage.positions[node];
+    let (mut work, mut forces) = (0.0, 0.0);
+    for pair in contact.contacts() {
+        forces += pair.normal_force.abs();
+        for (node, force) in pair.nodes.iter().zip(pair.force.chunks_exact(3)) {
+            work += Vector3::new(force[0], force[1], force[2]).dot(&moved(*node));
+        }
+    }
+    for touched in contact.plane_contacts() {
+        forces += touched.normal_force.abs();
+        work += Vector3::from(touched.force).dot(&moved(touched.node));
+    }
+    (work, forces)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::scene::{RodDescription, Scene, Stiffness};
+    use crate::mechanics::system::copy_positions;
+
+    const STRETCHING: f64 = 30.0;
+    const LENGTH: f64 = 0.2;
+    const STEP: f64 = 0.1;
+
+    /// A rod along x, `strain` times longer than by nature, turned by `angle` about z.
+    fn turned(strain: f64, angle: f64) -> impl Fn(f64) -> Vector3 {
+        let along = Vector3::new(angle.cos(), angle.sin(), 0.0) * (1.0 + strain);
+        move |at| along * (at * LENGTH)
+    }
+
+    /// What elastic forces bring into a step that turns the rod and in which inertia loses nothing.
+    fn brought(strain: f64, angle: f64) -> Option<f64> {
+        let stiffness = Stiffness {
+            stretching: STRETCHING,
+            bending: [0.02; 2],
+            twisting: 0.03,
+        };
+        let places = [-0.5, -0.25, 0.0, 0.25, 0.5];
+        let nodes = places.map(turned(0.0, 0.0)).to_vec();
+        let scene = Scene {
+            rods: vec![RodDescription::uniform("rod", nodes, stiffness, 1e-3, 1e-3)],
+            ..Scene::default()
+        };
+        let mut system = System::new(&scene).unwrap();
+        let unknowns_at = |angle: f64| {
+            let mut unknowns = system.assembly.unknowns.clone();
+            for (node, x) in places.map(turned(strain, angle)).iter().enumerate() {
+                unknowns[STRIDE * node..STRIDE * node + 3].copy_from_slice(x.as_slice());
+            }
+            unknowns
+        };
+        let (start, end) = (unknowns_at(0.0), unknowns_at(angle));
+        let velocity = (end.iter().zip(&start)).map(|(end, start)| (end - start) / STEP);
+        let mut stage = Stage {
+            step: STEP,
+            acceleration_step: STEP,
+            velocity: velocity.collect(),
+            positions: vec![Vector3::zeros(); places.len()],
+            drag: Vec::new(),
+            drag_velocity: Vec::new(),
+            resistance: Vec::new(),
+            start,
+        };
+        copy_positions(&stage.start, &mut stage.positions);
+        system.update_geometry(&end);
+        let brought = system.work_of_elasticity(&stage, &end);
+        let left = system.elastic_energy();
+        system.update_geometry(&end);
+        assert_eq!(left, system.elastic_energy(), "it is left where it was");
+        brought
+    }
+
+    #[test]
+    fn a_compressed_rod_pushes_itself_along_as_it_turns() {
+        let strain = -0.1;
+        for angle in [0.2, 1.0, 3.0_f64] {
+            // The compression N at the end of the step goes the way ℓ (1 − cos φ) along its line.
+            let force = -STRETCHING * strain;
+            let expected = force * LENGTH * (1.0 + strain) * (1.0 - angle.cos());
+            let made = brought(strain, angle).unwrap();
+            assert!((made / expected - 1.0).abs() < 1e-9, "{made} of {expected}");
+        }
+        assert_eq!(brought(strain, 0.05), None, "it hardly turns");
+    }
+
+    #[test]
+    fn a_stretched_rod_takes_energy_as_it_turns() {
+        for angle in [0.2, 1.0, 3.0] {
+            assert_eq!(brought(0.1, angle), None);
+        }
+    }
+}
