@@ -7,7 +7,8 @@
 //! | `two_throws` | reef, granny and surgeon's knot of two rods |
 //! | `fisherman` | the fisherman's knot of two rods |
 //! | `size`, `polyline` | the size of a knot that fits the rod; length and equal steps of curves |
-//! | `determinant`, `closure` | the knot determinant; ends of open curves, joined far away |
+//! | `determinant`, `signature` | the knot determinant; the signature, which tells a knot from its mirror image |
+//! | `projection`, `closure` | crossings of closed curves; ends of open ones, joined far away |
 //! | `silhouette` | height and width of the loop |
 //! | `inversion` | where a knot inverts while it is pulled tight |
 //! | `circle` | the circle that fits points in space best |
@@ -28,6 +29,8 @@ mod inversion;
 mod loop_elastica;
 mod overhand;
 mod polyline;
+mod projection;
+mod signature;
 mod silhouette;
 mod simplified_knot;
 mod size;
@@ -43,6 +46,7 @@ pub use helical_braid::HelicalBraid;
 pub use inversion::{InversionPoint, InversionWatch, TightenedKnot};
 pub use loop_elastica::LoopElastica;
 pub use overhand::{Overhand, overhand_nodes};
+pub use signature::signature_of_closed;
 pub use silhouette::{Silhouette, silhouette};
 pub use simplified_knot::{Equilibrium, Fold, RotatedKnot, SimplifiedKnot};
 pub use size::KnotSize;
