@@ -135,6 +135,35 @@ fn a_moment_makes_do_with_the_friction_there_is() {
     assert!((0.5..1.2).contains(&moment), "{moment}");
 }
 
+/// Folded in half, and what is left in half again.
+#[test]
+fn a_sheet_is_folded_twice() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("twice");
+    let reports = |layers: &str| -> Vec<Value> {
+        let more = ["--crease", "half", "--times", "2", "--layers", layers];
+        let (code, stdout, stderr) = plan("scenarios/papers/a4.toml", &more, &out);
+        assert_eq!(code, 0, "{stderr}");
+        serde_json::from_str(&stdout).unwrap()
+    };
+    let number = |report: &Value, key: &str| report[key].as_f64().unwrap();
+    let (loose, stuck) = (reports("loose"), reports("stuck"));
+    for (plans, stiffer) in [(&loose, 1.0), (&stuck, 4f64.cbrt())] {
+        let [first, second] = [&plans[0], &plans[1]];
+        assert!((number(first, "length_m") - 2.0 * number(second, "length_m")).abs() < 1e-12);
+        let ratio =
+            number(second, "gravito_bending_length_m") / number(first, "gravito_bending_length_m");
+        assert!((ratio - stiffer).abs() < 1e-12);
+        assert!(number(second, "friction_demand") > number(first, "friction_demand"));
+        assert!(out.join("fold_2/trajectory.csv").exists());
+    }
+    assert!(number(&stuck[1], "friction_demand") > number(&loose[1], "friction_demand"));
+    let more = ["--crease", "20 cm", "--times", "2"];
+    let (code, _, stderr) = plan("scenarios/papers/a4.toml", &more, &folder.path().join("x"));
+    assert_eq!(code, 2);
+    assert!(stderr.contains("--crease half"), "{stderr}");
+}
+
 /// Sheets of the same L_gb and length fold alike, whatever their stiffness and weight.
 #[test]
 fn only_the_gravito_bending_length_matters() {

@@ -46,6 +46,12 @@ pub struct FoldPlanArguments {
     /// Static friction of the table that the demand is compared with [default: that in the sheet's file]
     #[arg(long, value_name = "FRICTION", value_parser = friction)]
     friction: Option<f64>,
+    /// Folds in half one after the other, with --crease half: each folds what the one before has left, twice as thick
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=4))]
+    times: u8,
+    /// What layers do that lie on each other when they are folded again
+    #[arg(long, default_value = "loose")]
+    layers: LayersName,
     /// Speed of the gripper, m/s; slower where it would turn faster than 1 rad/s
     #[arg(long, value_name = "SPEED", default_value_t = 0.05, value_parser = speed)]
     speed: f64,
@@ -69,6 +75,21 @@ enum SolverName {
     Exact,
     /// A network.
     Neural,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum LayersName {
+    /// They slide on each other: twice as stiff and twice as heavy, the same L_gb.
+    Loose,
+    /// They stick together: a sheet twice as thick, L_gb larger by 4^(1/3).
+    Stuck,
+}
+
+/// A plan with the files that it leaves.
+struct Planned {
+    report: Report,
+    out: PathBuf,
+    files: Vec<(&'static str, Vec<u8>)>,
 }
 
 #[derive(Serialize)]
@@ -106,9 +127,48 @@ impl FoldPlanArguments {
     pub fn plan(&self) -> Result<(), Failure> {
         let network = self.network()?;
         let file = PaperFile::read(&self.paper)?;
-        let sheet = file.paper.sheet(self.crease);
         let target = file.paper.target(self.crease);
         let target = target.map_err(|error| Failure::Input(format!("--crease: {error}")))?;
+        let whole = file.paper.sheet(self.crease);
+        if self.times == 1 {
+            let planned = self.planned(&file, whole, target, self.out.clone(), network.as_ref())?;
+            write_files(&planned.out, planned.files)?;
+            return print_json(&planned.report);
+        }
+        if self.crease != Crease::Half {
+            return Err(Failure::Input(
+                "--times: a sheet is folded again with --crease half".into(),
+            ));
+        }
+        let stiffer = match self.layers {
+            LayersName::Loose => 1.0,
+            LayersName::Stuck => libm::cbrt(4.0),
+        };
+        let mut sheet = whole;
+        let mut plans = vec![];
+        for fold in 1..=self.times {
+            let out = self.out.join(format!("fold_{fold}"));
+            plans.push(self.planned(&file, sheet, sheet.length, out, network.as_ref())?);
+            sheet.length *= 0.5;
+            sheet.gravito_bending_length *= stiffer;
+        }
+        let mut reports = vec![];
+        for Planned { report, out, files } in plans {
+            write_files(&out, files)?;
+            reports.push(report);
+        }
+        print_json(&reports)
+    }
+
+    /// The plan of one fold.
+    fn planned(
+        &self,
+        file: &PaperFile,
+        sheet: FoldedSheet,
+        target: f64,
+        out: PathBuf,
+        network: Option<&NeuralFolds>,
+    ) -> Result<Planned, Failure> {
         let unit = sheet.gravito_bending_length;
         let atlas = FoldAtlas::new();
         let dimensionless = sheet.dimensionless();
@@ -123,7 +183,7 @@ impl FoldPlanArguments {
                 &dimensionless,
                 PART_OF_FRICTION * friction,
             ),
-            _ => self.manifold(network.as_ref(), &atlas, &dimensionless)?,
+            _ => self.manifold(network, &atlas, &dimensionless)?,
         };
         let optimal =
             |objective| fold_path(&atlas, &manifold, &dimensionless, target / unit, objective);
@@ -135,7 +195,10 @@ impl FoldPlanArguments {
                 held_path(&manifold, &dimensionless, target / unit, part)
             }
         };
-        let path = path.map_err(|error| Failure::Input(format!("{}: {error}", file.title)))?;
+        let title = &file.title;
+        let path = path.map_err(|error| {
+            Failure::Input(format!("{title}, {:.4} m long: {error}", sheet.length))
+        })?;
         let poses = sheet.poses(&path.folds);
         let times = self.times(&poses);
         let demand = path.friction_demand(dimensionless.length);
@@ -167,10 +230,9 @@ impl FoldPlanArguments {
                 )),
             ),
         ];
-        let files = named.iter().map(|(name, _)| self.out.join(name)).collect();
-        write_files(&self.out, named)?;
-        print_json(&Report {
-            paper: file.title,
+        let files = named.iter().map(|(name, _)| out.join(name)).collect();
+        let report = Report {
+            paper: file.title.clone(),
             gravito_bending_length_m: unit,
             length_m: sheet.length,
             target_m: target,
@@ -196,6 +258,11 @@ impl FoldPlanArguments {
             slides_away,
             duration_s: times.last().copied().unwrap_or(0.0),
             files,
+        };
+        Ok(Planned {
+            report,
+            out,
+            files: named,
         })
     }
 
