@@ -1,6 +1,6 @@
 //! Figures of a planned fold.
 
-use crate::figure::{Curve, Figure, LinePlot, Look, PlotStyle, line_plots, styled_line_plots};
+use crate::figure::{Curve, Figure, LinePlot, Look, line_plots, plot_to_scale};
 use crate::plan::fold::{Cell, Fold, FoldPath, ForceManifold};
 
 /// Poses of the sheet that are drawn, and points of each.
@@ -32,11 +32,7 @@ pub fn fold_figure(path: &FoldPath, manifold: &ForceManifold, length: f64) -> Fi
         label: "z/L_{gb}".into(),
         curves,
     };
-    let style = PlotStyle {
-        is_to_scale: true,
-        ..PlotStyle::default()
-    };
-    styled_line_plots([plot], "x/L_{gb}", style)
+    plot_to_scale(plot, "x/L_{gb}")
 }
 
 /// λ, and the friction demand of a sheet of length L̄, along the way of the gripper in L_gb, against the friction there is; and how

@@ -37,6 +37,15 @@ pub fn line_plots(plots: impl Into<Vec<LinePlot>>, horizontal_label: &str) -> Fi
     styled_line_plots(plots, horizontal_label, PlotStyle::default())
 }
 
+/// A plot in which lengths along both axes are the same, as of a place seen from above.
+pub fn plot_to_scale(plot: LinePlot, horizontal_label: &str) -> Figure {
+    let style = PlotStyle {
+        is_to_scale: true,
+        ..PlotStyle::default()
+    };
+    styled_line_plots([plot], horizontal_label, style)
+}
+
 /// Plots one above the other, all over the same horizontal axis. Curves are broken where a point has no place on a
 /// logarithmic axis.
 pub fn styled_line_plots(

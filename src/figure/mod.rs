@@ -26,7 +26,7 @@ mod viewer;
 
 pub use axis::AxisScale;
 pub use curve::{Curve, LinePlot, Look};
-pub use line_plot::{LineFigure, PlotStyle, line_plots, styled_line_plots};
+pub use line_plot::{LineFigure, PlotStyle, line_plots, plot_to_scale, styled_line_plots};
 pub use markup::{is_page, is_picture};
 pub use paper::{FigureOptions, Format, Paper};
 pub use snapshots::{Plane, RodsFigure, Snapshot, snapshots};

@@ -6,7 +6,7 @@ use super::figure_4_11::{line, row};
 use super::folds::{Folded, SCENARIOS, WAYS};
 use super::page::{Page, PageFigure};
 use crate::experiment::{FigureError, folded_outlines};
-use crate::figure::{Curve, LinePlot, PlotStyle, styled_line_plots};
+use crate::figure::{Curve, LinePlot, plot_to_scale};
 
 /// Writes table and figure.
 pub(super) fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<(), ReproduceError> {
@@ -47,11 +47,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<(), Repro
         label: "z in m".into(),
         curves,
     };
-    let style = PlotStyle {
-        is_to_scale: true,
-        ..PlotStyle::default()
-    };
-    let figure = styled_line_plots([plot], "x in m", style);
+    let figure = plot_to_scale(plot, "x in m");
     page.figure(&PageFigure::new(
         "fig4.10_ways",
         "Ways of the gripper by the ways of planning, US letter paper, C = 0.27 m",

@@ -6,7 +6,7 @@ use super::figure_5_5::largest_sideways_at;
 use super::page::{Page, PageFigure, number};
 use super::sideways_push::{SUSPENDED, SidewaysPush, stretch_stiffness};
 use super::table::rows_of;
-use crate::figure::{Curve, Figure, LinePlot, Look, PlotStyle, styled_line_plots};
+use crate::figure::{Curve, Figure, LinePlot, Look, plot_to_scale};
 use crate::plan::grasp::{
     FreeGrasp, Grasp, GraspBound, GraspProblem, GraspSolver, PlanarGrasp, SidewaysAnswer,
     free_grasps, grasp_region, rod_along_ray,
@@ -344,9 +344,5 @@ fn to_scale(curves: Vec<Curve>) -> Figure {
         label: "z/L_{gb}".into(),
         curves,
     };
-    let style = PlotStyle {
-        is_to_scale: true,
-        ..PlotStyle::default()
-    };
-    styled_line_plots([plot], "x/L_{gb}", style)
+    plot_to_scale(plot, "x/L_{gb}")
 }

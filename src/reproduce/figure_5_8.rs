@@ -5,7 +5,7 @@ use super::cases::Case;
 use super::heavy_loops::{LoopOfRod, RODS};
 use super::page::{Page, PageFigure, number};
 use super::table::rows_of;
-use crate::figure::{Curve, LinePlot, Look, PlotStyle, line_plots, styled_line_plots};
+use crate::figure::{Curve, LinePlot, Look, line_plots, plot_to_scale};
 use crate::mechanics::Vector3;
 use crate::mechanics::kirchhoff::HeavyLoop;
 use crate::results::read_nodes;
@@ -119,11 +119,7 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
         label: "z/L_{gb}".into(),
         curves: vec![Curve::new("loop", shape)],
     };
-    let style = PlotStyle {
-        is_to_scale: true,
-        ..PlotStyle::default()
-    };
-    let shape = styled_line_plots([plot], "x/L_{gb}", style);
+    let shape = plot_to_scale(plot, "x/L_{gb}");
     let simulated = rows.iter().map(|row| {
         let height = row.height_m.map(|height| 1e2 * height);
         (1e2 * row.gravito_bending_length_m, height)

@@ -5,7 +5,7 @@ use super::cases::Case;
 use super::laying::{FRICTIONS, Laying, PATTERNS, RODS};
 use super::page::PageFigure;
 use crate::experiment::{DeploymentTables, from_text};
-use crate::figure::{Curve, LinePlot, Look, PlotStyle, styled_line_plots};
+use crate::figure::{Curve, LinePlot, Look, plot_to_scale};
 use crate::results::{SCENARIO, read_nodes};
 use std::path::Path;
 
@@ -71,11 +71,7 @@ pub(super) fn outlines_figure(
         label: "y in m".into(),
         curves: curves.into(),
     };
-    let style = PlotStyle {
-        is_to_scale: true,
-        ..PlotStyle::default()
-    };
-    let figure = styled_line_plots([plot], "x in m, patterns side by side", style);
+    let figure = plot_to_scale(plot, "x in m, patterns side by side");
     let number = RODS[rod].number;
     let friction = FRICTIONS[friction];
     let name = if page == "fig5.11" {

@@ -22,7 +22,7 @@ const THESIS: [(Option<f64>, f64); 7] = [
 /// Friction of the table that the plans with moments are made for.
 const FRICTION: f64 = 0.12;
 /// How often a plan is timed; the fastest counts.
-const TIMES: usize = 5;
+const TIMES: usize = 3;
 
 /// A row of the CSV file; times in ms.
 #[derive(Serialize)]

@@ -58,6 +58,7 @@ const EXPERIMENT: Table = &[
     ("knot", &["kind", "prepare"]),
     ("helix", &["kind"]),
     ("deployment", &["kind", "prepare"]),
+    ("folding", &["kind", "prepare"]),
     ("grasp_samples", &["kind"]),
     ("fold_samples", &["kind"]),
     ("kind", &[]),

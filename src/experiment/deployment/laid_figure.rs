@@ -4,7 +4,7 @@ use super::pegs;
 use super::tables::DeploymentTables;
 use crate::experiment::kind::FigureError;
 use crate::experiment::load;
-use crate::figure::{Curve, Figure, LinePlot, Look, PlotStyle, styled_line_plots};
+use crate::figure::{Curve, Figure, LinePlot, Look, plot_to_scale};
 use crate::mechanics::Vector3;
 use crate::results::{NODES, SCENARIO, read_nodes};
 use std::path::Path;
@@ -121,11 +121,7 @@ pub fn laid_figure(directory: &Path) -> Result<Option<Figure>, FigureError> {
         label: "y in m".into(),
         curves,
     };
-    let style = PlotStyle {
-        is_to_scale: true,
-        ..PlotStyle::default()
-    };
-    Ok(Some(styled_line_plots([plot], "x in m", style)))
+    Ok(Some(plot_to_scale(plot, "x in m")))
 }
 
 fn nodes_of(rod: &crate::scenario::Rod) -> usize {

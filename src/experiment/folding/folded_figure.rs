@@ -3,7 +3,7 @@
 use super::tables::FoldingTables;
 use crate::experiment::kind::FigureError;
 use crate::experiment::load;
-use crate::figure::{Curve, Figure, LinePlot, Look, PlotStyle, styled_line_plots};
+use crate::figure::{Curve, Figure, LinePlot, Look, plot_to_scale};
 use crate::results::{NODES, SCENARIO, read_nodes};
 use std::path::Path;
 
@@ -69,9 +69,5 @@ pub fn folded_figure(directory: &Path) -> Result<Option<Figure>, FigureError> {
             Curve::new("gripper", outlines.gripper).looking(Look::Dashed),
         ],
     };
-    let style = PlotStyle {
-        is_to_scale: true,
-        ..PlotStyle::default()
-    };
-    Ok(Some(styled_line_plots([plot], "x in m", style)))
+    Ok(Some(plot_to_scale(plot, "x in m")))
 }

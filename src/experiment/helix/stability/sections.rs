@@ -2,7 +2,7 @@
 
 use super::files::SECTION_FIGURES;
 use super::row::{BoundaryRow, Part, read_boundary};
-use crate::figure::{Curve, Figure, LinePlot, Look, Paper, PlotStyle, styled_line_plots};
+use crate::figure::{Curve, Figure, LinePlot, Look, Paper, plot_to_scale};
 use crate::mechanics::kirchhoff::{Helix, critical_distance};
 use crate::results::{ResultsError, write_whole};
 use std::path::Path;
@@ -75,11 +75,7 @@ fn section_figure(rows: &[&BoundaryRow], labels: &[&str; 2], axes: &[usize; 2]) 
             Curve::new("discrete rod", rod.map(|at| place(&at)).collect()).looking(Look::Marks),
         ],
     };
-    let style = PlotStyle {
-        is_to_scale: true,
-        ..PlotStyle::default()
-    };
-    styled_line_plots([plot], labels[0], style)
+    plot_to_scale(plot, labels[0])
 }
 
 /// A point of the boundary.
