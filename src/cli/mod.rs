@@ -46,6 +46,7 @@ mod picture_source;
 mod plan;
 mod plan_deployment;
 mod plan_fold;
+mod plan_grippers;
 mod plot;
 mod reproduce;
 mod run;

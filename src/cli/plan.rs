@@ -4,6 +4,7 @@ use super::failure::Failure;
 use super::output::{print, print_json, write_file};
 use super::plan_deployment::DeploymentArguments;
 use super::plan_fold::FoldPlanArguments;
+use super::plan_grippers::GripperPlanArguments;
 use super::solve_arm::ArmChoice;
 use crate::cell::{Place, PlanError, PlanRequest, read_poses};
 use clap::{Args, Subcommand};
@@ -46,6 +47,16 @@ prints the largest λ = |F_x|/|F_z| at the touchdown point, and the friction tha
 for: where it is above that of the table the sheet slides, by `slides_m` at most, without inertia and with the planned angles. --objective friction plans the way with the least of it. The edge
 lay at the origin, the sheet along x on the table z = 0; the gripper's x axis is the tangent of the sheet, towards the gripper.")]
     Fold(FoldPlanArguments),
+    /// The trajectories of all grippers of a deployment, of one rod or two, with the moves that tie a knot
+    #[command(after_help = "\
+Examples:
+  rodlab plan grippers scenarios/tied_reef.toml --out results/reef_plan
+  rodlab plan grippers scenarios/tied_trefoil.toml --set deployment.scheme=intuitive --out results/trefoil_plan
+
+Writes a file for each time that a gripper holds a rod, in the order in which they begin: lays it (and leads its end on), lifts a strand, or
+takes its end again and leads it. Columns time_s, x_m, y_m, z_m, qw, qx, qy, qz, in the time of the scenario, without its jitter; prints who
+does what when.")]
+    Grippers(GripperPlanArguments),
     /// A joint trajectory along poses of the hand
     #[command(after_help = "\
 Examples:
@@ -87,6 +98,7 @@ pub fn plan(arguments: &PlanArguments) -> Result<(), Failure> {
     match &arguments.what {
         What::Deployment(arguments) => arguments.plan(),
         What::Fold(arguments) => arguments.plan(),
+        What::Grippers(arguments) => arguments.plan(),
         What::Joints(arguments) => joints(arguments),
     }
 }

@@ -17,7 +17,7 @@ use crate::plan::pattern::{
     Circle, Crossing, Drawing, Line, Pattern, PatternError, PatternSource, Point, Sine, crossings,
 };
 use crate::plan::tying::{
-    GripperPoses, Handling, LiftPath, Pass, Passage, Schedule, end_path, laid_length, lift_paths,
+    GripperPoses, Handling, LiftPath, Pass, Passage, Schedule, TiedRod, TyingTask, laid_length,
     passages,
 };
 use crate::scenario::metres;
@@ -294,7 +294,11 @@ impl DeploymentArguments {
             return Ok(None);
         }
         let words: Vec<Pass> = self.knot.iter().map(|pass| Pass::from(*pass)).collect();
-        let passages = passages(pattern, rod, &words);
+        let tied = TiedRod {
+            rod,
+            curve: pattern,
+        };
+        let passages = passages(&[tied], &words);
         passages
             .map(Some)
             .map_err(|error| Failure::Input(format!("--knot: {}: {error}", self.pattern)))
@@ -309,13 +313,18 @@ impl DeploymentArguments {
         last: &GripperPose,
     ) -> Result<Tied, Failure> {
         let whole = self.pattern(source, rod)?;
-        let handling = Handling::usual(rod);
-        let schedule = Schedule::new(passages, rod, whole.length(), &handling);
-        let pattern = |s: f64| whole.at(s);
+        let handling = Handling::usual([rod]);
+        let tied = TiedRod { rod, curve: &whole };
+        let schedule = Schedule::new(0, &tied, passages, &handling);
+        let task = TyingTask {
+            rods: &[*rod],
+            passages,
+            pattern: &|place| whole.at(place.s),
+        };
         Ok(Tied {
             duration: schedule.duration(),
-            end: end_path(&schedule, passages, rod, &pattern, last),
-            lifts: lift_paths(&schedule, passages, rod, &pattern, &handling),
+            end: task.end_path(&schedule, (last.position, last.rotation)),
+            lifts: task.lift_paths(&schedule, &handling),
         })
     }
 

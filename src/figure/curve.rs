@@ -33,6 +33,8 @@ pub enum Look {
     /// A line; where there are several of them, with a few marks that tell them apart.
     #[default]
     Line,
+    /// A line that never has marks: an outline of a thing, which marks would be taken for a part of.
+    Bare,
     /// A line with a mark at each point: few points, between which the curve goes straight.
     Marked,
     /// A mark at each point and no line: what is compared with a curve, or has nothing between its points.
@@ -136,7 +138,7 @@ pub(super) fn styles(curves: &[Curve]) -> Vec<Style> {
             is_joined: !matches!(curve.look, Look::Marks | Look::OpenMarks),
             marked: match curve.look {
                 Look::Line if several => Marked::Few,
-                Look::Line | Look::Dashed => Marked::None,
+                Look::Line | Look::Bare | Look::Dashed => Marked::None,
                 Look::Marked | Look::Marks | Look::OpenMarks => Marked::All,
             },
             is_open: curve.look == Look::OpenMarks,
@@ -253,6 +255,19 @@ mod tests {
         assert_eq!(styles[1].marked, Marked::All);
         assert!(styles[0].is_joined && !styles[1].is_joined);
         assert_eq!(styles[0].color, styles[1].color);
+    }
+
+    #[test]
+    fn outlines_have_no_marks_beside_other_lines() {
+        let pegs = Curve::new("pegs", vec![]).looking(Look::Bare);
+        let lines = ["optimal", "intuitive"].map(|name| Curve::new(name, vec![]));
+        let styles = styles(&[lines[0].clone(), lines[1].clone(), pegs]);
+        assert_eq!(
+            [&styles[0], &styles[1]].map(|line| line.marked),
+            [Marked::Few; 2]
+        );
+        assert_eq!(styles[2].marked, Marked::None);
+        assert!(styles[2].is_joined);
     }
 
     #[test]

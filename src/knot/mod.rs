@@ -8,6 +8,7 @@
 //! | `fisherman` | the fisherman's knot of two rods |
 //! | `size`, `polyline` | the size of a knot that fits the rod; length and equal steps of curves |
 //! | `determinant`, `signature` | the knot determinant; the signature, which tells a knot from its mirror image |
+//! | `invariants` | both |
 //! | `projection`, `closure` | crossings of closed curves; ends of open ones, joined far away |
 //! | `silhouette` | height and width of the loop |
 //! | `inversion` | where a knot inverts while it is pulled tight |
@@ -25,6 +26,7 @@ mod elliptic;
 mod figure_eight;
 mod fisherman;
 mod helical_braid;
+mod invariants;
 mod inversion;
 mod loop_elastica;
 mod overhand;
@@ -43,6 +45,7 @@ pub use determinant::{determinant, determinant_of_closed, determinant_of_pair, f
 pub use figure_eight::{FIGURE_EIGHT_DETERMINANT, figure_eight_nodes};
 pub use fisherman::{FISHERMAN_DETERMINANT, fisherman_nodes};
 pub use helical_braid::HelicalBraid;
+pub use invariants::KnotInvariants;
 pub use inversion::{InversionPoint, InversionWatch, TightenedKnot};
 pub use loop_elastica::LoopElastica;
 pub use overhand::{Overhand, overhand_nodes};

@@ -1,4 +1,4 @@
-//! Applications of the thesis' deployment: cables placed in clips (5.5.5) and a knot tied on the table (5.5.6), ten trials each that
+//! Applications of the thesis' deployment: cables placed in clips (5.5.5) and knots tied on the table (5.5.6), ten trials each that
 //! differ by the jitter of the grippers.
 
 use super::cases::{Case, Run, prepared};
@@ -23,7 +23,7 @@ pub(super) struct Task {
 }
 
 /// The tasks.
-pub(super) const TASKS: [Task; 3] = [
+pub(super) const TASKS: [Task; 4] = [
     Task {
         name: "\"S\" cable placement",
         id: "cable_S",
@@ -50,6 +50,15 @@ pub(super) const TASKS: [Task; 3] = [
         scenario: include_str!("../../scenarios/tied_trefoil.toml"),
         rod: include_str!("../../scenarios/rods/thick_pink_vps.toml"),
         pattern: include_str!("../../scenarios/patterns/trefoil.svg"),
+    },
+    Task {
+        name: "Reef knot",
+        id: "reef",
+        measured: [0, 7],
+        end: 104.0,
+        scenario: include_str!("../../scenarios/tied_reef.toml"),
+        rod: include_str!("../../scenarios/rods/thick_pink_vps.toml"),
+        pattern: include_str!("../../scenarios/patterns/reef.svg"),
     },
 ];
 
@@ -101,26 +110,30 @@ impl Application {
             pattern,
             ..
         } = TASKS[self.task];
-        let pattern = if self.shortened.is_some() {
-            "kind = \"line\", length = 0.002".to_owned()
-        } else {
-            points(pattern)
-        };
+        let mut drawn = strokes(pattern).into_iter();
         let mut table = "";
         let lines = scenario.lines().map(|line| {
             if line.starts_with('[') {
                 table = line;
             }
-            // A line of 2 mm has neither clips nor crossings.
+            // A line of 2 mm has neither clips nor crossings, and there is no time for another one.
             let is_dropped = self.shortened.is_some()
-                && ["[deployment.clips]", "[deployment.knot]"].contains(&table);
+                && ["[deployment.clips]", "[deployment.knot]"]
+                    .iter()
+                    .chain(&["[deployment.second]", "[deployment.second.rod]"])
+                    .any(|dropped| table.starts_with(dropped));
             if line.starts_with("extends") || is_dropped {
-                String::new()
-            } else if line.starts_with("pattern = ") {
-                format!("pattern = {{ {pattern} }}\n")
-            } else {
-                format!("{line}\n")
+                return String::new();
             }
+            if !line.starts_with("pattern = ") {
+                return format!("{line}\n");
+            }
+            // The patterns stand in the order of the strokes.
+            let keys = match self.shortened {
+                Some(_) => "kind = \"line\", length = 0.002".to_owned(),
+                None => drawn.next().expect("a stroke for each pattern"),
+            };
+            format!("pattern = {{ {keys} }}\n")
         });
         let rod = &rod[rod.find("[deployment.rod]").expect("a table of the rod")..];
         lines.collect::<String>() + rod
@@ -144,14 +157,18 @@ impl Application {
     }
 }
 
-/// The points of the program's own drawing as keys of a pattern.
-fn points(svg: &str) -> String {
-    let strokes = read_svg(svg).and_then(|strokes| chosen_stroke(strokes, None));
-    let points = strokes.expect("the drawings of the repository are patterns");
-    let points = points
-        .iter()
-        .map(|point| format!("[{:?}, {:?}]", point.x, point.y));
-    format!("points = [{}]", points.collect::<Vec<_>>().join(", "))
+/// The points of each stroke of the program's own drawing as keys of a pattern.
+fn strokes(svg: &str) -> Vec<String> {
+    let strokes = read_svg(svg).expect("the drawings of the repository are patterns");
+    let keys = |number: usize| {
+        let points = chosen_stroke(strokes.clone(), Some(number));
+        let points = points.expect("a stroke for each number");
+        let points = points
+            .iter()
+            .map(|point| format!("[{:?}, {:?}]", point.x, point.y));
+        format!("points = [{}]", points.collect::<Vec<_>>().join(", "))
+    };
+    (1..=strokes.len()).map(keys).collect()
 }
 
 impl Case<Application> {

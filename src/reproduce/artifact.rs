@@ -268,7 +268,7 @@ pub static ARTIFACTS: [Artifact; 35] = [
     },
     Artifact {
         name: "tab5.4",
-        title: "Table 5.4: cables placed in clips, and a knot tied on the table",
+        title: "Table 5.4: cables placed in clips, and knots tied on the table",
         recipe: &Recipe {
             runs: Application::of_table_5_4,
             write: table_5_4::write,

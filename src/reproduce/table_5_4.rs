@@ -1,11 +1,12 @@
 //! Table 5.4: how often cables are placed in clips and knots are tied, simulated beside measured.
 
 use super::ReproduceError;
-use super::applications::{Application, TASKS, TRIALS};
+use super::applications::{Application, TASKS, TRIALS, Task};
 use super::cases::Case;
 use super::page::{Page, PageFigure, number};
-use crate::experiment::{FigureError, LaidOutlines, laid_outlines};
-use crate::figure::{Curve, LinePlot, Look, PlotStyle, styled_line_plots};
+use crate::experiment::{FigureError, LaidOutlines, Outline, laid_outlines};
+use crate::figure::{Curve, Figure, LinePlot, Look, PlotStyle, styled_line_plots};
+use crate::knot::KnotInvariants;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -20,7 +21,9 @@ struct Row {
     pegs: Option<usize>,
     pegs_passed: Option<usize>,
     pattern_determinant: Option<u64>,
+    pattern_signature: Option<i64>,
     rod_determinant: Option<u64>,
+    rod_signature: Option<i64>,
     mean_cm: Option<f64>,
     largest_cm: Option<f64>,
     simulated_s: f64,
@@ -47,9 +50,18 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Application>]) -> Result<(), 
          pattern that is longer than the rod by 23 cm; where it returns to the first crossing it comes to lie over itself. Then a second \
          gripper takes hold of the strand at the next crossing, where it should lie, if it finds the rod within 1.5 cm, and lifts it by \
          2.6 cm; the first one leads the end along the rest of the pattern, under that strand and over the next one, and both let go. A \
-         trial succeeds when the rod then has the determinant of the knot that was drawn, 3, whether its ends are joined above or \
-         below the table. The second gripper has a jitter of its own. Rods do not slip out of these grippers, which the thesis names as \
-         the cause of its failures. Its reef knot, of two rods, is not tied here.",
+         trial succeeds when the rod then has the determinant and the signature of the knot that was drawn, 3 and −2, whether its ends are \
+         joined above or below the table. The second gripper has a jitter of its own. Rods do not slip out of these grippers, which the \
+         thesis names as the cause of its failures.",
+    );
+    page.text(
+        "The reef knot is tied with the thick pink rod and the green one (#2: L_gb = 3.2 cm, 3.2 mm thick), as in the thesis, which shows its \
+         patterns and moves in photographs only; those here are a choice. One gripper lays the thick rod along a bight and lets it go, and the \
+         other one lays the green rod along a bight over it. Then the first gripper lifts the thick rod by 2.6 cm, the second leads the end of \
+         the green one under it and, 9 cm farther on, over it, and lets it go; the first takes hold of the end of the thick rod where it \
+         should lie, again within 1.5 cm, and leads it over the green rod and under it, while the second lifts that. A trial succeeds when \
+         the rods then have the determinant and the signature of the reef knot that was drawn, 9 and 0 (a granny knot: 9 and ±4; none: 1 and \
+         0), the end of each joined to the start of the other, above the table as well as below.",
     );
     let rows: Vec<Row> = cases.iter().map(row).collect();
     let lines = TASKS
@@ -61,19 +73,19 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Application>]) -> Result<(), 
         "scheme",
         "successes, simulated",
         "measured",
-        "pegs passed, least to most; determinants",
+        "pegs passed, least to most; determinants and signatures",
         "off the pattern, cm",
     ];
     page.table(&header, &lines.collect::<Vec<_>>());
     let wall: f64 = rows.iter().map(|row| row.wall_time_s).sum();
     page.text(&format!(
-        "All {} trials took {wall:.0} s of wall time. Run one by itself with `rodlab run scenarios/cable_placement_s.toml` or `scenarios/tied_trefoil.toml`, \
-         and look at it with `rodlab view`.",
+        "All {} trials took {wall:.0} s of wall time. Run one by itself with `rodlab run scenarios/cable_placement_s.toml`, `scenarios/tied_trefoil.toml` or \
+         `scenarios/tied_reef.toml`, and look at it with `rodlab view`.",
         rows.len()
     ));
     page.csv(&rows)?;
     for task in 0..TASKS.len() {
-        if let Some(figure) = figure(task, cases)? {
+        for figure in figures(task, cases)? {
             page.figure(&figure)?;
         }
     }
@@ -98,8 +110,10 @@ fn row(case: &Case<Application>) -> Row {
         succeeded: case.has_succeeded(),
         pegs: pegs.map(|pegs| pegs.count),
         pegs_passed: pegs.map(|pegs| pegs.passed),
-        pattern_determinant: knot.and_then(|knot| knot.pattern),
-        rod_determinant: knot.and_then(|knot| knot.rod),
+        pattern_determinant: knot.and_then(|knot| Some(knot.pattern?.determinant)),
+        pattern_signature: knot.and_then(|knot| Some(knot.pattern?.signature)),
+        rod_determinant: knot.and_then(|knot| Some(knot.rod?.determinant)),
+        rod_signature: knot.and_then(|knot| Some(knot.rod?.signature)),
         mean_cm: outcome.and_then(|laid| laid.mean_error_m).map(cm),
         largest_cm: outcome.and_then(|laid| laid.largest_error_m).map(cm),
         simulated_s: case.record.outcome.simulated_time,
@@ -127,7 +141,7 @@ fn line(task: usize, is_optimal: bool, cases: &[Case<Application>]) -> Vec<Strin
     let passed = || pegs().map(|pegs| pegs.passed);
     let found = match (passed().min(), passed().max(), pegs().next()) {
         (Some(least), Some(most), Some(pegs)) => format!("{least} to {most} of {}", pegs.count),
-        _ => determinants(of()),
+        _ => knots(of()),
     };
     let errors: Vec<f64> = of()
         .filter_map(|case| case.outcome()?.mean_error_m)
@@ -147,47 +161,87 @@ fn line(task: usize, is_optimal: bool, cases: &[Case<Application>]) -> Vec<Strin
     ]
 }
 
-/// The determinants of rods, and how often each was found.
-fn determinants<'a>(cases: impl Iterator<Item = &'a Case<Application>>) -> String {
-    let mut counts: BTreeMap<Option<u64>, usize> = BTreeMap::new();
+/// The knots of rods by their determinant and signature, and how often each was found.
+fn knots<'a>(cases: impl Iterator<Item = &'a Case<Application>>) -> String {
+    let mut counts: BTreeMap<Option<KnotInvariants>, usize> = BTreeMap::new();
     for case in cases {
         if let Some(knot) = case.outcome().and_then(|laid| laid.knot) {
             *counts.entry(knot.rod).or_default() += 1;
         }
     }
-    let words = counts.iter().map(|(determinant, count)| match determinant {
-        Some(determinant) => format!("{determinant} in {count}"),
+    let words = counts.iter().map(|(knot, count)| match knot {
+        Some(knot) => format!("{}, {} in {count}", knot.determinant, knot.signature),
         None => format!("undecided in {count}"),
     });
-    words.collect::<Vec<_>>().join(", ")
+    words.collect::<Vec<_>>().join("; ")
 }
 
-/// A task from above: pegs, pattern and what lies there after all trials.
-fn figure(task: usize, cases: &[Case<Application>]) -> Result<Option<PageFigure>, ReproduceError> {
-    let mut curves = Vec::new();
-    let mut shown = None;
+/// A task from above: pegs, pattern and what lies there after all trials, or, of knots, after the first one.
+fn figures(task: usize, cases: &[Case<Application>]) -> Result<Vec<PageFigure>, ReproduceError> {
+    let mut laid = Vec::new();
     for (is_optimal, name) in [(true, "optimal"), (false, "intuitive")] {
-        let mut lying = Vec::new();
         for case in trials(task, is_optimal, cases) {
-            let Some(outlines) = outlines(case)? else {
-                continue;
-            };
-            // Ten knots above each other are no picture.
-            if outlines.pegs.is_empty() && case.run.seed > 1 {
-                continue;
+            if let Some(outlines) = outlines(case)? {
+                // Ten knots above each other are no picture.
+                if !outlines.pegs.is_empty() || case.run.seed == 1 {
+                    laid.push((name, outlines));
+                }
             }
-            lying.extend(outlines.rod.iter().copied());
-            lying.extend(outlines.rod.last().map(|(x, _)| (*x, None)));
-            shown = Some(outlines);
         }
-        curves.push(Curve::new(name, lying));
     }
-    let Some(LaidOutlines { pattern, pegs, .. }) = shown else {
-        return Ok(None);
+    let Some(Task { name, id, .. }) = TASKS.get(task) else {
+        return Ok(Vec::new());
     };
-    curves.push(Curve::new("pattern", pattern).looking(Look::Dashed));
-    if !pegs.is_empty() {
-        curves.push(Curve::new("pegs", pegs));
+    let id = format!("tab5.4_{id}");
+    let is_of_two = laid.iter().any(|(_, outlines)| outlines.rods.len() > 1);
+    if !is_of_two {
+        let caption = format!("{name}: what lies on the table, from above");
+        let rods = ["optimal", "intuitive"].map(|scheme| (scheme, of_scheme(scheme, 0, &laid)));
+        let figure = picture(rods, laid.last().map(|(_, outlines)| outlines));
+        return Ok(figure
+            .map(|figure| PageFigure::new(&id, &caption, figure))
+            .into_iter()
+            .collect());
+    }
+    let of = |scheme: &str| {
+        let rods = [("first rod", 0), ("second rod", 1)];
+        let rods = rods.map(|(name, rod)| (name, of_scheme(scheme, rod, &laid)));
+        let shown = laid.iter().find(|(name, _)| *name == scheme);
+        let figure = picture(rods, shown.map(|(_, outlines)| outlines))?;
+        let caption =
+            format!("{name}, {scheme} scheme, seed 1: what lies on the table, from above");
+        Some(PageFigure::new(&format!("{id}_{scheme}"), &caption, figure))
+    };
+    Ok(["optimal", "intuitive"]
+        .into_iter()
+        .filter_map(of)
+        .collect())
+}
+
+/// The outlines of the rod of a number by a scheme, with gaps between them.
+fn of_scheme(scheme: &str, rod: usize, laid: &[(&str, LaidOutlines)]) -> Outline {
+    let mut lying = Outline::new();
+    for (name, outlines) in laid {
+        if let Some(outline) = outlines.rods.get(rod).filter(|_| *name == scheme) {
+            lying.extend(outline.iter().copied());
+            lying.extend(outline.last().map(|(x, _)| (*x, None)));
+        }
+    }
+    lying
+}
+
+/// Rods with the patterns and pegs of a trial.
+fn picture(rods: [(&str, Outline); 2], trial: Option<&LaidOutlines>) -> Option<Figure> {
+    let trial = trial?;
+    let mut curves: Vec<Curve> = rods.map(|(name, outline)| Curve::new(name, outline)).into();
+    let name = if trial.rods.len() == 1 {
+        "pattern"
+    } else {
+        "patterns"
+    };
+    curves.push(Curve::new(name, trial.pattern.clone()).looking(Look::Dashed));
+    if !trial.pegs.is_empty() {
+        curves.push(Curve::new("pegs", trial.pegs.clone()).looking(Look::Bare));
     }
     let plot = LinePlot {
         label: "y in m".into(),
@@ -197,16 +251,7 @@ fn figure(task: usize, cases: &[Case<Application>]) -> Result<Option<PageFigure>
         is_to_scale: true,
         ..PlotStyle::default()
     };
-    let figure = styled_line_plots([plot], "x in m", style);
-    let Some(name) = TASKS.get(task) else {
-        return Ok(None);
-    };
-    let caption = format!("{}: what lies on the table, from above", name.name);
-    Ok(Some(PageFigure::new(
-        &format!("tab5.4_{}", name.id),
-        &caption,
-        figure,
-    )))
+    Some(styled_line_plots([plot], "x in m", style))
 }
 
 fn outlines(case: &Case<Application>) -> Result<Option<LaidOutlines>, ReproduceError> {

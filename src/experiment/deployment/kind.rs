@@ -1,33 +1,25 @@
 //! The experiment `deployment`.
 
 use super::files::{FILES, LAID_FIGURE};
-use super::gripper_path::GripperPath;
-use super::keys::{Deployment, TABLES, resolve};
-use super::knot_proof::determinant_of_pattern;
+use super::hand::Hand;
+use super::keys::{TABLES, resolve};
 use super::laid_figure::laid_figure;
-use super::laid_rod::{POINTS, PatternMark};
-use super::monitor::{DeploymentMonitor, Watched};
+use super::monitor::DeploymentMonitor;
 use super::online::OnlineCorrection;
 use super::outcome::DerivedDeployment;
-use super::pegs;
+use super::paths::DeploymentPaths;
 use super::release::Release;
-use super::strand_gripper::StrandGripper;
+use super::scene;
 use super::tables::DeploymentTables;
 use crate::experiment::kind::{FigureError, Kind, OwnNumbers};
-use crate::experiment::prepare::round_rod;
 use crate::figure::Figure;
-use crate::mechanics::Vector3;
-use crate::mechanics::scene::{Clamp, Load, LoadKind, NaturalShape, Plane, RodDescription, Scene};
+use crate::mechanics::scene::Scene;
 use crate::results::FileDescription;
 use crate::run::PreparedRun;
 use crate::scenario::keys::{CommonTables, ExperimentKeys, OwnTable, Request, Section};
-use crate::scenario::{
-    BuilderRod, Contact, Experiment, Issue, KeyPath, Material, Scenario, Scheme, Step, Time,
-};
+use crate::scenario::{Contact, Experiment, Issue, KeyPath, Scenario, Scheme, Step, Time};
 use std::path::Path;
 
-/// Acceleration of free fall, m/s².
-pub const GRAVITY: f64 = 9.81;
 /// Step and duration where no table says otherwise, s.
 const STEP: f64 = 5e-3;
 const END: f64 = 60.0;
@@ -63,7 +55,8 @@ impl ExperimentKeys for DeploymentKind {
 
     fn resolve(&self, request: &Request<'_>) -> Option<Experiment> {
         let deployment = resolve(request)?;
-        let radius = deployment.rod.radius;
+        let radii = deployment.rods().map(|rod| rod.radius);
+        let radius = radii.fold(f64::INFINITY, f64::min);
         let tables = DeploymentTables::new(deployment);
         Some(Experiment::new(self.name(), tables).with_radius(radius))
     }
@@ -81,33 +74,42 @@ impl Kind for DeploymentKind {
     }
 
     fn build(&self, scenario: &Scenario, scene: &mut Scene) -> Result<(), Issue> {
+        let paths = gripper_paths(scenario)?;
         let deployment = &tables(scenario).deployment;
-        let path = gripper_path(scenario)?;
-        add(scene, deployment, path, scenario.contact.friction());
+        scene::add(scene, deployment, paths, scenario.contact.friction());
         Ok(())
     }
 
     fn attach(&self, scenario: &Scenario, run: &mut PreparedRun) -> Result<(), Issue> {
         let deployment = &tables(scenario).deployment;
-        let path = gripper_path(scenario)?;
+        let paths = gripper_paths(scenario)?;
+        let watched = scene::watched(scenario, deployment, paths);
         run.observers
-            .push(Box::new(monitor(scenario, deployment, path)));
-        let node = deployment.rod.edges;
-        let clamps = &run.scene.clamps;
-        let holds = |clamp: &Clamp| clamp.rod == 0 && clamp.node == node;
-        let clamp = clamps.iter().position(holds);
-        let clamp = clamp.expect("the gripper of a deployment");
-        if deployment.release.is_some() {
-            run.controllers
-                .push(Box::new(Release::new(clamp, path.end())));
+            .push(Box::new(DeploymentMonitor::new(watched)));
+        let clamps = scene::gripper_clamps(deployment, &run.scene);
+        let all_done = deployment.release.map(|_| paths.end());
+        let released = |rod: usize| {
+            let tying = paths.tying.as_ref();
+            tying.and_then(|tying| tying.released[rod]).or(all_done)
+        };
+        for (rod, &clamp) in clamps.iter().enumerate() {
+            if let Some(time) = released(rod) {
+                run.controllers.push(Box::new(Release::new(clamp, time)));
+            }
         }
-        if let (Some(tying), Some(knot)) = (&path.tying, &deployment.knot) {
-            let gripper = StrandGripper::new(&tying.lifts, deployment.rod.edges + 1, knot.reach);
-            run.controllers.push(Box::new(gripper));
+        if let (Some(tying), Some(knot)) = (&paths.tying, &deployment.knot) {
+            let nodes = scene::nodes(deployment);
+            for (number, holds) in tying.holds.iter().enumerate() {
+                if !holds.is_empty() {
+                    let hand = Hand::new(number, holds, &nodes, knot.reach);
+                    run.controllers.push(Box::new(hand));
+                }
+            }
         }
         if let Some(keys) = deployment.correction {
-            let lying = lying_height(scenario, deployment);
-            let correction = OnlineCorrection::new(deployment, keys, path, clamp, lying);
+            let lying = scene::lying_height(scenario, &deployment.rod);
+            let path = &paths.rods[0];
+            let correction = OnlineCorrection::new(deployment, keys, path, clamps[0], lying);
             run.controllers.push(Box::new(correction));
         }
         Ok(())
@@ -115,31 +117,14 @@ impl Kind for DeploymentKind {
 
     fn derived(&self, run: &PreparedRun) -> Option<OwnNumbers> {
         let monitor = run.observer::<DeploymentMonitor>()?;
-        let numbers = monitor.watched.derived;
-        let mut lines = vec![(
-            "pattern".to_owned(),
-            format!(
-                "{:.4} m, of which {:.4} m lead-in",
-                numbers.pattern_length, numbers.lead_in
-            ),
-        )];
-        let mut line = |name: &str, text: String| lines.push((name.to_owned(), text));
-        if let Some(radius) = numbers.least_radius {
-            line("  least radius", format!("{radius:.4} m"));
+        let rods = &monitor.watched.rods;
+        let all = DerivedDeployment::of_all(rods.iter().map(|rod| rod.derived));
+        let mut lines = Vec::new();
+        for (number, rod) in rods.iter().enumerate() {
+            let name = ["pattern", "second pattern"][number.min(1)];
+            lines.extend(described(name, &rod.derived));
         }
-        line(
-            "  largest friction demand",
-            format!(
-                "{:.3}; above that of the table for {:.1} % of its length",
-                numbers.largest_friction_demand,
-                1e2 * numbers.share_above_friction
-            ),
-        );
-        line(
-            "  gripper, at most",
-            format!("{:.1} cm/s", 1e2 * numbers.largest_gripper_speed),
-        );
-        Some(OwnNumbers::new("deployment", &numbers, lines))
+        Some(OwnNumbers::new("deployment", &all, lines))
     }
 
     fn files(&self) -> &'static [FileDescription] {
@@ -155,107 +140,42 @@ impl Kind for DeploymentKind {
     }
 }
 
-fn gripper_path(scenario: &Scenario) -> Result<&GripperPath, Issue> {
-    let path = tables(scenario).path(scenario);
-    path.map_err(|error| Issue::new(KeyPath::from("deployment.pattern"), error.to_string()))
+fn gripper_paths(scenario: &Scenario) -> Result<&DeploymentPaths, Issue> {
+    let paths = tables(scenario).paths(scenario);
+    paths.map_err(|error| Issue::new(KeyPath::from("deployment.pattern"), error.to_string()))
 }
 
-/// Adds rod, gripper, weight and table.
-fn add(scene: &mut Scene, deployment: &Deployment, path: &GripperPath, friction: f64) {
-    let rod = &deployment.rod;
-    let material = Material {
-        youngs_modulus: rod.deployed().youngs_modulus(rod.density, GRAVITY),
-        poissons_ratio: 0.5,
-        density: rod.density,
-    };
-    let section = BuilderRod {
-        radius: rod.radius,
-        nodes: rod.edges + 1,
-    };
-    let straight = (0..=rod.edges)
-        .map(|node| Vector3::x() * (rod.length * node as f64 / rod.edges as f64))
-        .collect();
-    let index = scene.rods.len();
-    scene.rods.push(RodDescription {
-        end_tangents: [None, Some(path.first_direction())],
-        natural_shape: NaturalShape::Centreline(straight),
-        ..round_rod("rod", path.start.clone(), &material, &section)
-    });
-    let standing = deployment.pegs.iter().enumerate();
-    let standing = standing.map(|(number, peg)| pegs::post(&format!("peg_{}", number + 1), peg));
-    scene.rods.extend(standing);
-    scene.clamps.push(Clamp {
-        rod: index,
-        node: rod.edges,
-        holds_position: true,
-        holds_frame: true,
-        motion: path.motion(),
-    });
-    scene.loads.push(Load {
-        kind: LoadKind::Gravity {
-            acceleration: -GRAVITY * Vector3::z(),
-        },
-        schedule: Vec::new(),
-    });
-    scene.planes.push(Plane {
-        point: Vector3::zeros(),
-        normal: Vector3::z(),
-        friction: Some(friction),
-    });
-}
-
-/// Height below which a node lies on the table, m.
-fn lying_height(scenario: &Scenario, deployment: &Deployment) -> f64 {
-    let tolerance = scenario.contact.distance_tolerance().unwrap_or(0.0);
-    deployment.rod.radius + 2.0 * tolerance
-}
-
-fn monitor(scenario: &Scenario, deployment: &Deployment, path: &GripperPath) -> DeploymentMonitor {
-    let rod = &deployment.rod;
-    let from = deployment.lead_in;
-    let marks = (0..POINTS).map(|index| {
-        let s = from + (path.length - from) * index as f64 / (POINTS - 1) as f64;
-        let position = path.curve.at(s).position;
-        PatternMark {
-            s,
-            position: position.into(),
-        }
-    });
-    let marks = marks.collect();
-    let asked = &path.feasibility;
-    let derived = DerivedDeployment {
-        pattern_length: path.length,
-        lead_in: from,
-        least_radius: Some(asked.least_radius_m).filter(|radius| radius.is_finite()),
-        largest_friction_demand: asked.largest_demand,
-        share_above_friction: asked.share_above_friction.unwrap_or(0.0),
-        largest_gripper_speed: path.largest_speed(),
-    };
-    DeploymentMonitor::new(Watched {
-        marks,
-        length: rod.length,
-        nodes: rod.edges + 1,
-        lying_height: lying_height(scenario, deployment),
-        friction: scenario.contact.friction(),
-        laid: path.laid.clone(),
-        outline: if deployment.pegs.is_empty() {
-            Vec::new()
-        } else {
-            pegs::outline(&path.curve)
-        },
-        pegs: deployment.pegs.clone(),
-        knot: path.tying.as_ref().map(|tying| {
-            let whole = deployment.whole_pattern().ok()?;
-            determinant_of_pattern(&whole, &tying.passages)
-        }),
-        derived,
-    })
+/// The numbers of a rod in words.
+fn described(pattern: &str, numbers: &DerivedDeployment) -> Vec<(String, String)> {
+    let mut lines = Vec::new();
+    let mut line = |name: &str, text: String| lines.push((name.to_owned(), text));
+    let (length, lead_in) = (numbers.pattern_length, numbers.lead_in);
+    line(
+        pattern,
+        format!("{length:.4} m, of which {lead_in:.4} m lead-in"),
+    );
+    if let Some(radius) = numbers.least_radius {
+        line("  least radius", format!("{radius:.4} m"));
+    }
+    line(
+        "  largest friction demand",
+        format!(
+            "{:.3}; above that of the table for {:.1} % of its length",
+            numbers.largest_friction_demand,
+            1e2 * numbers.share_above_friction
+        ),
+    );
+    line(
+        "  gripper, at most",
+        format!("{:.1} cm/s", 1e2 * numbers.largest_gripper_speed),
+    );
+    lines
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::deployment::{DeploymentOutcome, TiedKnot};
+    use crate::experiment::deployment::DeploymentOutcome;
     use crate::experiment::{from_text, prepare};
     use crate::run::{RunOptions, run};
 
@@ -340,36 +260,22 @@ mod tests {
         assert_eq!((peg(0.015), peg(-0.015)), (0, 1));
     }
 
-    /// The scenario of a trefoil, with other keys.
-    fn tied(overrides: &[&str]) -> TiedKnot {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-        let file = root.join("scenarios/tied_trefoil.toml");
-        let overrides: Vec<String> = overrides.iter().map(|key| (*key).to_owned()).collect();
-        let loaded = crate::experiment::load(&file, &overrides).unwrap();
-        let again = from_text(
-            "tied_trefoil",
-            &loaded.scenario.to_toml(),
-            Path::new(""),
-            &[],
+    const SECOND: &str = "pattern = { kind = \"line\", length = 0.1 }\n\
+        second = { pattern = { points = [[0.05, -0.1], [0.05, 0], [0.05, 0.1]] }, \
+        rod = { gravito_bending_length = 0.018, radius = 0.001, length = 0.4 } }";
+
+    #[test]
+    fn a_second_rod_is_laid_over_the_first() {
+        let outcome = laid(SECOND, 16.0);
+        // Its free end slips where it is let down, by about a gravito-bending length; the first rod lies as if there were no other.
+        assert!(
+            outcome.largest_error_m.unwrap() < 1.5 * 0.018,
+            "{outcome:?}"
         );
-        assert_eq!(again.unwrap().scenario, loaded.scenario);
-        let prepared = prepare(&loaded.scenario).unwrap();
-        let directory = tempfile::tempdir().unwrap();
-        let finished = run(&prepared, &RunOptions::new(directory.path())).unwrap();
-        DeploymentOutcome::of(&finished.case).unwrap().knot.unwrap()
-    }
-
-    #[test]
-    fn a_trefoil_is_tied_on_the_table() {
-        let knot = tied(&[]);
-        assert_eq!((knot.pattern, knot.rod), (Some(3), Some(3)));
-        assert!(knot.is_tied());
-    }
-
-    #[test]
-    fn an_end_that_is_led_over_everything_ties_nothing() {
-        let knot = tied(&["deployment.knot.crossings=[\"over\", \"over\", \"over\"]"]);
-        assert_eq!((knot.pattern, knot.rod), (Some(1), Some(1)));
+        assert_eq!((outcome.pegs, outcome.knot), (None, None));
+        // The first one is the heavier: ρ g π h² L = 0.0395 N.
+        let force = outcome.largest_gripper_force_n;
+        assert!((0.037..0.045).contains(&force), "{force}");
     }
 
     #[test]
@@ -389,6 +295,7 @@ mod tests {
             "pattern = { kind = \"line\", length = 0.1 }\nscheme = \"intuitive\"\nframe_turn = \"3 deg\"",
             "pattern = { kind = \"line\", length = 0.1 }\ncorrection = { every = \"3 cm\", noise = \"0.5 mm\" }",
             CLIPS,
+            SECOND,
             "pattern = { kind = \"line\", length = 0.1 }\npegs = [{ position = [0.05, \"1 cm\"], radius = 0.004, height = 0.01 }]",
         ] {
             let scenario = scenario(text, "").unwrap();
@@ -434,6 +341,19 @@ mod tests {
         insta::assert_snapshot!(fault("pattern = { kind = \"line\", length = 0.1 }\nknot = { crossings = [\"over\"] }"), @r#"laid.toml:4:22: `deployment.knot.crossings`: crossings that the pattern comes to again: 0; passes given: 1; say "over" or "under" for each, in the order in which it comes there"#);
         insta::assert_snapshot!(fault(&format!("{ARC}\nknot = {{ crossings = [\"beside\"] }}")), @r#"laid.toml:4:23: `deployment.knot.crossings.0`: "beside" is not known here; allowed: over, under"#);
         insta::assert_snapshot!(fault(&format!("{ARC}\nknot = {{ lift = 0.02 }}")), @r#"laid.toml:4:8: `deployment.knot`: missing key `crossings` ("over" or "under" for each crossing, as ["over", "under", "over"])"#);
+        let second = |keys: &str| {
+            fault(&format!(
+                "pattern = {{ kind = \"line\", length = 0.1 }}\nsecond = {{ {keys} }}"
+            ))
+        };
+        let rod = "rod = { gravito_bending_length = 0.018, radius = 0.001, length = 0.4 }";
+        insta::assert_snapshot!(second(rod), @r#"laid.toml:4:10: `deployment.second`: missing key `pattern` ({ file = "drawing.svg", stroke = 2 }, in the frame of the first)"#);
+        insta::assert_snapshot!(second("pattern = { kind = \"line\", length = 0.1 }"), @r#"laid.toml:4:10: `deployment.second`: missing key `rod` (a table [deployment.second.rod] with the keys of [deployment.rod])"#);
+        insta::assert_snapshot!(second(&format!("pattern = {{ kind = \"line\", length = 0.5 }}, {rod}")), @r#"laid.toml:4:22: `deployment.second.pattern`: the pattern is 0.5000 m long, and the rod 0.4 m: it must be at least 0.5018 m, so that the gripper can still hold it at the end"#);
+        insta::assert_snapshot!(second(&format!("pattern = {{ kind = \"line\", length = 0.1 }}, seed = 3, {rod}")), @r#"laid.toml:4:55: `deployment.second.seed`: unknown key (its keys are: pattern, rod, scheme, lead_in)"#);
+        insta::assert_snapshot!(fault(&format!("{SECOND}\nknot = {{ crossings = [\"over\", \"over\"] }}")), @r#"laid.toml:5:22: `deployment.knot.crossings`: crossings that the rods come to again: 1; passes given: 2; say "over" or "under" for each, in the order in which rods come there: first the second rod as it is laid, then its end as it is led, then that of the first"#);
+        insta::assert_snapshot!(fault(&format!("{SECOND}\nknot = {{ crossings = [\"over\"] }}")), @r#"laid.toml:5:22: `deployment.knot.crossings`: neither pattern is longer than its rod: what goes on is the path along which the end of the rod is led, under a strand of the other; without it the second rod lies on the first, and no knot arises"#);
+        insta::assert_snapshot!(fault(&format!("{SECOND}\ncorrection = {{}}")), @r#"laid.toml:5:14: `deployment.correction`: this key is for one rod: leave it, or `second`, out"#);
         insta::assert_snapshot!(fault(&format!("{ARC}\nrelease = 70")), @"laid.toml:4:11: `deployment.release`: 70.0 s is out of range; allowed: less than the time in which the rod is laid, 60.0 s (`time.end`)");
         insta::assert_snapshot!(scenario(ARC, "[material]\ndensity = 1").unwrap_err(), @"laid.toml:12:1: `material`: the rod of a deployment and its material are [deployment.rod]");
     }

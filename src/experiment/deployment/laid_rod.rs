@@ -37,29 +37,29 @@ pub fn rod_at(nodes: &[Vector3], length: f64, s: f64) -> Vector2<f64> {
     (nodes[edge] * (1.0 - part) + nodes[edge + 1] * part).xy()
 }
 
-/// Distances of the marks at which something lies already, `laid` (m) of the rod; `None` where there is none.
-pub fn laid_error(
-    marks: &[PatternMark],
-    nodes: &[Vector3],
-    length: f64,
-    laid: f64,
-) -> Option<LaidError> {
-    let distances: Vec<f64> = marks
-        .iter()
-        .filter(|mark| mark.s <= laid * (1.0 + 1e-9))
+/// Distances of the marks at which something lies already, `laid` (m) of the rod, m.
+pub fn distances(marks: &[PatternMark], nodes: &[Vector3], length: f64, laid: f64) -> Vec<f64> {
+    let marks = marks.iter().filter(|mark| mark.s <= laid * (1.0 + 1e-9));
+    marks
         .map(|mark| (rod_at(nodes, length, mark.s) - Vector2::from(mark.position)).norm())
-        .collect();
-    if distances.is_empty() {
-        return None;
+        .collect()
+}
+
+impl LaidError {
+    /// That of distances; `None` where there are none.
+    pub fn of(distances: &[f64]) -> Option<Self> {
+        if distances.is_empty() {
+            return None;
+        }
+        let count = distances.len() as f64;
+        let mean = distances.iter().sum::<f64>() / count;
+        let square: f64 = distances.iter().map(|d| (d - mean).powi(2)).sum();
+        Some(Self {
+            mean,
+            deviation: (square / count).sqrt(),
+            largest: distances.iter().copied().fold(0.0, f64::max),
+        })
     }
-    let count = distances.len() as f64;
-    let mean = distances.iter().sum::<f64>() / count;
-    let square: f64 = distances.iter().map(|d| (d - mean).powi(2)).sum();
-    Some(LaidError {
-        mean,
-        deviation: (square / count).sqrt(),
-        largest: distances.iter().copied().fold(0.0, f64::max),
-    })
 }
 
 #[cfg(test)]
@@ -76,11 +76,12 @@ mod tests {
             position: [s, y],
         };
         let marks = [mark(0.1, 0.01), mark(0.3, 0.03), mark(0.9, 5.0)];
-        let error = laid_error(&marks, &nodes, 1.0, 0.5).unwrap();
+        let error = LaidError::of(&distances(&marks, &nodes, 1.0, 0.5)).unwrap();
         assert!((error.mean - 0.02).abs() < 1e-15);
         assert!((error.deviation - 0.01).abs() < 1e-15);
         assert!((error.largest - 0.03).abs() < 1e-15);
-        assert_eq!(laid_error(&marks, &nodes, 1.0, 0.05), None);
+        let none = distances(&marks, &nodes, 1.0, 0.05);
+        assert_eq!(LaidError::of(&none), None);
         // A rod of twice the length has half the places.
         assert!((rod_at(&nodes, 2.0, 1.0) - Vector2::new(0.5, 0.0)).norm() < 1e-15);
         assert_eq!(rod_at(&nodes, 1.0, 7.0), Vector2::new(1.0, 0.0));

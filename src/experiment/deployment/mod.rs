@@ -1,23 +1,26 @@
-//! Deployment: a gripper lays a rod on a table along a pattern (thesis chapter 5).
+//! Deployment: grippers lay a rod, or two, on a table along patterns (thesis chapter 5).
 //!
 //! | file | what |
 //! |---|---|
 //! | `kind` | the experiment |
 //! | `keys` | its table `[deployment]` |
-//! | `gripper_path` | the path of the gripper with its errors, planned before the run |
-//! | `tying` | what both grippers do when the rod is laid, where a knot is tied |
+//! | `scene` | rods, grippers and table of the scene |
+//! | `gripper_path` | the path of a gripper that lays a rod, with its errors, planned before the run |
+//! | `tying` | what both grippers do when rods are laid, where a knot is tied |
+//! | `paths` | the paths of all grippers, one after the other |
 //! | `planned` | what the planner believes |
 //! | `online` | the path planned anew from where the rod is seen to lie |
 //! | `tables` | that table with what is planned of it |
 //! | `laid_rod` | distances of the laid rod from its pattern |
 //! | `pegs` | posts on the table, and whether the rod passes them as its pattern does |
-//! | `strand_gripper`, `release` | a second gripper lifts strands; the first one lets go |
-//! | `knot_proof` | which knot a rod on the table is tied into |
+//! | `hand`, `release` | a gripper takes hold of strands and ends; one that laid a rod lets go |
+//! | `knot_proof` | which knot rods on the table are tied into |
 //! | `monitor`, `outcome` | what is measured, and what it came to |
 //! | `files`, `laid_figure` | what it leaves in a results directory |
 
 mod files;
 mod gripper_path;
+mod hand;
 mod keys;
 mod kind;
 mod knot_proof;
@@ -26,10 +29,11 @@ mod laid_rod;
 mod monitor;
 mod online;
 mod outcome;
+mod paths;
 mod pegs;
 mod planned;
 mod release;
-mod strand_gripper;
+mod scene;
 mod tables;
 mod tying;
 
@@ -38,4 +42,5 @@ pub use kind::DeploymentKind;
 pub use laid_figure::{LaidOutlines, Outline, laid_outlines};
 pub use monitor::DeploymentMonitor;
 pub use outcome::{DeploymentOutcome, PassedPegs, TiedKnot};
+pub use paths::{GripperTask, GripperWork};
 pub use tables::DeploymentTables;

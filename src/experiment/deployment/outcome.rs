@@ -1,5 +1,6 @@
 //! What a deployment came to.
 
+use crate::knot::KnotInvariants;
 use crate::results::{CaseOutcome, NamedValues};
 use serde::{Deserialize, Serialize};
 
@@ -18,6 +19,32 @@ pub struct DerivedDeployment {
     pub share_above_friction: f64,
     /// Largest speed of the gripper, m/s.
     pub largest_gripper_speed: f64,
+}
+
+impl DerivedDeployment {
+    /// Those of all rods of a deployment in one.
+    pub fn of_all(rods: impl Iterator<Item = Self>) -> Self {
+        let least = |one: Option<f64>, other: Option<f64>| match (one, other) {
+            (Some(one), Some(other)) => Some(one.min(other)),
+            _ => one.or(other),
+        };
+        let joined = rods.reduce(|one, other| {
+            let length = one.pattern_length + other.pattern_length;
+            let above = one.share_above_friction * one.pattern_length
+                + other.share_above_friction * other.pattern_length;
+            Self {
+                pattern_length: length,
+                lead_in: one.lead_in + other.lead_in,
+                least_radius: least(one.least_radius, other.least_radius),
+                largest_friction_demand: one
+                    .largest_friction_demand
+                    .max(other.largest_friction_demand),
+                share_above_friction: above / length,
+                largest_gripper_speed: one.largest_gripper_speed.max(other.largest_gripper_speed),
+            }
+        });
+        joined.expect("a deployment has a rod")
+    }
 }
 
 /// Outcomes of a deployment: the last columns of `summary.csv`.
@@ -43,13 +70,13 @@ pub struct DeploymentOutcome {
     pub knot: Option<TiedKnot>,
 }
 
-/// Knots by their determinants.
+/// Knots by their invariants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TiedKnot {
-    /// That of the pattern; `None` where it depends on how its ends are joined.
-    pub pattern: Option<u64>,
-    /// That of the rod; `None` where it depends on how its ends are joined.
-    pub rod: Option<u64>,
+    /// That of the pattern, or of both patterns; `None` where it depends on how ends are joined.
+    pub pattern: Option<KnotInvariants>,
+    /// That of the rod, or of both rods; `None` where it depends on how ends are joined.
+    pub rod: Option<KnotInvariants>,
 }
 
 impl TiedKnot {
@@ -76,10 +103,15 @@ impl PassedPegs {
 }
 
 fn tied_knot(observed: &NamedValues) -> Option<TiedKnot> {
-    let number = |name: &str| observed.number(name).map(|number| number as u64);
+    let invariants = |determinant: &str, signature: &str| {
+        Some(KnotInvariants {
+            determinant: observed.number(determinant)? as u64,
+            signature: observed.number(signature)? as i64,
+        })
+    };
     let knot = TiedKnot {
-        pattern: number("pattern_determinant"),
-        rod: number("rod_determinant"),
+        pattern: invariants("pattern_determinant", "pattern_signature"),
+        rod: invariants("rod_determinant", "rod_signature"),
     };
     (knot.pattern.is_some() || knot.rod.is_some()).then_some(knot)
 }
@@ -112,6 +144,13 @@ impl DeploymentOutcome {
     /// The columns of the summary.
     pub fn values(&self) -> NamedValues {
         let Self { pegs, knot, .. } = self;
+        let [pattern, rod] = [
+            knot.and_then(|knot| knot.pattern),
+            knot.and_then(|knot| knot.rod),
+        ];
+        let determinant = |knot: KnotInvariants| knot.determinant;
+        // An integer, which a table may write with a sign.
+        let signature = |knot: KnotInvariants| knot.signature as f64;
         NamedValues::from([
             ("mean_error_m", self.mean_error_m.into()),
             ("error_deviation_m", self.error_deviation_m.into()),
@@ -128,11 +167,10 @@ impl DeploymentOutcome {
             ("share_above_friction", self.share_above_friction.into()),
             ("pegs", pegs.map(|pegs| pegs.count as u64).into()),
             ("pegs_passed", pegs.map(|pegs| pegs.passed as u64).into()),
-            (
-                "pattern_determinant",
-                knot.and_then(|knot| knot.pattern).into(),
-            ),
-            ("rod_determinant", knot.and_then(|knot| knot.rod).into()),
+            ("pattern_determinant", pattern.map(determinant).into()),
+            ("pattern_signature", pattern.map(signature).into()),
+            ("rod_determinant", rod.map(determinant).into()),
+            ("rod_signature", rod.map(signature).into()),
         ])
     }
 
@@ -179,13 +217,16 @@ impl DeploymentOutcome {
             } else {
                 "not as drawn"
             };
-            let words = |number: Option<u64>| {
-                number.map_or("depends on how the ends are joined".to_owned(), |n| {
-                    n.to_string()
+            let words = |knot: Option<KnotInvariants>| {
+                knot.map_or("depends on how the ends are joined".to_owned(), |knot| {
+                    format!(
+                        "determinant {}, signature {}",
+                        knot.determinant, knot.signature
+                    )
                 })
             };
             let text = format!(
-                "determinant {}; that of the pattern: {}: {verdict}",
+                "{}; that of the pattern: {}: {verdict}",
                 words(knot.rod),
                 words(knot.pattern)
             );
@@ -214,7 +255,10 @@ mod tests {
                 passed: 3,
             }),
             knot: Some(TiedKnot {
-                pattern: Some(3),
+                pattern: Some(KnotInvariants {
+                    determinant: 3,
+                    signature: -2,
+                }),
                 rod: None,
             }),
         };

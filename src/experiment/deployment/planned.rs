@@ -2,7 +2,7 @@
 
 use super::keys::Deployment;
 use crate::plan::deployment::{DeployedRod, DeploymentError, MOST_POSES};
-use crate::plan::pattern::{Pattern, PatternError, PatternPoint, Point};
+use crate::plan::pattern::{PatternError, PatternPoint, Point};
 use crate::plan::tying::TyingError;
 use nalgebra::{Matrix2, Vector2};
 use serde::{Deserialize, Serialize};
@@ -29,6 +29,17 @@ pub enum PathError {
         /// Time of all, s.
         end_s: f64,
     },
+    /// There is none for the second rod to be brought.
+    #[error(
+        "the second rod is brought within {brought_s} s when the first one lies, and there are {end_s:.1} s for laying both: `time.end` must \
+         be later"
+    )]
+    NoTimeForSecond {
+        /// Time of bringing, s.
+        brought_s: f64,
+        /// Time until both are laid, s.
+        end_s: f64,
+    },
     /// It takes too many poses.
     #[error("its gripper would need {0:.1e} poses; allowed: {MOST_POSES:.0e}")]
     TooManyPoses(f64),
@@ -45,8 +56,8 @@ pub struct Planned {
 }
 
 impl Planned {
-    /// What a deployment lets it believe of the rod and of a pattern.
-    pub fn new(deployment: &Deployment, curve: &Pattern) -> Self {
+    /// What a deployment of one rod lets it believe of the rod and of a frame; `pivot` is the first point of the first pattern, m.
+    pub fn new(deployment: &Deployment, pivot: Point) -> Self {
         let rod = deployment.rod.deployed();
         Self {
             rod: DeployedRod {
@@ -54,7 +65,7 @@ impl Planned {
                     * (1.0 + deployment.length_error),
                 ..rod
             },
-            pivot: curve.at(0.0).position,
+            pivot,
             shift: deployment.frame_shift.into(),
             turn: deployment.frame_turn,
         }

@@ -1,7 +1,7 @@
 //! The tables of a deployment, and what is planned of them.
 
-use super::gripper_path::GripperPath;
 use super::keys::Deployment;
+use super::paths::DeploymentPaths;
 use super::planned::PathError;
 use crate::scenario::{Scenario, Step, Time};
 use serde::Serialize;
@@ -13,7 +13,7 @@ pub struct DeploymentTables {
     /// What is laid, and how.
     pub deployment: Deployment,
     #[serde(skip)]
-    path: OnceLock<GripperPath>,
+    paths: OnceLock<DeploymentPaths>,
 }
 
 impl DeploymentTables {
@@ -21,17 +21,17 @@ impl DeploymentTables {
     pub fn new(deployment: Deployment) -> Self {
         Self {
             deployment,
-            path: OnceLock::new(),
+            paths: OnceLock::new(),
         }
     }
 
-    /// The path of the gripper in the scenario of these tables, planned once.
+    /// The paths of the grippers in the scenario of these tables, planned once.
     ///
     /// # Errors
-    /// The pattern cannot be laid.
-    pub fn path(&self, scenario: &Scenario) -> Result<&GripperPath, PathError> {
-        if let Some(path) = self.path.get() {
-            return Ok(path);
+    /// A pattern cannot be laid.
+    pub fn paths(&self, scenario: &Scenario) -> Result<&DeploymentPaths, PathError> {
+        if let Some(paths) = self.paths.get() {
+            return Ok(paths);
         }
         let (step, end) = match scenario.time {
             Time::Dynamic {
@@ -45,7 +45,7 @@ impl DeploymentTables {
         };
         let friction = scenario.contact.friction();
         let laid_by = end - self.deployment.release.unwrap_or(0.0);
-        let planned = GripperPath::new(&self.deployment, friction, laid_by, step)?;
-        Ok(self.path.get_or_init(|| planned))
+        let planned = DeploymentPaths::new(&self.deployment, friction, laid_by, step)?;
+        Ok(self.paths.get_or_init(|| planned))
     }
 }

@@ -20,7 +20,7 @@ mod spline;
 mod svg;
 
 pub use analytic::{Circle, Line, Sine};
-pub use check::{Crossing, crossings};
+pub use check::{Crossing, crossings, crossings_of_two};
 pub use curve::{PatternPoint, PlaneCurve};
 pub use source::{Drawing, PatternSource, chosen_stroke};
 pub use spline::SmoothCurve;

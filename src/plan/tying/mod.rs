@@ -4,16 +4,21 @@
 //! longer than the rod goes on as the path of the end, which one gripper leads along the table, under strands that
 //! another gripper lifts meanwhile, and over others.
 //!
+//! Two rods are laid one after the other, the second over the first. Then their ends are led, that of the second rod first:
+//! under strands of the other rod, or of its own, and over them.
+//!
 //! | file | what |
 //! |---|---|
-//! | `passage` | how a pattern comes to its crossings again, over or under |
+//! | `passage` | how patterns come to their crossings again, over or under |
 //! | `schedule` | when the end is where, and when strands are lifted |
-//! | `path` | poses of both grippers |
+//! | `path` | poses of the grippers |
 
+#[cfg(test)]
+pub mod drawn;
 mod passage;
 mod path;
 mod schedule;
 
-pub use passage::{Pass, Passage, TyingError, laid_length, passages};
-pub use path::{GripperPoses, LiftPath, end_path, lift_paths};
+pub use passage::{Pass, Passage, Place, TiedRod, TyingError, laid_length, passages};
+pub use path::{GripperPoses, LiftPath, TyingTask};
 pub use schedule::{Handling, Schedule};

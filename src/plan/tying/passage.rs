@@ -1,7 +1,7 @@
-//! How a pattern comes to its crossings again.
+//! How patterns come to their crossings again.
 
 use crate::plan::deployment::DeployedRod;
-use crate::plan::pattern::{Pattern, Point, crossings};
+use crate::plan::pattern::{Pattern, PatternPoint, Point, crossings, crossings_of_two};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -25,13 +25,38 @@ pub enum Pass {
     Under,
 }
 
-/// A crossing of a pattern with itself.
+/// A rod that is laid along a pattern. Where the pattern is longer than the rod, its rest is the path of the rod's end.
+#[derive(Clone, Copy)]
+pub struct TiedRod<'a> {
+    /// The rod.
+    pub rod: &'a DeployedRod,
+    /// The pattern.
+    pub curve: &'a Pattern,
+}
+
+impl TiedRod<'_> {
+    /// Whether its end is led on when it is laid.
+    pub fn is_led(&self) -> bool {
+        self.curve.length() > self.rod.length
+    }
+}
+
+/// A place along the pattern of a rod.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Number of the rod, from 0, in the order in which they are laid.
+    pub rod: usize,
+    /// Arc length, m.
+    pub s: f64,
+}
+
+/// A crossing of a pattern with itself or with another one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Passage {
-    /// Arc length at which the pattern comes there first, m.
-    pub first: f64,
-    /// Arc length at which it comes there again, m.
-    pub second: f64,
+    /// Where a rod comes there first.
+    pub first: Place,
+    /// Where it comes there again, or another one does.
+    pub second: Place,
     /// The place, m.
     pub place: Point,
     /// How it passes the second time.
@@ -52,6 +77,23 @@ pub enum TyingError {
         /// Words.
         words: usize,
     },
+    /// The same of two rods.
+    #[error(
+        "crossings that the rods come to again: {crossings}; passes given: {words}; say \"over\" or \"under\" for each, in the order in \
+         which rods come there: first the second rod as it is laid, then its end as it is led, then that of the first"
+    )]
+    WordsOfTwo {
+        /// Crossings of the patterns.
+        crossings: usize,
+        /// Words.
+        words: usize,
+    },
+    /// Nothing is led.
+    #[error(
+        "neither pattern is longer than its rod: what goes on is the path along which the end of the rod is led, under a strand of the \
+         other; without it the second rod lies on the first, and no knot arises"
+    )]
+    NothingIsLed,
     /// There is no path for the end.
     #[error(
         "the pattern is {pattern_m:.4} m long, and the rod {rod_m} m: the rest of the pattern is the path along which the end of the \
@@ -97,55 +139,99 @@ pub fn laid_length(rod: &DeployedRod) -> f64 {
     rod.length - HELD * rod.gravito_bending_length
 }
 
-/// The crossings of a pattern in the order in which it comes to them again, with the words that say how.
+/// When a rod comes to a place: rods are laid one after the other, and the last one's end is the first to be led.
+fn stage(rods: &[TiedRod<'_>], place: &Place) -> (usize, f64) {
+    if place.s <= rods[place.rod].rod.length {
+        (place.rod, place.s)
+    } else {
+        (2 * rods.len() - place.rod, place.s)
+    }
+}
+
+/// The crossings of patterns, in the order in which rods come to them again.
+fn found(rods: &[TiedRod<'_>]) -> Vec<(Place, Place, Point)> {
+    let sampled: Vec<Vec<PatternPoint>> = rods
+        .iter()
+        .map(|tied| tied.curve.sampled(SPACING))
+        .collect();
+    let mut found = Vec::new();
+    for (rod, points) in sampled.iter().enumerate() {
+        let place = |s: f64| Place { rod, s };
+        let own = crossings(points).into_iter();
+        found.extend(own.map(|own| (place(own.first), place(own.second), own.position)));
+        for (earlier, others) in sampled[..rod].iter().enumerate() {
+            let between = crossings_of_two(others, points).into_iter();
+            found.extend(between.map(|crossing| {
+                let of_earlier = Place {
+                    rod: earlier,
+                    s: crossing.first,
+                };
+                (of_earlier, place(crossing.second), crossing.position)
+            }));
+        }
+    }
+    for (first, second, _) in &mut found {
+        if stage(rods, first) > stage(rods, second) {
+            std::mem::swap(first, second);
+        }
+    }
+    let key = |found: &(Place, Place, Point)| stage(rods, &found.1);
+    found.sort_by(|one, other| {
+        let ((one, s), (other, other_s)) = (key(one), key(other));
+        one.cmp(&other).then(s.total_cmp(&other_s))
+    });
+    found
+}
+
+/// The crossings of the patterns of one or two rods in the order in which they are come to again, with the words that say how.
 ///
 /// # Errors
 /// The knot cannot be tied so.
-pub fn passages(
-    curve: &Pattern,
-    rod: &DeployedRod,
-    words: &[Pass],
-) -> Result<Vec<Passage>, TyingError> {
-    let mut found = crossings(&curve.sampled(SPACING));
-    found.sort_by(|one, other| one.second.total_cmp(&other.second));
+pub fn passages(rods: &[TiedRod<'_>], words: &[Pass]) -> Result<Vec<Passage>, TyingError> {
+    let found = found(rods);
     if found.len() != words.len() {
-        return Err(TyingError::Words {
-            crossings: found.len(),
-            words: words.len(),
+        let (crossings, words) = (found.len(), words.len());
+        return Err(if rods.len() == 1 {
+            TyingError::Words { crossings, words }
+        } else {
+            TyingError::WordsOfTwo { crossings, words }
         });
     }
-    if curve.length() <= rod.length {
-        return Err(TyingError::NoPath {
-            pattern_m: curve.length(),
-            rod_m: rod.length,
+    if !rods.iter().any(TiedRod::is_led) {
+        return Err(match rods {
+            [only] => TyingError::NoPath {
+                pattern_m: only.curve.length(),
+                rod_m: only.rod.length,
+            },
+            _ => TyingError::NothingIsLed,
         });
     }
-    let laid = laid_length(rod);
-    let least = BEFORE_CROSSING * rod.gravito_bending_length;
     let mut passages = Vec::with_capacity(found.len());
-    for (index, (crossing, &pass)) in found.iter().zip(words).enumerate() {
+    for (index, ((first, second, place), &pass)) in found.into_iter().zip(words).enumerate() {
         let number = index + 1;
-        if crossing.first > laid {
+        if first.s > laid_length(rods[first.rod].rod) {
             return Err(TyingError::NothingThere {
                 number,
-                first_m: crossing.first,
-                rod_m: rod.length,
+                first_m: first.s,
+                rod_m: rods[first.rod].rod.length,
             });
         }
-        let is_led = crossing.second >= rod.length + least;
-        let is_laid = crossing.second <= laid && pass == Pass::Over;
+        let rod = rods[second.rod].rod;
+        let least = BEFORE_CROSSING * rod.gravito_bending_length;
+        let is_led = second.s >= rod.length + least;
+        let is_laid = second.s <= laid_length(rod) && pass == Pass::Over;
         if !(is_led || is_laid) {
             return Err(TyingError::LaidOver {
                 number,
-                second_m: crossing.second,
+                second_m: second.s,
                 rod_m: rod.length,
                 least_m: least,
             });
         }
         passages.push(Passage {
-            first: crossing.first,
-            second: crossing.second,
-            place: crossing.position,
+            first,
+            second,
+            place,
             pass,
         });
     }

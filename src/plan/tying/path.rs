@@ -1,24 +1,25 @@
 //! Poses of the gripper that leads the end of a rod, and of the one that lifts strands.
 
-use super::{Handling, Pass, Passage, Schedule};
+use super::{Handling, Pass, Passage, Place, Schedule};
 use crate::mechanics::scene::piecewise_linear;
 use crate::mechanics::{UnitQuaternion, Vector3, rotation};
-use crate::plan::deployment::{DeployedRod, GripperPose};
+use crate::plan::deployment::DeployedRod;
 use crate::plan::pattern::{PatternPoint, Point};
 
 /// Time between poses, s.
 const INTERVAL: f64 = 0.1;
 /// Height of the end over the table, in radii: clear of it for a gripper that trembles by a third of a radius.
 const LOW: f64 = 2.2;
-/// The same over a strand that it passes, in radii: a strand is two thick.
-const HIGH: f64 = 6.0;
+/// The same over a strand that it passes, in radii over the top of the strand.
+const HIGH: f64 = 4.0;
 /// Where the end is high before and after such a strand, and where it is low again, in gravito-bending lengths.
 const HIGH_WITHIN: f64 = 0.7;
 const LOW_BEYOND: f64 = 1.75;
 /// Length over which the end goes over from its last pose of the laying to the path, in gravito-bending lengths.
 const TRANSITION: f64 = 1.0;
-/// Height at which a strand that is put down on another is let go, in radii: it lies there at three, and falls from a little above.
-const PUT_DOWN: f64 = 4.5;
+/// Height at which a strand that is put down on another is let go, in radii over the top of the other: it lies there at one, and
+/// falls from a little above.
+const PUT_DOWN: f64 = 2.5;
 
 /// Times (s), places (m) and orientations, as a clamp follows them.
 pub type GripperPoses = Vec<(f64, Vector3, UnitQuaternion)>;
@@ -26,65 +27,85 @@ pub type GripperPoses = Vec<(f64, Vector3, UnitQuaternion)>;
 /// A gripper that lifts a strand, and puts it down again.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LiftPath {
+    /// Number of the rod whose strand it is, from 0.
+    pub rod: usize,
     /// When it takes hold and when it lets go, s.
     pub held: [f64; 2],
     /// Its poses; the x axis is the tangent of the strand as it was drawn.
     pub poses: GripperPoses,
 }
 
-/// The poses of the gripper that leads the end. `pattern` says where a point of the pattern is, by its arc length, m; `last` is
-/// the pose at which the rod was laid.
-pub fn end_path(
-    schedule: &Schedule,
-    passages: &[Passage],
-    rod: &DeployedRod,
-    pattern: &dyn Fn(f64) -> PatternPoint,
-    last: &GripperPose,
-) -> GripperPoses {
-    let unit = rod.gravito_bending_length;
-    let first = pattern(rod.length);
-    let aside = last.position - at_height(&first.position, last.position.z);
-    let turned = rotation::to_vector(&(yaw(&first).inverse() * last.rotation));
-    let pose = |time: f64| {
-        let s = piecewise_linear(&schedule.end, time).unwrap_or(rod.length);
-        let point = pattern(s);
-        let part = smooth((s - rod.length) / (TRANSITION * unit));
-        let height = rod.radius * relative_height(s, passages, unit);
-        let height = last.position.z + part * (height - last.position.z);
-        let position = at_height(&point.position, height) + (1.0 - part) * aside;
-        let rotation = yaw(&point) * rotation::from_vector((1.0 - part) * turned);
-        (time, position, rotation)
-    };
-    times(&schedule.end).into_iter().map(pose).collect()
+/// Rods that are tied, and where the planner sees their patterns.
+pub struct TyingTask<'a> {
+    /// The rods.
+    pub rods: &'a [DeployedRod],
+    /// The crossings.
+    pub passages: &'a [Passage],
+    /// Where a place of a pattern is.
+    pub pattern: &'a dyn Fn(Place) -> PatternPoint,
 }
 
-/// The paths of the gripper that lifts strands, one for each.
-pub fn lift_paths(
-    schedule: &Schedule,
-    passages: &[Passage],
-    rod: &DeployedRod,
-    pattern: &dyn Fn(f64) -> PatternPoint,
-    handling: &Handling,
-) -> Vec<LiftPath> {
-    let lift = |&(number, times): &(usize, [f64; 4])| {
-        let [begin, lifted, lower, end] = times;
-        let strand = pattern(passages[number].first);
-        let corners = [
-            (begin, rod.radius),
-            (lifted, rod.radius + handling.lift),
-            (lower, rod.radius + handling.lift),
-            (end, PUT_DOWN * rod.radius),
-        ];
+impl TyingTask<'_> {
+    /// The poses of the gripper that leads an end, from the `first` place and rotation on.
+    pub fn end_path(&self, schedule: &Schedule, first: (Vector3, UnitQuaternion)) -> GripperPoses {
+        let number = schedule.rod;
+        let rod = &self.rods[number];
+        let unit = rod.gravito_bending_length;
+        let along = |s: f64| (self.pattern)(Place { rod: number, s });
+        let begin = along(rod.length);
+        let aside = first.0 - at_height(&begin.position, first.0.z);
+        let turned = rotation::to_vector(&(yaw(&begin).inverse() * first.1));
         let pose = |time: f64| {
-            let height = smoothly(&corners, time);
-            (time, at_height(&strand.position, height), yaw(&strand))
+            let s = piecewise_linear(&schedule.end, time).unwrap_or(rod.length);
+            let point = along(s);
+            let part = smooth((s - rod.length) / (TRANSITION * unit));
+            let height = first.0.z + part * (self.end_height(number, s) - first.0.z);
+            let position = at_height(&point.position, height) + (1.0 - part) * aside;
+            let rotation = yaw(&point) * rotation::from_vector((1.0 - part) * turned);
+            (time, position, rotation)
         };
-        LiftPath {
-            held: [begin, end],
-            poses: self::times(&corners).into_iter().map(pose).collect(),
-        }
-    };
-    schedule.lifts.iter().map(lift).collect()
+        times(&schedule.end).into_iter().map(pose).collect()
+    }
+
+    /// The paths of the gripper that lifts strands, one for each.
+    pub fn lift_paths(&self, schedule: &Schedule, handling: &Handling) -> Vec<LiftPath> {
+        let led = &self.rods[schedule.rod];
+        let lift = |&(number, times): &(usize, [f64; 4])| {
+            let [begin, lifted, lower, end] = times;
+            let place = self.passages[number].first;
+            let strand = (self.pattern)(place);
+            let radius = self.rods[place.rod].radius;
+            let corners = [
+                (begin, radius),
+                (lifted, radius + handling.lift),
+                (lower, radius + handling.lift),
+                (end, 2.0 * led.radius + PUT_DOWN * radius),
+            ];
+            let pose = |time: f64| {
+                let height = smoothly(&corners, time);
+                (time, at_height(&strand.position, height), yaw(&strand))
+            };
+            LiftPath {
+                rod: place.rod,
+                held: [begin, end],
+                poses: self::times(&corners).into_iter().map(pose).collect(),
+            }
+        };
+        schedule.lifts.iter().map(lift).collect()
+    }
+
+    /// Height of the end of a rod over the table, m.
+    fn end_height(&self, number: usize, s: f64) -> f64 {
+        let rod = &self.rods[number];
+        let low = LOW * rod.radius;
+        let over = |passage: &&Passage| passage.second.rod == number && passage.pass == Pass::Over;
+        let humps = self.passages.iter().filter(over).map(|passage| {
+            let away = (s - passage.second.s).abs() / rod.gravito_bending_length;
+            let high = 2.0 * self.rods[passage.first.rod].radius + HIGH * rod.radius;
+            smooth((LOW_BEYOND - away) / (LOW_BEYOND - HIGH_WITHIN)) * (high - low)
+        });
+        low + humps.fold(0.0, f64::max)
+    }
 }
 
 /// The corners of a schedule and times between them.
@@ -113,16 +134,6 @@ fn smoothly(corners: &[(f64, f64)], time: f64) -> f64 {
     before.1 + smooth((time - before.0) / (next.0 - before.0)) * (next.1 - before.1)
 }
 
-/// Height of the end over the table, in radii.
-fn relative_height(s: f64, passages: &[Passage], unit: f64) -> f64 {
-    let over = passages.iter().filter(|passage| passage.pass == Pass::Over);
-    let humps = over.map(|passage| {
-        let away = (s - passage.second).abs() / unit;
-        smooth((LOW_BEYOND - away) / (LOW_BEYOND - HIGH_WITHIN))
-    });
-    LOW + (HIGH - LOW) * humps.fold(0.0, f64::max)
-}
-
 fn at_height(place: &Point, height: f64) -> Vector3 {
     Vector3::new(place.x, place.y, height)
 }
@@ -139,26 +150,17 @@ fn smooth(part: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{TyingError, laid_length, passages};
+    use super::super::drawn::trefoil;
+    use super::super::{TiedRod, TyingError, laid_length, passages};
     use super::*;
-    use crate::plan::deployment::{OptimalGrasps, Scheme, trajectory};
-    use crate::plan::pattern::{Pattern, PatternSource, chosen_stroke, read_svg};
+    use crate::plan::deployment::{GripperPose, OptimalGrasps, Scheme, trajectory};
+    use crate::plan::pattern::Pattern;
 
     const ROD: DeployedRod = DeployedRod {
         gravito_bending_length: 0.0286,
         radius: 0.0032,
         length: 0.84,
     };
-
-    fn trefoil() -> Pattern {
-        let svg = include_str!("../../../scenarios/patterns/trefoil.svg");
-        let points = chosen_stroke(read_svg(svg).unwrap(), None).unwrap();
-        let source = PatternSource::Drawn {
-            points,
-            deviation: 2.5e-4,
-        };
-        source.pattern().unwrap()
-    }
 
     fn last(curve: &Pattern) -> GripperPose {
         let point = curve.at(laid_length(&ROD));
@@ -169,13 +171,21 @@ mod tests {
     #[test]
     fn the_end_goes_low_under_a_lifted_strand_and_high_over_another() {
         let curve = trefoil();
-        let handling = Handling::usual(&ROD);
+        let handling = Handling::usual([&ROD]);
         let words = [Pass::Over, Pass::Under, Pass::Over];
-        let passages = passages(&curve, &ROD, &words).unwrap();
-        let schedule = Schedule::new(&passages, &ROD, curve.length(), &handling);
-        let pattern = |s: f64| curve.at(s);
+        let tied = TiedRod {
+            rod: &ROD,
+            curve: &curve,
+        };
+        let passages = passages(&[tied], &words).unwrap();
+        let schedule = Schedule::new(0, &tied, &passages, &handling);
+        let task = TyingTask {
+            rods: &[ROD],
+            passages: &passages,
+            pattern: &|place| curve.at(place.s),
+        };
         let last = last(&curve);
-        let end = end_path(&schedule, &passages, &ROD, &pattern, &last);
+        let end = task.end_path(&schedule, (last.position, last.rotation));
         // It begins where the rod was laid, and ends with the pattern.
         assert!((end[0].1 - last.position).norm() < 1e-12);
         assert!(end[0].2.angle_to(&last.rotation) < 1e-9);
@@ -190,7 +200,7 @@ mod tests {
             assert!((pair[1].1 - pair[0].1).norm() < 2.0 * handling.speed * seconds);
         }
         // One strand is lifted, at the second crossing, while the end passes below it.
-        let lifts = lift_paths(&schedule, &passages, &ROD, &pattern, &handling);
+        let lifts = task.lift_paths(&schedule, &handling);
         assert_eq!(lifts.len(), 1);
         let [begin, put_down] = lifts[0].held;
         let strand = |time: f64| {
@@ -218,7 +228,10 @@ mod tests {
     fn patterns_that_cannot_be_tied_say_why() {
         use Pass::{Over, Under};
         let curve = trefoil();
-        let fault = |rod: &DeployedRod, words: &[Pass]| passages(&curve, rod, words).unwrap_err();
+        let fault = |rod: &DeployedRod, words: &[Pass]| {
+            let curve = &curve;
+            passages(&[TiedRod { rod, curve }], words).unwrap_err()
+        };
         assert_eq!(
             fault(&ROD, &[Over, Under]),
             TyingError::Words {

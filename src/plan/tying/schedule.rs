@@ -1,6 +1,6 @@
 //! When the end of a rod is led where, and when strands are lifted and put down.
 
-use super::{Pass, Passage};
+use super::{Pass, Passage, TiedRod};
 use crate::plan::deployment::DeployedRod;
 
 /// Time in which a strand is lifted, and in which it is put down, s.
@@ -17,23 +17,26 @@ pub struct Handling {
     pub speed: f64,
 }
 
-/// Height to which strands are lifted where nothing is said, in radii of the rod, and speed at which the end is led, m/s.
+/// Height to which strands are lifted where nothing is said, in radii of the thickest rod, and speed at which the end is led, m/s.
 const USUAL_LIFT: f64 = 8.0;
 const USUAL_SPEED: f64 = 0.04;
 
 impl Handling {
-    /// How a rod is handled where nothing is said.
-    pub fn usual(rod: &DeployedRod) -> Self {
+    /// How rods are handled where nothing is said.
+    pub fn usual<'a>(rods: impl IntoIterator<Item = &'a DeployedRod>) -> Self {
+        let thickest = rods.into_iter().map(|rod| rod.radius).fold(0.0, f64::max);
         Self {
-            lift: USUAL_LIFT * rod.radius,
+            lift: USUAL_LIFT * thickest,
             speed: USUAL_SPEED,
         }
     }
 }
 
-/// Times are counted from when the rod is laid, s.
+/// When the end of a rod is led. Times are counted from when it begins, s.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Schedule {
+    /// Number of the rod, from 0.
+    pub rod: usize,
     /// Times and the arc length of the pattern at which the end is then, m; linear between them.
     pub end: Vec<(f64, f64)>,
     /// Strands that are lifted: number of the passage, when the gripper takes hold, when it has lifted, when it begins to put
@@ -42,19 +45,28 @@ pub struct Schedule {
 }
 
 impl Schedule {
-    /// The schedule of a rod whose end is led along a pattern of a length, m: it waits before each crossing under which it must go
-    /// until the strand there is lifted; a strand is put down before the next one is lifted, or when the end has arrived.
-    pub fn new(passages: &[Passage], rod: &DeployedRod, length: f64, handling: &Handling) -> Self {
+    /// The schedule of the rod of a number, whose end is led along the rest of its pattern: it waits before each crossing under
+    /// which it must go until the strand there is lifted; a strand is put down before the next one is lifted, or when the end has
+    /// arrived.
+    pub fn new(
+        number: usize,
+        tied: &TiedRod<'_>,
+        passages: &[Passage],
+        handling: &Handling,
+    ) -> Self {
+        let rod = tied.rod;
         let mut schedule = Self {
+            rod: number,
             end: vec![(0.0, rod.length)],
             lifts: Vec::new(),
         };
-        for (number, passage) in passages.iter().enumerate() {
-            if passage.second <= rod.length || passage.pass == Pass::Over {
+        for (index, passage) in passages.iter().enumerate() {
+            let is_led = passage.second.rod == number && passage.second.s > rod.length;
+            if !is_led || passage.pass == Pass::Over {
                 continue;
             }
             schedule.lead(
-                passage.second - WAITING * rod.gravito_bending_length,
+                passage.second.s - WAITING * rod.gravito_bending_length,
                 handling,
             );
             schedule.put_down();
@@ -63,9 +75,9 @@ impl Schedule {
             let lifted = schedule.duration();
             schedule
                 .lifts
-                .push((number, [begin, lifted, f64::INFINITY, f64::INFINITY]));
+                .push((index, [begin, lifted, f64::INFINITY, f64::INFINITY]));
         }
-        schedule.lead(length, handling);
+        schedule.lead(tied.curve.length(), handling);
         schedule.put_down();
         schedule
     }

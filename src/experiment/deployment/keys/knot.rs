@@ -1,9 +1,10 @@
 //! Resolving a knot that is tied along the pattern.
 
-use super::resolved::{Knot, Rod};
+use super::resolved::{Knot, Rod, Second};
 use super::typed;
+use crate::plan::deployment::DeployedRod;
 use crate::plan::pattern::Pattern;
-use crate::plan::tying::{Handling, passages};
+use crate::plan::tying::{Handling, TiedRod, passages};
 use crate::scenario::keys::{POSITIVE, Section};
 
 /// How far a gripper reaches where nothing is said, m: fingers that open by 3 cm.
@@ -13,8 +14,8 @@ const REACH: f64 = 0.015;
 pub fn resolve(
     section: &Section<'_>,
     typed: &typed::Deployment,
-    rod: &Rod,
-    curve: &Pattern,
+    first: (&Rod, &Pattern),
+    second: Option<&(Second, Pattern)>,
 ) -> Option<Option<Knot>> {
     let Some(knot) = &typed.knot else {
         return Some(None);
@@ -27,11 +28,18 @@ pub fn resolve(
     let section = section.below("knot");
     let help = "\"over\" or \"under\" for each crossing, as [\"over\", \"under\", \"over\"]";
     let crossings = section.needed("crossings", knot.crossings.clone(), help)?;
-    if let Err(error) = passages(curve, &rod.deployed(), &crossings) {
+    let second = second.map(|(second, curve)| (&second.rod, curve));
+    let layings = || std::iter::once(first).chain(second);
+    let rods: Vec<DeployedRod> = layings().map(|(rod, _)| rod.deployed()).collect();
+    let tied = rods.iter().zip(layings());
+    let tied: Vec<TiedRod> = tied
+        .map(|(rod, (_, curve))| TiedRod { rod, curve })
+        .collect();
+    if let Err(error) = passages(&tied, &crossings) {
         section.fault("crossings", error.to_string());
         return None;
     }
-    let usual = Handling::usual(&rod.deployed());
+    let usual = Handling::usual(&rods);
     let lift = section.with_default("lift", &knot.lift, POSITIVE, usual.lift);
     let speed = section.with_default("speed", &knot.speed, POSITIVE, usual.speed);
     let reach = section.with_default("reach", &knot.reach, POSITIVE, REACH);

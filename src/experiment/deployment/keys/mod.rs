@@ -4,14 +4,19 @@ mod fixtures;
 mod knot;
 mod pattern;
 mod resolved;
+mod second;
 mod typed;
 
+#[cfg(test)]
+pub use resolved::Second;
 pub use resolved::{Correction, Deployment, Knot, Pattern, Peg, Rod, Scheme, Solver};
 
 use crate::plan::deployment::{DeployedRod, lead_in_length, long_enough};
 use crate::plan::pattern::Pattern as Curve;
 use crate::scenario::Time;
-use crate::scenario::keys::{FINITE, NON_NEGATIVE, OwnTable, POSITIVE, Range, Request, Section};
+use crate::scenario::keys::{
+    FINITE, Length, NON_NEGATIVE, OwnTable, POSITIVE, Quantity, Range, Request, Section,
+};
 
 /// Edges per gravito-bending length of a simulated rod, and how many there are at least and at most where nothing is
 /// said.
@@ -92,11 +97,13 @@ pub fn resolve(request: &Request<'_>) -> Option<Deployment> {
         );
     }
     let (rod, pattern) = (rod?, pattern?);
-    let curve = with_lead_in(&section, typed, &rod, &pattern)?;
+    let is_tied = typed.knot.is_some();
+    let curve = with_lead_in(&section, typed.lead_in.as_ref(), is_tied, &rod, &pattern)?;
+    let scheme = typed.scheme.unwrap_or(Scheme::Optimal);
+    let second = second::resolve(request, &section, typed, scheme)?;
     let pegs = fixtures::resolve(&section, typed, &rod, &curve)?;
     let release = release(request, &section, typed)?;
-    let knot = knot::resolve(&section, typed, &rod, &curve)?;
-    let scheme = typed.scheme.unwrap_or(Scheme::Optimal);
+    let knot = knot::resolve(&section, typed, (&rod, &curve), second.as_ref())?;
     let correction = match &typed.correction {
         Some(_) if scheme == Scheme::Intuitive => {
             let message = "the intuitive scheme is not corrected: use \"optimal\"";
@@ -127,6 +134,7 @@ pub fn resolve(request: &Request<'_>) -> Option<Deployment> {
         knot,
         pattern,
         rod,
+        second: second.map(|(second, _)| second),
     })
 }
 
@@ -196,7 +204,8 @@ fn resolve_correction(
 /// The pattern with its lead-in, which can be laid.
 fn with_lead_in(
     section: &Section<'_>,
-    typed: &typed::Deployment,
+    lead_in: Option<&Quantity<Length>>,
+    is_tied: bool,
     rod: &Rod,
     pattern: &Pattern,
 ) -> Option<Curve> {
@@ -208,16 +217,13 @@ fn with_lead_in(
             return None;
         }
     };
-    let given = typed.lead_in.as_ref();
-    let length = match given.filter(|typed| !typed.is_word("auto")) {
+    let length = match lead_in.filter(|typed| !typed.is_word("auto")) {
         Some(typed) => section.number("lead_in", typed, NON_NEGATIVE),
         None => lead_in_length(&rod, curve.at(0.0).curvature),
     };
     let curve = curve.with_lead_in(length);
     // What is longer than a rod that is tied is the path of its end.
-    if typed.knot.is_none()
-        && let Err(error) = long_enough(&rod, &curve)
-    {
+    if !is_tied && let Err(error) = long_enough(&rod, &curve) {
         section.fault("pattern", error.to_string());
         return None;
     }

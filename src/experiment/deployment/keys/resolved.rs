@@ -47,6 +47,22 @@ pub struct Deployment {
     pub pattern: Pattern,
     /// The rod.
     pub rod: Rod,
+    /// A rod that is laid after it, if there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub second: Option<Second>,
+}
+
+/// The second rod of a deployment.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Second {
+    /// How its gripper leads it.
+    pub scheme: Scheme,
+    /// Length of its lead-in, m.
+    pub lead_in: f64,
+    /// The curve that it is to follow.
+    pub pattern: Pattern,
+    /// The rod.
+    pub rod: Rod,
 }
 
 /// Correction of the gripper's path from where the rod is seen to lie.
@@ -218,7 +234,39 @@ impl Knot {
     }
 }
 
+/// Between the seeds of two grippers.
+const OTHER_GRIPPER: u64 = 1 << 32;
+
 impl Deployment {
+    /// Deployments of one rod each, in the order in which they are laid, with the jitter of their grippers.
+    pub fn layings(&self) -> Vec<Self> {
+        let first = Self {
+            second: None,
+            ..self.clone()
+        };
+        let second = self.second.clone().map(|second| Self {
+            scheme: second.scheme,
+            lead_in: second.lead_in,
+            pattern: second.pattern,
+            rod: second.rod,
+            ..first.by_another_gripper()
+        });
+        std::iter::once(first).chain(second).collect()
+    }
+
+    /// The same with the jitter of another gripper.
+    pub fn by_another_gripper(&self) -> Self {
+        Self {
+            seed: self.seed.wrapping_add(OTHER_GRIPPER),
+            ..self.clone()
+        }
+    }
+
+    /// The rods in the order in which they are laid.
+    pub fn rods(&self) -> impl Iterator<Item = &Rod> {
+        std::iter::once(&self.rod).chain(self.second.iter().map(|second| &second.rod))
+    }
+
     /// The pattern with its lead-in, all of it.
     ///
     /// # Errors

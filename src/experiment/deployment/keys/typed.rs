@@ -49,11 +49,29 @@ pub struct Deployment {
     /// Clips along the pattern: pairs of pegs, between which it runs.
     pub clips: Option<Clips>,
     /// Ties a knot along a pattern that crosses itself and is longer than the rod: when the rod is laid, its end is led along the rest
-    /// of the pattern, under strands that another gripper lifts.
+    /// of the pattern, under strands that another gripper lifts. With two rods each end is led so whose pattern is longer than its rod,
+    /// that of the second rod first.
     pub knot: Option<Knot>,
+    /// A second rod, which another gripper lays when the first one lies, along a pattern of its own in the same frame. All other keys are
+    /// those of both.
+    pub second: Option<Second>,
     /// How long before the end of the simulated time the gripper lets go. The pattern is laid by then, and what still hangs falls.
     /// Default: it holds the rod to the end.
     pub release: Option<Quantity<Time>>,
+}
+
+/// The second rod of a deployment.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "second_deployed_rod")]
+pub struct Second {
+    /// The curve that it is to follow.
+    pub pattern: Option<Pattern>,
+    /// The rod.
+    pub rod: Option<Rod>,
+    /// How its gripper leads it: "optimal" or "intuitive". Default: as that of the first rod.
+    pub scheme: Option<Scheme>,
+    /// Length of its lead-in, or "auto", the default.
+    pub lead_in: Option<Quantity<Length>>,
 }
 
 /// A knot that is tied along the pattern.
@@ -61,9 +79,10 @@ pub struct Deployment {
 #[schemars(deny_unknown_fields, rename = "tied_knot")]
 pub struct Knot {
     /// How the rod passes each crossing of the pattern when it comes there again, "over" or "under", in the order in which it does.
-    /// Where it is laid it goes over.
+    /// Where it is laid it goes over. With two rods: all crossings, first those that the second rod covers as it is laid, then those to
+    /// which its end is led, then those to which the end of the first is led.
     pub crossings: Option<Vec<Pass>>,
-    /// Height to which strands are lifted. Default: eight radii of the rod.
+    /// Height to which strands are lifted. Default: eight radii of the rod, or of the thicker of two.
     pub lift: Option<Quantity<Length>>,
     /// Speed at which the end is led. Default: 4 cm/s.
     pub speed: Option<Quantity<Velocity>>,

@@ -1,0 +1,101 @@
+//! `rodlab plan grippers`.
+
+use super::deployment_files::trajectory_csv;
+use super::failure::Failure;
+use super::output::{print_json, write_file};
+use crate::experiment::{DeploymentTables, GripperTask, GripperWork, load};
+use crate::plan::deployment::GripperPose;
+use clap::Args;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Arguments of `rodlab plan grippers`.
+#[derive(Debug, Args)]
+pub struct GripperPlanArguments {
+    /// A scenario of the experiment "deployment"
+    scenario: PathBuf,
+    /// Set a key of the scenario: deployment.scheme=intuitive
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Where to write the trajectories
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+}
+
+#[derive(Serialize)]
+struct Report {
+    scenario: PathBuf,
+    tasks: Vec<TaskReport>,
+}
+
+/// What a gripper does; numbers count from 1.
+#[derive(Serialize)]
+struct TaskReport {
+    gripper: usize,
+    rod: usize,
+    work: GripperWork,
+    begin_s: f64,
+    end_s: f64,
+    file: PathBuf,
+}
+
+impl GripperPlanArguments {
+    /// Plans, and writes a trajectory for each task.
+    pub fn plan(&self) -> Result<(), Failure> {
+        // A planned path does not tremble.
+        let mut overrides = self.set.clone();
+        overrides.extend(["deployment.jitter=0", "deployment.jitter_angle=0"].map(str::to_owned));
+        let scenario = load(&self.scenario, &overrides)?.scenario;
+        let refused =
+            |reason: &str| Failure::Input(format!("{}: {reason}", self.scenario.display()));
+        let tables: Option<&DeploymentTables> = scenario.experiment.tables();
+        let tables = tables
+            .ok_or_else(|| refused("`experiment`: grippers are planned for \"deployment\" only"))?;
+        let paths = tables.paths(&scenario);
+        let paths = paths.map_err(|error| refused(&format!("`deployment.pattern`: {error}")))?;
+        std::fs::create_dir_all(&self.out).map_err(|error| {
+            Failure::System(format!("{} cannot be made: {error}", self.out.display()))
+        })?;
+        let mut tasks = Vec::new();
+        for (index, task) in paths.tasks().iter().enumerate() {
+            tasks.push(self.written(index + 1, task)?);
+        }
+        print_json(&Report {
+            scenario: self.scenario.clone(),
+            tasks,
+        })
+    }
+
+    fn written(&self, number: usize, task: &GripperTask) -> Result<TaskReport, Failure> {
+        let poses = task.poses.iter();
+        let (times, poses): (Vec<f64>, Vec<GripperPose>) = poses
+            .map(|&(time, position, rotation)| {
+                let pose = GripperPose {
+                    s: 0.0,
+                    position,
+                    rotation,
+                    grasp: None,
+                };
+                (time, pose)
+            })
+            .unzip();
+        let work = match task.work {
+            GripperWork::Lay => "lays",
+            GripperWork::Lift => "lifts",
+            GripperWork::Lead => "leads",
+        };
+        let (gripper, rod) = (task.gripper, task.rod);
+        let file = self
+            .out
+            .join(format!("{number}_gripper_{gripper}_{work}_rod_{rod}.csv"));
+        write_file(&file, trajectory_csv(&poses, &times).as_bytes())?;
+        Ok(TaskReport {
+            gripper,
+            rod,
+            work: task.work,
+            begin_s: times.first().copied().unwrap_or(0.0),
+            end_s: times.last().copied().unwrap_or(0.0),
+            file,
+        })
+    }
+}
