@@ -5,7 +5,7 @@ use super::applications::{Application, TASKS, TRIALS, Task};
 use super::cases::Case;
 use super::page::{Page, PageFigure, number};
 use crate::experiment::{FigureError, LaidOutlines, Outline, laid_outlines};
-use crate::figure::{Curve, Figure, LinePlot, Look, PlotStyle, styled_line_plots};
+use crate::figure::{Curve, Figure, LinePlot, Look, plot_to_scale};
 use crate::knot::KnotInvariants;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -247,11 +247,7 @@ fn picture(rods: [(&str, Outline); 2], trial: Option<&LaidOutlines>) -> Option<F
         label: "y in m".into(),
         curves,
     };
-    let style = PlotStyle {
-        is_to_scale: true,
-        ..PlotStyle::default()
-    };
-    Some(styled_line_plots([plot], "x in m", style))
+    Some(plot_to_scale(plot, "x in m"))
 }
 
 fn outlines(case: &Case<Application>) -> Result<Option<LaidOutlines>, ReproduceError> {

@@ -3,7 +3,7 @@
 use super::files::SAMPLES;
 use super::keys::{FoldSamples, Lengths};
 use super::row::Sample;
-use crate::figure::{Curve, Figure, LinePlot, Look, PlotStyle, styled_line_plots};
+use crate::figure::{Curve, Figure, LinePlot, Look, plot_to_scale};
 use crate::plan::fold::Workspace;
 use crate::results::{ResultsError, read_whole_rows};
 use std::path::Path;
@@ -58,9 +58,5 @@ pub fn figure(rows: &[Sample], plan: &FoldSamples) -> Figure {
         label: "z/L_{gb}".into(),
         curves: curves.chain(outline).chain(penalty).collect(),
     };
-    let style = PlotStyle {
-        is_to_scale: true,
-        ..PlotStyle::default()
-    };
-    styled_line_plots([plot], "x/L_{gb}", style)
+    plot_to_scale(plot, "x/L_{gb}")
 }
