@@ -18,10 +18,10 @@ use super::table::FiguresOfTable;
 use super::tightening::Tightening;
 use super::{
     ReproduceError, ReproduceOptions, auto_steps, cost, deployment_correction, deployment_errors,
-    drag_steps, figure_2_5, figure_2_6, figure_2_7, figure_2_8, figure_3_4, figure_3_9, figure_4_9,
-    figure_4_10, figure_4_11, figure_5_4, figure_5_5, figure_5_6, figure_5_8, figure_6_2,
-    figure_6_5, inversion_factors, knot_convergence, laid_patterns, table_2_1, table_2_2,
-    table_4_1, table_5_2, table_5_3, table_5_4,
+    drag_steps, figure_2_5, figure_2_6, figure_2_7, figure_2_8, figure_3_4, figure_3_9, figure_4_5,
+    figure_4_9, figure_4_10, figure_4_11, figure_5_4, figure_5_5, figure_5_6, figure_5_8,
+    figure_6_2, figure_6_5, inversion_factors, knot_convergence, laid_patterns, table_2_1,
+    table_2_2, table_4_1, table_5_2, table_5_3, table_5_4,
 };
 use std::fmt;
 use std::path::PathBuf;
@@ -34,7 +34,7 @@ pub struct Artifact {
 }
 
 /// All tables and figures.
-pub static ARTIFACTS: [Artifact; 35] = [
+pub static ARTIFACTS: [Artifact; 36] = [
     Artifact {
         name: "tab2.1",
         title: "Table 2.1: IMC and IPC, iterations and time of bundling flagella",
@@ -156,6 +156,15 @@ pub static ARTIFACTS: [Artifact; 35] = [
             figures_of_table: Some(|table| {
                 simplified_inversion::figures_of_table("fig3.11", Factor::UnknottingNumber, table)
             }),
+        },
+    },
+    Artifact {
+        name: "fig4.5",
+        title: "Figure 4.5: the force manifold of folding",
+        recipe: &Recipe {
+            runs: Folded::of_figure_4_5,
+            write: figure_4_5::write,
+            figures_of_table: None,
         },
     },
     Artifact {

@@ -156,6 +156,13 @@ impl Folded {
             .collect()
     }
 
+    /// Three papers of the thesis, folded in half by the optimal way, without jitter.
+    pub fn of_figure_4_5(quick: bool) -> Vec<Self> {
+        let mut runs = Self::of_table_4_1(quick);
+        runs.retain(|run| ["a4_half", "us_half", "ca_half"].contains(&SCENARIOS[run.scenario].id));
+        runs
+    }
+
     /// The scenario with its paper in it.
     fn text(&self) -> String {
         let lines = SCENARIO.lines().filter(|line| !line.starts_with("extends"));

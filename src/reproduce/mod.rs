@@ -21,6 +21,7 @@
 //! | `figure_3_4`, `inversion_factors` | figures 3.4 and 3.5 to 3.7; `inversion_page` and `inversion_pictures` are their parts |
 //! | `figure_3_9`, `simplified_inversion` | the simplified knot: figures 3.9, 3.10 and 3.11 |
 //! | `folds` | a sheet that is folded (thesis 4.6) |
+//! | `figure_4_5` | the force manifold of folding |
 //! | `figure_4_9`, `hanging_strips` | strips that hang down |
 //! | `figure_4_10`, `figure_4_11`, `table_4_1` | folds by several ways, and what planning them takes |
 //! | `figure_5_4` | where a gripper may be above a straight line |
@@ -56,6 +57,7 @@ mod figure_3_4;
 mod figure_3_9;
 mod figure_4_10;
 mod figure_4_11;
+mod figure_4_5;
 mod figure_4_9;
 mod figure_5_4;
 mod figure_5_5;

@@ -65,7 +65,7 @@ fn is_like(fold: &Fold, near: &Fold, length: f64) -> bool {
 }
 
 impl ForceManifold {
-    /// Folds of a sheet on a table of friction φ at every cell that [`held_from`] reaches, from those of the lift on; from the
+    /// Folds of a sheet on a table of friction φ at every cell that `held_from` reaches, from those of the lift on; from the
     /// cells with the smallest moments first.
     pub fn held(spacing: f64, sheet: &Sheet, friction: f64) -> Self {
         let cells = |reach: f64| (reach / spacing).ceil() as usize + 1;

@@ -1,0 +1,138 @@
+//! Figure 4.5: the force manifold, and the ways of the gripper over it.
+
+use super::ReproduceError;
+use super::cases::Case;
+use super::folds::{Folded, SCENARIOS};
+use super::page::{Page, PageFigure, number};
+use crate::experiment::planned_fold;
+use crate::figure::{Curve, Figure, LinePlot, Look, plot_to_scale};
+use crate::plan::fold::{
+    Algorithm, Fold, FoldAtlas, FoldPlanner, ForceManifold, Objective, Workspace,
+};
+use serde::Serialize;
+
+/// Bands of λ, and of α in degrees, that have a colour each: their upper ends and names.
+const RATIOS: [(f64, &str); 4] = [
+    (0.05, "λ up to 0.05"),
+    (0.2, "up to 0.2"),
+    (0.5, "up to 0.5"),
+    (f64::INFINITY, "above 0.5"),
+];
+const ANGLES: [(f64, &str); 4] = [
+    (60.0, "α up to 60°"),
+    (120.0, "up to 120°"),
+    (180.0, "up to 180°"),
+    (f64::INFINITY, "above 180°"),
+];
+/// Cells of the grid between two that are drawn, and between two in the table.
+const DRAWN: usize = 4;
+const LISTED: usize = 8;
+/// Shortest suspended length of the workspace, L_gb.
+const SHORTEST: f64 = 0.5;
+
+/// A row of the CSV file: a cell of the manifold.
+#[derive(Serialize)]
+struct Row {
+    x: f64,
+    z: f64,
+    lambda: f64,
+    alpha_rad: f64,
+    suspended_length: f64,
+}
+
+/// Writes table and figures.
+pub(super) fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<(), ReproduceError> {
+    page.text(
+        "λ and α over the places of the gripper, for suspended lengths up to 6.84 L_gb: the exact folds of the thesis' grid of 0.0548 L_gb, of \
+         which every fourth in each direction is drawn. λ vanishes along two canyons, the lift of the flat sheet on the left and a \
+         second one that comes down at x̄ = 9.03; between them lies a ridge. The ways of least Σλ (without jitter, any table) leave the lift, \
+         cross the ridge low, where it is narrow, and go on to their crease targets; the penalty region (l̄_s below 0.958) is \
+         left of them. The thesis draws what its network has learned; here nothing is learned. `rodlab evaluate` compares a network with \
+         these folds (guide, page `folding`).",
+    );
+    let atlas = FoldAtlas::new();
+    let manifold = ForceManifold::new(&atlas, ForceManifold::SPACING, ForceManifold::LONGEST);
+    let folds = |every: usize| {
+        let [columns, rows] = manifold.size();
+        let manifold = &manifold;
+        (0..rows).step_by(every).flat_map(move |row| {
+            let cells = (0..columns).step_by(every);
+            cells.filter_map(move |column| manifold.fold([column, row]))
+        })
+    };
+    let mut lines = vec![];
+    let mut ways = vec![];
+    for case in cases {
+        let Some((sheet, target)) = planned_fold(&case.directory) else {
+            continue;
+        };
+        let planner = FoldPlanner::shared(sheet, Algorithm::Optimal(Objective::Sum));
+        let Ok(poses) = planner.poses(target) else {
+            continue;
+        };
+        let name = SCENARIOS[case.run.scenario].name;
+        let highest = poses.iter().map(|pose| pose.gripper[1]).fold(0.0, f64::max);
+        lines.push(vec![
+            name.to_owned(),
+            number(Some(target), 3),
+            poses.len().to_string(),
+            number(Some(highest), 2),
+        ]);
+        let way = poses
+            .iter()
+            .map(|pose| (pose.gripper[0], Some(pose.gripper[1])));
+        ways.push(Curve::new(name, way.collect()).looking(Look::Line));
+    }
+    let header = ["scenario", "crease target, L_gb", "poses", "highest, L_gb"];
+    page.table(&header, &lines);
+    let rows: Vec<Row> = folds(LISTED)
+        .map(|fold| Row {
+            x: fold.gripper[0],
+            z: fold.gripper[1],
+            lambda: fold.force_ratio(),
+            alpha_rad: fold.angle,
+            suspended_length: fold.suspended_length,
+        })
+        .collect();
+    page.csv(&rows)?;
+    let drawn: Vec<&Fold> = folds(DRAWN).collect();
+    page.figure(&PageFigure::new(
+        "fig4.5_lambda",
+        "λ over the places of the gripper, and ways of least Σλ",
+        banded(&drawn, &RATIOS, &|fold| fold.force_ratio(), &ways),
+    ))?;
+    page.figure(&PageFigure::new(
+        "fig4.5_alpha",
+        "α over the places of the gripper, and ways of least Σλ",
+        banded(&drawn, &ANGLES, &|fold| fold.angle.to_degrees(), &ways),
+    ))?;
+    Ok(())
+}
+
+/// Folds in bands of a value, with the outline of the workspace and ways over it.
+fn banded(
+    folds: &[&Fold],
+    bands: &[(f64, &str)],
+    value: &dyn Fn(&Fold) -> f64,
+    ways: &[Curve],
+) -> Figure {
+    let band = |fold: &Fold| {
+        bands
+            .iter()
+            .position(|(largest, _)| value(fold) <= *largest)
+    };
+    let marks = bands.iter().enumerate().map(|(index, (_, name))| {
+        let of = folds.iter().filter(|fold| band(fold) == Some(index));
+        let points = of.map(|fold| (fold.gripper[0], Some(fold.gripper[1])));
+        Curve::new(*name, points.collect()).looking(Look::Marks)
+    });
+    let outline = Workspace::new([SHORTEST, ForceManifold::LONGEST]).map(|workspace| {
+        let places = workspace.outline().iter().map(|[x, z]| (*x, Some(*z)));
+        Curve::new("workspace", places.collect()).looking(Look::Dashed)
+    });
+    let plot = LinePlot {
+        label: "z/L_{gb}".into(),
+        curves: marks.chain(ways.iter().cloned()).chain(outline).collect(),
+    };
+    plot_to_scale(plot, "x/L_{gb}")
+}
