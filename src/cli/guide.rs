@@ -57,12 +57,13 @@ mod tests {
     /// The words of a command line up to a comment, a pipe or a redirection.
     fn words(line: &str) -> Vec<String> {
         let mut words = vec![String::new()];
-        let mut quoted = false;
+        let mut quote = None;
         for character in line.chars() {
             match character {
-                '"' => quoted = !quoted,
-                '#' | '>' | '|' | '&' if !quoted => break,
-                ' ' if !quoted => words.push(String::new()),
+                '"' | '\'' if quote.is_none() => quote = Some(character),
+                _ if quote == Some(character) => quote = None,
+                '#' | '>' | '|' | '&' if quote.is_none() => break,
+                ' ' if quote.is_none() => words.push(String::new()),
                 _ => words.last_mut().expect("one word").push(character),
             }
         }

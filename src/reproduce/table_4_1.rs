@@ -3,8 +3,9 @@
 use super::ReproduceError;
 use super::cases::Case;
 use super::folds::{Folded, SCENARIOS};
-use super::page::{Page, number};
+use super::page::{Page, PageFigure, number};
 use crate::experiment::planned_fold;
+use crate::figure::{AxisScale, Curve, LinePlot, Look, PlotStyle, styled_line_plots};
 use crate::plan::fold::{Algorithm, FoldPlanner, Objective};
 use serde::Serialize;
 use std::time::Instant;
@@ -65,7 +66,43 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<(), Repro
     });
     page.table(&header, &lines.collect::<Vec<_>>());
     page.csv(&rows)?;
+    page.figure(&figure(&rows))?;
     Ok(())
+}
+
+/// Times of all plans, s.
+fn figure(rows: &[Row]) -> PageFigure {
+    let curve = |name: &str, time: &dyn Fn(usize, &Row) -> Option<f64>| {
+        let points = rows.iter().enumerate();
+        let points = points.map(|(index, row)| ((index + 1) as f64, time(index, row)));
+        Curve::new(name, points.collect()).looking(Look::Marks)
+    };
+    let plot = LinePlot {
+        label: "time of a plan in s".into(),
+        curves: vec![
+            curve("plan", &|_, row| Some(1e-3 * row.plan_ms)),
+            curve("with its manifold", &|_, row| {
+                Some(1e-3 * (row.manifold_ms + row.plan_ms))
+            }),
+            curve("with moments, manifold and plan", &|_, row| {
+                Some(1e-3 * (row.held_manifold_ms? + row.held_plan_ms?))
+            }),
+            curve("thesis", &|index, _| THESIS.get(index)?.0),
+            curve("Petrík et al. in the thesis", &|index, _| {
+                Some(THESIS.get(index)?.1)
+            }),
+        ],
+    };
+    let style = PlotStyle {
+        vertical: vec![AxisScale::Logarithmic],
+        ..PlotStyle::default()
+    };
+    let axis = "scenario, in the order of the table";
+    PageFigure::new(
+        "tab4.1_times",
+        "Time of planning a fold, here and in the thesis",
+        styled_line_plots([plot], axis, style),
+    )
 }
 
 /// The plan of a case made anew, and timed.
