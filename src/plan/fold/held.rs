@@ -9,7 +9,7 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 /// Parts of the way to a neighbour that are tried when the whole fails.
-const MOST_PARTS: usize = 16;
+const MOST_PARTS: usize = 4;
 /// What a fold and its neighbour differ by at most: ln l̄_s and α.
 const FARTHEST: [f64; 2] = [0.3, 0.5];
 /// Cost of a step where no moment is needed: the shortest of such ways is taken.
@@ -69,7 +69,9 @@ impl ForceManifold {
     /// cells with the smallest moments first.
     pub fn held(spacing: f64, sheet: &Sheet, friction: f64) -> Self {
         let cells = |reach: f64| (reach / spacing).ceil() as usize + 1;
-        let (columns, rows) = (cells(sheet.length), cells(sheet.length.min(Fold::LONGEST)));
+        let longest = sheet.length.min(Fold::LONGEST);
+        // x̄ is the suspended length and what the sheet reaches beyond the touchdown point.
+        let (columns, rows) = (cells(sheet.length.min(2.0 * longest)), cells(longest));
         let mut manifold = Self::without_folds(spacing, [columns, rows]);
         let mut waiting = BinaryHeap::new();
         for fold in &lift_of(sheet) {
