@@ -62,9 +62,9 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<(), Repro
     page.table(&header, &lines.collect::<Vec<_>>());
     page.text(
         "Without a moment at the gripper a sheet of paper cannot come over the ridge of the force manifold without sliding by 7 to 9 mm at \
-         this friction (guide, page `folding`); the thesis reports near-perfect folds. In closed loop the crease comes to be where it should, \
+         this friction, even without jitter (guide, page `folding`); the thesis reports near-perfect folds. In closed loop the crease comes to be where it should, \
          although the sheet slides as far. A moment of less than EI/L_gb makes up for the ridge: then A4, US letter in half and origami \
-         slide by no more than the jitter asks for. The three tightest folds (US letter to 0.20 m and cardboard) need a friction of 0.24 and 0.41 to \
+         slide by about twice what the gripper trembles at most, and by a tenth of a millimetre where it does not (fig4.10). The three tightest folds (US letter to 0.20 m and cardboard) need a friction of 0.24 and 0.41 to \
          0.43 even with the best moments, because a tight fold springs open: as an elastic sheet none of the ways closes them here. Paper and \
          cardboard that have been bent so sharply stay bent, which the simulated sheet does not.",
     );

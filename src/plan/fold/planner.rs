@@ -112,11 +112,14 @@ impl FoldPlanner {
             Algorithm::Optimal(objective) => path_cost(fold, &self.sheet, objective),
             Algorithm::Circle | Algorithm::StepByStep => Some(fold.force_ratio()),
         };
-        let here = self.manifold.at(held.gripper).ok_or(lost)?;
+        // Along the borders of the grid its next cell is as good.
+        let known = self.manifold.at(held.gripper).map(|point| point.angle);
+        let of_cell = || self.manifold.fold(start).map(|fold| fold.angle);
+        let free = known.or_else(of_cell).ok_or(lost)?;
         let found = uniform_cost_search(&self.manifold, &[start], goal, Objective::Sum, cost)
             .ok_or(lost)?;
         let inner = &found.0[1..found.0.len().max(2) - 1];
-        let turned = held.angle - here.angle;
+        let turned = held.angle - free;
         let parts = (inner.len() + 1) as f64;
         let mut poses = vec![held];
         for (index, cell) in inner.iter().enumerate() {
@@ -157,6 +160,13 @@ mod tests {
             assert!(dx.hypot(dz) < 3.0 * ForceManifold::SPACING, "{pair:?}");
             assert!((pair[1].angle - pair[0].angle).abs() < 0.3, "{pair:?}");
         }
+        // Next to the table, too.
+        let low = FoldPose {
+            gripper: [to.gripper[0], 0.01],
+            angle: to.angle,
+        };
+        let end = poses[poses.len() - 1];
+        assert!(planner.onwards(low, end).is_ok());
         let out = FoldPose {
             gripper: [from.gripper[0] - 3.0, from.gripper[1]],
             ..from
