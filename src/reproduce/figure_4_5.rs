@@ -45,10 +45,10 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<(), Repro
     page.text(
         "λ and α over the places of the gripper, for suspended lengths up to 6.84 L_gb: the exact folds of the thesis' grid of 0.0548 L_gb, of \
          which every fourth in each direction is drawn. λ vanishes along two canyons, the lift of the flat sheet on the left and a \
-         second one that comes down at x̄ = 9.03; between them lies a ridge. The ways of least Σλ (without jitter, any table) leave the lift, \
-         cross the ridge low, where it is narrow, and go on to their crease targets; the penalty region (l̄_s below 0.958) is \
-         left of them. The thesis draws what its network has learned; here nothing is learned. `rodlab evaluate` compares a network with \
-         these folds (guide, page `folding`).",
+         second one that leads from z̄ = 0.9 down to the table; between them lies a ridge. The ways of least Σλ (without jitter, any table) leave \
+         the lift, cross the ridge low, where it is narrow, and go on along the second canyon to their crease targets; the penalty region \
+         (l̄_s below 0.958) is left of them. The thesis draws what its network has learned; here nothing is learned. `rodlab \
+         evaluate` compares a network with these folds (guide, page `folding`).",
     );
     let atlas = FoldAtlas::new();
     let manifold = ForceManifold::new(&atlas, ForceManifold::SPACING, ForceManifold::LONGEST);

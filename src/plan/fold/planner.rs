@@ -14,6 +14,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// Part of the table's friction that a plan with moments asks for at most.
 pub const PART_OF_FRICTION: f64 = 0.85;
+/// Part of the suspended length of a sheet that has slid, below which it is not bent more sharply on its way out.
+const SHORTER: f64 = 0.95;
 /// Planners that are kept.
 const KEPT: usize = 8;
 
@@ -107,15 +109,25 @@ impl FoldPlanner {
     pub fn onwards(&self, held: FoldPose, to: FoldPose) -> Result<Vec<FoldPose>, FoldError> {
         let lost = FoldError::NoPath(to.gripper[0]);
         let [start, goal] = [held, to].map(|pose| self.manifold.cell(pose.gripper));
+        // Along the borders of the grid its next cell is as good.
+        let known = self.manifold.at(held.gripper);
+        let known = known.map(|point| (point.angle, point.suspended_length));
+        let of_cell = || {
+            let fold = self.manifold.fold(start)?;
+            Some((fold.angle, fold.suspended_length))
+        };
+        let (free, suspended) = known.or_else(of_cell).ok_or(lost)?;
+        // A sheet that has slid may be bent more sharply than it should be: from there it must be let out.
+        let least = self.sheet.least_suspended.min(SHORTER * suspended);
+        let sheet = Sheet {
+            least_suspended: least,
+            ..self.sheet
+        };
         let cost = |fold: &Fold| match self.algorithm {
-            Algorithm::Held { .. } => held_cost(fold, &self.sheet),
-            Algorithm::Optimal(objective) => path_cost(fold, &self.sheet, objective),
+            Algorithm::Held { .. } => held_cost(fold, &sheet),
+            Algorithm::Optimal(objective) => path_cost(fold, &sheet, objective),
             Algorithm::Circle | Algorithm::StepByStep => Some(fold.force_ratio()),
         };
-        // Along the borders of the grid its next cell is as good.
-        let known = self.manifold.at(held.gripper).map(|point| point.angle);
-        let of_cell = || self.manifold.fold(start).map(|fold| fold.angle);
-        let free = known.or_else(of_cell).ok_or(lost)?;
         let found = uniform_cost_search(&self.manifold, &[start], goal, Objective::Sum, cost)
             .ok_or(lost)?;
         let inner = &found.0[1..found.0.len().max(2) - 1];
@@ -160,6 +172,14 @@ mod tests {
             assert!(dx.hypot(dz) < 3.0 * ForceManifold::SPACING, "{pair:?}");
             assert!((pair[1].angle - pair[0].angle).abs() < 0.3, "{pair:?}");
         }
+        // From a sheet that is bent too sharply it is let out.
+        let bent = FoldPose {
+            gripper: [0.75, 0.55],
+            angle: 2.4,
+        };
+        let fold = planner.manifold.at(bent.gripper).unwrap();
+        assert!(fold.suspended_length < sheet.least_suspended, "{fold:?}");
+        assert!(planner.onwards(bent, from).is_ok());
         // Next to the table, too.
         let low = FoldPose {
             gripper: [to.gripper[0], 0.01],

@@ -8,6 +8,8 @@ use thiserror::Error;
 
 /// Distance of points of the pattern between which crossings are looked for, m.
 const SPACING: f64 = 1e-3;
+/// Points of a pattern, at most: of a longer one they lie farther apart.
+const MOST_POINTS: f64 = 4_000.0;
 /// Length of the rod that is still held when the rest lies, in gravito-bending lengths l̄: its end is l̄⁴/48 above the rest then,
 /// so that a gripper that trembles does not meet the table.
 const HELD: f64 = 1.6;
@@ -152,7 +154,10 @@ fn stage(rods: &[TiedRod<'_>], place: &Place) -> (usize, f64) {
 fn found(rods: &[TiedRod<'_>]) -> Vec<(Place, Place, Point)> {
     let sampled: Vec<Vec<PatternPoint>> = rods
         .iter()
-        .map(|tied| tied.curve.sampled(SPACING))
+        .map(|tied| {
+            let spacing = SPACING.max(tied.curve.length() / MOST_POINTS);
+            tied.curve.sampled(spacing)
+        })
         .collect();
     let mut found = Vec::new();
     for (rod, points) in sampled.iter().enumerate() {
