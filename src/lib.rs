@@ -84,6 +84,7 @@ pub mod knot;
 pub mod learn;
 pub mod linalg;
 pub mod mechanics;
+pub mod mesh;
 pub mod plan;
 pub mod report;
 pub mod reproduce;

@@ -9,6 +9,7 @@ mod error;
 pub mod fluid;
 pub mod kirchhoff;
 pub mod random;
+pub mod rigid_body;
 pub mod rod;
 pub mod rotation;
 pub mod scene;

@@ -5,6 +5,7 @@
 
 use super::contact::ContactParameters;
 use super::fluid::FluidModel;
+use super::rigid_body::RigidBody;
 use super::{UnitQuaternion, Vector3, rotation};
 use serde::{Deserialize, Serialize};
 
@@ -19,7 +20,9 @@ pub struct Scene {
     pub loads: Vec<Load>,
     /// Rigid half spaces that rods may touch.
     pub planes: Vec<Plane>,
-    /// Contact model between rods and with planes; `None` lets everything pass through.
+    /// Rigid bodies that rods may touch.
+    pub obstacles: Vec<Obstacle>,
+    /// Contact model between rods, with planes and with obstacles; `None` lets everything pass through.
     pub contact: Option<ContactParameters>,
     /// Surrounding fluid; `None` is a vacuum.
     pub fluid: Option<FluidModel>,
@@ -257,6 +260,29 @@ pub struct Plane {
     pub normal: Vector3,
     /// Friction coefficient between plane and rods; overrides that of the contact model.
     pub friction: Option<f64>,
+}
+
+/// A rigid body that rods may touch.
+#[derive(Clone, Debug, Default)]
+pub struct Obstacle {
+    /// Name by which scenarios and results call it.
+    pub name: String,
+    /// Its shape and place at time zero.
+    pub body: RigidBody,
+    /// Friction coefficient between obstacle and rods; overrides that of the contact model.
+    pub friction: Option<f64>,
+    /// How it moves, about the centre of its vertices if not about another pivot, and about z if not about another axis.
+    pub motion: Motion,
+}
+
+impl Motion {
+    /// Whether anything moves.
+    pub fn moves(&self) -> bool {
+        self.angular_velocity != 0.0
+            || !self.translation.is_empty()
+            || !self.angle.is_empty()
+            || !self.orientation.is_empty()
+    }
 }
 
 /// Value at time `t` of a piecewise linear function given by its corners, constant outside them.

@@ -53,7 +53,7 @@ pub use resolved::{
 };
 pub use resolved::{
     BuilderRod, Clamp, Contact, Continuation, CrossSection, Experiment, Fluid, Handedness, Hold,
-    Inertia, Load, LoadKind, Material, NaturalShape, Output, PathMethod, Place, Plane, Pose, Rod,
+    Inertia, Load, LoadKind, Material, Movement, NaturalShape, Obstacle, ObstacleShape, Output, PathMethod, Place, Plane, Pose, Rod,
     Scenario, Scheme, Shape, Solver, Start, Step, Stiffness, Time,
 };
 pub use sweep::{Case, CaseSet, INPUTS, InputFile, Parameter, Portable, Search, earlier_id};

@@ -4,6 +4,7 @@ pub(crate) mod curve;
 mod estimate;
 mod gripper_motion;
 mod jitter;
+mod obstacle;
 mod place;
 mod round_rod;
 mod settings;
@@ -19,6 +20,7 @@ use crate::run::{
     LinkingGuard, Mode, Observer, OutputPlan, PreparedRun, RunError, rod_records, start_from,
 };
 use crate::scenario::{self, Continuation, Issue, Issues, KeyPath, Scenario, Time};
+use obstacle::place_obstacle;
 use place::{place_clamp, place_load, place_plane, place_rod, same_node};
 use settings::{contact_parameters, fluid_model, integration_parameters};
 
@@ -64,6 +66,13 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
         }
     }
     scene.planes.extend(scenario.planes.iter().map(place_plane));
+    for (index, obstacle) in scenario.obstacles.iter().enumerate() {
+        let path = KeyPath::from("obstacles").index(index);
+        match place_obstacle(obstacle, &scene.rods, &path) {
+            Ok(obstacle) => scene.obstacles.push(obstacle),
+            Err(issue) => issues.push(issue),
+        }
+    }
     scene.contact = contact_parameters(&scenario.contact);
     scene.fluid = fluid_model(&scenario.fluid);
     if let Err((rod, message)) = estimate::refuse_countless_pairs(&scene) {

@@ -5,7 +5,7 @@ use super::gripper_motion::gripper_motion;
 use crate::mechanics::Vector3;
 use crate::mechanics::scene as mechanics;
 use crate::scenario::{
-    Clamp, Hold, Inertia, Issue, KeyPath, Load, LoadKind, NaturalShape, Place, Plane, Rod,
+    Clamp, Hold, Inertia, Issue, KeyPath, Load, LoadKind, Movement, NaturalShape, Place, Plane, Rod,
     did_you_mean,
 };
 
@@ -91,23 +91,25 @@ pub(super) fn place_clamp(
         node: find_node(clamp.at, &rods[rod], path)?,
         holds_position: matches!(clamp.hold, Hold::Position | Hold::Both),
         holds_frame: matches!(clamp.hold, Hold::Frame | Hold::Both),
-        motion: if clamp.poses.is_empty() {
-            mechanics::Motion {
-                translation: clamp
-                    .translation
-                    .iter()
-                    .map(|&(time, displacement)| (time, Vector3::from(displacement)))
-                    .collect(),
-                axis: clamp.axis.map(Vector3::from),
-                angle: clamp.angle.clone(),
-                angular_velocity: clamp.angular_velocity,
-                pivot: clamp.pivot.map(Vector3::from),
-                ..mechanics::Motion::default()
-            }
-        } else {
-            gripper_motion(&clamp.poses)
-        },
+        motion: motion_of(&clamp.movement),
     })
+}
+
+pub(super) fn motion_of(movement: &Movement) -> mechanics::Motion {
+    if !movement.poses.is_empty() {
+        return gripper_motion(&movement.poses);
+    }
+    let translation = movement.translation.iter();
+    mechanics::Motion {
+        translation: translation
+            .map(|&(time, displacement)| (time, Vector3::from(displacement)))
+            .collect(),
+        axis: movement.axis.map(Vector3::from),
+        angle: movement.angle.clone(),
+        angular_velocity: movement.angular_velocity,
+        pivot: movement.pivot.map(Vector3::from),
+        ..mechanics::Motion::default()
+    }
 }
 
 pub(super) fn same_node(one: &mechanics::Clamp, other: &mechanics::Clamp) -> bool {

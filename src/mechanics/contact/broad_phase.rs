@@ -1,4 +1,4 @@
-//! All pairs of edges whose surfaces are nearer than a clearance, by sweep and prune.
+//! All pairs of edges of rods whose surfaces are nearer than a clearance, by sweep and prune.
 //!
 //! Every edge gets an axis-aligned box, inflated by its radius and half the clearance. The boxes are sorted
 //! along the axis on which the edges spread most and swept in that order; pairs of boxes that overlap on all
@@ -59,8 +59,12 @@ impl BroadPhase {
             let nodes = [a, b, c, d];
             let distance = edge_distance(&nodes.map(|node| positions[node]));
             if distance < surface.threshold([i, j]) + clearance {
-                let edges = [i, j];
-                found.push((CandidatePair { edges, nodes }, distance));
+                let pair = CandidatePair {
+                    edges: [i, j],
+                    nodes,
+                    side: 0,
+                };
+                found.push((pair, distance));
             }
         }
     }
@@ -96,6 +100,7 @@ impl BroadPhase {
                 found.push(CandidatePair {
                     edges: [i, j],
                     nodes: [a, b, c, d],
+                    side: 0,
                 });
             }
         }
@@ -120,7 +125,7 @@ impl BroadPhase {
         let axes = axes_by_spread(surface, positions);
         self.boxes.clear();
         self.boxes
-            .extend(surface.edges().iter().enumerate().map(|(index, edge)| {
+            .extend(surface.rod_edges().iter().enumerate().map(|(index, edge)| {
                 let (a, b) = (&positions[edge.nodes[0]], &positions[edge.nodes[1]]);
                 let inflation = edge.radius + 0.5 * clearance;
                 EdgeBox {
@@ -150,12 +155,12 @@ fn edges_of(key: u64) -> [usize; 2] {
 /// The axes x, y, z in cyclic order from the one with the largest variance of the edges' first nodes.
 fn axes_by_spread(surface: &ContactSurface, positions: &[Vector3]) -> [usize; 3] {
     let (mut sum, mut squares) = (Vector3::zeros(), Vector3::zeros());
-    for edge in surface.edges() {
+    for edge in surface.rod_edges() {
         let position = &positions[edge.nodes[0]];
         sum += position;
         squares += position.component_mul(position);
     }
-    let count = surface.edges().len().max(1) as f64;
+    let count = surface.rod_edges().len().max(1) as f64;
     let variance = squares / count - (sum / count).component_mul(&(sum / count));
     let widest = variance.imax();
     [widest, (widest + 1) % 3, (widest + 2) % 3]

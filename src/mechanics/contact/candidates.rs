@@ -11,6 +11,7 @@
 
 use super::broad_phase::BroadPhase;
 use super::contacts::CandidatePair;
+use super::placed_obstacles::PlacedObstacles;
 use super::surface::ContactSurface;
 use crate::mechanics::Vector3;
 
@@ -111,22 +112,27 @@ impl Candidates {
         self.positions.clear();
     }
 
-    /// Rebuilds the set where the nodes have used up their part of the margin; returns whether it changed.
-    pub fn update(&mut self, surface: &ContactSurface, positions: &[Vector3]) -> bool {
-        if self.is_within(positions, REBUILD_FRACTION) {
-            false
-        } else {
-            self.rebuild(surface, positions)
-        }
+    /// Whether the nodes have used up so much of the margin that a step should not begin with this set.
+    pub fn are_worn(&self, positions: &[Vector3]) -> bool {
+        !self.is_within(positions, REBUILD_FRACTION)
     }
 
     /// Builds the set for these positions, an empty one without positions; returns whether it changed.
-    pub fn rebuild(&mut self, surface: &ContactSurface, positions: &[Vector3]) -> bool {
+    pub fn rebuild(
+        &mut self,
+        surface: &ContactSurface,
+        obstacles: &PlacedObstacles,
+        positions: &[Vector3],
+    ) -> bool {
         self.found.clear();
         if !positions.is_empty() {
             let clearance = self.reach + self.margin;
             self.broad_phase
                 .find(surface, positions, clearance, &mut self.found);
+            if !surface.obstacles().is_empty() {
+                obstacles.find(surface, positions, clearance, &mut self.found);
+                self.found.sort_unstable_by_key(|(pair, _)| *pair);
+            }
         }
         let unchanged = self
             .pairs
@@ -190,8 +196,9 @@ impl Candidates {
     }
 }
 
-/// Largest approach of the edges of a pair, given the motion of every node, m.
+/// Largest approach of the edges of a pair, given the motion of every node, m. Vertices of obstacles stay.
 pub(super) fn approach(pair: &CandidatePair, motion: &[f64]) -> f64 {
-    let [a, b, c, d] = pair.nodes.map(|node| motion[node]);
+    let of_node = |node: usize| motion.get(node).copied().unwrap_or(0.0);
+    let [a, b, c, d] = pair.nodes.map(of_node);
     a.max(b) + c.max(d)
 }

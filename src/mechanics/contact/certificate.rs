@@ -10,11 +10,13 @@
 //! most steps of most scenes the certificate costs one comparison per node. Beyond that, the pairs whose paths come near
 //! each other are found by boxes around the whole paths, and tested by continuous collision detection.
 //!
-//! Planes need no more than the ends: the distance of a node from a plane is linear in time.
+//! Planes need no more than the ends: the distance of a node from a plane is linear in time. Faces of obstacles are passed by a
+//! node that is on the other side of their plane in the end and was within their edges as it met it.
 
 use super::contact_system::ContactSystem;
 use super::contacts::CandidatePair;
 use super::continuous_collision::fraction_beyond;
+use super::obstacle::crossing;
 use super::proximity::ContactPair;
 use crate::mechanics::Vector3;
 
@@ -35,12 +37,15 @@ impl ContactSystem {
         let allowed = 1.0 - self.parameters.maximum_penetration;
         let moved = start.iter().zip(end).map(|(a, b)| (b - a).norm_squared());
         let largest = moved.fold(0.0, f64::max);
+        let largest = largest.max(self.obstacles.largest_move().powi(2));
         let certain = (1.0 - KEPT_PART) * allowed * self.surface.least_threshold();
         if largest <= certain * certain {
             return None;
         }
         let mut pairs = std::mem::take(&mut self.swept_pairs);
         self.broad_phase
+            .find_swept(&self.surface, start, end, &mut pairs);
+        self.obstacles
             .find_swept(&self.surface, start, end, &mut pairs);
         let passing = pairs
             .iter()
@@ -55,11 +60,16 @@ impl ContactSystem {
         start: &[Vector3],
         end: &[Vector3],
     ) -> Option<ContactPair> {
-        let nodes = pair.nodes.map(|node| start[node]);
-        let displacements = pair.nodes.map(|node| end[node] - start[node]);
+        let nodes = self.obstacles.points_at_start(start).of(pair.nodes);
+        let ends = self.obstacles.points(end).of(pair.nodes);
+        if pair.side != 0 {
+            return crossing(&nodes, &ends).map(|_| ContactPair::Edges(pair.edges));
+        }
+        let displacements = std::array::from_fn(|k| ends[k] - nodes[k]);
         let threshold = self.surface.threshold(pair.edges);
         let kept = KEPT_PART * (1.0 - self.parameters.maximum_penetration) * threshold;
-        let fraction = fraction_beyond(&nodes, &displacements, [kept, TOLERANCE * kept], 1.0);
+        let least = [self.surface.core(pair.edges) + kept, TOLERANCE * kept];
+        let fraction = fraction_beyond(&nodes, &displacements, least, 1.0);
         (fraction < 1.0).then_some(ContactPair::Edges(pair.edges))
     }
 }

@@ -9,10 +9,11 @@
 //! finds new ones.
 
 use super::candidates::approach;
-use super::closest_points::ClosestPoints;
 use super::contact_system::ContactSystem;
+use super::closest_points::ClosestPoints;
 use super::contacts::{ActiveContact, Bodies, ContactConstraint, EdgeJacobian, PlaneContact};
 use super::distance::{DistanceDerivatives, WEIGHT_RATES};
+use super::nearest_points::{NearestPoints, separation};
 use super::normal_law::{LEAST_FORCE, NormalLaw};
 use crate::mechanics::Vector3;
 
@@ -28,21 +29,27 @@ impl ContactSystem {
         let slack = self.parameters().reach();
         self.constraints.clear();
         self.candidates.motion(positions, &mut self.motion);
+        let points = self.obstacles.points(positions);
         let pairs = self.candidates.pairs().iter().zip(self.candidates.gaps());
         for (candidate, (pair, earlier)) in pairs.enumerate() {
             let closing = approach(pair, reaches) + slack;
             if earlier - approach(pair, &self.motion) >= closing {
                 continue;
             }
-            let closest = ClosestPoints::of(&pair.nodes.map(|node| positions[node]));
-            let (distance, threshold) = (closest.distance(), self.surface.threshold(pair.edges));
-            if distance - threshold < closing {
+            let Some(nearest) = NearestPoints::of(pair, &points.of(pair.nodes), 0.0) else {
+                continue;
+            };
+            let threshold = self.surface.threshold(pair.edges);
+            let gap = nearest.distance() - self.surface.core(pair.edges) - threshold;
+            if gap < closing {
+                let friction = self.surface.friction_between(pair.edges);
+                let friction = friction.unwrap_or(self.parameters.friction);
                 self.constraints.push(ContactConstraint::new(
                     Bodies::Edges(candidate),
                     pair.nodes,
-                    closest.weights(),
-                    closest.separation / distance,
-                    [distance - threshold, threshold, self.parameters().friction],
+                    nearest.weights(),
+                    nearest.normal(),
+                    [gap, threshold, friction],
                 ));
             }
         }
@@ -130,7 +137,10 @@ impl ContactSystem {
         }
         let [first, _, second, _] = constraint.nodes;
         let (scale, standoff) = match constraint.bodies {
-            Bodies::Edges(_) => (0.5 * constraint.threshold, self.parameters.standoff()),
+            Bodies::Edges(candidate) => {
+                let pair = self.candidates.pairs()[candidate];
+                (self.surface.law_scale(pair.edges), self.standoff(&pair))
+            }
             Bodies::Plane(_) => (constraint.threshold, 0.0),
         };
         let stiffness = self.stiffness_between(first, second);
@@ -143,8 +153,10 @@ impl ContactSystem {
     /// `distance`, which grows as edges turn through parallel.
     pub fn turning(&self, constraint: &ContactConstraint, positions: &[Vector3]) -> EdgeJacobian {
         let mut jacobian = [[0.0; 12]; 12];
-        if let Bodies::Edges(_) = constraint.bodies {
-            let nodes = constraint.nodes.map(|node| positions[node]);
+        if let Bodies::Edges(candidate) = constraint.bodies
+            && self.candidates.pairs()[candidate].side == 0
+        {
+            let nodes = self.obstacles.points(positions).of(constraint.nodes);
             let closest = ClosestPoints::of(&nodes);
             let distance = DistanceDerivatives::of(&nodes, &closest);
             let force = constraint.force;
@@ -198,11 +210,17 @@ impl ContactSystem {
                 Bodies::Edges(candidate) => self.contacts.push(ActiveContact {
                     candidate,
                     nodes,
-                    distance: ClosestPoints::of(&nodes.map(|node| positions[node])).distance(),
+                    distance: separation(
+                        &self.surface,
+                        &self.candidates.pairs()[candidate],
+                        &self.obstacles.points(positions),
+                    )
+                    .unwrap_or(f64::INFINITY),
                     threshold,
                     normal: constraint.normal,
                     normal_force,
                     force: std::array::from_fn(|row| weights[row / 3] * force[row % 3]),
+                    first_body: self.candidates.pairs()[candidate].first_body(),
                 }),
                 Bodies::Plane(plane) => self.plane_contacts.push(PlaneContact {
                     node: nodes[0],

@@ -9,6 +9,7 @@ use super::contacts::{
 use super::iterate::Iterate;
 use super::multipliers::{Multipliers, Slots};
 use super::parameters::ContactParameters;
+use super::placed_obstacles::{PlacedObstacles, Pose};
 use super::surface::{ContactPlane, ContactSurface};
 use super::tractions::Tractions;
 use crate::mechanics::Vector3;
@@ -33,6 +34,7 @@ pub struct ContactSystem {
     /// Nodes of all rods.
     node_count: usize,
     pub(super) planes: Vec<ContactPlane>,
+    pub(super) obstacles: PlacedObstacles,
     pub(super) candidates: Candidates,
     pub(super) multipliers: Multipliers,
     pub(super) carried_tractions: Tractions,
@@ -77,6 +79,7 @@ impl ContactSystem {
         let candidates = Candidates::new(&surface, parameters.reach());
         Self {
             node_count: surface.node_count(),
+            obstacles: PlacedObstacles::new(&surface),
             parameters,
             surface,
             planes,
@@ -131,16 +134,40 @@ impl ContactSystem {
     /// Rebuilds the candidates where some node has moved more than a quarter of the margin since they
     /// were last built; returns whether the set changed. To be called at the start of a step.
     pub fn update_candidates(&mut self, positions: &[Vector3]) -> bool {
-        let changed = self.candidates.update(&self.surface, positions);
-        if changed {
-            self.carry_multipliers_over();
+        if self.obstacles.moved || self.candidates.are_worn(positions) {
+            self.renew_candidates(positions)
+        } else {
+            false
         }
-        changed
+    }
+
+    /// Moves an obstacle to where it is at the end of a step; candidates are out of date then.
+    pub fn place_obstacle(&mut self, obstacle: usize, pose: Pose) {
+        self.obstacles.place(&self.surface, obstacle, pose);
+    }
+
+    /// Lets the next step start where the obstacles are.
+    pub fn commit_obstacles(&mut self) {
+        self.obstacles.commit();
+    }
+
+    /// How far a vertex of an obstacle moves in the step, m; vertices are counted on from the nodes of the rods.
+    pub fn vertex_motion(&self, vertex: usize) -> Vector3 {
+        let now = self.obstacles.points(&[]).vertices[vertex - self.node_count];
+        now - self.obstacles.points_at_start(&[]).vertices[vertex - self.node_count]
+    }
+
+    /// Whether a number is that of a node of a rod, and not of a vertex of an obstacle.
+    pub fn is_of_rod(&self, node: usize) -> bool {
+        node < self.node_count
     }
 
     /// Builds the candidates for `positions` within the iterations of a step; returns whether the set changed.
     pub(super) fn renew_candidates(&mut self, positions: &[Vector3]) -> bool {
-        let changed = self.candidates.rebuild(&self.surface, positions);
+        let changed = self
+            .candidates
+            .rebuild(&self.surface, &self.obstacles, positions);
+        self.obstacles.moved = false;
         if changed {
             self.carry_multipliers_over();
         }
@@ -191,7 +218,8 @@ impl ContactSystem {
 
     /// Rebuilds the candidates for these positions in any case; without positions there are none.
     pub(super) fn rebuild_candidates(&mut self, positions: &[Vector3]) {
-        self.candidates.rebuild(&self.surface, positions);
+        self.candidates
+            .rebuild(&self.surface, &self.obstacles, positions);
     }
 
     /// Positions for which the candidates were built; empty before the first time.
@@ -208,7 +236,7 @@ impl ContactSystem {
     /// than half the margin since they were built. To be asked when a step has converged; where it is
     /// false, update the candidates and go on iterating if the set changed.
     pub fn candidates_are_complete(&self, positions: &[Vector3]) -> bool {
-        self.candidates.are_complete(positions)
+        !self.obstacles.moved && self.candidates.are_complete(positions)
     }
 
     /// Starts the Newton iterations of a step: until [`Self::commit_multipliers`] or
@@ -332,7 +360,10 @@ impl ContactSystem {
     /// friction is not smoothed.
     pub fn steepest_friction(&self) -> f64 {
         let planes = self.planes.iter().map(|plane| plane.friction);
-        let coefficient = planes.fold(self.parameters.friction, f64::max);
+        let obstacles = self.surface.obstacles().iter();
+        let coefficient = planes
+            .chain(obstacles.map(|obstacle| obstacle.friction))
+            .fold(self.parameters.friction, f64::max);
         self.parameters.friction_slope(coefficient) * self.largest_normal_force()
     }
 

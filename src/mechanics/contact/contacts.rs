@@ -19,13 +19,23 @@ pub(super) struct Linearised<J> {
     pub traction_gradient: [[f64; 12]; 3],
 }
 
-/// A pair of edges that may touch before the candidates are next updated.
+/// A pair of edges, or of an edge of a rod and a part of an obstacle, that may touch before the candidates are next updated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct CandidatePair {
-    /// The edges i < j, indices into [`ContactSurface::edges`](super::ContactSurface::edges).
+    /// The edges i < j, indices into [`ContactSurface::edges`](super::ContactSurface::edges); faces of obstacles are
+    /// counted on from there.
     pub edges: [usize; 2],
-    /// The nodes x_i, x_{i+1}, x_j, x_{j+1}.
+    /// The nodes x_i, x_{i+1}, x_j, x_{j+1}; of a face the node of the rod, and the three vertices.
     pub nodes: [usize; 4],
+    /// Side of a face on which the node is, 1 or −1; 0 for two edges.
+    pub side: i8,
+}
+
+impl CandidatePair {
+    /// Nodes of the first body among the four.
+    pub(super) fn first_body(&self) -> usize {
+        if self.side == 0 { 2 } else { 1 }
+    }
 }
 
 /// A pair of edges within reach of the contact potential.
@@ -33,11 +43,11 @@ pub struct CandidatePair {
 pub struct ActiveContact {
     /// Index into [`ContactSystem::candidates`](super::ContactSystem::candidates).
     pub candidate: usize,
-    /// The nodes x_i, x_{i+1}, x_j, x_{j+1}.
+    /// The nodes of the candidate.
     pub nodes: [usize; 4],
-    /// Centreline distance Δ, m.
+    /// Centreline distance Δ, of two rods, or the distance of the centreline from the surface of an obstacle, m.
     pub distance: f64,
-    /// Distance at which the surfaces touch, h_i + h_j, m.
+    /// Distance at which the surfaces touch, h_i + h_j, or h at an obstacle, m.
     pub threshold: f64,
     /// Normal, from the second edge to the first; of unit length, but shorter by some 1e-5 where closest points are smoothed.
     pub normal: Vector3,
@@ -45,6 +55,16 @@ pub struct ActiveContact {
     pub normal_force: f64,
     /// Force on the four nodes, friction included, N.
     pub force: [f64; 12],
+    /// Nodes of the first body among the four: two of an edge, one over a face.
+    pub first_body: usize,
+}
+
+impl ActiveContact {
+    /// Force on the first body, N; the second has the opposite.
+    pub fn force_on_first(&self) -> Vector3 {
+        let corners = self.force.chunks_exact(3).take(self.first_body);
+        corners.map(Vector3::from_column_slice).sum()
+    }
 }
 
 /// A node within reach of the contact potential of a plane.

@@ -40,22 +40,21 @@ impl Sliding {
     }
 }
 
-/// Force on the four nodes of a normal force and a friction `traction` per normal force, N.
+/// Force on four nodes with the weights of a contact, of a normal force and a friction `traction` per normal force, N.
 ///
 /// The normal of smoothed closest points is shorter than 1 by some 1e-5, and so is the force N n along it: friction is that
 /// of the force as it is.
-pub(super) fn edge_force(
-    closest: &ClosestPoints,
+pub(super) fn contact_force(
+    weights: &[f64; 4],
+    normal: &Vector3,
     normal_force: f64,
     traction: &Vector3,
 ) -> [f64; 12] {
-    let weights = closest.weights();
-    let normal = closest.normal();
     let direction = normal + traction * normal.norm();
     std::array::from_fn(|row| normal_force * weights[row / 3] * direction[row % 3])
 }
 
-/// Derivative of [`edge_force`] with respect to the coordinates of the four nodes, N/m, for the friction law linearised
+/// Derivative of [`contact_force`] with respect to the coordinates of the four nodes, N/m, for the friction law linearised
 /// at the slip given with `sliding` (m/s); without that of normal and contact points unless the contact `turns`.
 ///
 /// What turning adds is of the order of N/Δ and of either sign. While forces and contact points are still those of a guess
@@ -286,7 +285,12 @@ mod tests {
         let traction = sliding.map_or_else(Vector3::zeros, |sliding| {
             sliding.law.traction_of_slip(&case.slip())
         });
-        edge_force(&case.closest, case.response().force, &traction)
+        contact_force(
+            &case.closest.weights(),
+            &case.closest.normal(),
+            case.response().force,
+            &traction,
+        )
     }
 
     #[test]

@@ -1,14 +1,16 @@
 //! Forces and Jacobians of all contacts at one configuration.
 
 use super::candidates::approach;
-use super::closest_points::{ClosestPoints, edge_distance};
+use super::closest_points::edge_distance;
 use super::contact_system::ContactSystem;
-use super::contacts::{ActiveContact, PlaneContact};
-use super::edge_contact::{Sliding, edge_force, edge_jacobian};
+use super::contacts::{ActiveContact, CandidatePair, EdgeJacobian, Linearised, PlaneContact};
+use super::edge_contact::{Sliding, contact_force, edge_jacobian};
 use super::friction::{FrictionLaw, slip};
 use super::multipliers::{LinearLaw, Moved};
+use super::nearest_points::NearestPoints;
 use super::normal_law::NormalLaw;
 use super::normal_response::NormalResponse;
+use super::obstacle::Points;
 use super::plane_contact::{NodeSliding, plane_force, plane_jacobian};
 use super::surface::ContactNode;
 use super::tractions::LinearTraction;
@@ -40,11 +42,11 @@ impl Motion<'_> {
     }
 }
 
-/// Two edges within reach of each other.
-struct TouchingEdges {
+/// A candidate pair within reach of each other.
+struct TouchingPair {
     candidate: usize,
     nodes: [Vector3; 4],
-    closest: ClosestPoints,
+    nearest: NearestPoints,
     gap: f64,
     law: NormalLaw,
     response: NormalResponse,
@@ -103,7 +105,7 @@ impl ContactSystem {
             previous,
             time_step,
         };
-        self.evaluate_edges(motion, with_jacobians);
+        self.evaluate_pairs(motion, with_jacobians);
         self.evaluate_planes(motion, with_jacobians);
         if with_jacobians && self.multipliers.in_use() {
             self.iterate.linearised_at(positions);
@@ -123,10 +125,9 @@ impl ContactSystem {
         self.contact_count = 0;
     }
 
-    fn evaluate_edges(&mut self, motion: Motion, with_jacobians: bool) {
+    fn evaluate_pairs(&mut self, motion: Motion, with_jacobians: bool) {
         let parameters = self.parameters;
         let (tolerance, reach) = (parameters.distance_tolerance, parameters.reach());
-        let friction = motion.friction(parameters.friction, parameters.slip_tolerance);
         self.candidates.motion(motion.positions, &mut self.motion);
         for candidate in 0..self.candidates.pairs().len() {
             let (pair, earlier) = (
@@ -137,43 +138,57 @@ impl ContactSystem {
             if !loaded && earlier - approach(&pair, &self.motion) >= reach {
                 continue;
             }
-            let nodes = pair.nodes.map(|node| motion.positions[node]);
+            let nodes = self.obstacles.points(motion.positions).of(pair.nodes);
             let threshold = self.surface.threshold(pair.edges);
-            let closest = ClosestPoints::smoothed(&nodes, parameters.smoothing(threshold));
-            let gap = closest.distance() - threshold - parameters.standoff();
+            let smoothing = parameters.smoothing(threshold);
+            let Some(nearest) = NearestPoints::of(&pair, &nodes, smoothing) else {
+                continue;
+            };
+            let core = self.surface.core(pair.edges);
+            let gap = nearest.distance() - core - threshold - self.standoff(&pair);
             if !loaded && gap >= reach {
                 continue;
             }
             let stiffness = self.stiffness_between(pair.nodes[0], pair.nodes[2]);
-            let law = NormalLaw::new(&parameters, 0.5 * threshold, stiffness);
+            let scale = self.surface.law_scale(pair.edges);
+            let law = NormalLaw::new(&parameters, scale, stiffness);
             let response = law.response(self.counted_gap(gap));
+            let coefficient = self.surface.friction_between(pair.edges);
+            let friction = motion.friction(
+                coefficient.unwrap_or(parameters.friction),
+                parameters.slip_tolerance,
+            );
             let sliding = friction.map(|law| Sliding {
                 law,
-                velocities: pair.nodes.map(|node| motion.velocity(node)),
+                velocities: self.velocities(&pair, &nodes, &motion),
                 time_step: motion.time_step,
             });
+            let (weights, normal) = (nearest.weights(), nearest.normal());
             let slip = sliding.map_or_else(Vector3::zeros, |sliding| {
-                let velocity = sliding.relative_velocity(&closest.weights());
-                slip(&closest.normal(), &velocity)
+                slip(&normal, &sliding.relative_velocity(&weights))
             });
             let traction = friction.map_or_else(Vector3::zeros, |law| law.traction_of_slip(&slip));
-            let force = edge_force(&closest, response.force, &traction);
+            let force = contact_force(&weights, &normal, response.force, &traction);
             self.contacts.push(ActiveContact {
                 candidate,
                 nodes: pair.nodes,
                 // What is reported is the true distance, without smoothing.
-                distance: edge_distance(&nodes),
+                distance: match nearest {
+                    NearestPoints::Edges(_) => edge_distance(&nodes) - core,
+                    NearestPoints::Face(foot) => foot.distance - core,
+                },
                 threshold,
-                normal: closest.normal(),
+                normal,
                 normal_force: response.force,
                 force,
+                first_body: pair.first_body(),
             });
             self.tractions.push(traction);
             if with_jacobians {
-                self.linearize_edges(&TouchingEdges {
+                self.linearize_pair(&TouchingPair {
                     candidate,
                     nodes,
-                    closest,
+                    nearest,
                     gap,
                     law,
                     response,
@@ -188,40 +203,63 @@ impl ContactSystem {
         }
     }
 
-    /// Adds the Jacobian of two edges, and the difference between the force of their laws and that of the linearised
-    /// ones.
-    fn linearize_edges(&mut self, edges: &TouchingEdges) {
-        let slot = edges.candidate;
-        let sliding = edges.sliding.as_ref();
+    /// Velocities of the nodes and vertices of a pair in the step, m/s.
+    fn velocities(
+        &self,
+        pair: &CandidatePair,
+        nodes: &[Vector3; 4],
+        motion: &Motion,
+    ) -> [Vector3; 4] {
+        let before: Points = self.obstacles.points_at_start(motion.previous);
+        std::array::from_fn(|k| (nodes[k] - before.at(pair.nodes[k])) / motion.time_step)
+    }
+
+    /// Adds the Jacobian of a pair, and the difference between the force of its laws and that of the linearised ones.
+    fn linearize_pair(&mut self, pair: &TouchingPair) {
+        let slot = pair.candidate;
+        let sliding = pair.sliding.as_ref();
+        let (weights, normal) = (pair.nearest.weights(), pair.nearest.normal());
         let (pressure, friction) = self.linear_laws(
             slot,
             &Touch {
-                gap: edges.gap,
-                law: edges.law,
-                response: edges.response,
+                gap: pair.gap,
+                law: pair.law,
+                response: pair.response,
                 friction: sliding.map(|sliding| (sliding.law, sliding.time_step)),
-                normal: edges.closest.normal(),
-                slip: edges.slip,
-                traction: edges.traction,
+                normal,
+                slip: pair.slip,
+                traction: pair.traction,
             },
             |system| {
                 let nodes = &system.candidates.pairs()[slot].nodes;
-                let weights = edges.closest.weights();
-                system.iterate.moved(nodes, &weights, &edges.nodes)
+                system.iterate.moved(nodes, &weights, &pair.nodes)
             },
         );
         let carries = self.multipliers.in_use();
         let is_known = self.multipliers.is_known(slot, pressure.tangent.force);
-        let linearised = edge_jacobian(
-            &edges.nodes,
-            &edges.closest,
-            &pressure.tangent,
-            sliding.map(|sliding| (sliding, friction.slip)),
-            !carries || self.iterate.moved_slightly || is_known,
-        );
+        let turns = !carries || self.iterate.moved_slightly || is_known;
+        let linearised = match &pair.nearest {
+            NearestPoints::Edges(closest) => edge_jacobian(
+                &pair.nodes,
+                closest,
+                &pressure.tangent,
+                sliding.map(|sliding| (sliding, friction.slip)),
+                turns,
+            ),
+            NearestPoints::Face(_) => {
+                let sliding = sliding.map(|sliding| NodeSliding {
+                    law: sliding.law,
+                    velocity: sliding.relative_velocity(&weights),
+                    time_step: sliding.time_step,
+                });
+                let sliding = sliding.as_ref().map(|sliding| (sliding, friction.slip));
+                of_first_node(plane_jacobian(&normal, &pressure.tangent, sliding))
+            }
+        };
         self.jacobians.push(linearised.jacobian);
         if carries {
-            self.compare_with_last(slot, 2, &pressure, &friction);
+            let rods = 1 + usize::from(self.surface.obstacle_of(self.candidates.pairs()[slot].edges[1]).is_none());
+            self.compare_with_last(slot, rods, &pressure, &friction);
             self.multipliers
                 .keep(slot, &pressure, &linearised.gap_gradient);
             self.carried_tractions
@@ -230,8 +268,8 @@ impl ContactSystem {
         self.linear_corrections.push(correction(
             &pressure,
             &friction,
-            edges.force,
-            |force, traction| edge_force(&edges.closest, force, traction),
+            pair.force,
+            |force, traction| contact_force(&weights, &normal, force, traction),
         ));
     }
 
@@ -301,7 +339,7 @@ impl ContactSystem {
             let plane = self.planes[index];
             let friction = motion.friction(plane.friction, self.parameters.slip_tolerance);
             for k in 0..self.surface.nodes().len() {
-                let ContactNode { node, radius } = self.surface.nodes()[k];
+                let ContactNode { node, radius, .. } = self.surface.nodes()[k];
                 let slot = slots.over_plane(index, node);
                 let distance = plane.distance(&motion.positions[node]);
                 let gap = distance - radius;
@@ -370,6 +408,19 @@ impl ContactSystem {
                 self.contact_count += usize::from(gap < tolerance);
             }
         }
+    }
+}
+
+/// The Jacobian of a contact of one node as that of four, of which the others are prescribed.
+fn of_first_node(of_node: Linearised<[[f64; 3]; 3]>) -> Linearised<EdgeJacobian> {
+    let mut jacobian = [[0.0; 12]; 12];
+    for (row, entries) in of_node.jacobian.iter().enumerate() {
+        jacobian[row][..3].copy_from_slice(entries);
+    }
+    Linearised {
+        jacobian,
+        gap_gradient: of_node.gap_gradient,
+        traction_gradient: of_node.traction_gradient,
     }
 }
 

@@ -19,7 +19,8 @@ const SURPRISE: f64 = 0.05;
 /// The configuration of the last linearisation.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Iterate {
-    /// How far a unit force moves each node within a step by inertia alone, h²/m, m/N; zero where it is held.
+    /// How far a unit force moves each node within a step by inertia alone, h²/m, m/N; zero where it is held. Vertices of
+    /// obstacles are none of them.
     mobilities: Vec<f64>,
     /// Positions, m; empty before the first linearisation of a step.
     positions: Vec<Vector3>,
@@ -87,7 +88,8 @@ impl Iterate {
         let mut displacements = [Vector3::zeros(); 4];
         let mut mobility = 0.0;
         for (k, &node) in nodes.iter().enumerate() {
-            mobility += weights[k] * weights[k] * self.mobilities[node];
+            let own = self.mobilities.get(node).copied().unwrap_or(0.0);
+            mobility += weights[k] * weights[k] * own;
             if let Some(before) = self.positions.get(node) {
                 displacements[k] = positions[k] - before;
             }

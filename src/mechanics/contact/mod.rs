@@ -1,12 +1,14 @@
-//! Contact between rods and with planes: broad phase, distances, three contact models, friction.
+//! Contact between rods, with planes and with obstacles: broad phase, distances, three contact models, friction.
 //!
 //! [`ContactSystem`] holds all contacts of a scene; the other files follow the chain from geometry to force:
 //!
 //! | file | what |
 //! |---|---|
-//! | `surface` | edges as capsules, planes, which pairs are neighbours |
+//! | `surface` | edges as capsules, planes, obstacles, which pairs are neighbours |
+//! | `obstacle`, `placed_obstacles` | rigid obstacles, where they are, and what of them is near a rod |
 //! | `broad_phase`, `candidates` | pairs of edges that may touch, kept over many steps |
 //! | `closest_points`, `distance` | centreline distance Δ of two edges and its derivatives (thesis Eqs. 2.3–2.6) |
+//! | `nearest_points` | the same of two edges, or of a node and a face |
 //! | `parameters` | the contact model and its numbers |
 //! | `normal_law`, `normal_response`, `potential`, `barrier` | contact energy of a gap: Eqs. 2.15, 2.16 or the barrier of Eq. 2.1 |
 //! | `continuous_collision`, `step_bound` | how far a step may go without crossing the barrier |
@@ -39,9 +41,12 @@ mod friction;
 mod iterate;
 mod memory;
 mod multipliers;
+mod nearest_points;
 mod normal_law;
 mod normal_response;
+mod obstacle;
 mod parameters;
+mod placed_obstacles;
 mod plane_contact;
 mod potential;
 mod proximity;
@@ -58,6 +63,8 @@ mod tractions;
 
 pub(crate) use closest_points::edge_distance;
 pub use contact_system::ContactSystem;
+pub use obstacle::ContactObstacle;
+pub use placed_obstacles::Pose;
 pub use contacts::{
     ActiveContact, CandidatePair, ConstraintPlace, ContactConstraint, EdgeJacobian,
     ForceCorrections, PlaneContact, PlaneJacobian,

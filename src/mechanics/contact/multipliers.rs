@@ -265,6 +265,7 @@ mod tests {
         CandidatePair {
             edges: [i, j],
             nodes: [i, i + 1, j, j + 1],
+            side: 0,
         }
     }
 

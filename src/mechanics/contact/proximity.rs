@@ -2,8 +2,9 @@
 
 use super::broad_phase::BroadPhase;
 use super::candidates::approach;
-use super::closest_points::edge_distance;
 use super::contact_system::ContactSystem;
+use super::contacts::CandidatePair;
+use super::nearest_points::separation;
 use crate::mechanics::Vector3;
 
 /// Surfaces that touch to rounding error do not count as overlapping.
@@ -12,7 +13,8 @@ const TOUCHING: f64 = 1e-9;
 /// Two bodies that meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContactPair {
-    /// Two edges, indices into [`ContactSurface::edges`](super::ContactSurface::edges).
+    /// Two edges, or an edge of a rod and an edge or a face of an obstacle: indices into
+    /// [`ContactSurface::edges`](super::ContactSurface::edges), and beyond them for faces.
     Edges([usize; 2]),
     /// A node and a plane.
     NodeAndPlane {
@@ -28,9 +30,9 @@ pub enum ContactPair {
 pub struct Proximity {
     /// The bodies.
     pub pair: ContactPair,
-    /// Distance of the centrelines, or of the node from the plane, m.
+    /// Distance of the centrelines, or of the rod's from the surface of the plane or obstacle, m.
     pub distance: f64,
-    /// The distance at which the surfaces touch: h_i + h_j, or h at a plane, m.
+    /// The distance at which the surfaces touch: h_i + h_j, or h at a plane or an obstacle, m.
     pub threshold: f64,
 }
 
@@ -52,19 +54,21 @@ const DEEP: f64 = 0.2;
 impl ContactSystem {
     /// Smallest centreline distance over the candidates, m; infinite without candidates.
     pub fn minimum_distance(&self, positions: &[Vector3]) -> f64 {
-        self.candidates()
-            .iter()
-            .map(|pair| edge_distance(&pair.nodes.map(|node| positions[node])))
+        let distances = self.candidates().iter();
+        distances
+            .filter_map(|pair| self.separation(pair, positions))
             .fold(f64::INFINITY, f64::min)
     }
 
     /// The bodies that are nearest to touching at `positions` (m): of all candidates, and of all nodes and planes, those
     /// with the least ratio of the distance to that at which their surfaces touch.
     pub fn nearest(&self, positions: &[Vector3]) -> Option<Proximity> {
-        let edges = self.candidates().iter().map(|pair| Proximity {
-            pair: ContactPair::Edges(pair.edges),
-            distance: edge_distance(&pair.nodes.map(|node| positions[node])),
-            threshold: self.surface.threshold(pair.edges),
+        let edges = self.candidates().iter().filter_map(|pair| {
+            Some(Proximity {
+                pair: ContactPair::Edges(pair.edges),
+                distance: self.separation(pair, positions)?,
+                threshold: self.surface.threshold(pair.edges),
+            })
         });
         edges
             .chain(self.nodes_and_planes(positions))
@@ -106,6 +110,35 @@ impl ContactSystem {
             })
     }
 
+    fn separation(&self, pair: &CandidatePair, positions: &[Vector3]) -> Option<f64> {
+        separation(&self.surface, pair, &self.obstacles.points(positions))
+    }
+
+    /// Nodes inside of closed obstacles, with minus their distance from the nearest face.
+    fn within_obstacles<'a>(
+        &'a self,
+        positions: &'a [Vector3],
+    ) -> impl Iterator<Item = Proximity> + 'a {
+        let points = self.obstacles.points(positions);
+        let obstacles = self.surface.obstacles().iter().enumerate();
+        let closed = obstacles.filter(|(_, obstacle)| obstacle.closed);
+        closed.flat_map(move |(index, _)| {
+            let nodes = self.surface.nodes().iter();
+            nodes.filter_map(move |node| {
+                let position = positions[node.node];
+                if !self.surface.is_inside(index, &position, &points) {
+                    return None;
+                }
+                let (face, distance) = self.surface.nearest_face(index, &position, &points)?;
+                Some(Proximity {
+                    pair: ContactPair::Edges([node.edge, face]),
+                    distance: -distance,
+                    threshold: node.radius,
+                })
+            })
+        })
+    }
+
     /// The deepest penetration at the last evaluation, where it exceeds `maximum_penetration`.
     pub fn excessive_penetration(&self) -> Option<Proximity> {
         self.penetration_beyond(self.parameters().maximum_penetration)
@@ -140,9 +173,12 @@ impl ContactSystem {
         let edges = pairs.filter_map(|(pair, earlier)| {
             let threshold = self.surface.threshold(pair.edges);
             let least = threshold + earlier - approach(pair, &self.motion);
-            (least < allowed * threshold).then(|| Proximity {
+            if least >= allowed * threshold {
+                return None;
+            }
+            Some(Proximity {
                 pair: ContactPair::Edges(pair.edges),
-                distance: edge_distance(&pair.nodes.map(|node| positions[node])),
+                distance: self.separation(pair, positions)?,
                 threshold,
             })
         });
@@ -163,13 +199,15 @@ impl ContactSystem {
         };
         let mut found = Vec::new();
         BroadPhase::default().find(self.surface(), positions, clearance, &mut found);
-        let standoff = self.parameters().standoff();
+        self.obstacles
+            .find(self.surface(), positions, clearance, &mut found);
         let edges = found.iter().map(|(pair, distance)| Proximity {
             pair: ContactPair::Edges(pair.edges),
             distance: *distance,
-            threshold: self.surface().threshold(pair.edges) + standoff,
+            threshold: self.surface().threshold(pair.edges) + self.standoff(pair),
         });
         edges
+            .chain(self.within_obstacles(positions))
             .chain(self.nodes_and_planes(positions))
             .filter(|proximity| {
                 if is_barrier {

@@ -3,6 +3,7 @@
 use super::candidates::approach;
 use super::contact_system::ContactSystem;
 use super::continuous_collision::{KEPT_GAP, safe_fraction};
+use super::obstacle::Foot;
 use crate::mechanics::Vector3;
 
 /// Most times that the candidates are built on one path. Every time the nodes may move by a radius of the
@@ -71,13 +72,20 @@ impl ContactSystem {
         for (motion, displacement) in self.motion.iter_mut().zip(displacements) {
             *motion += longest * displacement.norm();
         }
+        let points = self.obstacles.points(start);
         let mut fraction = longest;
         for (pair, earlier) in self.candidates.pairs().iter().zip(self.candidates.gaps()) {
             if earlier - approach(pair, &self.motion) < reach {
-                let nodes = pair.nodes.map(|node| start[node]);
-                let moves = pair.nodes.map(|node| displacements[node]);
-                let least = self.surface.threshold(pair.edges) + standoff;
-                fraction = safe_fraction(&nodes, &moves, least, fraction);
+                let nodes = points.of(pair.nodes);
+                let of_node = |node: usize| displacements.get(node).copied();
+                let moves = pair.nodes.map(|node| of_node(node).unwrap_or_default());
+                let touch = self.surface.core(pair.edges) + self.surface.threshold(pair.edges);
+                fraction = if pair.side == 0 {
+                    safe_fraction(&nodes, &moves, touch + standoff, fraction)
+                } else {
+                    let side = f64::from(pair.side);
+                    safe_fraction_over_face(&nodes, &moves[0], side, touch, fraction)
+                };
             }
         }
         fraction
@@ -101,6 +109,47 @@ impl ContactSystem {
         }
         fraction
     }
+}
+
+/// The fraction up to `longest` of a straight path, by `displacement`, of the first node that a face allows: to where its gap
+/// over the face is a tenth of what it is where the node comes to be over it.
+fn safe_fraction_over_face(
+    nodes: &[Vector3; 4],
+    displacement: &Vector3,
+    side: f64,
+    touch: f64,
+    longest: f64,
+) -> f64 {
+    let [node, a, b, c] = *nodes;
+    let (Some(start), Some(end)) = (
+        Foot::in_plane(nodes, side),
+        Foot::in_plane(&[node + displacement, a, b, c], side),
+    ) else {
+        return longest;
+    };
+    let fall = start.distance - end.distance;
+    if fall <= 0.0 {
+        return longest;
+    }
+    // Where the foot is within the triangle: its weights are linear along the path.
+    let (mut first, mut last) = (0.0_f64, longest);
+    for (before, after) in start.weights.iter().zip(end.weights) {
+        if *before < 0.0 && after <= *before {
+            return longest;
+        }
+        let meets = before / (before - after);
+        if *before < 0.0 {
+            first = first.max(meets);
+        } else if after < 0.0 {
+            last = last.min(meets);
+        }
+    }
+    let gap = start.distance - first * fall - touch;
+    if first > last || (gap <= 0.0 && first > 0.0) {
+        return longest; // it comes from beside, where the rim has watched over it
+    }
+    let meets = (first + (1.0 - KEPT_GAP) * gap.max(0.0) / fall).max(0.0);
+    if meets > last { longest } else { meets.min(longest) }
 }
 
 #[cfg(test)]

@@ -13,8 +13,8 @@
 //! Each pair of bodies has a least stiffness of its own: that of the forces that bend the softer one.
 
 use super::candidates::approach;
-use super::closest_points::edge_distance;
 use super::contact_system::ContactSystem;
+use super::nearest_points::separation;
 use crate::mechanics::Vector3;
 
 /// Factor of change that is not followed.
@@ -51,7 +51,10 @@ impl ContactSystem {
     pub(super) fn stiffness_between(&self, first: usize, second: usize) -> f64 {
         let least = match self.least_of_nodes.as_slice() {
             [] => return self.stiffness,
-            nodes => nodes[first].min(nodes[second]),
+            nodes => {
+                let of_node = |node: usize| nodes.get(node).copied().unwrap_or(f64::INFINITY);
+                of_node(first).min(of_node(second))
+            }
         };
         if least.is_finite() {
             self.stiffness.max(least)
@@ -110,15 +113,18 @@ impl ContactSystem {
         let near = 0.25 * self.candidates.margin();
         let mut largest: Option<f64> = None;
         let mut include = |node: usize| {
-            let force = forces[node].norm();
+            let Some(force) = forces.get(node).map(Vector3::norm) else {
+                return;
+            };
             largest = Some(largest.map_or(force, |largest| largest.max(force)));
         };
         self.candidates.motion(positions, &mut self.motion);
+        let points = self.obstacles.points(positions);
         let pairs = self.candidates.pairs().iter();
         for (pair, earlier) in pairs.zip(self.candidates.gaps()) {
             if earlier - approach(pair, &self.motion) < near
-                && edge_distance(&pair.nodes.map(|node| positions[node]))
-                    < self.surface.threshold(pair.edges) + near
+                && separation(&self.surface, pair, &points)
+                    .is_some_and(|distance| distance < self.surface.threshold(pair.edges) + near)
             {
                 pair.nodes.into_iter().for_each(&mut include);
             }

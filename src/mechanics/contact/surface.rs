@@ -1,14 +1,15 @@
-//! The surfaces that may touch: every edge of a rod as a capsule, and rigid planes.
+//! The surfaces that may touch: every edge of a rod as a capsule, rigid planes, and rigid obstacles.
 
+use super::obstacle::ContactObstacle;
 use crate::mechanics::Vector3;
 use std::f64::consts::PI;
 
-/// An edge of a rod as contact sees it: a capsule around the segment between two nodes.
+/// An edge of a rod as contact sees it: a capsule around the segment between two nodes; or such an edge of an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactEdge {
-    /// The two nodes, indices into the positions of all rods.
+    /// The two nodes, indices into the positions of all rods; those of obstacles, their vertices, go on from there.
     pub nodes: [usize; 2],
-    /// Index of the rod.
+    /// Index of the rod; obstacles go on from there.
     pub rod: usize,
     /// Radius h of the surface, m.
     pub radius: f64,
@@ -18,19 +19,38 @@ pub struct ContactEdge {
     pub held: bool,
 }
 
-/// A node of a rod that is not held, as planes see it: a sphere.
+/// A node of a rod that is not held, as planes and faces see it: a sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ContactNode {
     /// Index into the positions of all rods.
     pub node: usize,
+    /// The edge of the rod that starts there, or ends there at the end of an open rod.
+    pub edge: usize,
     /// Radius h of the surface, m.
     pub radius: f64,
 }
 
-/// The contact surfaces of all rods.
+/// A triangle of an obstacle, which nodes of rods may touch between its edges.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct ContactFace {
+    /// Its vertices, counted from the nodes of the rods on, anticlockwise as seen from outside.
+    pub vertices: [usize; 3],
+    /// Index of the obstacle.
+    pub obstacle: usize,
+}
+
+/// The contact surfaces of all rods and obstacles.
+///
+/// Bodies that touch are numbered: edges of rods, edges of obstacles, faces of obstacles.
 #[derive(Clone, Debug, Default)]
 pub struct ContactSurface {
     edges: Vec<ContactEdge>,
+    faces: Vec<ContactFace>,
+    /// Nodes of all rods.
+    rod_nodes: usize,
+    /// Edges of all rods, which come first.
+    rod_edges: usize,
+    obstacles: Vec<ContactObstacle>,
     nodes: Vec<ContactNode>,
     /// Length of every closed rod, m; `None` for open rods.
     closed_lengths: Vec<Option<f64>>,
@@ -72,8 +92,10 @@ impl ContactSurface {
         radius: f64,
         held: bool,
     ) {
+        debug_assert!(self.obstacles.is_empty(), "rods come first");
         let rod = self.closed_lengths.len();
         let nodes = centreline.len();
+        self.rod_nodes = self.rod_nodes.max(first_node + nodes);
         let edges = if closed {
             nodes
         } else {
@@ -86,9 +108,12 @@ impl ContactSurface {
             }
         }
         if !held {
-            let range = first_node..first_node + nodes;
-            self.nodes
-                .extend(range.map(|node| ContactNode { node, radius }));
+            let first_edge = self.edges.len();
+            self.nodes.extend((0..nodes).map(|node| ContactNode {
+                node: first_node + node,
+                edge: first_edge + node.min(edges.saturating_sub(1)),
+                radius,
+            }));
         }
         let mut length = 0.0;
         for edge in 0..edges {
@@ -104,17 +129,89 @@ impl ContactSurface {
             });
         }
         self.closed_lengths.push(closed.then_some(length));
+        self.rod_edges = self.edges.len();
     }
 
-    /// All edges, rod after rod.
+    /// Adds an obstacle, after all rods.
+    pub fn add_obstacle(&mut self, obstacle: ContactObstacle) {
+        let first = self.rod_nodes + self.vertex_count();
+        let any = &mut self.least_radii[1];
+        *any = Some(any.map_or(obstacle.radius, |least| least.min(obstacle.radius)));
+        for segment in &obstacle.segments {
+            self.edges.push(ContactEdge {
+                nodes: segment.map(|vertex| first + vertex),
+                rod: self.closed_lengths.len(),
+                radius: obstacle.radius,
+                arc_length: [0.0; 2],
+                held: true,
+            });
+        }
+        for face in &obstacle.faces {
+            self.faces.push(ContactFace {
+                vertices: face.map(|vertex| first + vertex),
+                obstacle: self.obstacles.len(),
+            });
+        }
+        self.closed_lengths.push(None);
+        self.obstacles.push(obstacle);
+    }
+
+    /// All edges, rod after rod, then those of obstacles.
     pub fn edges(&self) -> &[ContactEdge] {
         &self.edges
     }
 
-    /// Number of positions that the edges refer to.
+    /// Edges of the rods, which come first.
+    pub fn rod_edges(&self) -> &[ContactEdge] {
+        &self.edges[..self.rod_edges]
+    }
+
+    /// The faces of obstacles.
+    pub(super) fn faces(&self) -> &[ContactFace] {
+        &self.faces
+    }
+
+    /// The obstacles.
+    pub fn obstacles(&self) -> &[ContactObstacle] {
+        &self.obstacles
+    }
+
+    /// Vertices of all obstacles.
+    fn vertex_count(&self) -> usize {
+        let vertices = self.obstacles.iter().map(|obstacle| obstacle.vertices.len());
+        vertices.sum()
+    }
+
+    /// Nodes of all rods.
     pub fn node_count(&self) -> usize {
-        let nodes = self.edges.iter().flat_map(|edge| edge.nodes);
-        nodes.max().map_or(0, |last| last + 1)
+        self.rod_nodes
+    }
+
+    /// The obstacle that a body is a part of.
+    pub fn obstacle_of(&self, body: usize) -> Option<usize> {
+        if body >= self.edges.len() {
+            return Some(self.faces[body - self.edges.len()].obstacle);
+        }
+        let rods = self.closed_lengths.len() - self.obstacles.len();
+        self.edges[body].rod.checked_sub(rods)
+    }
+
+    /// The face that a body is.
+    pub(super) fn face_of(&self, body: usize) -> Option<&ContactFace> {
+        let face = body.checked_sub(self.edges.len())?;
+        self.faces.get(face)
+    }
+
+    /// Friction coefficient between two bodies, if not that of the contact model.
+    pub(super) fn friction_between(&self, [_, second]: [usize; 2]) -> Option<f64> {
+        Some(self.obstacles[self.obstacle_of(second)?].friction)
+    }
+
+    fn radius_of(&self, body: usize) -> f64 {
+        match self.face_of(body) {
+            Some(face) => self.obstacles[face.obstacle].radius,
+            None => self.edges[body].radius,
+        }
     }
 
     /// The nodes that planes may push.
@@ -130,9 +227,34 @@ impl ContactSurface {
             .fold(0.0, |largest, edge| edge.radius.max(largest))
     }
 
-    /// Distance at which the centrelines of two edges touch by their surfaces, h_i + h_j, m.
+    /// Distance at which two bodies touch by their surfaces: h_i + h_j of two rods, m. From obstacles it is the distance of
+    /// their surface that counts, see [`Self::core`], and the threshold is the radius h of the rod.
     pub(super) fn threshold(&self, [i, j]: [usize; 2]) -> f64 {
-        self.edges[i].radius + self.edges[j].radius
+        let first = self.edges[i].radius;
+        if j < self.rod_edges {
+            first + self.edges[j].radius
+        } else {
+            first
+        }
+    }
+
+    /// What to take off the distance of the edges or faces of a pair to have that of the surface of an obstacle, m.
+    pub(super) fn core(&self, [_, second]: [usize; 2]) -> f64 {
+        if second < self.rod_edges {
+            0.0
+        } else {
+            self.radius_of(second)
+        }
+    }
+
+    /// Radius at which the contact law of a pair is scaled: the mean of two rods, that of the rod at an obstacle, m.
+    pub(super) fn law_scale(&self, pair: [usize; 2]) -> f64 {
+        let threshold = self.threshold(pair);
+        if pair[1] < self.rod_edges {
+            0.5 * threshold
+        } else {
+            threshold
+        }
     }
 
     /// Least distance at which the centrelines of two edges may touch by their surfaces, m; infinite where nothing moves.

@@ -204,6 +204,7 @@ mod tests {
         CandidatePair {
             edges: [i, j],
             nodes: [i, i + 1, j, j + 1],
+            side: 0,
         }
     }
 

@@ -61,7 +61,8 @@ impl AcceptedStep<'_> {
         };
         let mut sum = 0.0;
         for pair in contact.contacts() {
-            for (corner, &node) in pair.nodes.iter().enumerate() {
+            let corners = pair.nodes.iter().enumerate();
+            for (corner, &node) in corners.filter(|(_, node)| contact.is_of_rod(**node)) {
                 let force = Vector3::from_column_slice(&pair.force[3 * corner..3 * corner + 3]);
                 sum += loss(force, &pair.normal, node);
             }

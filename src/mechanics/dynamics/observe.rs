@@ -62,7 +62,8 @@ impl Simulation {
         };
         let mut forces = vec![Vector3::zeros(); self.published.positions.len()];
         for pair in contact.contacts() {
-            for (corner, &node) in pair.nodes.iter().enumerate() {
+            let corners = pair.nodes.iter().enumerate();
+            for (corner, &node) in corners.filter(|(_, node)| contact.is_of_rod(**node)) {
                 forces[node] += Vector3::from_column_slice(&pair.force[3 * corner..3 * corner + 3]);
             }
         }
@@ -217,6 +218,7 @@ impl Simulation {
         {
             return Err(foreign("other numbers of nodes or vertices".into()));
         }
+        self.system.place_obstacles(state.time);
         match (&mut self.system.contact, &state.contact) {
             (Some(contact), Some(memory)) => contact
                 .restore(memory)

@@ -61,6 +61,15 @@ pub fn position(unknowns: &[f64], node: usize) -> Vector3 {
     )
 }
 
+/// The same of a motion, which vertices of obstacles, numbered beyond the nodes, do not take part in.
+pub fn motion_of(motion: &[f64], node: usize) -> Vector3 {
+    if STRIDE * node < motion.len() {
+        position(motion, node)
+    } else {
+        Vector3::zeros()
+    }
+}
+
 /// Adds `value` to the three entries of node `k`.
 #[inline(always)]
 pub fn add_to_node(entries: &mut [f64], node: usize, value: &Vector3) {

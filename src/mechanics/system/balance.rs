@@ -106,7 +106,9 @@ impl System {
         if let Some(contact) = &self.contact {
             let pressed = contact.candidates().iter().zip(contact.normal_forces());
             for (pair, force) in pressed.filter(|(_, force)| **force > 0.0) {
-                for rod in [pair.nodes[0], pair.nodes[2]].map(|node| self.assembly.locate(node).0) {
+                let nodes = [pair.nodes[0], pair.nodes[2]].into_iter();
+                for node in nodes.filter(|node| contact.is_of_rod(*node)) {
+                    let rod = self.assembly.locate(node).0;
                     tolerances[rod].force = tolerances[rod].force.max(relative * force);
                 }
             }
@@ -300,6 +302,9 @@ impl System {
 fn add_contact_forces(contact: &ContactSystem, forces: &mut [f64], in_contact: &mut [bool]) {
     for pair in contact.contacts() {
         for (corner, &node) in pair.nodes.iter().enumerate() {
+            if !contact.is_of_rod(node) {
+                continue;
+            }
             in_contact[node] = true;
             for axis in 0..3 {
                 forces[STRIDE * node + axis] += pair.force[3 * corner + axis].abs();

@@ -17,6 +17,8 @@ pub struct Assembly {
     pub rods: ElasticRods,
     /// Name of each rod.
     pub names: Vec<String>,
+    /// Name of each obstacle.
+    pub obstacles: Vec<String>,
     /// Radius of each rod, m.
     pub radii: Vec<f64>,
     /// Unknowns at time zero, 4 per node.
@@ -93,6 +95,9 @@ impl Assembly {
                 ..ElasticRods::default()
             },
             names: Vec::new(),
+            obstacles: (scene.obstacles.iter())
+                .map(|obstacle| obstacle.name.clone())
+                .collect(),
             radii: Vec::new(),
             unknowns: vec![0.0; STRIDE * nodes],
             velocity: vec![0.0; STRIDE * nodes],
@@ -408,6 +413,11 @@ impl Assembly {
     pub fn steady_turning(&self) -> f64 {
         let rates = self.drives.iter().map(Drive::angular_velocity);
         rates.fold(0.0, |fastest, rate| fastest.max(rate.abs()))
+    }
+
+    /// Whether a number is that of a node whose position is not prescribed; vertices of obstacles are numbered beyond.
+    pub fn is_free(&self, node: usize) -> bool {
+        self.held.get(STRIDE * node) == Some(&false)
     }
 
     /// Rod and node along it of a node of the whole scene.

@@ -37,7 +37,8 @@ use super::{Stage, System, copy_positions};
 use crate::linalg::{ElementMatrix, SingularMatrix};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactConstraint, ContactSystem};
-use crate::mechanics::rod::{STRIDE, topology::position};
+use crate::mechanics::rod::STRIDE;
+use crate::mechanics::rod::topology::{motion_of, position};
 
 /// Part of the residual that Newton's method leaves by which the laws of contact may be broken: light contacts of rods on which
 /// far larger forces act are known no better.
@@ -148,8 +149,7 @@ impl System {
             .constraints()
             .iter()
             .map(|constraint| {
-                let slid =
-                    constraint.relative_motion(|node| self.positions[node] - stage.positions[node]);
+                let slid = constraint.relative_motion(|node| self.slid(contact, node, stage));
                 RigidContact::new(constraint, slid, self.inertia_at(constraint, stage))
             })
             .collect();
@@ -181,7 +181,7 @@ impl System {
                 return Err(NoContactForces::Unsolved);
             }
             let moved = |constraint: &ContactConstraint| {
-                constraint.relative_motion(|node| position(correction, node))
+                constraint.relative_motion(|node| motion_of(correction, node))
             };
             Ok(constraints.iter().map(moved).collect())
         })?;
@@ -189,11 +189,19 @@ impl System {
         Ok((forces, solved))
     }
 
+    /// How far a node, or a vertex of an obstacle, has moved since the step began, m.
+    pub(super) fn slid(&self, contact: &ContactSystem, node: usize, stage: &Stage) -> Vector3 {
+        match self.positions.get(node) {
+            Some(position) => position - stage.positions[node],
+            None => contact.vertex_motion(node),
+        }
+    }
+
     /// Inertia ρ of the contact points of a constraint within the step, N/m.
     fn inertia_at(&self, constraint: &ContactConstraint, stage: &Stage) -> f64 {
         let square = stage.step * stage.acceleration_step;
         let mobility: f64 = (constraint.nodes.iter().zip(constraint.weights))
-            .filter(|(node, _)| !self.assembly.held[STRIDE * **node])
+            .filter(|(node, _)| self.assembly.is_free(**node))
             .map(|(&node, weight)| weight * weight * square / self.assembly.masses[STRIDE * node])
             .sum();
         if mobility > 0.0 { 1.0 / mobility } else { 1.0 }
@@ -215,10 +223,9 @@ impl System {
         }
         for (constraint, state) in constraints.iter().zip(states) {
             for (&node, weight) in constraint.nodes.iter().zip(constraint.weights) {
-                for axis in 0..3 {
-                    let unknown = STRIDE * node + axis;
-                    if !self.assembly.held[unknown] {
-                        correction[unknown] += weight * state.force[axis];
+                if self.assembly.is_free(node) {
+                    for axis in 0..3 {
+                        correction[STRIDE * node + axis] += weight * state.force[axis];
                     }
                 }
             }

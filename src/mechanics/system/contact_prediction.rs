@@ -24,7 +24,7 @@ use super::contact_response::{Response, Responses};
 use super::{Stage, System, copy_positions};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactConstraint, ContactSystem};
-use crate::mechanics::rod::topology::position;
+use crate::mechanics::rod::topology::{motion_of, position};
 
 /// Times that the step is linearised after the first.
 const PASSES: usize = 3;
@@ -138,9 +138,7 @@ impl System {
         let mut touches: Vec<Touch> = constraints
             .iter()
             .map(|constraint| {
-                Touch::new(constraint, |node| {
-                    self.positions[node] - stage.positions[node]
-                })
+                Touch::new(constraint, |node| self.slid(contact, node, stage))
             })
             .collect();
         for (touch, constraint) in touches.iter_mut().zip(constraints) {
@@ -206,7 +204,7 @@ impl Touch {
         correction: &[f64],
     ) -> Vector3 {
         let normal = constraint.normal;
-        let apart = self.start + constraint.relative_motion(|node| position(correction, node));
+        let apart = self.start + constraint.relative_motion(|node| motion_of(correction, node));
         let closing = self.rest - normal.dot(&apart);
         if self.response.is_none() && closing > 0.0 {
             self.response = Some(responses.of_contact(constraint));

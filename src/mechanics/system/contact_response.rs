@@ -122,15 +122,19 @@ impl<'a> Responses<'a> {
         } = *constraint;
         let mut parts = [None; 2];
         for (part, [m, n]) in parts.iter_mut().zip([[0, 1], [2, 3]]) {
-            if weights[m] == 0.0 && weights[n] == 0.0 {
+            // Obstacles do not yield.
+            let is_of_rod = nodes[m] < self.of_node.len();
+            if !is_of_rod || (weights[m] == 0.0 && weights[n] == 0.0) {
                 continue;
             }
+            let n = if nodes[n] < self.of_node.len() { n } else { m };
+            let second = if n == m { 0.0 } else { weights[n] };
             let (first, count) = self.rod_of(nodes[m]);
             let [p, q] = [m, n].map(|m| self.of_node(nodes[m]));
             let begin = self.of_contacts.len();
             self.of_contacts.extend((0..count).map(|row| -> [f64; 4] {
                 let (p, q) = (&self.rows[p + row], &self.rows[q + row]);
-                std::array::from_fn(|axis| weights[m] * p[axis] + weights[n] * q[axis])
+                std::array::from_fn(|axis| weights[m] * p[axis] + second * q[axis])
             }));
             *part = Some(Part {
                 first,
@@ -154,7 +158,7 @@ impl<'a> Responses<'a> {
         response
     }
 
-    /// Motion of a node under a force at a contact, m.
+    /// Motion of a node under a force at a contact, m; none of the vertices of obstacles.
     fn motion_of(&self, node: usize, parts: &[Option<Part>; 2], force: &Vector3) -> Vector3 {
         let mut motion = Vector3::zeros();
         for part in parts.iter().flatten() {

@@ -7,12 +7,12 @@ use super::System;
 pub struct Event {
     /// When it is, s.
     pub time: f64,
-    /// Jump of the velocity of the clamp that moves so, m/s; infinite for a load, whose effect depends on what it acts on.
+    /// Jump of the velocity of the clamp or obstacle that moves so, m/s; infinite for a load, whose effect depends on what it acts on.
     pub velocity_jump: f64,
 }
 
 impl System {
-    /// Lists the events of all loads and clamps, in the order of time; to be called where one of them changes.
+    /// Lists the events of all loads, clamps and obstacles, in the order of time; to be called where one of them changes.
     pub fn list_events(&mut self) {
         let loads = self.loads.corners().map(|time| Event {
             time,
@@ -23,6 +23,9 @@ impl System {
         for drive in drives.filter(|drive| !drive.released) {
             let (rod, _) = self.assembly.locate(drive.node);
             drive.list_events(self.assembly.radii[rod], &mut events);
+        }
+        for obstacle in &self.moving_obstacles {
+            obstacle.list_events(&mut events);
         }
         events.sort_by(|a, b| a.time.total_cmp(&b.time));
         self.events = events;

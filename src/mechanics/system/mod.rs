@@ -22,6 +22,7 @@ mod grasp;
 mod loads;
 mod mass;
 mod newton_matrix;
+mod obstacles;
 mod residual;
 mod resultants;
 mod rigid_contact;
@@ -40,6 +41,7 @@ pub use events::Event;
 pub use grasp::{Grasp, Interventions};
 use loads::Loads;
 use newton_matrix::NewtonMatrix;
+use obstacles::MovingObstacle;
 pub use residual::TERMS;
 pub use resultants::Resultants;
 pub use strain::{LargestStrains, SectionScale, Strain};
@@ -120,6 +122,7 @@ pub struct System {
     /// Scratch of the complementarity model: a correction of the unknowns.
     correction: Vec<f64>,
     has_planes: bool,
+    moving_obstacles: Vec<MovingObstacle>,
     /// Corners of schedules, in the order of time.
     events: Vec<Event>,
     /// Whether a node was ever grasped or released.
@@ -143,7 +146,11 @@ impl System {
         let loads = Loads::new(&scene.loads, &assembly)?;
         let contact = contact_of(scene, &assembly)?;
         let friction = scene.contact.map_or(0.0, |parameters| parameters.friction);
-        let friction_between_rods = friction > 0.0;
+        let obstacles = scene.obstacles.iter();
+        let friction_of_pairs = friction > 0.0
+            || obstacles
+                .filter_map(|obstacle| obstacle.friction)
+                .any(|friction| friction > 0.0);
         let friction_on_planes = contact.is_some()
             && scene
                 .planes
@@ -165,6 +172,7 @@ impl System {
             external_forces: vec![0.0; assembly.unknowns.len()],
             positions: vec![Vector3::zeros(); assembly.rods.nodes],
             has_planes: !scene.planes.is_empty(),
+            moving_obstacles: MovingObstacle::of(&scene.obstacles),
             events: Vec::new(),
             switched: false,
             nodal_forces: vec![Vector3::zeros(); assembly.rods.nodes],
@@ -174,7 +182,7 @@ impl System {
             matrix: NewtonMatrix::new(
                 &assembly,
                 &loads,
-                friction_between_rods,
+                friction_of_pairs,
                 friction_on_planes,
                 friction_on_planes || is_rigid,
             ),
@@ -207,6 +215,7 @@ impl System {
         for drive in &mut self.assembly.drives {
             drive.turn_edges(time, committed, &self.reference, unknowns);
         }
+        self.place_obstacles(time);
         self.loads.dead_forces(time, &mut self.dead_forces);
         self.loads.update_damping(time);
         for (dead, external) in self.dead_forces.iter_mut().zip(&self.external_forces) {
@@ -224,6 +233,7 @@ impl System {
     pub fn commit_frames(&mut self) {
         self.geometry.commit(&mut self.reference);
         self.committed_time = self.time;
+        self.commit_obstacles();
         self.assembly.drives.iter_mut().for_each(Drive::commit);
         self.ghosts.iter_mut().for_each(|ghost| ghost.spin = 0.0);
     }
@@ -232,6 +242,8 @@ impl System {
     pub fn resume(&mut self, time: f64, unknowns: &[f64], reference: &ReferenceFrames) {
         self.reference.clone_from(reference);
         self.committed_time = time;
+        self.place_obstacles(time);
+        self.commit_obstacles();
         for drive in &mut self.assembly.drives {
             drive.resume(unknowns);
         }
@@ -391,6 +403,9 @@ impl System {
         let corrections = contact.linear_corrections();
         for (pair, correction) in contact.contacts().iter().zip(corrections.edges) {
             for (corner, &node) in pair.nodes.iter().enumerate() {
+                if !contact.is_of_rod(node) {
+                    continue;
+                }
                 for axis in 0..3 {
                     self.corrected_residual[STRIDE * node + axis] -= correction[3 * corner + axis];
                 }
@@ -561,6 +576,9 @@ fn add_inertia(
 fn subtract_contact_forces(contact: &ContactSystem, residual: &mut [f64]) {
     for pair in contact.contacts() {
         for (corner, &node) in pair.nodes.iter().enumerate() {
+            if !contact.is_of_rod(node) {
+                continue;
+            }
             for axis in 0..3 {
                 residual[STRIDE * node + axis] -= pair.force[3 * corner + axis];
             }

@@ -212,6 +212,9 @@ impl NewtonMatrix {
         for candidate in contact.candidates() {
             let mut element = [UNUSED; 12];
             for (corner, &node) in candidate.nodes.iter().enumerate() {
+                if !contact.is_of_rod(node) {
+                    continue;
+                }
                 for axis in 0..3 {
                     element[3 * corner + axis] = STRIDE * node + axis;
                 }

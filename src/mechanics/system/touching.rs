@@ -1,5 +1,6 @@
 //! The contact model of a scene, and words for what touches.
 
+use super::obstacles::contact_obstacle;
 use super::{Assembly, System, copy_positions};
 use crate::mechanics::contact::{
     ContactPair, ContactPlane, ContactSurface, ContactSystem, Proximity,
@@ -27,6 +28,9 @@ pub(super) fn contact_of(
             rod.radius,
             rod.held,
         );
+    }
+    for obstacle in &scene.obstacles {
+        surface.add_obstacle(contact_obstacle(obstacle, parameters.friction));
     }
     let planes = scene.planes.iter().map(|plane| ContactPlane {
         point: plane.point,
@@ -124,6 +128,9 @@ pub fn name_overlap(
 /// Names two bodies.
 fn names(pair: ContactPair, contact: &ContactSystem, assembly: &Assembly) -> [String; 2] {
     let edge_name = |edge: usize| {
+        if let Some(obstacle) = contact.surface().obstacle_of(edge) {
+            return format!("obstacle `{}`", assembly.obstacles[obstacle]);
+        }
         let edge = contact.surface().edges()[edge];
         let (rod, node) = assembly.locate(edge.nodes[0]);
         format!("edge {node} of rod `{}`", assembly.names[rod])

@@ -92,7 +92,12 @@ fn work_and_forces(contact: &ContactSystem, stage: &Stage, unknowns: &[f64]) -> 
     for pair in contact.contacts() {
         forces += pair.normal_force.abs();
         for (node, force) in pair.nodes.iter().zip(pair.force.chunks_exact(3)) {
-            work += Vector3::new(force[0], force[1], force[2]).dot(&moved(*node));
+            let moved = if contact.is_of_rod(*node) {
+                moved(*node)
+            } else {
+                contact.vertex_motion(*node)
+            };
+            work += Vector3::new(force[0], force[1], force[2]).dot(&moved);
         }
     }
     for touched in contact.plane_contacts() {

@@ -1,7 +1,9 @@
 //! Resolving paths of equilibria.
 
 use super::section::{FINITE, POSITIVE, Section};
-use crate::scenario::resolved::{Continuation, Fluid, Load, LoadKind, PathMethod, Plane, Time};
+use crate::scenario::resolved::{
+    Continuation, Fluid, Load, LoadKind, Obstacle, PathMethod, Plane, Time,
+};
 use crate::scenario::typed::ScenarioFile;
 
 /// Most points that a branch may have.
@@ -56,13 +58,19 @@ pub fn continuation(top: &Section<'_>, file: &ScenarioFile, time: &Time) -> Opti
 }
 
 /// Refuses friction, whose forces at rest depend on how the rods came there.
-pub fn refuse_friction(top: &Section<'_>, time: &Time, friction: f64, planes: &[Plane]) {
+pub fn refuse_friction(top: &Section<'_>, time: &Time, friction: f64, planes: &[Plane], obstacles: &[Obstacle]) {
     if !matches!(time, Time::Static | Time::Continuation) {
         return;
     }
     let message = "an equilibrium knows no friction: leave the key out, or let the rods come to rest with time.mode = \"dynamic\"";
     if friction > 0.0 {
         top.below("contact").fault("friction", message);
+    }
+    for (index, obstacle) in obstacles.iter().enumerate() {
+        if obstacle.friction.is_some_and(|friction| friction > 0.0) {
+            let section = top.below("obstacles").below(&index.to_string());
+            section.fault("friction", message);
+        }
     }
     for (index, plane) in planes.iter().enumerate() {
         if plane.friction.is_some_and(|friction| friction > 0.0) {

@@ -1,7 +1,8 @@
 //! Resolving clamps, loads and planes.
 
+use super::Context;
+use super::movement::{TypedMovement, movement};
 use super::section::{FINITE, NON_NEGATIVE, Section};
-use super::{Context, poses};
 use crate::scenario::resolved::{Clamp, Hold, Load, LoadKind, Place, Plane};
 use crate::scenario::typed;
 
@@ -16,42 +17,24 @@ pub fn clamps(context: &Context<'_>, top: &Section<'_>, typed: &[typed::Clamp]) 
 }
 
 fn clamp(context: &Context<'_>, section: &Section<'_>, typed: &typed::Clamp) -> Clamp {
-    let clamp = Clamp {
+    Clamp {
         rod: rod(section, &typed.rod),
         at: place(section, typed.at),
         hold: typed.hold.unwrap_or(Hold::Both),
-        translation: section.corners("move", &typed.translation, |corner, displacement| {
-            corner.components("1", displacement)
-        }),
-        angle: section.corners("turn", &typed.angle, |corner, angle| {
-            corner.number("1", angle, FINITE)
-        }),
-        angular_velocity: section.with_default(
-            "angular_velocity",
-            &typed.angular_velocity,
-            FINITE,
-            0.0,
+        movement: movement(
+            context,
+            section,
+            &TypedMovement {
+                translation: &typed.translation,
+                angle: &typed.angle,
+                angular_velocity: &typed.angular_velocity,
+                axis: &typed.axis,
+                pivot: &typed.pivot,
+                follow: &typed.follow,
+                poses: &typed.poses,
+            },
         ),
-        axis: section.direction("axis", &typed.axis),
-        pivot: section.vector("pivot", &typed.pivot),
-        poses: poses::poses(context, section, typed),
-    };
-    let otherwise = [
-        ("move", !clamp.translation.is_empty()),
-        ("turn", !clamp.angle.is_empty()),
-        ("angular_velocity", clamp.angular_velocity != 0.0),
-        ("axis", clamp.axis.is_some()),
-        ("pivot", clamp.pivot.is_some()),
-    ];
-    for (key, given) in otherwise {
-        if given && !clamp.poses.is_empty() {
-            section.fault(
-                key,
-                "poses say how the clamp moves and turns; leave the key out",
-            );
-        }
     }
-    clamp
 }
 
 /// Resolves all loads.

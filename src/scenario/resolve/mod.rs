@@ -5,6 +5,8 @@ mod continuation;
 mod experiment;
 mod load;
 mod model;
+mod movement;
+mod obstacle;
 mod polyline;
 mod poses;
 mod probe;
@@ -24,7 +26,7 @@ pub use start::{END_STATE, file_of as start_file_of};
 use super::document::Node;
 use super::issue::{Issues, KeyPath};
 use super::own_tables::OwnTables;
-use super::resolved::{Experiment, Scenario};
+use super::resolved::{Contact, Experiment, Scenario};
 use super::typed::ScenarioFile;
 use std::cell::RefCell;
 use std::path::PathBuf;
@@ -94,10 +96,17 @@ pub fn resolve(
     let continuation = continuation::continuation(&top, file, &time);
     let loads = load::loads(&top, &file.loads);
     let planes = load::planes(&top, &file.planes);
-    continuation::refuse_friction(&top, &time, contact.friction(), &planes);
+    let obstacles = obstacle::obstacles(context, &top, &file.obstacles);
+    if !obstacles.is_empty() && contact == Contact::None {
+        top.fault(
+            "obstacles",
+            "rods pass through everything without a [contact] table; give one",
+        );
+    }
+    continuation::refuse_friction(&top, &time, contact.friction(), &planes, &obstacles);
     continuation::refuse_without_energy(&top, &time, &fluid, &loads);
     let clamps = load::clamps(context, &top, &file.clamps);
-    model::refuse_static_motion(&top, &time, &clamps, &loads);
+    model::refuse_static_motion(&top, &time, &clamps, &loads, &obstacles);
     let scenario = experiment.map(|experiment| Scenario {
         name: context.name.to_owned(),
         title: file
@@ -108,6 +117,7 @@ pub fn resolve(
         clamps,
         loads,
         planes,
+        obstacles,
         start: start::start(context, &top, file.start.as_ref()),
         probes: probe::probes(&top, &file.probes),
         stop_when: probe::stop_when(&top, file.stop_when.as_ref()),

@@ -1,9 +1,12 @@
 //! Resolving models, time, solver and output.
 
+use super::movement::refuse_motion;
 use super::section::{
     DISPLACEMENT_TOLERANCE, FINITE, FORCE_TOLERANCE, FRACTION, NON_NEGATIVE, POSITIVE, Section,
 };
-use crate::scenario::resolved::{Clamp, Contact, Fluid, Load, Output, Scheme, Solver, Step, Time};
+use crate::scenario::resolved::{
+    Clamp, Contact, Fluid, Load, Obstacle, Output, Scheme, Solver, Step, Time,
+};
 use crate::scenario::typed::{self, ScenarioFile};
 
 /// Most rows that a run may write.
@@ -241,7 +244,13 @@ pub fn refuse_rigid_statics(top: &Section<'_>, contact: &Contact, time: &Time) {
 }
 
 /// Refuses what changes in time where there is none: a static run would know its value at time 0 only.
-pub fn refuse_static_motion(top: &Section<'_>, time: &Time, clamps: &[Clamp], loads: &[Load]) {
+pub fn refuse_static_motion(
+    top: &Section<'_>,
+    time: &Time,
+    clamps: &[Clamp],
+    loads: &[Load],
+    obstacles: &[Obstacle],
+) {
     if *time != Time::Static {
         return;
     }
@@ -257,16 +266,10 @@ pub fn refuse_static_motion(top: &Section<'_>, time: &Time, clamps: &[Clamp], lo
         );
     };
     for (index, clamp) in clamps.iter().enumerate() {
-        for (key, given) in [
-            ("move", !clamp.translation.is_empty()),
-            ("turn", !clamp.angle.is_empty()),
-            ("angular_velocity", clamp.angular_velocity != 0.0),
-            ("poses", !clamp.poses.is_empty()),
-        ] {
-            if given {
-                refuse("clamps", index, key);
-            }
-        }
+        refuse_motion(&clamp.movement, |key| refuse("clamps", index, key));
+    }
+    for (index, obstacle) in obstacles.iter().enumerate() {
+        refuse_motion(&obstacle.movement, |key| refuse("obstacles", index, key));
     }
     for (index, load) in loads.iter().enumerate() {
         if !load.schedule.is_empty() {

@@ -11,9 +11,14 @@ use std::path::Path;
 /// in other units or of another order.
 const UNIT_TOLERANCE: f64 = 0.02;
 
-/// Resolves the poses of a clamp; none where it follows none.
-pub fn poses(context: &Context<'_>, section: &Section<'_>, typed: &typed::Clamp) -> Vec<Pose> {
-    match (&typed.follow, &typed.poses) {
+/// Resolves the poses that a clamp or an obstacle follows; none where it follows none.
+pub fn poses(
+    context: &Context<'_>,
+    section: &Section<'_>,
+    follow: &Option<String>,
+    typed: &Option<Vec<typed::Pose>>,
+) -> Vec<Pose> {
+    match (follow, typed) {
         (None, None) => Vec::new(),
         (Some(_), Some(_)) => {
             section.fault("poses", "give `follow` or `poses`, not both");

@@ -1,5 +1,6 @@
 //! Clamps, loads and planes as resolved.
 
+use super::obstacle::Movement;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, Serializer};
 
@@ -46,23 +47,9 @@ pub struct Clamp {
     pub at: Place,
     /// What is held.
     pub hold: Hold,
-    /// Displacement in m at given times in s, piecewise linear.
-    #[serde(rename = "move", skip_serializing_if = "Vec::is_empty")]
-    pub translation: Vec<(f64, [f64; 3])>,
-    /// Angle in rad at given times in s, piecewise linear.
-    #[serde(rename = "turn", skip_serializing_if = "Vec::is_empty")]
-    pub angle: Vec<(f64, f64)>,
-    /// Steady rate of turning, rad/s.
-    pub angular_velocity: f64,
-    /// Unit vector about which the clamp turns; `None` is the tangent at the node.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub axis: Option<[f64; 3]>,
-    /// Fixed point of the rotation; `None` is the node.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub pivot: Option<[f64; 3]>,
-    /// Poses of the gripper that the node follows.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub poses: Vec<Pose>,
+    /// How it moves: about the tangent at the node, with the node as the fixed point, where it does not say otherwise.
+    #[serde(flatten)]
+    pub movement: Movement,
 }
 
 /// Time in s, position in m, and orientation as a unit quaternion (w, x, y, z).

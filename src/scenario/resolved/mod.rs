@@ -7,6 +7,7 @@ mod continuation;
 mod experiment;
 mod load;
 mod model;
+mod obstacle;
 mod probe;
 mod rod;
 mod run;
@@ -16,6 +17,7 @@ pub use continuation::{Continuation, PathMethod};
 pub use experiment::{BuilderRod, Experiment};
 pub use load::{Clamp, Hold, Load, LoadKind, Place, Plane, Pose};
 pub use model::{Contact, Fluid};
+pub use obstacle::{Movement, Obstacle, ObstacleShape};
 pub use probe::{
     AtPlace, Between, OneRod, PressedRod, Probe, ProbeKind, StopWhen, Summary, TwoNodes, TwoRods,
 };
@@ -48,6 +50,9 @@ pub struct Scenario {
     /// Rigid half spaces.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub planes: Vec<Plane>,
+    /// Rigid bodies.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub obstacles: Vec<Obstacle>,
     /// The state from which everything starts, where that is not as placed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub start: Option<Start>,

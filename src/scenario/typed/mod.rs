@@ -7,6 +7,7 @@ mod continuation;
 mod kinds;
 mod load;
 mod model;
+mod obstacle;
 mod probe;
 mod quantity;
 mod rod;
@@ -19,6 +20,7 @@ pub use load::{Clamp, Load, Place, Plane, Pose};
 pub use model::{
     BuilderRod, Contact, ContactModel, Fluid, FluidModel, Mode, Output, SchemeChoice, Solver, Time,
 };
+pub use obstacle::{Cuboid, Heights, Mesh, Obstacle, ObstacleShape};
 pub use probe::{
     ContactForceProbe, DistanceProbe, EdgeProbe, NodeProbe, Probe, RodProbe, SectionProbe, StopWhen,
 };
@@ -60,6 +62,9 @@ pub struct ScenarioFile {
     /// Rigid half spaces that rods may touch.
     #[serde(default)]
     pub planes: Vec<Plane>,
+    /// Rigid bodies that rods may touch.
+    #[serde(default)]
+    pub obstacles: Vec<Obstacle>,
     /// The state from which everything starts, where that is not as placed.
     pub start: Option<Start>,
     /// What is measured at every output: columns of series.csv and summary.csv.
@@ -67,7 +72,7 @@ pub struct ScenarioFile {
     pub probes: Vec<Probe>,
     /// A condition on a probe that ends the run.
     pub stop_when: Option<StopWhen>,
-    /// Contact between rods and with planes; without this table everything passes through.
+    /// Contact between rods, with planes and with obstacles; without this table everything passes through.
     pub contact: Option<Contact>,
     /// The surrounding fluid; without this table a vacuum.
     pub fluid: Option<Fluid>,

@@ -1,0 +1,224 @@
+//! Rigid obstacles as contact sees them: all points within a radius of some segments and triangles.
+//!
+//! A sphere is one vertex with a radius, a capsule one segment, a box with rounded edges the edges and faces of a smaller
+//! box, a mesh its triangles with radius zero. A rod touches an obstacle where one of its edges is near a segment, or one of
+//! its nodes near a face above or below its inside; a foot on the rim of a face belongs to the segments there. So the
+//! distances are those of two edges (thesis Eqs. 2.3–2.6), and of a point from a plane.
+
+use super::surface::{ContactFace, ContactSurface};
+use crate::mechanics::Vector3;
+
+/// A rigid obstacle.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ContactObstacle {
+    /// Where its vertices are at time zero, m.
+    pub vertices: Vec<Vector3>,
+    /// Pairs of vertices; a vertex twice is a point.
+    pub segments: Vec<[usize; 2]>,
+    /// Triangles, anticlockwise as seen from outside.
+    pub faces: Vec<[usize; 3]>,
+    /// Whether the faces enclose a body, which is touched from outside alone; otherwise from both sides.
+    pub closed: bool,
+    /// Distance of the surface from segments and faces, m.
+    pub radius: f64,
+    /// Friction coefficient between obstacle and rods.
+    pub friction: f64,
+}
+
+/// All positions: of the nodes of rods, and of the vertices of obstacles, which are numbered from there on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Points<'a> {
+    pub nodes: &'a [Vector3],
+    pub vertices: &'a [Vector3],
+}
+
+impl Points<'_> {
+    /// Position of a node or vertex, m.
+    pub fn at(&self, node: usize) -> Vector3 {
+        match self.nodes.get(node) {
+            Some(position) => *position,
+            None => self.vertices[node - self.nodes.len()],
+        }
+    }
+
+    /// Positions of some of them.
+    pub fn of<const N: usize>(&self, nodes: [usize; N]) -> [Vector3; N] {
+        nodes.map(|node| self.at(node))
+    }
+}
+
+/// Where a node is over a face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Foot {
+    /// Unit normal of the face, on the side given.
+    pub normal: Vector3,
+    /// Distance from the plane of the face on that side, m.
+    pub distance: f64,
+    /// Weights of the three vertices in the foot of the perpendicular.
+    pub weights: [f64; 3],
+}
+
+impl Foot {
+    /// The foot of a node on the triangle of the last three points, whose normal points to the given `side`, 1 or −1; `None`
+    /// where it is outside of the triangle.
+    pub fn of(points: &[Vector3; 4], side: f64) -> Option<Self> {
+        let foot = Self::in_plane(points, side)?;
+        foot.weights.iter().all(|weight| *weight >= 0.0).then_some(foot)
+    }
+
+    /// The same in the plane of the triangle, inside of it or outside; `None` for a triangle without area.
+    pub fn in_plane([node, a, b, c]: &[Vector3; 4], side: f64) -> Option<Self> {
+        let [ab, ac, an] = [b - a, c - a, node - a];
+        let area = ab.cross(&ac);
+        let square = area.norm_squared();
+        if square <= 0.0 {
+            return None;
+        }
+        let along_b = an.cross(&ac).dot(&area) / square;
+        let along_c = ab.cross(&an).dot(&area) / square;
+        let normal = area * (side / square.sqrt());
+        Some(Self {
+            normal,
+            distance: an.dot(&normal),
+            weights: [1.0 - along_b - along_c, along_b, along_c],
+        })
+    }
+
+    /// Weights of node and vertices in the separation of node and foot.
+    pub fn all_weights(&self) -> [f64; 4] {
+        let [a, b, c] = self.weights;
+        [1.0, -a, -b, -c]
+    }
+}
+
+/// Part of the straight path of a node, and of the corners of a triangle, from `start` to `end` after which the node passes
+/// through the triangle; `None` where it does not.
+pub(super) fn crossing(start: &[Vector3; 4], end: &[Vector3; 4]) -> Option<f64> {
+    let (before, after) = (Foot::in_plane(start, 1.0)?, Foot::in_plane(end, 1.0)?);
+    if before.distance * after.distance > 0.0 || before.distance == after.distance {
+        return None;
+    }
+    let part = before.distance / (before.distance - after.distance);
+    let there = std::array::from_fn(|k| start[k] + (end[k] - start[k]) * part);
+    Foot::of(&there, 1.0).map(|_| part)
+}
+
+impl ContactFace {
+    /// Pairs of a node of a rod and this face: the nodes of the pair.
+    pub fn with(&self, node: usize) -> [usize; 4] {
+        let [a, b, c] = self.vertices;
+        [node, a, b, c]
+    }
+}
+
+impl ContactSurface {
+    /// The face of an obstacle whose plane is nearest to a point inside, as a body, with the distance of that plane, m.
+    pub(super) fn nearest_face(
+        &self,
+        obstacle: usize,
+        point: &Vector3,
+        points: &Points,
+    ) -> Option<(usize, f64)> {
+        let faces = self.faces().iter().enumerate();
+        let distances = faces.filter_map(|(index, face)| {
+            let [a, b, c] = points.of(face.vertices);
+            let foot = Foot::of(&[*point, a, b, c], 1.0)?;
+            (face.obstacle == obstacle).then_some((self.edges().len() + index, foot.distance.abs()))
+        });
+        distances.min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// Whether a point lies within a closed obstacle, by the solid angle under which its faces are seen from there (van
+    /// Oosterom and Strackee 1983): 4π inside, 0 outside.
+    pub(super) fn is_inside(&self, obstacle: usize, point: &Vector3, points: &Points) -> bool {
+        let faces = self.faces().iter().filter(|face| face.obstacle == obstacle);
+        let seen: f64 = faces
+            .map(|face| {
+                let [a, b, c] = points.of(face.vertices).map(|vertex| vertex - point);
+                let (x, y, z) = (a.norm(), b.norm(), c.norm());
+                let volume = a.dot(&b.cross(&c));
+                let sum = x * y * z + a.dot(&b) * z + b.dot(&c) * x + c.dot(&a) * y;
+                2.0 * libm::atan2(volume, sum)
+            })
+            .sum();
+        seen.abs() > 2.0 * std::f64::consts::PI
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_support::Random;
+    use super::*;
+
+    const TRIANGLE: [Vector3; 3] = [
+        Vector3::new(0.0, 0.0, 1.0),
+        Vector3::new(2.0, 0.0, 1.0),
+        Vector3::new(0.0, 3.0, 1.0),
+    ];
+
+    fn over(x: f64, y: f64, z: f64) -> [Vector3; 4] {
+        let [a, b, c] = TRIANGLE;
+        [Vector3::new(x, y, z), a, b, c]
+    }
+
+    #[test]
+    fn the_foot_lies_below_the_node_and_only_within_the_triangle() {
+        let foot = Foot::of(&over(0.4, 0.6, 1.7), 1.0).unwrap();
+        assert!((foot.distance - 0.7).abs() < 1e-15);
+        assert!((foot.normal - Vector3::z()).norm() < 1e-15);
+        let expected = [1.0 - 0.2 - 0.2, 0.2, 0.2];
+        for (found, expected) in foot.weights.iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-15);
+        }
+        let below = Foot::of(&over(0.4, 0.6, 0.5), -1.0).unwrap();
+        assert!((below.distance - 0.5).abs() < 1e-15 && below.normal.z == -1.0);
+        assert_eq!(Foot::of(&over(1.5, 1.5, 1.7), 1.0), None);
+    }
+
+    #[test]
+    fn a_node_passes_through_a_triangle_that_moves() {
+        let mut random = Random::new(3);
+        let (mut passed, mut free) = (0, 0);
+        for _ in 0..300 {
+            let start = over(2.0 * random.symmetric(), 2.0 * random.symmetric(), 2.0);
+            let shift = random.vector();
+            let mut end = start.map(|x| x + shift);
+            end[0] = start[0] + shift + Vector3::new(0.0, 0.0, -2.0);
+            let inside = Foot::of(&start, 1.0).is_some();
+            let found = crossing(&start, &end);
+            assert_eq!(found.is_some(), inside);
+            if let Some(part) = found {
+                assert!((part - 0.5).abs() < 1e-12);
+                passed += 1;
+            } else {
+                free += 1;
+            }
+        }
+        assert!(passed > 20 && free > 20, "{passed} {free}");
+    }
+
+    #[test]
+    fn points_inside_see_the_whole_sphere_of_directions() {
+        let mut surface = ContactSurface::new();
+        let vertices = vec![
+            Vector3::zeros(),
+            Vector3::x(),
+            Vector3::y(),
+            Vector3::z(),
+        ];
+        let tetrahedron = ContactObstacle {
+            vertices: vertices.clone(),
+            faces: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
+            closed: true,
+            ..ContactObstacle::default()
+        };
+        surface.add_obstacle(tetrahedron);
+        let points = Points {
+            nodes: &[],
+            vertices: &vertices,
+        };
+        assert!(surface.is_inside(0, &Vector3::new(0.2, 0.2, 0.2), &points));
+        assert!(!surface.is_inside(0, &Vector3::new(0.4, 0.4, 0.4), &points));
+        assert!(!surface.is_inside(0, &Vector3::new(-1e-3, 0.2, 0.2), &points));
+    }
+}

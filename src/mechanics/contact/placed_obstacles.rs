@@ -1,0 +1,309 @@
+//! Where the obstacles are, and which of their parts are near a rod.
+//!
+//! Each obstacle has a tree of boxes around its segments and faces in the frame of its own, which never changes: edges of rods
+//! are carried into it by the pose of the obstacle. So a search costs the logarithm of the size of a mesh for every edge of a
+//! rod, whether the mesh moves or not.
+
+use super::closest_points::edge_distance;
+use super::contacts::CandidatePair;
+use super::obstacle::{Foot, Points};
+use super::surface::{ContactFace, ContactSurface};
+use crate::mechanics::{UnitQuaternion, Vector3};
+use parry3d_f64::bounding_volume::Aabb;
+use parry3d_f64::math::Vec3;
+use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};
+
+/// A rigid motion since time zero: x = R x₀ + t.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// The rotation R.
+    pub rotation: UnitQuaternion,
+    /// The translation t, m.
+    pub translation: Vector3,
+}
+
+impl Default for Pose {
+    fn default() -> Self {
+        Self {
+            rotation: UnitQuaternion::identity(),
+            translation: Vector3::zeros(),
+        }
+    }
+}
+
+impl Pose {
+    /// Where a point of the obstacle is.
+    pub fn of(&self, point: &Vector3) -> Vector3 {
+        self.rotation * point + self.translation
+    }
+
+    fn in_its_frame(&self, point: &Vector3) -> Vector3 {
+        self.rotation.inverse() * (point - self.translation)
+    }
+}
+
+/// The obstacles at the end of the step that is made, and at its start.
+#[derive(Clone, Default)]
+pub(super) struct PlacedObstacles {
+    vertices: Vec<Vector3>,
+    vertices_at_start: Vec<Vector3>,
+    placed: Vec<Placed>,
+    /// Whether one has moved since the candidates were built.
+    pub moved: bool,
+}
+
+#[derive(Clone)]
+struct Placed {
+    pose: Pose,
+    pose_at_start: Pose,
+    /// Where its vertices, segments and faces begin among those of all obstacles; segments among all edges.
+    first_vertex: usize,
+    first_edge: usize,
+    first_face: usize,
+    /// Boxes around its segments, then around its faces, in its own frame.
+    tree: Bvh,
+}
+
+impl std::fmt::Debug for PlacedObstacles {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let poses = self.placed.iter().map(|placed| placed.pose);
+        formatter.debug_list().entries(poses).finish()
+    }
+}
+
+impl PlacedObstacles {
+    /// The obstacles of a surface at time zero.
+    pub fn new(surface: &ContactSurface) -> Self {
+        let mut all = Self::default();
+        let (mut first_edge, mut first_face) = (surface.rod_edges().len(), 0);
+        for obstacle in surface.obstacles() {
+            let box_of = |corners: &[usize]| {
+                let corners = corners.iter().map(|&corner| obstacle.vertices[corner]);
+                around(corners, obstacle.radius)
+            };
+            let segments = obstacle.segments.iter().map(|segment| box_of(segment));
+            let faces = obstacle.faces.iter().map(|face| box_of(face));
+            let boxes: Vec<Aabb> = segments.chain(faces).collect();
+            all.placed.push(Placed {
+                pose: Pose::default(),
+                pose_at_start: Pose::default(),
+                first_vertex: all.vertices.len(),
+                first_edge,
+                first_face,
+                tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes),
+            });
+            all.vertices.extend(&obstacle.vertices);
+            first_edge += obstacle.segments.len();
+            first_face += obstacle.faces.len();
+        }
+        all.vertices_at_start.clone_from(&all.vertices);
+        all
+    }
+
+    /// Moves an obstacle to a pose.
+    pub fn place(&mut self, surface: &ContactSurface, index: usize, pose: Pose) {
+        let placed = &mut self.placed[index];
+        if placed.pose == pose {
+            return;
+        }
+        placed.pose = pose;
+        let vertices = &surface.obstacles()[index].vertices;
+        let now = &mut self.vertices[placed.first_vertex..];
+        for (now, vertex) in now.iter_mut().zip(vertices) {
+            *now = pose.of(vertex);
+        }
+        self.moved = true;
+    }
+
+    /// Makes the present poses those where the next step starts.
+    pub fn commit(&mut self) {
+        let changed = |placed: &Placed| placed.pose != placed.pose_at_start;
+        if !self.placed.iter().any(changed) {
+            return;
+        }
+        self.vertices_at_start.clone_from(&self.vertices);
+        for placed in &mut self.placed {
+            placed.pose_at_start = placed.pose;
+        }
+    }
+
+    /// Nodes of rods with the vertices as they are.
+    pub fn points<'a>(&'a self, nodes: &'a [Vector3]) -> Points<'a> {
+        Points {
+            nodes,
+            vertices: &self.vertices,
+        }
+    }
+
+    /// Nodes of rods with the vertices at the start of the step.
+    pub fn points_at_start<'a>(&'a self, nodes: &'a [Vector3]) -> Points<'a> {
+        Points {
+            nodes,
+            vertices: &self.vertices_at_start,
+        }
+    }
+
+    /// Largest move of a vertex in the step, m.
+    pub fn largest_move(&self) -> f64 {
+        let changed = |placed: &Placed| placed.pose != placed.pose_at_start;
+        if !self.placed.iter().any(changed) {
+            return 0.0;
+        }
+        let vertices = self.vertices.iter().zip(&self.vertices_at_start);
+        let largest = vertices.fold(0.0, |largest, (now, before)| {
+            f64::max(largest, (now - before).norm_squared())
+        });
+        largest.sqrt()
+    }
+
+    /// Adds all pairs of an edge or node of a rod and a part of an obstacle whose surfaces are nearer than `clearance` (m),
+    /// with the distance of the edge or node from the surface of the obstacle.
+    pub fn find(
+        &self,
+        surface: &ContactSurface,
+        nodes: &[Vector3],
+        clearance: f64,
+        found: &mut Vec<(CandidatePair, f64)>,
+    ) {
+        let points = self.points(nodes);
+        for (placed, obstacle) in self.placed.iter().zip(surface.obstacles()) {
+            let segments = obstacle.segments.len();
+            let near = |ends: &[usize], radius: f64| {
+                let ends = ends.iter().map(|&end| placed.pose.in_its_frame(&nodes[end]));
+                around(ends, radius + clearance)
+            };
+            for (index, edge) in surface.rod_edges().iter().enumerate() {
+                if edge.held {
+                    continue;
+                }
+                for part in placed.tree.intersect_aabb(&near(&edge.nodes, edge.radius)) {
+                    let part = part as usize;
+                    if part >= segments {
+                        continue;
+                    }
+                    let pair = placed.pair_of_edges(surface, index, part);
+                    let distance = edge_distance(&points.of(pair.nodes)) - obstacle.radius;
+                    if distance < edge.radius + clearance {
+                        found.push((pair, distance));
+                    }
+                }
+            }
+            if obstacle.faces.is_empty() {
+                continue;
+            }
+            for end in surface.nodes() {
+                let box_of_node = near(&[end.node], end.radius);
+                for part in placed.tree.intersect_aabb(&box_of_node) {
+                    let Some(part) = (part as usize).checked_sub(segments) else {
+                        continue;
+                    };
+                    let face = placed.first_face + part;
+                    let corners = points.of(surface.faces()[face].with(end.node));
+                    let Some(foot) = Foot::in_plane(&corners, 1.0) else {
+                        continue;
+                    };
+                    let distance = distance_from_face(&corners, &foot) - obstacle.radius;
+                    let is_behind = foot.distance < 0.0;
+                    if distance < end.radius + clearance && !(obstacle.closed && is_behind) {
+                        let side = if is_behind { -1 } else { 1 };
+                        let pair = pair_with_face(surface, [end.edge, face], end.node, side);
+                        found.push((pair, distance));
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds all such pairs whose paths from `start` to `end`, along straight lines as seen from the obstacle, come near each
+    /// other.
+    pub fn find_swept(
+        &self,
+        surface: &ContactSurface,
+        start: &[Vector3],
+        end: &[Vector3],
+        found: &mut Vec<CandidatePair>,
+    ) {
+        for (placed, obstacle) in self.placed.iter().zip(surface.obstacles()) {
+            let segments = obstacle.segments.len();
+            let swept = |nodes: &[usize], radius: f64| {
+                let before = nodes.iter().map(|&node| {
+                    placed.pose_at_start.in_its_frame(&start[node])
+                });
+                let after = nodes.iter().map(|&node| placed.pose.in_its_frame(&end[node]));
+                around(before.chain(after), radius)
+            };
+            for (index, edge) in surface.rod_edges().iter().enumerate() {
+                if edge.held {
+                    continue;
+                }
+                let parts = swept(&edge.nodes, edge.radius);
+                let parts = placed.tree.intersect_aabb(&parts).map(|part| part as usize);
+                let pairs = parts.filter(|part| *part < segments);
+                found.extend(pairs.map(|part| placed.pair_of_edges(surface, index, part)));
+            }
+            if obstacle.faces.is_empty() {
+                continue;
+            }
+            for node in surface.nodes() {
+                let parts = swept(&[node.node], node.radius);
+                let parts = placed.tree.intersect_aabb(&parts);
+                let faces = parts.filter_map(|part| (part as usize).checked_sub(segments));
+                found.extend(faces.map(|face| {
+                    let face = placed.first_face + face;
+                    pair_with_face(surface, [node.edge, face], node.node, 1)
+                }));
+            }
+        }
+    }
+}
+
+impl Placed {
+    fn pair_of_edges(&self, surface: &ContactSurface, edge: usize, segment: usize) -> CandidatePair {
+        let other = self.first_edge + segment;
+        let ([a, b], [c, d]) = (surface.edges()[edge].nodes, surface.edges()[other].nodes);
+        CandidatePair {
+            edges: [edge, other],
+            nodes: [a, b, c, d],
+            side: 0,
+        }
+    }
+}
+
+fn pair_with_face(
+    surface: &ContactSurface,
+    [edge, face]: [usize; 2],
+    node: usize,
+    side: i8,
+) -> CandidatePair {
+    CandidatePair {
+        edges: [edge, surface.edges().len() + face],
+        nodes: ContactFace::with(&surface.faces()[face], node),
+        side,
+    }
+}
+
+/// Distance of a node from a triangle with the foot in its plane, m.
+fn distance_from_face([node, a, b, c]: &[Vector3; 4], foot: &Foot) -> f64 {
+    if foot.weights.iter().all(|weight| *weight >= 0.0) {
+        return foot.distance.abs();
+    }
+    let sides = [[a, b], [b, c], [c, a]].map(|[from, to]| {
+        let side = to - from;
+        let along = (node - from).dot(&side) / side.norm_squared();
+        (node - from - side * along.clamp(0.0, 1.0)).norm()
+    });
+    sides.into_iter().fold(f64::INFINITY, f64::min)
+}
+
+/// The box around points, with all that is within a distance of them.
+fn around(points: impl Iterator<Item = Vector3>, distance: f64) -> Aabb {
+    let (mut lower, mut upper) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for point in points {
+        for axis in 0..3 {
+            lower[axis] = lower[axis].min(point[axis] - distance);
+            upper[axis] = upper[axis].max(point[axis] + distance);
+        }
+    }
+    let corner = |[x, y, z]: [f64; 3]| Vec3::new(x, y, z);
+    Aabb::new(corner(lower), corner(upper))
+}

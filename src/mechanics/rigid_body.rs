@@ -1,0 +1,262 @@
+//! Shapes of rigid obstacles: all points within a radius of some segments and triangles.
+
+use super::{UnitQuaternion, Vector3};
+use std::collections::BTreeMap;
+
+/// Half the length of a cylinder without ends, m: longer than any scene, and short enough that nothing is lost to rounding.
+const ENDLESS: f64 = 1e3;
+
+/// Sine of the angle between two faces up to which they count as one plane, whose common side no rod can touch alone.
+const FLAT: f64 = 1e-6;
+
+/// A rigid body at time zero.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RigidBody {
+    /// Vertices, m.
+    pub vertices: Vec<Vector3>,
+    /// Pairs of vertices; a vertex twice is a point.
+    pub segments: Vec<[usize; 2]>,
+    /// Triangles, anticlockwise as seen from outside.
+    pub faces: Vec<[usize; 3]>,
+    /// Whether the faces enclose the body, which is touched from outside alone; otherwise from both sides.
+    pub closed: bool,
+    /// Distance of the surface from segments and faces, m.
+    pub radius: f64,
+}
+
+/// What is wrong with a mesh.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MeshFault {
+    /// Nothing there.
+    #[error("it has no triangles")]
+    Empty,
+    /// A coordinate that is no number.
+    #[error("vertex {0} has a coordinate that is not finite")]
+    NotFinite(usize),
+    /// A corner that does not exist.
+    #[error("triangle {triangle} asks for vertex {vertex} of {vertices}")]
+    NoVertex {
+        /// The triangle.
+        triangle: usize,
+        /// The vertex it asks for.
+        vertex: usize,
+        /// Vertices there are.
+        vertices: usize,
+    },
+    /// A triangle without area.
+    #[error("triangle {0} has no area: two of its corners, or all three along a line, are the same")]
+    Degenerate(usize),
+    /// Neighbours that do not agree about the outside.
+    #[error("triangles {0} and {1} face opposite ways: along their common side one of them is flipped")]
+    Flipped(usize, usize),
+    /// More than two triangles along one side.
+    #[error("{0} triangles meet along one side (triangle {1} is one of them); allowed: 2")]
+    Branched(usize, usize),
+    /// Sides with a triangle on one side only.
+    #[error(
+        "it has holes: {sides} of its sides belong to one triangle only (triangle {triangle} is the first of those)"
+    )]
+    Holes {
+        /// Number of such sides.
+        sides: usize,
+        /// A triangle with one.
+        triangle: usize,
+    },
+    /// All normals point inwards.
+    #[error("its triangles face inwards: their corners run clockwise as seen from outside")]
+    InsideOut,
+}
+
+impl RigidBody {
+    /// All points within `radius` of a point, m.
+    pub fn sphere(centre: Vector3, radius: f64) -> Self {
+        Self {
+            vertices: vec![centre],
+            segments: vec![[0, 0]],
+            radius,
+            ..Self::default()
+        }
+    }
+
+    /// All points within `radius` of the segment between two points, m.
+    pub fn capsule(ends: [Vector3; 2], radius: f64) -> Self {
+        Self {
+            vertices: ends.to_vec(),
+            segments: vec![[0, 1]],
+            radius,
+            ..Self::default()
+        }
+    }
+
+    /// A cylinder around a line through a point along a unit vector, without ends.
+    pub fn cylinder(point: Vector3, axis: Vector3, radius: f64) -> Self {
+        let half = axis * ENDLESS;
+        Self::capsule([point - half, point + half], radius)
+    }
+
+    /// A box of three side lengths (m) around a centre, turned, whose edges are rounded to a radius (m) of less than half of
+    /// the shortest side.
+    pub fn cuboid(
+        centre: Vector3,
+        sides: Vector3,
+        orientation: &UnitQuaternion,
+        rounding: f64,
+    ) -> Self {
+        let half = sides * 0.5 - Vector3::repeat(rounding);
+        let corner = |k: usize| {
+            let side = |axis: usize| if k >> axis & 1 == 1 { half[axis] } else { -half[axis] };
+            centre + orientation * Vector3::new(side(0), side(1), side(2))
+        };
+        // The four corners of each face, anticlockwise as seen from outside.
+        let quads = [
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+        ];
+        let faces = quads
+            .iter()
+            .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
+            .collect();
+        Self::of_mesh((0..8).map(corner).collect(), faces, true)
+            .map(|body| Self {
+                radius: rounding,
+                ..body
+            })
+            .unwrap_or_default()
+    }
+
+    /// The body of a mesh: `closed` encloses a body that is touched from outside, otherwise it is a sheet that is touched from
+    /// both sides. Vertices without a triangle are left out of it.
+    ///
+    /// # Errors
+    /// [`MeshFault`] names the triangle that cannot be.
+    pub fn of_mesh(
+        vertices: Vec<Vector3>,
+        faces: Vec<[usize; 3]>,
+        closed: bool,
+    ) -> Result<Self, MeshFault> {
+        if faces.is_empty() {
+            return Err(MeshFault::Empty);
+        }
+        if let Some(vertex) = (vertices.iter()).position(|x| !x.iter().all(|c| c.is_finite())) {
+            return Err(MeshFault::NotFinite(vertex));
+        }
+        let mut normals = Vec::with_capacity(faces.len());
+        let mut sides: BTreeMap<[usize; 2], Vec<(usize, bool)>> = BTreeMap::new();
+        for (triangle, face) in faces.iter().enumerate() {
+            if let Some(&vertex) = face.iter().find(|vertex| **vertex >= vertices.len()) {
+                let vertices = vertices.len();
+                return Err(MeshFault::NoVertex {
+                    triangle,
+                    vertex,
+                    vertices,
+                });
+            }
+            let [a, b, c] = face.map(|vertex| vertices[vertex]);
+            let area = (b - a).cross(&(c - a));
+            let longest = [b - a, c - b, a - c].map(|side| side.norm_squared());
+            let longest = longest.into_iter().fold(0.0, f64::max);
+            if area.norm() <= FLAT * FLAT * longest || longest == 0.0 {
+                return Err(MeshFault::Degenerate(triangle));
+            }
+            normals.push(area.normalize());
+            for k in 0..3 {
+                let (from, to) = (face[k], face[(k + 1) % 3]);
+                let ends = [from.min(to), from.max(to)];
+                sides.entry(ends).or_default().push((triangle, from < to));
+            }
+        }
+        let (mut segments, mut open, mut first_open) = (Vec::new(), 0, usize::MAX);
+        for (ends, around) in &sides {
+            match around.as_slice() {
+                [(triangle, _)] => {
+                    open += 1;
+                    first_open = first_open.min(*triangle);
+                    segments.push(*ends);
+                }
+                [(one, forwards), (other, too)] => {
+                    if forwards == too {
+                        return Err(MeshFault::Flipped(*one, *other));
+                    }
+                    if normals[*one].cross(&normals[*other]).norm() > FLAT {
+                        segments.push(*ends);
+                    }
+                }
+                many => return Err(MeshFault::Branched(many.len(), many[0].0)),
+            }
+        }
+        if closed && open > 0 {
+            return Err(MeshFault::Holes {
+                sides: open,
+                triangle: first_open,
+            });
+        }
+        let volume = |face: &[usize; 3]| {
+            let [a, b, c] = face.map(|vertex| vertices[vertex]);
+            a.dot(&b.cross(&c))
+        };
+        if closed && faces.iter().map(volume).sum::<f64>() < 0.0 {
+            return Err(MeshFault::InsideOut);
+        }
+        Ok(Self {
+            vertices,
+            segments,
+            faces,
+            closed,
+            radius: 0.0,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn unit_box() -> RigidBody {
+        let sides = Vector3::new(1.0, 2.0, 3.0);
+        RigidBody::cuboid(Vector3::zeros(), sides, &UnitQuaternion::identity(), 0.1)
+    }
+
+    #[test]
+    fn a_box_has_twelve_edges_and_faces_outwards() {
+        let body = unit_box();
+        assert_eq!((body.segments.len(), body.faces.len()), (12, 12));
+        assert!(body.closed && body.radius == 0.1);
+        for face in &body.faces {
+            let [a, b, c] = face.map(|vertex| body.vertices[vertex]);
+            let outwards = (b - a).cross(&(c - a)).dot(&(a + b + c));
+            assert!(outwards > 0.0);
+        }
+        assert!(body.vertices.contains(&Vector3::new(0.4, 0.9, 1.4)));
+    }
+
+    #[test]
+    fn faults_of_meshes_are_named() {
+        let RigidBody {
+            vertices, faces, ..
+        } = unit_box();
+        let of = |faces: Vec<[usize; 3]>| RigidBody::of_mesh(vertices.clone(), faces, true);
+        let without = faces[1..].to_vec();
+        assert!(matches!(of(without.clone()), Err(MeshFault::Holes { sides: 3, .. })));
+        assert!(RigidBody::of_mesh(vertices.clone(), without, false).is_ok());
+        let flipped: Vec<_> = (faces.iter().enumerate())
+            .map(|(k, &[a, b, c])| if k == 5 { [a, c, b] } else { [a, b, c] })
+            .collect();
+        assert!(matches!(of(flipped), Err(MeshFault::Flipped(..))));
+        let inwards = faces.iter().map(|&[a, b, c]| [a, c, b]).collect();
+        assert_eq!(of(inwards), Err(MeshFault::InsideOut));
+        let twice = faces.iter().chain([&faces[3]]).copied().collect();
+        assert!(matches!(of(twice), Err(MeshFault::Branched(3, _))));
+        assert_eq!(of(vec![[0, 1, 1]]), Err(MeshFault::Degenerate(0)));
+        assert_eq!(of(Vec::new()), Err(MeshFault::Empty));
+        assert!(matches!(of(vec![[0, 1, 9]]), Err(MeshFault::NoVertex { vertex: 9, .. })));
+        let lost = vec![Vector3::zeros(), Vector3::x() * f64::NAN];
+        assert_eq!(
+            RigidBody::of_mesh(lost, vec![[0, 1, 0]], false),
+            Err(MeshFault::NotFinite(1))
+        );
+    }
+}

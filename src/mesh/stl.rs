@@ -1,0 +1,110 @@
+//! STL files, binary or text.
+
+use super::MOST_TRIANGLES;
+
+/// Bytes of a binary file before its triangles, and of each of them.
+const HEADER: usize = 84;
+const TRIANGLE: usize = 50;
+
+/// The corners of the triangles of an STL file, each where the file has it.
+///
+/// A binary file is known by its length: the text of a file may begin with anything.
+///
+/// # Errors
+/// In words, if it is no STL file.
+pub fn corners(bytes: &[u8]) -> Result<Vec<[f64; 3]>, String> {
+    let count = bytes
+        .get(HEADER - 4..HEADER)
+        .and_then(|bytes| bytes.try_into().ok())
+        .map(|bytes| u32::from_le_bytes(bytes) as usize);
+    if let Some(count) = count
+        && bytes.len() == HEADER + count * TRIANGLE
+    {
+        if count > MOST_TRIANGLES {
+            return Err(format!("has {count} triangles; allowed: {MOST_TRIANGLES}"));
+        }
+        let number = |at: &[u8]| {
+            let bytes = at.try_into().unwrap_or_default();
+            f64::from(f32::from_le_bytes(bytes))
+        };
+        let triangles = bytes[HEADER..].chunks_exact(TRIANGLE);
+        // A normal, three corners, two bytes.
+        let corners = triangles.flat_map(|triangle| triangle[12..48].chunks_exact(12));
+        return Ok(corners
+            .map(|corner| [0, 4, 8].map(|k| number(&corner[k..k + 4])))
+            .collect());
+    }
+    let text = std::str::from_utf8(bytes)
+        .ok()
+        .filter(|text| text.trim_start().starts_with("solid"))
+        .ok_or("is no STL file, or not a whole one")?;
+    let mut words = text.split_whitespace();
+    let mut corners = Vec::new();
+    while let Some(word) = words.next() {
+        if word == "vertex" {
+            let mut number = || words.next()?.parse::<f64>().ok();
+            let corner = (number(), number(), number());
+            let (Some(x), Some(y), Some(z)) = corner else {
+                return Err("has a `vertex` without three numbers".into());
+            };
+            corners.push([x, y, z]);
+        }
+        if corners.len() > 3 * MOST_TRIANGLES {
+            return Err(format!("has too many triangles; allowed: {MOST_TRIANGLES}"));
+        }
+    }
+    if !text.contains("endsolid") {
+        return Err("is no STL file, or not a whole one".into());
+    }
+    Ok(corners)
+}
+
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const TEXT: &str = "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1e-1 0 0\nvertex 0 0.25 0\n\
+                        endloop\nendfacet\nendsolid s\n";
+
+    fn binary() -> Vec<u8> {
+        let mut bytes = vec![0; 80];
+        bytes.extend(1_u32.to_le_bytes());
+        let numbers = [
+            0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.1, 0.0, 0.0, 0.0, 0.25, 0.0_f32,
+        ];
+        bytes.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
+        bytes.extend([0, 0]);
+        bytes
+    }
+
+    #[test]
+    fn text_and_binary_files_have_the_same_corners() {
+        let from_text = corners(TEXT.as_bytes()).unwrap();
+        assert_eq!(from_text, [[0.0; 3], [0.1, 0.0, 0.0], [0.0, 0.25, 0.0]]);
+        let from_binary = corners(&binary()).unwrap();
+        for (a, b) in from_text.iter().flatten().zip(from_binary.iter().flatten()) {
+            assert!((a - b).abs() < 1e-8);
+        }
+        // Files of some programs are binary and begin with the word.
+        let mut named = binary();
+        named[..5].copy_from_slice(b"solid");
+        assert_eq!(corners(&named).unwrap(), from_binary);
+    }
+
+    #[test]
+    fn parts_of_files_are_refused() {
+        let whole = binary();
+        assert!((0..whole.len()).all(|end| corners(&whole[..end]).is_err()));
+        assert!(corners(TEXT.replace("0.25", "x").as_bytes()).is_err());
+        assert!(corners(&TEXT.as_bytes()[..60]).is_err());
+    }
+
+    proptest! {
+        #[test]
+        fn no_bytes_make_it_panic(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
+            let _ = corners(&bytes);
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! Resolving how a clamp or an obstacle moves.
+
+use super::section::{FINITE, Section};
+use super::{Context, poses};
+use crate::scenario::resolved::Movement;
+use crate::scenario::typed::{Pose, Quantity, Vector};
+use crate::scenario::units::{Angle, AngularVelocity, Dimensionless, Length, Time};
+
+/// The keys of a motion, wherever they stand.
+pub struct TypedMovement<'a> {
+    pub translation: &'a Option<Vec<(Quantity<Time>, Vector<Length>)>>,
+    pub angle: &'a Option<Vec<(Quantity<Time>, Quantity<Angle>)>>,
+    pub angular_velocity: &'a Option<Quantity<AngularVelocity>>,
+    pub axis: &'a Option<Vector<Dimensionless>>,
+    pub pivot: &'a Option<Vector<Length>>,
+    pub follow: &'a Option<String>,
+    pub poses: &'a Option<Vec<Pose>>,
+}
+
+/// Resolves a motion: by its own keys or by poses.
+pub fn movement(
+    context: &Context<'_>,
+    section: &Section<'_>,
+    typed: &TypedMovement<'_>,
+) -> Movement {
+    let movement = Movement {
+        translation: section.corners("move", typed.translation, |corner, displacement| {
+            corner.components("1", displacement)
+        }),
+        angle: section.corners("turn", typed.angle, |corner, angle| {
+            corner.number("1", angle, FINITE)
+        }),
+        angular_velocity: section.with_default(
+            "angular_velocity",
+            typed.angular_velocity,
+            FINITE,
+            0.0,
+        ),
+        axis: section.direction("axis", typed.axis),
+        pivot: section.vector("pivot", typed.pivot),
+        poses: poses::poses(context, section, typed.follow, typed.poses),
+    };
+    for (key, given) in given_keys(&movement) {
+        if given && key != "poses" && !movement.poses.is_empty() {
+            section.fault(key, "poses say how it moves and turns; leave the key out");
+        }
+    }
+    movement
+}
+
+/// The keys of a motion, and whether each says something.
+pub fn given_keys(movement: &Movement) -> [(&'static str, bool); 6] {
+    [
+        ("move", !movement.translation.is_empty()),
+        ("turn", !movement.angle.is_empty()),
+        ("angular_velocity", movement.angular_velocity != 0.0),
+        ("axis", movement.axis.is_some()),
+        ("pivot", movement.pivot.is_some()),
+        ("poses", !movement.poses.is_empty()),
+    ]
+}
+
+/// Reports the keys that move something in a run without time.
+pub fn refuse_motion(movement: &Movement, refuse: impl Fn(&str)) {
+    for (key, given) in given_keys(movement) {
+        if given && !["axis", "pivot"].contains(&key) {
+            refuse(key);
+        }
+    }
+}

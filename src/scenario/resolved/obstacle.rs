@@ -1,0 +1,104 @@
+//! Obstacles as resolved.
+
+use super::load::Pose;
+use serde::Serialize;
+
+/// A rigid body that rods may touch.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Obstacle {
+    /// Its name.
+    pub name: String,
+    /// Its shape at time zero.
+    pub shape: ObstacleShape,
+    /// Friction coefficient; `None` takes that of the contact model.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction: Option<f64>,
+    /// How it moves.
+    #[serde(flatten)]
+    pub movement: Movement,
+}
+
+/// A prescribed motion.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Movement {
+    /// Displacement in m at given times in s, piecewise linear.
+    #[serde(rename = "move", skip_serializing_if = "Vec::is_empty")]
+    pub translation: Vec<(f64, [f64; 3])>,
+    /// Angle in rad at given times in s, piecewise linear.
+    #[serde(rename = "turn", skip_serializing_if = "Vec::is_empty")]
+    pub angle: Vec<(f64, f64)>,
+    /// Steady rate of turning, rad/s.
+    pub angular_velocity: f64,
+    /// Unit vector about which it turns; `None` is that of whatever moves.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axis: Option<[f64; 3]>,
+    /// Fixed point of the rotation; `None` is that of whatever moves.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pivot: Option<[f64; 3]>,
+    /// Poses that are followed.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub poses: Vec<Pose>,
+}
+
+impl Movement {
+    /// Whether anything moves.
+    pub fn moves(&self) -> bool {
+        !self.translation.is_empty()
+            || !self.angle.is_empty()
+            || self.angular_velocity != 0.0
+            || !self.poses.is_empty()
+    }
+}
+
+/// The shape of an obstacle.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum ObstacleShape {
+    /// All points within a radius of a point.
+    Sphere {
+        /// The point, m.
+        centre: [f64; 3],
+        /// The radius, m.
+        radius: f64,
+    },
+    /// All points within a radius of a segment.
+    Capsule {
+        /// Its first end, m.
+        start: [f64; 3],
+        /// Its last end, m.
+        end: [f64; 3],
+        /// The radius, m.
+        radius: f64,
+    },
+    /// All points within a radius of a line.
+    Cylinder {
+        /// A point of the line, m.
+        point: [f64; 3],
+        /// Its direction, a unit vector.
+        direction: [f64; 3],
+        /// The radius, m.
+        radius: f64,
+    },
+    /// A box.
+    Box {
+        /// Its centre, m.
+        centre: [f64; 3],
+        /// Lengths of its sides, m.
+        size: [f64; 3],
+        /// Radius of its edges, m.
+        rounding: f64,
+        /// Unit vector about which it is turned.
+        axis: [f64; 3],
+        /// Angle by which it is turned, rad.
+        angle: f64,
+    },
+    /// A triangle mesh.
+    Mesh {
+        /// Its vertices, m.
+        vertices: Vec<[f64; 3]>,
+        /// Three vertices of each triangle.
+        triangles: Vec<[usize; 3]>,
+        /// Whether it encloses a body.
+        closed: bool,
+    },
+}
