@@ -43,6 +43,7 @@ impl Cell {
             held: false,
         });
         let case = MovieCase {
+            obstacles: Vec::new(),
             name: "main".into(),
             distinction: Vec::new(),
             parameters: Vec::new(),

@@ -23,6 +23,8 @@ mod grasp_samples;
 pub(crate) mod helix;
 mod kind;
 pub(crate) mod knot;
+#[cfg(test)]
+mod obstacle_tests;
 mod prepare;
 mod probes;
 #[cfg(test)]
@@ -50,7 +52,7 @@ pub use kind::{FigureError, Kind, OwnNumbers, Page, SampleColumns};
 pub use knot::{
     KnotEnding, KnotMonitor, KnotObserver, KnotOutcome, KnotRow, KnotSample, read_knot_series,
 };
-pub use prepare::{prepare, try_scene};
+pub use prepare::{place_obstacles, prepare, try_scene};
 
 use crate::scenario::keys::ExperimentKeys;
 use crate::scenario::{self, CaseSet, Experiments, Loaded, ScenarioError};

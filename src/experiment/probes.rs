@@ -296,6 +296,27 @@ impl Rods<'_> {
             return fault("kind", message.to_owned());
         }
         let planes = self.scene.planes.len();
+        if let Some(name) = &pressed.from_obstacle {
+            let names: Vec<&str> = (self.scene.obstacles.iter())
+                .map(|obstacle| obstacle.name.as_str())
+                .collect();
+            let Some(obstacle) = names.iter().position(|known| known == name) else {
+                let message = match names.as_slice() {
+                    [] => {
+                        format!("there is no obstacle `{name}`: the scenario has no [[obstacles]]")
+                    }
+                    names => format!(
+                        "there is no obstacle `{name}`; there are: {}",
+                        names.join(", ")
+                    ),
+                };
+                return fault("from_obstacle", message);
+            };
+            return Ok(Quantity::ContactForce {
+                rod: self.rod(pressed.rod.as_ref())?,
+                from: ContactPartner::Obstacle(obstacle),
+            });
+        }
         let from = match (&pressed.from_rod, pressed.from_plane) {
             (Some(name), _) => ContactPartner::Rod(self.named(name, "from_rod")?),
             (None, Some(plane)) if plane < planes => ContactPartner::Plane(plane),

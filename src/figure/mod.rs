@@ -34,7 +34,8 @@ pub use surface::{ColouredSurface, surface_page};
 pub use tube::RodCurve;
 pub use view::View;
 pub use viewer::{
-    Field, Movie, MovieCase, MovieFrame, MoviePlane, MovieRod, MovieSeries, movie_page,
+    Field, Movie, MovieCase, MovieFrame, MovieObstacle, MoviePlane, MovieRod, MovieSeries,
+    movie_page,
 };
 
 /// A figure, not drawn yet.

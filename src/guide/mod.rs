@@ -40,6 +40,7 @@ pages! {
     getting_started
     scenarios
     contact
+    obstacles
     time
     exit_codes
     sweeps

@@ -30,6 +30,46 @@ pub fn angle(rotation: &UnitQuaternion) -> f64 {
     2.0 * libm::atan2(rotation.imag().norm(), rotation.w.abs())
 }
 
+/// A rigid motion of a body: x = R x₀ + t.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// The rotation R.
+    pub rotation: UnitQuaternion,
+    /// The translation t, m.
+    pub translation: Vector3,
+}
+
+impl Default for Pose {
+    fn default() -> Self {
+        Self {
+            rotation: UnitQuaternion::identity(),
+            translation: Vector3::zeros(),
+        }
+    }
+}
+
+impl Pose {
+    /// The matrix that acts on (x, y, z, 1), column after column.
+    pub fn matrix(&self) -> [f64; 16] {
+        let columns = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| self.rotation * axis);
+        let [a, b, c] = columns;
+        let t = self.translation;
+        [
+            a.x, a.y, a.z, 0.0, b.x, b.y, b.z, 0.0, c.x, c.y, c.z, 0.0, t.x, t.y, t.z, 1.0,
+        ]
+    }
+
+    /// Where a point of the body is.
+    pub fn of(&self, point: &Vector3) -> Vector3 {
+        self.rotation * point + self.translation
+    }
+
+    /// The point of the body that is there.
+    pub fn back_of(&self, point: &Vector3) -> Vector3 {
+        self.rotation.inverse() * (point - self.translation)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -21,7 +21,8 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, String> {
                 let corners: Option<Vec<usize>> = words
                     .map(|word| corner(word, mesh.vertices.len()))
                     .collect();
-                let corners = corners.ok_or_else(|| fault("a face asks for a vertex that is not there"))?;
+                let corners =
+                    corners.ok_or_else(|| fault("a face asks for a vertex that is not there"))?;
                 if corners.len() < 3 {
                     return Err(fault("a face needs three corners at least"));
                 }
@@ -49,7 +50,9 @@ fn corner(word: &str, vertices: usize) -> Option<usize> {
     } else {
         number - 1
     };
-    usize::try_from(index).ok().filter(|index| *index < vertices)
+    usize::try_from(index)
+        .ok()
+        .filter(|index| *index < vertices)
 }
 
 #[cfg(test)]
@@ -68,7 +71,10 @@ mod tests {
     #[test]
     fn faults_name_their_line() {
         let fault = |text: &str| parse(text.as_bytes()).unwrap_err();
-        assert_eq!(fault("v 0 0\n"), "has a fault in line 1: a vertex needs three numbers");
+        assert_eq!(
+            fault("v 0 0\n"),
+            "has a fault in line 1: a vertex needs three numbers"
+        );
         assert!(fault("v 0 0 0\nf 1 2 3\n").contains("line 2"));
         assert!(fault("v 0 0 0\nf 1 1\n").contains("three corners"));
         assert!(fault("hello").contains("no faces"));

@@ -59,7 +59,6 @@ pub fn corners(bytes: &[u8]) -> Result<Vec<[f64; 3]>, String> {
     Ok(corners)
 }
 
-
 #[cfg(test)]
 mod tests {
     use super::*;

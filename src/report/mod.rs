@@ -3,6 +3,7 @@
 mod branches;
 mod case_folders;
 mod labels;
+mod obstacles;
 mod plot;
 mod view;
 

@@ -53,8 +53,9 @@ pub use resolved::{
 };
 pub use resolved::{
     BuilderRod, Clamp, Contact, Continuation, CrossSection, Experiment, Fluid, Handedness, Hold,
-    Inertia, Load, LoadKind, Material, Movement, NaturalShape, Obstacle, ObstacleShape, Output, PathMethod, Place, Plane, Pose, Rod,
-    Scenario, Scheme, Shape, Solver, Start, Step, Stiffness, Time,
+    Inertia, Load, LoadKind, Material, Movement, NaturalShape, Obstacle, ObstacleShape, Output,
+    PathMethod, Place, Plane, Pose, Rod, Scenario, Scheme, Shape, Solver, Start, Step, Stiffness,
+    Time,
 };
 pub use sweep::{Case, CaseSet, INPUTS, InputFile, Parameter, Portable, Search, earlier_id};
 pub use typed::{Quantity, SearchMethod, Vector};

@@ -16,6 +16,7 @@ mod friction;
 mod helix;
 mod helix_manipulation;
 mod localized_buckling;
+mod obstacles;
 mod page;
 mod rods;
 mod spatial_rods;
@@ -39,7 +40,7 @@ type CheckGroup = fn(full: bool) -> Result<Vec<Check>, GroupError>;
 type GroupError = Box<dyn Error + Send + Sync>;
 
 /// All groups, in the order of the table.
-const GROUPS: [(&str, CheckGroup); 15] = [
+const GROUPS: [(&str, CheckGroup); 16] = [
     ("derivatives", derivatives::checks),
     ("statics", statics::checks),
     ("spatial rods", spatial_rods::checks),
@@ -51,6 +52,7 @@ const GROUPS: [(&str, CheckGroup); 15] = [
     ("localised buckling", localized_buckling::checks),
     ("friction", friction::checks),
     ("contact", contact::checks),
+    ("obstacles", obstacles::checks),
     ("drag", drag::checks),
     ("conservation", conservation::checks),
     ("symmetry", symmetry::checks),

@@ -217,6 +217,7 @@ mod tests {
             normal: Vector3::z(),
             normal_force: 1.0,
             force: [0.0; 12],
+            first_body: 2,
         }
     }
 

@@ -25,6 +25,7 @@ use place::{place_clamp, place_load, place_plane, place_rod, same_node};
 use settings::{contact_parameters, fluid_model, integration_parameters};
 
 pub use jitter::Jitter;
+pub use obstacle::place_obstacles;
 pub use round_rod::round_rod;
 
 /// Builds the mechanics of a scenario.

@@ -26,6 +26,9 @@ pub fn place_obstacle(
         ObstacleShape::Capsule { start, end, radius } => {
             RigidBody::capsule([Vector3::from(*start), Vector3::from(*end)], *radius)
         }
+        ObstacleShape::Tube { start, end, radius } => {
+            RigidBody::tube([Vector3::from(*start), Vector3::from(*end)], *radius)
+        }
         ObstacleShape::Cylinder {
             point,
             direction,
@@ -53,7 +56,8 @@ pub fn place_obstacle(
                 let help = closed.then(|| {
                     "`closed = false` takes it for a sheet, which rods touch from both sides".into()
                 });
-                Issue::new(path.key("shape"), format!("the mesh cannot be: {fault}")).with_help(help)
+                Issue::new(path.key("shape"), format!("the mesh cannot be: {fault}"))
+                    .with_help(help)
             })?;
             refuse_other_units(&body, rods, path)?;
             body
@@ -67,14 +71,28 @@ pub fn place_obstacle(
     })
 }
 
+/// The obstacles of a scenario that has run, for pictures.
+pub fn place_obstacles(scenario: &scenario::Scenario) -> Vec<Obstacle> {
+    let path = KeyPath::from("obstacles");
+    let obstacles = scenario.obstacles.iter();
+    obstacles
+        .filter_map(|obstacle| place_obstacle(obstacle, &[], &path).ok())
+        .collect()
+}
+
 fn refuse_other_units(
     body: &RigidBody,
     rods: &[RodDescription],
     path: &KeyPath,
 ) -> Result<(), Issue> {
+    if rods.is_empty() {
+        return Ok(());
+    }
     let mesh = extent(body.vertices.iter());
     let scene = extent(rods.iter().flat_map(|rod| &rod.centreline));
-    let thinnest = rods.iter().fold(f64::INFINITY, |least, rod| least.min(rod.radius));
+    let thinnest = rods
+        .iter()
+        .fold(f64::INFINITY, |least, rod| least.min(rod.radius));
     let (than, size) = if mesh > UNLIKELY * scene {
         ("larger than the rods with their extent", scene)
     } else if mesh * UNLIKELY < thinnest {
@@ -93,7 +111,9 @@ fn refuse_other_units(
 fn extent<'a>(points: impl Iterator<Item = &'a Vector3> + Clone) -> f64 {
     let corner = |pick: fn(f64, f64) -> f64, start: f64| {
         let start = Vector3::repeat(start);
-        points.clone().fold(start, |corner, point| corner.zip_map(point, pick))
+        points
+            .clone()
+            .fold(start, |corner, point| corner.zip_map(point, pick))
     };
     (corner(f64::max, f64::NEG_INFINITY) - corner(f64::min, f64::INFINITY)).norm()
 }

@@ -5,8 +5,8 @@ use super::gripper_motion::gripper_motion;
 use crate::mechanics::Vector3;
 use crate::mechanics::scene as mechanics;
 use crate::scenario::{
-    Clamp, Hold, Inertia, Issue, KeyPath, Load, LoadKind, Movement, NaturalShape, Place, Plane, Rod,
-    did_you_mean,
+    Clamp, Hold, Inertia, Issue, KeyPath, Load, LoadKind, Movement, NaturalShape, Place, Plane,
+    Rod, did_you_mean,
 };
 
 pub(super) fn place_rod(rod: &Rod, path: &KeyPath) -> Result<mechanics::RodDescription, Issue> {

@@ -1,5 +1,6 @@
 //! Rods at several times, side by side on one scale.
 
+mod bodies;
 mod ground;
 mod layout;
 
@@ -12,6 +13,7 @@ use super::palette::Color;
 use super::paper::Paper;
 use super::tube::{Placement, RodCurve, rod_color, tubes};
 use super::view::View;
+use bodies::draw_bodies;
 use ground::draw_plane;
 use layout::{Extent, Grid, length_label, round_length_below};
 use nalgebra::{Vector2, Vector3};
@@ -36,6 +38,8 @@ pub struct RodsFigure {
     pub names: Vec<String>,
     /// Planes that the rods may rest on.
     pub planes: Vec<Plane>,
+    /// Triangles of the obstacles in each picture, m; none of them where there are none.
+    pub obstacles: Vec<Vec<[Vector3<f64>; 3]>>,
 }
 
 /// Snapshots side by side, without planes and names.
@@ -45,6 +49,7 @@ pub fn snapshots(snapshots: Vec<Snapshot>, view: View) -> Figure {
         view,
         names: Vec::new(),
         planes: Vec::new(),
+        obstacles: Vec::new(),
     })
 }
 
@@ -70,6 +75,10 @@ impl RodsFigure {
             .collect();
         for patch in &patches {
             extent.include(patch.iter().map(|corner| self.view.project(corner)));
+        }
+        for triangles in &self.obstacles {
+            let corners = triangles.iter().flatten();
+            extent.include(corners.map(|corner| self.view.project(corner)));
         }
         let margin = MARGIN * em;
         let legend = Legend::between(margin, paper.width - margin, self.names.clone(), em);
@@ -103,6 +112,9 @@ impl RodsFigure {
             });
             for (plane, patch) in self.planes.iter().zip(&patches) {
                 draw_plane(plane, patch, &self.view, &placement, em, &mut drawing);
+            }
+            if let Some(triangles) = self.obstacles.get(index) {
+                draw_bodies(triangles, &self.view, &placement, &mut drawing);
             }
             drawing.raw("<g fill=\"none\">\n");
             drawing.raw(&tubes(&snapshot.rods, &self.view, &placement));
@@ -203,6 +215,7 @@ mod tests {
             view: View::oblique(),
             names: vec!["rope".into(), "post (held)".into()],
             planes,
+            obstacles: Vec::new(),
         }
     }
 

@@ -5,7 +5,9 @@
 mod movie;
 mod packing;
 
-pub use movie::{Field, Movie, MovieCase, MovieFrame, MoviePlane, MovieRod, MovieSeries};
+pub use movie::{
+    Field, Movie, MovieCase, MovieFrame, MovieObstacle, MoviePlane, MovieRod, MovieSeries,
+};
 
 use super::markup::{escape, fill, json_in_script, version};
 use super::palette::Color;
@@ -17,12 +19,14 @@ use serde_json::{Value, json};
 const PAGE: &str = include_str!("page/page.html");
 
 /// What is put in the place of its name in double braces, in the page.
-const PARTS: [(&str, &str); 7] = [
+const PARTS: [(&str, &str); 9] = [
     ("style", include_str!("page/style.css")),
     ("tube.vert", include_str!("page/tube.vert")),
     ("tube.frag", include_str!("page/tube.frag")),
     ("plane.vert", include_str!("page/plane.vert")),
     ("plane.frag", include_str!("page/plane.frag")),
+    ("obstacle.vert", include_str!("page/obstacle.vert")),
+    ("obstacle.frag", include_str!("page/obstacle.frag")),
     ("contact.vert", include_str!("page/contact.vert")),
     ("contact.frag", include_str!("page/contact.frag")),
 ];
@@ -104,6 +108,16 @@ fn describe(case: &MovieCase, bounds: &Bounds, fields: &[(&Field, ColorRange)]) 
         .iter()
         .map(|plane| json!({ "point": plane.point, "normal": plane.normal }))
         .collect();
+    let obstacles: Vec<Value> = case
+        .obstacles
+        .iter()
+        .map(|obstacle| {
+            let corners = obstacle.triangles.iter().flatten();
+            // Single precision is what graphics cards draw with.
+            let numbers: Vec<f32> = corners.flat_map(|x| x.iter().map(|c| *c as f32)).collect();
+            json!({ "corners": numbers, "poses": obstacle.poses })
+        })
+        .collect();
     let series: Vec<Value> = case
         .series
         .iter()
@@ -128,6 +142,7 @@ fn describe(case: &MovieCase, bounds: &Bounds, fields: &[(&Field, ColorRange)]) 
         "parameters": case.parameters,
         "rods": rods,
         "planes": planes,
+        "obstacles": obstacles,
         "eye": case.view.eye().as_slice(),
         "lower": bounds.lower.as_slice(),
         "size": bounds.size.as_slice(),
@@ -176,6 +191,7 @@ mod tests {
             parameters: vec![("rod.radius".into(), "0.05".into())],
             rods: vec![rod("<one>"), rod("two")],
             planes: vec![],
+            obstacles: vec![],
             view: View::oblique(),
             frames: (0..5).map(frame).collect(),
             fields: vec![Field {

@@ -27,6 +27,8 @@ pub struct MovieCase {
     pub rods: Vec<MovieRod>,
     /// The planes.
     pub planes: Vec<MoviePlane>,
+    /// The obstacles.
+    pub obstacles: Vec<MovieObstacle>,
     /// From where the rods are looked at first.
     pub view: View,
     /// The outputs in the order of time.
@@ -72,6 +74,15 @@ pub struct MoviePlane {
     pub point: [f64; 3],
     /// Unit normal.
     pub normal: [f64; 3],
+}
+
+/// A rigid body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MovieObstacle {
+    /// The triangles of its surface at time zero, m.
+    pub triangles: Vec<[Vector3<f64>; 3]>,
+    /// The matrix that carries it from there to each frame, column after column; none where it stays.
+    pub poses: Vec<[f64; 16]>,
 }
 
 /// The rods at one time.

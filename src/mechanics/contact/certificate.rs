@@ -11,10 +11,11 @@
 //! each other are found by boxes around the whole paths, and tested by continuous collision detection.
 //!
 //! Planes need no more than the ends: the distance of a node from a plane is linear in time. Faces of obstacles are passed by a
-//! node that is on the other side of their plane in the end and was within their edges as it met it.
+//! node that is on the other side of their plane in the end and was within their edges as it met it; a tube is convex, so that what is inside at both ends was so in between.
 
+use super::closest_points::ClosestPoints;
 use super::contact_system::ContactSystem;
-use super::contacts::CandidatePair;
+use super::contacts::{CandidatePair, TUBE};
 use super::continuous_collision::fraction_beyond;
 use super::obstacle::crossing;
 use super::proximity::ContactPair;
@@ -62,8 +63,15 @@ impl ContactSystem {
     ) -> Option<ContactPair> {
         let nodes = self.obstacles.points_at_start(start).of(pair.nodes);
         let ends = self.obstacles.points(end).of(pair.nodes);
-        if pair.side != 0 {
+        if pair.is_with_face() {
             return crossing(&nodes, &ends).map(|_| ContactPair::Edges(pair.edges));
+        }
+        if pair.side == TUBE {
+            let wall = -self.surface.core(pair.edges);
+            let [before, after] = [nodes, ends].map(|nodes| ClosestPoints::in_tube(&nodes));
+            let is_inside = |closest: ClosestPoints| -closest.distance() < wall;
+            let passes = before.is_some_and(is_inside) && after.is_some_and(|at| !is_inside(at));
+            return passes.then_some(ContactPair::Edges(pair.edges));
         }
         let displacements = std::array::from_fn(|k| ends[k] - nodes[k]);
         let threshold = self.surface.threshold(pair.edges);

@@ -42,6 +42,9 @@ pub(super) struct ClosestPoints {
     pub separation: Vector3,
     /// Smoothing c with which they were found, m².
     pub smoothing: f64,
+    /// Whether the first body is held within a distance of the second, as in a tube around its axis: the distance then counts
+    /// as negative, the normal points inwards, and all derivatives follow from that.
+    pub inside: bool,
 }
 
 impl ClosestPoints {
@@ -88,6 +91,11 @@ impl ClosestPoints {
         let edge_i = nodes[1] - nodes[0];
         let edge_j = nodes[3] - nodes[2];
         let (length_i, length_j) = (edge_i.norm_squared(), edge_j.norm_squared());
+        if length_j == 0.0 {
+            // A point, which is parallel to nothing.
+            let ratio_i = project(&nodes[2], &nodes[0], &edge_i, length_i).clamp(0.0, 1.0);
+            return Self::at(nodes, [ratio_i, 0.0], [is_inside(ratio_i), false]);
+        }
         let ends = [
             project(&nodes[2], &nodes[0], &edge_i, length_i),
             project(&nodes[3], &nodes[0], &edge_i, length_i),
@@ -110,7 +118,19 @@ impl ClosestPoints {
             free,
             separation: point_i - point_j,
             smoothing: 0.0,
+            inside: false,
         }
+    }
+
+    /// The point of an axis (`nodes[2]`, `nodes[3]`) that is nearest to a point within a tube around it, which is given twice;
+    /// `None` beyond the ends of the tube and on the axis, where there is no direction to its wall.
+    pub fn in_tube(nodes: &[Vector3; 4]) -> Option<Self> {
+        let closest = Self::of_parallel_edges(nodes);
+        let has_wall = closest.free[1] && closest.separation != Vector3::zeros();
+        has_wall.then_some(Self {
+            inside: true,
+            ..closest
+        })
     }
 
     /// Weights of the four nodes in the separation: (1−β_i, β_i, −(1−β_j), −β_j).
@@ -122,7 +142,8 @@ impl ClosestPoints {
     /// Centreline distance Δ, m.
     pub fn distance(&self) -> f64 {
         let [i, j] = self.ratios.map(|ratio| ratio - 0.5);
-        (self.separation.norm_squared() + self.smoothing * (i * i + j * j)).sqrt()
+        let distance = (self.separation.norm_squared() + self.smoothing * (i * i + j * j)).sqrt();
+        if self.inside { -distance } else { distance }
     }
 
     /// Normal from the second edge to the first, of length 1 without smoothing.
@@ -224,6 +245,32 @@ mod tests {
                 prop_assert_eq!(found.free, [false, false]);
             }
         }
+    }
+
+    #[test]
+    fn a_point_has_a_nearest_point_that_moves_along_the_edge() {
+        let point = Vector3::new(0.3, 0.5, 0.0);
+        let found = ClosestPoints::of(&[Vector3::zeros(), Vector3::x(), point, point]);
+        assert_eq!(found.free, [true, false]);
+        assert!((found.distance() - 0.5).abs() < 1e-15 && (found.ratios[0] - 0.3).abs() < 1e-15);
+    }
+
+    #[test]
+    fn within_a_tube_distances_count_from_the_wall_inwards() {
+        let (start, end) = (Vector3::zeros(), Vector3::z() * 2.0);
+        let at = |x: f64, z: f64| {
+            let point = Vector3::new(x, 0.0, z);
+            ClosestPoints::in_tube(&[point, point, start, end])
+        };
+        let found = at(0.2, 0.5).unwrap();
+        assert!((found.distance() + 0.2).abs() < 1e-15);
+        assert!(
+            (found.normal() + Vector3::x()).norm() < 1e-15,
+            "towards the axis"
+        );
+        assert_eq!(found.weights(), [1.0, 0.0, -0.75, -0.25]);
+        assert_eq!(at(0.2, 2.5), None, "beyond its end");
+        assert_eq!(at(0.0, 0.5), None, "on its axis");
     }
 
     #[test]

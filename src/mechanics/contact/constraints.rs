@@ -10,7 +10,6 @@
 
 use super::candidates::approach;
 use super::contact_system::ContactSystem;
-use super::closest_points::ClosestPoints;
 use super::contacts::{ActiveContact, Bodies, ContactConstraint, EdgeJacobian, PlaneContact};
 use super::distance::{DistanceDerivatives, WEIGHT_RATES};
 use super::nearest_points::{NearestPoints, separation};
@@ -154,10 +153,10 @@ impl ContactSystem {
     pub fn turning(&self, constraint: &ContactConstraint, positions: &[Vector3]) -> EdgeJacobian {
         let mut jacobian = [[0.0; 12]; 12];
         if let Bodies::Edges(candidate) = constraint.bodies
-            && self.candidates.pairs()[candidate].side == 0
+            && let nodes = self.obstacles.points(positions).of(constraint.nodes)
+            && let pair = &self.candidates.pairs()[candidate]
+            && let Some(NearestPoints::Edges(closest)) = NearestPoints::of(pair, &nodes, 0.0)
         {
-            let nodes = self.obstacles.points(positions).of(constraint.nodes);
-            let closest = ClosestPoints::of(&nodes);
             let distance = DistanceDerivatives::of(&nodes, &closest);
             let force = constraint.force;
             let pressure = force.dot(&constraint.normal);

@@ -9,10 +9,11 @@ use super::contacts::{
 use super::iterate::Iterate;
 use super::multipliers::{Multipliers, Slots};
 use super::parameters::ContactParameters;
-use super::placed_obstacles::{PlacedObstacles, Pose};
+use super::placed_obstacles::PlacedObstacles;
 use super::surface::{ContactPlane, ContactSurface};
 use super::tractions::Tractions;
 use crate::mechanics::Vector3;
+use crate::mechanics::rotation::Pose;
 
 /// Implicit contact with Coulomb friction (thesis 2.2–2.3) of all rods and planes of a scene, by the
 /// potential of the implicit contact model or by the barrier of incremental potential contact.

@@ -19,22 +19,36 @@ pub(super) struct Linearised<J> {
     pub traction_gradient: [[f64; 12]; 3],
 }
 
+/// Side of a pair of two edges.
+pub(super) const EDGE: i8 = 0;
+/// Side of a pair of a node and the axis of a tube around it; the node stands twice among the four.
+pub(super) const TUBE: i8 = 2;
+
 /// A pair of edges, or of an edge of a rod and a part of an obstacle, that may touch before the candidates are next updated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct CandidatePair {
     /// The edges i < j, indices into [`ContactSurface::edges`](super::ContactSurface::edges); faces of obstacles are
     /// counted on from there.
     pub edges: [usize; 2],
-    /// The nodes x_i, x_{i+1}, x_j, x_{j+1}; of a face the node of the rod, and the three vertices.
+    /// The nodes x_i, x_{i+1}, x_j, x_{j+1}; of a face the node of the rod and the three
+    /// vertices, of a tube the node twice and the ends of the axis.
     pub nodes: [usize; 4],
-    /// Side of a face on which the node is, 1 or −1; 0 for two edges.
+    /// What the second body is to the first: [`EDGE`], [`TUBE`], or the side of a face on which the node is, 1 or −1.
     pub side: i8,
 }
 
 impl CandidatePair {
     /// Nodes of the first body among the four.
     pub(super) fn first_body(&self) -> usize {
-        if self.side == 0 { 2 } else { 1 }
+        match self.side {
+            EDGE | TUBE => 2,
+            _ => 1,
+        }
+    }
+
+    /// Whether the second body is a face.
+    pub(super) fn is_with_face(&self) -> bool {
+        !matches!(self.side, EDGE | TUBE)
     }
 }
 

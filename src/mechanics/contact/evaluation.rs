@@ -3,7 +3,7 @@
 use super::candidates::approach;
 use super::closest_points::edge_distance;
 use super::contact_system::ContactSystem;
-use super::contacts::{ActiveContact, CandidatePair, EdgeJacobian, Linearised, PlaneContact};
+use super::contacts::{ActiveContact, CandidatePair, EDGE, EdgeJacobian, Linearised, PlaneContact};
 use super::edge_contact::{Sliding, contact_force, edge_jacobian};
 use super::friction::{FrictionLaw, slip};
 use super::multipliers::{LinearLaw, Moved};
@@ -173,9 +173,9 @@ impl ContactSystem {
                 candidate,
                 nodes: pair.nodes,
                 // What is reported is the true distance, without smoothing.
-                distance: match nearest {
-                    NearestPoints::Edges(_) => edge_distance(&nodes) - core,
-                    NearestPoints::Face(foot) => foot.distance - core,
+                distance: match pair.side {
+                    EDGE => edge_distance(&nodes) - core,
+                    _ => nearest.distance() - core,
                 },
                 threshold,
                 normal,
@@ -258,7 +258,11 @@ impl ContactSystem {
         };
         self.jacobians.push(linearised.jacobian);
         if carries {
-            let rods = 1 + usize::from(self.surface.obstacle_of(self.candidates.pairs()[slot].edges[1]).is_none());
+            let rods = 1 + usize::from(
+                self.surface
+                    .obstacle_of(self.candidates.pairs()[slot].edges[1])
+                    .is_none(),
+            );
             self.compare_with_last(slot, rods, &pressure, &friction);
             self.multipliers
                 .keep(slot, &pressure, &linearised.gap_gradient);

@@ -45,6 +45,8 @@ mod nearest_points;
 mod normal_law;
 mod normal_response;
 mod obstacle;
+#[cfg(test)]
+mod obstacle_tests;
 mod parameters;
 mod placed_obstacles;
 mod plane_contact;
@@ -63,13 +65,12 @@ mod tractions;
 
 pub(crate) use closest_points::edge_distance;
 pub use contact_system::ContactSystem;
-pub use obstacle::ContactObstacle;
-pub use placed_obstacles::Pose;
 pub use contacts::{
     ActiveContact, CandidatePair, ConstraintPlace, ContactConstraint, EdgeJacobian,
     ForceCorrections, PlaneContact, PlaneJacobian,
 };
 pub use memory::{ContactMemory, MismatchedMemory};
+pub use obstacle::ContactObstacle;
 pub use parameters::{ContactModel, ContactParameters};
 pub use proximity::{ContactPair, Proximity};
 pub use step_bound::LargestStep;

@@ -1,6 +1,6 @@
 //! Rigid obstacles as contact sees them: all points within a radius of some segments and triangles.
 //!
-//! A sphere is one vertex with a radius, a capsule one segment, a box with rounded edges the edges and faces of a smaller
+//! A sphere is one vertex with a radius, a capsule one segment, a tube its axis, around which nodes stay, a box with rounded edges the edges and faces of a smaller
 //! box, a mesh its triangles with radius zero. A rod touches an obstacle where one of its edges is near a segment, or one of
 //! its nodes near a face above or below its inside; a foot on the rim of a face belongs to the segments there. So the
 //! distances are those of two edges (thesis Eqs. 2.3–2.6), and of a point from a plane.
@@ -19,6 +19,8 @@ pub struct ContactObstacle {
     pub faces: Vec<[usize; 3]>,
     /// Whether the faces enclose a body, which is touched from outside alone; otherwise from both sides.
     pub closed: bool,
+    /// Whether it is a tube around its segments, with rods inside.
+    pub hollow: bool,
     /// Distance of the surface from segments and faces, m.
     pub radius: f64,
     /// Friction coefficient between obstacle and rods.
@@ -63,7 +65,10 @@ impl Foot {
     /// where it is outside of the triangle.
     pub fn of(points: &[Vector3; 4], side: f64) -> Option<Self> {
         let foot = Self::in_plane(points, side)?;
-        foot.weights.iter().all(|weight| *weight >= 0.0).then_some(foot)
+        foot.weights
+            .iter()
+            .all(|weight| *weight >= 0.0)
+            .then_some(foot)
     }
 
     /// The same in the plane of the triangle, inside of it or outside; `None` for a triangle without area.
@@ -200,12 +205,7 @@ mod tests {
     #[test]
     fn points_inside_see_the_whole_sphere_of_directions() {
         let mut surface = ContactSurface::new();
-        let vertices = vec![
-            Vector3::zeros(),
-            Vector3::x(),
-            Vector3::y(),
-            Vector3::z(),
-        ];
+        let vertices = vec![Vector3::zeros(), Vector3::x(), Vector3::y(), Vector3::z()];
         let tetrahedron = ContactObstacle {
             vertices: vertices.clone(),
             faces: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],

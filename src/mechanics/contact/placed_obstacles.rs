@@ -4,43 +4,15 @@
 //! are carried into it by the pose of the obstacle. So a search costs the logarithm of the size of a mesh for every edge of a
 //! rod, whether the mesh moves or not.
 
-use super::closest_points::edge_distance;
-use super::contacts::CandidatePair;
-use super::obstacle::{Foot, Points};
-use super::surface::{ContactFace, ContactSurface};
-use crate::mechanics::{UnitQuaternion, Vector3};
+use super::closest_points::{ClosestPoints, edge_distance};
+use super::contacts::{CandidatePair, EDGE, TUBE};
+use super::obstacle::{ContactObstacle, Foot, Points};
+use super::surface::{ContactFace, ContactNode, ContactSurface};
+use crate::mechanics::Vector3;
+use crate::mechanics::rotation::Pose;
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vec3;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};
-
-/// A rigid motion since time zero: x = R x₀ + t.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pose {
-    /// The rotation R.
-    pub rotation: UnitQuaternion,
-    /// The translation t, m.
-    pub translation: Vector3,
-}
-
-impl Default for Pose {
-    fn default() -> Self {
-        Self {
-            rotation: UnitQuaternion::identity(),
-            translation: Vector3::zeros(),
-        }
-    }
-}
-
-impl Pose {
-    /// Where a point of the obstacle is.
-    pub fn of(&self, point: &Vector3) -> Vector3 {
-        self.rotation * point + self.translation
-    }
-
-    fn in_its_frame(&self, point: &Vector3) -> Vector3 {
-        self.rotation.inverse() * (point - self.translation)
-    }
-}
 
 /// The obstacles at the end of the step that is made, and at its start.
 #[derive(Clone, Default)]
@@ -169,11 +141,11 @@ impl PlacedObstacles {
         for (placed, obstacle) in self.placed.iter().zip(surface.obstacles()) {
             let segments = obstacle.segments.len();
             let near = |ends: &[usize], radius: f64| {
-                let ends = ends.iter().map(|&end| placed.pose.in_its_frame(&nodes[end]));
+                let ends = ends.iter().map(|&end| placed.pose.back_of(&nodes[end]));
                 around(ends, radius + clearance)
             };
             for (index, edge) in surface.rod_edges().iter().enumerate() {
-                if edge.held {
+                if edge.held || obstacle.hollow {
                     continue;
                 }
                 for part in placed.tree.intersect_aabb(&near(&edge.nodes, edge.radius)) {
@@ -187,6 +159,9 @@ impl PlacedObstacles {
                         found.push((pair, distance));
                     }
                 }
+            }
+            if obstacle.hollow {
+                placed.find_in_tube(surface, obstacle, &points, clearance, found);
             }
             if obstacle.faces.is_empty() {
                 continue;
@@ -226,20 +201,24 @@ impl PlacedObstacles {
         for (placed, obstacle) in self.placed.iter().zip(surface.obstacles()) {
             let segments = obstacle.segments.len();
             let swept = |nodes: &[usize], radius: f64| {
-                let before = nodes.iter().map(|&node| {
-                    placed.pose_at_start.in_its_frame(&start[node])
-                });
-                let after = nodes.iter().map(|&node| placed.pose.in_its_frame(&end[node]));
+                let before = nodes
+                    .iter()
+                    .map(|&node| placed.pose_at_start.back_of(&start[node]));
+                let after = nodes.iter().map(|&node| placed.pose.back_of(&end[node]));
                 around(before.chain(after), radius)
             };
             for (index, edge) in surface.rod_edges().iter().enumerate() {
-                if edge.held {
+                if edge.held || obstacle.hollow {
                     continue;
                 }
                 let parts = swept(&edge.nodes, edge.radius);
                 let parts = placed.tree.intersect_aabb(&parts).map(|part| part as usize);
                 let pairs = parts.filter(|part| *part < segments);
                 found.extend(pairs.map(|part| placed.pair_of_edges(surface, index, part)));
+            }
+            if obstacle.hollow {
+                let nodes = surface.nodes().iter();
+                found.extend(nodes.map(|node| placed.pair_in_tube(surface, node)));
             }
             if obstacle.faces.is_empty() {
                 continue;
@@ -258,13 +237,48 @@ impl PlacedObstacles {
 }
 
 impl Placed {
-    fn pair_of_edges(&self, surface: &ContactSurface, edge: usize, segment: usize) -> CandidatePair {
+    fn pair_of_edges(
+        &self,
+        surface: &ContactSurface,
+        edge: usize,
+        segment: usize,
+    ) -> CandidatePair {
         let other = self.first_edge + segment;
         let ([a, b], [c, d]) = (surface.edges()[edge].nodes, surface.edges()[other].nodes);
         CandidatePair {
             edges: [edge, other],
             nodes: [a, b, c, d],
-            side: 0,
+            side: EDGE,
+        }
+    }
+
+    fn pair_in_tube(&self, surface: &ContactSurface, node: &ContactNode) -> CandidatePair {
+        let [a, b] = surface.edges()[self.first_edge].nodes;
+        CandidatePair {
+            edges: [node.edge, self.first_edge],
+            nodes: [node.node, node.node, a, b],
+            side: TUBE,
+        }
+    }
+
+    /// Adds the nodes in a tube that are near its wall. What is outside passes by.
+    fn find_in_tube(
+        &self,
+        surface: &ContactSurface,
+        tube: &ContactObstacle,
+        points: &Points,
+        clearance: f64,
+        found: &mut Vec<(CandidatePair, f64)>,
+    ) {
+        for node in surface.nodes() {
+            let pair = self.pair_in_tube(surface, node);
+            let Some(closest) = ClosestPoints::in_tube(&points.of(pair.nodes)) else {
+                continue;
+            };
+            let distance = closest.distance() + tube.radius;
+            if 0.0 < distance && distance < node.radius + clearance {
+                found.push((pair, distance));
+            }
         }
     }
 }

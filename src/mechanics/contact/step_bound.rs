@@ -1,7 +1,9 @@
 //! How far a step may go without crossing the barrier of incremental potential contact.
 
 use super::candidates::approach;
+use super::closest_points::ClosestPoints;
 use super::contact_system::ContactSystem;
+use super::contacts::{EDGE, TUBE};
 use super::continuous_collision::{KEPT_GAP, safe_fraction};
 use super::obstacle::Foot;
 use crate::mechanics::Vector3;
@@ -80,11 +82,13 @@ impl ContactSystem {
                 let of_node = |node: usize| displacements.get(node).copied();
                 let moves = pair.nodes.map(|node| of_node(node).unwrap_or_default());
                 let touch = self.surface.core(pair.edges) + self.surface.threshold(pair.edges);
-                fraction = if pair.side == 0 {
-                    safe_fraction(&nodes, &moves, touch + standoff, fraction)
-                } else {
-                    let side = f64::from(pair.side);
-                    safe_fraction_over_face(&nodes, &moves[0], side, touch, fraction)
+                fraction = match pair.side {
+                    EDGE => safe_fraction(&nodes, &moves, touch + standoff, fraction),
+                    TUBE => safe_fraction_in_tube(&nodes, &moves[0], touch, fraction),
+                    side => {
+                        let side = f64::from(side);
+                        safe_fraction_over_face(&nodes, &moves[0], side, touch, fraction)
+                    }
                 };
             }
         }
@@ -109,6 +113,32 @@ impl ContactSystem {
         }
         fraction
     }
+}
+
+/// The fraction up to `longest` of a straight path, by `displacement`, of a node in a tube: to where its gap from the wall is a
+/// tenth of what it is, measured across the axis.
+fn safe_fraction_in_tube(
+    nodes: &[Vector3; 4],
+    displacement: &Vector3,
+    touch: f64,
+    longest: f64,
+) -> f64 {
+    let Some(closest) = ClosestPoints::in_tube(nodes) else {
+        return longest;
+    };
+    let gap = (closest.distance() - touch).max(0.0);
+    let axis = (nodes[3] - nodes[2]).normalize();
+    let across = displacement - axis * displacement.dot(&axis);
+    // |ρ + s u| = r for the part s of the way at which a tenth of the gap is left.
+    let (start, way) = (closest.separation, across);
+    let limit = -closest.distance() + (1.0 - KEPT_GAP) * gap;
+    let (square, mixed) = (way.norm_squared(), start.dot(&way));
+    if square == 0.0 {
+        return longest;
+    }
+    let room = (limit * limit - start.norm_squared()).max(0.0);
+    let meets = ((mixed * mixed + square * room).sqrt() - mixed) / square;
+    meets.min(longest)
 }
 
 /// The fraction up to `longest` of a straight path, by `displacement`, of the first node that a face allows: to where its gap
@@ -149,7 +179,11 @@ fn safe_fraction_over_face(
         return longest; // it comes from beside, where the rim has watched over it
     }
     let meets = (first + (1.0 - KEPT_GAP) * gap.max(0.0) / fall).max(0.0);
-    if meets > last { longest } else { meets.min(longest) }
+    if meets > last {
+        longest
+    } else {
+        meets.min(longest)
+    }
 }
 
 #[cfg(test)]

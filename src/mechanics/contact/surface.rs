@@ -178,7 +178,10 @@ impl ContactSurface {
 
     /// Vertices of all obstacles.
     fn vertex_count(&self) -> usize {
-        let vertices = self.obstacles.iter().map(|obstacle| obstacle.vertices.len());
+        let vertices = self
+            .obstacles
+            .iter()
+            .map(|obstacle| obstacle.vertices.len());
         vertices.sum()
     }
 
@@ -196,22 +199,9 @@ impl ContactSurface {
         self.edges[body].rod.checked_sub(rods)
     }
 
-    /// The face that a body is.
-    pub(super) fn face_of(&self, body: usize) -> Option<&ContactFace> {
-        let face = body.checked_sub(self.edges.len())?;
-        self.faces.get(face)
-    }
-
     /// Friction coefficient between two bodies, if not that of the contact model.
     pub(super) fn friction_between(&self, [_, second]: [usize; 2]) -> Option<f64> {
         Some(self.obstacles[self.obstacle_of(second)?].friction)
-    }
-
-    fn radius_of(&self, body: usize) -> f64 {
-        match self.face_of(body) {
-            Some(face) => self.obstacles[face.obstacle].radius,
-            None => self.edges[body].radius,
-        }
     }
 
     /// The nodes that planes may push.
@@ -240,10 +230,11 @@ impl ContactSurface {
 
     /// What to take off the distance of the edges or faces of a pair to have that of the surface of an obstacle, m.
     pub(super) fn core(&self, [_, second]: [usize; 2]) -> f64 {
-        if second < self.rod_edges {
-            0.0
-        } else {
-            self.radius_of(second)
+        match self.obstacle_of(second) {
+            None => 0.0,
+            // The distance from the axis of a tube counts as negative.
+            Some(obstacle) if self.obstacles[obstacle].hollow => -self.obstacles[obstacle].radius,
+            Some(obstacle) => self.obstacles[obstacle].radius,
         }
     }
 

@@ -2,16 +2,20 @@
 
 use super::broad_phase::BroadPhase;
 use super::closest_points::ClosestPoints;
+use super::nearest_points::NearestPoints;
+use super::placed_obstacles::PlacedObstacles;
 use super::surface::{ContactPlane, ContactSurface};
 use crate::mechanics::Vector3;
+use crate::mechanics::rotation::Pose;
 
-/// Points at which rods touch each other or a plane: where the gap between the surfaces is below
-/// `clearance` (m). A point lies in the middle of the gap between two rods, or on the plane.
+/// Points at which rods touch each other, a plane or an obstacle: where the gap between the surfaces is below
+/// `clearance` (m). A point lies in the middle of the gap between two rods, or on the plane or obstacle.
 ///
-/// `positions`: of all nodes, m.
+/// `positions`: of all nodes, m; `poses`: of all obstacles.
 pub fn touching_points(
     surface: &ContactSurface,
     planes: &[ContactPlane],
+    poses: &[Pose],
     positions: &[Vector3],
     clearance: f64,
 ) -> Vec<Vector3> {
@@ -29,6 +33,23 @@ pub fn touching_points(
             on_second + closest.separation * part
         })
         .collect();
+    let mut obstacles = PlacedObstacles::new(surface);
+    for (index, pose) in poses.iter().enumerate() {
+        obstacles.place(surface, index, *pose);
+    }
+    pairs.clear();
+    obstacles.find(surface, positions, clearance, &mut pairs);
+    let placed = obstacles.points(positions);
+    points.extend(pairs.iter().filter_map(|(pair, distance)| {
+        let nearest = NearestPoints::of(pair, &placed.of(pair.nodes), 0.0)?;
+        let first = pair
+            .nodes
+            .iter()
+            .zip(nearest.weights())
+            .take(pair.first_body());
+        let on_rod: Vector3 = first.map(|(node, weight)| placed.at(*node) * weight).sum();
+        Some(on_rod - nearest.normal() * *distance)
+    }));
     for plane in planes {
         for node in surface.nodes() {
             let position = positions[node.node];
@@ -65,13 +86,13 @@ mod tests {
     #[test]
     fn rods_of_unlike_radius_touch_between_their_surfaces() {
         let (surface, positions) = cross(0.01);
-        let points = touching_points(&surface, &[], &positions, 0.02);
+        let points = touching_points(&surface, &[], &[], &positions, 0.02);
         assert_eq!(points.len(), 1);
         assert!(
             (points[0] - Vector3::new(0.0, 0.0, 0.205)).norm() < 1e-5,
             "{points:?}"
         );
-        assert!(touching_points(&surface, &[], &positions, 0.005).is_empty());
+        assert!(touching_points(&surface, &[], &[], &positions, 0.005).is_empty());
     }
 
     #[test]
@@ -82,7 +103,7 @@ mod tests {
             normal: Vector3::z(),
             friction: 0.0,
         };
-        let points = touching_points(&surface, &[floor], &positions, 1e-3);
+        let points = touching_points(&surface, &[floor], &[], &positions, 1e-3);
         assert_eq!(points, [-Vector3::x(), Vector3::x()]);
     }
 }

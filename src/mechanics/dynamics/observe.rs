@@ -55,6 +55,13 @@ impl Simulation {
             .map_or(&[], |contact| contact.contacts())
     }
 
+    /// The obstacle that a contact is with.
+    pub fn obstacle_at(&self, contact: &ActiveContact) -> Option<usize> {
+        let system = self.system.contact.as_ref()?;
+        let pair = system.candidates().get(contact.candidate)?;
+        system.surface().obstacle_of(pair.edges[1])
+    }
+
     /// Contact force on each node in the last step, N; empty without contact.
     pub fn contact_forces(&self) -> Vec<Vector3> {
         let Some(contact) = &self.system.contact else {

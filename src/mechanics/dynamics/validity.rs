@@ -159,7 +159,8 @@ impl Validity {
     ) -> Option<String> {
         let contact = system.contact.as_ref()?;
         let mut fastest: Option<(f64, String)> = None;
-        let of_rods = |pair: &&crate::mechanics::contact::CandidatePair| contact.is_of_rod(pair.nodes[2]);
+        let of_rods =
+            |pair: &&crate::mechanics::contact::CandidatePair| contact.is_of_rod(pair.nodes[2]);
         for pair in contact.candidates().iter().filter(of_rods) {
             let [a, b] = [pair.nodes[0], pair.nodes[2]].map(|node| system.assembly.locate(node).0);
             let radii = system.assembly.radii[a] + system.assembly.radii[b];

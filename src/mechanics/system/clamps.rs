@@ -261,7 +261,11 @@ impl Drive {
 /// Adds the corners of a piecewise linear motion, whose way between two of them is `way` (m). A corner counts with the
 /// sum of the speeds on both sides of it, of which the jump of the velocity is at most as large; where the motion goes
 /// straight on, by its direction, it is their difference.
-pub(super) fn list_corners<T>(corners: &[(f64, T)], way: impl Fn(&T, &T) -> f64, events: &mut Vec<Event>) {
+pub(super) fn list_corners<T>(
+    corners: &[(f64, T)],
+    way: impl Fn(&T, &T) -> f64,
+    events: &mut Vec<Event>,
+) {
     for (k, (time, value)) in corners.iter().enumerate() {
         let speed = |(from, start): &(f64, T), (to, end): &(f64, T)| {
             let moved = way(start, end);

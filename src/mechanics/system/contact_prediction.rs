@@ -137,9 +137,7 @@ impl System {
         }
         let mut touches: Vec<Touch> = constraints
             .iter()
-            .map(|constraint| {
-                Touch::new(constraint, |node| self.slid(contact, node, stage))
-            })
+            .map(|constraint| Touch::new(constraint, |node| self.slid(contact, node, stage)))
             .collect();
         for (touch, constraint) in touches.iter_mut().zip(constraints) {
             if touch.force != Vector3::zeros() {

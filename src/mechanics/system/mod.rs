@@ -42,6 +42,7 @@ pub use grasp::{Grasp, Interventions};
 use loads::Loads;
 use newton_matrix::NewtonMatrix;
 use obstacles::MovingObstacle;
+pub use obstacles::{contact_obstacle, obstacle_poses};
 pub use residual::TERMS;
 pub use resultants::Resultants;
 pub use strain::{LargestStrains, SectionScale, Strain};

@@ -3,8 +3,8 @@
 use super::System;
 use super::clamps::{Turning, list_corners};
 use super::events::Event;
-use crate::mechanics::contact::{ContactObstacle, Pose};
-use crate::mechanics::rotation;
+use crate::mechanics::contact::ContactObstacle;
+use crate::mechanics::rotation::{self, Pose};
 use crate::mechanics::scene::{Motion, Obstacle, piecewise_linear, piecewise_turning};
 use crate::mechanics::{UnitQuaternion, Vector3};
 
@@ -74,14 +74,24 @@ impl MovingObstacle {
     }
 }
 
+/// Poses of obstacles at a time, s.
+pub fn obstacle_poses(obstacles: &[Obstacle], time: f64) -> Vec<Pose> {
+    let mut poses = vec![Pose::default(); obstacles.len()];
+    for moving in MovingObstacle::of(obstacles) {
+        poses[moving.obstacle] = moving.pose(time);
+    }
+    poses
+}
+
 /// The obstacle as contact sees it; `friction` is that of the contact model.
-pub(super) fn contact_obstacle(obstacle: &Obstacle, friction: f64) -> ContactObstacle {
+pub fn contact_obstacle(obstacle: &Obstacle, friction: f64) -> ContactObstacle {
     let body = &obstacle.body;
     ContactObstacle {
         vertices: body.vertices.clone(),
         segments: body.segments.clone(),
         faces: body.faces.clone(),
         closed: body.closed,
+        hollow: body.hollow,
         radius: body.radius,
         friction: obstacle.friction.unwrap_or(friction),
     }
@@ -96,15 +106,6 @@ impl System {
         for moving in &self.moving_obstacles {
             contact.place_obstacle(moving.obstacle, moving.pose(time));
         }
-    }
-
-    /// Poses of all obstacles at `time`, s.
-    pub fn obstacle_poses(&self, obstacles: usize, time: f64) -> Vec<Pose> {
-        let mut poses = vec![Pose::default(); obstacles];
-        for moving in &self.moving_obstacles {
-            poses[moving.obstacle] = moving.pose(time);
-        }
-        poses
     }
 
     /// Lets the next step start where the obstacles are.

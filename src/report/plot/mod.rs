@@ -11,6 +11,7 @@ pub use custom::{CustomFigure, custom_figure};
 pub use error::PlotError;
 
 use super::branches::{Branches, PARAMETER};
+use super::obstacles::{obstacles_of, surfaces, surfaces_at};
 use crate::experiment::{from_text, kind_named};
 use crate::figure::{
     Figure, FigureOptions, Format, Plane, RodCurve, RodsFigure, Snapshot, View, is_picture,
@@ -145,6 +146,13 @@ pub(crate) fn rods_figure(directory: &Path, manifest: &Manifest) -> Result<Figur
         .flat_map(|rod| &rod.points);
     let view = View::fitting(points);
     let planes = scenario.iter().flat_map(|scenario| &scenario.planes);
+    let obstacles = obstacles_of(scenario.as_ref());
+    let positions = outputs.iter().flat_map(|output| &output.positions);
+    let surfaces = surfaces(&obstacles, positions);
+    let times = evenly_spread(&indexed, SNAPSHOTS).map(|(_, output)| output.time);
+    let obstacles = times
+        .map(|time| surfaces_at(&obstacles, &surfaces, time))
+        .collect();
     Ok(Figure::Rods(RodsFigure {
         view,
         names: if (2..=NAMED_RODS).contains(&rods.len()) {
@@ -162,6 +170,7 @@ pub(crate) fn rods_figure(directory: &Path, manifest: &Manifest) -> Result<Figur
                 normal: plane.normal.into(),
             })
             .collect(),
+        obstacles,
         snapshots,
     }))
 }

@@ -9,8 +9,11 @@ use crate::figure::{
     Movie, MovieCase, MovieFrame, MoviePlane, MovieRod, View, is_page, movie_page,
 };
 use crate::mechanics::contact::{ContactPlane, ContactSurface, touching_points};
+use crate::mechanics::scene::Obstacle;
+use crate::mechanics::system::{contact_obstacle, obstacle_poses};
 use crate::report::branches::Branches;
 use crate::report::case_folders::{CaseFolder, case_folders};
+use crate::report::obstacles::{movie_obstacles, obstacles_of};
 use crate::results::{
     Manifest, NODES, NodePositions, ResultsError, read_node_forces, read_nodes, replace_own,
 };
@@ -186,7 +189,8 @@ fn movie_case(
         // Equilibria do not move.
         fields.retain(|field| field.unit != "m/s");
     }
-    let contacts = contacts(&rods, &outputs, scenario.as_ref());
+    let obstacles = obstacles_of(scenario.as_ref());
+    let contacts = contacts(&rods, &outputs, scenario.as_ref(), &obstacles);
     let planes = scenario.iter().flat_map(|scenario| &scenario.planes);
     let case = MovieCase {
         name: folder.name.clone(),
@@ -198,6 +202,11 @@ fn movie_case(
                 normal: plane.normal,
             })
             .collect(),
+        obstacles: movie_obstacles(
+            &obstacles,
+            &outputs.iter().map(|output| output.time).collect::<Vec<_>>(),
+            outputs.iter().flat_map(|output| &output.positions),
+        ),
         view: View::fitting(outputs.iter().flat_map(|output| &output.positions)),
         frames: outputs
             .into_iter()
@@ -232,6 +241,7 @@ fn contacts(
     rods: &[MovieRod],
     outputs: &[NodePositions],
     scenario: Option<&Scenario>,
+    obstacles: &[Obstacle],
 ) -> Vec<Vec<nalgebra::Vector3<f64>>> {
     let none = vec![Vec::new(); outputs.len()];
     let Some(scenario) = scenario else {
@@ -247,6 +257,9 @@ fn contacts(
         surface.add_rod(first, placed, rod.closed, rod.radius, rod.held);
         first += rod.nodes;
     }
+    for obstacle in obstacles {
+        surface.add_obstacle(contact_obstacle(obstacle, 0.0));
+    }
     let planes: Vec<ContactPlane> = scenario
         .planes
         .iter()
@@ -258,7 +271,10 @@ fn contacts(
         .collect();
     outputs
         .par_iter()
-        .map(|output| touching_points(&surface, &planes, &output.positions, clearance))
+        .map(|output| {
+            let poses = obstacle_poses(obstacles, output.time);
+            touching_points(&surface, &planes, &poses, &output.positions, clearance)
+        })
         .collect()
 }
 

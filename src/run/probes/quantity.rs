@@ -123,7 +123,9 @@ pub enum ContactPartner {
     Rod(usize),
     /// A plane.
     Plane(usize),
-    /// All rods and planes.
+    /// An obstacle.
+    Obstacle(usize),
+    /// All rods, planes and obstacles.
     Anything,
 }
 
@@ -317,21 +319,23 @@ fn contact_force(simulation: &Simulation, rod: usize, from: ContactPartner) -> V
     let is_on = |rod: usize, node: usize| ranges[rod].node_indices().contains(&node);
     let (mut sum, mut normal, mut tangential) = (Vector3::zeros(), 0.0, 0.0);
     for pair in simulation.contacts() {
-        // The edges of a pair, as rod and the other.
-        let ends = [(0, 2), (2, 0)].map(|(own, other)| (pair.nodes[own], pair.nodes[other], own));
+        // The bodies of a pair, as rod and the other, with the sign of the force on the rod.
+        let ends = [(0, 2, 1.0), (2, 0, -1.0)];
+        let ends = ends.map(|(own, other, sign)| (pair.nodes[own], pair.nodes[other], sign));
         let mut is_counted = false;
-        for (own, other, corner) in ends {
+        for (own, other, sign) in ends {
             let counts = match from {
                 ContactPartner::Rod(partner) => is_on(rod, own) && is_on(partner, other),
                 ContactPartner::Anything => is_on(rod, own),
+                ContactPartner::Obstacle(obstacle) => {
+                    is_on(rod, own) && simulation.obstacle_at(pair) == Some(obstacle)
+                }
                 ContactPartner::Plane(_) => false,
             };
             if !counts {
                 continue;
             }
-            let part =
-                |corner: usize| Vector3::from_column_slice(&pair.force[3 * corner..3 * corner + 3]);
-            let force = part(corner) + part(corner + 1);
+            let force = pair.force_on_first() * sign;
             sum += force;
             // A contact of a rod with itself is one, though both its edges are on the rod.
             if !is_counted {
@@ -345,7 +349,7 @@ fn contact_force(simulation: &Simulation, rod: usize, from: ContactPartner) -> V
         let counts = match from {
             ContactPartner::Plane(plane) => touch.plane == plane,
             ContactPartner::Anything => true,
-            ContactPartner::Rod(_) => false,
+            ContactPartner::Rod(_) | ContactPartner::Obstacle(_) => false,
         };
         if !counts || !is_on(rod, touch.node) {
             continue;

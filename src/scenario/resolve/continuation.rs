@@ -58,7 +58,13 @@ pub fn continuation(top: &Section<'_>, file: &ScenarioFile, time: &Time) -> Opti
 }
 
 /// Refuses friction, whose forces at rest depend on how the rods came there.
-pub fn refuse_friction(top: &Section<'_>, time: &Time, friction: f64, planes: &[Plane], obstacles: &[Obstacle]) {
+pub fn refuse_friction(
+    top: &Section<'_>,
+    time: &Time,
+    friction: f64,
+    planes: &[Plane],
+    obstacles: &[Obstacle],
+) {
     if !matches!(time, Time::Static | Time::Continuation) {
         return;
     }

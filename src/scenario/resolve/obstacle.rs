@@ -72,13 +72,12 @@ fn shape(
             radius: section.required("radius", &sphere.radius, POSITIVE),
         },
         typed::ObstacleShape::Capsule(capsule) => {
-            let start = section.required_vector("start", &capsule.start);
-            let end = section.required_vector("end", &capsule.end);
-            if start == end {
-                section.fault("end", "`start` and `end` are the same; a sphere has a `centre`");
-            }
-            let radius = section.required("radius", &capsule.radius, POSITIVE);
+            let ([start, end], radius) = segment(section, capsule);
             ObstacleShape::Capsule { start, end, radius }
+        }
+        typed::ObstacleShape::Tube(tube) => {
+            let ([start, end], radius) = segment(section, tube);
+            ObstacleShape::Tube { start, end, radius }
         }
         typed::ObstacleShape::Cylinder(cylinder) => ObstacleShape::Cylinder {
             point: section.required_vector("point", &cylinder.point),
@@ -89,6 +88,19 @@ fn shape(
         typed::ObstacleShape::Mesh(typed) => return mesh(context, section, typed),
         typed::ObstacleShape::Heights(typed) => return heights(section, typed),
     })
+}
+
+fn segment(section: &Section<'_>, typed: &typed::Capsule) -> ([[f64; 3]; 2], f64) {
+    let start = section.required_vector("start", &typed.start);
+    let end = section.required_vector("end", &typed.end);
+    if start == end {
+        section.fault(
+            "end",
+            "`start` and `end` are the same: there is no axis between them",
+        );
+    }
+    let radius = section.required("radius", &typed.radius, POSITIVE);
+    ([start, end], radius)
 }
 
 fn cuboid(section: &Section<'_>, typed: &typed::Cuboid) -> ObstacleShape {
@@ -130,15 +142,19 @@ fn mesh(
                 return None;
             }
         },
-        (None, Some(vertices), Some(triangles)) => {
-            (vertices.clone(), corners(section, vertices.len(), triangles)?)
-        }
+        (None, Some(vertices), Some(triangles)) => (
+            vertices.clone(),
+            corners(section, vertices.len(), triangles)?,
+        ),
         (None, None, None) => {
             section.missing("file", "an STL or OBJ file, or `vertices` and `triangles`");
             return None;
         }
         (Some(_), ..) => {
-            section.fault("file", "give `file`, or `vertices` and `triangles`, not both");
+            section.fault(
+                "file",
+                "give `file`, or `vertices` and `triangles`, not both",
+            );
             return None;
         }
         _ => {
@@ -147,7 +163,9 @@ fn mesh(
         }
     };
     let unit = section.with_default("unit", &typed.unit, POSITIVE, 1.0);
-    let position = section.vector("position", &typed.position).unwrap_or_default();
+    let position = section
+        .vector("position", &typed.position)
+        .unwrap_or_default();
     let axis = section.direction("axis", &typed.axis).unwrap_or(UP);
     let angle = section.with_default("angle", &typed.angle, FINITE, 0.0);
     let placed = |vertex: &[f64; 3]| {
@@ -182,9 +200,15 @@ fn corners(
         if let Some(k) = known.iter().position(|corner| *corner >= vertices) {
             let message = match vertices {
                 0 => "there are no vertices".to_owned(),
-                _ => format!("there is no vertex {}; allowed: 0 to {}", triangle[k], vertices - 1),
+                _ => format!(
+                    "there is no vertex {}; allowed: 0 to {}",
+                    triangle[k],
+                    vertices - 1
+                ),
             };
-            below.below(&index.to_string()).fault(&k.to_string(), message);
+            below
+                .below(&index.to_string())
+                .fault(&k.to_string(), message);
             return None;
         }
         corners.push(known);
@@ -211,7 +235,10 @@ fn heights(section: &Section<'_>, typed: &typed::Heights) -> Option<ObstacleShap
     let origin = section.vector("origin", &typed.origin).unwrap_or_default();
     let spacing = section.required("spacing", &typed.spacing, POSITIVE);
     let Some(rows) = &typed.heights else {
-        section.missing("heights", "rows of heights, such as [[0, 0, 0], [0, 0.01, 0]]");
+        section.missing(
+            "heights",
+            "rows of heights, such as [[0, 0, 0], [0, 0.01, 0]]",
+        );
         return None;
     };
     let (count, length) = (rows.len(), rows.first().map_or(0, Vec::len));
@@ -227,7 +254,10 @@ fn heights(section: &Section<'_>, typed: &typed::Heights) -> Option<ObstacleShap
     let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
     for (row, heights) in rows.iter().enumerate() {
         if heights.len() != length {
-            let message = format!("{} heights, where the first row has {length}", heights.len());
+            let message = format!(
+                "{} heights, where the first row has {length}",
+                heights.len()
+            );
             below.fault(&row.to_string(), message);
             return None;
         }

@@ -178,6 +178,12 @@ fn pressed_rod(section: &Section<'_>, probe: &typed::ContactForceProbe) -> Press
             "either a rod or a plane presses; leave one of the keys out",
         );
     }
+    if probe.from_obstacle.is_some() && (probe.from_rod.is_some() || probe.from_plane.is_some()) {
+        section.fault(
+            "from_obstacle",
+            "either a rod, a plane or an obstacle presses; leave the other keys out",
+        );
+    }
     let plane = |number: i64| {
         let found = usize::try_from(number).ok();
         if found.is_none() {
@@ -190,6 +196,7 @@ fn pressed_rod(section: &Section<'_>, probe: &typed::ContactForceProbe) -> Press
         rod: probe.rod.clone(),
         from_rod: probe.from_rod.clone(),
         from_plane: probe.from_plane.and_then(plane),
+        from_obstacle: probe.from_obstacle.clone(),
     }
 }
 

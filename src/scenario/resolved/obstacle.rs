@@ -70,6 +70,15 @@ pub enum ObstacleShape {
         /// The radius, m.
         radius: f64,
     },
+    /// The inside of a tube.
+    Tube {
+        /// First end of its axis, m.
+        start: [f64; 3],
+        /// Last end, m.
+        end: [f64; 3],
+        /// Inner radius, m.
+        radius: f64,
+    },
     /// All points within a radius of a line.
     Cylinder {
         /// A point of the line, m.

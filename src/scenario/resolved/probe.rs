@@ -113,9 +113,12 @@ pub struct PressedRod {
     /// Name of the rod that presses on it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub from_rod: Option<String>,
-    /// The plane that presses on it; `None` of both means all rods and planes.
+    /// The plane that presses on it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub from_plane: Option<usize>,
+    /// Name of the obstacle that presses on it; `None` of all three means all rods, planes and obstacles.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub from_obstacle: Option<String>,
 }
 
 /// A rod.

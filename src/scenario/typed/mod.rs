@@ -20,7 +20,7 @@ pub use load::{Clamp, Load, Place, Plane, Pose};
 pub use model::{
     BuilderRod, Contact, ContactModel, Fluid, FluidModel, Mode, Output, SchemeChoice, Solver, Time,
 };
-pub use obstacle::{Cuboid, Heights, Mesh, Obstacle, ObstacleShape};
+pub use obstacle::{Capsule, Cuboid, Heights, Mesh, Obstacle, ObstacleShape};
 pub use probe::{
     ContactForceProbe, DistanceProbe, EdgeProbe, NodeProbe, Probe, RodProbe, SectionProbe, StopWhen,
 };

@@ -47,6 +47,8 @@ pub enum ObstacleShape {
     Capsule(Capsule),
     /// A cylinder without ends.
     Cylinder(Cylinder),
+    /// The inside of a tube, open at both ends.
+    Tube(Capsule),
     /// A box, with rounded edges if asked.
     Box(Cuboid),
     /// A triangle mesh.
@@ -65,7 +67,7 @@ pub struct Sphere {
     pub radius: Option<Quantity<Length>>,
 }
 
-/// A cylinder with round ends: all points within the radius of a segment.
+/// A cylinder with round ends: all points within the radius of a segment; or the inside of a tube, with its inner radius.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "capsule")]
 pub struct Capsule {

@@ -116,11 +116,13 @@ pub struct ContactForceProbe {
     pub name: Option<String>,
     /// Name of the rod on which the force acts. Default: the only rod there is.
     pub rod: Option<String>,
-    /// Name of the rod that presses on it; its own name for contact with itself, whose sum is zero. Default: all rods
-    /// and planes.
+    /// Name of the rod that presses on it; its own name for contact with itself, whose sum is zero. Default: all rods,
+    /// planes and obstacles.
     pub from_rod: Option<String>,
     /// Number of the plane that presses on it, counted from zero, instead of a rod.
     pub from_plane: Option<i64>,
+    /// Name of the obstacle that presses on it, instead of a rod.
+    pub from_obstacle: Option<String>,
     /// What stands in `summary.csv`: the "last", "max", "min" or "mean" value of the rows. Default: nothing.
     pub summary: Option<Summary>,
 }

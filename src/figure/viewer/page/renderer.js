@@ -14,6 +14,8 @@ class Renderer {
     this.gl = gl;
     this.tube = this.program("tube", ["ring", "nodes", "rod"]);
     this.plane = this.program("plane", []);
+    this.obstacle = this.program("obstacle", ["corner"]);
+    this.corners = gl.createBuffer();
     this.contact = this.program("contact", ["contact"]);
     this.bars = { sequential: this.barTexture(SEQUENTIAL), diverging: this.barTexture(DIVERGING) };
     this.palette = new Float32Array(movie.palette.flatMap((hex) => channels(hex).map((c) => c / 255)));
@@ -176,6 +178,7 @@ class Renderer {
     gl.enable(gl.BLEND);
     gl.depthMask(false);
     this.drawPlanes(camera, projection, look);
+    this.drawObstacles(camera, projection, look);
     if (look.contacts) this.drawContacts(projection, look, density);
     gl.depthMask(true);
     gl.disable(gl.BLEND);
@@ -260,6 +263,28 @@ class Renderer {
       gl.uniform1f(uniforms.fill, fill);
       gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
     }
+  }
+
+  /** Rigid bodies, half clear. */
+  drawObstacles(camera, projection, look) {
+    const gl = this.gl, { program, uniforms } = this.obstacle;
+    if (!this.shown.obstacles.length) return;
+    const { right, up, eye } = camera.basis();
+    gl.useProgram(program);
+    gl.uniformMatrix4fv(uniforms.projection, false, projection);
+    gl.uniform3fv(uniforms.light, unit(add(add(eye, up, 0.75), right, -0.55)));
+    gl.uniform3fv(uniforms.ink, look.ink);
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.corners);
+    gl.enableVertexAttribArray(0);
+    gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 12, 0);
+    for (const { corners, poses } of this.shown.obstacles) {
+      const still = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
+      const [from, to] = [poses[look.frame] || still, poses[look.next] || still];
+      gl.uniformMatrix4fv(uniforms.pose, false, from.map((x, k) => x + look.blend * (to[k] - x)));
+      gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(corners), gl.STREAM_DRAW);
+      gl.drawArrays(gl.TRIANGLES, 0, corners.length / 3);
+    }
+    gl.disableVertexAttribArray(0);
   }
 
   /** Rings at the contacts: clear where they are in sight, pale where rods are before them. */

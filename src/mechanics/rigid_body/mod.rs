@@ -1,5 +1,7 @@
 //! Shapes of rigid obstacles: all points within a radius of some segments and triangles.
 
+mod surface;
+
 use super::{UnitQuaternion, Vector3};
 use std::collections::BTreeMap;
 
@@ -20,6 +22,8 @@ pub struct RigidBody {
     pub faces: Vec<[usize; 3]>,
     /// Whether the faces enclose the body, which is touched from outside alone; otherwise from both sides.
     pub closed: bool,
+    /// Whether it is a tube around its only segment, with rods inside.
+    pub hollow: bool,
     /// Distance of the surface from segments and faces, m.
     pub radius: f64,
 }
@@ -44,10 +48,14 @@ pub enum MeshFault {
         vertices: usize,
     },
     /// A triangle without area.
-    #[error("triangle {0} has no area: two of its corners, or all three along a line, are the same")]
+    #[error(
+        "triangle {0} has no area: two of its corners, or all three along a line, are the same"
+    )]
     Degenerate(usize),
     /// Neighbours that do not agree about the outside.
-    #[error("triangles {0} and {1} face opposite ways: along their common side one of them is flipped")]
+    #[error(
+        "triangles {0} and {1} face opposite ways: along their common side one of them is flipped"
+    )]
     Flipped(usize, usize),
     /// More than two triangles along one side.
     #[error("{0} triangles meet along one side (triangle {1} is one of them); allowed: 2")]
@@ -94,6 +102,15 @@ impl RigidBody {
         Self::capsule([point - half, point + half], radius)
     }
 
+    /// A tube of an inner radius (m) around the segment between two points, open at both ends: what is inside stays there,
+    /// what is outside passes by.
+    pub fn tube(ends: [Vector3; 2], radius: f64) -> Self {
+        Self {
+            hollow: true,
+            ..Self::capsule(ends, radius)
+        }
+    }
+
     /// A box of three side lengths (m) around a centre, turned, whose edges are rounded to a radius (m) of less than half of
     /// the shortest side.
     pub fn cuboid(
@@ -104,7 +121,13 @@ impl RigidBody {
     ) -> Self {
         let half = sides * 0.5 - Vector3::repeat(rounding);
         let corner = |k: usize| {
-            let side = |axis: usize| if k >> axis & 1 == 1 { half[axis] } else { -half[axis] };
+            let side = |axis: usize| {
+                if k >> axis & 1 == 1 {
+                    half[axis]
+                } else {
+                    -half[axis]
+                }
+            };
             centre + orientation * Vector3::new(side(0), side(1), side(2))
         };
         // The four corners of each face, anticlockwise as seen from outside.
@@ -206,7 +229,7 @@ impl RigidBody {
             segments,
             faces,
             closed,
-            radius: 0.0,
+            ..Self::default()
         })
     }
 }
@@ -240,7 +263,10 @@ mod tests {
         } = unit_box();
         let of = |faces: Vec<[usize; 3]>| RigidBody::of_mesh(vertices.clone(), faces, true);
         let without = faces[1..].to_vec();
-        assert!(matches!(of(without.clone()), Err(MeshFault::Holes { sides: 3, .. })));
+        assert!(matches!(
+            of(without.clone()),
+            Err(MeshFault::Holes { sides: 3, .. })
+        ));
         assert!(RigidBody::of_mesh(vertices.clone(), without, false).is_ok());
         let flipped: Vec<_> = (faces.iter().enumerate())
             .map(|(k, &[a, b, c])| if k == 5 { [a, c, b] } else { [a, b, c] })
@@ -252,7 +278,10 @@ mod tests {
         assert!(matches!(of(twice), Err(MeshFault::Branched(3, _))));
         assert_eq!(of(vec![[0, 1, 1]]), Err(MeshFault::Degenerate(0)));
         assert_eq!(of(Vec::new()), Err(MeshFault::Empty));
-        assert!(matches!(of(vec![[0, 1, 9]]), Err(MeshFault::NoVertex { vertex: 9, .. })));
+        assert!(matches!(
+            of(vec![[0, 1, 9]]),
+            Err(MeshFault::NoVertex { vertex: 9, .. })
+        ));
         let lost = vec![Vector3::zeros(), Vector3::x() * f64::NAN];
         assert_eq!(
             RigidBody::of_mesh(lost, vec![[0, 1, 0]], false),

@@ -1,0 +1,72 @@
+//! Obstacles of a scenario, for pictures.
+
+use crate::experiment::place_obstacles;
+use crate::figure::MovieObstacle;
+use crate::mechanics::Vector3;
+use crate::mechanics::scene::Obstacle;
+use crate::mechanics::system::obstacle_poses;
+use crate::scenario::Scenario;
+
+/// Most triangles of an obstacle that pictures show.
+const MOST_TRIANGLES: usize = 200_000;
+
+/// The obstacles of a scenario; none where it could not be read.
+pub fn obstacles_of(scenario: Option<&Scenario>) -> Vec<Obstacle> {
+    scenario.map(place_obstacles).unwrap_or_default()
+}
+
+/// Surfaces of obstacles at time zero, as triangles; of endless ones the part near `points`.
+pub fn surfaces<'a>(
+    obstacles: &[Obstacle],
+    points: impl Iterator<Item = &'a Vector3> + Clone,
+) -> Vec<Vec<[Vector3; 3]>> {
+    let count = points.clone().count().max(1) as f64;
+    let centre = points.clone().sum::<Vector3>() / count;
+    let reach = points.fold(0.0, |most, x| f64::max(most, (x - centre).norm()));
+    let bodies = obstacles.iter().map(|obstacle| &obstacle.body);
+    let surfaces = bodies.map(|body| body.surface(&centre, reach));
+    surfaces
+        .map(|mut triangles| {
+            triangles.truncate(MOST_TRIANGLES);
+            triangles
+        })
+        .collect()
+}
+
+/// Obstacles as the 3-D page shows them at these times, s.
+pub fn movie_obstacles<'a>(
+    obstacles: &[Obstacle],
+    times: &[f64],
+    points: impl Iterator<Item = &'a Vector3> + Clone,
+) -> Vec<MovieObstacle> {
+    let poses: Vec<_> = (times.iter())
+        .map(|time| obstacle_poses(obstacles, *time))
+        .collect();
+    let surfaces = surfaces(obstacles, points).into_iter().enumerate();
+    surfaces
+        .map(|(index, triangles)| MovieObstacle {
+            triangles,
+            poses: if obstacles[index].motion.moves() {
+                poses.iter().map(|poses| poses[index].matrix()).collect()
+            } else {
+                Vec::new()
+            },
+        })
+        .collect()
+}
+
+/// Their triangles as they are at a time, s.
+pub fn surfaces_at(
+    obstacles: &[Obstacle],
+    surfaces: &[Vec<[Vector3; 3]>],
+    time: f64,
+) -> Vec<[Vector3; 3]> {
+    let poses = obstacle_poses(obstacles, time);
+    let placed = surfaces.iter().zip(&poses);
+    placed
+        .flat_map(|(triangles, pose)| {
+            let triangles = triangles.iter();
+            triangles.map(|corners| corners.map(|corner| pose.of(&corner)))
+        })
+        .collect()
+}

@@ -1,0 +1,246 @@
+//! Obstacles of every shape, through scenario files: ropes over round ones, a beam lifted by an edge and by a ball.
+
+use super::theory::friction::Capstan;
+use super::{Check, Expectation, GroupError};
+use crate::experiment;
+use crate::mechanics::Vector3;
+use crate::mechanics::dynamics::Simulation;
+use std::f64::consts::PI;
+use std::fmt::Write;
+use std::path::Path;
+
+const CAPSTAN: Expectation = Expectation {
+    formula: "T₂ = T₁ exp(μφ), corrected for EI",
+    source: "Euler; balance of the elastica",
+};
+const LIFTED: Expectation = Expectation {
+    formula: "F = 3 EI w/a³",
+    source: "Euler–Bernoulli",
+};
+const FACETED: Expectation = Expectation {
+    formula: "force at a ball of formula",
+    source: "",
+};
+
+/// Rope and post, m; see the scene.
+const POST_RADIUS: f64 = 0.02;
+const ROPE_RADIUS: f64 = 1e-3;
+const WRAP_RADIUS: f64 = POST_RADIUS + ROPE_RADIUS;
+const FRICTION: f64 = 0.3;
+/// Bending and stretching stiffness of the rope, N m² and N.
+const BENDING: f64 = 4.41e-6;
+const STRETCHING: f64 = 1e3;
+/// Edges around the post and in each leg.
+const WRAPPED_EDGES: usize = 80;
+const LEG_EDGES: usize = 30;
+
+/// Ropes over a cylinder, a sphere, and meshes of that cylinder; a beam lifted by the edge of a box and by balls.
+pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
+    let cylinder =
+        "{ kind = \"cylinder\", point = [0, 0, 0], direction = [0, 0, 1], radius = \"20 mm\" }";
+    let sphere = "{ kind = \"sphere\", centre = [0, 0, 0], radius = \"20 mm\" }";
+    let ropes = [
+        ("a cylinder", "imc", cylinder.to_owned()),
+        ("a cylinder", "ipc", cylinder.to_owned()),
+        ("a cylinder", "complementarity", cylinder.to_owned()),
+        ("the great circle of a sphere", "imc", sphere.to_owned()),
+        ("a mesh of 64 faces", "imc", prism(64)),
+        ("a mesh of 256 faces", "imc", prism(256)),
+    ];
+    let mut checks = Vec::new();
+    for (over, model, shape) in &ropes {
+        checks.push(capstan(over, model, shape)?);
+    }
+    checks.extend(lifted_beam()?);
+    Ok(checks)
+}
+
+/// A scene, with these keys set.
+fn simulation(text: &str, overrides: &[String]) -> Result<Simulation, GroupError> {
+    let loaded = experiment::from_text("scene", text, Path::new(""), overrides)?;
+    let prepared = experiment::prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?;
+    Ok(Simulation::new(&prepared.scene, &prepared.integration)?)
+}
+
+fn capstan(over: &str, model: &str, shape: &str) -> Result<Check, GroupError> {
+    let nodes = rope();
+    let points: Vec<[f64; 3]> = nodes.iter().map(|x| (*x).into()).collect();
+    let overrides = [
+        format!("rods.0.shape.points={points:?}"),
+        format!("obstacles.0.shape={shape}"),
+        format!("contact.model={model}"),
+    ];
+    let mut simulation = simulation(include_str!("scenes/rope.toml"), &overrides)?;
+    let tension = |simulation: &Simulation, edge: usize| {
+        let natural = (nodes[edge + 1] - nodes[edge]).norm();
+        let now = simulation.positions();
+        STRETCHING * ((now[edge + 1] - now[edge]).norm() / natural - 1.0)
+    };
+    // The edges in the middle of the legs, where the rope is straight.
+    let (lesser_edge, greater_edge) = (LEG_EDGES / 2, nodes.len() - 2 - LEG_EDGES / 2);
+    let (settled, end) = (0.3, 0.5);
+    let (mut lesser, mut greater, mut samples) = (0.0, 0.0, 0.0);
+    while simulation.time() < end {
+        simulation.advance(end)?;
+        if simulation.time() > settled {
+            lesser += tension(&simulation, lesser_edge);
+            greater += tension(&simulation, greater_edge);
+            samples += 1.0;
+        }
+    }
+    let (lesser, greater) = (lesser / samples, greater / samples);
+    let theory = Capstan {
+        friction: FRICTION,
+        angle: PI,
+        bending: BENDING,
+        radius: WRAP_RADIUS,
+    };
+    let expected = theory.greater_tension(lesser);
+    Ok(CAPSTAN.relative(
+        format!("rope over {over}, μ = 0.3, half a turn, {model}: T₂/T₁"),
+        "",
+        expected / lesser,
+        greater / lesser,
+        5e-3,
+    ))
+}
+
+/// The nodes of the rope, from the weight over the post to the end that is pulled. They stand outside, so that the edges between
+/// them touch the post in their middle.
+fn rope() -> Vec<Vector3> {
+    let step = PI / WRAPPED_EDGES as f64;
+    let edge = 2.0 * WRAP_RADIUS * libm::tan(0.5 * step);
+    let corner = WRAP_RADIUS / libm::cos(0.5 * step);
+    let gap = 1.0 + 3e-3;
+    let leg = |k: usize, side: f64| Vector3::new(side * corner, -edge * k as f64, 0.0) * gap;
+    let around = |k: usize| {
+        let angle = PI - step * k as f64;
+        Vector3::new(libm::cos(angle), libm::sin(angle), 0.0) * (corner * gap)
+    };
+    (1..=LEG_EDGES)
+        .rev()
+        .map(|k| leg(k, -1.0))
+        .chain((0..=WRAPPED_EDGES).map(around))
+        .chain((1..=LEG_EDGES).map(|k| leg(k, 1.0)))
+        .collect()
+}
+
+/// The cylinder as a mesh with so many faces around it; its corners lie on the cylinder.
+fn prism(faces: usize) -> String {
+    let corner = |k: usize, z: f64| {
+        let (sine, cosine) = libm::sincos(2.0 * PI * k as f64 / faces as f64);
+        [POST_RADIUS * cosine, POST_RADIUS * sine, z]
+    };
+    let ring = |z: f64| (0..faces).map(move |k| corner(k, z));
+    let mut vertices: Vec<[f64; 3]> = ring(-0.01).chain(ring(0.01)).collect();
+    vertices.extend([[0.0, 0.0, -0.01], [0.0, 0.0, 0.01]]);
+    let mut triangles = Vec::new();
+    for k in 0..faces {
+        let next = (k + 1) % faces;
+        triangles.extend([
+            [k, next, faces + next],
+            [k, faces + next, faces + k],
+            [2 * faces, next, k],
+            [2 * faces + 1, faces + k, faces + next],
+        ]);
+    }
+    mesh(&vertices, &triangles)
+}
+
+/// A ball as a mesh: an octahedron whose faces are cut in four so many times, with corners on the ball.
+fn ball(centre: [f64; 3], radius: f64, cuts: usize) -> String {
+    let directions = [
+        [1, 0, 0],
+        [-1, 0, 0],
+        [0, 1, 0],
+        [0, -1, 0],
+        [0, 0, 1],
+        [0, 0, -1],
+    ];
+    let mut corners: Vec<Vector3> = directions
+        .map(|direction| Vector3::from(direction.map(f64::from)))
+        .to_vec();
+    let mut triangles = vec![
+        [0, 2, 4],
+        [2, 1, 4],
+        [1, 3, 4],
+        [3, 0, 4],
+        [2, 0, 5],
+        [1, 2, 5],
+        [3, 1, 5],
+        [0, 3, 5],
+    ];
+    for _ in 0..cuts {
+        let mut middles = std::collections::BTreeMap::new();
+        let mut middle = |a: usize, b: usize| {
+            *middles.entry([a.min(b), a.max(b)]).or_insert_with(|| {
+                corners.push((corners[a] + corners[b]).normalize());
+                corners.len() - 1
+            })
+        };
+        triangles = triangles
+            .iter()
+            .flat_map(|&[a, b, c]| {
+                let [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
+                [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+            })
+            .collect();
+    }
+    let vertices: Vec<[f64; 3]> = (corners.iter())
+        .map(|corner| std::array::from_fn(|k| centre[k] + radius * corner[k]))
+        .collect();
+    mesh(&vertices, &triangles)
+}
+
+fn mesh(vertices: &[[f64; 3]], triangles: &[[usize; 3]]) -> String {
+    let mut text = String::from("{ kind = \"mesh\", ");
+    let _ = write!(
+        text,
+        "vertices = {vertices:?}, triangles = {triangles:?} }}"
+    );
+    text
+}
+
+/// Radius of the balls that lift the beam, m.
+const BALL: f64 = 0.02;
+
+fn lifted_beam() -> Result<[Check; 2], GroupError> {
+    let text = include_str!("scenes/pushed_beam.toml");
+    let force = |overrides: &[String]| -> Result<f64, GroupError> {
+        let mut simulation = simulation(text, overrides)?;
+        while simulation.time() < 1.5 {
+            simulation.advance(1.5)?;
+        }
+        Ok(simulation
+            .contact_forces()
+            .iter()
+            .map(|force| force.z)
+            .sum())
+    };
+    // The centreline is lifted by what the edge has risen beyond its first touch, 1 mm.
+    let (lift, arm, radius): (f64, f64, f64) = (0.005, 0.5, 2e-3);
+    let bending = 1e9 * PI * radius.powi(4) / 4.0;
+    let expected = 3.0 * bending * lift / arm.powi(3);
+    // A millimetre below the beam, as the edge of the box is at first.
+    let centre = [arm, 0.0, -radius - 1e-3 - BALL];
+    let of_formula = format!(
+        "obstacles.0.shape={{ kind = \"sphere\", centre = {centre:?}, radius = {BALL:?} }}"
+    );
+    let of_mesh = format!("obstacles.0.shape={}", ball(centre, BALL, 4));
+    Ok([
+        LIFTED.relative(
+            "beam lifted by the edge of a box: force",
+            "N",
+            expected,
+            force(&[])?,
+            1e-2,
+        ),
+        FACETED.relative(
+            "beam lifted by a ball of 2048 triangles: force",
+            "N",
+            force(&[of_formula])?,
+            force(&[of_mesh])?,
+            1e-2,
+        ),
+    ])
+}
