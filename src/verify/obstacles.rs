@@ -32,7 +32,7 @@ const BENDING: f64 = 4.41e-6;
 const STRETCHING: f64 = 1e3;
 /// Edges around the post and in each leg.
 const WRAPPED_EDGES: usize = 80;
-const LEG_EDGES: usize = 30;
+const LEG_EDGES: usize = 60;
 
 /// Ropes over a cylinder, a sphere, and meshes of that cylinder; a beam lifted by the edge of a box and by balls.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {

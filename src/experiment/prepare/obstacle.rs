@@ -10,6 +10,10 @@ use crate::scenario::{self, Issue, KeyPath, ObstacleShape};
 /// of another unit.
 const UNLIKELY: f64 = 100.0;
 
+/// Farthest from the origin that anything of an obstacle may be, m: distances of rods from what is farther are lost to
+/// rounding.
+const FARTHEST: f64 = 1e6;
+
 /// The obstacle of a scenario among these rods.
 ///
 /// # Errors
@@ -63,6 +67,13 @@ pub fn place_obstacle(
             body
         }
     };
+    let mut coordinates = body.vertices.iter().flat_map(|vertex| vertex.iter());
+    if body.radius > FARTHEST || coordinates.any(|coordinate| coordinate.abs() > FARTHEST) {
+        let message = format!(
+            "it reaches farther than {FARTHEST:e} m from the origin; allowed: at most that"
+        );
+        return Err(Issue::new(path.key("shape"), message));
+    }
     Ok(Obstacle {
         name: obstacle.name.clone(),
         body,

@@ -46,6 +46,11 @@ impl CandidatePair {
         }
     }
 
+    /// Whether the first body is a single node: over a face or in a tube.
+    pub fn is_of_node(&self) -> bool {
+        self.side != EDGE
+    }
+
     /// Whether the second body is a face.
     pub(super) fn is_with_face(&self) -> bool {
         !matches!(self.side, EDGE | TUBE)

@@ -147,11 +147,12 @@ impl System {
         let loads = Loads::new(&scene.loads, &assembly)?;
         let contact = contact_of(scene, &assembly)?;
         let friction = scene.contact.map_or(0.0, |parameters| parameters.friction);
-        let obstacles = scene.obstacles.iter();
-        let friction_of_pairs = friction > 0.0
-            || obstacles
-                .filter_map(|obstacle| obstacle.friction)
-                .any(|friction| friction > 0.0);
+        let friction_on_obstacles = contact.is_some()
+            && scene
+                .obstacles
+                .iter()
+                .any(|obstacle| obstacle.friction.unwrap_or(friction) > 0.0);
+        let friction_of_pairs = friction > 0.0 || friction_on_obstacles;
         let friction_on_planes = contact.is_some()
             && scene
                 .planes
@@ -185,7 +186,7 @@ impl System {
                 &loads,
                 friction_of_pairs,
                 friction_on_planes,
-                friction_on_planes || is_rigid,
+                friction_on_planes || friction_on_obstacles || is_rigid,
             ),
             tolerances: vec![RodTolerance::default(); assembly.rods.rods.len()],
             relative_tolerance: 0.0,
@@ -465,7 +466,7 @@ impl System {
         if let Some(contact) = &mut self.contact {
             copy_positions(unknowns, &mut self.positions);
             if contact.update_candidates(&self.positions) {
-                self.matrix.forget_pattern();
+                self.matrix.expect_other_candidates();
             }
         }
     }
@@ -499,7 +500,7 @@ impl System {
         }
         let step = contact.largest_step(&self.positions, &self.displacements);
         if step.candidates_changed {
-            self.matrix.forget_pattern();
+            self.matrix.expect_other_candidates();
         }
         step.fraction
     }

@@ -7,7 +7,7 @@ use crate::linalg::{
     BandedFactor, BandedSymmetric, CoupledSystem, Element, ElementMatrix, Inertia, SingularMatrix,
     UNUSED,
 };
-use crate::mechanics::contact::{ConstraintPlace, ContactSystem};
+use crate::mechanics::contact::{CandidatePair, ConstraintPlace, ContactSystem};
 use crate::mechanics::rod::{ElasticRods, ReferenceFrames, RodGeometry, STRIDE};
 use std::ops::Range;
 
@@ -15,8 +15,9 @@ const ZERO: ElementMatrix = [[0.0; 12]; 12];
 
 /// The Jacobian and its factors; storage is reused, patterns are kept as long as the contact candidates.
 ///
-/// Elements are numbered: closing vertices of rings, moments, contact candidates, then (with friction on
-/// planes, or rigid contact) one per node. Rods that couple nowhere are factored as a band.
+/// Elements are numbered: closing vertices of rings, moments, contact candidates of two rods, with obstacles one per edge, then
+/// (with friction on planes or obstacles, or rigid contact) one per node. Rods that couple nowhere are factored as a band;
+/// contact with planes and obstacles alone couples nothing new.
 pub struct NewtonMatrix {
     band: BandedSymmetric,
     factor: BandedFactor,
@@ -32,7 +33,13 @@ pub struct NewtonMatrix {
     /// Elements of contacts active in this linearisation.
     active: Vec<(usize, ElementMatrix)>,
     contact_elements: Vec<Element>,
-    /// Whether contact of nodes with planes has elements of its own.
+    /// Element of each candidate among those of contacts; none for one that has its place in the band.
+    candidate_elements: Vec<Option<usize>>,
+    /// Where the elements of nodes begin among those of contacts.
+    first_node_element: usize,
+    /// Whether the candidates are others than those for which elements were listed.
+    candidates_changed: bool,
+    /// Whether contact of nodes with planes and obstacles has elements of its own.
     lists_nodes: bool,
     uses_band: bool,
     spin_moment: Vec<f64>,
@@ -61,6 +68,9 @@ impl NewtonMatrix {
             closing: assembly.rods.elements.len(),
             active: Vec::new(),
             contact_elements: Vec::new(),
+            candidate_elements: Vec::new(),
+            first_node_element: 0,
+            candidates_changed: true,
             lists_nodes,
             uses_band: true,
             spin_moment: vec![0.0; assembly.rods.nodes + assembly.rods.ghosts],
@@ -144,14 +154,18 @@ impl NewtonMatrix {
     }
 
     pub fn add_contact(&mut self, contact: &ContactSystem) {
+        self.update_elements(contact);
         for (pair, jacobian) in contact.contacts().iter().zip(contact.jacobians()) {
+            let Some(element) = self.candidate_elements[pair.candidate] else {
+                self.subtract_in_band(&pair.nodes[..pair.first_body], jacobian);
+                continue;
+            };
             let mut matrix = *jacobian;
             matrix
                 .as_flattened_mut()
                 .iter_mut()
                 .for_each(|entry| *entry = -*entry);
-            self.active
-                .push((self.permanent.len() + pair.candidate, matrix));
+            self.active.push((self.permanent.len() + element, matrix));
         }
         for (touch, jacobian) in contact
             .plane_contacts()
@@ -165,7 +179,7 @@ impl NewtonMatrix {
                         matrix[i][j] = -jacobian[i][j];
                     }
                 }
-                let index = self.permanent.len() + contact.candidates().len() + touch.node;
+                let index = self.permanent.len() + self.first_node_element + touch.node;
                 self.active.push((index, matrix));
             } else {
                 let columns = self.band.columns_mut();
@@ -185,13 +199,16 @@ impl NewtonMatrix {
         contact: &ContactSystem,
         matrices: impl Iterator<Item = (ConstraintPlace, ElementMatrix)>,
     ) {
+        self.update_elements(contact);
         let first = self.permanent.len();
-        let candidates = contact.candidates().len();
+        let (elements, first_node) = (&self.candidate_elements, self.first_node_element);
         self.active.clear();
         self.active.extend(matrices.map(|(place, matrix)| {
             let index = match place {
-                ConstraintPlace::Candidate(candidate) => candidate,
-                ConstraintPlace::Node(node) => candidates + node,
+                ConstraintPlace::Candidate(candidate) => {
+                    elements[candidate].expect("constraints have elements")
+                }
+                ConstraintPlace::Node(node) => first_node + node,
             };
             (first + index, matrix)
         }));
@@ -202,32 +219,73 @@ impl NewtonMatrix {
     /// before [`Self::factor`], also by who adds contacts later.
     pub fn expect_contacts(&mut self, contact: &ContactSystem) {
         let couples = !self.active.is_empty() || !self.permanent.is_empty();
-        if self.coupled.is_none() && couples {
-            self.list_contact_elements(contact);
+        if couples {
+            self.update_elements(contact);
         }
     }
 
-    fn list_contact_elements(&mut self, contact: &ContactSystem) {
-        self.contact_elements.clear();
-        for candidate in contact.candidates() {
-            let mut element = [UNUSED; 12];
-            for (corner, &node) in candidate.nodes.iter().enumerate() {
-                if !contact.is_of_rod(node) {
-                    continue;
-                }
-                for axis in 0..3 {
-                    element[3 * corner + axis] = STRIDE * node + axis;
-                }
-            }
-            self.contact_elements.push(element);
+    /// Lists the elements of the present candidates, and drops the pattern where they are others than before.
+    fn update_elements(&mut self, contact: &ContactSystem) {
+        if !self.candidates_changed {
+            return;
         }
+        self.candidates_changed = false;
+        let earlier = std::mem::take(&mut self.contact_elements);
+        let with_obstacle = |pair: &CandidatePair| !contact.is_of_rod(pair.nodes[2]);
+        let between_rods = contact
+            .candidates()
+            .iter()
+            .filter(|pair| !with_obstacle(pair));
+        let elements = between_rods.map(|pair| element_of(&pair.nodes));
+        self.contact_elements.extend(elements);
+        let first_edge = self.contact_elements.len();
+        if !contact.surface().obstacles().is_empty() {
+            let edges = contact.surface().rod_edges().iter();
+            self.contact_elements
+                .extend(edges.map(|edge| element_of(&edge.nodes)));
+        }
+        self.first_node_element = self.contact_elements.len();
         if self.lists_nodes {
-            for node in 0..self.held.len() / STRIDE {
-                let mut element = [UNUSED; 12];
-                for axis in 0..3 {
-                    element[axis] = STRIDE * node + axis;
+            let nodes = 0..self.held.len() / STRIDE;
+            self.contact_elements
+                .extend(nodes.map(|node| element_of(&[node])));
+        }
+        let mut next = 0;
+        self.candidate_elements.clear();
+        for pair in contact.candidates() {
+            self.candidate_elements.push(if !with_obstacle(pair) {
+                next += 1;
+                Some(next - 1)
+            } else if pair.is_of_node() {
+                self.lists_nodes
+                    .then_some(self.first_node_element + pair.nodes[0])
+            } else {
+                let joins_neighbours = pair.nodes[1] == pair.nodes[0] + 1;
+                let has_element = self.lists_nodes || !joins_neighbours;
+                has_element.then_some(first_edge + pair.edges[0])
+            });
+        }
+        if self.contact_elements != earlier {
+            self.coupled = None;
+            self.lost_symmetry = false;
+        }
+    }
+
+    /// Takes the derivative of a force on one node, or on two that follow each other, from the band: it is symmetric.
+    fn subtract_in_band(&mut self, nodes: &[usize], jacobian: &ElementMatrix) {
+        let nodes = match nodes {
+            [first, second] if first == second => &nodes[..1],
+            _ => nodes,
+        };
+        let columns = self.band.columns_mut();
+        for (n, column_node) in nodes.iter().enumerate() {
+            for (m, row_node) in nodes.iter().enumerate().skip(n) {
+                for j in 0..3 {
+                    for i in if m == n { j } else { 0 }..3 {
+                        let (row, column) = (STRIDE * row_node + i, STRIDE * column_node + j);
+                        columns[column][row - column] -= jacobian[3 * m + i][3 * n + j];
+                    }
                 }
-                self.contact_elements.push(element);
             }
         }
     }
@@ -261,6 +319,12 @@ impl NewtonMatrix {
     pub fn forget_pattern(&mut self) {
         self.coupled = None;
         self.lost_symmetry = false;
+        self.candidates_changed = true;
+    }
+
+    /// Other contacts may come from now on: elements are listed again, and the pattern is kept where they are the same.
+    pub fn expect_other_candidates(&mut self) {
+        self.candidates_changed = true;
     }
 
     /// Factors the band of the rods alone, without elements that couple; tells its inertia unless it is singular.
@@ -342,4 +406,15 @@ impl NewtonMatrix {
         }
         dense
     }
+}
+
+/// The element of the positions of up to four nodes.
+fn element_of(nodes: &[usize]) -> Element {
+    let mut element = [UNUSED; 12];
+    for (corner, node) in nodes.iter().enumerate() {
+        for axis in 0..3 {
+            element[3 * corner + axis] = STRIDE * node + axis;
+        }
+    }
+    element
 }

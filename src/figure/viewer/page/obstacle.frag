@@ -12,5 +12,5 @@ out vec4 fragment;
 void main() {
   vec3 normal = normalize(cross(dFdx(place), dFdy(place)));
   float shade = abs(dot(normal, light));
-  fragment = vec4(mix(ink, vec3(0.62, 0.66, 0.72), 0.45 + 0.5 * shade), 0.38);
+  fragment = vec4(mix(ink, vec3(0.8, 0.83, 0.87), 0.35 + 0.6 * shade), 0.55);
 }

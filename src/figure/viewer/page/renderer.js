@@ -282,7 +282,15 @@ class Renderer {
       const [from, to] = [poses[look.frame] || still, poses[look.next] || still];
       gl.uniformMatrix4fv(uniforms.pose, false, from.map((x, k) => x + look.blend * (to[k] - x)));
       gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(corners), gl.STREAM_DRAW);
+      // Depths first, so that of each body its nearest face alone shows.
+      gl.depthMask(true);
+      gl.colorMask(false, false, false, false);
       gl.drawArrays(gl.TRIANGLES, 0, corners.length / 3);
+      gl.colorMask(true, true, true, true);
+      gl.depthMask(false);
+      gl.depthFunc(gl.LEQUAL);
+      gl.drawArrays(gl.TRIANGLES, 0, corners.length / 3);
+      gl.depthFunc(gl.LESS);
     }
     gl.disableVertexAttribArray(0);
   }
