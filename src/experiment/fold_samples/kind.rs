@@ -45,7 +45,15 @@ impl ExperimentKeys for FoldSamplesKind {
 
     fn resolve(&self, request: &Request<'_>) -> Option<Experiment> {
         request.refuse(
-            &["material", "rod", "rods", "clamps", "loads", "planes"],
+            &[
+                "material",
+                "rod",
+                "rods",
+                "clamps",
+                "loads",
+                "actuation",
+                "planes",
+            ],
             "folds are dimensionless: L_gb = 1 and EI = 1; [fold_samples] says all of it",
         );
         Some(Experiment::new(self.name(), resolve(request)?))

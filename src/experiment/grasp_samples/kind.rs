@@ -44,7 +44,15 @@ impl ExperimentKeys for GraspSamplesKind {
 
     fn resolve(&self, request: &Request<'_>) -> Option<Experiment> {
         request.refuse(
-            &["material", "rod", "rods", "clamps", "loads", "planes"],
+            &[
+                "material",
+                "rod",
+                "rods",
+                "clamps",
+                "loads",
+                "actuation",
+                "planes",
+            ],
             "grasps are dimensionless: L_gb = 1 and EI = 1; [grasp_samples] says all of it",
         );
         Some(Experiment::new(self.name(), resolve(request)?))

@@ -1,5 +1,6 @@
 //! From the scenario as typed to the scenario as resolved: units, defaults, ranges.
 
+mod actuation;
 mod columns;
 mod continuation;
 mod experiment;
@@ -93,6 +94,7 @@ pub fn resolve(
     }
     let continuation = continuation::continuation(&top, file, &time);
     let loads = load::loads(&top, &file.loads);
+    let actuation = actuation::actuations(&top, &file.actuation, &time);
     let planes = load::planes(&top, &file.planes);
     continuation::refuse_friction(&top, &time, contact.friction(), &planes);
     continuation::refuse_without_energy(&top, &time, &fluid, &loads);
@@ -107,6 +109,7 @@ pub fn resolve(
         experiment,
         clamps,
         loads,
+        actuation,
         planes,
         start: start::start(context, &top, file.start.as_ref()),
         probes: probe::probes(&top, &file.probes),

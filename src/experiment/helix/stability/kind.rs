@@ -44,7 +44,15 @@ impl ExperimentKeys for HelixStabilityKind {
 
     fn resolve(&self, request: &Request<'_>) -> Option<Experiment> {
         request.refuse(
-            &["material", "rod", "rods", "clamps", "loads", "planes"],
+            &[
+                "material",
+                "rod",
+                "rods",
+                "clamps",
+                "loads",
+                "actuation",
+                "planes",
+            ],
             "the rod has length 1 and bending stiffness 1; [helix_stability] says all of it",
         );
         Some(Experiment::new(self.name(), resolve(request)?))
