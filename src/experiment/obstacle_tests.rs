@@ -163,7 +163,10 @@ fn every_shape_bears_a_rod_with_every_model() {
                 simulation.advance(0.1).unwrap();
             }
             let middle = simulation.positions()[10].z;
-            assert!((0.0987..0.105).contains(&middle), "{shape} {model}: {middle}");
+            assert!(
+                (0.0987..0.105).contains(&middle),
+                "{shape} {model}: {middle}"
+            );
             let lifted: f64 = simulation
                 .contact_forces()
                 .iter()

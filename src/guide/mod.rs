@@ -39,6 +39,7 @@ macro_rules! pages {
 pages! {
     getting_started
     scenarios
+    actuation
     contact
     obstacles
     time

@@ -3,6 +3,10 @@
 //! A [`Scene`] is plain data. Experiments build it; [`super::dynamics::Simulation`] and
 //! [`super::statics`] run it. Node indices inside a scene count along their own rod.
 
+mod actuation;
+
+pub use actuation::{ActuatedStrain, Actuation, Course, Wave};
+
 use super::contact::ContactParameters;
 use super::fluid::FluidModel;
 use super::rigid_body::RigidBody;
@@ -18,6 +22,8 @@ pub struct Scene {
     pub clamps: Vec<Clamp>,
     /// External loads.
     pub loads: Vec<Load>,
+    /// Natural strains that change over time.
+    pub actuations: Vec<Actuation>,
     /// Rigid half spaces that rods may touch.
     pub planes: Vec<Plane>,
     /// Rigid bodies that rods may touch.

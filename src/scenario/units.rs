@@ -86,6 +86,8 @@ dimensions! {
         decimal("m/s", 0), decimal("cm/s", -2), decimal("mm/s", -3), decimal("µm/s", -6),
         decimal("um/s", -6),
     ];
+    /// Frequency, 1/s.
+    Frequency = "a frequency", [decimal("Hz", 0), decimal("1/s", 0), decimal("kHz", 3)];
     /// Angular velocity, rad/s.
     AngularVelocity = "an angular velocity", [
         decimal("rad/s", 0), factor("deg/s", DEGREE), factor("°/s", DEGREE),

@@ -4,6 +4,7 @@
 //! the simulation: closed forms and independent solutions in [`theory`]. The groups run in parallel;
 //! the table keeps its order.
 
+mod actuation;
 mod buckling;
 mod check;
 mod conservation;
@@ -40,11 +41,12 @@ type CheckGroup = fn(full: bool) -> Result<Vec<Check>, GroupError>;
 type GroupError = Box<dyn Error + Send + Sync>;
 
 /// All groups, in the order of the table.
-const GROUPS: [(&str, CheckGroup); 16] = [
+const GROUPS: [(&str, CheckGroup); 17] = [
     ("derivatives", derivatives::checks),
     ("statics", statics::checks),
     ("spatial rods", spatial_rods::checks),
     ("vibration", vibration::checks),
+    ("actuation", actuation::checks),
     ("buckling", buckling::checks),
     ("continuation", continuation::checks),
     ("helix", helix::checks),

@@ -8,8 +8,8 @@ fn assert_passes(name: &str) {
     let (_, group) = group.expect("a group of this name");
     let checks = group(false).unwrap();
     assert!(!checks.is_empty());
-    page::assert_on_page(name, &checks);
     println!("{}", table(&checks));
+    page::assert_on_page(name, &checks);
     let failed: Vec<_> = checks
         .iter()
         .filter(|check| check.verdict() == Verdict::Fail)
@@ -30,6 +30,11 @@ fn spatial_rods_pass() {
 #[test]
 fn vibration_passes() {
     assert_passes("vibration");
+}
+
+#[test]
+fn actuation_passes() {
+    assert_passes("actuation");
 }
 
 #[test]

@@ -51,6 +51,7 @@ impl ExperimentKeys for FoldSamplesKind {
                 "rods",
                 "clamps",
                 "loads",
+                "actuation",
                 "planes",
                 "obstacles",
             ],

@@ -50,6 +50,7 @@ impl ExperimentKeys for GraspSamplesKind {
                 "rods",
                 "clamps",
                 "loads",
+                "actuation",
                 "planes",
                 "obstacles",
             ],

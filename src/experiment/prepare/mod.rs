@@ -21,7 +21,7 @@ use crate::run::{
 };
 use crate::scenario::{self, Continuation, Issue, Issues, KeyPath, Scenario, Time};
 use obstacle::place_obstacle;
-use place::{place_clamp, place_load, place_plane, place_rod, same_node};
+use place::{place_actuation, place_clamp, place_load, place_plane, place_rod, same_node};
 use settings::{contact_parameters, fluid_model, integration_parameters};
 
 pub use jitter::Jitter;
@@ -63,6 +63,13 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
     for (index, load) in scenario.loads.iter().enumerate() {
         match place_load(load, &scene.rods, &KeyPath::from("loads").index(index)) {
             Ok(load) => scene.loads.push(load),
+            Err(issue) => issues.push(issue),
+        }
+    }
+    for (index, actuation) in scenario.actuation.iter().enumerate() {
+        let path = KeyPath::from("actuation").index(index);
+        match place_actuation(actuation, &scene.rods, &path) {
+            Ok(actuation) => scene.actuations.push(actuation),
             Err(issue) => issues.push(issue),
         }
     }

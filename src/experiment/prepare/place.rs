@@ -5,8 +5,8 @@ use super::gripper_motion::gripper_motion;
 use crate::mechanics::Vector3;
 use crate::mechanics::scene as mechanics;
 use crate::scenario::{
-    Clamp, Hold, Inertia, Issue, KeyPath, Load, LoadKind, Movement, NaturalShape, Place, Plane,
-    Rod, did_you_mean,
+    Actuation, ActuationKind, Clamp, Course, Hold, Inertia, Issue, KeyPath, Load, LoadKind,
+    Movement, NaturalShape, Place, Plane, Rod, did_you_mean,
 };
 
 pub(super) fn place_rod(rod: &Rod, path: &KeyPath) -> Result<mechanics::RodDescription, Issue> {
@@ -167,6 +167,66 @@ pub(super) fn place_load(
         kind,
         schedule: load.schedule.clone(),
     })
+}
+
+pub(super) fn place_actuation(
+    actuation: &Actuation,
+    rods: &[mechanics::RodDescription],
+    path: &KeyPath,
+) -> Result<mechanics::Actuation, Issue> {
+    let rod = find_rod(&actuation.rod, rods, path)?;
+    if rods[rod].held {
+        let message = format!(
+            "rod `{}` is a rigid obstacle, which neither bends nor lengthens",
+            actuation.rod
+        );
+        return Err(Issue::new(path.key("rod"), message));
+    }
+    let length = natural_length(&rods[rod]);
+    if actuation.from >= length {
+        let message = format!(
+            "{:?} m is out of range; allowed: less than the length of rod `{}`, {length:?} m",
+            actuation.from, actuation.rod
+        );
+        return Err(Issue::new(path.key("from"), message));
+    }
+    Ok(mechanics::Actuation {
+        rod,
+        strain: match actuation.kind {
+            ActuationKind::Curvature { direction: 1 } => mechanics::ActuatedStrain::FirstCurvature,
+            ActuationKind::Curvature { .. } => mechanics::ActuatedStrain::SecondCurvature,
+            ActuationKind::Twist => mechanics::ActuatedStrain::Twist,
+            ActuationKind::Length => mechanics::ActuatedStrain::Length,
+        },
+        part: [actuation.from, actuation.to.unwrap_or(f64::INFINITY)],
+        course: match &actuation.course {
+            Course::Uniform { values } => mechanics::Course::Uniform(values.clone()),
+            Course::Wave {
+                amplitude,
+                wavelength,
+                frequency,
+                phase,
+                schedule,
+            } => mechanics::Course::Wave(mechanics::Wave {
+                amplitude: *amplitude,
+                wavelength: wavelength.unwrap_or(f64::INFINITY),
+                frequency: *frequency,
+                phase: *phase,
+                schedule: schedule.clone(),
+            }),
+        },
+    })
+}
+
+/// Length of a rod without stress, m.
+fn natural_length(rod: &mechanics::RodDescription) -> f64 {
+    let nodes = match &rod.natural_shape {
+        mechanics::NaturalShape::Centreline(nodes) => nodes,
+        _ => &rod.centreline,
+    };
+    let edges = nodes.len() - usize::from(!rod.closed);
+    let length = |edge: usize| (nodes[(edge + 1) % nodes.len()] - nodes[edge]).norm();
+    (0..edges).map(length).sum()
 }
 
 fn find_rod(

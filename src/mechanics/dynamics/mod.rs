@@ -43,6 +43,8 @@ pub use report::{Energies, Exchange, SimulationError, SimulationState, StepRepor
 pub use simulation::Simulation;
 
 #[cfg(test)]
+mod actuation_tests;
+#[cfg(test)]
 mod balance_tests;
 #[cfg(test)]
 mod barrier_tests;

@@ -85,7 +85,7 @@ impl Validity {
                 false
             }
         };
-        // The work of a clamp that turns is not counted, nor that of a contact that is made stiffer.
+        // The work of a clamp that turns is not counted, nor that of natural strains, nor that of a contact that is made stiffer.
         let turns = |clamp: &Clamp| {
             let motion = &clamp.motion;
             motion.angular_velocity != 0.0
@@ -98,6 +98,7 @@ impl Validity {
             memory: ValidityMemory {
                 is_conservative: scene.fluid.is_none()
                     && scene.contact.is_none()
+                    && scene.actuations.is_empty()
                     && scene.loads.iter().all(is_accounted_for)
                     && !scene.clamps.iter().any(turns),
                 ..ValidityMemory::default()

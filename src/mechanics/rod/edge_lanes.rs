@@ -31,11 +31,18 @@ impl EdgeLanes {
             natural_length: [1.0; LANES],
             stiffness: [0.0; LANES],
         };
+        lanes.take_natural_lengths(edges);
         for (lane, edge) in edges.iter().enumerate() {
-            lanes.natural_length[lane] = edge.natural_length;
             lanes.stiffness[lane] = edge.stretching;
         }
         lanes
+    }
+
+    /// Takes over the natural lengths of `edges`.
+    pub fn take_natural_lengths(&mut self, edges: &[Edge]) {
+        for (lane, edge) in edges.iter().enumerate() {
+            self.natural_length[lane] = edge.natural_length;
+        }
     }
 }
 

@@ -66,6 +66,16 @@ impl RodGeometry {
         }
     }
 
+    /// Takes over natural strains, natural lengths and stiffnesses of `rods`, which are those of this storage but for them.
+    pub fn take_natural_strains(&mut self, rods: &ElasticRods) {
+        for (vertices, lanes) in rods.vertices.chunks(LANES).zip(&mut self.vertex_lanes) {
+            lanes.take_natural_strains(vertices);
+        }
+        for (edges, lanes) in rods.edges.chunks(LANES).zip(&mut self.edge_lanes) {
+            lanes.take_natural_lengths(edges);
+        }
+    }
+
     /// Computes edges, frames and strains. `unknowns`: 4 per node; `ghosts`: prescribed ghost edges.
     pub fn update(
         &mut self,

@@ -83,14 +83,21 @@ impl VertexLanes {
                     .windows(2)
                     .all(|pair| pair[0].after == pair[1].before),
         };
+        lanes.take_natural_strains(vertices);
         for (lane, vertex) in vertices.iter().enumerate() {
-            lanes.natural.set(lane, &vertex.natural);
-            lanes.bending[0][lane] = vertex.stiffness.bending[0];
-            lanes.bending[1][lane] = vertex.stiffness.bending[1];
-            lanes.twisting[lane] = vertex.stiffness.twisting;
             lanes.angle[lane] = vertex.strain.share();
         }
         lanes
+    }
+
+    /// Takes over the natural strains and stiffnesses of `vertices`.
+    pub fn take_natural_strains(&mut self, vertices: &[Vertex]) {
+        for (lane, vertex) in vertices.iter().enumerate() {
+            self.natural.set(lane, &vertex.natural);
+            self.bending[0][lane] = vertex.stiffness.bending[0];
+            self.bending[1][lane] = vertex.stiffness.bending[1];
+            self.twisting[lane] = vertex.stiffness.twisting;
+        }
     }
 
     /// Puts the frame and the reference director of the edge before a vertex into a lane.

@@ -7,18 +7,21 @@ use super::System;
 pub struct Event {
     /// When it is, s.
     pub time: f64,
-    /// Jump of the velocity of the clamp or obstacle that moves so, m/s; infinite for a load, whose effect depends on what it acts on.
+    /// Jump of the velocity of the clamp or obstacle that moves so, m/s; infinite for a load and for a natural strain, whose
+    /// effect depends on what it acts on.
     pub velocity_jump: f64,
 }
 
 impl System {
-    /// Lists the events of all loads, clamps and obstacles, in the order of time; to be called where one of them changes.
+    /// Lists the events of all loads, natural strains, clamps and obstacles, in the order of time; to be called where one of them
+    /// changes.
     pub fn list_events(&mut self) {
-        let loads = self.loads.corners().map(|time| Event {
+        let schedules = self.loads.corners().chain(self.actuators.corners());
+        let schedules = schedules.map(|time| Event {
             time,
             velocity_jump: f64::INFINITY,
         });
-        let mut events: Vec<Event> = loads.collect();
+        let mut events: Vec<Event> = schedules.collect();
         let drives = self.assembly.drives.iter();
         for drive in drives.filter(|drive| !drive.released) {
             let (rod, _) = self.assembly.locate(drive.node);

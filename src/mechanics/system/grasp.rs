@@ -101,6 +101,7 @@ impl System {
             motion: Motion::default(),
         };
         let frame = self.frame_at(&neighbours, node);
+        self.actuators.withdraw(&mut self.assembly.rods);
         let mut drive = Drive::new(&clamp, node, position(unknowns, node), frame);
         if grasp.position {
             self.assembly.held[STRIDE * node..STRIDE * node + 3].fill(true);
@@ -138,6 +139,7 @@ impl System {
         if holds_position {
             self.assembly.held[STRIDE * node..STRIDE * node + 3].fill(false);
         }
+        self.actuators.withdraw(&mut self.assembly.rods);
         self.remove_walls(ghosts);
         let drive = &mut self.assembly.drives[clamp];
         drive.released = true;
@@ -148,16 +150,20 @@ impl System {
 
     /// What was done since the start.
     pub fn interventions(&self) -> Interventions {
-        let rods = &self.assembly.rods;
+        let switched = || {
+            let mut rods = self.assembly.rods.clone();
+            self.actuators.withdraw(&mut rods);
+            Switched {
+                held: self.assembly.held.clone(),
+                vertices: rods.vertices,
+                ghosts: rods.ghosts,
+            }
+        };
         Interventions {
             drives: self.assembly.drives.clone(),
             external_forces: self.external_forces.clone(),
             load_factors: self.loads.factors().to_vec(),
-            switched: self.switched.then(|| Switched {
-                held: self.assembly.held.clone(),
-                vertices: rods.vertices.clone(),
-                ghosts: rods.ghosts,
-            }),
+            switched: self.switched.then(switched),
         }
     }
 
@@ -188,10 +194,12 @@ impl System {
         }
         self.external_forces = done.external_forces;
         if let Some(switched) = done.switched {
+            self.actuators.withdraw(&mut assembly.rods);
             assembly.held = switched.held;
             assembly.rods.vertices = switched.vertices;
             assembly.rods.ghosts = switched.ghosts;
             assembly.consistent.share(&assembly.rods);
+            self.actuators.resolve(assembly);
             let any = GhostEdge {
                 tangent: Vector3::x(),
                 director: Vector3::y(),
@@ -211,7 +219,9 @@ impl System {
     fn rebuild(&mut self, unknowns: &[f64]) {
         self.switched = true;
         self.assembly.consistent.share(&self.assembly.rods);
+        self.actuators.resolve(&self.assembly);
         self.geometry = RodGeometry::new(&self.assembly.rods);
+        self.actuate(self.time);
         self.matrix.adapt(&self.assembly);
         self.update_geometry(unknowns);
     }

@@ -10,6 +10,7 @@
 //! (thesis Eq. 1.8) and its Jacobian, with the drag F₀ of a motion with the velocities v₀ and its local
 //! resistance D; without a [`Stage`] the terms with h fall away and equilibrium remains.
 
+mod actuation;
 mod balance;
 mod build;
 mod clamps;
@@ -32,6 +33,7 @@ mod strain;
 mod touching;
 mod work;
 
+use actuation::Actuators;
 pub use balance::Imbalance;
 use balance::RodTolerance;
 pub use build::Assembly;
@@ -95,6 +97,8 @@ pub struct System {
     pub assembly: Assembly,
     /// External loads.
     pub loads: Loads,
+    /// Natural strains as functions of time.
+    actuators: Actuators,
     /// Contact, where the scene has it.
     pub contact: Option<ContactSystem>,
     /// Frames from which the present step transports.
@@ -145,6 +149,7 @@ impl System {
             assembly.begin_at(start)?;
         }
         let loads = Loads::new(&scene.loads, &assembly)?;
+        let actuators = Actuators::new(&scene.actuations, &assembly)?;
         let contact = contact_of(scene, &assembly)?;
         let friction = scene.contact.map_or(0.0, |parameters| parameters.friction);
         let friction_on_obstacles = contact.is_some()
@@ -191,6 +196,7 @@ impl System {
             tolerances: vec![RodTolerance::default(); assembly.rods.rods.len()],
             relative_tolerance: 0.0,
             contact,
+            actuators,
             assembly,
             loads,
         };
@@ -210,6 +216,7 @@ impl System {
     /// Moves the clamps to `time`: writes prescribed unknowns and ghost edges, and the dead loads.
     pub fn drive(&mut self, time: f64, unknowns: &mut [f64]) {
         self.time = time;
+        self.actuate(time);
         let committed = self.committed_time;
         for drive in &self.assembly.drives {
             drive.apply(time, committed, unknowns, &mut self.ghosts);

@@ -1,5 +1,6 @@
 //! From the scenario as typed to the scenario as resolved: units, defaults, ranges.
 
+mod actuation;
 mod columns;
 mod continuation;
 mod experiment;
@@ -95,6 +96,7 @@ pub fn resolve(
     }
     let continuation = continuation::continuation(&top, file, &time);
     let loads = load::loads(&top, &file.loads);
+    let actuation = actuation::actuations(&top, &file.actuation, &time);
     let planes = load::planes(&top, &file.planes);
     let obstacles = obstacle::obstacles(context, &top, &file.obstacles);
     if !obstacles.is_empty() && contact == Contact::None {
@@ -116,6 +118,7 @@ pub fn resolve(
         experiment,
         clamps,
         loads,
+        actuation,
         planes,
         obstacles,
         start: start::start(context, &top, file.start.as_ref()),

@@ -3,6 +3,7 @@
 //! A [`Scenario`] leaves no choice open: defaults are filled in, units converted, shape files read. Its
 //! serialised form uses the keys of scenario files, so that it is itself a scenario file.
 
+mod actuation;
 mod continuation;
 mod experiment;
 mod load;
@@ -13,6 +14,7 @@ mod rod;
 mod run;
 mod start;
 
+pub use actuation::{Actuation, ActuationKind, Course};
 pub use continuation::{Continuation, PathMethod};
 pub use experiment::{BuilderRod, Experiment};
 pub use load::{Clamp, Hold, Load, LoadKind, Place, Plane, Pose};
@@ -47,6 +49,9 @@ pub struct Scenario {
     /// External loads.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub loads: Vec<Load>,
+    /// Natural strains that change over time.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub actuation: Vec<Actuation>,
     /// Rigid half spaces.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub planes: Vec<Plane>,

@@ -192,6 +192,27 @@ fn a_static_run_with_a_motion_or_a_schedule_is_refused() {
 }
 
 #[test]
+fn actuations_that_make_no_sense_are_refused() {
+    let fault = |keys: &str| {
+        let table = format!("[[actuation]]\n{keys}\n[output]");
+        faults("[output]", &table)
+    };
+    insta::assert_snapshot!(fault("kind = \"curvature\"\nrod = \"beam\""), @r##"beam.toml:26:1: `actuation.0`: missing key `values` ([[time, strain], ...], or the `amplitude` of a wave)"##);
+    insta::assert_snapshot!(fault("kind = \"curvature\"\nvalues = []"), @r##"
+beam.toml:26:1: `actuation.0`: missing key `rod` (the name of a rod)
+beam.toml:28:10: `actuation.0.values`: no values; give [[time, strain], ...]
+"##);
+    insta::assert_snapshot!(fault("kind = \"curvature\"\nrod = \"beam\"\nvalues = [[0, 1]]\ndirection = 3"), @r##"beam.toml:30:13: `actuation.0.direction`: 3 is out of range; allowed: 1 to 2"##);
+    insta::assert_snapshot!(fault("kind = \"twist\"\nrod = \"beam\"\nvalues = [[0, \"1 1/m\"]]\nfrequency = 3"), @r##"beam.toml:30:13: `actuation.0.frequency`: this key is that of a wave; give it or `values`, not both"##);
+    insta::assert_snapshot!(fault("kind = \"twist\"\nrod = \"beam\"\nvalues = [[0, \"1 m\"]]"), @r##"beam.toml:29:15: `actuation.0.values.0.1`: "1 m" is a length, but this key takes a twist; allowed units: rad/m, deg/m, turn/m, 1/m"##);
+    insta::assert_snapshot!(fault("kind = \"twist\"\nrod = \"beam\"\nvalues = [[0, 1], [1, 2]]"), @r##"beam.toml:29:10: `actuation.0.values`: a static run has no time, so that nothing changes in it (give one value, such as values = [[0, 5]]; or follow the equilibria with time.mode = "continuation", whose parameter stands for the time; or run dynamically)"##);
+    insta::assert_snapshot!(fault("kind = \"twist\"\nrod = \"beam\"\namplitude = 1\nfrequency = 1"), @r##"beam.toml:30:13: `actuation.0.frequency`: a static run has no time, so that nothing changes in it (give one value, such as values = [[0, 5]]; or follow the equilibria with time.mode = "continuation", whose parameter stands for the time; or run dynamically)"##);
+    insta::assert_snapshot!(fault("kind = \"length\"\nrod = \"beam\"\nvalues = [[0, -0.5]]\n[[actuation]]\nkind = \"length\"\nrod = \"beam\"\namplitude = 0.5"), @r##"beam.toml:33:13: `actuation.1.amplitude`: the rod would be shorter by 1.0 of its length at once; allowed: at most 0.9"##);
+    insta::assert_snapshot!(fault("kind = \"twist\"\nrod = \"beam\"\nvalues = [[0, 1]]\nfrom = 0.3\nto = 0.2"), @r##"beam.toml:31:6: `actuation.0.to`: 0.2 m is out of range; allowed: greater than `from` = 0.3 m"##);
+    insta::assert_snapshot!(fault("kind = \"bend\"\nrod = \"beam\""), @r##"beam.toml:27:8: `actuation.0.kind`: "bend" is not known here; allowed: curvature, twist, length"##);
+}
+
+#[test]
 fn a_scene_in_which_nothing_can_move_is_refused() {
     insta::assert_snapshot!(faults("edges = 50", "edges = 50\nheld = true"), @"beam.toml:9:1: `rods`: every rod is held; at least one must be free to move");
 }

@@ -1,7 +1,7 @@
 //! Resolved scenarios: units, defaults, and a canonical form that reads back to itself.
 
 use super::{BEAM, read};
-use crate::scenario::{Contact, Hold, Inertia, NaturalShape, Scenario, Shape, Time};
+use crate::scenario::{ActuationKind, Contact, Hold, Inertia, NaturalShape, Scenario, Shape, Time};
 use proptest::prelude::*;
 
 #[test]
@@ -173,6 +173,28 @@ kind = "drag"
 rod = "ring"
 translation = 0.1
 
+[[actuation]]
+rod = "strip"
+kind = "curvature"
+direction = 2
+values = [[0, 0], ["1 min", "2 1/cm"]]
+from = "1 cm"
+
+[[actuation]]
+rod = "strip"
+kind = "twist"
+amplitude = "90 deg/m"
+wavelength = "3 cm"
+frequency = "-2 Hz"
+phase = "0.25 turn"
+schedule = [[0, 0], [1, 1]]
+to = 0.2
+
+[[actuation]]
+rod = "ring"
+kind = "length"
+amplitude = 0.1
+
 [[planes]]
 point = [0, 0, -3]
 normal = [0, 1, 7]
@@ -260,6 +282,12 @@ fn defaults_follow_from_what_is_given() {
     assert!(scenario.rods[2].closed);
     assert_eq!(scenario.rods[3].edges, 2);
     assert_eq!(scenario.output.interval, Some(1.2));
+    assert_eq!(
+        scenario.actuation[0].kind,
+        ActuationKind::Curvature { direction: 2 }
+    );
+    let [high, low] = scenario.actuation[2].course.extremes();
+    assert_eq!([high, low], [0.1, -0.1]);
 }
 
 proptest! {

@@ -3,6 +3,7 @@
 //!
 //! The comments of these types are the descriptions in the JSON Schema and the words of `rodlab explain`.
 
+mod actuation;
 mod continuation;
 mod kinds;
 mod load;
@@ -15,6 +16,7 @@ mod shape;
 mod start;
 mod sweep;
 
+pub use actuation::Actuation;
 pub use continuation::Continuation;
 pub use load::{Clamp, Load, Place, Plane, Pose};
 pub use model::{
@@ -59,6 +61,9 @@ pub struct ScenarioFile {
     /// External loads.
     #[serde(default)]
     pub loads: Vec<Load>,
+    /// Natural strains that change over time.
+    #[serde(default)]
+    pub actuation: Vec<Actuation>,
     /// Rigid half spaces that rods may touch.
     #[serde(default)]
     pub planes: Vec<Plane>,

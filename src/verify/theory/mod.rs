@@ -4,3 +4,4 @@ pub mod beam;
 pub mod friction;
 pub mod localized_buckling;
 pub mod stokeslet;
+pub mod swimmer;

@@ -50,6 +50,7 @@ impl ExperimentKeys for HelixStabilityKind {
                 "rods",
                 "clamps",
                 "loads",
+                "actuation",
                 "planes",
                 "obstacles",
             ],

@@ -1,0 +1,244 @@
+//! Rods that bend, twist and lengthen by themselves.
+
+use super::*;
+use crate::mechanics::Vector3;
+use crate::mechanics::scene::{
+    ActuatedStrain, Actuation, Clamp, Course, Motion, NaturalShape, RodDescription, Scene,
+    Stiffness, Wave,
+};
+use crate::mechanics::system::Grasp;
+
+const LENGTH: f64 = 0.3;
+
+fn rod(edges: usize) -> RodDescription {
+    let node = |k: usize| Vector3::x() * (LENGTH * k as f64 / edges as f64);
+    let stiffness = Stiffness {
+        stretching: 1e3,
+        bending: [1e-3, 4e-3],
+        twisting: 2e-3,
+    };
+    RodDescription {
+        first_director: Some(Vector3::y()),
+        ..RodDescription::uniform(
+            "arm",
+            (0..=edges).map(node).collect(),
+            stiffness,
+            2e-3,
+            0.01,
+        )
+    }
+}
+
+fn clamp(node: usize) -> Clamp {
+    Clamp {
+        rod: 0,
+        node,
+        holds_position: true,
+        holds_frame: true,
+        motion: Motion::default(),
+    }
+}
+
+fn actuation(strain: ActuatedStrain, value: f64) -> Actuation {
+    Actuation {
+        rod: 0,
+        strain,
+        part: [0.0, f64::INFINITY],
+        course: Course::Uniform(vec![(0.0, 0.0), (0.5, value)]),
+    }
+}
+
+fn scene(actuations: Vec<Actuation>) -> Scene {
+    Scene {
+        rods: vec![rod(30)],
+        clamps: vec![clamp(0)],
+        actuations,
+        ..Scene::default()
+    }
+}
+
+fn run(simulation: &mut Simulation, until: f64) {
+    while simulation.time() < until {
+        simulation.advance(until).unwrap();
+    }
+}
+
+/// At rest with the natural strains that the actuations end with.
+fn at_rest(mut scene: Scene) -> Simulation {
+    for actuation in &mut scene.actuations {
+        if let Course::Uniform(values) = &mut actuation.course {
+            values.remove(0);
+        }
+    }
+    let mut simulation = Simulation::new(&scene, &IntegrationParameters::default()).unwrap();
+    simulation.find_equilibrium().unwrap();
+    simulation
+}
+
+#[test]
+fn a_cantilever_bends_about_the_director_that_is_named() {
+    for (strain, towards) in [
+        (ActuatedStrain::FirstCurvature, -Vector3::z()),
+        (ActuatedStrain::SecondCurvature, Vector3::y()),
+    ] {
+        let simulation = at_rest(scene(vec![actuation(strain, 5.0)]));
+        let arc = (1.0 - (5.0 * LENGTH).cos()) / 5.0;
+        let end = simulation.positions()[30];
+        assert!((end.dot(&towards) / arc - 1.0).abs() < 1e-3, "{end}");
+        assert!(simulation.energies().elastic() < 1e-16);
+    }
+}
+
+#[test]
+fn actuations_add_up_and_to_the_natural_shape() {
+    let mut bent = scene(vec![
+        actuation(ActuatedStrain::FirstCurvature, 2.0),
+        actuation(ActuatedStrain::FirstCurvature, 1.5),
+        actuation(ActuatedStrain::Twist, 4.0),
+    ]);
+    bent.rods[0].natural_shape = NaturalShape::Curved {
+        curvature: [1.0, 0.0],
+        twist: -1.0,
+    };
+    let mut expected = scene(Vec::new());
+    expected.rods[0].natural_shape = NaturalShape::Curved {
+        curvature: [4.5, 0.0],
+        twist: 3.0,
+    };
+    let [got, expected] = [at_rest(bent), at_rest(expected)];
+    for (one, other) in got.positions().iter().zip(expected.positions()) {
+        assert!((one - other).norm() < 1e-9);
+    }
+}
+
+#[test]
+fn a_part_bends_and_the_rest_goes_straight_on() {
+    let mut part = actuation(ActuatedStrain::SecondCurvature, 8.0);
+    // From a place inside of an edge on, so that a vertex gets a part.
+    part.part = [0.1042, 0.2];
+    let simulation = at_rest(scene(vec![part]));
+    let positions = simulation.positions();
+    let angle = |from: usize| {
+        let along = positions[from + 1] - positions[from];
+        along.y.atan2(along.x)
+    };
+    assert!(angle(8).abs() < 1e-9);
+    let turned = 8.0 * (0.2 - 0.1042);
+    assert!((angle(25) / turned - 1.0).abs() < 1e-3, "{}", angle(25));
+}
+
+#[test]
+fn a_rod_that_lengthens_keeps_curvature_and_stiffness_per_length() {
+    // Clamped, curved by nature and half as long again: the arc of the same curvature, and a rod of that length under load.
+    let lengthen = actuation(ActuatedStrain::Length, 0.5);
+    let mut curved = scene(vec![lengthen.clone()]);
+    curved.rods[0].natural_shape = NaturalShape::Curved {
+        curvature: [0.0, 3.0],
+        twist: 0.0,
+    };
+    let end = at_rest(curved).positions()[30];
+    let arc = (1.0 - (3.0 * 1.5 * LENGTH).cos()) / 3.0;
+    assert!((end.y / arc - 1.0).abs() < 1e-3, "{end}");
+    use crate::mechanics::scene::{Load, LoadKind};
+    let force = Load {
+        kind: LoadKind::Force {
+            rod: 0,
+            node: 30,
+            force: Vector3::z() * 1e-4,
+        },
+        schedule: Vec::new(),
+    };
+    let mut loaded = scene(vec![lengthen]);
+    loaded.loads = vec![force];
+    let end = at_rest(loaded).positions()[30];
+    let deflection = 1e-4 * (1.5 * LENGTH).powi(3) / (3.0 * 1e-3);
+    assert!((end.z / deflection - 1.0).abs() < 2e-3, "{end}");
+}
+
+#[test]
+fn every_scheme_follows_a_wave_and_a_checkpoint_is_exact() {
+    let wave = Actuation {
+        rod: 0,
+        strain: ActuatedStrain::SecondCurvature,
+        part: [0.0, f64::INFINITY],
+        course: Course::Wave(Wave {
+            amplitude: 6.0,
+            wavelength: 0.2,
+            frequency: 3.0,
+            phase: 0.3,
+            schedule: vec![(0.0, 0.0), (0.1, 1.0)],
+        }),
+    };
+    for scheme in [
+        Scheme::ImplicitEuler,
+        Scheme::ImplicitMidpoint,
+        Scheme::BackwardDifferences,
+    ] {
+        let parameters = IntegrationParameters {
+            scheme,
+            step: StepSize::Fixed(2e-3),
+            ..IntegrationParameters::default()
+        };
+        let waving = scene(vec![wave.clone()]);
+        let mut whole = Simulation::new(&waving, &parameters).unwrap();
+        run(&mut whole, 0.2);
+        let state = whole.state();
+        run(&mut whole, 0.3);
+        let mut again = Simulation::new(&waving, &parameters).unwrap();
+        again.restore(state).unwrap();
+        run(&mut again, 0.3);
+        assert_eq!(again.positions(), whole.positions());
+        let largest = whole.positions().iter().map(|x| x.y.abs());
+        assert!(largest.fold(0.0, f64::max) > 1e-3);
+        // A node that is grasped and let go leaves the wave where it is.
+        whole
+            .grasp(
+                15,
+                Grasp {
+                    position: false,
+                    frame: true,
+                },
+            )
+            .unwrap();
+        let state = whole.state();
+        run(&mut whole, 0.4);
+        let mut again = Simulation::new(&waving, &parameters).unwrap();
+        again.restore(state).unwrap();
+        run(&mut again, 0.4);
+        assert_eq!(again.positions(), whole.positions());
+        whole.release(1).unwrap();
+        run(&mut whole, 0.45);
+        assert!(
+            whole
+                .positions()
+                .iter()
+                .all(|x| x.iter().all(|c| c.is_finite()))
+        );
+    }
+}
+
+#[test]
+fn corners_of_schedules_end_automatic_steps() {
+    let parameters = IntegrationParameters {
+        step: StepSize::Auto {
+            tolerance: 1.0,
+            maximum: 0.3,
+        },
+        ..IntegrationParameters::default()
+    };
+    let bending = scene(vec![actuation(ActuatedStrain::FirstCurvature, 1.0)]);
+    let mut simulation = Simulation::new(&bending, &parameters).unwrap();
+    let mut ends = Vec::new();
+    while simulation.time() < 2.0 {
+        simulation.advance(2.0).unwrap();
+        ends.push(simulation.time());
+    }
+    assert!(ends.contains(&0.5), "{ends:?}");
+}
+
+#[test]
+fn an_actuation_of_no_rod_is_refused() {
+    let mut nowhere = actuation(ActuatedStrain::Twist, 1.0);
+    nowhere.rod = 1;
+    assert!(Simulation::new(&scene(vec![nowhere]), &IntegrationParameters::default()).is_err());
+}

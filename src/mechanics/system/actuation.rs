@@ -1,0 +1,219 @@
+//! Rods whose natural strains are functions of time.
+//!
+//! At every vertex and edge the natural strain is what the shape without stress makes it plus the integral of the actuated
+//! strain over the Voronoi length, or over the edge: exact for schedules and for waves, however short they are beside the
+//! edges. It is that of the time at which the forces are evaluated: of the end of a step, or of its middle with the midpoint
+//! rule; equilibria take the present time, paths of equilibria their parameter.
+//!
+//! **Length.** A section that lengthens keeps its mass and its stiffnesses EA, EI and GJ, and its natural curvature and twist
+//! per length. With the lengths l̄ = g l̄₀ of its vertices the natural strains per vertex are g times, the stiffnesses over the
+//! length 1/g times those before. Loads and drag coefficients per length keep to the length without actuation.
+
+use super::System;
+use super::build::Assembly;
+use crate::mechanics::LoadError;
+use crate::mechanics::rod::ElasticRods;
+use crate::mechanics::rod::vertex::{VertexStiffness, VertexStrains};
+use crate::mechanics::scene::{ActuatedStrain, Actuation};
+
+/// All actuations of a scene, resolved to its vertices and edges.
+#[derive(Clone, Debug, Default)]
+pub struct Actuators {
+    actuations: Vec<Actuation>,
+    /// What each actuation has to say at which vertices or edges.
+    shares: Vec<Vec<Share>>,
+    /// Natural strains and stiffness of the vertices without actuation.
+    vertices: Vec<(VertexStrains, VertexStiffness)>,
+    /// Natural lengths of the edges without actuation, m.
+    lengths: Vec<f64>,
+    /// Number of the edge that starts at each node.
+    edges: Vec<usize>,
+    changes_length: bool,
+}
+
+/// A vertex, or an edge, that an actuation reaches.
+#[derive(Clone, Copy, Debug)]
+struct Share {
+    index: usize,
+    /// [`crate::mechanics::scene::Course::shares`] of its piece of the rod.
+    parts: [f64; 2],
+}
+
+impl Actuators {
+    /// Resolves actuations to the rods of an assembly.
+    ///
+    /// # Errors
+    /// [`LoadError::NoSuchRod`].
+    pub fn new(actuations: &[Actuation], assembly: &Assembly) -> Result<Self, LoadError> {
+        let rods = assembly.rods.rods.len();
+        if let Some(missing) = actuations.iter().find(|actuation| actuation.rod >= rods) {
+            return Err(LoadError::NoSuchRod(missing.rod));
+        }
+        let mut actuators = Self {
+            changes_length: actuations
+                .iter()
+                .any(|actuation| actuation.strain == ActuatedStrain::Length),
+            actuations: actuations.to_vec(),
+            ..Self::default()
+        };
+        actuators.resolve(assembly);
+        Ok(actuators)
+    }
+
+    /// Whether no rod is actuated.
+    pub fn is_empty(&self) -> bool {
+        self.actuations.is_empty()
+    }
+
+    /// Times at which an actuation changes its rate, s.
+    pub fn corners(&self) -> impl Iterator<Item = f64> {
+        (self.actuations.iter()).flat_map(|actuation| actuation.course.corners())
+    }
+
+    /// Takes note of the vertices and edges that there are; their natural strains are those without actuation.
+    pub fn resolve(&mut self, assembly: &Assembly) {
+        if self.is_empty() {
+            return;
+        }
+        let rods = &assembly.rods;
+        let strains = |vertex: &crate::mechanics::rod::Vertex| (vertex.natural, vertex.stiffness);
+        self.vertices = rods.vertices.iter().map(strains).collect();
+        self.lengths = rods.edges.iter().map(|edge| edge.natural_length).collect();
+        self.edges = vec![usize::MAX; rods.nodes];
+        // Where each edge lies along its rod, m.
+        let mut places = vec![[0.0; 2]; rods.nodes];
+        let (mut rod, mut along) = (0, 0.0);
+        for (number, edge) in rods.edges.iter().enumerate() {
+            let (own, _) = assembly.locate(edge.start);
+            if own != rod {
+                (rod, along) = (own, 0.0);
+            }
+            self.edges[edge.start] = number;
+            places[edge.start] = [along, along + edge.natural_length];
+            along += edge.natural_length;
+        }
+        let is_real = |edge: &usize| *edge < rods.nodes;
+        let of_vertices = rods
+            .vertices
+            .iter()
+            .enumerate()
+            .flat_map(|(index, vertex)| {
+                let before = Some(vertex.before).filter(is_real).map(|edge| {
+                    let [from, to] = places[edge];
+                    (index, edge, [0.5 * (from + to), to])
+                });
+                let after = Some(vertex.after).filter(is_real).map(|edge| {
+                    let [from, to] = places[edge];
+                    (index, edge, [from, 0.5 * (from + to)])
+                });
+                [before, after].into_iter().flatten()
+            });
+        let of_vertices: Vec<_> = of_vertices.collect();
+        let edges = rods.edges.iter().enumerate();
+        let of_edges: Vec<_> = edges
+            .map(|(index, edge)| (index, edge.start, places[edge.start]))
+            .collect();
+        let shares = self.actuations.iter().map(|actuation| {
+            let pieces = match actuation.strain {
+                ActuatedStrain::Length => &of_edges,
+                _ => &of_vertices,
+            };
+            let own = (pieces.iter()).filter(|piece| assembly.locate(piece.1).0 == actuation.rod);
+            let [first, last] = actuation.part;
+            let mut shares: Vec<Share> = Vec::new();
+            for &(index, _, [from, to]) in own {
+                let (from, to) = (from.max(first), to.min(last));
+                if from >= to {
+                    continue;
+                }
+                let parts = actuation.course.shares([from, to]);
+                match shares.last_mut() {
+                    Some(share) if share.index == index => {
+                        share.parts = std::array::from_fn(|k| share.parts[k] + parts[k]);
+                    }
+                    _ => shares.push(Share { index, parts }),
+                }
+            }
+            shares
+        });
+        self.shares = shares.collect();
+    }
+
+    /// Gives the rods the natural strains that they have at a time, s.
+    fn apply(&self, time: f64, rods: &mut ElasticRods) {
+        self.withdraw(rods);
+        for (actuation, shares) in self.actuations.iter().zip(&self.shares) {
+            let [first, second] = actuation.course.weights(time);
+            for share in shares {
+                let amount = first * share.parts[0] + second * share.parts[1];
+                if actuation.strain == ActuatedStrain::Length {
+                    rods.edges[share.index].natural_length += amount;
+                    continue;
+                }
+                let VertexStrains { curvature, twist } = &mut rods.vertices[share.index].natural;
+                match actuation.strain {
+                    ActuatedStrain::FirstCurvature => {
+                        [curvature[1], curvature[3]] =
+                            [curvature[1] - amount, curvature[3] - amount]
+                    }
+                    ActuatedStrain::SecondCurvature => {
+                        [curvature[0], curvature[2]] =
+                            [curvature[0] + amount, curvature[2] + amount]
+                    }
+                    ActuatedStrain::Twist | ActuatedStrain::Length => *twist += amount,
+                }
+            }
+        }
+        if self.changes_length {
+            self.lengthen(rods);
+        }
+    }
+
+    /// Lets the vertices follow the lengths of their edges.
+    fn lengthen(&self, rods: &mut ElasticRods) {
+        for vertex in &mut rods.vertices {
+            let own = [vertex.before, vertex.after].into_iter();
+            let (mut before, mut now) = (0.0, 0.0);
+            for edge in own.filter(|edge| *edge < rods.nodes) {
+                before += self.lengths[self.edges[edge]];
+                now += rods.edges[self.edges[edge]].natural_length;
+            }
+            let growth = now / before;
+            vertex
+                .natural
+                .curvature
+                .iter_mut()
+                .for_each(|strain| *strain *= growth);
+            vertex.natural.twist *= growth;
+            vertex
+                .stiffness
+                .bending
+                .iter_mut()
+                .for_each(|bending| *bending /= growth);
+            vertex.stiffness.twisting /= growth;
+        }
+    }
+
+    /// Gives the rods the natural strains that they have without actuation.
+    pub fn withdraw(&self, rods: &mut ElasticRods) {
+        if self.is_empty() {
+            return;
+        }
+        for (vertex, (natural, stiffness)) in rods.vertices.iter_mut().zip(&self.vertices) {
+            (vertex.natural, vertex.stiffness) = (*natural, *stiffness);
+        }
+        for (edge, length) in rods.edges.iter_mut().zip(&self.lengths) {
+            edge.natural_length = *length;
+        }
+    }
+}
+
+impl System {
+    /// Gives the rods the natural strains of a time, s.
+    pub(super) fn actuate(&mut self, time: f64) {
+        if !self.actuators.is_empty() {
+            self.actuators.apply(time, &mut self.assembly.rods);
+            self.geometry.take_natural_strains(&self.assembly.rods);
+        }
+    }
+}

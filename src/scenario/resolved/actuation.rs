@@ -1,0 +1,97 @@
+//! Natural strains that change over time, as resolved.
+
+use serde::Serialize;
+
+/// A natural strain that changes over time.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Actuation {
+    /// Which strain.
+    #[serde(flatten)]
+    pub kind: ActuationKind,
+    /// Name of the rod.
+    pub rod: String,
+    /// Its size.
+    #[serde(flatten)]
+    pub course: Course,
+    /// Where along the rod it begins, m.
+    pub from: f64,
+    /// Where along the rod it ends, m; `None` is its end.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub to: Option<f64>,
+}
+
+/// Natural strains that may change.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum ActuationKind {
+    /// Curvature, 1/m.
+    Curvature {
+        /// Material director about which the rod bends, 1 or 2.
+        direction: usize,
+    },
+    /// Twist, rad/m.
+    Twist,
+    /// Relative change of length.
+    Length,
+}
+
+/// The size of a natural strain.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Course {
+    /// The same all along.
+    Uniform {
+        /// Strain at given times in s, piecewise linear.
+        values: Vec<(f64, f64)>,
+    },
+    /// A wave.
+    Wave {
+        /// Largest strain.
+        amplitude: f64,
+        /// Wavelength, m; `None` where all of the rod does the same.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        wavelength: Option<f64>,
+        /// Cycles per time, 1/s.
+        frequency: f64,
+        /// Phase at the start of the rod at time 0, rad.
+        phase: f64,
+        /// Factor at given times in s, piecewise linear; 1 where empty.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        schedule: Vec<(f64, f64)>,
+    },
+}
+
+impl Course {
+    /// Largest and smallest value at any time and place.
+    pub fn extremes(&self) -> [f64; 2] {
+        let bounds = |values: &mut dyn Iterator<Item = f64>| {
+            values.fold([f64::NEG_INFINITY, f64::INFINITY], |[high, low], value| {
+                [high.max(value), low.min(value)]
+            })
+        };
+        match self {
+            Self::Uniform { values } => bounds(&mut values.iter().map(|corner| corner.1)),
+            Self::Wave {
+                amplitude,
+                schedule,
+                ..
+            } => {
+                let factors = schedule.iter().map(|corner| corner.1.abs());
+                let largest = factors.reduce(f64::max).unwrap_or(1.0) * amplitude.abs();
+                [largest, -largest]
+            }
+        }
+    }
+
+    /// Whether it is another at another time.
+    pub fn changes(&self) -> bool {
+        match self {
+            Self::Uniform { values } => values.len() > 1,
+            Self::Wave {
+                frequency,
+                schedule,
+                ..
+            } => *frequency != 0.0 || !schedule.is_empty(),
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! Natural strains that change over time, as typed.
+
+use super::load::Schedule;
+use super::quantity::Quantity;
+use crate::scenario::units::{Angle, Curvature, Dimensionless, Frequency, Length, Time, Twist};
+use schemars::JsonSchema;
+
+/// A natural strain that changes over time: the rod bends, twists or lengthens by itself. Give `values`, or a wave by its
+/// `amplitude`: amplitude · sin(2π (s/wavelength − t · frequency) + phase) at the distance s from the start of the rod.
+/// Several of one rod add up, and to the natural shape.
+#[derive(Debug, serde::Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(tag = "kind", deny_unknown_fields, rename = "actuation")]
+pub enum Actuation {
+    /// Natural curvature about a material director.
+    Curvature {
+        /// Name of the rod.
+        rod: Option<String>,
+        /// Director about which the rod bends: 1 (the default) or 2.
+        direction: Option<i64>,
+        /// Curvature at given times, [[time, curvature], ...], linear between them and constant outside.
+        values: Option<Vec<(Quantity<Time>, Quantity<Curvature>)>>,
+        /// Largest curvature of a wave.
+        amplitude: Option<Quantity<Curvature>>,
+        /// Length of a wave along the rod. Default: all of the rod does the same.
+        wavelength: Option<Quantity<Length>>,
+        /// Cycles of a wave per time; it runs from the start of the rod to its end, and back where the frequency is
+        /// negative. Default: 0, a wave that stands still.
+        frequency: Option<Quantity<Frequency>>,
+        /// Phase of a wave at the start of the rod at time 0. Default: 0.
+        phase: Option<Quantity<Angle>>,
+        /// Factor of a wave at given times, [[time, factor], ...], linear between them. Default: 1 always.
+        schedule: Option<Schedule>,
+        /// Where along the rod it begins, from the start of the rod. Default: there.
+        from: Option<Quantity<Length>>,
+        /// Where along the rod it ends, from the start of the rod. Default: at its end.
+        to: Option<Quantity<Length>>,
+    },
+    /// Natural twist per length.
+    Twist {
+        /// Name of the rod.
+        rod: Option<String>,
+        /// Twist at given times, [[time, twist], ...], linear between them and constant outside.
+        values: Option<Vec<(Quantity<Time>, Quantity<Twist>)>>,
+        /// Largest twist of a wave.
+        amplitude: Option<Quantity<Twist>>,
+        /// Length of a wave along the rod. Default: all of the rod does the same.
+        wavelength: Option<Quantity<Length>>,
+        /// Cycles of a wave per time; it runs from the start of the rod to its end, and back where the frequency is
+        /// negative. Default: 0, a wave that stands still.
+        frequency: Option<Quantity<Frequency>>,
+        /// Phase of a wave at the start of the rod at time 0. Default: 0.
+        phase: Option<Quantity<Angle>>,
+        /// Factor of a wave at given times, [[time, factor], ...], linear between them. Default: 1 always.
+        schedule: Option<Schedule>,
+        /// Where along the rod it begins, from the start of the rod. Default: there.
+        from: Option<Quantity<Length>>,
+        /// Where along the rod it ends, from the start of the rod. Default: at its end.
+        to: Option<Quantity<Length>>,
+    },
+    /// Relative change of the natural length: 0.1 is 10 % longer. Mass, stiffnesses of the section, and natural curvature and
+    /// twist per length stay.
+    Length {
+        /// Name of the rod.
+        rod: Option<String>,
+        /// Relative change at given times, [[time, change], ...], linear between them and constant outside.
+        values: Option<Vec<(Quantity<Time>, Quantity<Dimensionless>)>>,
+        /// Largest relative change of a wave.
+        amplitude: Option<Quantity<Dimensionless>>,
+        /// Length of a wave along the rod. Default: all of the rod does the same.
+        wavelength: Option<Quantity<Length>>,
+        /// Cycles of a wave per time; it runs from the start of the rod to its end, and back where the frequency is
+        /// negative. Default: 0, a wave that stands still.
+        frequency: Option<Quantity<Frequency>>,
+        /// Phase of a wave at the start of the rod at time 0. Default: 0.
+        phase: Option<Quantity<Angle>>,
+        /// Factor of a wave at given times, [[time, factor], ...], linear between them. Default: 1 always.
+        schedule: Option<Schedule>,
+        /// Where along the rod it begins, from the start of the rod. Default: there.
+        from: Option<Quantity<Length>>,
+        /// Where along the rod it ends, from the start of the rod. Default: at its end.
+        to: Option<Quantity<Length>>,
+    },
+}
