@@ -40,6 +40,7 @@
 //! mechanics      ──> linalg
 //! cell           ──> robot, scenario, figure
 //! vision         ──> figure
+//! robot, scenario ──> mesh
 //! ```
 //!
 //! | room | what lives there |
@@ -61,6 +62,7 @@
 //! | [`results`] | results directories, checkpoints, VTK |
 //! | [`cluster`] | Slurm job arrays |
 //! | [`figure`] | pictures of plain curves and rows |
+//! | [`mesh`] | triangle meshes in files: STL, OBJ |
 //! | [`vision`] | images → centrelines in pixels and metres, cameras, scores |
 //!
 //! Inside [`mechanics`], [`rod`](mechanics::rod), [`contact`](mechanics::contact) and

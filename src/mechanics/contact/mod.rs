@@ -8,6 +8,7 @@
 //! | `obstacle`, `placed_obstacles` | rigid obstacles, where they are, and what of them is near a rod |
 //! | `broad_phase`, `candidates` | pairs of edges that may touch, kept over many steps |
 //! | `closest_points`, `distance` | centreline distance Δ of two edges and its derivatives (thesis Eqs. 2.3–2.6) |
+//! | `inside` | what lies within a closed obstacle |
 //! | `nearest_points` | the same of two edges, or of a node and a face |
 //! | `parameters` | the contact model and its numbers |
 //! | `normal_law`, `normal_response`, `potential`, `barrier` | contact energy of a gap: Eqs. 2.15, 2.16 or the barrier of Eq. 2.1 |
@@ -38,6 +39,7 @@ mod distance;
 mod edge_contact;
 mod evaluation;
 mod friction;
+mod inside;
 mod iterate;
 mod memory;
 mod multipliers;

@@ -39,6 +39,14 @@ pub(super) struct ContactFace {
     pub obstacle: usize,
 }
 
+impl ContactFace {
+    /// Pairs of a node of a rod and this face: the nodes of the pair.
+    pub fn with(&self, node: usize) -> [usize; 4] {
+        let [a, b, c] = self.vertices;
+        [node, a, b, c]
+    }
+}
+
 /// The contact surfaces of all rods and obstacles.
 ///
 /// Bodies that touch are numbered: edges of rods, edges of obstacles, faces of obstacles.

@@ -59,7 +59,7 @@ beam.toml:18:55: `clamps.0.poses.1.2`: the quaternion qw, qx, qy, qz = [2.0, 0.0
 "##);
     insta::assert_snapshot!(clamped("follow = \"nowhere.csv\""), @"beam.toml:18:10: `clamps.0.follow`: nowhere.csv cannot be read: No such file or directory (os error 2)");
     insta::assert_snapshot!(clamped(&format!("{pose}\nfollow = \"nowhere.csv\"")), @"beam.toml:18:9: `clamps.0.poses`: give `follow` or `poses`, not both");
-    insta::assert_snapshot!(clamped(&format!("{pose}\naxis = [1, 0, 0]")), @"beam.toml:19:8: `clamps.0.axis`: poses say how the clamp moves and turns; leave the key out");
+    insta::assert_snapshot!(clamped(&format!("{pose}\naxis = [1, 0, 0]")), @"beam.toml:19:8: `clamps.0.axis`: poses say how it moves and turns; leave the key out");
 }
 
 #[test]
