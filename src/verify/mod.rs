@@ -10,6 +10,7 @@ mod check;
 mod conservation;
 mod contact;
 mod continuation;
+mod damping;
 mod derivatives;
 mod determinism;
 mod drag;
@@ -40,11 +41,12 @@ type CheckGroup = fn(full: bool) -> Result<Vec<Check>, GroupError>;
 type GroupError = Box<dyn Error + Send + Sync>;
 
 /// All groups, in the order of the table.
-const GROUPS: [(&str, CheckGroup); 16] = [
+const GROUPS: [(&str, CheckGroup); 17] = [
     ("derivatives", derivatives::checks),
     ("statics", statics::checks),
     ("spatial rods", spatial_rods::checks),
     ("vibration", vibration::checks),
+    ("damping", damping::checks),
     ("actuation", actuation::checks),
     ("buckling", buckling::checks),
     ("continuation", continuation::checks),

@@ -59,6 +59,21 @@ pub struct Material {
     pub poissons_ratio: f64,
     /// Density ρ, kg/m³.
     pub density: f64,
+    /// Viscosity η of stretching, Pa s.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub viscosity: f64,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]
+fn is_zero(number: &f64) -> bool {
+    *number == 0.0
+}
+
+impl Material {
+    /// Retardation time η/E, s.
+    pub fn retardation_time(&self) -> f64 {
+        self.viscosity / self.youngs_modulus
+    }
 }
 
 /// Shape of a cross-section.

@@ -293,3 +293,34 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn the_viscosity_of_a_material_is_given_once() {
+    let fault = |keys: &str| {
+        let with =
+            |text: &str| text.replacen("density = 1000.0", &format!("density = 1000.0\n{keys}"), 1);
+        read(&with(BEAM)).unwrap_err().to_string()
+    };
+    insta::assert_snapshot!(fault("viscosity = -1.0"), @"beam.toml:8:13: `material.viscosity`: -1.0 is out of range; allowed: at least 0");
+    insta::assert_snapshot!(fault("loss_factor = 0.1"), @"beam.toml:4:1: `material`: missing key `loss_frequency` (the frequency at which that is the loss factor)");
+    insta::assert_snapshot!(fault("loss_frequency = 10"), @"beam.toml:4:1: `material`: missing key `loss_factor` (the loss factor at `loss_frequency`)");
+    insta::assert_snapshot!(fault("viscosity = 1\nloss_factor = 0.1\nloss_frequency = 10"), @"beam.toml:9:15: `material.loss_factor`: give `viscosity` or `loss_factor`, not both");
+    let viscous = BEAM.replace(
+        "density = 1000.0",
+        "density = 1000.0\nloss_factor = 0.1\nloss_frequency = \"10 Hz\"",
+    );
+    let scenario = read(&viscous).unwrap();
+    let viscosity = 0.1 * 1e8 / (20.0 * std::f64::consts::PI);
+    let found = scenario.rods[0].material.viscosity;
+    assert!((found / viscosity - 1.0).abs() < 1e-14);
+    assert_eq!(read(&scenario.to_toml()).unwrap(), scenario);
+    // That of a rod goes before that of all.
+    let own = viscous.replace("edges = 50", "edges = 50\nmaterial = { viscosity = 2.0 }");
+    assert_eq!(read(&own).unwrap().rods[0].material.viscosity, 2.0);
+    let midpoint = viscous.replace(
+        "mode = \"static\"",
+        "scheme = \"implicit-midpoint\"\nend = 1",
+    );
+    let error = read(&midpoint).unwrap_err().to_string();
+    assert!(error.contains("time.scheme"), "{error}");
+}
