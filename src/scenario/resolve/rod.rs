@@ -279,7 +279,13 @@ fn closed(section: &Section<'_>, typed: Option<bool>, shape: &Shape) -> bool {
             false
         }
         (_, Shape::Ring { .. }) => true,
-        (Some(true), Shape::Straight { .. } | Shape::Helix { .. } | Shape::Arc { .. }) => {
+        (
+            Some(true),
+            Shape::Straight { .. }
+            | Shape::Helix { .. }
+            | Shape::Arc { .. }
+            | Shape::Catenary { .. },
+        ) => {
             section.fault(
                 "closed",
                 "only rods of kind \"ring\" or \"points\" can be closed",

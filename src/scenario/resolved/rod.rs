@@ -143,6 +143,17 @@ pub enum Shape {
         /// Angle of the first point about the axis, rad, from the direction of x (of y about an axis along x).
         phase: f64,
     },
+    /// A chain that hangs between two points.
+    Catenary {
+        /// First point, m.
+        start: [f64; 3],
+        /// Last point, m.
+        end: [f64; 3],
+        /// Length, m.
+        length: f64,
+        /// Direction in which it hangs, a unit vector.
+        down: [f64; 3],
+    },
     /// An arc of a circle.
     Arc {
         /// First point, m.
