@@ -8,7 +8,8 @@
 //! ```
 //!
 //! (thesis Eq. 1.8) and its Jacobian, with the drag F₀ of a motion with the velocities v₀ and its local
-//! resistance D; without a [`Stage`] the terms with h fall away and equilibrium remains.
+//! resistance D; without a [`Stage`] the terms with h fall away and equilibrium remains. The natural strains in E may be
+//! functions of time (`actuation`), and dashpots lie beside its springs where rods are viscous (`damping`).
 
 mod actuation;
 mod balance;
