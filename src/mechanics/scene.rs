@@ -81,6 +81,8 @@ pub struct RodDescription {
     pub rotational_inertia_per_length: f64,
     /// How edges weigh on their nodes.
     pub inertia: Inertia,
+    /// Retardation time T of Kelvin–Voigt damping, s: viscosity of the material over its modulus; 0 without damping.
+    pub retardation_time: f64,
     /// Velocity of every node at time zero, m/s.
     pub velocity: Vector3,
     /// Angular velocity about the rod's centroid at time zero, rad/s (nodes' velocities only).
@@ -115,6 +117,7 @@ impl RodDescription {
             mass_per_length,
             rotational_inertia_per_length: 0.5 * mass_per_length * radius * radius,
             inertia: Inertia::Lumped,
+            retardation_time: 0.0,
             velocity: Vector3::zeros(),
             angular_velocity: Vector3::zeros(),
             held: false,

@@ -109,6 +109,7 @@ mod tests {
             youngs_modulus: 3.0,
             poissons_ratio: 0.5,
             density: 1.0,
+            viscosity: 0.0,
         };
         let stiffness = strip.stiffness(f64::NAN, &material);
         assert_eq!(stiffness.stretching, 12.0);

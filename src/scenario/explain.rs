@@ -268,8 +268,8 @@ rods.shape.radius (of kind "ring")
 rods.shape
   Where the rod is placed.
   A curve in space.
-  kinds: straight, helix, arc, ring, points
-  keys: end, start, axis, centre, handedness, length, phase, pitch, radius, turns, angle, normal, tangent, file, points
+  kinds: straight, helix, arc, ring, catenary, points
+  keys: end, start, axis, centre, handedness, length, phase, pitch, radius, turns, angle, normal, tangent, down, file, points
 "###);
         insta::assert_snapshot!(explain(*EXPERIMENTS, "loads.acceleration").unwrap(), @r###"
 loads.acceleration (of kind "gravity")
@@ -307,7 +307,7 @@ keys: actuation, clamps, contact, continuation, experiment, extends, flagella, f
         for (key, kinds) in [
             (
                 "rods.shape.kind",
-                &["straight", "helix", "arc", "ring", "points"][..],
+                &["straight", "helix", "arc", "ring", "catenary", "points"][..],
             ),
             (
                 "loads.kind",

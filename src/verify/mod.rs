@@ -10,6 +10,7 @@ mod check;
 mod conservation;
 mod contact;
 mod continuation;
+mod damping;
 mod derivatives;
 mod determinism;
 mod drag;
@@ -46,6 +47,7 @@ const GROUPS: [(&str, CheckGroup); 17] = [
     ("statics", statics::checks),
     ("spatial rods", spatial_rods::checks),
     ("vibration", vibration::checks),
+    ("damping", damping::checks),
     ("actuation", actuation::checks),
     ("buckling", buckling::checks),
     ("continuation", continuation::checks),

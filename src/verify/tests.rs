@@ -38,6 +38,11 @@ fn actuation_passes() {
 }
 
 #[test]
+fn damping_passes() {
+    assert_passes("damping");
+}
+
+#[test]
 fn buckling_passes() {
     assert_passes("buckling");
 }

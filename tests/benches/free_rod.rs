@@ -55,6 +55,7 @@ fn scene() -> Scene {
             mass_per_length: density * area,
             rotational_inertia_per_length: density * 2.0 * second_moment,
             inertia: Inertia::Lumped,
+            retardation_time: 0.0,
             velocity: Vector3::zeros(),
             angular_velocity: Vector3::zeros(),
             held: false,

@@ -20,6 +20,7 @@ const STEEL: Material = Material {
     youngs_modulus: 2e11,
     poissons_ratio: 0.3,
     density: 7850.0,
+    viscosity: 0.0,
 };
 /// Points of a pattern seen from above.
 const OUTLINE: usize = 2000;

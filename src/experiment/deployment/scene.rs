@@ -56,6 +56,7 @@ fn described(name: &str, rod: &Rod, path: &GripperPath) -> RodDescription {
         youngs_modulus: rod.deployed().youngs_modulus(rod.density, GRAVITY),
         poissons_ratio: 0.5,
         density: rod.density,
+        viscosity: 0.0,
     };
     let section = BuilderRod {
         radius: rod.radius,

@@ -185,6 +185,7 @@ mod tests {
         youngs_modulus: 3e6,
         poissons_ratio: 0.5,
         density: 1000.0,
+        viscosity: 0.0,
     };
     const ROD: BuilderRod = BuilderRod {
         radius: 1e-3,

@@ -173,6 +173,7 @@ fn add(scene: &mut Scene, folding: &Folding, path: &GripperPath, friction: f64) 
         youngs_modulus: strip.youngs_modulus(paper.density, GRAVITY),
         poissons_ratio: 0.5,
         density: paper.density,
+        viscosity: 0.0,
     };
     let section = BuilderRod {
         radius,

@@ -42,7 +42,7 @@ const SERIES: &[Column] = columns! {
     "contact_force_n": "Sum P of all normal forces between the strands, N.",
     "work_of_ends_j": "Work of the clamps at the ends since the start, J.",
     "friction_loss_j": "Energy lost to friction since the start, J.",
-    "drag_loss_j": "Energy lost to drag since the start, J.",
+    "drag_loss_j": "Energy lost to drag and to the viscosity of the rods since the start, J.",
     "knot_determinant": "Determinant of the knot, 2n + 1 for an overhand knot of unknotting number n. If it changes, a rod \
         has passed through another, and the run ends with exit code 4. Empty where it cannot be determined.",
     "second_traction_start_n": "Force with which the first end of the second rod is pulled outwards, N; empty with one rod.",

@@ -1,5 +1,6 @@
 //! Analytic curves as nodes: shapes of a scenario sampled at equal arc length.
 
+use super::catenary::Catenary;
 use crate::mechanics::Vector3;
 use crate::scenario::{Handedness, Shape};
 
@@ -83,6 +84,19 @@ pub fn sample(shape: &Shape, edges: usize, closed: bool) -> SampledCurve {
                     centre + (first * cosine + second * sine) * *radius
                 }),
                 end_tangents: [None; 2],
+            }
+        }
+        Shape::Catenary {
+            start,
+            end,
+            length,
+            down,
+        } => {
+            let [start, end, down] = [start, end, down].map(|&vector| Vector3::from(vector));
+            let chain = Catenary::new(start, end, *length, -down);
+            SampledCurve {
+                nodes: at(&|s| chain.point(s)),
+                end_tangents: [Some(chain.tangent(0.0)), Some(chain.tangent(1.0))],
             }
         }
         Shape::Points { points } => SampledCurve {

@@ -1,5 +1,6 @@
 //! From a validated scenario to a scene that is ready to run.
 
+mod catenary;
 pub(crate) mod curve;
 mod estimate;
 mod gripper_motion;

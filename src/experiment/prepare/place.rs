@@ -51,6 +51,7 @@ pub(super) fn place_rod(rod: &Rod, path: &KeyPath) -> Result<mechanics::RodDescr
             Inertia::Lumped => mechanics::Inertia::Lumped,
             Inertia::Consistent => mechanics::Inertia::Consistent,
         },
+        retardation_time: rod.material.retardation_time(),
         velocity: Vector3::from(rod.velocity),
         angular_velocity: Vector3::from(rod.angular_velocity),
         held: rod.held,

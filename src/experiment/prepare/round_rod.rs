@@ -22,6 +22,7 @@ pub fn round_rod(
     let mass_per_length = material.density * section.area(rod.radius);
     RodDescription {
         rotational_inertia_per_length: material.density * (second_moment_1 + second_moment_2),
+        retardation_time: material.retardation_time(),
         ..RodDescription::uniform(name, centreline, stiffness, rod.radius, mass_per_length)
     }
 }

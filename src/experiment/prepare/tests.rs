@@ -160,3 +160,48 @@ fn files_of_every_kind_of_experiment_may_give_way_to_a_new_run() {
         assert!(run.own_files.contains(&name), "{name}");
     }
 }
+
+#[test]
+fn a_heavy_soft_rope_that_starts_as_a_catenary_hardly_moves() {
+    let text = |shape: &str| {
+        format!(
+            r#"
+experiment = "scene"
+material = {{ youngs_modulus = 1e6, poissons_ratio = 0.5, density = 1000.0 }}
+time = {{ mode = "static" }}
+[[rods]]
+name = "rope"
+radius = "1 mm"
+edges = 60
+shape = {{ {shape} }}
+natural_shape = "straight"
+stiffness = {{ stretching = 1000.0 }}
+[[clamps]]
+rod = "rope"
+at = "start"
+hold = "position"
+[[clamps]]
+rod = "rope"
+at = "end"
+hold = "position"
+[[loads]]
+kind = "gravity"
+acceleration = [0, 0, -9.81]
+"#
+        )
+    };
+    let shape = r#"kind = "catenary", start = [0, 0, 0], end = [1, 0.2, 0.3], length = 1.5"#;
+    let run = prepare(&loaded(&text(shape)).scenario).unwrap();
+    let mut simulation = Simulation::new(&run.scene, &run.integration).unwrap();
+    let start = simulation.positions().to_vec();
+    let report = simulation.find_equilibrium().unwrap();
+    let moves = simulation
+        .positions()
+        .iter()
+        .zip(&start)
+        .map(|(x, y)| (x - y).norm());
+    let farthest = moves.fold(0.0, f64::max);
+    println!("{farthest} {}", report.newton_iterations);
+    // It resists bending by EI/(weight per length · L³) = 8e-6.
+    assert!(farthest < 1e-3 && report.newton_iterations <= 8);
+}

@@ -4,7 +4,8 @@
 //!
 //! W = Σ r·Δq over all held unknowns, D_friction = −Σ f_t·Δx over all contacts, D_drag = Σ c v Δq,
 //!
-//! where r is the reaction, f_t the part of the contact force across the normal, and c the coefficient of drag.
+//! where r is the reaction, f_t the part of the contact force across the normal, and c the coefficient of drag; what the
+//! dashpots of viscous rods take counts as lost to drag.
 //! W = ΔE + D_friction + D_drag but for what the scheme itself damps: implicit Euler takes ½ M (Δv)² and the like, which
 //! vanishes with the step.
 
@@ -35,7 +36,7 @@ impl AcceptedStep<'_> {
         Exchange {
             clamp_work: self.clamp_work(),
             friction_loss: self.friction_loss(),
-            drag_loss: self.drag_loss(),
+            drag_loss: self.drag_loss() + self.system.viscous_loss(),
         }
     }
 

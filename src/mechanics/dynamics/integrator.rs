@@ -128,6 +128,7 @@ impl Integrator {
                 .drag_at_the_start(state)
                 .map_err(|error| without_drag(error, state.time))?;
         }
+        system.begin_damping(&state.unknowns);
         system.update_candidates(&state.unknowns);
         let sizes = self.setting.parameters.step;
         let until = earlier_event(system, &sizes, state.time, until);

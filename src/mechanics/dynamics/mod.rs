@@ -51,6 +51,8 @@ mod barrier_tests;
 #[cfg(test)]
 mod complementarity_tests;
 #[cfg(test)]
+mod damping_tests;
+#[cfg(test)]
 mod equilibrium_tests;
 #[cfg(test)]
 mod event_tests;

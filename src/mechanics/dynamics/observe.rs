@@ -209,6 +209,7 @@ impl Simulation {
             validity: self.validity.memory.clone(),
             contact: self.system.contact.as_ref().map(|contact| contact.memory()),
             fluid: self.integrator.fluid.memory(),
+            strains: self.system.damping.memory(),
         }
     }
 
@@ -237,6 +238,8 @@ impl Simulation {
             .fluid
             .restore(state.fluid)
             .map_err(foreign)?;
+        let restored = self.system.damping.restore(state.strains);
+        restored.map_err(|what| foreign(what.to_owned()))?;
         self.state = State {
             time: state.time,
             unknowns: state.unknowns,

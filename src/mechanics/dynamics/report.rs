@@ -34,6 +34,8 @@ pub struct SimulationState {
     pub contact: Option<ContactMemory>,
     /// Force history and preconditioner of the fluid.
     pub fluid: Option<FluidMemory>,
+    /// Strains of viscous rods at the last steps.
+    pub strains: Vec<Vec<f64>>,
 }
 
 /// What one accepted step did.
@@ -64,7 +66,7 @@ pub struct Exchange {
     pub clamp_work: f64,
     /// Energy lost to friction between rods and on planes.
     pub friction_loss: f64,
-    /// Energy lost to the drag among the loads; not that of a fluid.
+    /// Energy lost to the drag among the loads and to the viscosity of the rods; not that of a fluid.
     pub drag_loss: f64,
 }
 

@@ -15,6 +15,11 @@ use crate::mechanics::{SceneError, Vector3};
 pub(super) const ONLY_EULER: SceneError =
     SceneError::Unsuitable("contact by complementarity needs time steps of implicit Euler");
 
+/// The midpoint rule knows no rate of a strain that is not linear in the unknowns.
+const NO_MIDPOINT: SceneError = SceneError::Unsuitable(
+    "viscous rods need time steps of implicit Euler or of backward differences",
+);
+
 /// A scene in motion.
 pub struct Simulation {
     pub(super) system: System,
@@ -40,6 +45,9 @@ impl Simulation {
         let mut system = System::new(scene)?;
         if system.has_constraints() && parameters.scheme != Scheme::ImplicitEuler {
             return Err(ONLY_EULER.into());
+        }
+        if system.is_damped() && parameters.scheme == Scheme::ImplicitMidpoint {
+            return Err(NO_MIDPOINT.into());
         }
         let mut state = State::new(&system.assembly.unknowns, &system.assembly.velocity);
         let mut integrator = Integrator::new(scene, &system, &state, parameters)?;

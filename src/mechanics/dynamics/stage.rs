@@ -105,6 +105,10 @@ impl Workspace {
         scheme.begin(step, state, turning, &mut self.stage, &mut self.trial);
         let time = scheme.stage_time(state.time, goal);
         system.drive(time, &mut self.trial.unknowns);
+        system.damp(
+            self.stage.step,
+            scheme.earlier_weights(step, state, turning),
+        );
         if scheme.predicts_drag() {
             fluid.of_prediction(&mut self.stage, &self.trial.unknowns)
         } else {

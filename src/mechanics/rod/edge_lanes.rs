@@ -31,17 +31,15 @@ impl EdgeLanes {
             natural_length: [1.0; LANES],
             stiffness: [0.0; LANES],
         };
-        lanes.take_natural_lengths(edges);
-        for (lane, edge) in edges.iter().enumerate() {
-            lanes.stiffness[lane] = edge.stretching;
-        }
+        lanes.take_natural_strains(edges);
         lanes
     }
 
-    /// Takes over the natural lengths of `edges`.
-    pub fn take_natural_lengths(&mut self, edges: &[Edge]) {
+    /// Takes over the natural lengths and stiffnesses of `edges`.
+    pub fn take_natural_strains(&mut self, edges: &[Edge]) {
         for (lane, edge) in edges.iter().enumerate() {
             self.natural_length[lane] = edge.natural_length;
+            self.stiffness[lane] = edge.stretching;
         }
     }
 }

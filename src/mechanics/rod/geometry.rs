@@ -72,7 +72,7 @@ impl RodGeometry {
             lanes.take_natural_strains(vertices);
         }
         for (edges, lanes) in rods.edges.chunks(LANES).zip(&mut self.edge_lanes) {
-            lanes.take_natural_lengths(edges);
+            lanes.take_natural_strains(edges);
         }
     }
 

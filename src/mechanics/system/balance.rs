@@ -90,7 +90,7 @@ impl System {
             });
             let friction =
                 stage.map_or(0.0, |stage| friction * farthest * f64::EPSILON / stage.step);
-            let elastic = scale.rounding_stiffness * farthest;
+            let elastic = scale.rounding_stiffness * farthest * self.damping.stiffening(rod);
             let rounding = ROUNDINGS * elastic.max(inertia).max(friction);
             let force = (relative * scale.force.max(largest_load)).max(rounding);
             tolerances.push(RodTolerance {

@@ -218,6 +218,7 @@ impl System {
     /// Makes everything else fit what is held and the vertices there are.
     fn rebuild(&mut self, unknowns: &[f64]) {
         self.switched = true;
+        self.damping.rest();
         self.assembly.consistent.share(&self.assembly.rods);
         self.actuators.resolve(&self.assembly);
         self.geometry = RodGeometry::new(&self.assembly.rods);

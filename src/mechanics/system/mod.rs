@@ -8,7 +8,8 @@
 //! ```
 //!
 //! (thesis Eq. 1.8) and its Jacobian, with the drag F₀ of a motion with the velocities v₀ and its local
-//! resistance D; without a [`Stage`] the terms with h fall away and equilibrium remains.
+//! resistance D; without a [`Stage`] the terms with h fall away and equilibrium remains. The natural strains in E may be
+//! functions of time (`actuation`), and dashpots lie beside its springs where rods are viscous (`damping`).
 
 mod actuation;
 mod balance;
@@ -18,6 +19,7 @@ mod complementarity;
 mod contact_prediction;
 mod contact_response;
 mod contact_stiffness;
+mod damping;
 mod events;
 mod grasp;
 mod loads;
@@ -39,6 +41,7 @@ use balance::RodTolerance;
 pub use build::Assembly;
 pub use clamps::Drive;
 pub use complementarity::NoContactForces;
+use damping::Damping;
 pub use events::Event;
 pub use grasp::{Grasp, Interventions};
 use loads::Loads;
@@ -99,6 +102,8 @@ pub struct System {
     pub loads: Loads,
     /// Natural strains as functions of time.
     actuators: Actuators,
+    /// Dashpots of the material.
+    pub damping: Damping,
     /// Contact, where the scene has it.
     pub contact: Option<ContactSystem>,
     /// Frames from which the present step transports.
@@ -197,6 +202,7 @@ impl System {
             relative_tolerance: 0.0,
             contact,
             actuators,
+            damping: Damping::new(scene),
             assembly,
             loads,
         };
@@ -261,6 +267,7 @@ impl System {
     /// Keeps frames and contact forces of the last evaluation as those of an accepted step.
     pub fn accept(&mut self) {
         self.commit_frames();
+        self.damping.accept();
         if let Some(contact) = &mut self.contact {
             contact.commit_multipliers();
         }
@@ -284,6 +291,9 @@ impl System {
 
     /// Evaluates the residual at `unknowns`.
     pub fn evaluate(&mut self, unknowns: &[f64], stage: Option<&Stage>) {
+        if stage.is_none() {
+            self.undamp();
+        }
         self.update_geometry(unknowns);
         self.residual.fill(0.0);
         self.assembly
@@ -300,6 +310,9 @@ impl System {
 
     /// Evaluates residual and Jacobian at `unknowns`.
     pub fn linearize(&mut self, unknowns: &[f64], stage: Option<&Stage>) {
+        if stage.is_none() {
+            self.undamp();
+        }
         self.update_geometry(unknowns);
         self.residual.fill(0.0);
         self.matrix.clear();

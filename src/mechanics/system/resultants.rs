@@ -2,7 +2,8 @@
 //!
 //! A vertex of bending stiffness EI/l̄ and twisting stiffness GJ/l̄ bears the moments EI (κ − κ̃)/l̄ about the two
 //! material directors, where κ is the mean of the integrated curvatures seen by its two edges, and GJ (τ − τ̃)/l̄ about
-//! the tangent, where rods that bend by the angle of turning take that for κ; an edge bears the tension EA (l/l̃ − 1).
+//! the tangent, where rods that bend by the angle of turning take that for κ; an edge bears the tension EA (l/l̃ − 1). What
+//! dashpots of the material bear comes to it.
 //!
 //! **Moment of a clamp.** The energy E of the half vertex at a ghost edge does not change when all of it is turned, so
 //! that turning the ghost edge alone by δφ changes it by M·δφ, where −M·δφ is the change when the rod's edge is turned
@@ -32,7 +33,7 @@ pub struct Resultants {
 impl System {
     /// Tension of the edge that starts at a node, N; `None` where no edge starts.
     pub fn tension(&self, edge: usize) -> Option<f64> {
-        let edges = &self.assembly.rods.edges;
+        let edges = &self.acting_rods().edges;
         let index = edges.binary_search_by_key(&edge, |edge| edge.start).ok()?;
         let strain = self.geometry.edges[edge].length / edges[index].natural_length - 1.0;
         Some(edges[index].stretching * strain)
@@ -63,7 +64,7 @@ impl System {
             }
             let frames = [vertex.before, vertex.after].map(|edge| &self.geometry.edges[edge]);
             let strains = self.strains(index, vertex);
-            let gradient = vertex.gradient(frames, &strains);
+            let gradient = self.acting_rods().vertices[index].gradient(frames, &strains);
             moment -= if vertex.before < rods.nodes {
                 turning(frames[0], &gradient.e0, gradient.phi0)
             } else {
@@ -131,9 +132,10 @@ impl System {
     fn resultants_of(&self, index: usize, vertex: &Vertex) -> Resultants {
         let strains = self.strains(index, vertex);
         let [before, after] = [vertex.before, vertex.after].map(|edge| &self.geometry.edges[edge]);
-        let elastic = vertex.elastic_strains(&strains);
+        let acting = &self.acting_rods().vertices[index];
+        let elastic = acting.elastic_strains(&strains);
         let moment = |axis: usize| {
-            vertex.stiffness.bending[axis] * (elastic.curvature[axis] + elastic.curvature[axis + 2])
+            acting.stiffness.bending[axis] * (elastic.curvature[axis] + elastic.curvature[axis + 2])
         };
         let half_length = |frame: &EdgeFrame| {
             if frame.length.is_finite() {
@@ -165,7 +167,7 @@ impl System {
         };
         Resultants {
             bending_moment: libm::hypot(moment(0), moment(1)),
-            twisting_moment: vertex.stiffness.twisting * (strains.twist - natural_twist),
+            twisting_moment: acting.stiffness.twisting * elastic.twist,
             curvature: turned / length,
             twist: twisted / length,
         }

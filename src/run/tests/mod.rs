@@ -43,6 +43,7 @@ fn prepared(mode: Mode) -> PreparedRun {
         mass_per_length: 1.0,
         rotational_inertia_per_length: 1.0,
         inertia: Inertia::Lumped,
+        retardation_time: 0.0,
         velocity: Vector3::zeros(),
         angular_velocity: Vector3::zeros(),
         held: false,

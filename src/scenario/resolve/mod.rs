@@ -84,6 +84,7 @@ pub fn resolve(
     model::refuse_small_steps(&top, &time, &solver);
     let contact = model::contact(&top, file.contact.as_ref(), smallest_radius);
     model::refuse_rigid_statics(&top, &contact, &time);
+    model::refuse_viscous_midpoint(&top, &rods, &time);
     let fluid = model::fluid(&top, file.fluid.as_ref());
     if let Some(kind) = kind {
         let common = CommonTables {

@@ -5,7 +5,7 @@ use super::section::{
     DISPLACEMENT_TOLERANCE, FINITE, FORCE_TOLERANCE, FRACTION, NON_NEGATIVE, POSITIVE, Section,
 };
 use crate::scenario::resolved::{
-    Clamp, Contact, Fluid, Load, Obstacle, Output, Scheme, Solver, Step, Time,
+    Clamp, Contact, Fluid, Load, Obstacle, Output, Rod, Scheme, Solver, Step, Time,
 };
 use crate::scenario::typed::{self, ScenarioFile};
 
@@ -239,6 +239,23 @@ pub fn refuse_rigid_statics(top: &Section<'_>, contact: &Contact, time: &Time) {
         top.below("contact").fault(
             "model",
             "\"complementarity\" needs a dynamic run with the scheme \"implicit-euler\"",
+        );
+    }
+}
+
+/// Refuses the midpoint rule for viscous rods: in the middle of a step it knows no rate of a strain.
+pub fn refuse_viscous_midpoint(top: &Section<'_>, rods: &[Rod], time: &Time) {
+    let midpoint = matches!(
+        time,
+        Time::Dynamic {
+            scheme: Scheme::ImplicitMidpoint,
+            ..
+        }
+    );
+    if midpoint && rods.iter().any(|rod| rod.material.viscosity > 0.0) {
+        top.below("time").fault(
+            "scheme",
+            "\"implicit-midpoint\" does not fit rods with a viscosity; allowed with them: \"implicit-euler\" and \"backward-differences\"",
         );
     }
 }

@@ -1,6 +1,6 @@
 //! Resolving rods.
 
-use super::section::{FINITE, POISSONS_RATIO, POSITIVE, Section};
+use super::section::{FINITE, NON_NEGATIVE, POISSONS_RATIO, POSITIVE, Section};
 use super::{Context, model, shape};
 use crate::scenario::resolved::{
     CrossSection, Inertia, Material, NaturalShape, Rod, Shape, Stiffness,
@@ -175,19 +175,50 @@ fn own_material(
             }
         };
     }
+    let youngs_modulus = choose!(youngs_modulus, POSITIVE);
+    let of_common = |typed| viscosity(&common.section, typed, youngs_modulus);
     Material {
-        youngs_modulus: choose!(youngs_modulus, POSITIVE),
+        youngs_modulus,
         poissons_ratio: choose!(poissons_ratio, POISSONS_RATIO),
         density: choose!(density, POSITIVE),
+        viscosity: viscosity(section, own, youngs_modulus)
+            .or_else(|| common.typed.and_then(of_common))
+            .unwrap_or(0.0),
     }
+}
+
+/// The viscosity that a material is given, Pa s, by itself or by its loss factor.
+fn viscosity(section: &Section<'_>, typed: &typed::Material, youngs_modulus: f64) -> Option<f64> {
+    let viscosity = section.optional("viscosity", &typed.viscosity, NON_NEGATIVE);
+    let factor = section.optional("loss_factor", &typed.loss_factor, NON_NEGATIVE);
+    let frequency = section.optional("loss_frequency", &typed.loss_frequency, POSITIVE);
+    match (viscosity, factor, frequency) {
+        (_, None, Some(_)) => section.missing("loss_factor", "the loss factor at `loss_frequency`"),
+        (_, Some(_), None) => {
+            section.missing(
+                "loss_frequency",
+                "the frequency at which that is the loss factor",
+            );
+        }
+        (Some(_), Some(_), Some(_)) => {
+            section.fault("loss_factor", "give `viscosity` or `loss_factor`, not both");
+        }
+        (viscosity, None, None) => return viscosity,
+        (None, Some(factor), Some(frequency)) => {
+            return Some(factor * youngs_modulus / (std::f64::consts::TAU * frequency));
+        }
+    }
+    None
 }
 
 /// Resolves the material that holds for all rods.
 pub fn material(section: &Section<'_>, typed: &typed::Material) -> Material {
+    let youngs_modulus = section.required("youngs_modulus", &typed.youngs_modulus, POSITIVE);
     Material {
-        youngs_modulus: section.required("youngs_modulus", &typed.youngs_modulus, POSITIVE),
+        youngs_modulus,
         poissons_ratio: section.required("poissons_ratio", &typed.poissons_ratio, POISSONS_RATIO),
         density: section.required("density", &typed.density, POSITIVE),
+        viscosity: viscosity(section, typed, youngs_modulus).unwrap_or(0.0),
     }
 }
 
@@ -248,7 +279,13 @@ fn closed(section: &Section<'_>, typed: Option<bool>, shape: &Shape) -> bool {
             false
         }
         (_, Shape::Ring { .. }) => true,
-        (Some(true), Shape::Straight { .. } | Shape::Helix { .. } | Shape::Arc { .. }) => {
+        (
+            Some(true),
+            Shape::Straight { .. }
+            | Shape::Helix { .. }
+            | Shape::Arc { .. }
+            | Shape::Catenary { .. },
+        ) => {
             section.fault(
                 "closed",
                 "only rods of kind \"ring\" or \"points\" can be closed",

@@ -15,6 +15,7 @@ pub fn shape(context: &Context<'_>, section: &Section<'_>, typed: &typed::Shape)
         typed::Shape::Helix(curve) => helix(section, curve),
         typed::Shape::Arc(curve) => arc(section, curve),
         typed::Shape::Ring(curve) => ring(section, curve),
+        typed::Shape::Catenary(chain) => catenary(section, chain),
         typed::Shape::Points(points) => polyline::points(context, section, points),
     }
 }
@@ -57,6 +58,43 @@ fn straight(section: &Section<'_>, typed: &typed::Straight) -> Shape {
         );
     }
     Shape::Straight { start, end }
+}
+
+/// Least horizontal distance of the ends of a chain over its length: nearer they hang in two strands without a bend.
+const LEAST_SPAN: f64 = 1e-3;
+
+fn catenary(section: &Section<'_>, typed: &typed::Catenary) -> Shape {
+    let start = section.required_vector("start", &typed.start);
+    let end = section.required_vector("end", &typed.end);
+    let length = section.required("length", &typed.length, POSITIVE);
+    let down = section.direction("down", &typed.down);
+    let down = down.unwrap_or(UP.map(|component| -component));
+    let along: [f64; 3] = std::array::from_fn(|i| end[i] - start[i]);
+    let norm = |vector: [f64; 3]| vector.iter().map(|c| c * c).sum::<f64>().sqrt();
+    let fall: f64 = (0..3).map(|i| along[i] * down[i]).sum();
+    let span = norm(std::array::from_fn(|i| along[i] - fall * down[i]));
+    if length <= norm(along) {
+        section.fault(
+            "length",
+            format!(
+                "{length:?} m is out of range; allowed: greater than the distance of the ends, {:?} m",
+                norm(along)
+            ),
+        );
+    } else if span < LEAST_SPAN * length {
+        section.fault(
+            "end",
+            format!(
+                "the ends hang above each other, {span:?} m apart across; allowed: at least a thousandth of the length"
+            ),
+        );
+    }
+    Shape::Catenary {
+        start,
+        end,
+        length,
+        down,
+    }
 }
 
 fn helix(section: &Section<'_>, typed: &typed::Helix) -> Shape {

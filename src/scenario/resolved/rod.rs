@@ -59,6 +59,21 @@ pub struct Material {
     pub poissons_ratio: f64,
     /// Density ρ, kg/m³.
     pub density: f64,
+    /// Viscosity η of stretching, Pa s.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub viscosity: f64,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]
+fn is_zero(number: &f64) -> bool {
+    *number == 0.0
+}
+
+impl Material {
+    /// Retardation time η/E, s.
+    pub fn retardation_time(&self) -> f64 {
+        self.viscosity / self.youngs_modulus
+    }
 }
 
 /// Shape of a cross-section.
@@ -127,6 +142,17 @@ pub enum Shape {
         handedness: Handedness,
         /// Angle of the first point about the axis, rad, from the direction of x (of y about an axis along x).
         phase: f64,
+    },
+    /// A chain that hangs between two points.
+    Catenary {
+        /// First point, m.
+        start: [f64; 3],
+        /// Last point, m.
+        end: [f64; 3],
+        /// Length, m.
+        length: f64,
+        /// Direction in which it hangs, a unit vector.
+        down: [f64; 3],
     },
     /// An arc of a circle.
     Arc {

@@ -129,10 +129,10 @@ fn faults_name_file_line_column_key_and_range() {
     insta::assert_snapshot!(faults("edges = 50", "edges = 50.5"), @"beam.toml:12:9: `rods.0.edges`: expected a whole number, found a number");
     insta::assert_snapshot!(faults("edges = 50", "edges = 99999999999999999999"), @"beam.toml:12:9: `rods.0.edges`: expected a whole number, found a number");
     insta::assert_snapshot!(faults("poissons_ratio = 0.5", "poissons_ratio = 0.6"), @"beam.toml:6:18: `material.poissons_ratio`: 0.6 is out of range; allowed: greater than -1 and at most 0.5");
-    insta::assert_snapshot!(faults("kind = \"straight\"", "kind = \"strait\""), @r#"beam.toml:13:18: `rods.0.shape.kind`: "strait" is not known here; allowed: straight, helix, arc, ring, points (did you mean `straight`?)"#);
+    insta::assert_snapshot!(faults("kind = \"straight\"", "kind = \"strait\""), @r#"beam.toml:13:18: `rods.0.shape.kind`: "strait" is not known here; allowed: straight, helix, arc, ring, catenary, points (did you mean `straight`?)"#);
     insta::assert_snapshot!(faults("end = [1, 0, 0]", "end = [1, 0]"), @"beam.toml:13:55: `rods.0.shape.end`: expected an array of 3 values, found 2");
     insta::assert_snapshot!(faults("end = [1, 0, 0]", "end = [0, 0, 0]"), @"beam.toml:13:55: `rods.0.shape.end`: the line has no length: `start` and `end` are the same");
-    insta::assert_snapshot!(faults("kind = \"straight\", ", ""), @"beam.toml:13:9: `rods.0.shape`: missing key `kind`; allowed: straight, helix, arc, ring, points");
+    insta::assert_snapshot!(faults("kind = \"straight\", ", ""), @"beam.toml:13:9: `rods.0.shape`: missing key `kind`; allowed: straight, helix, arc, ring, catenary, points");
     insta::assert_snapshot!(faults("kind = \"gravity\"", "kind = \"gravitation\""), @r#"beam.toml:20:8: `loads.0.kind`: "gravitation" is not known here; allowed: gravity, force, moment, distributed, drag (did you mean `gravity`?)"#);
     insta::assert_snapshot!(faults("at = \"start\"", "at = \"middle\""), @r#"beam.toml:17:6: `clamps.0.at`: invalid value: string "middle", expected "start", "end" or a number counted from zero"#);
     insta::assert_snapshot!(faults("at = \"start\"", "at = -1"), @"beam.toml:17:6: `clamps.0.at`: -1 is out of range; allowed: 0 and up");
@@ -292,4 +292,46 @@ proptest! {
             error.render(false);
         }
     }
+}
+
+#[test]
+fn the_viscosity_of_a_material_is_given_once() {
+    let fault = |keys: &str| {
+        let with =
+            |text: &str| text.replacen("density = 1000.0", &format!("density = 1000.0\n{keys}"), 1);
+        read(&with(BEAM)).unwrap_err().to_string()
+    };
+    insta::assert_snapshot!(fault("viscosity = -1.0"), @"beam.toml:8:13: `material.viscosity`: -1.0 is out of range; allowed: at least 0");
+    insta::assert_snapshot!(fault("loss_factor = 0.1"), @"beam.toml:4:1: `material`: missing key `loss_frequency` (the frequency at which that is the loss factor)");
+    insta::assert_snapshot!(fault("loss_frequency = 10"), @"beam.toml:4:1: `material`: missing key `loss_factor` (the loss factor at `loss_frequency`)");
+    insta::assert_snapshot!(fault("viscosity = 1\nloss_factor = 0.1\nloss_frequency = 10"), @"beam.toml:9:15: `material.loss_factor`: give `viscosity` or `loss_factor`, not both");
+    let viscous = BEAM.replace(
+        "density = 1000.0",
+        "density = 1000.0\nloss_factor = 0.1\nloss_frequency = \"10 Hz\"",
+    );
+    let scenario = read(&viscous).unwrap();
+    let viscosity = 0.1 * 1e8 / (20.0 * std::f64::consts::PI);
+    let found = scenario.rods[0].material.viscosity;
+    assert!((found / viscosity - 1.0).abs() < 1e-14);
+    assert_eq!(read(&scenario.to_toml()).unwrap(), scenario);
+    // That of a rod goes before that of all.
+    let own = viscous.replace("edges = 50", "edges = 50\nmaterial = { viscosity = 2.0 }");
+    assert_eq!(read(&own).unwrap().rods[0].material.viscosity, 2.0);
+    let midpoint = viscous.replace(
+        "mode = \"static\"",
+        "scheme = \"implicit-midpoint\"\nend = 1",
+    );
+    let error = read(&midpoint).unwrap_err().to_string();
+    assert!(error.contains("time.scheme"), "{error}");
+}
+
+#[test]
+fn chains_that_cannot_hang_are_refused() {
+    let fault = |shape: &str| {
+        let straight = "kind = \"straight\", start = [0, 0, 0], end = [1, 0, 0]";
+        faults(straight, &format!("kind = \"catenary\", {shape}"))
+    };
+    insta::assert_snapshot!(fault("start = [0, 0, 0], end = [3, 0, 4], length = 5"), @r##"beam.toml:13:75: `rods.0.shape.length`: 5.0 m is out of range; allowed: greater than the distance of the ends, 5.0 m"##);
+    insta::assert_snapshot!(fault("start = [0, 0, 0], end = [0, 0, 4], length = 5"), @r##"beam.toml:13:55: `rods.0.shape.end`: the ends hang above each other, 0.0 m apart across; allowed: at least a thousandth of the length"##);
+    insta::assert_snapshot!(fault("start = [0, 0, 0], end = [0, 0, 4]"), @r##"beam.toml:13:9: `rods.0.shape`: missing key `length` (a length, greater than 0)"##);
 }

@@ -128,6 +128,12 @@ radius = "2 cm"
 held = true
 shape = { kind = "points", points = [[0, 0, -1], [0, 0, 0], [0, 0.1, "120 cm"]] }
 
+[[rods]]
+name = "chain"
+radius = "2 mm"
+edges = 12
+shape = { kind = "catenary", start = [0, 0, 1], end = [1, 0.5, 2], length = "250 cm", down = [0, 0.1, -1] }
+
 [[clamps]]
 rod = "rod_1"
 at = "start"

@@ -58,8 +58,9 @@ pub enum Actuation {
         /// Where along the rod it ends, from the start of the rod. Default: at its end.
         to: Option<Quantity<Length>>,
     },
-    /// Relative change of the natural length: 0.1 is 10 % longer. Mass, stiffnesses of the section, and natural curvature and
-    /// twist per length stay.
+    /// Relative change of the natural length: 0.1 is 10 % longer.
+    ///
+    /// Mass, stiffnesses of the section, and natural curvature and twist per length stay.
     Length {
         /// Name of the rod.
         rod: Option<String>,

@@ -4,8 +4,8 @@ use super::kinds::allow_text;
 use super::quantity::{Quantity, Vector};
 use super::shape::{NaturalShape, Shape};
 use crate::scenario::units::{
-    Angle, AngularVelocity, Curvature, Density, Dimensionless, Force, Length, Pressure, Rigidity,
-    Twist, Velocity,
+    Angle, AngularVelocity, Curvature, Density, Dimensionless, Force, Frequency, Length, Pressure,
+    Rigidity, Twist, Velocity, Viscosity,
 };
 use schemars::{JsonSchema, Schema};
 use serde::Deserialize;
@@ -20,6 +20,13 @@ pub struct Material {
     pub poissons_ratio: Option<Quantity<Dimensionless>>,
     /// Density ρ, greater than 0.
     pub density: Option<Quantity<Density>>,
+    /// Viscosity η of stretching: the stress is E ε + η dε/dt (Kelvin and Voigt), and moments of bending and twisting are
+    /// damped in the same proportion η/E. Not with the scheme "implicit-midpoint". Default: 0.
+    pub viscosity: Option<Quantity<Viscosity>>,
+    /// Instead of the viscosity, the loss factor tan δ = 2π f η/E at the frequency `loss_frequency`.
+    pub loss_factor: Option<Quantity<Dimensionless>>,
+    /// Frequency f at which the material has its `loss_factor`.
+    pub loss_frequency: Option<Quantity<Frequency>>,
 }
 
 /// One rod of a scene.

@@ -20,6 +20,8 @@ pub enum Shape {
     Arc(Arc),
     /// A closed circle.
     Ring(Ring),
+    /// A chain that hangs between two points.
+    Catenary(Catenary),
     /// A polyline.
     Points(Points),
 }
@@ -127,6 +129,20 @@ pub struct Ring {
     pub normal: Option<Vector<Dimensionless>>,
     /// Radius of the circle.
     pub radius: Option<Quantity<Length>>,
+}
+
+/// A chain that hangs between two points: near the equilibrium of a heavy, soft rod, which starts there without a fall.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "catenary")]
+pub struct Catenary {
+    /// First point.
+    pub start: Option<Vector<Length>>,
+    /// Last point; not above or below the first.
+    pub end: Option<Vector<Length>>,
+    /// Length of the chain, greater than the distance of its ends.
+    pub length: Option<Quantity<Length>>,
+    /// Direction in which it hangs. Default: [0, 0, -1].
+    pub down: Option<Vector<Dimensionless>>,
 }
 
 /// A polyline; give `file` or `points`. With `edges` it is resampled to equal arc lengths.

@@ -85,6 +85,12 @@ struct BackwardDifference {
 }
 
 impl BackwardDifference {
+    /// For a step from a state.
+    fn after(step: f64, state: &State, turning: f64) -> Self {
+        let sizes = std::array::from_fn(|k| state.history.steps[k].size);
+        Self::new(step, sizes, turning)
+    }
+
     /// For a step after others, the last first (0: there is none), all in s, and turning with ω in rad/s.
     pub fn new(step: f64, earlier: [f64; LENGTH], turning: f64) -> Self {
         let [second, third] = LARGEST_GROWTHS;
@@ -248,6 +254,10 @@ impl TimeScheme for BackwardDifferences {
         true
     }
 
+    fn earlier_weights(&self, step: f64, state: &State, turning: f64) -> [f64; 2] {
+        BackwardDifference::after(step, state, turning).weights
+    }
+
     fn trust_radius(&self) -> f64 {
         TRUST_RADIUS
     }
@@ -262,8 +272,7 @@ impl TimeScheme for BackwardDifferences {
     ) {
         let past = &state.history.steps;
         let [last, before, ..] = past;
-        let sizes = std::array::from_fn(|k| past[k].size);
-        let difference = BackwardDifference::new(step, sizes, turning);
+        let difference = BackwardDifference::after(step, state, turning);
         stage.step = difference.step;
         stage.acceleration_step = difference.acceleration_step;
         for k in 0..state.unknowns.len() {

@@ -41,6 +41,12 @@ pub(super) trait TimeScheme {
         false
     }
 
+    /// Weights α₁ and α₂ of the last two steps in the difference that the stage of a step takes, for rates of strains:
+    /// ε̂ = εₙ + α₁ (εₙ₋₁ − εₙ) + α₂ (εₙ₋₂ − εₙ).
+    fn earlier_weights(&self, _step: f64, _state: &State, _turning: f64) -> [f64; 2] {
+        [0.0; 2]
+    }
+
     /// Farthest that an iteration of Newton's method may go at once, in radii of the thinnest rod.
     fn trust_radius(&self) -> f64 {
         f64::INFINITY
