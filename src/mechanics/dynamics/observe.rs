@@ -114,7 +114,7 @@ impl Simulation {
             })
     }
 
-    /// The bodies, planes included, that are nearest to touching; `None` if none is near.
+    /// The bodies, planes and obstacles included, that are nearest to touching; `None` if none is near.
     pub fn nearest(&self) -> Option<Proximity> {
         let contact = self.system.contact.as_ref()?;
         contact.nearest(&self.published.positions)

@@ -80,12 +80,12 @@ pub(super) const SUMMARY: &[Column] = columns! {
     "fluid_iterations_mean": "Mean number of Krylov iterations of the fluid solves per step.",
     "steps_with_contact": "Steps that ended with contact.",
     "first_contact_s": "End of the first step with contact, s; empty where there was none.",
-    "min_distance_m": "Distance of the two bodies, planes included, that came nearest to touching, m; empty where none came \
-        near.",
-    "min_distance_ratio": "That distance over the one at which their surfaces touch, the sum of their radii: below 1 they \
-        penetrate each other.",
-    "mean_gap_m": "How far apart surfaces rest that touch, m: distance of the centrelines less the sum of the radii (of a node \
-        from a plane, less its radius), mean over all pairs of edges and all nodes at planes that bear force, weighted by \
+    "min_distance_m": "Distance of the two bodies that came nearest to touching, m: of two centrelines, or of one from a plane \
+        or an obstacle; empty where none came near.",
+    "min_distance_ratio": "That distance over the one at which their surfaces touch, the sum of their radii, or that of \
+        the rod alone at a plane or an obstacle: below 1 they penetrate each other.",
+    "mean_gap_m": "How far apart surfaces rest that touch, m: distance of the centrelines less the sum of the radii (from a \
+        plane or an obstacle, less the radius), mean over all pairs of edges and all nodes at planes that bear force, weighted by \
         their normal forces, then over the outputs with contact; negative where they penetrate, empty where nothing touches.",
     "elastic_energy_j": "Energy of stretching, bending and twisting at the last output, J.",
     "gravitational_energy_j": "Potential of gravity at the last output, J.",
