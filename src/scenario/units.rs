@@ -105,7 +105,7 @@ dimensions! {
     /// Density, kg/m³.
     Density = "a density", [decimal("kg/m^3", 0), decimal("g/cm^3", 3)];
     /// Dynamic viscosity, Pa s.
-    Viscosity = "a viscosity", [decimal("Pas", 0), decimal("mPas", -3), decimal("cP", -3)];
+    Viscosity = "a viscosity", [decimal("Pas", 0), decimal("mPas", -3), decimal("cP", -3), decimal("kPas", 3), decimal("MPas", 6)];
     /// Force, N.
     Force = "a force", [
         decimal("N", 0), decimal("kN", 3), decimal("mN", -3), decimal("µN", -6), decimal("uN", -6),
@@ -288,6 +288,7 @@ mod tests {
         assert_eq!(parse::<Density>("1.18 g/cm³"), Ok(1180.0));
         assert_eq!(parse::<Moment>("3 mN·m"), Ok(3e-3));
         assert_eq!(parse::<Viscosity>("0.1 Pa s"), Ok(0.1));
+        assert_eq!(parse::<Viscosity>("2 kPa s"), Ok(2e3));
     }
 
     #[test]

@@ -218,6 +218,38 @@ fn every_scheme_follows_a_wave_and_a_checkpoint_is_exact() {
 }
 
 #[test]
+fn a_path_of_equilibria_takes_its_parameter_for_the_time() {
+    use crate::mechanics::statics::{PathMethod, PathPlan};
+    let lengthening = [
+        actuation(ActuatedStrain::SecondCurvature, 6.0),
+        actuation(ActuatedStrain::Length, 0.3),
+    ];
+    let scene = scene(lengthening.to_vec());
+    let plan = PathPlan {
+        from: 0.0,
+        to: 0.5,
+        step: 0.05,
+        largest_step: 0.1,
+        method: PathMethod::Natural,
+        switch_branches: false,
+        most_points: 100,
+    };
+    let mut simulation = Simulation::new(&scene, &IntegrationParameters::default()).unwrap();
+    let mut tracer = simulation.path(plan).unwrap();
+    let mut points = 0;
+    while simulation.next_point(&mut tracer).unwrap().is_some() {
+        points += 1;
+        // Nothing loads the rod, so that it has no stress anywhere.
+        assert!(simulation.energies().elastic() < 1e-12);
+    }
+    assert!(points > 4 && simulation.time() == 0.5);
+    let expected = at_rest(scene);
+    for (one, other) in simulation.positions().iter().zip(expected.positions()) {
+        assert!((one - other).norm() < 1e-7, "{one} {other}");
+    }
+}
+
+#[test]
 fn corners_of_schedules_end_automatic_steps() {
     let parameters = IntegrationParameters {
         step: StepSize::Auto {
