@@ -4,7 +4,7 @@ use super::{OwnNumbers, kind_named};
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::{Scheme, StepSize};
 use crate::mechanics::fluid::FluidModel;
-use crate::mechanics::scene::{Clamp, LoadKind, RodDescription, Scene};
+use crate::mechanics::scene::{Clamp, LoadKind, Obstacle, RodDescription, Scene};
 use crate::run::{Mode, PreparedRun};
 use nalgebra::Complex;
 use serde::Serialize;
@@ -25,6 +25,9 @@ pub struct DerivedNumbers {
     pub experiment: String,
     /// The rods.
     pub rods: Vec<DerivedRod>,
+    /// The obstacles.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub obstacles: Vec<DerivedObstacle>,
     /// Those of its kind of experiment.
     #[serde(flatten)]
     pub own: Option<OwnNumbers>,
@@ -68,6 +71,17 @@ pub struct DerivedRod {
     pub bending_period: f64,
 }
 
+/// Numbers of one obstacle.
+#[derive(Clone, Debug, Serialize)]
+pub struct DerivedObstacle {
+    /// Name.
+    pub name: String,
+    /// Triangles; 0 for one that has none.
+    pub triangles: usize,
+    /// Extents along x, y and z, m; those of endless ones are large.
+    pub extents: [f64; 3],
+}
+
 /// Derives the numbers.
 pub fn derived_numbers(prepared: &PreparedRun) -> DerivedNumbers {
     let scene = &prepared.scene;
@@ -96,6 +110,7 @@ pub fn derived_numbers(prepared: &PreparedRun) -> DerivedNumbers {
         lost_per_period: swing.map(|swing| swing.lost),
         longer_period: swing.map(|swing| swing.longer),
         steps,
+        obstacles: scene.obstacles.iter().map(derived_obstacle).collect(),
         own: kind_named(&prepared.experiment).and_then(|kind| kind.derived(prepared)),
         rods,
     }
@@ -122,6 +137,22 @@ fn derived_rod(rod: &RodDescription, gravity: f64) -> DerivedRod {
         twisting_stiffness: rod.stiffness.twisting,
         gravito_bending_length: (gravity > 0.0).then(|| libm::cbrt(bending / (2.0 * weight))),
         bending_period: TAU / frequency,
+    }
+}
+
+fn derived_obstacle(obstacle: &Obstacle) -> DerivedObstacle {
+    let (vertices, radius) = (&obstacle.body.vertices, obstacle.body.radius);
+    let extent = |axis: usize| {
+        let places = vertices.iter().map(|vertex| vertex[axis]);
+        let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), place| {
+            (low.min(place), high.max(place))
+        });
+        high - low + 2.0 * radius
+    };
+    DerivedObstacle {
+        name: obstacle.name.clone(),
+        triangles: obstacle.body.faces.len(),
+        extents: [0, 1, 2].map(extent),
     }
 }
 
@@ -338,6 +369,14 @@ impl fmt::Display for DerivedNumbers {
                 line("  gravito-bending length", format!("{length:.6} m"))?;
             }
             line("  bending period", format!("{:.4e} s", rod.bending_period))?;
+        }
+        for obstacle in &self.obstacles {
+            line("obstacle", obstacle.name.clone())?;
+            let [x, y, z] = obstacle.extents;
+            line("  extents", format!("{x:.4}, {y:.4}, {z:.4} m"))?;
+            if obstacle.triangles > 0 {
+                line("  triangles", obstacle.triangles.to_string())?;
+            }
         }
         for (name, value) in self.own.iter().flat_map(OwnNumbers::lines) {
             line(name, value.clone())?;

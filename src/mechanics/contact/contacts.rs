@@ -33,7 +33,8 @@ pub struct CandidatePair {
     /// The nodes x_i, x_{i+1}, x_j, x_{j+1}; of a face the node of the rod and the three
     /// vertices, of a tube the node twice and the ends of the axis.
     pub nodes: [usize; 4],
-    /// What the second body is to the first: [`EDGE`], [`TUBE`], or the side of a face on which the node is, 1 or −1.
+    /// What the second body is to the first: 0 for an edge, 2 for a tube around it, or the side of a face on which the node is, 1 or
+    /// −1.
     pub side: i8,
 }
 

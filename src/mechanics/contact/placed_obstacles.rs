@@ -87,6 +87,15 @@ impl PlacedObstacles {
         self.moved = true;
     }
 
+    /// Whether a point is within the box around an obstacle.
+    pub fn is_near(&self, index: usize, point: &Vector3) -> bool {
+        let placed = &self.placed[index];
+        let (at, around) = (placed.pose.back_of(point), placed.tree.root_aabb());
+        let lower: [f64; 3] = around.mins.into();
+        let upper: [f64; 3] = around.maxs.into();
+        (0..3).all(|axis| (lower[axis]..=upper[axis]).contains(&at[axis]))
+    }
+
     /// Makes the present poses those where the next step starts.
     pub fn commit(&mut self) {
         let changed = |placed: &Placed| placed.pose != placed.pose_at_start;

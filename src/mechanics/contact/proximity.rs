@@ -126,7 +126,8 @@ impl ContactSystem {
             let nodes = self.surface.nodes().iter();
             nodes.filter_map(move |node| {
                 let position = positions[node.node];
-                if !self.surface.is_inside(index, &position, &points) {
+                let may_be = self.obstacles.is_near(index, &position);
+                if !may_be || !self.surface.is_inside(index, &position, &points) {
                     return None;
                 }
                 let (face, distance) = self.surface.nearest_face(index, &position, &points)?;
