@@ -40,10 +40,12 @@ impl Placement {
     }
 }
 
-/// A piece of a tube between two nodes: a cubic curve with its shading.
-struct Piece {
-    nearness: f64,
-    svg: String,
+/// A piece of a tube between two nodes, a cubic curve with its shading; or a face of a body among them.
+pub(super) struct Piece {
+    /// How near to the eye it is, m.
+    pub nearness: f64,
+    /// Its elements.
+    pub svg: String,
 }
 
 /// Thinner rods than this are drawn this wide, pixels: they would not be seen.
@@ -57,12 +59,17 @@ const BODY: f64 = 0.78;
 /// Part of the way to white of what lies at the back: what is far is pale.
 const HAZE: f64 = 0.45;
 
-/// The rods of a scene as SVG elements, far pieces first.
+/// The rods of a scene, and the pieces of what stands among them, as SVG elements, far pieces first.
 ///
 /// Each piece is one segment of the Catmull–Rom spline through the nodes, which is a cubic Bézier curve. It is
 /// painted as an outline, the body, and a highlight on the side of the light. So that no seams show between the
 /// pieces of one rod, the outline ends flat, the body round, and the highlight reaches beyond that round end.
-pub(super) fn tubes(rods: &[RodCurve], view: &View, placement: &Placement) -> String {
+pub(super) fn tubes(
+    rods: &[RodCurve],
+    among: Vec<Piece>,
+    view: &View,
+    placement: &Placement,
+) -> String {
     let depths = rods
         .iter()
         .flat_map(|rod| &rod.points)
@@ -73,7 +80,7 @@ pub(super) fn tubes(rods: &[RodCurve], view: &View, placement: &Placement) -> St
     let thickest = rods.iter().map(|rod| rod.radius).fold(0.0, f64::max);
     // Flat scenes have no depth worth showing.
     let depth = (near - far).max(20.0 * thickest);
-    let mut pieces = Vec::new();
+    let mut pieces = among;
     for (index, rod) in rods.iter().enumerate() {
         let farness = |nearness: f64| (near - nearness) / depth;
         pieces.extend(rod_pieces(
@@ -236,7 +243,7 @@ mod tests {
     #[test]
     fn far_rods_are_painted_before_near_ones() {
         for (first, second) in [(0.0, 0.1), (0.1, 0.0)] {
-            let svg = tubes(&[bar(first), bar(second)], &view(), &PLACEMENT);
+            let svg = tubes(&[bar(first), bar(second)], Vec::new(), &view(), &PLACEMENT);
             let near = if first < second { 0 } else { 1 };
             let near_color = Color::of(near).hex();
             let first_near = svg.find(&near_color).expect("the near rod is not pale");
@@ -249,7 +256,7 @@ mod tests {
     #[test]
     fn a_rod_has_its_true_width_and_a_closed_one_a_piece_more() {
         let width = |svg: &str| svg.split("stroke-width=\"").nth(1).unwrap()[..4].to_owned();
-        let svg = tubes(&[bar(0.0)], &view(), &PLACEMENT);
+        let svg = tubes(&[bar(0.0)], Vec::new(), &view(), &PLACEMENT);
         assert_eq!(width(&svg), "4.00");
         assert_eq!(svg.matches("<path").count(), 3 * 3);
         let ring = RodCurve {
@@ -257,14 +264,16 @@ mod tests {
             ..bar(0.0)
         };
         assert_eq!(
-            tubes(&[ring], &view(), &PLACEMENT).matches("<path").count(),
+            tubes(&[ring], Vec::new(), &view(), &PLACEMENT)
+                .matches("<path")
+                .count(),
             4 * 3
         );
     }
 
     #[test]
     fn straight_rods_are_straight_on_the_page() {
-        let svg = tubes(&[bar(0.0)], &view(), &PLACEMENT);
+        let svg = tubes(&[bar(0.0)], Vec::new(), &view(), &PLACEMENT);
         assert!(svg.contains("M110 100c3.33 0 6.67 0 10 0"), "{svg}");
     }
 }

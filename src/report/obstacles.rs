@@ -1,7 +1,7 @@
 //! Obstacles of a scenario, for pictures.
 
 use crate::experiment::place_obstacles;
-use crate::figure::MovieObstacle;
+use crate::figure::{Body, MovieObstacle};
 use crate::mechanics::Vector3;
 use crate::mechanics::scene::Obstacle;
 use crate::mechanics::system::obstacle_poses;
@@ -55,18 +55,16 @@ pub fn movie_obstacles<'a>(
         .collect()
 }
 
-/// Their triangles as they are at a time, s.
-pub fn surfaces_at(
-    obstacles: &[Obstacle],
-    surfaces: &[Vec<[Vector3; 3]>],
-    time: f64,
-) -> Vec<[Vector3; 3]> {
+/// Obstacles as figures show them at a time, s.
+pub fn bodies_at(obstacles: &[Obstacle], surfaces: &[Vec<[Vector3; 3]>], time: f64) -> Vec<Body> {
     let poses = obstacle_poses(obstacles, time);
-    let placed = surfaces.iter().zip(&poses);
+    let placed = obstacles.iter().zip(surfaces).zip(&poses);
     placed
-        .flat_map(|(triangles, pose)| {
-            let triangles = triangles.iter();
-            triangles.map(|corners| corners.map(|corner| pose.of(&corner)))
+        .map(|((obstacle, triangles), pose)| Body {
+            triangles: (triangles.iter())
+                .map(|corners| corners.map(|corner| pose.of(&corner)))
+                .collect(),
+            hollow: obstacle.body.hollow,
         })
         .collect()
 }

@@ -86,7 +86,7 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
 }
 
 /// Parameter of the first bifurcation on the path from zero.
-fn critical_on_path(scene: &Scene, end: f64) -> Result<f64, SimulationError> {
+pub(super) fn critical_on_path(scene: &Scene, end: f64) -> Result<f64, SimulationError> {
     let mut simulation = Simulation::new(scene, &IntegrationParameters::default())?;
     let mut tracer = simulation.path(PathPlan {
         from: 0.0,

@@ -68,13 +68,14 @@ const EXPERIMENT: Table = &[
 /// Rooms inside `mechanics`.
 const MECHANICS: Table = &[
     ("rod", &[]),
-    ("contact", &[]),
+    ("contact", &["rotation"]),
     ("fluid", &[]),
     ("error", &["rod", "fluid"]),
     ("kirchhoff", &[]),
     ("random", &[]),
+    ("rigid_body", &[]),
     ("rotation", &[]),
-    ("scene", &["contact", "fluid", "rotation"]),
+    ("scene", &["contact", "fluid", "rigid_body", "rotation"]),
     ("system", &["rod", "contact", "error", "scene", "rotation"]),
     ("statics", &["rod", "system"]),
     (

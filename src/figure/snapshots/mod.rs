@@ -4,6 +4,7 @@ mod bodies;
 mod ground;
 mod layout;
 
+pub use bodies::Body;
 pub use ground::Plane;
 
 use super::Figure;
@@ -13,7 +14,7 @@ use super::palette::Color;
 use super::paper::Paper;
 use super::tube::{Placement, RodCurve, rod_color, tubes};
 use super::view::View;
-use bodies::draw_bodies;
+use bodies::faces;
 use ground::draw_plane;
 use layout::{Extent, Grid, length_label, round_length_below};
 use nalgebra::{Vector2, Vector3};
@@ -38,8 +39,8 @@ pub struct RodsFigure {
     pub names: Vec<String>,
     /// Planes that the rods may rest on.
     pub planes: Vec<Plane>,
-    /// Triangles of the obstacles in each picture, m; none of them where there are none.
-    pub obstacles: Vec<Vec<[Vector3<f64>; 3]>>,
+    /// Rigid bodies in each picture; empty where there are none.
+    pub bodies: Vec<Vec<Body>>,
 }
 
 /// Snapshots side by side, without planes and names.
@@ -49,7 +50,7 @@ pub fn snapshots(snapshots: Vec<Snapshot>, view: View) -> Figure {
         view,
         names: Vec::new(),
         planes: Vec::new(),
-        obstacles: Vec::new(),
+        bodies: Vec::new(),
     })
 }
 
@@ -76,8 +77,8 @@ impl RodsFigure {
         for patch in &patches {
             extent.include(patch.iter().map(|corner| self.view.project(corner)));
         }
-        for triangles in &self.obstacles {
-            let corners = triangles.iter().flatten();
+        for body in self.bodies.iter().flatten() {
+            let corners = body.triangles.iter().flatten();
             extent.include(corners.map(|corner| self.view.project(corner)));
         }
         let margin = MARGIN * em;
@@ -113,11 +114,11 @@ impl RodsFigure {
             for (plane, patch) in self.planes.iter().zip(&patches) {
                 draw_plane(plane, patch, &self.view, &placement, em, &mut drawing);
             }
-            if let Some(triangles) = self.obstacles.get(index) {
-                draw_bodies(triangles, &self.view, &placement, &mut drawing);
-            }
+            let bodies = self.bodies.get(index).into_iter().flatten();
+            let among = bodies.flat_map(|body| faces(body, &self.view, &placement));
+            let among = among.collect();
             drawing.raw("<g fill=\"none\">\n");
-            drawing.raw(&tubes(&snapshot.rods, &self.view, &placement));
+            drawing.raw(&tubes(&snapshot.rods, among, &self.view, &placement));
             drawing.raw("</g>\n");
         }
         let height = top + grid.rows as f64 * grid.cell.y + FOOT * em;
@@ -215,7 +216,7 @@ mod tests {
             view: View::oblique(),
             names: vec!["rope".into(), "post (held)".into()],
             planes,
-            obstacles: Vec::new(),
+            bodies: Vec::new(),
         }
     }
 

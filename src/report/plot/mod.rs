@@ -11,7 +11,7 @@ pub use custom::{CustomFigure, custom_figure};
 pub use error::PlotError;
 
 use super::branches::{Branches, PARAMETER};
-use super::obstacles::{obstacles_of, surfaces, surfaces_at};
+use super::obstacles::{bodies_at, obstacles_of, surfaces};
 use crate::experiment::{from_text, kind_named};
 use crate::figure::{
     Figure, FigureOptions, Format, Plane, RodCurve, RodsFigure, Snapshot, View, is_picture,
@@ -150,8 +150,8 @@ pub(crate) fn rods_figure(directory: &Path, manifest: &Manifest) -> Result<Figur
     let positions = outputs.iter().flat_map(|output| &output.positions);
     let surfaces = surfaces(&obstacles, positions);
     let times = evenly_spread(&indexed, SNAPSHOTS).map(|(_, output)| output.time);
-    let obstacles = times
-        .map(|time| surfaces_at(&obstacles, &surfaces, time))
+    let bodies = times
+        .map(|time| bodies_at(&obstacles, &surfaces, time))
         .collect();
     Ok(Figure::Rods(RodsFigure {
         view,
@@ -170,7 +170,7 @@ pub(crate) fn rods_figure(directory: &Path, manifest: &Manifest) -> Result<Figur
                 normal: plane.normal.into(),
             })
             .collect(),
-        obstacles,
+        bodies,
         snapshots,
     }))
 }

@@ -1,6 +1,6 @@
 //! Clamps, loads and planes as resolved.
 
-use super::obstacle::Movement;
+use super::movement::Movement;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, Serializer};
 
@@ -51,9 +51,6 @@ pub struct Clamp {
     #[serde(flatten)]
     pub movement: Movement,
 }
-
-/// Time in s, position in m, and orientation as a unit quaternion (w, x, y, z).
-pub type Pose = (f64, [f64; 3], [f64; 4]);
 
 /// An external load.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -8,6 +8,7 @@ mod continuation;
 mod experiment;
 mod load;
 mod model;
+mod movement;
 mod obstacle;
 mod probe;
 mod rod;
@@ -17,9 +18,10 @@ mod start;
 pub use actuation::{Actuation, ActuationKind, Course};
 pub use continuation::{Continuation, PathMethod};
 pub use experiment::{BuilderRod, Experiment};
-pub use load::{Clamp, Hold, Load, LoadKind, Place, Plane, Pose};
+pub use load::{Clamp, Hold, Load, LoadKind, Place, Plane};
 pub use model::{Contact, Fluid};
-pub use obstacle::{Movement, Obstacle, ObstacleShape};
+pub use movement::{Movement, Pose};
+pub use obstacle::{Obstacle, ObstacleShape};
 pub use probe::{
     AtPlace, Between, OneRod, PressedRod, Probe, ProbeKind, StopWhen, Summary, TwoNodes, TwoRods,
 };

@@ -1,6 +1,6 @@
 //! Obstacles as resolved.
 
-use super::load::Pose;
+use super::movement::Movement;
 use serde::Serialize;
 
 /// A rigid body that rods may touch.
@@ -16,38 +16,6 @@ pub struct Obstacle {
     /// How it moves.
     #[serde(flatten)]
     pub movement: Movement,
-}
-
-/// A prescribed motion.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Movement {
-    /// Displacement in m at given times in s, piecewise linear.
-    #[serde(rename = "move", skip_serializing_if = "Vec::is_empty")]
-    pub translation: Vec<(f64, [f64; 3])>,
-    /// Angle in rad at given times in s, piecewise linear.
-    #[serde(rename = "turn", skip_serializing_if = "Vec::is_empty")]
-    pub angle: Vec<(f64, f64)>,
-    /// Steady rate of turning, rad/s.
-    pub angular_velocity: f64,
-    /// Unit vector about which it turns; `None` is that of whatever moves.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub axis: Option<[f64; 3]>,
-    /// Fixed point of the rotation; `None` is that of whatever moves.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub pivot: Option<[f64; 3]>,
-    /// Poses that are followed.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub poses: Vec<Pose>,
-}
-
-impl Movement {
-    /// Whether anything moves.
-    pub fn moves(&self) -> bool {
-        !self.translation.is_empty()
-            || !self.angle.is_empty()
-            || self.angular_velocity != 0.0
-            || !self.poses.is_empty()
-    }
 }
 
 /// The shape of an obstacle.
