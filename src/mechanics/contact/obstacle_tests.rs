@@ -349,3 +349,29 @@ fn rods_within_obstacles_are_named_with_their_depth() {
         assert!(contact.initial_overlaps(&far).is_empty(), "{kind}");
     }
 }
+
+#[test]
+fn an_obstacle_rubs_with_a_friction_of_its_own() {
+    for kind in 0..KINDS {
+        let mut random = Random::new(110 + kind as u64);
+        let model = ContactModel::ImplicitContact;
+        let positions = (0..100)
+            .find_map(|_| at_reach(kind, model, &mut random))
+            .unwrap();
+        let mut contact = system(kind, model, &positions);
+        contact.update_candidates(&positions);
+        // Two metres a second, along x and y.
+        let slid = Vector3::new(1.6e-3, -1.2e-3, 0.0);
+        let previous: Vec<Vector3> = positions.iter().map(|x| x - slid).collect();
+        contact.evaluate(&positions, &previous, 1e-3);
+        assert!(!contact.contacts().is_empty());
+        for one in contact.contacts() {
+            let force = one.force_on_first();
+            let pressure = force.dot(&one.normal) / one.normal.norm_squared();
+            let along = force - one.normal * pressure;
+            let ratio = along.norm() / (pressure * one.normal.norm());
+            assert!((ratio - 0.4).abs() < 1e-3, "{kind}: {ratio}");
+            assert!(along.dot(&slid) < 0.0);
+        }
+    }
+}

@@ -115,3 +115,98 @@ impl System {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::contact::{ContactModel, ContactParameters};
+    use crate::mechanics::rigid_body::RigidBody;
+    use crate::mechanics::rod::STRIDE;
+    use crate::mechanics::scene::{RodDescription, Scene, Stiffness};
+
+    const RADIUS: f64 = 1e-2;
+    const TOLERANCE: f64 = 1e-4;
+
+    /// A bent rod of six nodes near z = 0, whose middle edge or nodes are nearest to a body below, or in a tube around it.
+    fn system(body: RigidBody, model: ContactModel, friction: f64) -> System {
+        let node = |k: usize| {
+            let x = 0.05 * k as f64 - 0.125;
+            Vector3::new(x, 0.3 * x * x, 0.8 * x * x)
+        };
+        let stiffness = Stiffness {
+            stretching: 1.0,
+            bending: [1e-4; 2],
+            twisting: 1e-4,
+        };
+        let nodes = (0..6).map(node).collect();
+        let rod = RodDescription::uniform("rod", nodes, stiffness, RADIUS, 0.1);
+        System::new(&Scene {
+            rods: vec![rod],
+            obstacles: vec![Obstacle {
+                name: "body".into(),
+                body,
+                ..Obstacle::default()
+            }],
+            contact: Some(ContactParameters {
+                model,
+                friction,
+                distance_tolerance: TOLERANCE,
+                ..ContactParameters::default()
+            }),
+            ..Scene::default()
+        })
+        .unwrap()
+    }
+
+    #[test]
+    fn the_jacobian_at_an_obstacle_is_the_derivative_of_the_residual() {
+        // The nodes of the middle edge are at this height, and this far from x = 0.
+        let (x, height) = (0.025, 0.8 * 0.025 * 0.025);
+        let gap = 0.3 * TOLERANCE;
+        let below = height - RADIUS - gap;
+        let corners = [[-0.2, -0.2, below], [0.2, -0.2, below], [0.0, 0.2, below]];
+        let sheet = RigidBody::of_mesh(corners.map(Vector3::from).to_vec(), vec![[0, 1, 2]], false);
+        let axis = Vector3::new(0.0, 0.3 * x * x, height + 0.3 - RADIUS - gap);
+        let bodies = [
+            RigidBody::sphere(Vector3::new(0.0, 0.3 * x * x, below - 0.1), 0.1),
+            sheet.unwrap(),
+            RigidBody::tube([axis - Vector3::x(), axis + Vector3::x()], 0.3),
+        ];
+        for body in bodies {
+            for model in [
+                ContactModel::ImplicitContact,
+                ContactModel::IncrementalPotential,
+            ] {
+                // Without friction in the band, with friction in elements; at rest nothing rubs.
+                for friction in [0.0, 0.5] {
+                    let mut system = system(body.clone(), model, friction);
+                    let unknowns = system.assembly.unknowns.clone();
+                    system.linearize(&unknowns, None);
+                    let contacts = system.contact.as_ref().unwrap().contacts();
+                    assert!(!contacts.is_empty(), "{body:?} {model:?}");
+                    let found = system.dense_matrix();
+                    let size = unknowns.len();
+                    let mut expected = found.clone();
+                    for column in 0..size {
+                        if system.assembly.held[column] {
+                            continue;
+                        }
+                        let step = if column % STRIDE == 3 { 1e-6 } else { 1e-8 };
+                        let ends = [1.0, -1.0].map(|side| {
+                            let mut moved = unknowns.clone();
+                            moved[column] += side * step;
+                            system.evaluate(&moved, None);
+                            system.residual.clone()
+                        });
+                        for row in (0..size).filter(|row| !system.assembly.held[*row]) {
+                            let change = ends[0][row] - ends[1][row];
+                            expected[(row, column)] = change / (2.0 * step);
+                        }
+                    }
+                    let error = (&found - &expected).norm() / expected.norm();
+                    assert!(error < 1e-5, "{body:?} {model:?} {friction}: {error:e}");
+                }
+            }
+        }
+    }
+}
