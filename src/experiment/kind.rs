@@ -74,6 +74,18 @@ impl fmt::Debug for dyn Kind {
     }
 }
 
+/// Tables of what stands in a scene, which kinds without dimensions have no use for.
+pub(super) const SCENE_TABLES: [&str; 8] = [
+    "material",
+    "rod",
+    "rods",
+    "clamps",
+    "loads",
+    "actuation",
+    "planes",
+    "obstacles",
+];
+
 /// Refuses time, contact and fluid, for kinds that know none of them; `why` tells the user.
 pub(super) fn refuse_surroundings(top: &Section<'_>, common: &CommonTables<'_>, why: &str) {
     for (key, present) in [

@@ -132,24 +132,7 @@ fn capstan(model: ContactModel, name: &str) -> Result<Check, GroupError> {
         ..IntegrationParameters::default()
     };
     let mut simulation = Simulation::new(&capstan_scene(model, rope), &parameters)?;
-    let tension = |simulation: &Simulation, edge: usize| {
-        let natural = (nodes[edge + 1] - nodes[edge]).norm();
-        let now = simulation.positions();
-        stiffness.stretching * ((now[edge + 1] - now[edge]).norm() / natural - 1.0)
-    };
-    // The edges in the middle of the legs, where the rope is straight.
-    let (lesser_edge, greater_edge) = (LEG_EDGES / 2, nodes.len() - 2 - LEG_EDGES / 2);
-    let (settled, end) = (0.3, 0.5);
-    let (mut lesser, mut greater, mut samples) = (0.0, 0.0, 0.0);
-    while simulation.time() < end {
-        simulation.advance(end)?;
-        if simulation.time() > settled {
-            lesser += tension(&simulation, lesser_edge);
-            greater += tension(&simulation, greater_edge);
-            samples += 1.0;
-        }
-    }
-    let (lesser, greater) = (lesser / samples, greater / samples);
+    let [lesser, greater] = leg_tensions(&mut simulation, &nodes, stiffness.stretching, LEG_EDGES)?;
     let theory = Capstan {
         friction: ROPE_FRICTION,
         angle: PI,
@@ -164,6 +147,35 @@ fn capstan(model: ContactModel, name: &str) -> Result<Check, GroupError> {
         greater / lesser,
         3e-2,
     ))
+}
+
+/// Mean tensions of the straight parts of both legs, N, of a rope of a stretching stiffness (N) that was placed at `nodes`: from
+/// when the pull has settled, 0.3 s, to 0.5 s.
+pub(super) fn leg_tensions(
+    simulation: &mut Simulation,
+    nodes: &[Vector3],
+    stretching: f64,
+    leg_edges: usize,
+) -> Result<[f64; 2], GroupError> {
+    let tension = |simulation: &Simulation, edge: usize| {
+        let natural = (nodes[edge + 1] - nodes[edge]).norm();
+        let now = simulation.positions();
+        stretching * ((now[edge + 1] - now[edge]).norm() / natural - 1.0)
+    };
+    // The edges in the middle of the legs.
+    let edges = [leg_edges / 2, nodes.len() - 2 - leg_edges / 2];
+    let (settled, end) = (0.3, 0.5);
+    let (mut sums, mut samples) = ([0.0; 2], 0.0);
+    while simulation.time() < end {
+        simulation.advance(end)?;
+        if simulation.time() > settled {
+            for (sum, edge) in sums.iter_mut().zip(edges) {
+                *sum += tension(simulation, edge);
+            }
+            samples += 1.0;
+        }
+    }
+    Ok(sums.map(|sum| sum / samples))
 }
 
 /// A thin rope, placed over the post from the end with the weight to the end that is pulled.

@@ -2,6 +2,7 @@
 //! buckles in a tube.
 
 use super::continuation::critical_on_path;
+use super::friction::leg_tensions;
 use super::theory::friction::Capstan;
 use super::{Check, Expectation, GroupError};
 use crate::experiment;
@@ -102,24 +103,7 @@ fn capstan(over: &str, model: &str, shape: &str) -> Result<Check, GroupError> {
         format!("contact.model={model}"),
     ];
     let mut simulation = simulation(include_str!("scenes/rope.toml"), &overrides)?;
-    let tension = |simulation: &Simulation, edge: usize| {
-        let natural = (nodes[edge + 1] - nodes[edge]).norm();
-        let now = simulation.positions();
-        STRETCHING * ((now[edge + 1] - now[edge]).norm() / natural - 1.0)
-    };
-    // The edges in the middle of the legs, where the rope is straight.
-    let (lesser_edge, greater_edge) = (LEG_EDGES / 2, nodes.len() - 2 - LEG_EDGES / 2);
-    let (settled, end) = (0.3, 0.5);
-    let (mut lesser, mut greater, mut samples) = (0.0, 0.0, 0.0);
-    while simulation.time() < end {
-        simulation.advance(end)?;
-        if simulation.time() > settled {
-            lesser += tension(&simulation, lesser_edge);
-            greater += tension(&simulation, greater_edge);
-            samples += 1.0;
-        }
-    }
-    let (lesser, greater) = (lesser / samples, greater / samples);
+    let [lesser, greater] = leg_tensions(&mut simulation, &nodes, STRETCHING, LEG_EDGES)?;
     let theory = Capstan {
         friction: FRICTION,
         angle: PI,

@@ -68,7 +68,7 @@ const EXPERIMENT: Table = &[
 /// Rooms inside `mechanics`.
 const MECHANICS: Table = &[
     ("rod", &[]),
-    ("contact", &["rotation"]),
+    ("contact", &["rigid_body", "rotation"]),
     ("fluid", &[]),
     ("error", &["rod", "fluid"]),
     ("kirchhoff", &[]),

@@ -5,7 +5,9 @@ use super::files::{FILES, SAMPLES, SAMPLES_FIGURE};
 use super::keys::{SampleTables, TABLES, resolve};
 use super::lifted_sheet::lifted_sheet;
 use super::samples::Samples;
-use crate::experiment::kind::{FigureError, Kind, Page, SampleColumns, refuse_surroundings};
+use crate::experiment::kind::{
+    FigureError, Kind, Page, SCENE_TABLES, SampleColumns, refuse_surroundings,
+};
 use crate::experiment::load;
 use crate::figure::Figure;
 use crate::mechanics::scene::Scene;
@@ -45,16 +47,7 @@ impl ExperimentKeys for FoldSamplesKind {
 
     fn resolve(&self, request: &Request<'_>) -> Option<Experiment> {
         request.refuse(
-            &[
-                "material",
-                "rod",
-                "rods",
-                "clamps",
-                "loads",
-                "actuation",
-                "planes",
-                "obstacles",
-            ],
+            &SCENE_TABLES,
             "folds are dimensionless: L_gb = 1 and EI = 1; [fold_samples] says all of it",
         );
         Some(Experiment::new(self.name(), resolve(request)?))

@@ -5,7 +5,9 @@ use super::files::{FILES, SAMPLES, SAMPLES_FIGURE};
 use super::hanging_rod::hanging_rod;
 use super::keys::{SampleTables, TABLES, resolve};
 use super::samples::Samples;
-use crate::experiment::kind::{FigureError, Kind, Page, SampleColumns, refuse_surroundings};
+use crate::experiment::kind::{
+    FigureError, Kind, Page, SCENE_TABLES, SampleColumns, refuse_surroundings,
+};
 use crate::figure::Figure;
 use crate::mechanics::scene::Scene;
 use crate::plan::grasp::NeuralGrasps;
@@ -44,16 +46,7 @@ impl ExperimentKeys for GraspSamplesKind {
 
     fn resolve(&self, request: &Request<'_>) -> Option<Experiment> {
         request.refuse(
-            &[
-                "material",
-                "rod",
-                "rods",
-                "clamps",
-                "loads",
-                "actuation",
-                "planes",
-                "obstacles",
-            ],
+            &SCENE_TABLES,
             "grasps are dimensionless: L_gb = 1 and EI = 1; [grasp_samples] says all of it",
         );
         Some(Experiment::new(self.name(), resolve(request)?))

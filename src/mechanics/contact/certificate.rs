@@ -17,7 +17,7 @@ use super::closest_points::ClosestPoints;
 use super::contact_system::ContactSystem;
 use super::contacts::{CandidatePair, TUBE};
 use super::continuous_collision::fraction_beyond;
-use super::obstacle::crossing;
+use super::foot::crossing;
 use super::proximity::ContactPair;
 use crate::mechanics::Vector3;
 

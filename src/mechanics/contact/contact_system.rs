@@ -361,9 +361,9 @@ impl ContactSystem {
     /// friction is not smoothed.
     pub fn steepest_friction(&self) -> f64 {
         let planes = self.planes.iter().map(|plane| plane.friction);
-        let obstacles = self.surface.obstacles().iter();
+        let obstacles = self.surface.obstacle_frictions().iter();
         let coefficient = planes
-            .chain(obstacles.map(|obstacle| obstacle.friction))
+            .chain(obstacles.copied())
             .fold(self.parameters.friction, f64::max);
         self.parameters.friction_slope(coefficient) * self.largest_normal_force()
     }

@@ -1,6 +1,6 @@
 //! What lies within a closed obstacle.
 
-use super::obstacle::{Foot, Points};
+use super::foot::{Foot, Points};
 use super::surface::ContactSurface;
 use crate::mechanics::Vector3;
 
@@ -40,20 +40,20 @@ impl ContactSurface {
 
 #[cfg(test)]
 mod tests {
-    use super::super::obstacle::ContactObstacle;
     use super::*;
+    use crate::mechanics::rigid_body::RigidBody;
 
     #[test]
     fn points_inside_see_the_whole_sphere_of_directions() {
         let mut surface = ContactSurface::new();
         let vertices = vec![Vector3::zeros(), Vector3::x(), Vector3::y(), Vector3::z()];
-        let tetrahedron = ContactObstacle {
+        let tetrahedron = RigidBody {
             vertices: vertices.clone(),
             faces: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
             closed: true,
-            ..ContactObstacle::default()
+            ..RigidBody::default()
         };
-        surface.add_obstacle(tetrahedron);
+        surface.add_obstacle(tetrahedron, 0.0);
         let points = Points {
             nodes: &[],
             vertices: &vertices,

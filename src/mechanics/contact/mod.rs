@@ -5,7 +5,7 @@
 //! | file | what |
 //! |---|---|
 //! | `surface` | edges as capsules, planes, obstacles, which pairs are neighbours |
-//! | `obstacle`, `placed_obstacles` | rigid obstacles, where they are, and what of them is near a rod |
+//! | `placed_obstacles`, `foot` | rigid obstacles: where they are, what of them is near a rod, and where a node is over a face |
 //! | `broad_phase`, `candidates` | pairs of edges that may touch, kept over many steps |
 //! | `closest_points`, `distance` | centreline distance Δ of two edges and its derivatives (thesis Eqs. 2.3–2.6) |
 //! | `inside` | what lies within a closed obstacle |
@@ -38,6 +38,7 @@ mod continuous_collision;
 mod distance;
 mod edge_contact;
 mod evaluation;
+mod foot;
 mod friction;
 mod inside;
 mod iterate;
@@ -46,7 +47,6 @@ mod multipliers;
 mod nearest_points;
 mod normal_law;
 mod normal_response;
-mod obstacle;
 #[cfg(test)]
 mod obstacle_tests;
 mod parameters;
@@ -72,7 +72,6 @@ pub use contacts::{
     ForceCorrections, PlaneContact, PlaneJacobian,
 };
 pub use memory::{ContactMemory, MismatchedMemory};
-pub use obstacle::ContactObstacle;
 pub use parameters::{ContactModel, ContactParameters};
 pub use proximity::{ContactPair, Proximity};
 pub use step_bound::LargestStep;

@@ -3,7 +3,7 @@
 use super::closest_points::ClosestPoints;
 use super::contact_system::ContactSystem;
 use super::contacts::{CandidatePair, EDGE, TUBE};
-use super::obstacle::{Foot, Points};
+use super::foot::{Foot, Points};
 use super::surface::ContactSurface;
 use crate::mechanics::Vector3;
 

@@ -54,16 +54,7 @@ const KINDS: usize = 6;
 fn system(kind: usize, model: ContactModel, positions: &[Vector3]) -> ContactSystem {
     let mut surface = ContactSurface::new();
     surface.add_rod(0, positions, false, RADIUS, false);
-    let body = body(kind);
-    surface.add_obstacle(ContactObstacle {
-        vertices: body.vertices,
-        segments: body.segments,
-        faces: body.faces,
-        closed: body.closed,
-        hollow: body.hollow,
-        radius: body.radius,
-        friction: 0.4,
-    });
+    surface.add_obstacle(body(kind), 0.4);
     let parameters = ContactParameters {
         model,
         distance_tolerance: GAP,
@@ -224,7 +215,7 @@ fn least_gap(kind: usize, positions: &[Vector3]) -> f64 {
             .fold(f64::INFINITY, f64::min);
         let faces = body.faces.iter().filter_map(|face| {
             let [a, b, c] = face.map(|vertex| body.vertices[vertex]);
-            obstacle::Foot::of(&[*x, a, b, c], 1.0).map(|foot| foot.distance.abs())
+            foot::Foot::of(&[*x, a, b, c], 1.0).map(|foot| foot.distance.abs())
         });
         let nearest = faces.fold(core, f64::min) - body.radius;
         if body.hollow { -nearest } else { nearest }

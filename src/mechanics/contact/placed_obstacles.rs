@@ -6,9 +6,10 @@
 
 use super::closest_points::{ClosestPoints, edge_distance};
 use super::contacts::{CandidatePair, EDGE, TUBE};
-use super::obstacle::{ContactObstacle, Foot, Points};
+use super::foot::{Foot, Points};
 use super::surface::{ContactFace, ContactNode, ContactSurface};
 use crate::mechanics::Vector3;
+use crate::mechanics::rigid_body::RigidBody;
 use crate::mechanics::rotation::Pose;
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vec3;
@@ -274,7 +275,7 @@ impl Placed {
     fn find_in_tube(
         &self,
         surface: &ContactSurface,
-        tube: &ContactObstacle,
+        tube: &RigidBody,
         points: &Points,
         clearance: f64,
         found: &mut Vec<(CandidatePair, f64)>,

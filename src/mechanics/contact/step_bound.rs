@@ -5,7 +5,7 @@ use super::closest_points::ClosestPoints;
 use super::contact_system::ContactSystem;
 use super::contacts::{EDGE, TUBE};
 use super::continuous_collision::{KEPT_GAP, safe_fraction};
-use super::obstacle::Foot;
+use super::foot::Foot;
 use crate::mechanics::Vector3;
 
 /// Most times that the candidates are built on one path. Every time the nodes may move by a radius of the

@@ -1,7 +1,7 @@
 //! The surfaces that may touch: every edge of a rod as a capsule, rigid planes, and rigid obstacles.
 
-use super::obstacle::ContactObstacle;
 use crate::mechanics::Vector3;
+use crate::mechanics::rigid_body::RigidBody;
 use std::f64::consts::PI;
 
 /// An edge of a rod as contact sees it: a capsule around the segment between two nodes; or such an edge of an obstacle.
@@ -58,7 +58,9 @@ pub struct ContactSurface {
     rod_nodes: usize,
     /// Edges of all rods, which come first.
     rod_edges: usize,
-    obstacles: Vec<ContactObstacle>,
+    obstacles: Vec<RigidBody>,
+    /// Friction coefficient between each obstacle and rods.
+    frictions: Vec<f64>,
     nodes: Vec<ContactNode>,
     /// Length of every closed rod, m; `None` for open rods.
     closed_lengths: Vec<Option<f64>>,
@@ -140,8 +142,12 @@ impl ContactSurface {
         self.rod_edges = self.edges.len();
     }
 
-    /// Adds an obstacle, after all rods.
-    pub fn add_obstacle(&mut self, obstacle: ContactObstacle) {
+    /// Adds an obstacle with its friction coefficient, after all rods.
+    ///
+    /// A rod touches it where one of its edges is near a segment, or one of its nodes near a face, above or below its inside: a
+    /// foot on the rim of a face belongs to the segments there. So the distances are those of two edges (thesis Eqs.
+    /// 2.3–2.6), and of a point from a plane.
+    pub fn add_obstacle(&mut self, obstacle: RigidBody, friction: f64) {
         let first = self.rod_nodes + self.vertex_count();
         let any = &mut self.least_radii[1];
         *any = Some(any.map_or(obstacle.radius, |least| least.min(obstacle.radius)));
@@ -162,6 +168,7 @@ impl ContactSurface {
         }
         self.closed_lengths.push(None);
         self.obstacles.push(obstacle);
+        self.frictions.push(friction);
     }
 
     /// All edges, rod after rod, then those of obstacles.
@@ -179,9 +186,14 @@ impl ContactSurface {
         &self.faces
     }
 
-    /// The obstacles.
-    pub fn obstacles(&self) -> &[ContactObstacle] {
+    /// The obstacles as they are at time zero.
+    pub fn obstacles(&self) -> &[RigidBody] {
         &self.obstacles
+    }
+
+    /// Friction coefficients of the obstacles.
+    pub(super) fn obstacle_frictions(&self) -> &[f64] {
+        &self.frictions
     }
 
     /// Vertices of all obstacles.
@@ -209,7 +221,7 @@ impl ContactSurface {
 
     /// Friction coefficient between two bodies, if not that of the contact model.
     pub(super) fn friction_between(&self, [_, second]: [usize; 2]) -> Option<f64> {
-        Some(self.obstacles[self.obstacle_of(second)?].friction)
+        Some(self.frictions[self.obstacle_of(second)?])
     }
 
     /// The nodes that planes may push.

@@ -118,13 +118,7 @@ impl Drive {
         let motion = &self.motion;
         // What turns moves the farther from the pivot the faster, and the surface of the rod at least.
         let arm = (self.position - self.pivot).norm().max(radius);
-        list_corners(&motion.translation, |from, to| (to - from).norm(), events);
-        list_corners(&motion.angle, |from, to| (to - from).abs() * arm, events);
-        list_corners(
-            &motion.orientation,
-            |from, to| rotation::angle(&from.rotation_to(to)) * arm,
-            events,
-        );
+        list_motion(motion, arm, events);
     }
 
     /// The rotation R(t) at a time.
@@ -258,14 +252,21 @@ impl Drive {
     }
 }
 
+/// Adds the corners of a motion of something that reaches `arm` (m) from the pivot.
+pub(super) fn list_motion(motion: &Motion, arm: f64, events: &mut Vec<Event>) {
+    list_corners(&motion.translation, |from, to| (to - from).norm(), events);
+    list_corners(&motion.angle, |from, to| (to - from).abs() * arm, events);
+    list_corners(
+        &motion.orientation,
+        |from, to| rotation::angle(&from.rotation_to(to)) * arm,
+        events,
+    );
+}
+
 /// Adds the corners of a piecewise linear motion, whose way between two of them is `way` (m). A corner counts with the
 /// sum of the speeds on both sides of it, of which the jump of the velocity is at most as large; where the motion goes
 /// straight on, by its direction, it is their difference.
-pub(super) fn list_corners<T>(
-    corners: &[(f64, T)],
-    way: impl Fn(&T, &T) -> f64,
-    events: &mut Vec<Event>,
-) {
+fn list_corners<T>(corners: &[(f64, T)], way: impl Fn(&T, &T) -> f64, events: &mut Vec<Event>) {
     for (k, (time, value)) in corners.iter().enumerate() {
         let speed = |(from, start): &(f64, T), (to, end): &(f64, T)| {
             let moved = way(start, end);

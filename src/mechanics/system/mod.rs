@@ -47,7 +47,7 @@ pub use grasp::{Grasp, Interventions};
 use loads::Loads;
 use newton_matrix::NewtonMatrix;
 use obstacles::MovingObstacle;
-pub use obstacles::{contact_obstacle, obstacle_poses};
+pub use obstacles::obstacle_poses;
 pub use residual::TERMS;
 pub use resultants::Resultants;
 pub use strain::{LargestStrains, SectionScale, Strain};

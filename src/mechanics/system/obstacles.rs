@@ -1,9 +1,8 @@
 //! Rigid obstacles: how they move.
 
 use super::System;
-use super::clamps::{Turning, list_corners};
+use super::clamps::{Turning, list_motion};
 use super::events::Event;
-use crate::mechanics::contact::ContactObstacle;
 use crate::mechanics::rotation::{self, Pose};
 use crate::mechanics::scene::{Motion, Obstacle, piecewise_linear, piecewise_turning};
 use crate::mechanics::{UnitQuaternion, Vector3};
@@ -63,14 +62,7 @@ impl MovingObstacle {
 
     /// Adds the corners of its motion to `events`.
     pub fn list_events(&self, events: &mut Vec<Event>) {
-        let (motion, arm) = (&self.motion, self.arm);
-        list_corners(&motion.translation, |from, to| (to - from).norm(), events);
-        list_corners(&motion.angle, |from, to| (to - from).abs() * arm, events);
-        list_corners(
-            &motion.orientation,
-            |from, to| rotation::angle(&from.rotation_to(to)) * arm,
-            events,
-        );
+        list_motion(&self.motion, self.arm, events);
     }
 }
 
@@ -81,20 +73,6 @@ pub fn obstacle_poses(obstacles: &[Obstacle], time: f64) -> Vec<Pose> {
         poses[moving.obstacle] = moving.pose(time);
     }
     poses
-}
-
-/// The obstacle as contact sees it; `friction` is that of the contact model.
-pub fn contact_obstacle(obstacle: &Obstacle, friction: f64) -> ContactObstacle {
-    let body = &obstacle.body;
-    ContactObstacle {
-        vertices: body.vertices.clone(),
-        segments: body.segments.clone(),
-        faces: body.faces.clone(),
-        closed: body.closed,
-        hollow: body.hollow,
-        radius: body.radius,
-        friction: obstacle.friction.unwrap_or(friction),
-    }
 }
 
 impl System {

@@ -1,6 +1,5 @@
 //! The contact model of a scene, and words for what touches.
 
-use super::obstacles::contact_obstacle;
 use super::{Assembly, System, copy_positions};
 use crate::mechanics::contact::{
     ContactPair, ContactPlane, ContactSurface, ContactSystem, Proximity,
@@ -30,7 +29,8 @@ pub(super) fn contact_of(
         );
     }
     for obstacle in &scene.obstacles {
-        surface.add_obstacle(contact_obstacle(obstacle, parameters.friction));
+        let friction = obstacle.friction.unwrap_or(parameters.friction);
+        surface.add_obstacle(obstacle.body.clone(), friction);
     }
     let planes = scene.planes.iter().map(|plane| ContactPlane {
         point: plane.point,

@@ -10,7 +10,7 @@ use crate::figure::{
 };
 use crate::mechanics::contact::{ContactPlane, ContactSurface, touching_points};
 use crate::mechanics::scene::Obstacle;
-use crate::mechanics::system::{contact_obstacle, obstacle_poses};
+use crate::mechanics::system::obstacle_poses;
 use crate::report::branches::Branches;
 use crate::report::case_folders::{CaseFolder, case_folders};
 use crate::report::obstacles::{movie_obstacles, obstacles_of};
@@ -258,7 +258,7 @@ fn contacts(
         first += rod.nodes;
     }
     for obstacle in obstacles {
-        surface.add_obstacle(contact_obstacle(obstacle, 0.0));
+        surface.add_obstacle(obstacle.body.clone(), 0.0);
     }
     let planes: Vec<ContactPlane> = scenario
         .planes

@@ -6,7 +6,7 @@ use super::files::{BOUNDARY, FILES};
 use super::keys::{HelixTables, TABLES, resolve};
 use super::sections::section_figures;
 use super::surface::boundary_page;
-use crate::experiment::kind::{FigureError, Kind, Page, refuse_surroundings};
+use crate::experiment::kind::{FigureError, Kind, Page, SCENE_TABLES, refuse_surroundings};
 use crate::figure::Figure;
 use crate::mechanics::scene::Scene;
 use crate::results::{FileDescription, ResultsError};
@@ -44,16 +44,7 @@ impl ExperimentKeys for HelixStabilityKind {
 
     fn resolve(&self, request: &Request<'_>) -> Option<Experiment> {
         request.refuse(
-            &[
-                "material",
-                "rod",
-                "rods",
-                "clamps",
-                "loads",
-                "actuation",
-                "planes",
-                "obstacles",
-            ],
+            &SCENE_TABLES,
             "the rod has length 1 and bending stiffness 1; [helix_stability] says all of it",
         );
         Some(Experiment::new(self.name(), resolve(request)?))

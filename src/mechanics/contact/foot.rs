@@ -1,30 +1,6 @@
-//! Rigid obstacles as contact sees them: all points within a radius of some segments and triangles.
-//!
-//! A sphere is one vertex with a radius, a capsule one segment, a tube its axis, around which nodes stay, a box with rounded edges the edges and faces of a smaller
-//! box, a mesh its triangles with radius zero. A rod touches an obstacle where one of its edges is near a segment, or one of
-//! its nodes near a face above or below its inside; a foot on the rim of a face belongs to the segments there. So the
-//! distances are those of two edges (thesis Eqs. 2.3–2.6), and of a point from a plane.
+//! Where a node of a rod is over a face of an obstacle.
 
 use crate::mechanics::Vector3;
-
-/// A rigid obstacle.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ContactObstacle {
-    /// Where its vertices are at time zero, m.
-    pub vertices: Vec<Vector3>,
-    /// Pairs of vertices; a vertex twice is a point.
-    pub segments: Vec<[usize; 2]>,
-    /// Triangles, anticlockwise as seen from outside.
-    pub faces: Vec<[usize; 3]>,
-    /// Whether the faces enclose a body, which is touched from outside alone; otherwise from both sides.
-    pub closed: bool,
-    /// Whether it is a tube around its segments, with rods inside.
-    pub hollow: bool,
-    /// Distance of the surface from segments and faces, m.
-    pub radius: f64,
-    /// Friction coefficient between obstacle and rods.
-    pub friction: f64,
-}
 
 /// All positions: of the nodes of rods, and of the vertices of obstacles, which are numbered from there on.
 #[derive(Clone, Copy, Debug)]
