@@ -82,6 +82,10 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
             Err(issue) => issues.push(issue),
         }
     }
+    if scene.obstacles.len() < scenario.obstacles.len() {
+        // What follows may look for them.
+        return Err(issues);
+    }
     scene.contact = contact_parameters(&scenario.contact);
     scene.fluid = fluid_model(&scenario.fluid);
     if let Err((rod, message)) = estimate::refuse_countless_pairs(&scene) {
