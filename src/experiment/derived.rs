@@ -5,6 +5,7 @@ use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::{Scheme, StepSize};
 use crate::mechanics::fluid::FluidModel;
 use crate::mechanics::scene::{Clamp, LoadKind, Obstacle, RodDescription, Scene};
+use crate::mechanics::system::joint_unknowns;
 use crate::run::{Mode, PreparedRun};
 use nalgebra::Complex;
 use serde::Serialize;
@@ -184,7 +185,8 @@ fn degrees_of_freedom(scene: &Scene) -> usize {
         .collect();
     held.sort_unstable();
     held.dedup();
-    free - 3 * held.len()
+    let [taken, added] = joint_unknowns(scene);
+    (free + added).saturating_sub(3 * held.len() + taken)
 }
 
 /// Largest speed that clamps give to any node of their rods, were these rigid, m/s.

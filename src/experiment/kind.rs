@@ -75,11 +75,14 @@ impl fmt::Debug for dyn Kind {
 }
 
 /// Tables of what stands in a scene, which kinds without dimensions have no use for.
-pub(super) const SCENE_TABLES: [&str; 8] = [
+pub(super) const SCENE_TABLES: [&str; 11] = [
     "material",
     "rod",
     "rods",
     "clamps",
+    "joints",
+    "bodies",
+    "networks",
     "loads",
     "actuation",
     "planes",

@@ -41,6 +41,7 @@ pages! {
     scenarios
     actuation
     contact
+    joints
     obstacles
     time
     exit_codes

@@ -202,7 +202,8 @@ mod tests {
         let nodes = 40;
         let elements = [3, 11, 20, 30]
             .map(|far| std::array::from_fn(|k| NODE * [0, 1, far, far + 1][k / 3] + k % 3));
-        let graph = NodeGraph::new(&elements, &vec![false; NODE * nodes]);
+        let own: Vec<usize> = (0..NODE * nodes).collect();
+        let graph = NodeGraph::new(&elements, &own, &vec![false; NODE * nodes]);
         let block = |seed: usize, diagonal: f64| {
             let mut block = Block(std::array::from_fn(|i| ((7 * seed + i) as f64).sin()));
             (0..NODE).for_each(|k| block.0[NODE * k + k] += diagonal);

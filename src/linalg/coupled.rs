@@ -4,7 +4,7 @@
 use super::banded::BandedSymmetric;
 use super::block_factor::BlockFactor;
 use super::coupled_matrix::CoupledMatrix;
-use super::element::{Element, ElementMatrix};
+use super::element::{Element, ElementMatrix, SharedUnknown, UNUSED};
 use super::error::{Inertia, SingularMatrix};
 use super::node_block::{NODE, NodeVector};
 use super::node_graph::NodeGraph;
@@ -44,21 +44,39 @@ impl CoupledSystem {
     /// approximate minimum degree and makes room for its factors.
     ///
     /// `held` marks unknowns that keep their place (length `dimension`): their rows and columns are
-    /// dropped, their diagonals one. With `symmetric`, elements must be symmetric matrices; only one
-    /// triangle is read.
-    pub fn new(dimension: usize, elements: &[Element], held: &[bool], symmetric: bool) -> Self {
+    /// dropped, their diagonals one. `shared` are the unknowns that are the same as another one, which is free or held
+    /// and shared with no third: their rows and columns are added to those of that one, their own are as if held. With
+    /// `symmetric`, elements must be symmetric matrices; only one triangle is read.
+    pub fn new(
+        dimension: usize,
+        elements: &[Element],
+        held: &[bool],
+        shared: &[SharedUnknown],
+        symmetric: bool,
+    ) -> Self {
         assert_eq!(held.len(), dimension);
         let nodes = dimension.div_ceil(NODE);
         // Unknowns that only fill up the last node count as held.
         let mut held = held.to_vec();
         held.resize(NODE * nodes, true);
-        let graph = NodeGraph::new(elements, &held);
+        let mut owners: Vec<usize> = (0..held.len()).collect();
+        for one in shared {
+            held[one.unknown] = true;
+            owners[one.unknown] = one.owner;
+        }
+        let owned = |unknown: &usize| owners.get(*unknown).copied().unwrap_or(UNUSED);
+        let elements: Vec<Element> = elements
+            .iter()
+            .map(|element| std::array::from_fn(|place| owned(&element[place])))
+            .collect();
+        let elements = &elements;
+        let graph = NodeGraph::new(elements, &owners, &held);
         let factor = BlockFactor::new(SymbolicFactor::new(&graph), symmetric);
         let vector = vec![[0.0; NODE]; nodes];
         Self {
             dimension,
             symmetric,
-            matrix: CoupledMatrix::new(graph, elements, &held, symmetric),
+            matrix: CoupledMatrix::new(graph, elements, &owners, &held, symmetric),
             factor,
             right_hand_side: vector.clone(),
             solution: vector.clone(),
@@ -258,7 +276,7 @@ mod tests {
             dense.column_mut(i).fill(0.0);
             dense[(i, i)] = 1.0;
         }
-        let system = CoupledSystem::new(dimension, &elements, &held, symmetric);
+        let system = CoupledSystem::new(dimension, &elements, &held, &[], symmetric);
         Example {
             system,
             dense,
@@ -364,7 +382,7 @@ mod tests {
                 }
             }
         }
-        let system = CoupledSystem::new(dimension, &elements, &vec![false; dimension], true);
+        let system = CoupledSystem::new(dimension, &elements, &vec![false; dimension], &[], true);
         let mut example = Example {
             system,
             dense,
@@ -375,6 +393,88 @@ mod tests {
         let (x, expected) = example.solve();
         let error = (DVector::from_vec(x) - expected).amax();
         assert!(error < 1e-5, "{error:e}");
+    }
+
+    /// An unknown that is another one: the system is that of the dense matrix Pᵀ A P, with P from own to all unknowns.
+    #[test]
+    fn shared_unknowns_are_solved_as_one() {
+        for symmetric in [true, false] {
+            let mut numbers = Numbers(7);
+            let dimension = 120;
+            let plain = example(dimension, 10, symmetric, 20.0);
+            let mut held = vec![false; dimension];
+            for i in [0, 1, 2, 3, 4, 5, 6, 21, dimension - 1] {
+                held[i] = true;
+            }
+            // Two positions far from each other, two neighbours' neighbours, and one shared with a held node.
+            let shared: Vec<SharedUnknown> = [(60, 20), (84, 20), (100, 92), (112, 4)]
+                .into_iter()
+                .flat_map(|(unknown, owner)| {
+                    (0..3).map(move |axis| SharedUnknown {
+                        unknown: unknown + axis,
+                        owner: owner + axis,
+                    })
+                })
+                .collect();
+            let mut elements = vec![[UNUSED; 12]; 6];
+            let mut matrices = vec![[[0.0; 12]; 12]; 6];
+            let nodes = dimension / NODE;
+            for (element, matrix) in elements.iter_mut().zip(&mut matrices) {
+                let (a, b) = (numbers.below(nodes - 1), numbers.below(nodes - 3));
+                let b = if b.abs_diff(a) < 2 { b + 3 } else { b } % (nodes - 1);
+                if a.abs_diff(b) < 2 {
+                    continue;
+                }
+                *element = std::array::from_fn(|k| NODE * [a, a + 1, b, b + 1][k / 3] + k % 3);
+                for i in 0..12 {
+                    for j in 0..=i {
+                        matrix[i][j] = numbers.next();
+                        matrix[j][i] = if symmetric {
+                            matrix[i][j]
+                        } else {
+                            numbers.next()
+                        };
+                    }
+                }
+            }
+            let owner = |i: usize| {
+                let found = shared.iter().find(|one| one.unknown == i);
+                found.map_or(i, |one| one.owner)
+            };
+            let mut dense = DMatrix::zeros(dimension, dimension);
+            for i in 0..dimension {
+                for j in 0..dimension {
+                    dense[(owner(i), owner(j))] += plain.band.get(i, j);
+                }
+            }
+            for (element, matrix) in elements.iter().zip(&matrices) {
+                for (r, &i) in element.iter().enumerate().filter(|(_, i)| **i != UNUSED) {
+                    for (c, &j) in element.iter().enumerate().filter(|(_, j)| **j != UNUSED) {
+                        dense[(owner(i), owner(j))] += matrix[r][c];
+                    }
+                }
+            }
+            let gone = |i: usize| held[i] || owner(i) != i;
+            for i in (0..dimension).filter(|&i| gone(i)) {
+                dense.row_mut(i).fill(0.0);
+                dense.column_mut(i).fill(0.0);
+                dense[(i, i)] = 1.0;
+            }
+            let mut system = CoupledSystem::new(dimension, &elements, &held, &shared, symmetric);
+            // The second assembly must not see the first.
+            for _ in 0..2 {
+                system.assemble(&plain.band);
+                for (index, matrix) in matrices.iter().enumerate() {
+                    system.add_element(index, matrix);
+                }
+                system.factor().unwrap();
+                let expected = DVector::from_fn(dimension, |i, _| (0.3 * i as f64).cos());
+                let mut x = (&dense * &expected).as_slice().to_vec();
+                system.solve(&mut x).unwrap();
+                let error = (DVector::from_vec(x) - expected).amax();
+                assert!(error < 1e-12, "{symmetric}: {error:e}");
+            }
+        }
     }
 
     #[test]
@@ -392,7 +492,7 @@ mod tests {
     fn without_elements_it_solves_as_the_band_does() {
         let Example { band, .. } = example(120, 0, true, 15.0);
         let mut factor = crate::linalg::BandedFactor::new(120);
-        let mut system = CoupledSystem::new(120, &[], &[false; 120], true);
+        let mut system = CoupledSystem::new(120, &[], &[false; 120], &[], true);
         system.assemble(&band);
         assert_eq!(
             factor.factor(&band).unwrap().positive,
@@ -430,7 +530,7 @@ mod tests {
                 band.add(i + 4, i, 1.0);
             }
         }
-        let mut system = CoupledSystem::new(8, &[], &[false; 8], true);
+        let mut system = CoupledSystem::new(8, &[], &[false; 8], &[], true);
         system.assemble(&band);
         system.factor().unwrap();
         let mut x = [1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0];

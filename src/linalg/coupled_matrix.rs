@@ -19,6 +19,8 @@ pub(super) struct CoupledMatrix {
     /// Which entry of each element goes to which value; element e owns `element_starts[e]..[e + 1]`.
     moves: Vec<Move>,
     element_starts: Vec<usize>,
+    /// Entries of the band in rows and columns of unknowns that others own, and the values to which they are added.
+    band_moves: Vec<BandMove>,
     /// Values in the rows and columns of held unknowns where the band may have entries.
     held_values: Vec<u32>,
     /// Values on the diagonal of held unknowns.
@@ -32,11 +34,20 @@ struct Move {
     value: u32,
 }
 
+/// One entry of the band, below the diagonal or on it, and the value to which it is added.
+#[derive(Clone, Copy, Debug)]
+struct BandMove {
+    column: u32,
+    below: u32,
+    value: u32,
+}
+
 impl CoupledMatrix {
-    /// The zero matrix of the given pattern; `held` fills whole nodes.
+    /// The zero matrix of the given pattern; `owners` and `held` fill whole nodes.
     pub(super) fn new(
         graph: NodeGraph,
         elements: &[Element],
+        owners: &[usize],
         held: &[bool],
         symmetric: bool,
     ) -> Self {
@@ -49,6 +60,7 @@ impl CoupledMatrix {
                 .collect(),
             moves: Vec::with_capacity(90 * elements.len()),
             element_starts: vec![0],
+            band_moves: Vec::new(),
             held_values: Vec::new(),
             held_diagonals: Vec::new(),
             graph,
@@ -56,6 +68,7 @@ impl CoupledMatrix {
         for element in elements {
             matrix.place_element(element, held);
         }
+        matrix.place_shared(owners, held);
         matrix.place_held(held);
         matrix
     }
@@ -103,6 +116,14 @@ impl CoupledMatrix {
         }
         for &value in &self.held_diagonals {
             *value_mut(&mut self.blocks, value) = 1.0;
+        }
+        for &BandMove {
+            column,
+            below,
+            value,
+        } in &self.band_moves
+        {
+            *value_mut(&mut self.blocks, value) += band.columns()[column as usize][below as usize];
         }
     }
 
@@ -155,16 +176,43 @@ impl CoupledMatrix {
                     nodes = (i / NODE, j / NODE);
                     place = self.block(nodes.0, nodes.1);
                 }
-                if let Some((block, transposed)) = place {
-                    let (r, c) = (i % NODE, j % NODE);
-                    let (r, c) = if transposed { (c, r) } else { (r, c) };
+                if let Some(place) = place {
                     let entry = (element.len() * row + column) as u32;
-                    let value = (NODE * NODE * block + NODE * c + r) as u32;
+                    let value = value_in(place, i, j);
                     self.moves.push(Move { entry, value });
                 }
             }
         }
         self.element_starts.push(self.moves.len());
+    }
+
+    /// Finds where the entries of the band go that lie in rows or columns of unknowns that others own: to those of their
+    /// owners, on both sides of the diagonal.
+    fn place_shared(&mut self, owners: &[usize], held: &[bool]) {
+        let is_shared = |unknown: usize| owners[unknown] != unknown;
+        for j in 0..owners.len() {
+            // The band couples nodes two apart at most.
+            let end = (j + HALF_BANDWIDTH + 1).min(NODE * (j / NODE + 3));
+            for i in j..owners.len().min(end) {
+                let (row, column) = (owners[i], owners[j]);
+                let goes = is_shared(i) || is_shared(j);
+                if !goes || held[row] || held[column] {
+                    continue;
+                }
+                let both = [(row, column), (column, row)];
+                let sides = if i == j { &both[..1] } else { &both[..] };
+                for &(row, column) in sides {
+                    let Some(place) = self.block(row / NODE, column / NODE) else {
+                        continue;
+                    };
+                    self.band_moves.push(BandMove {
+                        column: j as u32,
+                        below: (i - j) as u32,
+                        value: value_in(place, row, column),
+                    });
+                }
+            }
+        }
     }
 
     /// Block (p, q) of two nodes, and whether it is stored transposed; none where a symmetric matrix stores
@@ -214,6 +262,13 @@ impl CoupledMatrix {
                 .push((NODE * NODE * p + NODE * r + r) as u32);
         }
     }
+}
+
+/// The index of the value of the unknowns `row` and `column` in a block, which may be stored transposed.
+fn value_in((block, transposed): (usize, bool), row: usize, column: usize) -> u32 {
+    let (r, c) = (row % NODE, column % NODE);
+    let (r, c) = if transposed { (c, r) } else { (r, c) };
+    (NODE * NODE * block + NODE * c + r) as u32
 }
 
 /// The value with the given index, counted through all blocks.

@@ -9,6 +9,15 @@ pub type ElementMatrix = [[f64; 12]; 12];
 /// Marks an unused place of an [`Element`].
 pub const UNUSED: usize = usize::MAX;
 
+/// An unknown that always has the value of another one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SharedUnknown {
+    /// The unknown that is eliminated.
+    pub unknown: usize,
+    /// The one whose value it has, which is shared with none itself.
+    pub owner: usize,
+}
+
 /// Whether an element's unknown takes part in a system that keeps the place of those `held`.
 pub(super) fn is_free(unknown: usize, held: &[bool]) -> bool {
     unknown != UNUSED && !held[unknown]

@@ -23,5 +23,5 @@ mod symbolic;
 
 pub use banded::{BandedFactor, BandedSymmetric, HALF_BANDWIDTH};
 pub use coupled::CoupledSystem;
-pub use element::{Element, ElementMatrix, UNUSED};
+pub use element::{Element, ElementMatrix, SharedUnknown, UNUSED};
 pub use error::{Inertia, SingularMatrix};

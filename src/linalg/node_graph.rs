@@ -20,9 +20,11 @@ pub(super) struct NodeGraph {
 
 impl NodeGraph {
     /// Neighbours up to two apart along the band and the nodes of each element, as far as they have a
-    /// free unknown in it.
-    pub(super) fn new(elements: &[Element], held: &[bool]) -> Self {
+    /// free unknown in it. `owners` are the unknowns to which rows and columns of the band belong: those of elements have
+    /// been replaced by theirs.
+    pub(super) fn new(elements: &[Element], owners: &[usize], held: &[bool]) -> Self {
         let nodes = held.len().div_ceil(NODE);
+        let owner_nodes = NodeOwners::new(owners, held);
         let has_free: Vec<bool> = held
             .chunks(NODE)
             .map(|node| node.contains(&false))
@@ -32,6 +34,26 @@ impl NodeGraph {
             for p in q + 1..nodes.min(q + 3) {
                 if has_free[p] && has_free[q] {
                     keys.push(pair_key(p, q));
+                }
+            }
+        }
+        for (q, own) in owner_nodes.0.iter().enumerate() {
+            for p in q..nodes.min(q + 3) {
+                let other = &owner_nodes.0[p];
+                if own.is_empty() && other.is_empty() {
+                    continue;
+                }
+                // The node itself, as far as it has unknowns of its own, and those that own the others.
+                let all = |node: usize, owners: &[usize]| -> Vec<usize> {
+                    let itself = has_free[node].then_some(node);
+                    owners.iter().copied().chain(itself).collect()
+                };
+                for &a in &all(q, own) {
+                    for &b in &all(p, other) {
+                        if a != b {
+                            keys.push(pair_key(a, b));
+                        }
+                    }
                 }
             }
         }
@@ -96,6 +118,22 @@ impl NodeGraph {
         )
         .expect("the number of coupled nodes fits an index");
         order
+    }
+}
+
+/// Nodes that own free unknowns of each node; none where all are its own.
+struct NodeOwners(Vec<Vec<usize>>);
+
+impl NodeOwners {
+    fn new(owners: &[usize], held: &[bool]) -> Self {
+        let of_node = |(node, owners): (usize, &[usize])| {
+            let others = owners.iter().filter(|&&owner| !held[owner]);
+            let mut nodes: Vec<usize> = others.map(|owner| owner / NODE).collect();
+            nodes.retain(|owner| *owner != node);
+            nodes.dedup();
+            nodes
+        };
+        Self(owners.chunks(NODE).enumerate().map(of_node).collect())
     }
 }
 

@@ -27,6 +27,14 @@ pub enum SceneError {
     /// The fluid, or a rod in it, is beyond its theory.
     #[error(transparent)]
     Fluid(#[from] FluidError),
+    /// A joint or body is impossible.
+    #[error("joint or body `{name}`: {reason}")]
+    Joint {
+        /// Its name.
+        name: String,
+        /// What is wrong with it.
+        reason: JointError,
+    },
     /// The scene lacks what a method needs.
     #[error("{0}")]
     Unsuitable(&'static str),
@@ -74,6 +82,58 @@ pub enum RodError {
     /// The polyline is no rod.
     #[error(transparent)]
     Placement(#[from] PlacementError),
+}
+
+/// What is wrong with a joint or body.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum JointError {
+    /// A node that does not exist.
+    #[error("asks for node {node} of {nodes}")]
+    NoSuchNode {
+        /// The node.
+        node: usize,
+        /// Nodes of the rod.
+        nodes: usize,
+    },
+    /// It joins a node to itself.
+    #[error("joins a node to itself")]
+    SameNode,
+    /// The nodes are not at one point.
+    #[error("its nodes are {distance:.6e} m apart, they must lie at one point")]
+    Apart {
+        /// Their distance, m.
+        distance: f64,
+    },
+    /// Other joints hold what it holds.
+    #[error("other joints at this point already hold what it holds")]
+    Twice,
+    /// A hinge between two frames that both hang on hinges.
+    #[error("hangs on another hinge at this point: let all hinges there share one rod")]
+    HingeOnHinge,
+    /// Two bodies are welded to each other.
+    #[error("is welded to another rigid body: give one body the mass and inertia of both")]
+    TwoBodies,
+    /// Clamps hold several of its nodes.
+    #[error("clamps hold rods `{first}` and `{second}` at this point: one is enough")]
+    TwoClamps {
+        /// Name of a rod.
+        first: String,
+        /// Name of another one.
+        second: String,
+    },
+    /// A clamp holds the frame of a node that a joint or body would turn.
+    #[error(
+        "a clamp holds the frame of rod `{rod}` at this point, which a joint or body would turn: let the clamp hold the position alone, or clamp each rod"
+    )]
+    ClampedFrame {
+        /// Name of the rod.
+        rod: String,
+    },
+    /// A rigid joint to a rod that is held.
+    #[error(
+        "a rod that is held is a rigid obstacle and is joined by its position alone: make the joint a ball"
+    )]
+    HeldRod,
 }
 
 /// What is wrong with a load.

@@ -16,7 +16,7 @@ pub mod scene;
 pub mod statics;
 pub mod system;
 
-pub use error::{LoadError, Overlap, RodError, SceneError};
+pub use error::{JointError, LoadError, Overlap, RodError, SceneError};
 
 /// A vector in space.
 pub type Vector3 = nalgebra::Vector3<f64>;

@@ -2,7 +2,7 @@
 //!
 //! nalgebra has all of these; but it takes sines from the C library, and two of those differ in the last bit.
 
-use super::{UnitQuaternion, Vector3};
+use super::{Matrix3, UnitQuaternion, Vector3};
 use nalgebra::Quaternion;
 
 /// The rotation of a rotation vector (rad): q = (cos φ/2, a sin φ/2).
@@ -28,6 +28,77 @@ pub fn to_vector(rotation: &UnitQuaternion) -> Vector3 {
 /// The angle of a rotation, 0 to π.
 pub fn angle(rotation: &UnitQuaternion) -> f64 {
     2.0 * libm::atan2(rotation.imag().norm(), rotation.w.abs())
+}
+
+/// J(φ) = 1 + a [φ]× + b [φ]×²: a change dφ of the rotation vector φ turns the body by J dφ, seen from outside
+/// (a = (1 − cos φ)/φ², b = (φ − sin φ)/φ³; the left Jacobian of the rotation group).
+pub fn left_jacobian(vector: &Vector3) -> Matrix3 {
+    let [a, b, _, _] = coefficients(vector.norm());
+    let cross = vector.cross_matrix();
+    Matrix3::identity() + cross * a + cross * cross * b
+}
+
+/// Derivative over φ of Jᵀ(φ) T = T − a φ×T + b φ×(φ×T) for a moment T that is kept.
+pub fn left_jacobian_derivative(vector: &Vector3, moment: &Vector3) -> Matrix3 {
+    let [a, b, a_slope, b_slope] = coefficients(vector.norm());
+    let cross = vector.cross(moment);
+    let twice = vector.cross(&cross);
+    moment.cross_matrix() * a
+        - (cross.cross_matrix() + vector.cross_matrix() * moment.cross_matrix()) * b
+        + (twice * b_slope - cross * a_slope) * vector.transpose()
+}
+
+/// a, b, and their derivatives over φ divided by φ.
+fn coefficients(angle: f64) -> [f64; 4] {
+    let square = angle * angle;
+    if square < 1e-2 {
+        // Five terms of each series: the next is below rounding.
+        let series = |terms: [f64; 5]| {
+            terms
+                .iter()
+                .rev()
+                .fold(0.0, |sum, term| sum * square + term)
+        };
+        return [
+            series([
+                1.0 / 2.0,
+                -1.0 / 24.0,
+                1.0 / 720.0,
+                -1.0 / 40320.0,
+                1.0 / 3628800.0,
+            ]),
+            series([
+                1.0 / 6.0,
+                -1.0 / 120.0,
+                1.0 / 5040.0,
+                -1.0 / 362880.0,
+                1.0 / 39916800.0,
+            ]),
+            series([
+                -1.0 / 12.0,
+                1.0 / 180.0,
+                -1.0 / 6720.0,
+                1.0 / 453600.0,
+                -1.0 / 47900160.0,
+            ]),
+            series([
+                -1.0 / 60.0,
+                1.0 / 1260.0,
+                -1.0 / 60480.0,
+                1.0 / 4989600.0,
+                -1.0 / 622702080.0,
+            ]),
+        ];
+    }
+    let (sine, cosine) = libm::sincos(angle);
+    let a = (1.0 - cosine) / square;
+    let b = (angle - sine) / (angle * square);
+    [
+        a,
+        b,
+        (sine / angle - 2.0 * a) / square,
+        (a - 3.0 * b) / square,
+    ]
 }
 
 /// A rigid motion of a body: x = R x₀ + t.
@@ -96,6 +167,26 @@ mod tests {
                 .min((half + PI * direction).norm())
                 < 1e-15
         );
+    }
+
+    #[test]
+    fn a_change_of_the_vector_turns_by_its_jacobian() {
+        let change = Vector3::new(0.3, 0.5, -0.2);
+        let moment = Vector3::new(-0.7, 0.4, 1.1);
+        for size in [0.0, 1e-3, 0.0999, 0.1001, 0.7, 2.5] {
+            let vector = Vector3::new(0.48, 0.6, -0.64) * size;
+            let step = 1e-5;
+            let ends = [step, -step].map(|step| from_vector(vector + change * step));
+            let turned = to_vector(&(ends[0] * ends[1].inverse())) / (2.0 * step);
+            assert!(
+                (turned - left_jacobian(&vector) * change).norm() < 1e-9,
+                "{size}"
+            );
+            let of = |step: f64| left_jacobian(&(vector + change * step)).transpose() * moment;
+            let slope = (of(step) - of(-step)) / (2.0 * step);
+            let found = left_jacobian_derivative(&vector, &moment) * change;
+            assert!((slope - found).norm() < 1e-9, "{size}: {slope} {found}");
+        }
     }
 
     #[test]

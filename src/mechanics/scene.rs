@@ -4,8 +4,11 @@
 //! [`super::statics`] run it. Node indices inside a scene count along their own rod.
 
 mod actuation;
+mod joint;
 
 pub use actuation::{ActuatedStrain, Actuation, Course, Wave};
+
+pub use joint::{Body, Joint, JointKind, RodNode};
 
 use super::contact::ContactParameters;
 use super::fluid::FluidModel;
@@ -20,6 +23,10 @@ pub struct Scene {
     pub rods: Vec<RodDescription>,
     /// Held or driven nodes.
     pub clamps: Vec<Clamp>,
+    /// Nodes that are joined.
+    pub joints: Vec<Joint>,
+    /// Masses and rigid bodies that rods carry.
+    pub bodies: Vec<Body>,
     /// External loads.
     pub loads: Vec<Load>,
     /// Natural strains that change over time.

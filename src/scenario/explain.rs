@@ -298,7 +298,7 @@ clamps.at
 "###);
         insta::assert_snapshot!(explain(*EXPERIMENTS, "").unwrap(), @r###"
 A rodlab scenario. Numbers are in SI units; text may carry a unit, such as "1.6 mm".
-keys: actuation, clamps, contact, continuation, experiment, extends, flagella, fluid, helix_stability, knot, loads, material, obstacles, output, planes, probes, rod, rods, solver, start, stop_when, sweep, time, title, unset
+keys: actuation, bodies, clamps, contact, continuation, experiment, extends, flagella, fluid, helix_stability, joints, knot, loads, material, networks, obstacles, output, planes, probes, rod, rods, solver, start, stop_when, sweep, time, title, unset
 "###);
     }
 

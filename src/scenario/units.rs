@@ -104,6 +104,12 @@ dimensions! {
     ];
     /// Density, kg/m³.
     Density = "a density", [decimal("kg/m^3", 0), decimal("g/cm^3", 3)];
+    /// Mass, kg.
+    Mass = "a mass", [decimal("kg", 0), decimal("g", -3), decimal("mg", -6), decimal("t", 3)];
+    /// Moment of inertia, kg m².
+    MomentOfInertia = "a moment of inertia", [
+        decimal("kgm^2", 0), decimal("gm^2", -3), decimal("kgmm^2", -6), decimal("gmm^2", -9), decimal("gcm^2", -7),
+    ];
     /// Dynamic viscosity, Pa s.
     Viscosity = "a viscosity", [decimal("Pas", 0), decimal("mPas", -3), decimal("cP", -3), decimal("kPas", 3), decimal("MPas", 6)];
     /// Force, N.

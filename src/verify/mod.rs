@@ -17,6 +17,7 @@ mod drag;
 mod friction;
 mod helix;
 mod helix_manipulation;
+mod joints;
 mod localized_buckling;
 mod obstacles;
 mod page;
@@ -42,7 +43,7 @@ type CheckGroup = fn(full: bool) -> Result<Vec<Check>, GroupError>;
 type GroupError = Box<dyn Error + Send + Sync>;
 
 /// All groups, in the order of the table.
-const GROUPS: [(&str, CheckGroup); 18] = [
+const GROUPS: [(&str, CheckGroup); 19] = [
     ("derivatives", derivatives::checks),
     ("statics", statics::checks),
     ("spatial rods", spatial_rods::checks),
@@ -57,6 +58,7 @@ const GROUPS: [(&str, CheckGroup); 18] = [
     ("friction", friction::checks),
     ("contact", contact::checks),
     ("obstacles", obstacles::checks),
+    ("joints", joints::checks),
     ("drag", drag::checks),
     ("conservation", conservation::checks),
     ("symmetry", symmetry::checks),

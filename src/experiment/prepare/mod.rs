@@ -5,6 +5,7 @@ pub(crate) mod curve;
 mod estimate;
 mod gripper_motion;
 mod jitter;
+mod joint;
 mod obstacle;
 mod place;
 mod round_rod;
@@ -21,6 +22,7 @@ use crate::run::{
     LinkingGuard, Mode, Observer, OutputPlan, PreparedRun, RunError, rod_records, start_from,
 };
 use crate::scenario::{self, Continuation, Issue, Issues, KeyPath, Scenario, Time};
+use joint::{judge_joints, place_body, place_joint};
 use obstacle::place_obstacle;
 use place::{place_actuation, place_clamp, place_load, place_plane, place_rod, same_node};
 use settings::{contact_parameters, fluid_model, integration_parameters};
@@ -60,6 +62,24 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
             Ok(clamp) => scene.clamps.push(clamp),
             Err(issue) => issues.push(issue),
         }
+    }
+    for (index, joint) in scenario.joints.iter().enumerate() {
+        match place_joint(joint, &scene.rods, &KeyPath::from("joints").index(index)) {
+            Ok(joint) => scene.joints.push(joint),
+            Err(issue) => issues.push(issue),
+        }
+    }
+    for (index, body) in scenario.bodies.iter().enumerate() {
+        match place_body(body, &scene.rods, &KeyPath::from("bodies").index(index)) {
+            Ok(body) => scene.bodies.push(body),
+            Err(issue) => issues.push(issue),
+        }
+    }
+    if issues.0.is_empty()
+        && let Err(issue) = judge_joints(&scene, scenario)
+    {
+        issues.push(issue);
+        return Err(issues);
     }
     for (index, load) in scenario.loads.iter().enumerate() {
         match place_load(load, &scene.rods, &KeyPath::from("loads").index(index)) {

@@ -86,7 +86,7 @@ pub(super) fn place_clamp(
     rods: &[mechanics::RodDescription],
     path: &KeyPath,
 ) -> Result<mechanics::Clamp, Issue> {
-    let rod = find_rod(&clamp.rod, rods, path)?;
+    let rod = find_rod(&clamp.rod, rods, &path.key("rod"))?;
     Ok(mechanics::Clamp {
         rod,
         node: find_node(clamp.at, &rods[rod], path)?,
@@ -124,7 +124,7 @@ pub(super) fn place_load(
 ) -> Result<mechanics::Load, Issue> {
     let find_any = |name: &Option<String>| {
         name.as_ref()
-            .map(|name| find_rod(name, rods, path))
+            .map(|name| find_rod(name, rods, &path.key("rod")))
             .transpose()
     };
     let kind = match &load.kind {
@@ -132,7 +132,7 @@ pub(super) fn place_load(
             acceleration: Vector3::from(*acceleration),
         },
         LoadKind::Force { rod, at, force } => {
-            let rod = find_rod(rod, rods, path)?;
+            let rod = find_rod(rod, rods, &path.key("rod"))?;
             mechanics::LoadKind::Force {
                 rod,
                 node: find_node(*at, &rods[rod], path)?,
@@ -140,7 +140,7 @@ pub(super) fn place_load(
             }
         }
         LoadKind::Moment { rod, at, moment } => {
-            let rod = find_rod(rod, rods, path)?;
+            let rod = find_rod(rod, rods, &path.key("rod"))?;
             mechanics::LoadKind::Moment {
                 rod,
                 edge: find_edge(*at, &rods[rod], path)?,
@@ -175,7 +175,7 @@ pub(super) fn place_actuation(
     rods: &[mechanics::RodDescription],
     path: &KeyPath,
 ) -> Result<mechanics::Actuation, Issue> {
-    let rod = find_rod(&actuation.rod, rods, path)?;
+    let rod = find_rod(&actuation.rod, rods, &path.key("rod"))?;
     if rods[rod].held {
         let message = format!(
             "rod `{}` is a rigid obstacle, which neither bends nor lengthens",
@@ -230,17 +230,29 @@ fn natural_length(rod: &mechanics::RodDescription) -> f64 {
     (0..edges).map(length).sum()
 }
 
-fn find_rod(
+/// The rod of a name that stands at a key.
+pub(super) fn find_rod(
     name: &str,
     rods: &[mechanics::RodDescription],
-    path: &KeyPath,
+    key: &KeyPath,
 ) -> Result<usize, Issue> {
     rods.iter().position(|rod| rod.name == name).ok_or_else(|| {
         let names: Vec<&str> = rods.iter().map(|rod| rod.name.as_str()).collect();
         let help = did_you_mean(name, names.iter().copied())
-            .unwrap_or_else(|| format!("the rods are: {}", names.join(", ")));
-        Issue::new(path.key("rod"), format!("no rod is called `{name}`")).with_help(help)
+            .unwrap_or_else(|| format!("the rods are: {}", listed(&names)));
+        Issue::new(key.clone(), format!("no rod is called `{name}`")).with_help(help)
     })
+}
+
+/// Names in words; of very many the first ones.
+fn listed(names: &[&str]) -> String {
+    const MOST: usize = 12;
+    match names.get(..MOST) {
+        Some(first) if names.len() > MOST => {
+            format!("{}, and {} more", first.join(", "), names.len() - MOST)
+        }
+        _ => names.join(", "),
+    }
 }
 
 fn find_node(
@@ -248,7 +260,7 @@ fn find_node(
     rod: &mechanics::RodDescription,
     path: &KeyPath,
 ) -> Result<usize, Issue> {
-    find_place(place, rod.centreline.len(), "node", rod, path)
+    find_place(place, rod.centreline.len(), "node", rod, &path.key("at"))
 }
 
 fn find_edge(
@@ -257,22 +269,23 @@ fn find_edge(
     path: &KeyPath,
 ) -> Result<usize, Issue> {
     let edges = rod.centreline.len() - usize::from(!rod.closed);
-    find_place(place, edges, "edge", rod, path)
+    find_place(place, edges, "edge", rod, &path.key("at"))
 }
 
-fn find_place(
+/// The number of a place that stands at a key, among the `count` nodes or edges of a rod.
+pub(super) fn find_place(
     place: Place,
     count: usize,
     what: &str,
     rod: &mechanics::RodDescription,
-    path: &KeyPath,
+    key: &KeyPath,
 ) -> Result<usize, Issue> {
     match place {
         Place::Start => Ok(0),
         Place::End => Ok(count - 1),
         Place::Number(number) if number < count => Ok(number),
         Place::Number(number) => Err(Issue::new(
-            path.key("at"),
+            key.clone(),
             format!(
                 "rod `{}` has no {what} {number}; allowed: 0 to {}, \"start\" or \"end\"",
                 rod.name,

@@ -2,6 +2,7 @@
 
 use crate::mechanics::Vector3;
 use crate::mechanics::rigid_body::RigidBody;
+use std::collections::HashMap;
 use std::f64::consts::PI;
 
 /// An edge of a rod as contact sees it: a capsule around the segment between two nodes; or such an edge of an obstacle.
@@ -66,7 +67,23 @@ pub struct ContactSurface {
     closed_lengths: Vec<Option<f64>>,
     /// Least radius of the rods that move, and of all, m; `None` without any.
     least_radii: [Option<f64>; 2],
+    /// Where two rods are joined, by their indices, the lower first.
+    joints: HashMap<[usize; 2], Vec<ContactJoint>>,
 }
+
+/// A point at which two rods are joined.
+#[derive(Clone, Copy, Debug)]
+struct ContactJoint {
+    /// Arc length along either rod, m.
+    arc_length: [f64; 2],
+    /// Length of the way through the joint within which the rods are neighbours, m.
+    reach: f64,
+}
+
+/// Largest reach of a joint in sums of the two radii: rods that are joined more nearly parallel than this allows overlap.
+const FARTHEST_REACH: f64 = 20.0;
+/// Reach of a joint over the way on which straight rods overlap that meet at an angle.
+const REACH: f64 = 1.5;
 
 /// A rigid half space: the side that `normal` points to is free.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -140,6 +157,61 @@ impl ContactSurface {
         }
         self.closed_lengths.push(closed.then_some(length));
         self.rod_edges = self.edges.len();
+    }
+
+    /// Joins two rods at arc lengths along them (m), where they meet at `angle` (rad).
+    ///
+    /// Near the joint they overlap: their axes are 2s sin(φ/2) apart at the distance s on either side. Edges that are nearer
+    /// to each other along the way through the joint than by half as much again, or than π times the mean of the radii along
+    /// either rod, are neighbours as along one rod.
+    pub fn add_joint(&mut self, rods: [usize; 2], arc_length: [f64; 2], angle: f64) {
+        let radius = |rod: usize| self.edges.iter().find(|edge| edge.rod == rod);
+        let sum: f64 = rods
+            .iter()
+            .filter_map(|rod| Some(radius(*rod)?.radius))
+            .sum();
+        let overlapping = REACH / libm::sin(0.5 * angle);
+        let reach = sum * overlapping.clamp(PI, FARTHEST_REACH);
+        let (rods, arc_length) = if rods[0] <= rods[1] {
+            (rods, arc_length)
+        } else {
+            ([rods[1], rods[0]], [arc_length[1], arc_length[0]])
+        };
+        let joint = ContactJoint { arc_length, reach };
+        self.joints.entry(rods).or_default().push(joint);
+    }
+
+    /// Whether two edges are neighbours by way of a joint.
+    fn are_joined(&self, a: &ContactEdge, b: &ContactEdge) -> bool {
+        if self.joints.is_empty() {
+            return false;
+        }
+        let (a, b) = if a.rod <= b.rod { (a, b) } else { (b, a) };
+        let Some(joints) = self.joints.get(&[a.rod, b.rod]) else {
+            return false;
+        };
+        joints.iter().any(|joint| {
+            let [first, second] = joint.arc_length;
+            let way = |one: f64, other: f64| self.way_to(a, one) + self.way_to(b, other);
+            way(first, second) < joint.reach || a.rod == b.rod && way(second, first) < joint.reach
+        })
+    }
+
+    /// Arc length between the nearest end of an edge and a place along its rod, m; 0 within the edge.
+    fn way_to(&self, edge: &ContactEdge, place: f64) -> f64 {
+        let [start, end] = edge.arc_length;
+        let direct = (start - place).max(place - end).max(0.0);
+        match self.closed_lengths[edge.rod] {
+            Some(length) if direct > 0.0 => {
+                let around = if place > end {
+                    length - place + start
+                } else {
+                    length - end + place
+                };
+                direct.min(around)
+            }
+            _ => direct,
+        }
     }
 
     /// Adds an obstacle with its friction coefficient, after all rods.
@@ -278,7 +350,7 @@ impl ContactSurface {
 
     /// Whether two edges can touch at all.
     ///
-    /// They cannot where both are held, where they share a node, or where they are neighbours along one
+    /// They cannot where both are held, where they share a node, or where they are neighbours by way of a joint, or along one
     /// rod: nearest ends closer than πh along the rod. A rod bent as sharply as its own radius
     /// allows (curvature 1/h) turns back on itself within πh; nearer pairs are kept apart by the bending
     /// stiffness, and would otherwise push each other all the time where edges are short.
@@ -290,7 +362,7 @@ impl ContactSurface {
         if a.nodes.iter().any(|node| b.nodes.contains(node)) {
             return false;
         }
-        a.rod != b.rod || self.gap_along_rod(a, b) >= PI * a.radius
+        (a.rod != b.rod || self.gap_along_rod(a, b) >= PI * a.radius) && !self.are_joined(a, b)
     }
 
     /// Arc length between the nearest ends of two edges of one rod, m.
@@ -327,6 +399,28 @@ mod tests {
         assert!(!surface.may_touch(0, 4), "gap 3 < π");
         assert!(surface.may_touch(0, 5), "gap 4 > π");
         assert!(surface.may_touch(5, 0));
+    }
+
+    #[test]
+    fn rods_are_neighbours_through_their_joint() {
+        let mut surface = ContactSurface::new();
+        surface.add_rod(0, &line(21, 0.1), false, 0.05, false);
+        let across: Vec<Vector3> = line(11, 0.1)
+            .iter()
+            .map(|x| Vector3::new(1.0, x.x - 0.5, 0.0))
+            .collect();
+        surface.add_rod(21, &across, false, 0.05, false);
+        assert!(surface.may_touch(9, 24), "not yet joined");
+        surface.add_joint([1, 0], [0.5, 1.0], 0.5 * PI);
+        // The reach is π times the sum of the radii, 0.314.
+        assert!(!surface.may_touch(9, 24), "both at the joint");
+        assert!(!surface.may_touch(25, 12), "0.2 apart");
+        assert!(surface.may_touch(8, 28), "0.1 + 0.3 apart");
+        // At 20 degrees they overlap as far as 0.1/sin(10°), and half as much again.
+        let mut surface = surface.clone();
+        surface.add_joint([0, 1], [1.0, 0.5], 20f64.to_radians());
+        assert!(!surface.may_touch(8, 28));
+        assert!(surface.may_touch(4, 29), "0.5 + 0.4 apart");
     }
 
     #[test]

@@ -46,7 +46,7 @@ impl AcceptedStep<'_> {
 
     fn clamp_work(&self) -> f64 {
         let assembly = &self.system.assembly;
-        (0..self.before.len())
+        (0..STRIDE * assembly.rods.nodes)
             .filter(|&k| assembly.held[k] && !assembly.obstacle[k / STRIDE])
             .map(|k| self.system.residual[k] * (self.after[k] - self.before[k]))
             .sum()

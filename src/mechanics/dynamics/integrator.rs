@@ -318,6 +318,7 @@ impl Integrator {
         self.fluid.accept(stage, next_velocity);
         state.advance_to(goal, &trial.unknowns, next_velocity);
         system.accept();
+        system.begin_rotations_anew(&mut state.motions());
     }
 
     /// Returns to the last accepted state; the error says why the step failed.

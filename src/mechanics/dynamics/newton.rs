@@ -137,14 +137,14 @@ impl Newton {
             }
             self.start.copy_from_slice(unknowns);
             let before = Progress::of(system, &self.direction);
-            self.move_by(1.0, unknowns);
+            self.move_by(1.0, system, unknowns);
             let longest = if carries {
                 (FARTHEST_CARRIED * stopping.radius / largest_move(&self.direction)).min(1.0)
             } else {
                 system.largest_step(&self.start, unknowns)
             };
             if longest < 1.0 {
-                self.move_by(longest, unknowns);
+                self.move_by(longest, system, unknowns);
             }
             last_move = longest * largest_move(&self.direction);
             // The residual alone costs a quarter of the Jacobian, which the solution no longer needs.
@@ -182,10 +182,11 @@ impl Newton {
     }
 
     /// Writes start + length · direction.
-    fn move_by(&self, length: f64, unknowns: &mut [f64]) {
+    fn move_by(&self, length: f64, system: &mut System, unknowns: &mut [f64]) {
         for k in 0..unknowns.len() {
             unknowns[k] = self.start[k] + length * self.direction[k];
         }
+        system.complete(unknowns);
     }
 
     /// Approaches a root of d·R along the direction d by regula falsi (Matthies and Strang 1979), after the
@@ -217,7 +218,7 @@ impl Newton {
                 // The force has grown without changing its sign: no root within reach, take the step.
                 None => break,
             };
-            self.move_by(length, unknowns);
+            self.move_by(length, system, unknowns);
             system.evaluate(unknowns, Some(stage));
             let progress = Progress::of(system, &self.direction);
             if progress.suffices(before) {

@@ -84,7 +84,7 @@ impl Simulation {
     pub fn energies(&self) -> Energies {
         let elastic = self.system.elastic_energy();
         let assembly = &self.system.assembly;
-        let nodes = 0..assembly.rods.nodes;
+        let nodes = assembly.all_places();
         Energies {
             kinetic: assembly.kinetic_energy(&nodes, &self.state.velocity),
             stretching: elastic.stretching,
@@ -134,9 +134,12 @@ impl Simulation {
 
     /// Numbers of the unknowns that are not held: node k has x, y, z at 4k..4k+2, its edge's angle at 4k+3.
     pub fn free_unknowns(&self) -> Vec<usize> {
-        (0..self.state.unknowns.len())
-            .filter(|&k| !self.system.assembly.held[k])
-            .collect()
+        let assembly = &self.system.assembly;
+        let mut owned = assembly.held.clone();
+        for one in assembly.joints.shared() {
+            owned[one.unknown] = true;
+        }
+        (0..owned.len()).filter(|&k| !owned[k]).collect()
     }
 
     /// Momentum, kg m/s, and angular momentum about the origin, kg m²/s, of the motion of all nodes.
@@ -210,6 +213,7 @@ impl Simulation {
             contact: self.system.contact.as_ref().map(|contact| contact.memory()),
             fluid: self.integrator.fluid.memory(),
             strains: self.system.damping.memory(),
+            frames: self.system.frame_bases(),
         }
     }
 
@@ -239,6 +243,8 @@ impl Simulation {
             .restore(state.fluid)
             .map_err(foreign)?;
         let restored = self.system.damping.restore(state.strains);
+        restored.map_err(|what| foreign(what.to_owned()))?;
+        let restored = self.system.restore_frame_bases(&state.frames);
         restored.map_err(|what| foreign(what.to_owned()))?;
         self.state = State {
             time: state.time,

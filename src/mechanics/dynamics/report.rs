@@ -3,11 +3,11 @@
 use super::history::History;
 use super::step_control::StepControl;
 use super::validity_memory::ValidityMemory;
-use crate::mechanics::SceneError;
 use crate::mechanics::contact::{ContactMemory, Proximity};
 use crate::mechanics::fluid::FluidMemory;
 use crate::mechanics::rod::ReferenceFrames;
 use crate::mechanics::system::Interventions;
+use crate::mechanics::{SceneError, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 use std::ops::AddAssign;
 
@@ -36,6 +36,8 @@ pub struct SimulationState {
     pub fluid: Option<FluidMemory>,
     /// Strains of viscous rods at the last steps.
     pub strains: Vec<Vec<f64>>,
+    /// Rotations from which those of joints and bodies count.
+    pub frames: Vec<UnitQuaternion>,
 }
 
 /// What one accepted step did.

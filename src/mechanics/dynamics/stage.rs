@@ -358,6 +358,7 @@ impl Workspace {
                     trial[k] = state.unknowns[k] + part * (trial[k] - state.unknowns[k]);
                 }
             }
+            system.complete(trial);
             if system.largest_step(&state.unknowns, trial) >= 1.0 {
                 return Ok(());
             }

@@ -1,6 +1,6 @@
 //! The state of motion: what a step starts from, and all that it hands on.
 
-use super::history::History;
+use super::history::{History, LENGTH};
 
 /// Where all rods are and how they move.
 #[derive(Clone, Debug)]
@@ -33,6 +33,13 @@ impl State {
         self.time = time;
         self.unknowns.copy_from_slice(unknowns);
         self.velocity.copy_from_slice(velocity);
+    }
+
+    /// Unknowns and velocities now, and at the starts of the last steps.
+    pub fn motions(&mut self) -> [[&mut [f64]; 2]; 1 + LENGTH] {
+        let [a, b, c] = &mut self.history.steps;
+        let [a, b, c] = [a, b, c].map(|past| [&mut past.unknowns[..], &mut past.velocity[..]]);
+        [[&mut self.unknowns, &mut self.velocity], a, b, c]
     }
 
     /// A motion that begins here: the steps before say nothing about what follows.

@@ -119,6 +119,14 @@ pub enum VertexUnknowns {
         /// Index into [`ElasticRods::elements`].
         element: usize,
     },
+    /// One of its edges is a ghost that turns with a joint or a body: its unknowns, those of the real edge and the
+    /// rotation of the ghost, are those of element number `element` ([`super::turning_ghost`]).
+    Turning {
+        /// Index into [`ElasticRods::elements`].
+        element: usize,
+        /// Whether the ghost is the edge before.
+        ghost_first: bool,
+    },
 }
 
 /// All rods as elastic bodies.
@@ -130,10 +138,12 @@ pub struct ElasticRods {
     pub edges: Vec<Edge>,
     /// Vertices, those of ghost edges among them.
     pub vertices: Vec<Vertex>,
-    /// Unknowns of the vertices that close rings; they do not fit in the band.
+    /// Unknowns of the vertices that close rings, or turn with joints; they do not fit in the band.
     pub elements: Vec<Element>,
     /// Number of nodes of all rods.
     pub nodes: usize,
     /// Number of ghost edges; their indices follow those of the nodes.
     pub ghosts: usize,
+    /// Numbers among them of those that turn with joints and bodies.
+    pub turning_ghosts: Vec<usize>,
 }

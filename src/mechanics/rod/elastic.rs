@@ -6,6 +6,7 @@ use super::edge_lanes::{self, EdgeLanes, SymmetricLanes};
 use super::frame_lanes::{VectorLanes, every_lane, vector};
 use super::geometry::RodGeometry;
 use super::topology::{STRIDE, add_to_node};
+use super::turning_ghost::TurningGhost;
 use super::vertex_lanes::{self, GradientLanes, HessianLanes, VERTEX_UNKNOWNS, VertexLanes};
 use crate::linalg::BandedSymmetric;
 use crate::linalg::instruction_set::LANES;
@@ -79,7 +80,7 @@ impl ElasticRods {
         for (vertices, lanes) in self.vertex_batches(geometry) {
             vertex_lanes::gradients(geometry.set, lanes, &mut local);
             for (lane, vertex) in vertices.iter().enumerate() {
-                self.scatter_gradient(vertex, &local, lane, gradient);
+                self.scatter_gradient(vertex, geometry, &local, lane, gradient);
             }
         }
         let mut force = every_lane(Vector3::zeros());
@@ -105,10 +106,19 @@ impl ElasticRods {
         for (vertices, lanes) in self.vertex_batches(geometry) {
             vertex_lanes::derivatives(geometry.set, lanes, &mut local, &mut hessians);
             for (lane, vertex) in vertices.iter().enumerate() {
-                self.scatter_gradient(vertex, &local, lane, gradient);
+                self.scatter_gradient(vertex, geometry, &local, lane, gradient);
                 spin_moment[vertex.before] += local[3][lane];
                 spin_moment[vertex.after] += local[7][lane];
-                scatter_hessian(vertex, &hessians, lane, band, elements);
+                if let VertexUnknowns::Turning {
+                    element,
+                    ghost_first,
+                } = vertex.unknowns
+                {
+                    let ghost = self.ghost_of(vertex, geometry, ghost_first);
+                    ghost.add_hessian(&local, &hessians, lane, &mut elements[element]);
+                } else {
+                    scatter_hessian(vertex, &hessians, lane, band, elements);
+                }
             }
         }
         let (mut force, mut hessian) = (every_lane(Vector3::zeros()), [[0.0; LANES]; 6]);
@@ -141,9 +151,23 @@ impl ElasticRods {
         self.vertices.chunks(LANES).zip(&geometry.vertex_lanes)
     }
 
+    /// The ghost edge of a vertex that turns with a joint.
+    fn ghost_of(&self, vertex: &Vertex, geometry: &RodGeometry, is_first: bool) -> TurningGhost {
+        let edge = if is_first {
+            vertex.before
+        } else {
+            vertex.after
+        };
+        TurningGhost {
+            tangent: geometry.edges[edge].tangent,
+            is_first,
+        }
+    }
+
     fn scatter_gradient(
         &self,
         vertex: &Vertex,
+        geometry: &RodGeometry,
         local: &GradientLanes,
         lane: usize,
         gradient: &mut [f64],
@@ -167,6 +191,16 @@ impl ElasticRods {
                     if unknown != usize::MAX {
                         gradient[unknown] += local[lane];
                     }
+                }
+            }
+            VertexUnknowns::Turning {
+                element,
+                ghost_first,
+            } => {
+                let ghost = self.ghost_of(vertex, geometry, ghost_first);
+                let entries = ghost.gradient(local, lane);
+                for (&unknown, entry) in self.elements[element].iter().zip(entries) {
+                    gradient[unknown] += entry;
                 }
             }
         }
@@ -258,6 +292,7 @@ fn scatter_hessian(
                 }
             }
         }
+        VertexUnknowns::Turning { .. } => unreachable!("goes to its element by way of the ghost"),
     }
 }
 

@@ -99,6 +99,11 @@ impl RodGeometry {
                 holonomy: Vector3::zeros(),
             };
         }
+        for ghost in &rods.turning_ghosts {
+            // A unit vector, over which forces are derivatives of the energy.
+            let edge = &mut self.edges[rods.nodes + ghost];
+            (edge.length, edge.inverse_length) = (1.0, 1.0);
+        }
         self.update_vertices(rods, unknowns, reference);
     }
 

@@ -1,7 +1,8 @@
 //! The discrete elastic rod: topology, frames, strains, energies and their derivatives.
 //!
 //! [`vertex`] holds bending and twisting, [`edge`] stretching; [`ElasticRods`] adds them up over all rods
-//! into a gradient and a band matrix; `clamped_end` weighs vertices beside clamps. [`RodGeometry`] computes edges, frames and strains from the
+//! into a gradient and a band matrix; `clamped_end` weighs vertices beside clamps, `turning_ghost` lets the wall of a
+//! clamp turn, as joints and bodies do. [`RodGeometry`] computes edges, frames and strains from the
 //! unknowns. Both go through edges and vertices in lanes, several at a time (`frame_lanes`, `edge_lanes`,
 //! `vertex_lanes`), with the formulas written for one; `trigonometry` has sines and angles for that.
 //!
@@ -22,6 +23,7 @@ pub mod topology;
 pub mod transport;
 mod trigonometry;
 mod turning_angle;
+mod turning_ghost;
 pub mod vertex;
 mod vertex_hessian;
 mod vertex_lanes;
@@ -33,3 +35,4 @@ pub use holonomy::holonomy_jacobian;
 pub use placement::{Placement, PlacementError};
 pub use topology::{RodRange, STRIDE};
 pub use turning_angle::BendingStrain;
+pub use turning_ghost::{TURNING_ROTATION, TURNING_UNKNOWNS};

@@ -113,6 +113,16 @@ impl System {
                 }
             }
         }
+        // Of what joined rods leave at a joint the one sees what rounding leaves of the other's forces.
+        for &[node, owner] in &self.assembly.joints.points {
+            let rods = [node, owner].map(|node| self.assembly.locate(node).0);
+            let rounding = rods.map(|rod| tolerances[rod].rounding);
+            let rounding = rounding[0].max(rounding[1]);
+            for rod in rods {
+                tolerances[rod].rounding = rounding;
+                tolerances[rod].force = tolerances[rod].force.max(rounding);
+            }
+        }
         let least = tolerances
             .iter()
             .fold(f64::INFINITY, |least, rod| least.min(rod.force));
@@ -153,7 +163,30 @@ impl System {
                 };
             }
         }
+        for frame in &self.assembly.joints.frames {
+            let rod = self.assembly.locate(frame.node).0;
+            let size = self.residual_of_frame(frame.first_unknown, rod);
+            let ratio = size / self.tolerances[rod].force;
+            if ratio > worst.ratio || ratio.is_nan() {
+                worst = Imbalance {
+                    ratio,
+                    residual: size,
+                    unknown: STRIDE * frame.node,
+                };
+            }
+        }
         worst
+    }
+
+    /// Largest residual of the unknowns of a frame of a joint, N; the moment about a hinge is divided by the shortest edge.
+    fn residual_of_frame(&self, first: usize, rod: usize) -> f64 {
+        let own = &self.residual[first..first + STRIDE];
+        let per_length = 1.0 / self.assembly.scales[rod].shortest_edge;
+        let turning = own[..3].iter().fold(0.0, |most: f64, r| match r.is_nan() {
+            true => f64::NAN,
+            false => most.max(r.abs()),
+        });
+        turning + own[3].abs() * per_length
     }
 
     /// Largest residual of a free unknown of a rod, N, moments divided by `edge` (m), and its unknown.
@@ -194,7 +227,12 @@ impl System {
         let rods = self.assembly.rods.rods.iter().enumerate();
         let balanced = rods
             .filter(|(rod, _)| self.tolerances[*rod].force.is_finite())
-            .all(|(rod, range)| self.is_rod_balanced(rod, range, &acting, &in_contact));
+            .all(|(rod, range)| self.is_rod_balanced(rod, range, &acting, &in_contact))
+            && self.assembly.joints.frames.iter().all(|frame| {
+                let rod = self.assembly.locate(frame.node).0;
+                let rounding = self.tolerances[rod].rounding;
+                self.residual_of_frame(frame.first_unknown, rod) <= rounding
+            });
         self.corrected_residual = acting;
         self.in_contact = in_contact;
         balanced
@@ -292,6 +330,16 @@ impl System {
                     let value = if held[k] { 0.0 } else { weights[k] * values[k] };
                     sums[k] += value * value;
                 }
+            }
+        }
+        for frame in &self.assembly.joints.frames {
+            let rod = self.assembly.locate(frame.node).0;
+            let weight = self.tolerances[rod].weight;
+            let per_length = weight / self.assembly.scales[rod].shortest_edge;
+            let own = &residual[frame.first_unknown..frame.first_unknown + STRIDE];
+            for (k, sum) in sums.iter_mut().enumerate() {
+                let value = own[k] * if k == 3 { per_length } else { weight };
+                *sum += value * value;
             }
         }
         sums.iter().sum()

@@ -1,11 +1,12 @@
 //! From the description of a scene to numbered rods, masses, held unknowns and clamps that move.
 
 use super::clamps::{Drive, HeldEdge};
+use super::joints::{JointPlan, Joints};
 use super::shared_mass::ConsistentMasses;
 use crate::mechanics::rod::vertex::{VertexStiffness, VertexStrains};
 use crate::mechanics::rod::{
     BendingStrain, Edge, ElasticRods, GhostEdge, Placement, ReferenceFrames, RodRange, STRIDE,
-    Vertex, VertexUnknowns, VertexWeights,
+    TURNING_ROTATION, Vertex, VertexUnknowns, VertexWeights,
 };
 use crate::mechanics::scene::{Inertia, NaturalShape, RodDescription, Scene};
 use crate::mechanics::{RodError, SceneError, Vector3};
@@ -21,7 +22,7 @@ pub struct Assembly {
     pub obstacles: Vec<String>,
     /// Radius of each rod, m.
     pub radii: Vec<f64>,
-    /// Unknowns at time zero, 4 per node.
+    /// Unknowns at time zero, 4 per node, then those of the frames of joints and bodies.
     pub unknowns: Vec<f64>,
     /// Velocities at time zero, 4 per node.
     pub velocity: Vec<f64>,
@@ -40,6 +41,8 @@ pub struct Assembly {
     pub obstacle: Vec<bool>,
     /// Clamps that hold or drive nodes and ghost edges.
     pub drives: Vec<Drive>,
+    /// Nodes that are one point, and frames that turn.
+    pub joints: Joints,
     /// Scales of each rod.
     pub scales: Vec<RodScale>,
     /// Force scale EI/L² of the stiffest free rod, N; 1 N where every rod is held.
@@ -89,6 +92,8 @@ impl Assembly {
             return Err(SceneError::NoRods);
         }
         let nodes = scene.rods.iter().map(|rod| rod.centreline.len()).sum();
+        let plan = JointPlan::new(scene)?;
+        let places = nodes + plan.places();
         let mut assembly = Self {
             rods: ElasticRods {
                 nodes,
@@ -99,17 +104,18 @@ impl Assembly {
                 .map(|obstacle| obstacle.name.clone())
                 .collect(),
             radii: Vec::new(),
-            unknowns: vec![0.0; STRIDE * nodes],
-            velocity: vec![0.0; STRIDE * nodes],
+            unknowns: vec![0.0; STRIDE * places],
+            velocity: vec![0.0; STRIDE * places],
             reference: ReferenceFrames {
                 tangent: vec![Vector3::x(); nodes],
                 director: vec![Vector3::y(); nodes],
                 twist: Vec::new(),
             },
             ghosts: Vec::new(),
-            masses: vec![0.0; STRIDE * nodes],
+            masses: vec![0.0; STRIDE * places],
             consistent: ConsistentMasses::default(),
-            held: vec![false; STRIDE * nodes],
+            held: vec![false; STRIDE * places],
+            joints: plan.with_unknowns(nodes),
             obstacle: vec![false; nodes],
             drives: Vec::new(),
             scales: Vec::new(),
@@ -121,7 +127,7 @@ impl Assembly {
         let mut first_node = 0;
         for (index, rod) in scene.rods.iter().enumerate() {
             assembly
-                .add_rod(index, rod, first_node, scene)
+                .add_rod(index, rod, first_node, scene, &plan)
                 .map_err(|reason| SceneError::Rod {
                     name: rod.name.clone(),
                     reason,
@@ -129,6 +135,7 @@ impl Assembly {
             first_node += rod.centreline.len();
         }
         assembly.consistent.share(&assembly.rods);
+        assembly.join(scene, &plan)?;
         if assembly.force_scale == 0.0 {
             assembly.force_scale = 1.0;
             assembly.shortest_edge = 1.0;
@@ -142,6 +149,7 @@ impl Assembly {
         rod: &RodDescription,
         first_node: usize,
         scene: &Scene,
+        plan: &JointPlan,
     ) -> Result<(), RodError> {
         let least = if rod.closed { 3 } else { 2 };
         if rod.centreline.len() < least {
@@ -184,8 +192,11 @@ impl Assembly {
             &placed,
             natural_placement.as_ref(),
             &natural_lengths,
+            plan,
         )?;
-        if rod.inertia == Inertia::Consistent && !rod.held {
+        // Weights beside clamps are those of walls that stand still.
+        let turns = (0..range.nodes).any(|node| plan.frame_at(index, node).is_some());
+        if rod.inertia == Inertia::Consistent && !rod.held && !turns {
             self.rods.refine(first_vertex);
             self.consistent.add_rod(range, rod);
         }
@@ -259,6 +270,7 @@ impl Assembly {
         placed: &Placement,
         natural_placement: Option<&Placement>,
         natural_lengths: &[f64],
+        plan: &JointPlan,
     ) -> Result<(), RodError> {
         let mut drive_of_node = vec![None; range.nodes];
         for clamp in scene.clamps.iter().filter(|clamp| clamp.rod == index) {
@@ -350,6 +362,42 @@ impl Assembly {
                         unknowns,
                     });
                 }
+            } else if let Some(frame) = plan.frame_at(index, k) {
+                // The same at a wall that turns.
+                for (edge, ghost_first) in [(before, false), (after, true)] {
+                    let Some(edge) = edge else { continue };
+                    let voronoi = 0.5 * natural_lengths[edge];
+                    let placed_strains = placed.ghost_strains(k, edge, ghost_first);
+                    let of_shape = |shape: &Placement| shape.ghost_strains(k, edge, ghost_first);
+                    let real = range.first_node + edge;
+                    let ghost = self.rods.nodes
+                        + self.add_turning_ghost(
+                            frame,
+                            placed.frame_at_node(k),
+                            [real, range.end_of(real)],
+                            natural_lengths[edge],
+                        );
+                    let angle = placed.angles[edge];
+                    let (before, after, change) = if ghost_first {
+                        (ghost, real, angle)
+                    } else {
+                        (real, ghost, -angle)
+                    };
+                    self.reference.twist.push(placed_strains.twist - change);
+                    self.rods.vertices.push(Vertex {
+                        before,
+                        after,
+                        natural: natural(placed_strains, &of_shape, voronoi),
+                        stiffness: stiffness(rod, voronoi),
+                        strain: BendingStrain::default(),
+                        weights: VertexWeights::default(),
+                        joint_twist: 0.0,
+                        unknowns: VertexUnknowns::Turning {
+                            element: self.rods.elements.len() - 1,
+                            ghost_first,
+                        },
+                    });
+                }
             } else if let (Some(before), Some(after)) = (before, after) {
                 let voronoi = 0.5 * (natural_lengths[before] + natural_lengths[after]);
                 let placed_strains = placed.strains(before, after);
@@ -378,6 +426,34 @@ impl Assembly {
             }
         }
         Ok(())
+    }
+
+    /// Adds a ghost edge that turns with a frame beside the edge between two nodes, and the element of its half vertex;
+    /// returns its number.
+    fn add_turning_ghost(
+        &mut self,
+        frame: usize,
+        placed: GhostEdge,
+        [start, end]: [usize; 2],
+        length: f64,
+    ) -> usize {
+        let ghost = self.rods.ghosts;
+        self.rods.ghosts += 1;
+        self.rods.turning_ghosts.push(ghost);
+        self.ghosts.push(placed);
+        let frame = &mut self.joints.frames[frame];
+        frame.ghosts.push((ghost, placed));
+        frame.elements.push(self.rods.elements.len());
+        frame.length = frame.length.min(length);
+        let mut element = [usize::MAX; 12];
+        for axis in 0..3 {
+            element[axis] = STRIDE * start + axis;
+            element[STRIDE + axis] = STRIDE * end + axis;
+            element[TURNING_ROTATION + axis] = frame.first_unknown + axis;
+        }
+        element[3] = STRIDE * start + 3;
+        self.rods.elements.push(element);
+        ghost
     }
 
     /// Where the local unknowns `from..to` of the vertex at node `k` of a rod are.

@@ -86,6 +86,11 @@ impl System {
         {
             return refuse("a clamp holds it");
         }
+        if !self.assembly.joints.frames.is_empty() {
+            return refuse(
+                "joints or bodies of the scene turn, beside which nothing can be grasped",
+            );
+        }
         let neighbours = self.neighbours(node);
         if grasp.frame
             && let Err(why) = self.may_hold_frame(&neighbours, node)

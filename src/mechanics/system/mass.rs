@@ -123,7 +123,7 @@ impl Assembly {
         }
     }
 
-    /// The mass matrix of all unknowns.
+    /// The mass matrix of all unknowns, with frames and bodies as placed: unknowns that others own have none of their own.
     pub fn mass_matrix(&self) -> DMatrix<f64> {
         let mut matrix = DMatrix::from_diagonal(&self.masses.clone().into());
         for (nodes, shared) in self.consistent.pairs() {
@@ -135,7 +135,13 @@ impl Assembly {
                 matrix[(second, first)] += shared[k];
             }
         }
+        self.joints.gather_masses(&self.unknowns, &mut matrix);
         matrix
+    }
+
+    /// All nodes, and the places of frames and of the tips of bodies after them.
+    pub fn all_places(&self) -> Range<usize> {
+        0..self.unknowns.len() / STRIDE
     }
 
     /// Kinetic energy of some of the nodes, of whole rods, J.
@@ -161,9 +167,12 @@ impl Assembly {
     /// Momentum, kg m/s, and angular momentum about the origin, kg m²/s, of the motion of all nodes.
     pub fn momenta(&self, unknowns: &[f64], velocity: &[f64]) -> [Vector3; 2] {
         let [mut momentum, mut angular] = [Vector3::zeros(); 2];
-        for node in 0..self.rods.nodes {
+        for node in self.all_places() {
             let own = position(velocity, node) * self.masses[STRIDE * node];
-            momentum += own;
+            // The tips of bodies move about their centres.
+            if node < self.rods.nodes {
+                momentum += own;
+            }
             angular += position(unknowns, node).cross(&own);
         }
         for (pair, shared) in self.consistent.pairs() {

@@ -22,6 +22,7 @@ mod contact_stiffness;
 mod damping;
 mod events;
 mod grasp;
+mod joints;
 mod loads;
 mod mass;
 mod newton_matrix;
@@ -44,6 +45,7 @@ pub use complementarity::NoContactForces;
 use damping::Damping;
 pub use events::Event;
 pub use grasp::{Grasp, Interventions};
+pub use joints::{check_joints, joint_unknowns};
 use loads::Loads;
 use newton_matrix::NewtonMatrix;
 use obstacles::MovingObstacle;
@@ -93,6 +95,14 @@ pub struct Divergence {
     /// Its unknown.
     pub unknown: usize,
 }
+
+const NO_RIGID_CONTACT: SceneError = SceneError::Unsuitable(
+    "contact by complementarity knows no joints: choose the model `imc` or `ipc`",
+);
+
+const NO_START: SceneError = SceneError::Unsuitable(
+    "a scene with rigid joints, hinges or bodies with inertia cannot start from the end of another run, which does not tell how they are turned",
+);
 
 /// Models, state of the frames, and scratch of one scene.
 pub struct System {
@@ -151,7 +161,16 @@ impl System {
     pub fn new(scene: &Scene) -> Result<Self, SceneError> {
         let mut assembly = Assembly::new(scene)?;
         if let Some(start) = &scene.start {
+            if !assembly.joints.frames.is_empty() {
+                return Err(NO_START);
+            }
             assembly.begin_at(start)?;
+        }
+        if let Some(contact) = scene.contact
+            && contact.is_complementarity()
+            && !assembly.joints.is_empty()
+        {
+            return Err(NO_RIGID_CONTACT);
         }
         let loads = Loads::new(&scene.loads, &assembly)?;
         let actuators = Actuators::new(&scene.actuations, &assembly)?;
@@ -230,6 +249,7 @@ impl System {
         for drive in &mut self.assembly.drives {
             drive.turn_edges(time, committed, &self.reference, unknowns);
         }
+        self.assembly.joints.complete(unknowns);
         self.place_obstacles(time);
         self.loads.dead_forces(time, &mut self.dead_forces);
         self.loads.update_damping(time);
@@ -240,6 +260,7 @@ impl System {
 
     /// Computes frames and strains at `unknowns`.
     pub fn update_geometry(&mut self, unknowns: &[f64]) {
+        (self.assembly.joints).turn_ghosts(unknowns, &mut self.ghosts);
         self.geometry
             .update(&self.assembly.rods, unknowns, &self.reference, &self.ghosts);
     }
@@ -250,6 +271,7 @@ impl System {
         self.committed_time = self.time;
         self.commit_obstacles();
         self.assembly.drives.iter_mut().for_each(Drive::commit);
+        self.assembly.joints.commit();
         self.ghosts.iter_mut().for_each(|ghost| ghost.spin = 0.0);
     }
 
@@ -306,6 +328,7 @@ impl System {
             contact.evaluate_forces(&self.positions, previous, step);
             subtract_contact_forces(contact, &mut self.residual);
         }
+        self.gather_at_joints(unknowns);
     }
 
     /// Evaluates residual and Jacobian at `unknowns`.
@@ -331,6 +354,8 @@ impl System {
             subtract_contact_forces(contact, &mut self.residual);
             self.matrix.add_contact(contact);
         }
+        self.gather_at_joints(unknowns);
+        self.matrix.turn_frames(&self.assembly, unknowns, stage);
         self.matrix.hold(&self.assembly.held);
     }
 
@@ -397,7 +422,9 @@ impl System {
                 -self.corrected_residual[k]
             };
         }
-        self.matrix.solve(direction)
+        self.matrix.solve(direction)?;
+        self.assembly.joints.spread(direction);
+        Ok(())
     }
 
     /// Whether the Jacobian of an equilibrium is the Hessian of an energy.
@@ -410,12 +437,15 @@ impl System {
     /// # Errors
     /// A system that is singular to working precision.
     pub fn solve(&mut self, right_hand_side: &mut [f64]) -> Result<(), SingularMatrix> {
+        self.assembly.joints.gather(right_hand_side);
         for (entry, held) in right_hand_side.iter_mut().zip(&self.assembly.held) {
             if *held {
                 *entry = 0.0;
             }
         }
-        self.matrix.solve(right_hand_side)
+        self.matrix.solve(right_hand_side)?;
+        self.assembly.joints.spread(right_hand_side);
+        Ok(())
     }
 
     /// Writes the residual with the contact forces of the linearised laws.
@@ -438,6 +468,7 @@ impl System {
                 self.corrected_residual[STRIDE * touch.node + axis] -= correction[axis];
             }
         }
+        self.assembly.joints.gather(&mut self.corrected_residual);
     }
 
     /// Lets Newton's method carry contact forces along, those of the last step at first.

@@ -4,8 +4,8 @@
 use super::loads::Loads;
 use super::{Assembly, Stage};
 use crate::linalg::{
-    BandedFactor, BandedSymmetric, CoupledSystem, Element, ElementMatrix, Inertia, SingularMatrix,
-    UNUSED,
+    BandedFactor, BandedSymmetric, CoupledSystem, Element, ElementMatrix, Inertia, SharedUnknown,
+    SingularMatrix, UNUSED,
 };
 use crate::mechanics::contact::{CandidatePair, ConstraintPlace, ContactSystem};
 use crate::mechanics::rod::{ElasticRods, ReferenceFrames, RodGeometry, STRIDE};
@@ -15,7 +15,7 @@ const ZERO: ElementMatrix = [[0.0; 12]; 12];
 
 /// The Jacobian and its factors; storage is reused, patterns are kept as long as the contact candidates.
 ///
-/// Elements are numbered: closing vertices of rings, moments, contact candidates of two rods, with obstacles one per edge, then
+/// Elements are numbered: closing vertices of rings and half vertices at joints, moments, contact candidates of two rods, with obstacles one per edge, then
 /// (with friction on planes or obstacles, or rigid contact) one per node. Rods that couple nowhere are factored as a band;
 /// contact with planes and obstacles alone couples nothing new.
 pub struct NewtonMatrix {
@@ -23,6 +23,8 @@ pub struct NewtonMatrix {
     factor: BandedFactor,
     coupled: Option<CoupledSystem>,
     held: Vec<bool>,
+    /// Positions of joined nodes that others own.
+    shared: Vec<SharedUnknown>,
     symmetric: bool,
     /// Whether the symmetric elimination has failed with this pattern.
     lost_symmetry: bool,
@@ -54,13 +56,14 @@ impl NewtonMatrix {
         lists_nodes: bool,
     ) -> Self {
         let dimension = assembly.unknowns.len();
-        let mut permanent = assembly.rods.elements.clone();
+        let mut permanent = assembly.joints.elements(&assembly.rods.elements);
         permanent.extend(loads.moments.iter().map(|moment| moment.unknowns()));
         Self {
             band: BandedSymmetric::new(dimension),
             factor: BandedFactor::new(dimension),
             coupled: None,
             held: assembly.held.clone(),
+            shared: assembly.joints.shared(),
             lost_symmetry: false,
             symmetric: loads.moments.is_empty() && !friction && !friction_on_planes,
             permanent_matrices: vec![ZERO; permanent.len()],
@@ -101,6 +104,14 @@ impl NewtonMatrix {
             closing,
             &mut self.spin_moment,
         );
+    }
+
+    /// Makes what half vertices at joints have added derivatives over the unknowns, with the inertia of bodies.
+    pub fn turn_frames(&mut self, assembly: &Assembly, unknowns: &[f64], stage: Option<&Stage>) {
+        let per_square = stage.map(|stage| 1.0 / (stage.step * stage.acceleration_step));
+        let elements = &mut self.permanent_matrices[..self.closing];
+        let joints = &assembly.joints;
+        joints.transform(unknowns, per_square, &assembly.masses, elements);
     }
 
     /// Adds (M/hₐ + C + D)/h.
@@ -218,7 +229,8 @@ impl NewtonMatrix {
     /// Makes room for the contacts of all candidates in a pattern yet to be found, where something couples: to be called
     /// before [`Self::factor`], also by who adds contacts later.
     pub fn expect_contacts(&mut self, contact: &ContactSystem) {
-        let couples = !self.active.is_empty() || !self.permanent.is_empty();
+        let couples =
+            !self.active.is_empty() || !self.permanent.is_empty() || !self.shared.is_empty();
         if couples {
             self.update_elements(contact);
         }
@@ -338,7 +350,8 @@ impl NewtonMatrix {
     }
 
     pub fn factor(&mut self) -> Result<Option<Inertia>, SingularMatrix> {
-        self.uses_band = self.permanent.is_empty() && self.active.is_empty();
+        self.uses_band =
+            self.permanent.is_empty() && self.active.is_empty() && self.shared.is_empty();
         if self.uses_band {
             return self.factor.factor(&self.band).map(Some);
         }
@@ -351,6 +364,7 @@ impl NewtonMatrix {
                     self.held.len(),
                     &elements,
                     &self.held,
+                    &self.shared,
                     self.symmetric && !self.lost_symmetry,
                 ))
             }
@@ -387,7 +401,20 @@ impl NewtonMatrix {
 
     pub fn to_dense(&self) -> nalgebra::DMatrix<f64> {
         let n = self.band.dimension();
-        let mut dense = nalgebra::DMatrix::from_fn(n, n, |i, j| self.band.get(i, j));
+        let mut owners: Vec<usize> = (0..n).collect();
+        for one in &self.shared {
+            owners[one.unknown] = one.owner;
+        }
+        let gone = |k: usize| self.held[k] || owners[k] != k;
+        let mut dense = nalgebra::DMatrix::zeros(n, n);
+        for i in 0..n {
+            for j in 0..n {
+                let (a, b) = (owners[i], owners[j]);
+                if !self.held[a] && !self.held[b] {
+                    dense[(a, b)] += self.band.get(i, j);
+                }
+            }
+        }
         let closing = self.permanent.iter().zip(&self.permanent_matrices);
         let contacts = self.active.iter().filter_map(|(index, matrix)| {
             self.contact_elements
@@ -398,11 +425,18 @@ impl NewtonMatrix {
             for i in 0..12 {
                 for j in 0..12 {
                     let (a, b) = (element[i], element[j]);
-                    if a != UNUSED && b != UNUSED && !self.held[a] && !self.held[b] {
+                    if a == UNUSED || b == UNUSED {
+                        continue;
+                    }
+                    let (a, b) = (owners[a], owners[b]);
+                    if !self.held[a] && !self.held[b] {
                         dense[(a, b)] += matrix[i][j];
                     }
                 }
             }
+        }
+        for k in (0..n).filter(|&k| gone(k)) {
+            dense[(k, k)] = 1.0;
         }
         dense
     }

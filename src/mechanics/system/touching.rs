@@ -28,6 +28,7 @@ pub(super) fn contact_of(
             rod.held,
         );
     }
+    join(&mut surface, scene, assembly);
     for obstacle in &scene.obstacles {
         let friction = obstacle.friction.unwrap_or(parameters.friction);
         surface.add_obstacle(obstacle.body.clone(), friction);
@@ -69,6 +70,44 @@ pub(super) fn contact_of(
     }
     contact.update_candidates(&positions);
     Ok(Some(contact))
+}
+
+/// Lets contact know where rods are joined, and at which angle.
+fn join(surface: &mut ContactSurface, scene: &Scene, assembly: &Assembly) {
+    let points = &assembly.joints.points;
+    for (index, &[node, owner]) in points.iter().enumerate() {
+        let earlier = points[..index].iter().filter(|point| point[1] == owner);
+        for other in earlier.map(|point| point[0]).chain([owner]) {
+            let places = [node, other].map(|node| {
+                let (rod, along) = assembly.locate(node);
+                let nodes = &scene.rods[rod].centreline;
+                let arc = nodes[..=along]
+                    .windows(2)
+                    .map(|ends| (ends[1] - ends[0]).norm());
+                (rod, arc.sum::<f64>(), directions(nodes, along))
+            });
+            let [(first, one, from), (second, another, to)] = places;
+            let cosines = from.iter().flat_map(|a| to.iter().map(|b| a.dot(b)));
+            let steepest = cosines.fold(-1.0, f64::max);
+            surface.add_joint(
+                [first, second],
+                [one, another],
+                libm::acos(steepest.min(1.0)),
+            );
+        }
+    }
+}
+
+/// Unit vectors from a node to its neighbours along a rod.
+fn directions(nodes: &[Vector3], node: usize) -> Vec<Vector3> {
+    let neighbours = [node.checked_sub(1), Some(node + 1)];
+    let there = neighbours
+        .into_iter()
+        .flatten()
+        .filter_map(|other| nodes.get(other));
+    there
+        .map(|other| (other - nodes[node]).normalize())
+        .collect()
 }
 
 impl System {

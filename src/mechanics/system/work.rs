@@ -54,6 +54,7 @@ impl System {
         let mut gradient = std::mem::take(&mut self.corrected_residual);
         gradient.fill(0.0);
         (self.assembly.rods).add_gradient(&self.geometry, &mut gradient);
+        (self.assembly.joints).gather_moments(unknowns, &mut gradient);
         // What is prescribed is where the step ends from its start: it is moved by others.
         let start = self.at_start(unknowns, stage);
         let (mut work, mut change) = (0.0, vec![0.0; start.len()]);
@@ -66,7 +67,7 @@ impl System {
         self.update_geometry(&start);
         let before = self.elastic_energy().total();
         self.update_geometry(unknowns);
-        let nodes = 0..self.positions.len();
+        let nodes = self.assembly.all_places();
         let lost = self.assembly.kinetic_energy(&nodes, &change);
         let made = work + after - before - lost;
         let energy = self.kinetic_energy_at_start(stage) + after;

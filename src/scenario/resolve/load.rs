@@ -140,7 +140,8 @@ pub fn planes(top: &Section<'_>, typed: &[typed::Plane]) -> Vec<Plane> {
         .collect()
 }
 
-fn rod(section: &Section<'_>, typed: &Option<String>) -> String {
+/// The rod that the key `rod` names.
+pub fn rod(section: &Section<'_>, typed: &Option<String>) -> String {
     section
         .needed("rod", typed.clone(), "the name of a rod")
         .unwrap_or_default()

@@ -4,9 +4,11 @@ mod actuation;
 mod columns;
 mod continuation;
 mod experiment;
+mod joint;
 mod load;
 mod model;
 mod movement;
+mod network;
 mod obstacle;
 mod polyline;
 mod poses;
@@ -74,7 +76,10 @@ pub fn resolve(
     if kind.is_none() {
         top.missing("experiment", context.experiments.as_str());
     }
-    let rods = rod::rods(context, &top, file, kind.map(|kind| kind.name()));
+    let mut rods = rod::rods(context, &top, file, kind.map(|kind| kind.name()));
+    let material = rod::CommonMaterial::of(&top, file);
+    let networks = network::networks(context, &top, &file.networks, &material);
+    rods.extend(networks.rods);
     let smallest_radius = rods
         .iter()
         .map(|rod| rod.radius)
@@ -108,8 +113,14 @@ pub fn resolve(
     }
     continuation::refuse_friction(&top, &time, contact.friction(), &planes, &obstacles);
     continuation::refuse_without_energy(&top, &time, &fluid, &loads);
-    let clamps = load::clamps(context, &top, &file.clamps);
+    let mut clamps = load::clamps(context, &top, &file.clamps);
     model::refuse_static_motion(&top, &time, &clamps, &loads, &obstacles);
+    network::refuse_static_motion(&top, &file.networks, &time);
+    clamps.extend(networks.clamps);
+    let mut joints = joint::joints(&top, &file.joints);
+    joints.extend(networks.joints);
+    let bodies = joint::bodies(&top, &file.bodies);
+    model::refuse_turning_midpoint(&top, &joints, &bodies, &time);
     let scenario = experiment.map(|experiment| Scenario {
         name: context.name.to_owned(),
         title: file
@@ -118,6 +129,8 @@ pub fn resolve(
             .unwrap_or_else(|| context.name.to_owned()),
         experiment,
         clamps,
+        joints,
+        bodies,
         loads,
         actuation,
         planes,

@@ -5,7 +5,8 @@ use super::section::{
     DISPLACEMENT_TOLERANCE, FINITE, FORCE_TOLERANCE, FRACTION, NON_NEGATIVE, POSITIVE, Section,
 };
 use crate::scenario::resolved::{
-    Clamp, Contact, Fluid, Load, Obstacle, Output, Rod, Scheme, Solver, Step, Time,
+    Body, Clamp, Contact, Fluid, Joint, JointKind, Load, Obstacle, Output, Rod, Scheme, Solver,
+    Step, Time,
 };
 use crate::scenario::typed::{self, ScenarioFile};
 
@@ -256,6 +257,25 @@ pub fn refuse_viscous_midpoint(top: &Section<'_>, rods: &[Rod], time: &Time) {
         top.below("time").fault(
             "scheme",
             "\"implicit-midpoint\" does not fit rods with a viscosity; allowed with them: \"implicit-euler\" and \"backward-differences\"",
+        );
+    }
+}
+
+/// Refuses frames that turn with a scheme that goes on from the middle of each step: a rotation there is none at its end.
+pub fn refuse_turning_midpoint(top: &Section<'_>, joints: &[Joint], bodies: &[Body], time: &Time) {
+    let midpoint = matches!(
+        time,
+        Time::Dynamic {
+            scheme: Scheme::ImplicitMidpoint,
+            ..
+        }
+    );
+    let turns = joints.iter().any(|joint| joint.kind != JointKind::Ball)
+        || bodies.iter().any(|body| body.inertia.is_some());
+    if midpoint && turns {
+        top.below("time").fault(
+            "scheme",
+            "\"implicit-midpoint\" does not fit rigid joints, hinges and bodies with inertia; allowed with them: \"implicit-euler\" and \"backward-differences\"",
         );
     }
 }

@@ -8,7 +8,7 @@ use crate::scenario::resolved::{
 use crate::scenario::typed::{self, ScenarioFile};
 
 /// More edges than any machine could step; a slip of the fingers.
-const MOST_EDGES: usize = 1_000_000;
+pub const MOST_EDGES: usize = 1_000_000;
 
 /// Resolves all rods, those of a general `scene` or such as stand beside what another experiment builds.
 pub fn rods(
@@ -18,10 +18,7 @@ pub fn rods(
     experiment: Option<&str>,
 ) -> Vec<Rod> {
     let vibrates = experiment == Some("scene") && !model::touches(file) && !model::flows(file);
-    let common = CommonMaterial {
-        section: top.below("material"),
-        typed: file.material.as_ref(),
-    };
+    let common = CommonMaterial::of(top, file);
     let section = top.below("rods");
     let rods: Vec<Rod> = file
         .rods
@@ -63,17 +60,6 @@ fn rod(
     common: &CommonMaterial<'_>,
     vibrates: bool,
 ) -> Rod {
-    let material = own_material(&section.below("material"), &typed.material, common);
-    let cross_section = cross_section(&section.below("cross_section"), typed);
-    let radius = match cross_section {
-        CrossSection::Circle => section.required("radius", &typed.radius, POSITIVE),
-        CrossSection::Rectangle { width, thickness } => section.with_default(
-            "radius",
-            &typed.radius,
-            POSITIVE,
-            width.min(thickness) / 2.0,
-        ),
-    };
     let shape = typed.shape.as_ref().map_or_else(
         || {
             section.missing(
@@ -85,22 +71,63 @@ fn rod(
         |typed| shape::shape(context, &section.below("shape"), typed),
     );
     let closed = closed(section, typed.closed, &shape);
+    let member = Member {
+        name: name(section, typed.name.as_deref(), index),
+        edges: edges(section, typed.edges, &shape, closed),
+        shape,
+    };
+    let rod = self::member(context, section, typed, common, member);
+    let gains = vibrates && is_straight(&rod.natural_shape, &rod.shape);
+    Rod {
+        closed,
+        inertia: inertia(typed.inertia, gains),
+        ..rod
+    }
+}
+
+/// One of several rods of the same kind.
+pub struct Member {
+    /// Its name.
+    pub name: String,
+    /// Number of edges.
+    pub edges: usize,
+    /// Where it lies.
+    pub shape: Shape,
+}
+
+/// Resolves a rod, open and with lumped inertia, whose name, edges and shape are known.
+pub fn member(
+    context: &Context<'_>,
+    section: &Section<'_>,
+    typed: &typed::Rod,
+    common: &CommonMaterial<'_>,
+    member: Member,
+) -> Rod {
+    let material = own_material(&section.below("material"), &typed.material, common);
+    let cross_section = cross_section(&section.below("cross_section"), typed);
+    let radius = match cross_section {
+        CrossSection::Circle => section.required("radius", &typed.radius, POSITIVE),
+        CrossSection::Rectangle { width, thickness } => section.with_default(
+            "radius",
+            &typed.radius,
+            POSITIVE,
+            width.min(thickness) / 2.0,
+        ),
+    };
     let stiffness = stiffness(
         &section.below("stiffness"),
         &typed.stiffness,
         cross_section.stiffness(radius, &material),
     );
     refuse_degenerate(section, &stiffness);
-    let natural_shape = natural_shape(context, section, typed);
-    let gains = vibrates && is_straight(&natural_shape, &shape);
     Rod {
-        name: name(section, typed.name.as_deref(), index),
+        name: member.name,
         radius,
-        edges: edges(section, typed.edges, &shape, closed),
-        closed,
+        edges: member.edges,
+        closed: false,
         held: typed.held.unwrap_or(false),
-        inertia: inertia(typed.inertia, gains),
-        natural_shape,
+        inertia: Inertia::Lumped,
+        natural_shape: natural_shape(context, section, typed),
         twist: section.with_default("twist", &typed.twist, FINITE, 0.0),
         director: section.direction("director", &typed.director),
         stiffness,
@@ -112,7 +139,7 @@ fn rod(
         angular_velocity: section
             .vector("angular_velocity", &typed.angular_velocity)
             .unwrap_or_default(),
-        shape,
+        shape: member.shape,
     }
 }
 
@@ -136,7 +163,8 @@ fn is_straight(natural: &NaturalShape, placed: &Shape) -> bool {
     }
 }
 
-fn name(section: &Section<'_>, typed: Option<&str>, index: usize) -> String {
+/// The name of a rod, or of what makes rods.
+pub fn name(section: &Section<'_>, typed: Option<&str>, index: usize) -> String {
     let Some(name) = typed else {
         return format!("rod_{}", index + 1);
     };
@@ -153,9 +181,19 @@ fn name(section: &Section<'_>, typed: Option<&str>, index: usize) -> String {
 }
 
 /// The material that holds for all rods, and where it stands.
-struct CommonMaterial<'a> {
+pub struct CommonMaterial<'a> {
     section: Section<'a>,
     typed: Option<&'a typed::Material>,
+}
+
+impl<'a> CommonMaterial<'a> {
+    /// That of a file.
+    pub fn of(top: &Section<'a>, file: &'a ScenarioFile) -> Self {
+        Self {
+            section: top.below("material"),
+            typed: file.material.as_ref(),
+        }
+    }
 }
 
 /// Resolves a rod's material from its own keys, else from those that hold for all.

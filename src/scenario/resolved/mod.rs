@@ -6,6 +6,7 @@
 mod actuation;
 mod continuation;
 mod experiment;
+mod joint;
 mod load;
 mod model;
 mod movement;
@@ -18,6 +19,7 @@ mod start;
 pub use actuation::{Actuation, ActuationKind, Course};
 pub use continuation::{Continuation, PathMethod};
 pub use experiment::{BuilderRod, Experiment};
+pub use joint::{Body, HeldEnds, Joint, JointKind, NetworkJoint};
 pub use load::{Clamp, Hold, Load, LoadKind, Place, Plane};
 pub use model::{Contact, Fluid};
 pub use movement::{Movement, Pose};
@@ -48,6 +50,12 @@ pub struct Scenario {
     /// Held or driven nodes.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub clamps: Vec<Clamp>,
+    /// Nodes that are joined.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub joints: Vec<Joint>,
+    /// Masses and rigid bodies that rods carry.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub bodies: Vec<Body>,
     /// External loads.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub loads: Vec<Load>,

@@ -5,6 +5,7 @@
 
 mod actuation;
 mod continuation;
+mod joint;
 mod kinds;
 mod load;
 mod model;
@@ -18,6 +19,7 @@ mod sweep;
 
 pub use actuation::Actuation;
 pub use continuation::Continuation;
+pub use joint::{Body, BodyShape, Boundary, Joint, Network, NetworkShape};
 pub use load::{Clamp, Load, Place, Plane, Pose};
 pub use model::{
     BuilderRod, Contact, ContactModel, Fluid, FluidModel, Mode, Output, SchemeChoice, Solver, Time,
@@ -58,6 +60,15 @@ pub struct ScenarioFile {
     /// Held or driven nodes.
     #[serde(default)]
     pub clamps: Vec<Clamp>,
+    /// Rods that are joined at one point.
+    #[serde(default)]
+    pub joints: Vec<Joint>,
+    /// Masses and rigid bodies that rods carry.
+    #[serde(default)]
+    pub bodies: Vec<Body>,
+    /// Nets, gridshells, trees: many rods joined at their crossings.
+    #[serde(default)]
+    pub networks: Vec<Network>,
     /// External loads.
     #[serde(default)]
     pub loads: Vec<Load>,

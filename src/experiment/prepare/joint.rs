@@ -1,0 +1,80 @@
+//! Joints and bodies, placed in the scene.
+
+use super::place::{find_place, find_rod};
+use crate::mechanics::scene::{Body, Joint, JointKind, RodDescription, RodNode, Scene};
+use crate::mechanics::system::check_joints;
+use crate::mechanics::{JointError, SceneError, Vector3};
+use crate::scenario::{self, Issue, KeyPath};
+
+/// The joint of a scenario between these rods.
+///
+/// # Errors
+/// Rods and nodes that do not exist.
+pub(super) fn place_joint(
+    joint: &scenario::Joint,
+    rods: &[RodDescription],
+    path: &KeyPath,
+) -> Result<Joint, Issue> {
+    let node = |k: usize| -> Result<RodNode, Issue> {
+        let rod = find_rod(&joint.rods[k], rods, &path.key("rods").index(k))?;
+        let count = rods[rod].centreline.len();
+        let at = path.key("at").index(k);
+        let node = find_place(joint.at[k], count, "node", &rods[rod], &at)?;
+        Ok(RodNode { rod, node })
+    };
+    Ok(Joint {
+        name: joint.name.clone(),
+        nodes: [node(0)?, node(1)?],
+        kind: match joint.kind {
+            scenario::JointKind::Ball => JointKind::Ball,
+            scenario::JointKind::Rigid => JointKind::Rigid,
+            scenario::JointKind::Hinge { axis } => JointKind::Hinge {
+                axis: Vector3::from(axis),
+            },
+        },
+    })
+}
+
+/// The body of a scenario at one of these rods.
+///
+/// # Errors
+/// A rod or node that does not exist.
+pub(super) fn place_body(
+    body: &scenario::Body,
+    rods: &[RodDescription],
+    path: &KeyPath,
+) -> Result<Body, Issue> {
+    let rod = find_rod(&body.rod, rods, &path.key("rod"))?;
+    let count = rods[rod].centreline.len();
+    let node = find_place(body.at, count, "node", &rods[rod], &path.key("at"))?;
+    Ok(Body {
+        name: body.name.clone(),
+        at: RodNode { rod, node },
+        mass: body.mass,
+        inertia: body.inertia,
+    })
+}
+
+/// Whether the joints and bodies of a scene can be; those that the file lists are named by their keys.
+///
+/// # Errors
+/// What is wrong with one of them.
+pub(super) fn judge_joints(scene: &Scene, scenario: &scenario::Scenario) -> Result<(), Issue> {
+    let Err(SceneError::Joint { name, reason }) = check_joints(scene) else {
+        return Ok(());
+    };
+    let of_joint = scenario.joints.iter().position(|joint| joint.name == name);
+    let of_body = scenario.bodies.iter().position(|body| body.name == name);
+    let path = match (of_joint, of_body) {
+        (Some(index), _) => KeyPath::from("joints").index(index),
+        (None, Some(index)) => KeyPath::from("bodies").index(index),
+        _ => KeyPath::from("joints"),
+    };
+    let key = match reason {
+        JointError::Apart { .. } | JointError::SameNode | JointError::NoSuchNode { .. } => {
+            path.key("at")
+        }
+        _ => path,
+    };
+    Err(Issue::new(key, format!("`{name}` {reason}")))
+}

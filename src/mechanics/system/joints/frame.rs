@@ -1,0 +1,101 @@
+//! A frame that turns with a joint or body: rods are clamped to it.
+//!
+//! Its rotation is R = exp([φ]×) B with a rotation vector φ and a rotation B that stays for many steps; the unknowns are the
+//! components of ℓφ, with a length ℓ that makes them as large as the moves of nodes. Moments T, seen from outside, are
+//! Jᵀ(φ) T/ℓ over them ([`crate::mechanics::rotation`]). The frame of a hinge turns by an angle α more, R' = R exp(α [a]×).
+//!
+//! A body of the moments of inertia I₁, I₂, I₃ moves like three masses mₖ = ½ (I₁ + I₂ + I₃ − 2 Iₖ)/ℓ² at the tips of its
+//! principal axes, pₖ = ℓ R eₖ, seen from its centre: ½ Σ mₖ ṗₖ² is its energy of rotation. The tips have a place among the
+//! unknowns, so that time schemes know their past; they are no unknowns themselves, but follow from φ.
+
+use crate::mechanics::rod::topology::position;
+use crate::mechanics::rod::{GhostEdge, STRIDE};
+use crate::mechanics::{Matrix3, UnitQuaternion, Vector3, rotation};
+
+/// Turn of a frame from which on its rotation vector begins anew, rad: far from a whole turn, where J is singular.
+const LARGEST_TURN: f64 = 1.0;
+
+/// A frame and what is clamped to it.
+#[derive(Clone, Debug)]
+pub struct TurningFrame {
+    /// First of its unknowns: ℓφ, and the angle of a hinge (rad) after them. Of the frame of a hinge only that is free.
+    pub first_unknown: usize,
+    /// ℓ, m.
+    pub length: f64,
+    /// B.
+    pub base: UnitQuaternion,
+    /// Rotation when the reference frames were committed.
+    pub committed: UnitQuaternion,
+    /// Number of the frame that a hinge ties it to, and the axis a of the hinge as placed.
+    pub hinge: Option<(usize, Vector3)>,
+    /// First unknown of the tips of the principal axes, which are `axes` as placed.
+    pub body: Option<(usize, [Vector3; 3])>,
+    /// Ghost edges that turn with it, as placed.
+    pub ghosts: Vec<(usize, GhostEdge)>,
+    /// Elements of the half vertices of these.
+    pub elements: Vec<usize>,
+    /// The element of its own unknowns.
+    pub element: usize,
+    /// A node of the scene at which a rod is clamped to it, by whose forces it is judged.
+    pub node: usize,
+}
+
+impl TurningFrame {
+    /// A frame as placed, with nothing clamped to it.
+    pub fn new(first_unknown: usize, hinge: Option<(usize, Vector3)>) -> Self {
+        Self {
+            first_unknown,
+            length: f64::INFINITY,
+            base: UnitQuaternion::identity(),
+            committed: UnitQuaternion::identity(),
+            hinge,
+            body: None,
+            ghosts: Vec::new(),
+            elements: Vec::new(),
+            element: 0,
+            node: 0,
+        }
+    }
+
+    /// φ.
+    pub fn rotation_vector(&self, unknowns: &[f64]) -> Vector3 {
+        position(unknowns, self.first_unknown / STRIDE) / self.length
+    }
+
+    /// Angle of the hinge, rad.
+    pub fn hinge_angle(&self, unknowns: &[f64]) -> f64 {
+        unknowns[self.first_unknown + 3]
+    }
+
+    /// Where the tips of the principal axes of a body are, seen from its centre, m.
+    pub fn tips(&self, rotation: &UnitQuaternion) -> Option<(usize, [Vector3; 3])> {
+        let (first, axes) = self.body?;
+        Some((first, axes.map(|axis| rotation * axis * self.length)))
+    }
+
+    /// Lets the rotation vector begin anew from the present rotation, where it has become long; the change of chart is
+    /// exact for the present `motion` (unknowns and velocities) and for earlier ones.
+    pub fn begin_anew(&mut self, motions: &mut [[&mut [f64]; 2]]) {
+        let Some([unknowns, _]) = motions.first() else {
+            return;
+        };
+        let now = self.rotation_vector(unknowns);
+        if now.norm() < LARGEST_TURN {
+            return;
+        }
+        let back = rotation::from_vector(now).inverse();
+        for [unknowns, velocity] in motions {
+            let old = self.rotation_vector(unknowns);
+            let rate = position(velocity, self.first_unknown / STRIDE);
+            let spin = rotation::left_jacobian(&old) * rate;
+            let new = rotation::to_vector(&(rotation::from_vector(old) * back));
+            let inverse = rotation::left_jacobian(&new).try_inverse();
+            let rate = inverse.unwrap_or_else(Matrix3::identity) * spin;
+            for axis in 0..3 {
+                unknowns[self.first_unknown + axis] = self.length * new[axis];
+                velocity[self.first_unknown + axis] = rate[axis];
+            }
+        }
+        self.base = back.inverse() * self.base;
+    }
+}

@@ -1,0 +1,250 @@
+//! Which nodes are one point, and which frames turn together: found from the description of a scene before its rods are
+//! numbered.
+
+use super::Joints;
+use super::frame::TurningFrame;
+use crate::mechanics::rod::STRIDE;
+use crate::mechanics::scene::{JointKind, RodNode, Scene};
+use crate::mechanics::{JointError, SceneError, Vector3};
+use std::collections::BTreeMap;
+
+/// Farthest that the nodes of a joint may be apart, over the shorter of the edges there.
+const SAME_POINT: f64 = 1e-6;
+
+/// A frame that turns freely, with rods clamped to it.
+#[derive(Clone, Debug, Default)]
+pub(in crate::mechanics::system) struct PlannedFrame {
+    /// Nodes at which rods are clamped to it.
+    pub nodes: Vec<RodNode>,
+    /// The frame to which a hinge ties it, and the axis of the hinge as placed.
+    pub hinge: Option<(usize, Vector3)>,
+    /// Principal moments of inertia of the body, kg m²; zero without one.
+    pub inertia: Option<[f64; 3]>,
+}
+
+/// Whether the joints and bodies of a scene can be, as far as that does not depend on its clamps.
+///
+/// # Errors
+/// [`SceneError::Joint`].
+pub fn check_joints(scene: &Scene) -> Result<(), SceneError> {
+    JointPlan::new(scene).map(drop)
+}
+
+/// Unknowns that the joints of a scene take from those of its rods, and that their frames add; none where they cannot be.
+pub fn joint_unknowns(scene: &Scene) -> [usize; 2] {
+    let Ok(plan) = JointPlan::new(scene) else {
+        return [0; 2];
+    };
+    let taken = plan.points.iter().map(|point| 3 * (point.len() - 1));
+    let added = plan.frames.iter().map(|frame| match frame.hinge {
+        Some(_) => 1,
+        None => 3,
+    });
+    [taken.sum(), added.sum()]
+}
+
+impl PlannedFrame {
+    fn places(&self) -> usize {
+        if self.inertia.is_some() { 4 } else { 1 }
+    }
+}
+
+/// Joints and bodies of a scene.
+#[derive(Clone, Debug, Default)]
+pub(in crate::mechanics::system) struct JointPlan {
+    /// Nodes that are one point.
+    pub points: Vec<Vec<RodNode>>,
+    /// Frames; those that hinges tie come after those that they are tied to.
+    pub frames: Vec<PlannedFrame>,
+    frame_of: BTreeMap<RodNode, usize>,
+}
+
+impl JointPlan {
+    /// # Errors
+    /// [`SceneError::Joint`] where nodes are missing or apart, or joints hold the same motion twice.
+    pub fn new(scene: &Scene) -> Result<Self, SceneError> {
+        let mut points = Groups::default();
+        let mut rigid = Groups::default();
+        let mut hinges: Vec<(String, [RodNode; 2], Vector3)> = Vec::new();
+        for joint in &scene.joints {
+            let wrong = |reason| SceneError::Joint {
+                name: joint.name.clone(),
+                reason,
+            };
+            check_places(scene, &joint.nodes).map_err(wrong)?;
+            points.join(joint.nodes);
+            match joint.kind {
+                JointKind::Ball => {}
+                JointKind::Rigid => {
+                    if rigid.are_joined(joint.nodes) {
+                        return Err(wrong(JointError::Twice));
+                    }
+                    rigid.join(joint.nodes);
+                }
+                JointKind::Hinge { axis } => hinges.push((joint.name.clone(), joint.nodes, axis)),
+            }
+        }
+        for (_, nodes, _) in &hinges {
+            nodes.iter().for_each(|node| rigid.add(*node));
+        }
+        for body in scene.bodies.iter().filter(|body| body.inertia.is_some()) {
+            rigid.add(body.at);
+        }
+        let mut plan = Self {
+            points: points.into_groups(),
+            ..Self::default()
+        };
+        plan.add_frames(rigid.into_groups(), hinges)?;
+        for body in &scene.bodies {
+            if let Some(inertia) = body.inertia {
+                let frame = plan.frame_of[&body.at];
+                if plan.frames[frame].inertia.replace(inertia).is_some() {
+                    return Err(SceneError::Joint {
+                        name: body.name.clone(),
+                        reason: JointError::TwoBodies,
+                    });
+                }
+            }
+        }
+        Ok(plan)
+    }
+
+    /// The frames of groups of nodes: of those that hinges tie together, the one with the most hinges bears the others.
+    fn add_frames(
+        &mut self,
+        mut groups: Vec<Vec<RodNode>>,
+        mut hinges: Vec<(String, [RodNode; 2], Vector3)>,
+    ) -> Result<(), SceneError> {
+        let count = |group: &Vec<RodNode>| {
+            let ends = hinges.iter().flat_map(|(_, nodes, _)| nodes);
+            ends.filter(|node| group.contains(node)).count()
+        };
+        groups.sort_by_key(|group| std::cmp::Reverse(count(group)));
+        while !groups.is_empty() {
+            let base = self.frames.len();
+            self.add_frame(groups.remove(0), None);
+            while let Some(next) = (hinges.iter()).position(|(_, nodes, _)| {
+                (nodes.iter()).any(|node| self.frame_of.get(node) == Some(&base))
+            }) {
+                let (name, mut nodes, mut axis) = hinges.remove(next);
+                if self.frame_of.get(&nodes[0]) != Some(&base) {
+                    nodes.swap(0, 1);
+                    axis = -axis;
+                }
+                let Some(tied) = groups.iter().position(|group| group.contains(&nodes[1])) else {
+                    let reason = JointError::Twice;
+                    return Err(SceneError::Joint { name, reason });
+                };
+                self.add_frame(groups.remove(tied), Some((base, axis)));
+            }
+        }
+        match hinges.into_iter().next() {
+            None => Ok(()),
+            Some((name, ..)) => Err(SceneError::Joint {
+                name,
+                reason: JointError::HingeOnHinge,
+            }),
+        }
+    }
+
+    fn add_frame(&mut self, nodes: Vec<RodNode>, hinge: Option<(usize, Vector3)>) {
+        for node in &nodes {
+            self.frame_of.insert(*node, self.frames.len());
+        }
+        self.frames.push(PlannedFrame {
+            nodes,
+            hinge,
+            inertia: None,
+        });
+    }
+
+    /// Places of four unknowns that the frames need: one for the rotation, three for the tips of a body.
+    pub fn places(&self) -> usize {
+        self.frames.iter().map(PlannedFrame::places).sum()
+    }
+
+    /// The frames with their unknowns after those of `nodes` nodes; rods are yet to be clamped to them.
+    pub fn with_unknowns(&self, nodes: usize) -> Joints {
+        let mut place = nodes;
+        let frames = self.frames.iter().map(|frame| {
+            let first_unknown = STRIDE * place;
+            place += frame.places();
+            TurningFrame::new(first_unknown, frame.hinge)
+        });
+        Joints::new(Vec::new(), frames.collect())
+    }
+
+    /// The frame to which a rod is clamped at a node.
+    pub fn frame_at(&self, rod: usize, node: usize) -> Option<usize> {
+        self.frame_of.get(&RodNode { rod, node }).copied()
+    }
+}
+
+/// Whether the nodes of a joint exist, are two, and lie at one point.
+fn check_places(scene: &Scene, nodes: &[RodNode; 2]) -> Result<(), JointError> {
+    if nodes[0] == nodes[1] {
+        return Err(JointError::SameNode);
+    }
+    let mut places = [Vector3::zeros(); 2];
+    let mut edge = f64::INFINITY;
+    for (place, at) in places.iter_mut().zip(nodes) {
+        let points = scene
+            .rods
+            .get(at.rod)
+            .map_or(&[][..], |rod| &rod.centreline);
+        let Some(point) = points.get(at.node) else {
+            return Err(JointError::NoSuchNode {
+                node: at.node,
+                nodes: points.len(),
+            });
+        };
+        *place = *point;
+        let lengths = points.windows(2).map(|ends| (ends[1] - ends[0]).norm());
+        edge = lengths.fold(edge, f64::min);
+    }
+    let distance = (places[1] - places[0]).norm();
+    if distance > SAME_POINT * edge {
+        return Err(JointError::Apart { distance });
+    }
+    Ok(())
+}
+
+/// Sets of nodes that grow together.
+#[derive(Default)]
+struct Groups {
+    parent: BTreeMap<RodNode, RodNode>,
+}
+
+impl Groups {
+    fn add(&mut self, node: RodNode) {
+        self.parent.entry(node).or_insert(node);
+    }
+
+    fn root(&self, node: RodNode) -> RodNode {
+        let mut node = node;
+        while let Some(parent) = self.parent.get(&node).filter(|parent| **parent != node) {
+            node = *parent;
+        }
+        node
+    }
+
+    fn are_joined(&self, [a, b]: [RodNode; 2]) -> bool {
+        self.root(a) == self.root(b)
+    }
+
+    fn join(&mut self, [a, b]: [RodNode; 2]) {
+        self.add(a);
+        self.add(b);
+        let (a, b) = (self.root(a), self.root(b));
+        self.parent.insert(a.max(b), a.min(b));
+    }
+
+    /// The sets, each in the order of its nodes, in that of their first ones.
+    fn into_groups(self) -> Vec<Vec<RodNode>> {
+        let mut groups: BTreeMap<RodNode, Vec<RodNode>> = BTreeMap::new();
+        for node in self.parent.keys() {
+            groups.entry(self.root(*node)).or_default().push(*node);
+        }
+        groups.into_values().collect()
+    }
+}

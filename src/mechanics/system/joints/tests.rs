@@ -1,0 +1,307 @@
+//! Residual and Jacobian of joined rods against finite differences, and the plan of joints.
+
+use super::*;
+use crate::mechanics::scene::{
+    Body, Clamp, Joint, JointKind, Motion, NaturalShape, RodDescription, RodNode, Scene, Stiffness,
+};
+use crate::mechanics::system::{Stage, copy_positions};
+use crate::mechanics::{JointError, SceneError};
+
+fn rod(name: &str, from: Vector3, to: Vector3, edges: usize) -> RodDescription {
+    let stiffness = Stiffness {
+        stretching: 30.0,
+        bending: [0.02, 0.05],
+        twisting: 0.03,
+    };
+    let node = |k: usize| from + (to - from) * (k as f64 / edges as f64);
+    RodDescription {
+        natural_shape: NaturalShape::Curved {
+            curvature: [1.0, -2.0],
+            twist: 0.5,
+        },
+        twist: 0.3,
+        rotational_inertia_per_length: 0.01,
+        ..RodDescription::uniform(name, (0..=edges).map(node).collect(), stiffness, 0.01, 0.8)
+    }
+}
+
+fn at(rod: usize, node: usize) -> RodNode {
+    RodNode { rod, node }
+}
+
+fn joint(name: &str, nodes: [RodNode; 2], kind: JointKind) -> Joint {
+    Joint {
+        name: name.into(),
+        nodes,
+        kind,
+    }
+}
+
+/// A star of five rods about the origin: the first two welded, the third in a hinge with a body, the fourth through the
+/// origin with its middle welded, too, the fifth in a ball joint; a sixth hangs by a ball joint at the first one's end.
+fn star() -> Scene {
+    let origin = Vector3::zeros();
+    let [a, b, c, d, e, f] = [
+        [1.0, 0.1, 0.0],
+        [-0.4, 0.9, 0.1],
+        [-0.5, -0.8, 0.3],
+        [0.1, 0.2, 0.9],
+        [0.5, -0.6, -0.4],
+        [1.5, 0.1, 0.4],
+    ]
+    .map(Vector3::from);
+    Scene {
+        rods: vec![
+            rod("first", origin, a, 3),
+            rod("second", b, origin, 3),
+            rod("hinged", origin, c, 3),
+            rod("through", -d, d, 4),
+            rod("hanging", origin, e, 2),
+            rod("last", a, f, 2),
+        ],
+        joints: vec![
+            joint("weld", [at(0, 0), at(1, 3)], JointKind::Rigid),
+            joint(
+                "hinge",
+                [at(2, 0), at(1, 3)],
+                JointKind::Hinge {
+                    axis: Vector3::new(0.6, 0.0, 0.8),
+                },
+            ),
+            joint("cross", [at(3, 2), at(0, 0)], JointKind::Rigid),
+            joint("ball", [at(4, 0), at(0, 0)], JointKind::Ball),
+            joint("end", [at(5, 0), at(0, 3)], JointKind::Ball),
+        ],
+        bodies: vec![
+            body("disk", at(2, 0), Some([0.02, 0.03, 0.04])),
+            body("hub", at(1, 3), Some([0.05, 0.03, 0.04])),
+            body("payload", at(5, 2), None),
+            body("flag", at(4, 2), Some([0.01, 0.02, 0.025])),
+        ],
+        clamps: vec![Clamp {
+            rod: 1,
+            node: 0,
+            holds_position: true,
+            holds_frame: true,
+            motion: Motion::default(),
+        }],
+        ..Scene::default()
+    }
+}
+
+fn body(name: &str, at: RodNode, inertia: Option<[f64; 3]>) -> Body {
+    Body {
+        name: name.into(),
+        at,
+        mass: 0.3,
+        inertia,
+    }
+}
+
+/// The unknowns that Newton's method moves.
+fn own(system: &System) -> Vec<usize> {
+    let shared = system.assembly.joints.shared();
+    let is_shared = |k: usize| shared.iter().any(|one| one.unknown == k);
+    let held = &system.assembly.held;
+    (0..held.len())
+        .filter(|&k| !held[k] && !is_shared(k))
+        .collect()
+}
+
+fn perturbed(system: &mut System, size: f64) -> Vec<f64> {
+    let mut unknowns = system.assembly.unknowns.clone();
+    for k in own(system) {
+        unknowns[k] += size * ((1.7 * k as f64).sin() + (0.3 * (k * k) as f64).cos());
+    }
+    system.complete(&mut unknowns);
+    unknowns
+}
+
+fn moved(system: &mut System, unknowns: &[f64], unknown: usize, by: f64) -> Vec<f64> {
+    let mut moved = unknowns.to_vec();
+    moved[unknown] += by;
+    system.complete(&mut moved);
+    moved
+}
+
+#[test]
+fn the_residual_of_joined_rods_is_the_gradient_of_their_energy() {
+    let mut system = System::new(&star()).unwrap();
+    for size in [0.0, 0.02, 0.2] {
+        let unknowns = perturbed(&mut system, size);
+        system.evaluate(&unknowns, None);
+        let residual = system.residual.clone();
+        let scale = residual.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
+        let step = 1e-5;
+        for k in own(&system) {
+            let mut energy_at = |by: f64| {
+                let moved = moved(&mut system, &unknowns, k, by);
+                system.update_geometry(&moved);
+                system.elastic_energy().total()
+            };
+            let slope = (8.0 * (energy_at(step) - energy_at(-step)) - energy_at(2.0 * step)
+                + energy_at(-2.0 * step))
+                / (12.0 * step);
+            assert!(
+                (slope - residual[k]).abs() < 1e-8 * scale,
+                "{size}, unknown {k}: {slope} against {}",
+                residual[k]
+            );
+        }
+    }
+}
+
+fn stage_at(system: &System) -> Stage {
+    let start = system.assembly.unknowns.clone();
+    let mut positions = vec![Vector3::zeros(); system.assembly.rods.nodes];
+    copy_positions(&start, &mut positions);
+    Stage {
+        step: 0.05,
+        acceleration_step: 0.06,
+        velocity: start.iter().map(|q| (3.0 * q).sin()).collect(),
+        start,
+        drag: Vec::new(),
+        drag_velocity: Vec::new(),
+        resistance: Vec::new(),
+        positions,
+    }
+}
+
+#[test]
+fn the_jacobian_of_joined_rods_and_bodies_is_exact_and_symmetric() {
+    let mut system = System::new(&star()).unwrap();
+    let stage = stage_at(&system);
+    for (size, stage) in [
+        (0.0, None),
+        (0.2, None),
+        (0.0, Some(&stage)),
+        (0.2, Some(&stage)),
+    ] {
+        let unknowns = perturbed(&mut system, size);
+        system.linearize(&unknowns, stage);
+        let jacobian = system.dense_matrix();
+        let scale = jacobian.amax();
+        assert!(
+            (&jacobian - jacobian.transpose()).amax() < 1e-12 * scale,
+            "{size}"
+        );
+        let step = 1e-6;
+        for column in own(&system) {
+            let mut difference = vec![0.0; unknowns.len()];
+            for sign in [1.0, -1.0] {
+                let moved = moved(&mut system, &unknowns, column, sign * step);
+                system.evaluate(&moved, stage);
+                for (entry, residual) in difference.iter_mut().zip(&system.residual) {
+                    *entry += sign * residual / (2.0 * step);
+                }
+            }
+            for row in own(&system) {
+                let error = (difference[row] - jacobian[(row, column)]).abs();
+                assert!(error < 1e-8 * scale, "{size}, {row}, {column}: {error:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn newton_solves_what_the_dense_matrix_says() {
+    let mut system = System::new(&star()).unwrap();
+    let stage = stage_at(&system);
+    let unknowns = perturbed(&mut system, 0.05);
+    system.linearize(&unknowns, Some(&stage));
+    let jacobian = system.dense_matrix();
+    let inertia = system.factor().unwrap().expect("symmetric");
+    assert_eq!(inertia.negative, 0);
+    let mut direction = vec![0.0; unknowns.len()];
+    system.direction(&mut direction).unwrap();
+    let product = &jacobian * nalgebra::DVector::from_row_slice(&direction);
+    for k in own(&system) {
+        assert!((product[k] + system.residual[k]).abs() < 1e-9 * jacobian.amax());
+    }
+    for [node, owner] in &system.assembly.joints.points {
+        let moves = [node, owner].map(|node| &direction[STRIDE * node..STRIDE * node + 3]);
+        assert_eq!(moves[0], moves[1]);
+    }
+}
+
+#[test]
+fn rotations_that_begin_anew_are_the_same() {
+    let mut system = System::new(&star()).unwrap();
+    let mut unknowns = perturbed(&mut system, 0.0);
+    let frame = system.assembly.joints.frames[0].clone();
+    for (axis, turn) in [0.9, -0.7, 0.5].into_iter().enumerate() {
+        unknowns[frame.first_unknown + axis] = turn * frame.length;
+    }
+    let mut velocity = vec![0.0; unknowns.len()];
+    velocity[frame.first_unknown] = 0.3 * frame.length;
+    let turned = |system: &mut System, unknowns: &[f64]| {
+        system.update_geometry(unknowns);
+        system
+            .ghosts
+            .iter()
+            .map(|ghost| ghost.tangent)
+            .collect::<Vec<_>>()
+    };
+    let later = |unknowns: &[f64], velocity: &[f64]| {
+        let moved = unknowns.iter().zip(velocity).map(|(q, v)| q + 1e-6 * v);
+        moved.collect::<Vec<_>>()
+    };
+    let before = turned(&mut system, &unknowns);
+    let soon = turned(&mut system, &later(&unknowns, &velocity));
+    system.begin_rotations_anew(&mut [[&mut unknowns, &mut velocity]]);
+    assert!(unknowns[frame.first_unknown].abs() < 1e-15);
+    let after = turned(&mut system, &unknowns);
+    let soon_after = turned(&mut system, &later(&unknowns, &velocity));
+    for (one, other) in before
+        .iter()
+        .zip(&after)
+        .chain(soon.iter().zip(&soon_after))
+    {
+        assert!((one - other).norm() < 1e-12);
+    }
+}
+
+#[test]
+fn joints_that_cannot_be_are_named() {
+    let refused = |change: &dyn Fn(&mut Scene)| {
+        let mut scene = star();
+        change(&mut scene);
+        match System::new(&scene).err() {
+            Some(SceneError::Joint { name, reason }) => (name, reason),
+            other => panic!("{other:?}"),
+        }
+    };
+    let (name, reason) = refused(&|scene| scene.joints[3].nodes[0] = at(4, 1));
+    assert_eq!(name, "ball");
+    assert!(matches!(reason, JointError::Apart { distance } if (distance - 0.4387).abs() < 1e-3));
+    let again = joint("again", [at(0, 0), at(3, 2)], JointKind::Rigid);
+    let (name, reason) = refused(&|scene| scene.joints.push(again.clone()));
+    assert_eq!((name.as_str(), reason), ("again", JointError::Twice));
+    let (_, reason) = refused(&|scene| scene.joints[4].nodes = [at(5, 0), at(0, 9)]);
+    assert_eq!(reason, JointError::NoSuchNode { node: 9, nodes: 4 });
+    let (_, reason) = refused(&|scene| {
+        scene.clamps.push(Clamp {
+            rod: 0,
+            node: 0,
+            ..scene.clamps[0].clone()
+        });
+    });
+    assert_eq!(
+        reason,
+        JointError::ClampedFrame {
+            rod: "first".into()
+        }
+    );
+    let (_, reason) = refused(&|scene| {
+        for rod in [0, 4] {
+            scene.clamps.push(Clamp {
+                rod,
+                node: 0,
+                holds_frame: false,
+                ..scene.clamps[0].clone()
+            });
+        }
+    });
+    let (first, second) = ("first".into(), "hanging".into());
+    assert_eq!(reason, JointError::TwoClamps { first, second });
+}

@@ -1,0 +1,137 @@
+//! Resolving joints and bodies.
+
+use super::load::{place, rod};
+use super::section::{NON_NEGATIVE, POSITIVE, Section};
+use crate::scenario::resolved::{Body, Joint, JointKind, Place};
+use crate::scenario::typed;
+
+/// Resolves all joints.
+pub fn joints(top: &Section<'_>, typed: &[typed::Joint]) -> Vec<Joint> {
+    let section = top.below("joints");
+    typed
+        .iter()
+        .enumerate()
+        .filter_map(|(index, typed)| joint(&section.below(&index.to_string()), typed, index))
+        .collect()
+}
+
+fn joint(section: &Section<'_>, typed: &typed::Joint, index: usize) -> Option<Joint> {
+    let (name, rods, at, kind) = match typed {
+        typed::Joint::Ball { name, rods, at } => (name, rods, at, JointKind::Ball),
+        typed::Joint::Rigid { name, rods, at } => (name, rods, at, JointKind::Rigid),
+        typed::Joint::Hinge {
+            name,
+            rods,
+            at,
+            axis,
+        } => {
+            let axis = section.required_direction("axis", axis);
+            (name, rods, at, JointKind::Hinge { axis })
+        }
+    };
+    let rods = section.needed(
+        "rods",
+        rods.clone(),
+        "the names of two rods, such as [\"mast\", \"boom\"]",
+    );
+    let at = section.needed(
+        "at",
+        *at,
+        "a node of each rod, such as [\"end\", \"start\"]",
+    );
+    let (rods, at) = (rods?, at?);
+    let below = section.below("at");
+    let node = |k: usize| match at[k] {
+        typed::Place::Start => Place::Start,
+        typed::Place::End => Place::End,
+        typed::Place::Number(number) => match usize::try_from(number) {
+            Ok(number) => Place::Number(number),
+            Err(_) => {
+                let message = format!("{number} is out of range; allowed: 0 and up");
+                below.fault(&k.to_string(), message);
+                Place::Start
+            }
+        },
+    };
+    Some(Joint {
+        name: name.clone().unwrap_or_else(|| format!("joint {index}")),
+        at: [node(0), node(1)],
+        rods,
+        kind,
+    })
+}
+
+/// Resolves all bodies.
+pub fn bodies(top: &Section<'_>, typed: &[typed::Body]) -> Vec<Body> {
+    let section = top.below("bodies");
+    typed
+        .iter()
+        .enumerate()
+        .map(|(index, typed)| body(&section.below(&index.to_string()), typed, index))
+        .collect()
+}
+
+fn body(section: &Section<'_>, typed: &typed::Body, index: usize) -> Body {
+    let mass = section.required("mass", &typed.mass, POSITIVE);
+    if typed.shape.is_some() && typed.inertia.is_some() {
+        section.fault("inertia", "give `shape` or `inertia`, not both");
+    }
+    let of_shape = typed
+        .shape
+        .as_ref()
+        .map(|shape| of_shape(section, shape, mass));
+    let given = typed.inertia.as_ref().map(|moments| {
+        let below = section.below("inertia");
+        let given: [f64; 3] =
+            std::array::from_fn(|k| below.number(&k.to_string(), &moments[k], NON_NEGATIVE));
+        let sum: f64 = given.iter().sum();
+        if let Some(k) = given
+            .iter()
+            .position(|moment| *moment > 0.5 * sum * (1.0 + 1e-9))
+        {
+            let message = format!(
+                "{:?} kg m² is more than the other two together, {:?} kg m²: no body is like that",
+                given[k],
+                sum - given[k]
+            );
+            below.fault(&k.to_string(), message);
+        }
+        given
+    });
+    let name = typed.name.clone();
+    Body {
+        name: name.unwrap_or_else(|| format!("body {index}")),
+        rod: rod(section, &typed.rod),
+        at: place(section, typed.at),
+        mass,
+        inertia: of_shape.or(given),
+    }
+}
+
+/// Principal moments of inertia of a uniform body, kg m².
+fn of_shape(section: &Section<'_>, shape: &typed::BodyShape, mass: f64) -> [f64; 3] {
+    let section = section.below("shape");
+    match shape {
+        typed::BodyShape::Sphere { radius } => {
+            let radius = section.required("radius", radius, POSITIVE);
+            [0.4 * mass * radius * radius; 3]
+        }
+        typed::BodyShape::Disk { radius, thickness } => {
+            let radius = section.required("radius", radius, POSITIVE);
+            let thickness = section.with_default("thickness", thickness, NON_NEGATIVE, 0.0);
+            let across = mass * (0.25 * radius * radius + thickness * thickness / 12.0);
+            [across, across, 0.5 * mass * radius * radius]
+        }
+        typed::BodyShape::Box { size } => {
+            let size = section.required_vector("size", size);
+            for (axis, side) in size.iter().enumerate() {
+                if *side < 0.0 {
+                    let message = format!("{side:?} is out of range; allowed: 0 and up");
+                    section.below("size").fault(&axis.to_string(), message);
+                }
+            }
+            let squares: f64 = size.iter().map(|side| side * side).sum();
+            size.map(|side| mass * (squares - side * side) / 12.0)
+        }
+    }
+}

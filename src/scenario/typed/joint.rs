@@ -1,0 +1,145 @@
+//! Joints, bodies and networks as typed.
+
+use super::load::Place;
+use super::quantity::{Quantity, Vector};
+use super::rod::Rod;
+use crate::scenario::resolved::{Hold, NetworkJoint};
+use crate::scenario::units::{Dimensionless, Length, Mass, MomentOfInertia, Time};
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// Two nodes, of one rod or of two, that are one point from time zero on. Where three rods meet, two joints share a node.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(tag = "kind", deny_unknown_fields, rename = "joint")]
+pub enum Joint {
+    /// The rods turn freely against each other.
+    Ball {
+        /// Name by which messages call it. Default: "joint 0", "joint 1", ...
+        name: Option<String>,
+        /// Names of the two rods; the same one twice to join a rod to itself.
+        rods: Option<[String; 2]>,
+        /// "start", "end", or the number of a node, of each: ["end", 4].
+        at: Option<[Place; 2]>,
+    },
+    /// The rods are welded: angles between them, and between their cross-sections, stay as placed.
+    Rigid {
+        /// Name by which messages call it. Default: "joint 0", "joint 1", ...
+        name: Option<String>,
+        /// Names of the two rods; the same one twice to join a rod to itself.
+        rods: Option<[String; 2]>,
+        /// "start", "end", or the number of a node, of each: ["end", 4].
+        at: Option<[Place; 2]>,
+    },
+    /// The second rod turns against the first about an axis only.
+    Hinge {
+        /// Name by which messages call it. Default: "joint 0", "joint 1", ...
+        name: Option<String>,
+        /// Names of the two rods.
+        rods: Option<[String; 2]>,
+        /// "start", "end", or the number of a node, of each: ["end", 4].
+        at: Option<[Place; 2]>,
+        /// Direction of the axis as placed; it turns with the first rod.
+        axis: Option<Vector<Dimensionless>>,
+    },
+}
+
+/// A mass at a node of a rod, or a rigid body welded to it there with its centre of mass at the node.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "body")]
+pub struct Body {
+    /// Name by which messages call it. Default: "body 0", "body 1", ...
+    pub name: Option<String>,
+    /// Name of the rod.
+    pub rod: Option<String>,
+    /// "start", "end", or the number of a node.
+    pub at: Option<Place>,
+    /// Its mass.
+    pub mass: Option<Quantity<Mass>>,
+    /// Its shape, of uniform density, which gives its inertia; it touches nothing. Default: a point mass.
+    pub shape: Option<BodyShape>,
+    /// Instead of a shape, its principal moments of inertia about the two material directors and the tangent of the rod at
+    /// the node.
+    pub inertia: Option<[Quantity<MomentOfInertia>; 3]>,
+}
+
+/// Shape of a body of uniform density, centred at its node.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(tag = "kind", deny_unknown_fields, rename = "body_shape")]
+pub enum BodyShape {
+    /// A sphere.
+    Sphere {
+        /// Its radius.
+        radius: Option<Quantity<Length>>,
+    },
+    /// A disk, or cylinder, about the tangent of the rod.
+    Disk {
+        /// Its radius.
+        radius: Option<Quantity<Length>>,
+        /// Its length along the tangent. Default: 0.
+        thickness: Option<Quantity<Length>>,
+    },
+    /// A box with sides along the two material directors and the tangent of the rod.
+    Box {
+        /// Lengths of these sides.
+        size: Option<Vector<Length>>,
+    },
+}
+
+/// Many rods joined at their crossings, from one table.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "network")]
+pub struct Network {
+    /// Its rods are called by it and a number: "net_0", "net_1", ... Default: "net", which then must be the only one.
+    pub name: Option<String>,
+    /// What all its rods are: the keys of [[rods]] but `name`, `shape` and `closed`. `edges` counts between neighbouring
+    /// crossings.
+    pub rod: Option<Rod>,
+    /// Where its rods lie.
+    pub shape: Option<NetworkShape>,
+    /// What joins them at crossings: "ball" (the default) or "rigid".
+    pub joint: Option<NetworkJoint>,
+    /// What of it is held.
+    pub boundary: Option<Boundary>,
+}
+
+/// Where the rods of a network lie.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(tag = "kind", deny_unknown_fields, rename = "network_shape")]
+pub enum NetworkShape {
+    /// Two families of straight rods across a parallelogram: first those along `sides[0]`, then those along `sides[1]`,
+    /// each in the order of the other side.
+    Grid {
+        /// A corner. Default: [0, 0, 0].
+        corner: Option<Vector<Length>>,
+        /// The two sides from there.
+        sides: Option<[Vector<Length>; 2]>,
+        /// Numbers of rods along the first side and along the second, at least 2 each; the outer ones lie on the rim.
+        rods: Option<[i64; 2]>,
+    },
+    /// Polylines through numbered points: a tree, a lattice, whatever was designed elsewhere.
+    Table {
+        /// CSV file of the points, relative to the scenario file: columns x_m, y_m, z_m; the first one is number 0.
+        points_file: Option<String>,
+        /// CSV file of the rods: columns rod and point, a row for each point that a rod runs through, in order.
+        rods_file: Option<String>,
+        /// The points themselves, instead of the file.
+        points: Option<Vec<Vector<Length>>>,
+        /// The points of each rod, instead of the file: [[0, 1, 2], [3, 1, 4], ...].
+        rods: Option<Vec<Vec<i64>>>,
+    },
+}
+
+/// The rim of a network: ends of its rods.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "boundary")]
+pub struct Boundary {
+    /// "position" (the default), "frame", or "both".
+    pub hold: Option<Hold>,
+    /// Which ends are held: "all" (the default), or only those at "corners", where ends of two rods meet.
+    pub ends: Option<crate::scenario::resolved::HeldEnds>,
+    /// How far they are from their centre, over how far they are as placed, at given times: [[time, factor], ...].
+    pub scale: Option<Vec<(Quantity<Time>, Quantity<Dimensionless>)>>,
+}
