@@ -21,6 +21,8 @@ mod fold_samples;
 pub(crate) mod folding;
 mod grasp_samples;
 pub(crate) mod helix;
+#[cfg(test)]
+mod joint_tests;
 mod kind;
 pub(crate) mod knot;
 #[cfg(test)]

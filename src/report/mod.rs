@@ -1,6 +1,7 @@
 //! Figures and pages of a results directory: what `plot` and `view` show.
 
 mod branches;
+mod carried_bodies;
 mod case_folders;
 mod labels;
 mod obstacles;

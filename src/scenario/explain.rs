@@ -314,6 +314,9 @@ keys: actuation, bodies, clamps, contact, continuation, experiment, extends, fla
                 &["gravity", "force", "moment", "distributed", "drag"],
             ),
             ("rods.0.natural_shape.kind", &["as-placed", "curved"]),
+            ("joints.kind", &["ball", "rigid", "hinge"]),
+            ("bodies.shape.kind", &["sphere", "disk", "box"]),
+            ("networks.shape.kind", &["grid", "table"]),
         ] {
             let text = explain(*EXPERIMENTS, key).unwrap();
             for kind in kinds {

@@ -51,7 +51,7 @@ pub(super) fn place_body(
         name: body.name.clone(),
         at: RodNode { rod, node },
         mass: body.mass,
-        inertia: body.inertia,
+        inertia: body.moments_of_inertia(),
     })
 }
 

@@ -122,8 +122,8 @@ fn all_scenarios_of_the_repository_prepare() {
     let mut names = Vec::new();
     for entry in std::fs::read_dir(directory).unwrap() {
         let path = entry.unwrap().path();
-        // Curves, points and robot cells lie beside the scenarios.
-        if path.is_dir() || path.extension().is_some_and(|ending| ending == "csv") {
+        // Curves, points, robot cells and a page lie beside the scenarios.
+        if path.is_dir() || path.extension().is_none_or(|ending| ending != "toml") {
             continue;
         }
         let case_set = case_set(&path, &[], &[]).unwrap_or_else(|error| panic!("{error}"));

@@ -95,8 +95,12 @@ fn tumbling() -> Scene {
         rod.angular_velocity = Vector3::new(2.0, 3.0, 8.0);
     }
     // About one point, each rod with the velocity of its centroid.
-    rods[0].velocity = rods[0].angular_velocity.cross(&Vector3::new(0.05, 0.0, 0.0));
-    rods[1].velocity = rods[1].angular_velocity.cross(&Vector3::new(0.0, 0.05, 0.0));
+    rods[0].velocity = rods[0]
+        .angular_velocity
+        .cross(&Vector3::new(0.05, 0.0, 0.0));
+    rods[1].velocity = rods[1]
+        .angular_velocity
+        .cross(&Vector3::new(0.0, 0.05, 0.0));
     Scene {
         rods,
         joints: vec![weld(at(0, 0), at(1, 5))],
@@ -120,23 +124,21 @@ fn parameters(scheme: Scheme, step: f64) -> IntegrationParameters {
 
 #[test]
 fn a_body_that_tumbles_keeps_its_angular_momentum() {
-    let errors: Vec<f64> = [1e-3, 5e-4]
-        .into_iter()
-        .map(|step| {
-            let parameters = parameters(Scheme::BackwardDifferences, step);
-            let mut simulation = Simulation::new(&tumbling(), &parameters).unwrap();
-            let [momentum, angular] = simulation.momenta();
-            // More than a turn: rotation vectors begin anew several times.
-            while simulation.time() < 1.0 {
-                simulation.advance(1.0).unwrap();
-            }
-            let [momentum_after, angular_after] = simulation.momenta();
-            assert!((momentum_after - momentum).norm() < 1e-9 * momentum.norm());
-            (angular_after - angular).norm() / angular.norm()
-        })
-        .collect();
-    assert!(errors[0] < 2e-2, "{errors:?}");
-    assert!(errors[1] < 0.4 * errors[0], "second order: {errors:?}");
+    let lost = |scheme: Scheme, step: f64| {
+        let mut simulation = Simulation::new(&tumbling(), &parameters(scheme, step)).unwrap();
+        let [momentum, angular] = simulation.momenta();
+        // More than a turn: rotation vectors begin anew several times.
+        while simulation.time() < 1.0 {
+            simulation.advance(1.0).unwrap();
+        }
+        let [momentum_after, angular_after] = simulation.momenta();
+        assert!((momentum_after - momentum).norm() < 1e-9 * momentum.norm());
+        (angular_after - angular).norm() / angular.norm()
+    };
+    assert!(lost(Scheme::BackwardDifferences, 1e-3) < 1e-3);
+    // Implicit Euler loses in proportion to the step.
+    let [whole, half] = [1e-3, 5e-4].map(|step| lost(Scheme::ImplicitEuler, step));
+    assert!(whole < 0.1 && half < 0.6 * whole, "{whole} {half}");
 }
 
 #[test]
@@ -162,8 +164,7 @@ fn tumbling_goes_on_from_a_checkpoint_bit_for_bit() {
 fn joined_nodes_stay_one_point() {
     let mut scene = tumbling();
     scene.joints[0].kind = JointKind::Hinge { axis: Vector3::z() };
-    let mut simulation =
-        Simulation::new(&scene, &parameters(Scheme::ImplicitEuler, 1e-3)).unwrap();
+    let mut simulation = Simulation::new(&scene, &parameters(Scheme::ImplicitEuler, 1e-3)).unwrap();
     while simulation.time() < 0.1 {
         simulation.advance(0.1).unwrap();
         assert_eq!(simulation.positions()[0], simulation.positions()[11]);

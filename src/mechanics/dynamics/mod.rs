@@ -61,9 +61,9 @@ mod friction_tests;
 #[cfg(test)]
 mod inertia_tests;
 #[cfg(test)]
-mod joint_tests;
-#[cfg(test)]
 mod intervene_tests;
+#[cfg(test)]
+mod joint_tests;
 #[cfg(test)]
 mod parallel_tests;
 #[cfg(test)]

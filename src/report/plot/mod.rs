@@ -11,6 +11,7 @@ pub use custom::{CustomFigure, custom_figure};
 pub use error::PlotError;
 
 use super::branches::{Branches, PARAMETER};
+use super::carried_bodies::carried_bodies;
 use super::obstacles::{bodies_at, obstacles_of, surfaces};
 use crate::experiment::{from_text, kind_named};
 use crate::figure::{
@@ -149,9 +150,14 @@ pub(crate) fn rods_figure(directory: &Path, manifest: &Manifest) -> Result<Figur
     let obstacles = obstacles_of(scenario.as_ref());
     let positions = outputs.iter().flat_map(|output| &output.positions);
     let surfaces = surfaces(&obstacles, positions);
-    let times = evenly_spread(&indexed, SNAPSHOTS).map(|(_, output)| output.time);
-    let bodies = times
-        .map(|time| bodies_at(&obstacles, &surfaces, time))
+    let start = (outputs.first()).map_or(&[][..], |output| &output.positions);
+    let carried = carried_bodies(scenario.as_ref(), rods, start);
+    let bodies = evenly_spread(&indexed, SNAPSHOTS)
+        .map(|(_, output)| {
+            let mut bodies = bodies_at(&obstacles, &surfaces, output.time);
+            bodies.extend(carried.iter().map(|body| body.at(&output.positions)));
+            bodies
+        })
         .collect();
     Ok(Figure::Rods(RodsFigure {
         view,

@@ -12,6 +12,7 @@ use crate::mechanics::contact::{ContactPlane, ContactSurface, touching_points};
 use crate::mechanics::scene::Obstacle;
 use crate::mechanics::system::obstacle_poses;
 use crate::report::branches::Branches;
+use crate::report::carried_bodies::carried_bodies;
 use crate::report::case_folders::{CaseFolder, case_folders};
 use crate::report::obstacles::{movie_obstacles, obstacles_of};
 use crate::results::{
@@ -191,6 +192,16 @@ fn movie_case(
     }
     let obstacles = obstacles_of(scenario.as_ref());
     let contacts = contacts(&rods, &outputs, scenario.as_ref(), &obstacles);
+    let carried = carried_bodies(scenario.as_ref(), &manifest.rods, &outputs[0].positions);
+    let mut bodies = movie_obstacles(
+        &obstacles,
+        &outputs.iter().map(|output| output.time).collect::<Vec<_>>(),
+        outputs.iter().flat_map(|output| &output.positions),
+    );
+    bodies.extend(
+        (carried.iter())
+            .map(|body| body.in_motion(outputs.iter().map(|output| output.positions.as_slice()))),
+    );
     let planes = scenario.iter().flat_map(|scenario| &scenario.planes);
     let case = MovieCase {
         name: folder.name.clone(),
@@ -202,11 +213,7 @@ fn movie_case(
                 normal: plane.normal,
             })
             .collect(),
-        obstacles: movie_obstacles(
-            &obstacles,
-            &outputs.iter().map(|output| output.time).collect::<Vec<_>>(),
-            outputs.iter().flat_map(|output| &output.positions),
-        ),
+        obstacles: bodies,
         view: View::fitting(outputs.iter().flat_map(|output| &output.positions)),
         frames: outputs
             .into_iter()

@@ -2,7 +2,7 @@
 
 use super::load::{place, rod};
 use super::section::{NON_NEGATIVE, POSITIVE, Section};
-use crate::scenario::resolved::{Body, Joint, JointKind, Place};
+use crate::scenario::resolved::{Body, BodyShape, Joint, JointKind, Place};
 use crate::scenario::typed;
 
 /// Resolves all joints.
@@ -76,10 +76,6 @@ fn body(section: &Section<'_>, typed: &typed::Body, index: usize) -> Body {
     if typed.shape.is_some() && typed.inertia.is_some() {
         section.fault("inertia", "give `shape` or `inertia`, not both");
     }
-    let of_shape = typed
-        .shape
-        .as_ref()
-        .map(|shape| of_shape(section, shape, mass));
     let given = typed.inertia.as_ref().map(|moments| {
         let below = section.below("inertia");
         let given: [f64; 3] =
@@ -104,34 +100,33 @@ fn body(section: &Section<'_>, typed: &typed::Body, index: usize) -> Body {
         rod: rod(section, &typed.rod),
         at: place(section, typed.at),
         mass,
-        inertia: of_shape.or(given),
+        shape: typed
+            .shape
+            .as_ref()
+            .map(|typed| shape(&section.below("shape"), typed)),
+        inertia: given,
     }
 }
 
-/// Principal moments of inertia of a uniform body, kg m².
-fn of_shape(section: &Section<'_>, shape: &typed::BodyShape, mass: f64) -> [f64; 3] {
-    let section = section.below("shape");
-    match shape {
-        typed::BodyShape::Sphere { radius } => {
-            let radius = section.required("radius", radius, POSITIVE);
-            [0.4 * mass * radius * radius; 3]
-        }
-        typed::BodyShape::Disk { radius, thickness } => {
-            let radius = section.required("radius", radius, POSITIVE);
-            let thickness = section.with_default("thickness", thickness, NON_NEGATIVE, 0.0);
-            let across = mass * (0.25 * radius * radius + thickness * thickness / 12.0);
-            [across, across, 0.5 * mass * radius * radius]
-        }
+/// Resolves the shape of a body.
+fn shape(section: &Section<'_>, typed: &typed::BodyShape) -> BodyShape {
+    match typed {
+        typed::BodyShape::Sphere { radius } => BodyShape::Sphere {
+            radius: section.required("radius", radius, POSITIVE),
+        },
+        typed::BodyShape::Disk { radius, thickness } => BodyShape::Disk {
+            radius: section.required("radius", radius, POSITIVE),
+            thickness: section.with_default("thickness", thickness, NON_NEGATIVE, 0.0),
+        },
         typed::BodyShape::Box { size } => {
             let size = section.required_vector("size", size);
             for (axis, side) in size.iter().enumerate() {
-                if *side < 0.0 {
-                    let message = format!("{side:?} is out of range; allowed: 0 and up");
+                if *side <= 0.0 {
+                    let message = format!("{side:?} is out of range; allowed: greater than 0");
                     section.below("size").fault(&axis.to_string(), message);
                 }
             }
-            let squares: f64 = size.iter().map(|side| side * side).sum();
-            size.map(|side| mass * (squares - side * side) / 12.0)
+            BodyShape::Box { size }
         }
     }
 }

@@ -271,7 +271,9 @@ pub fn refuse_turning_midpoint(top: &Section<'_>, joints: &[Joint], bodies: &[Bo
         }
     );
     let turns = joints.iter().any(|joint| joint.kind != JointKind::Ball)
-        || bodies.iter().any(|body| body.inertia.is_some());
+        || bodies
+            .iter()
+            .any(|body| body.moments_of_inertia().is_some());
     if midpoint && turns {
         top.below("time").fault(
             "scheme",

@@ -44,9 +44,60 @@ pub struct Body {
     pub at: Place,
     /// Mass, kg.
     pub mass: f64,
-    /// Principal moments of inertia about the two material directors and the tangent, kg m²; `None` for a point mass.
+    /// Its shape, of uniform density.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shape: Option<BodyShape>,
+    /// Instead of a shape, principal moments of inertia about the two material directors and the tangent, kg m².
     #[serde(skip_serializing_if = "Option::is_none")]
     pub inertia: Option<[f64; 3]>,
+}
+
+impl Body {
+    /// Principal moments of inertia about the two material directors and the tangent, kg m²; `None` for a point mass.
+    pub fn moments_of_inertia(&self) -> Option<[f64; 3]> {
+        let of_shape = self.shape.map(|shape| shape.moments_of_inertia(self.mass));
+        of_shape.or(self.inertia)
+    }
+}
+
+/// Shape of a body, centred at its node.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum BodyShape {
+    /// A sphere.
+    Sphere {
+        /// Its radius, m.
+        radius: f64,
+    },
+    /// A disk or cylinder about the tangent of the rod.
+    Disk {
+        /// Its radius, m.
+        radius: f64,
+        /// Its length along the tangent, m.
+        thickness: f64,
+    },
+    /// A box.
+    Box {
+        /// Lengths of its sides along the two material directors and the tangent, m.
+        size: [f64; 3],
+    },
+}
+
+impl BodyShape {
+    /// Principal moments of inertia of a uniform body of a mass (kg), kg m².
+    fn moments_of_inertia(&self, mass: f64) -> [f64; 3] {
+        match *self {
+            Self::Sphere { radius } => [0.4 * mass * radius * radius; 3],
+            Self::Disk { radius, thickness } => {
+                let across = mass * (0.25 * radius * radius + thickness * thickness / 12.0);
+                [across, across, 0.5 * mass * radius * radius]
+            }
+            Self::Box { size } => {
+                let squares: f64 = size.iter().map(|side| side * side).sum();
+                size.map(|side| mass * (squares - side * side) / 12.0)
+            }
+        }
+    }
 }
 
 /// What joins the rods of a network.

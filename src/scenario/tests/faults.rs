@@ -233,7 +233,7 @@ beam.toml:27:1: `output.node`: unknown key (did you mean `nodes`?)
         .replace("edges = 50", "edges = -2")
         .replace("density = 1000.0", "density = \"1 kg\"");
     insta::assert_snapshot!(read(&text).unwrap_err().to_string(), @r###"
-beam.toml:7:11: `material.density`: "1 kg" has an unknown unit; allowed units: kg/m^3, g/cm^3
+beam.toml:7:11: `material.density`: "1 kg" is a mass, but this key takes a density; allowed units: kg/m^3, g/cm^3
 beam.toml:11:10: `rods.0.radius`: 0.0 is out of range; allowed: greater than 0
 beam.toml:12:9: `rods.0.edges`: -2 is out of range; allowed: 1 to 1000000
 "###);

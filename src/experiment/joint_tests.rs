@@ -1,0 +1,136 @@
+//! Joints, bodies and networks from scenario files: what is refused and in which words, and what becomes of them.
+
+use super::from_text;
+use crate::mechanics::dynamics::Simulation;
+use crate::scenario::Scenario;
+use std::path::Path;
+
+const RODS: &str = "experiment = \"scene\"\n[material]\nyoungs_modulus = 1e6\npoissons_ratio = 0.5\ndensity = 1000.0\n\
+    [[rods]]\nname = \"post\"\nradius = 0.005\nedges = 10\nshape = { kind = \"straight\", start = [0, 0, 0], end = [0, 0, 0.5] }\n\
+    [[rods]]\nname = \"boom\"\nradius = 0.005\nedges = 10\nshape = { kind = \"straight\", start = [0, 0, 0.5], end = [0.5, 0, 0.5] }\n";
+const NET: &str = "[[networks]]\nrod = { radius = \"1 mm\", edges = 2 }\n";
+
+fn scenario(rest: &str) -> Result<Scenario, String> {
+    let text = format!("{RODS}{rest}\n[time]\nend = 0.01\n");
+    let loaded = from_text("rods", &text, Path::new(""), &[]).map_err(|error| error.to_string())?;
+    let prepared = super::prepare(&loaded.scenario);
+    let prepared = prepared.map_err(|issues| loaded.locate(issues).to_string())?;
+    Simulation::new(&prepared.scene, &prepared.integration).map_err(|error| error.to_string())?;
+    Ok(loaded.scenario)
+}
+
+fn joint(kind: &str, at: &str) -> String {
+    format!(
+        "[[joints]]\nname = \"knee\"\nkind = \"{kind}\"\nrods = [\"post\", \"boom\"]\nat = {at}\n"
+    )
+}
+
+#[test]
+fn faults_name_the_joint_and_what_is_allowed() {
+    let cases = [
+        (joint("glue", "[\"end\", \"start\"]"), "ball"),
+        (joint("ball", "[\"end\", 11]"), "allowed: 0 to 10"),
+        (joint("ball", "[\"end\", \"end\"]"), "5.000000e-1 m apart"),
+        (joint("hinge", "[\"end\", \"start\"]"), "missing key `axis`"),
+        (
+            joint("rigid", "[\"end\", \"start\"]").replace("boom", "bom"),
+            "boom",
+        ),
+        (
+            joint("rigid", "[\"end\", \"start\"]") + &joint("rigid", "[\"end\", \"start\"]"),
+            "already hold",
+        ),
+        (
+            joint("rigid", "[\"end\", \"start\"]") + "[[clamps]]\nrod = \"boom\"\nat = \"start\"\n",
+            "let the clamp hold the position alone",
+        ),
+        (
+            joint("ball", "[\"end\", \"start\"]") + "[contact]\nmodel = \"complementarity\"\n",
+            "`imc` or `ipc`",
+        ),
+        (
+            "[[bodies]]\nrod = \"boom\"\nat = \"end\"\n".to_owned(),
+            "missing key `mass`",
+        ),
+        (
+            "[[bodies]]\nrod = \"boom\"\nat = \"end\"\nmass = \"1 g\"\ninertia = [1, 1, 3]\n".to_owned(),
+            "no body is like that",
+        ),
+        (
+            "[[bodies]]\nrod = \"boom\"\nat = \"end\"\nmass = \"1 g\"\nshape = { kind = \"disk\" }\n".to_owned(),
+            "missing key `radius`",
+        ),
+        (NET.to_owned(), "missing key `shape`"),
+        (
+            format!("{NET}shape = {{ kind = \"grid\", sides = [[1, 0, 0], [2, 0, 0]], rods = [3, 3] }}\n"),
+            "parallel",
+        ),
+        (
+            format!("{NET}shape = {{ kind = \"grid\", sides = [[1, 0, 0], [0, 1, 0]], rods = [1, 3] }}\n"),
+            "allowed: 2 to 1000",
+        ),
+        (
+            format!("{NET}shape = {{ kind = \"table\", points = [[0, 0, 0], [1, 0, 0]], rods = [[0, 2]] }}\n"),
+            "no point 2; allowed: 0 to 1",
+        ),
+        (
+            format!("{NET}shape = {{ kind = \"table\", points = [[0, 0, 0], [1, 0, 0]], rods = [[0, 0]] }}\n"),
+            "same point twice",
+        ),
+        (
+            format!("{NET}joint = \"rigid\"\nboundary = {{ hold = \"both\" }}\nshape = {{ kind = \"grid\", sides = [[1, 0, 0], [0, 1, 0]], rods = [3, 3] }}\n"),
+            "allowed: \"position\"",
+        ),
+    ];
+    for (text, expected) in cases {
+        let message = match scenario(&text) {
+            Err(message) => message,
+            Ok(_) => panic!("{text} is accepted"),
+        };
+        assert!(message.contains(expected), "{text}\n{message}");
+    }
+}
+
+#[test]
+fn a_scheme_that_goes_on_from_the_middle_is_refused_beside_frames() {
+    let text = format!(
+        "{RODS}{}[time]\nscheme = \"implicit-midpoint\"\nend = 1.0\n",
+        joint("rigid", "[\"end\", \"start\"]")
+    );
+    let loaded = |text: &str| from_text("rods", text, Path::new(""), &[]).map(drop);
+    let error = loaded(&text).unwrap_err().to_string();
+    assert!(error.contains("backward-differences"), "{error}");
+    loaded(&text.replace("\"rigid\"", "\"ball\"")).unwrap();
+}
+
+#[test]
+fn a_network_is_its_rods_joints_and_clamps() {
+    let text = format!(
+        "{NET}name = \"net\"\nboundary = {{ ends = \"corners\", scale = [[0, 1], [1, 0.5]] }}\n\
+         shape = {{ kind = \"grid\", sides = [[0.3, 0, 0], [0, 0.2, 0]], rods = [3, 4] }}\n"
+    );
+    let scenario = scenario(&text).unwrap();
+    let rods = &scenario.rods[2..];
+    assert_eq!(rods.len(), 7);
+    assert_eq!((rods[0].edges, rods[3].edges), (6, 4));
+    assert_eq!(scenario.joints.len(), 12);
+    assert_eq!(scenario.clamps.len(), 4);
+    // A corner half as far from the middle.
+    let moved = scenario.clamps[0].movement.translation[1].1;
+    assert!((moved[0] - 0.075).abs() < 1e-15 && (moved[1] - 0.05).abs() < 1e-15);
+    // The resolved scenario is a scenario, and the same one.
+    let again = from_text("rods", &scenario.to_toml(), Path::new(""), &[]).unwrap();
+    assert_eq!(again.scenario.joints, scenario.joints);
+    assert_eq!(again.scenario.rods, scenario.rods);
+    assert_eq!(again.scenario.to_toml(), scenario.to_toml());
+}
+
+#[test]
+fn a_tree_is_joined_where_its_rods_share_points() {
+    let text = format!(
+        "{NET}name = \"tree\"\njoint = \"rigid\"\nshape = {{ kind = \"table\", points = [[2, 0, 0], [2, 0, 1], [2.5, 0, 1.5], [1.5, 0, 1.5]], rods = [[0, 1, 2], [1, 3]] }}\n"
+    );
+    let scenario = scenario(&text).unwrap();
+    assert_eq!(scenario.joints.len(), 1);
+    assert_eq!(scenario.rods[2].edges, 4);
+}
