@@ -30,8 +30,11 @@ pub fn angle(rotation: &UnitQuaternion) -> f64 {
     2.0 * libm::atan2(rotation.imag().norm(), rotation.w.abs())
 }
 
-/// J(φ) = 1 + a [φ]× + b [φ]×²: a change dφ of the rotation vector φ turns the body by J dφ, seen from outside
-/// (a = (1 − cos φ)/φ², b = (φ − sin φ)/φ³; the left Jacobian of the rotation group).
+/// The left Jacobian of the rotation group: a change dφ of the rotation vector φ turns the body by J dφ, seen from outside,
+///
+/// ```text
+/// J(φ) = 1 + a [φ]× + b [φ]×²,     a = (1 − cos φ)/φ²,     b = (φ − sin φ)/φ³
+/// ```
 pub fn left_jacobian(vector: &Vector3) -> Matrix3 {
     let [a, b, _, _] = coefficients(vector.norm());
     let cross = vector.cross_matrix();

@@ -120,7 +120,7 @@ pub enum VertexUnknowns {
         element: usize,
     },
     /// One of its edges is a ghost that turns with a joint or a body: its unknowns, those of the real edge and the
-    /// rotation of the ghost, are those of element number `element` ([`super::turning_ghost`]).
+    /// rotation of the ghost, are those of element number `element` (`turning_ghost`).
     Turning {
         /// Index into [`ElasticRods::elements`].
         element: usize,
