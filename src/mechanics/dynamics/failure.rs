@@ -79,6 +79,18 @@ impl Failure {
         }
     }
 
+    /// The same after so many iterations in vain.
+    pub fn after(mut self, vain: usize) -> Self {
+        match &mut self {
+            Self::Newton(divergence) => divergence.iterations += vain,
+            Self::Penetration { iterations, .. }
+            | Self::NoContactForces { iterations }
+            | Self::Work { iterations, .. }
+            | Self::Crossing { iterations, .. } => *iterations += vain,
+        }
+        self
+    }
+
     /// What to try where steps fail so again and again.
     pub fn advice(&self) -> &'static str {
         match self {

@@ -165,8 +165,8 @@ impl Workspace {
         })
     }
 
-    /// Newton's method with carried contact forces from the prediction as it is; where that fails, from one that crosses
-    /// no contact, with line searches.
+    /// Newton's method from the prediction as it is. Where that fails with carried contact forces, from one that crosses no
+    /// contact, with line searches; where no contact forces are found, from where the step starts.
     fn solve_by_either_way(
         &mut self,
         system: &mut System,
@@ -183,6 +183,15 @@ impl Workspace {
             Ok(iterations) => (iterations, None),
             Err(failure) => (failure.iterations(), Some(failure)),
         };
+        if let Some(Failure::NoContactForces { .. }) = failure {
+            self.predict_rest(system, state);
+            system.update_candidates(&self.trial.unknowns);
+            system.begin_iterations(&self.stage);
+            return match self.solve(system, stopping, goes_on) {
+                Ok(more) => Ok(iterations + more),
+                Err(failure) => Err(failure.after(iterations)),
+            };
+        }
         let has_other_way = system.uses_multipliers() && !stopping.gives_up;
         if let Some(failure) = failure
             && !has_other_way
@@ -237,6 +246,17 @@ impl Workspace {
             }
             if !complete {
                 system.update_candidates(trial);
+            }
+        }
+    }
+
+    /// Predicts that nothing moves but what is prescribed. Where rods move farther than their radius within a step, the
+    /// prediction compresses them so much that the linearised step has no solution: its matrix is indefinite.
+    fn predict_rest(&mut self, system: &System, state: &State) {
+        let held = &system.assembly.held;
+        for (k, unknown) in self.trial.unknowns.iter_mut().enumerate() {
+            if !held[k] {
+                *unknown = state.unknowns[k];
             }
         }
     }
