@@ -56,6 +56,7 @@ pages! {
     probes
     figures
     robots
+    cell
     vision
     theory
     accuracy

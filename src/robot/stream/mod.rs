@@ -6,12 +6,14 @@
 //! ends it early, every part is told to hold, and the log is complete.
 
 mod check;
+mod clock;
 mod log;
 
 pub use check::{Fault, check};
 pub use log::StreamLog;
 
 use super::driver::{Driver, DriverError, PartTrajectory, Progress};
+use clock::MotionClock;
 use std::time::{Duration, Instant};
 
 /// Time between looks at the drivers.
@@ -100,12 +102,15 @@ fn run(
     if let Err(ending) = started {
         return ending;
     }
+    let clock = match MotionClock::start(parts) {
+        Ok(clock) => clock,
+        Err(reason) => return Ending::Failed(reason),
+    };
     for part in parts.iter_mut() {
         if let Err(error) = part.driver.start(&part.trajectory) {
             return failed(part, &error);
         }
     }
-    let start = Instant::now();
     log.event("started");
     let mut done = vec![false; parts.len()];
     let longest = parts
@@ -113,7 +118,7 @@ fn run(
         .map(|part| part.trajectory.duration())
         .fold(0.0, f64::max);
     loop {
-        let elapsed = start.elapsed().as_secs_f64();
+        let elapsed = clock.elapsed(parts);
         if is_interrupted() {
             return Ending::Interrupted;
         }
@@ -128,7 +133,8 @@ fn run(
                     Err(error) => return failed(part, &error),
                 }
             }
-            if let Err(reason) = watch(part, bounds, elapsed, *done, log) {
+            let hastened = clock.haste(elapsed);
+            if let Err(reason) = watch(part, bounds, [elapsed, hastened], *done, log) {
                 return Ending::Failed(reason);
             }
         }
@@ -137,7 +143,7 @@ fn run(
             log.commanded(f64::INFINITY, parts);
             return Ending::Finished;
         }
-        if elapsed > longest + OVERTIME {
+        if elapsed > longest + OVERTIME * clock.haste(elapsed) {
             let late: Vec<&str> = parts
                 .iter()
                 .zip(&done)
@@ -212,11 +218,11 @@ fn prepare(
     Ok(())
 }
 
-/// Hears where a part is; says what is wrong with it.
+/// Hears where a part is, so long after the start, on a clock so many times as fast as ours; says what is wrong with it.
 fn watch(
     part: &mut Part,
     bounds: &StreamBounds,
-    elapsed: f64,
+    [elapsed, haste]: [f64; 2],
     done: bool,
     log: &mut StreamLog,
 ) -> Result<(), String> {
@@ -228,21 +234,28 @@ fn watch(
         .state()
         .map_err(|error| format!("{}: {error}", part.name))?;
     let Some(state) = state else { return Ok(()) };
-    log.state(part, &state);
     let silence = state.received.elapsed();
-    if silence > bounds.watchdog && !done {
+    let clock = part.driver.clock();
+    // What comes with the time of the robot's clock is as old as that.
+    let heard = match clock {
+        Some(_) => elapsed,
+        None => elapsed - silence.as_secs_f64(),
+    };
+    log.state(part, &state, heard);
+    let quiet = clock.map_or(silence, |(_, heard)| silence.max(heard.elapsed()));
+    if quiet > bounds.watchdog && !done {
         return Err(format!(
             "{}: nothing was heard of its joints for {:.0} ms; allowed: {:.0} ms",
             part.name,
-            silence.as_secs_f64() * 1e3,
+            quiet.as_secs_f64() * 1e3,
             bounds.watchdog.as_secs_f64() * 1e3
         ));
     }
     if !part.driver.knows_position() {
         return Ok(());
     }
-    let heard = elapsed - silence.as_secs_f64();
-    let Some((joint, distance)) = farthest(&part.trajectory, &state.positions, heard) else {
+    let farthest = farthest(&part.trajectory, &state.positions, heard, haste * LATENESS);
+    let Some((joint, distance)) = farthest else {
         return Ok(());
     };
     if !(distance <= bounds.tracking_tolerance) {
@@ -259,9 +272,10 @@ fn farthest<'a>(
     trajectory: &'a PartTrajectory,
     positions: &[f64],
     time: f64,
+    lateness: f64,
 ) -> Option<(&'a str, f64)> {
     let instants: Vec<Vec<f64>> = (0..=10)
-        .map(|k| trajectory.at(time - LATENESS * f64::from(k) / 10.0))
+        .map(|k| trajectory.at(time - lateness * f64::from(k) / 10.0))
         .collect();
     let distances = trajectory.joints.iter().enumerate().map(|(index, joint)| {
         let places = instants.iter().map(|instant| instant[index]);
