@@ -16,7 +16,7 @@ use std::time::{Duration, Instant};
 /// Longest wait for a gripper.
 const GRIPPER: Duration = Duration::from_secs(20);
 /// How long a rod that was let go is left to itself.
-const SETTLING: Duration = Duration::from_secs(2);
+const SETTLING: Duration = Duration::from_secs(3);
 
 /// What is laid where.
 pub struct DeployTask<'a> {

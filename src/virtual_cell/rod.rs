@@ -11,6 +11,7 @@ use crate::run::PreparedRun;
 use crate::scenario::ScenarioError;
 use nalgebra::Translation3;
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 /// Time in which a rod that is handed over comes into the fingers, s.
 pub const HANDING_OVER: f64 = 1.0;
@@ -21,6 +22,10 @@ const REACH: [f64; 2] = [2.0, 0.6];
 const LEVEL: f64 = 0.5;
 /// Speed of every node below which a rod that was let go rests, m/s.
 const REST: f64 = 1e-4;
+/// Longest time of simulation without a look at anything else.
+const AT_A_TIME: Duration = Duration::from_millis(20);
+/// Longest time for the simulation of a fall: a heap of rod is hard, and the rod along the pattern lies already.
+const LONGEST_FALL: Duration = Duration::from_secs(2);
 /// Length of the line on which a rod begins, over that of the rod.
 const FIRST_LINE: f64 = 0.05;
 
@@ -126,7 +131,9 @@ impl RodSupply {
             frame: table * frame,
             end: self.end,
             last: self.end,
+            led_until: 0.0,
             begin: now,
+            falling: Duration::ZERO,
             radius: self.rod.radius,
             is_held: true,
             rests: false,
@@ -142,36 +149,73 @@ pub struct SimulatedRod {
     /// Where its end was first, and where it was last, in that frame.
     end: Pose,
     last: Pose,
+    /// Until when the hand leads it, s of the simulation.
+    led_until: f64,
     /// When it was handed over, s.
     begin: f64,
     radius: f64,
+    /// Time that its fall has taken to simulate.
+    falling: Duration,
     is_held: bool,
     rests: bool,
 }
 
 impl SimulatedRod {
-    /// Moves on to the time `now`, s, its end in the hand.
+    /// Moves on towards the time `now`, s, its end in the hand; whether it has come there. Hard steps take long: then it must be
+    /// called again, with the same hand, so that others need not wait.
     ///
     /// # Errors
-    /// No step is found, or the rod is torn.
-    pub fn advance(&mut self, hand: Option<&Pose>, now: f64) -> Result<(), SimulationError> {
+    /// No step is found, or the rod is torn, while it is held. One that was let go stays as it is then.
+    pub fn advance(&mut self, hand: &Pose, now: f64) -> Result<bool, SimulationError> {
         let until = now - self.begin;
-        if self.rests || until <= self.simulation.time() {
-            return Ok(());
+        if self.rests {
+            return Ok(true);
         }
-        if let Some(hand) = hand.filter(|_| self.is_held) {
+        if self.is_held && until > self.led_until {
             let part = (until / HANDING_OVER).clamp(0.0, 1.0);
             let part = part * part * (3.0 - 2.0 * part);
             let next = between(&self.end, &(self.frame.inverse() * hand), part);
             self.simulation.move_clamp(0, self.motion(&next, until));
-            self.last = next;
+            (self.last, self.led_until) = (next, until);
         }
+        let work = Instant::now();
         while self.simulation.time() < until {
-            self.simulation.advance(until)?;
+            if work.elapsed() > AT_A_TIME {
+                self.settled(work);
+                return Ok(self.rests);
+            }
+            if let Err(error) = self.simulation.advance(until) {
+                return self.given_up(error).map(|()| true);
+            }
+        }
+        self.settled(work);
+        Ok(true)
+    }
+
+    /// Notes whether a rod that was let go rests, or falls in a way that takes too long to simulate.
+    fn settled(&mut self, work: Instant) {
+        if self.is_held {
+            return;
         }
         let velocities = self.simulation.velocities().iter();
         let fastest = velocities.map(|v| v.norm()).fold(0.0, f64::max);
-        self.rests = !self.is_held && fastest < REST;
+        self.falling += work.elapsed();
+        self.rests = fastest < REST;
+        if !self.rests && self.falling > LONGEST_FALL {
+            tracing::warn!(
+                "the rod that was let go takes long to simulate: it stays as it is, its fastest node at {fastest:.3} m/s"
+            );
+            self.rests = true;
+        }
+    }
+
+    /// A rod that was let go stays as it is where no step is found.
+    fn given_up(&mut self, error: SimulationError) -> Result<(), SimulationError> {
+        if self.is_held {
+            return Err(error);
+        }
+        tracing::warn!("the rod that was let go stays as it is: {error}");
+        self.rests = true;
         Ok(())
     }
 
@@ -245,8 +289,7 @@ mod tests {
         let free = table() * nalgebra::Point3::new(0.1, 0.2, supply.rod().radius);
         assert!((first[0] - free.coords).norm() < 1e-9);
         for step in 1..=60 {
-            rod.advance(Some(&hand), 3.0 + 5e-3 * f64::from(step))
-                .unwrap();
+            while !rod.advance(&hand, 3.0 + 5e-3 * f64::from(step)).unwrap() {}
         }
         let nodes = rod.nodes();
         let moved = nodes.iter().zip(&first).map(|(a, b)| (a - b).norm());
@@ -261,7 +304,7 @@ mod tests {
         let mut rod = supply.handed(&hand, &table(), 0.0).unwrap();
         rod.release().unwrap();
         for step in 1..=300 {
-            rod.advance(None, 5e-3 * f64::from(step)).unwrap();
+            while !rod.advance(&hand, 5e-3 * f64::from(step)).unwrap() {}
         }
         let top = rod.nodes().iter().map(|node| node.z).fold(0.0, f64::max);
         assert!(top - 0.05 < 0.3 * supply.rod().length, "{top}");

@@ -148,11 +148,14 @@ impl SimulatedCell {
         }
     }
 
-    /// Moves on by a step.
+    /// Moves on by a step, or a rod that takes long to simulate towards the end of the last one.
     ///
     /// # Errors
     /// The rod finds no step.
     pub fn advance(&mut self) -> Result<Vec<Event>, SimulationError> {
+        if !self.lead_rod()? {
+            return Ok(Vec::new());
+        }
         let mut events = self.suffer()?;
         self.time += STEP;
         for (index, arm) in self.arms.iter_mut().enumerate() {
@@ -160,16 +163,21 @@ impl SimulatedCell {
                 events.push(Event::Arm(index, ended));
             }
         }
-        if let Some((rod, holder)) = &mut self.rod {
-            let hand = self.arms[*holder].hand();
-            rod.advance(Some(&hand), self.time)?;
-        }
+        self.lead_rod()?;
         for (index, gripper) in self.grippers.iter_mut().enumerate() {
             if gripper.done.take_if(|done| *done <= self.time).is_some() {
                 events.push(Event::Gripper(index));
             }
         }
         Ok(events)
+    }
+
+    /// Leads the rod on to now; whether it has come there.
+    fn lead_rod(&mut self) -> Result<bool, SimulationError> {
+        match &mut self.rod {
+            Some((rod, holder)) => rod.advance(&self.arms[*holder].hand(), self.time),
+            None => Ok(true),
+        }
     }
 
     /// Lets the faults come whose time it is.

@@ -102,7 +102,7 @@ fn run(
     if let Err(ending) = started {
         return ending;
     }
-    let clock = match MotionClock::start(parts) {
+    let mut clock = match MotionClock::of(parts) {
         Ok(clock) => clock,
         Err(reason) => return Ending::Failed(reason),
     };
@@ -111,6 +111,7 @@ fn run(
             return failed(part, &error);
         }
     }
+    clock.set_off();
     log.event("started");
     let mut done = vec![false; parts.len()];
     let longest = parts
@@ -133,8 +134,7 @@ fn run(
                     Err(error) => return failed(part, &error),
                 }
             }
-            let hastened = clock.haste(elapsed);
-            if let Err(reason) = watch(part, bounds, [elapsed, hastened], *done, log) {
+            if let Err(reason) = watch(part, bounds, &clock, *done, log) {
                 return Ending::Failed(reason);
             }
         }
@@ -218,11 +218,11 @@ fn prepare(
     Ok(())
 }
 
-/// Hears where a part is, so long after the start, on a clock so many times as fast as ours; says what is wrong with it.
+/// Hears where a part is; says what is wrong with it.
 fn watch(
     part: &mut Part,
     bounds: &StreamBounds,
-    [elapsed, haste]: [f64; 2],
+    clock: &MotionClock,
     done: bool,
     log: &mut StreamLog,
 ) -> Result<(), String> {
@@ -235,14 +235,10 @@ fn watch(
         .map_err(|error| format!("{}: {error}", part.name))?;
     let Some(state) = state else { return Ok(()) };
     let silence = state.received.elapsed();
-    let clock = part.driver.clock();
-    // What comes with the time of the robot's clock is as old as that.
-    let heard = match clock {
-        Some(_) => elapsed,
-        None => elapsed - silence.as_secs_f64(),
-    };
+    let heard = clock.heard(part, silence);
     log.state(part, &state, heard);
-    let quiet = clock.map_or(silence, |(_, heard)| silence.max(heard.elapsed()));
+    let told = part.driver.clock().map(|(_, told)| told.elapsed());
+    let quiet = told.map_or(silence, |told| silence.max(told));
     if quiet > bounds.watchdog && !done {
         return Err(format!(
             "{}: nothing was heard of its joints for {:.0} ms; allowed: {:.0} ms",
@@ -254,7 +250,8 @@ fn watch(
     if !part.driver.knows_position() {
         return Ok(());
     }
-    let farthest = farthest(&part.trajectory, &state.positions, heard, haste * LATENESS);
+    let lateness = LATENESS * clock.haste(heard);
+    let farthest = farthest(&part.trajectory, &state.positions, heard, lateness);
     let Some((joint, distance)) = farthest else {
         return Ok(());
     };
