@@ -28,7 +28,8 @@
 //! may import, too):
 //!
 //! ```text
-//! cli            ──> sweep, verify, reproduce, cell, vision, plan, guide, cluster
+//! cli            ──> sweep, verify, reproduce, task, virtual_cell, guide, cluster
+//! task           ──> cell, report
 //! sweep, verify  ──> experiment
 //! reproduce      ──> report
 //! report         ──> experiment
@@ -38,7 +39,8 @@
 //! plan           ──> mechanics, learn
 //! learn          ──> results, figure
 //! mechanics      ──> linalg
-//! cell           ──> robot, scenario, figure
+//! virtual_cell   ──> cell, experiment
+//! cell           ──> robot, vision, scenario, figure
 //! vision         ──> figure
 //! robot, scenario ──> mesh
 //! ```
@@ -59,6 +61,8 @@
 //! | [`linalg`] | banded and sparse factorisations |
 //! | [`robot`] | kinematic chains, inverse kinematics, joint paths, time, drivers |
 //! | [`cell`] | a robot cell from its file: arms, axes, table, camera, drivers |
+//! | [`task`] | tasks of the cell: a rod laid along a pattern, looked at and scored |
+//! | [`virtual_cell`] | the same cell simulated, with a rod, behind the protocol of real ones |
 //! | [`results`] | results directories, checkpoints, VTK |
 //! | [`cluster`] | Slurm job arrays |
 //! | [`figure`] | pictures of plain curves and rows |
@@ -95,5 +99,7 @@ pub mod robot;
 pub mod run;
 pub mod scenario;
 pub mod sweep;
+pub mod task;
 pub mod verify;
+pub mod virtual_cell;
 pub mod vision;

@@ -31,6 +31,7 @@ mod reference_trajectory;
 mod robots;
 mod sweep;
 mod view;
+mod virtual_cell;
 mod vision;
 mod vision_measure;
 mod vtk;

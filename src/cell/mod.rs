@@ -10,9 +10,13 @@
 //! | `resolved` | the [`Cell`] |
 //! | `surroundings`, `plan` | collision checks; joint trajectories along a path of a hand |
 //! | `streaming` | a joint trajectory with the drivers that it moves |
+//! | `approach` | from where an arm stands to where a motion begins |
+//! | `camera` | the camera as one that locates what it sees |
 //! | `view` | the 3-D page of a cell |
 //! | `report` | what `rodlab check` says of it |
 
+mod approach;
+mod camera;
 mod plan;
 mod report;
 mod resolve;
@@ -28,5 +32,5 @@ mod view;
 
 pub use plan::{Place, Plan, PlanError, PlanReport, PlanRequest, read_poses};
 pub use report::CellReport;
-pub use resolved::{Arm, Axis, Camera, Cell, Driver, Obstacle, Streaming, Table};
+pub use resolved::{Arm, Axis, Camera, Cell, Driver, Gripper, Obstacle, Streaming, Table};
 pub use streaming::StreamReport;

@@ -151,6 +151,10 @@ impl Resolver<'_> {
         }
         self.positive(&path.key("fx"), camera.fx);
         self.positive(&path.key("fy"), camera.fy);
+        // What `rodlab trace` locates points on.
+        if let Some(height) = &camera.table_height {
+            self.si(&path.key("table_height"), height);
+        }
         if camera.distortion.len() > 5 {
             self.fault(
                 &path.key("distortion"),
@@ -167,6 +171,7 @@ impl Resolver<'_> {
                 camera.quaternion.as_ref(),
                 None,
             ),
+            source: camera.source.clone(),
         }
     }
 

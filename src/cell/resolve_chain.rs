@@ -88,6 +88,10 @@ pub(super) fn resolve_arm(
             .driver
             .as_ref()
             .map(|driver| resolver.driver(&path.key("driver"), driver, false)),
+        gripper: typed
+            .gripper
+            .as_ref()
+            .map(|gripper| resolver.gripper(&path.key("gripper"), gripper, typed.driver.as_ref())),
         chain,
     })
 }

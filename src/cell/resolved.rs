@@ -42,6 +42,19 @@ pub struct Arm {
     pub may_touch: Vec<[Option<usize>; 2]>,
     /// What moves it.
     pub driver: Option<Driver>,
+    /// Its gripper.
+    pub gripper: Option<Gripper>,
+}
+
+/// The gripper of an arm: the action `control_msgs/GripperCommand` at the rosbridge server of the arm.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gripper {
+    /// Name of the action.
+    pub action: String,
+    /// How far its fingers are apart when it holds nothing, m.
+    pub open: f64,
+    /// How far it closes them, m.
+    pub closed: f64,
 }
 
 /// An external axis, such as the motor that twists a rod's end.
@@ -86,6 +99,8 @@ pub struct Camera {
     pub distortion: Vec<f64>,
     /// Pose in the cell; the camera looks along its z, y down.
     pub pose: Pose,
+    /// Where its pictures come from, such as `rosbridge://127.0.0.1:9090/camera/image_raw`.
+    pub source: Option<String>,
 }
 
 /// How trajectories are streamed.

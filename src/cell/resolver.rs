@@ -1,6 +1,6 @@
 //! Reading the keys of a cell file: units, ranges, poses and drivers, and what is wrong with them.
 
-use super::resolved::Driver;
+use super::resolved::{Driver, Gripper};
 use super::typed::{self, CellFile};
 use crate::robot::{Middleware, Pose, Ros2Address, pose};
 use crate::scenario::dimension::{Angle, Dimension, Dimensionless, Length};
@@ -8,6 +8,9 @@ use crate::scenario::{Issue, Issues, KeyPath, Quantity, TypedFile, Vector};
 use nalgebra::{Translation3, UnitQuaternion};
 use std::cell::RefCell;
 use std::path::PathBuf;
+
+/// How far fingers are apart that hold nothing, where nobody says so, m.
+const OPEN: f64 = 0.04;
 
 /// Reads keys and notes what is wrong with them; faulty ones are replaced by harmless values, so that all faults of a
 /// file are found together.
@@ -136,14 +139,12 @@ impl Resolver<'_> {
                 if !(1..=2).contains(&ros) {
                     self.fault(&path.key("ros"), format!("{ros}; allowed: 1 or 2"));
                 }
-                let port = bridge
-                    .address
-                    .rsplit_once(':')
-                    .map(|(_, port)| port.parse());
+                let server = bridge.address.split('/').next().unwrap_or_default();
+                let port = server.rsplit_once(':').map(|(_, port)| port.parse());
                 if !matches!(port, Some(Ok(1..=u16::MAX))) {
                     self.fault(
                         &path.key("address"),
-                        "host and port are needed, as in \"192.168.1.5:9090\"",
+                        "host and port are needed, as in \"192.168.1.5:9090\", and a path behind them where the server asks for one",
                     );
                 }
                 Driver::Rosbridge {
@@ -182,6 +183,36 @@ impl Resolver<'_> {
                     steps_per_turn: stepper.steps_per_turn.max(1),
                 }
             }
+        }
+    }
+
+    /// A gripper beside the driver of its arm.
+    pub fn gripper(
+        &self,
+        path: &KeyPath,
+        gripper: &typed::Gripper,
+        driver: Option<&typed::Driver>,
+    ) -> Gripper {
+        if !matches!(driver, Some(typed::Driver::Rosbridge(_))) {
+            self.fault(
+                path,
+                "a gripper is moved through the rosbridge server of its arm: its driver must be of kind \"rosbridge\"",
+            );
+        }
+        let opening = |key: &str, given: &Option<Quantity<Length>>, otherwise: f64| {
+            let path = path.key(key);
+            let metres = given
+                .as_ref()
+                .map_or(otherwise, |given| self.si(&path, given));
+            if !(metres >= 0.0 && metres.is_finite()) {
+                self.fault(&path, format!("{metres} m must be 0 or more"));
+            }
+            metres
+        };
+        Gripper {
+            action: gripper.action.clone(),
+            open: opening("open", &gripper.open, OPEN),
+            closed: opening("closed", &gripper.closed, 0.0),
         }
     }
 

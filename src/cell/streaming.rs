@@ -198,7 +198,7 @@ impl Cell {
     }
 
     /// `None` where it is not built into this program.
-    fn driver(&self, driver: &Driver) -> Option<Box<dyn robot::Driver>> {
+    pub(super) fn driver(&self, driver: &Driver) -> Option<Box<dyn robot::Driver>> {
         let driver: Box<dyn robot::Driver> = match driver {
             Driver::File { path, json_lines } => {
                 Box::new(FileDriver::new(path.clone(), *json_lines))

@@ -55,6 +55,15 @@ pub struct Arm {
     #[serde(default)]
     pub may_touch: Vec<[String; 2]>,
     pub driver: Option<Driver>,
+    pub gripper: Option<Gripper>,
+}
+
+/// The gripper of an arm: an action beside that of its driver.
+#[derive(Debug, Deserialize)]
+pub struct Gripper {
+    pub action: String,
+    pub open: Option<Quantity<Length>>,
+    pub closed: Option<Quantity<Length>>,
 }
 
 /// A number for all joints, or one for each.
@@ -184,6 +193,8 @@ pub struct Camera {
     pub distortion: Vec<f64>,
     pub position: Option<Vector<Length>>,
     pub quaternion: Option<[Quantity<Dimensionless>; 4]>,
+    pub table_height: Option<Quantity<Length>>,
+    pub source: Option<String>,
 }
 
 /// How trajectories are streamed.

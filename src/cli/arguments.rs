@@ -2,8 +2,9 @@
 
 use super::common::Common;
 use super::{
-    calibrate, check, completions, dataset, evaluate, explain, fold, gather, guide, init, measure,
-    plan, plot, reproduce, run, score, solve, status, stream, submit, trace, train, verify, view,
+    calibrate, cell, check, completions, dataset, deploy, evaluate, explain, fold, gather, guide,
+    init, measure, plan, plot, reproduce, run, score, solve, status, stream, submit, trace, train,
+    verify, view,
 };
 use clap::{Parser, Subcommand};
 
@@ -62,6 +63,8 @@ pub enum Command {
     Evaluate(evaluate::EvaluateArguments),
     /// Plan a trajectory: joint positions along poses of a hand
     Plan(plan::PlanArguments),
+    /// Lay a rod along a pattern by an arm: plan, show, stream, look and score
+    Deploy(Box<deploy::DeployArguments>),
     /// Fold a sheet: plan, simulate, show and score it
     Fold(fold::FoldArguments),
     /// Draw the figures of a results directory
@@ -70,6 +73,8 @@ pub enum Command {
     View(view::ViewArguments),
     /// Stream a joint trajectory to the arms and axes of a cell
     Stream(stream::StreamArguments),
+    /// Serve a virtual robot cell: arms, grippers, a rod on a table and a camera, simulated
+    Cell(cell::CellArguments),
     /// Run a sweep as a Slurm job array
     Submit(submit::SubmitArguments),
     /// Show the status of a sweep's cases and of the Slurm tasks that run them

@@ -17,6 +17,8 @@ pub struct RodFile {
     pub rod: DeployedRod,
     /// Mass per volume, kg/m³. For the shape it does not matter beside the gravito-bending length.
     pub density: f64,
+    /// Edges of the simulated rod; as many as are usual where there is no number.
+    pub edges: Option<u32>,
     /// Coefficients of friction with tables, by name.
     pub friction: BTreeMap<String, f64>,
 }
@@ -43,6 +45,7 @@ struct TypedRod {
     radius: Quantity<Length>,
     length: Quantity<Length>,
     density: Option<Quantity<Density>>,
+    edges: Option<u32>,
     #[serde(default)]
     friction: BTreeMap<String, f64>,
 }
@@ -96,6 +99,7 @@ impl RodFile {
             title: (file.typed.title.clone()).unwrap_or_else(|| stem.into_owned()),
             rod,
             density,
+            edges: typed.edges,
             friction: typed.friction.clone(),
         };
         Ok(issues.or_ok(found).map_err(|issues| file.locate(issues))?)

@@ -120,8 +120,10 @@ pub fn landing(landing: &Landing) -> String {
         title,
         rod,
         density,
+        edges,
         ..
     } = landing.file;
+    let edges = edges.map_or_else(String::new, |edges| format!("edges = {edges}\n"));
     let title = toml::Value::from(format!("{title} is laid along {}", landing.name));
     let pattern = match landing.source {
         PatternSource::Line(line) => format!("kind = \"line\", length = {:?}", line.length),
@@ -152,7 +154,7 @@ pub fn landing(landing: &Landing) -> String {
          gravito_bending_length = {unit:?}\n\
          radius = {radius:?}\n\
          length = {length:?}\n\
-         density = {density:?}\n\n\
+         density = {density:?}\n{edges}\n\
          [contact]\n\
          friction = {friction:?}\n\
          distance_tolerance = \"50 µm\"\n\

@@ -11,6 +11,7 @@ use crate::results::ResultsError;
 use crate::run::{RunError, StopRequest};
 use crate::scenario::ScenarioError;
 use crate::sweep::SweepError;
+use crate::virtual_cell::{RodError, ServeError};
 use crate::vision::VisionError;
 
 /// Why the program fails.
@@ -170,6 +171,27 @@ impl From<PlotError> for Failure {
 impl From<ViewError> for Failure {
     fn from(error: ViewError) -> Self {
         Self::View(error)
+    }
+}
+
+impl From<RodError> for Failure {
+    fn from(error: RodError) -> Self {
+        match error {
+            RodError::File(error) => (*error).into(),
+            error => Self::Input(error.to_string()),
+        }
+    }
+}
+
+impl From<ServeError> for Failure {
+    fn from(error: ServeError) -> Self {
+        match error {
+            ServeError::Rod(error) => Self::Cases {
+                exit_code: error.exit_code(),
+                message: ServeError::Rod(error).to_string(),
+            },
+            error => Self::Input(error.to_string()),
+        }
     }
 }
 

@@ -15,11 +15,13 @@
 
 mod arguments;
 mod calibrate;
+mod cell;
 mod check;
 mod common;
 mod completions;
 mod crash;
 mod dataset;
+mod deploy;
 mod deployed_rod;
 mod deployment_files;
 mod drawn_pattern;
@@ -35,6 +37,8 @@ mod gather;
 mod guide;
 mod helix_file;
 mod init;
+mod interruption;
+mod log_directory;
 mod logging;
 mod markdown;
 mod measure;
@@ -117,6 +121,8 @@ fn run_command(arguments: &Arguments) -> Result<(), Failure> {
         Command::Plot(command) => plot::plot(command),
         Command::View(command) => view::view(command, &arguments.common),
         Command::Stream(command) => stream::stream(command),
+        Command::Deploy(command) => deploy::deploy(command, &arguments.common),
+        Command::Cell(command) => cell::cell(command),
         Command::Submit(command) => submit::submit(command),
         Command::Status(command) => status::status(command),
         Command::Gather(command) => gather::gather(command),

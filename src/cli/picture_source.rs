@@ -2,8 +2,7 @@
 
 use super::failure::Failure;
 use crate::robot::{
-    Bag, BagError, BagPicture, CameraPicture, DriverError, PictureTopic, Ros1Camera, Ros2Address,
-    Ros2CameraAddress, RosbridgeCamera,
+    Bag, BagError, BagPicture, CameraError, CameraPicture, DriverError, PictureTopic, open_camera,
 };
 use crate::vision::{VisionError, decode_picture, pictures_in, read_picture};
 use clap::Args;
@@ -13,9 +12,6 @@ use std::time::Duration;
 
 /// Longest wait for a picture of a camera.
 const CAMERA_PATIENCE: Duration = Duration::from_secs(5);
-
-/// Highest domain whose ports of DDS exist.
-const LAST_DOMAIN: u16 = 232;
 
 /// Which pictures of a recording.
 #[derive(Clone, Debug, Args)]
@@ -152,60 +148,9 @@ fn of_camera(error: DriverError) -> Failure {
 
 /// The camera that a source names; none where it is a file.
 fn camera_at(source: &Path) -> Option<Result<Box<dyn PictureTopic>, Failure>> {
-    let text = source.to_str()?;
-    let (scheme, place) = text.split_once("://")?;
-    Some(
-        camera(scheme, place)
-            .unwrap_or_else(|shape| Err(Failure::Input(format!("{text}: {shape}")))),
-    )
-}
-
-/// Opens a camera, or says which shape its name has to have.
-fn camera(
-    scheme: &str,
-    place: &str,
-) -> Result<Result<Box<dyn PictureTopic>, Failure>, &'static str> {
-    const ROS_1: &str =
-        "ros1://host:port/topic is needed, as in ros1://192.168.1.5:11311/camera/image_raw";
-    const ROSBRIDGE: &str = "rosbridge://host:port/topic is needed, as in rosbridge://192.168.1.5:9090/camera/image_raw";
-    const ROS_2: &str = "ros2://domain/topic is needed, as in ros2://0/camera/image_raw: the camera's ROS_DOMAIN_ID; \
-                         or ros2://domain@address/topic with the address of this machine on the camera's network";
-    let (server, topic) = match place.split_once('/') {
-        Some((server, topic)) if !topic.is_empty() => (server, format!("/{topic}")),
-        _ => (place, String::new()),
-    };
-    let is_whole = server.contains(':') && !topic.is_empty();
-    match scheme {
-        "ros1" if is_whole => {
-            let camera = Ros1Camera::open(&format!("http://{server}"), &topic);
-            Ok(camera.map(boxed).map_err(of_camera))
-        }
-        "rosbridge" if is_whole => {
-            let camera = RosbridgeCamera::open(server, &topic);
-            Ok(camera.map(boxed).map_err(of_camera))
-        }
-        "ros2" => {
-            let (domain, interface) = match server.split_once('@') {
-                Some((domain, address)) => (domain, Some(address.parse().map_err(|_| ROS_2)?)),
-                None => (server, None),
-            };
-            let domain = domain.parse().ok().filter(|domain| *domain <= LAST_DOMAIN);
-            if !Ros2Address::IS_BUILT {
-                return Err("this program was built without cameras of ROS 2 (cargo feature ros2)");
-            }
-            let address = Ros2CameraAddress {
-                domain: domain.filter(|_| !topic.is_empty()).ok_or(ROS_2)?,
-                interface,
-                topic,
-            };
-            Ok(address.open().map_err(of_camera))
-        }
-        "ros1" => Err(ROS_1),
-        "rosbridge" => Err(ROSBRIDGE),
-        _ => Err("cameras are named by ros1://, rosbridge:// or ros2://"),
-    }
-}
-
-fn boxed<T: PictureTopic + 'static>(camera: T) -> Box<dyn PictureTopic> {
-    Box::new(camera)
+    let opened = open_camera(source.to_str()?)?;
+    Some(opened.map_err(|error| match error {
+        CameraError::Name(words) => Failure::Input(words),
+        CameraError::Driver(error) => of_camera(error),
+    }))
 }

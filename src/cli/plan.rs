@@ -135,7 +135,7 @@ impl From<PlanError> for Failure {
     }
 }
 
-fn parse_place(text: &str) -> Result<Place, String> {
+pub(super) fn parse_place(text: &str) -> Result<Place, String> {
     if text == "auto" {
         return Ok(Place::Auto);
     }
@@ -150,7 +150,7 @@ fn parse_place(text: &str) -> Result<Place, String> {
     }
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+pub(super) fn positive(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
         _ => Err("a number above 0 is needed".into()),

@@ -14,7 +14,8 @@ use crate::plan::deployment::{
 };
 use crate::plan::grasp::NeuralGrasps;
 use crate::plan::pattern::{
-    Circle, Crossing, Drawing, Line, Pattern, PatternError, PatternSource, Point, Sine, crossings,
+    Circle, Crossing, Drawing, Line, Pattern, PatternError, PatternPoint, PatternSource, Point,
+    Sine, crossings,
 };
 use crate::plan::tying::{
     GripperPoses, Handling, LiftPath, Pass, Passage, Schedule, TiedRod, TyingTask, laid_length,
@@ -29,6 +30,16 @@ use std::path::{Path, PathBuf};
 /// Arguments of `rodlab plan deployment`.
 #[derive(Debug, Args)]
 pub struct DeploymentArguments {
+    #[command(flatten)]
+    what: DeploymentPlan,
+    /// Where to write the results
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+}
+
+/// What is laid along what, and how.
+#[derive(Debug, Args)]
+pub struct DeploymentPlan {
     /// The pattern: an SVG file; a CSV file with columns x_m and y_m; or line:LENGTH, circle:RADIUS,
     /// sine:AMPLITUDE,WAVELENGTH,WAVES
     #[arg(long, value_name = "PATTERN")]
@@ -36,9 +47,6 @@ pub struct DeploymentArguments {
     /// The rod: TOML with gravito_bending_length, radius and length in [deployment.rod]
     #[arg(long, value_name = "FILE")]
     rod: PathBuf,
-    /// Where to write the results
-    #[arg(long, value_name = "DIR")]
-    out: PathBuf,
     /// How the gripper leads the rod
     #[arg(long, default_value = "optimal")]
     scheme: SchemeName,
@@ -111,8 +119,9 @@ enum LeadInLength {
     Given(f64),
 }
 
+/// Numbers of a plan, and its files.
 #[derive(Serialize)]
-struct Report {
+pub struct Report {
     pattern: String,
     rod: String,
     scheme: SchemeName,
@@ -145,9 +154,33 @@ struct CrossingReport {
     y_m: f64,
 }
 
+/// A plan that was written.
+pub struct WrittenPlan {
+    /// Its numbers, for people.
+    pub report: Report,
+    /// The rod.
+    pub rod: DeployedRod,
+    /// Poses of the gripper that lays it.
+    pub poses: Vec<GripperPose>,
+    /// The pattern with its lead-in.
+    pub points: Vec<PatternPoint>,
+    /// Length of that, m.
+    pub lead_in: f64,
+}
+
 impl DeploymentArguments {
-    /// Plans, and writes trajectory, pattern and figure.
+    /// Plans, writes trajectory, pattern and figure, and prints the numbers.
     pub fn plan(&self) -> Result<(), Failure> {
+        print_json(&self.what.write(&self.out)?.report)
+    }
+}
+
+impl DeploymentPlan {
+    /// Plans, and writes trajectory, pattern and figure into a directory.
+    ///
+    /// # Errors
+    /// The rod, the pattern or an argument is faulty, or a file cannot be written.
+    pub fn write(&self, out: &Path) -> Result<WrittenPlan, Failure> {
         let file = RodFile::read(&self.rod)?;
         let rod = file.rod;
         let friction = self.friction(&file)?;
@@ -250,16 +283,16 @@ impl DeploymentArguments {
         if let PatternSource::Drawn { points, .. } = &source {
             named.push((DRAWING.to_owned(), drawing_csv(points)));
         }
-        std::fs::create_dir_all(&self.out).map_err(|error| {
-            Failure::System(format!("{} cannot be made: {error}", self.out.display()))
+        std::fs::create_dir_all(out).map_err(|error| {
+            Failure::System(format!("{} cannot be made: {error}", out.display()))
         })?;
         let mut files = Vec::new();
         for (name, text) in named {
-            let path = self.out.join(name);
+            let path = out.join(name);
             write_file(&path, text.as_bytes())?;
             files.push(path);
         }
-        print_json(&Report {
+        let report = Report {
             pattern: self.pattern.clone(),
             rod: file.title,
             scheme: self.scheme,
@@ -281,7 +314,24 @@ impl DeploymentArguments {
                 .map(|_| poses.iter().filter(|pose| pose.grasp.is_some()).count()),
             duration_s: duration,
             files,
+        };
+        Ok(WrittenPlan {
+            report,
+            rod,
+            lead_in: pattern.lead_in(),
+            poses,
+            points,
         })
+    }
+
+    /// Whether a knot is tied.
+    pub fn ties_knot(&self) -> bool {
+        !self.knot.is_empty()
+    }
+
+    /// The pattern as it was given.
+    pub fn pattern_name(&self) -> &str {
+        &self.pattern
     }
 
     /// The crossings of a knot; `None` where none is tied.

@@ -5,7 +5,7 @@ use crate::cell::{Arm, Cell};
 use crate::robot::{Pose, Posture, parts, pose};
 use clap::Args;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Which arm.
 #[derive(Debug, Args)]
@@ -25,25 +25,33 @@ impl ArmChoice {
     /// If the file is faulty, or the arm is not named where it must be, or not there.
     pub fn read(&self) -> Result<(Cell, usize), Failure> {
         let cell = Cell::read(&self.cell)?;
-        let names: Vec<&str> = cell.arms.iter().map(|arm| arm.name.as_str()).collect();
-        let index = match &self.arm {
-            None if names.len() == 1 => Some(0),
-            None => None,
-            Some(name) => names.iter().position(|known| known == name),
-        };
-        let index = index.ok_or_else(|| {
-            let what = match &self.arm {
-                Some(name) => format!("--arm: there is no arm {name:?}"),
-                None => "--arm must say which".to_owned(),
-            };
-            Failure::Input(format!(
-                "{what}; arms of {}: {}",
-                self.cell.display(),
-                names.join(", ")
-            ))
-        })?;
+        let index = arm_named(&cell, self.arm.as_deref(), &self.cell)?;
         Ok((cell, index))
     }
+}
+
+/// The index of an arm of a cell by its name, which may be left out where there is only one.
+///
+/// # Errors
+/// There is no such arm, or it must be named.
+pub(super) fn arm_named(cell: &Cell, name: Option<&str>, file: &Path) -> Result<usize, Failure> {
+    let names: Vec<&str> = cell.arms.iter().map(|arm| arm.name.as_str()).collect();
+    let index = match name {
+        None if names.len() == 1 => Some(0),
+        None => None,
+        Some(name) => names.iter().position(|known| *known == name),
+    };
+    index.ok_or_else(|| {
+        let what = match name {
+            Some(name) => format!("--arm: there is no arm {name:?}"),
+            None => "--arm must say which".to_owned(),
+        };
+        Failure::Input(format!(
+            "{what}; arms of {}: {}",
+            file.display(),
+            names.join(", ")
+        ))
+    })
 }
 
 /// Arguments of `rodlab solve fk`.

@@ -1,17 +1,16 @@
 //! `rodlab stream`.
 
 use super::failure::Failure;
+use super::interruption::watch_for_interruption;
+use super::log_directory::log_directory;
 use super::output::print_json;
 use crate::cell::{Cell, Driver, StreamReport};
 use crate::results::write_whole;
 use crate::robot::{Ending, JointTrajectory, StreamLog, stream as run};
 use clap::Args;
 use serde::Serialize;
-use signal_hook::consts::{SIGINT, SIGTERM};
-use signal_hook::flag;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 
 /// Arguments of `rodlab stream`.
 #[derive(Debug, Args)]
@@ -83,7 +82,7 @@ pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
     if arguments.dry_run {
         return print_json(&report);
     }
-    let directory = log_directory(arguments.out.as_deref())?;
+    let directory = log_directory("stream", arguments.out.as_deref())?;
     let mut hashes = Vec::new();
     for (k, trajectory) in trajectories.iter().enumerate() {
         let name = match trajectories.len() {
@@ -166,47 +165,6 @@ fn write_manifest(directory: &Path, manifest: &Manifest<'_>) -> Result<(), Failu
         .map_err(|error| Failure::System(format!("the manifest cannot be written: {error}")))?;
     text.push(b'\n');
     Ok(write_whole(&directory.join("manifest.json"), &text)?)
-}
-
-/// An empty directory: every stream has its own.
-fn log_directory(given: Option<&Path>) -> Result<PathBuf, Failure> {
-    let directory = given.map_or_else(
-        || {
-            let now = jiff::Timestamp::now()
-                .strftime("%Y%m%dT%H%M%S%.3fZ")
-                .to_string();
-            Path::new("results").join(format!("stream-{now}"))
-        },
-        Path::to_owned,
-    );
-    let made = std::fs::create_dir_all(&directory).and_then(|()| std::fs::read_dir(&directory));
-    match made.map(|mut entries| entries.next().is_some()) {
-        Ok(false) => Ok(directory),
-        Ok(true) => Err(Failure::Input(format!(
-            "--out: {} is not empty; every stream needs a directory of its own",
-            directory.display()
-        ))),
-        Err(error) => Err(Failure::Input(format!(
-            "--out: {} cannot be made: {error}",
-            directory.display()
-        ))),
-    }
-}
-
-/// A flag that Ctrl-C and SIGTERM raise; a second signal ends the program at once.
-fn watch_for_interruption() -> Result<Arc<AtomicBool>, Failure> {
-    let interrupted = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM] {
-        // In this order: the first signal finds the flag down, and raises it.
-        flag::register_conditional_shutdown(signal, 130, Arc::clone(&interrupted))
-            .and_then(|_| flag::register(signal, Arc::clone(&interrupted)))
-            .map_err(|error| {
-                Failure::System(format!(
-                    "Ctrl-C cannot be watched for, so nothing is moved: {error}"
-                ))
-            })?;
-    }
-    Ok(interrupted)
 }
 
 fn factor(text: &str) -> Result<f64, String> {

@@ -57,6 +57,7 @@ pages! {
     probes
     figures
     robots
+    cell
     vision
     theory
     accuracy

@@ -68,7 +68,7 @@ impl Camera {
     }
 }
 
-const KEYS: [&str; 10] = [
+const KEYS: [&str; 11] = [
     "width",
     "height",
     "fx",
@@ -79,6 +79,7 @@ const KEYS: [&str; 10] = [
     "position",
     "quaternion",
     "table_height",
+    "source",
 ];
 
 struct CameraReader<'a> {

@@ -4,6 +4,7 @@
 //! [`Driver::connect`] and [`Driver::hold`].
 
 mod action_client;
+mod camera_name;
 mod file;
 mod follow_joint_trajectory;
 mod picture;
@@ -11,14 +12,20 @@ mod ros1;
 mod ros2;
 mod rosbridge;
 mod rosbridge_camera;
+mod rosbridge_goal;
+mod rosbridge_gripper;
+mod rosbridge_socket;
 mod stepper;
 
+pub use camera_name::{CameraError, open_camera};
 pub use file::FileDriver;
 pub use picture::{CameraPicture, PictureTopic};
 pub use ros1::{Bag, BagError, BagPicture, Ros1Camera, Ros1Driver};
 pub use ros2::{Middleware, Ros2Address, Ros2CameraAddress};
-pub use rosbridge::{RosVersion, RosbridgeDriver};
+pub use rosbridge::RosbridgeDriver;
 pub use rosbridge_camera::RosbridgeCamera;
+pub use rosbridge_goal::RosVersion;
+pub use rosbridge_gripper::RosbridgeGripper;
 pub use stepper::{SerialLine, StepperAnswer, StepperDriver, StepperLink, StepperRequest};
 
 use std::time::Instant;
@@ -133,6 +140,12 @@ pub trait Driver: Send {
     /// # Errors
     /// If the connection is lost.
     fn state(&mut self) -> Result<Option<JointState>, DriverError>;
+
+    /// Time of the robot's own clock, s, where it keeps one, and when it was heard: a simulated robot may be faster or slower
+    /// than real time.
+    fn clock(&self) -> Option<(f64, Instant)> {
+        None
+    }
 
     /// Begins a motion, at once.
     ///

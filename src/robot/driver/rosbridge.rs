@@ -4,26 +4,23 @@
 //! subscribed. For ROS 2 the server itself is the action client: `send_action_goal`, `cancel_action_goal`.
 
 use super::action_client::{ActionClient, Goal};
-use super::follow_joint_trajectory::{ros_1_outcome, ros_2_outcome};
+use super::rosbridge_goal::{ActionName, RosVersion, cancellation, duration, goal, result_of};
+use super::rosbridge_socket::{open_socket, send};
 use super::{Driver, DriverError, JointState, PartTrajectory, Progress};
 use serde_json::{Value, json};
 use std::io::ErrorKind;
-use std::net::{TcpStream, ToSocketAddrs};
-use std::time::{Duration, Instant};
+use std::net::TcpStream;
+use std::time::Instant;
 use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Message, WebSocket};
 
-/// Longest time for a connection, and for a message to leave.
-const PATIENCE: Duration = Duration::from_secs(2);
-
-/// Which ROS is behind the server.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RosVersion {
-    /// ROS 1.
-    One,
-    /// ROS 2.
-    Two,
-}
+/// Topic on which a simulated robot tells its time.
+const CLOCK: &str = "/clock";
+/// What it is sent to do.
+const FOLLOW: ActionName = ActionName {
+    package: "control_msgs",
+    name: "FollowJointTrajectory",
+};
 
 /// A driver through rosbridge.
 pub struct RosbridgeDriver {
@@ -34,6 +31,7 @@ pub struct RosbridgeDriver {
     joints: Vec<String>,
     socket: Option<WebSocket<TcpStream>>,
     state: Option<JointState>,
+    clock: Option<(f64, Instant)>,
     goal: Option<Goal>,
 }
 
@@ -48,6 +46,7 @@ impl RosbridgeDriver {
             joints: Vec::new(),
             socket: None,
             state: None,
+            clock: None,
             goal: None,
         }
     }
@@ -56,17 +55,7 @@ impl RosbridgeDriver {
         let Some(socket) = &mut self.socket else {
             return Err(self.lost(format_args!("not connected")));
         };
-        let mut result = socket.send(Message::text(value.to_string()));
-        let begin = Instant::now();
-        // A long goal may fill the socket's buffer; the rest follows as the server reads.
-        while let Err(tungstenite::Error::Io(error)) = &result {
-            if error.kind() != ErrorKind::WouldBlock || begin.elapsed() > PATIENCE {
-                break;
-            }
-            std::thread::sleep(Duration::from_millis(1));
-            result = socket.flush();
-        }
-        result.map_err(|error| self.lost(format_args!("{error}")))
+        send(socket, value).map_err(|error| self.lost(format_args!("{error}")))
     }
 
     fn hear(&mut self, message: &Value) {
@@ -74,29 +63,13 @@ impl RosbridgeDriver {
             (Some("publish"), Some(topic)) if topic == self.joint_states => {
                 self.hear_state(&message["msg"]);
             }
-            (Some("publish"), Some(topic)) => {
-                if let Some(what) = topic.strip_prefix(&self.action) {
-                    let what = what.to_owned();
-                    self.hear_action(&what, &message["msg"]);
+            (Some("publish"), Some(CLOCK)) => {
+                if let Some(time) = clock_time(&message["msg"]["clock"]) {
+                    self.clock = Some((time, Instant::now()));
                 }
             }
-            (Some("action_feedback"), _) => {
-                if let Some(goal) = self
-                    .goal
-                    .as_mut()
-                    .filter(|goal| message["id"] == *goal.id())
-                {
-                    goal.acknowledge();
-                }
-            }
-            (Some("action_result"), _) => {
-                if let Some(goal) = self
-                    .goal
-                    .as_mut()
-                    .filter(|goal| message["id"] == *goal.id())
-                {
-                    goal.end(bridged_outcome(message));
-                }
+            (Some("publish" | "action_feedback" | "action_result"), _) => {
+                self.hear_action(message);
             }
             (Some("status"), _) if message["level"] == "error" => {
                 let said = message["msg"].as_str().unwrap_or("an error without words");
@@ -122,47 +95,17 @@ impl RosbridgeDriver {
         self.state = heard.or(self.state.take());
     }
 
-    /// Topics of a ROS 1 action.
-    fn hear_action(&mut self, what: &str, message: &Value) {
+    /// What is said of the goal.
+    fn hear_action(&mut self, message: &Value) {
         let Some(goal) = &mut self.goal else { return };
-        let ours = |status: &Value| status["goal_id"]["id"] == *goal.id();
-        match what {
-            "/status" => {
-                let list = message["status_list"].as_array();
-                if list.is_some_and(|list| list.iter().any(ours)) {
-                    goal.acknowledge();
-                }
-            }
-            "/feedback" if ours(&message["status"]) => goal.acknowledge(),
-            "/result" if ours(&message["status"]) => {
-                let status = message["status"]["status"].as_i64().unwrap_or(0);
-                let code = message["result"]["error_code"].as_i64().unwrap_or(0);
-                let said = [
-                    &message["status"]["text"],
-                    &message["result"]["error_string"],
-                ];
-                let said: Vec<&str> = said.iter().filter_map(|text| text.as_str()).collect();
-                goal.end(ros_1_outcome(status, code, &said.join(" ")));
-            }
-            _ => {}
+        if let Some(outcome) = result_of(&self.action, goal.id(), message) {
+            goal.end(outcome);
+        } else if speaks_of(&self.action, goal.id(), message) {
+            goal.acknowledge();
         }
     }
 
     fn goal_message(&self, trajectory: &PartTrajectory, id: &str) -> Value {
-        let one = self.version == RosVersion::One;
-        let duration = |seconds: f64| {
-            let (whole, rest) = (seconds.floor(), (seconds.fract() * 1e9).round());
-            let (whole, rest) = if rest >= 1e9 {
-                (whole + 1.0, 0.0)
-            } else {
-                (whole, rest)
-            };
-            if one {
-                json!({ "secs": whole as i64, "nsecs": rest as i64 })
-            } else {
-                json!({ "sec": whole as i64, "nanosec": rest as i64 })
-            }
-        };
         let rows = trajectory.times.iter().zip(&trajectory.points);
         let points: Vec<Value> = rows
             .zip(trajectory.velocities())
@@ -172,29 +115,14 @@ impl RosbridgeDriver {
                     "velocities": velocities,
                     "accelerations": [],
                     "effort": [],
-                    "time_from_start": duration(*time),
+                    "time_from_start": duration(self.version, *time),
                 })
             })
             .collect();
         let body = json!({
             "trajectory": { "joint_names": trajectory.joints, "points": points },
         });
-        if one {
-            json!({
-                "op": "publish",
-                "topic": format!("{}/goal", self.action),
-                "msg": { "goal_id": { "stamp": duration(0.0), "id": id }, "goal": body },
-            })
-        } else {
-            json!({
-                "op": "send_action_goal",
-                "id": id,
-                "action": self.action,
-                "action_type": "control_msgs/action/FollowJointTrajectory",
-                "args": body,
-                "feedback": true,
-            })
-        }
+        goal(self.version, &self.action, &FOLLOW, id, body)
     }
 }
 
@@ -235,17 +163,7 @@ impl ActionClient for RosbridgeDriver {
     }
 
     fn cancel(&mut self, id: &str) -> Result<(), DriverError> {
-        let cancel = match self.version {
-            RosVersion::One => json!({
-                "op": "publish",
-                "topic": format!("{}/cancel", self.action),
-                "msg": { "stamp": { "secs": 0, "nsecs": 0 }, "id": id },
-            }),
-            RosVersion::Two => {
-                json!({ "op": "cancel_action_goal", "id": id, "action": self.action })
-            }
-        };
-        self.send(&cancel)
+        self.send(&cancellation(self.version, &self.action, id))
     }
 
     fn lost(&self, reason: std::fmt::Arguments<'_>) -> DriverError {
@@ -268,6 +186,12 @@ impl Driver for RosbridgeDriver {
             "sensor_msgs/msg/JointState"
         };
         self.send(&json!({ "op": "subscribe", "topic": self.joint_states, "type": state_type }))?;
+        let clock_type = if one {
+            "rosgraph_msgs/Clock"
+        } else {
+            "rosgraph_msgs/msg/Clock"
+        };
+        self.send(&json!({ "op": "subscribe", "topic": CLOCK, "type": clock_type }))?;
         if one {
             for (topic, kind) in [
                 ("status", "actionlib_msgs/GoalStatusArray"),
@@ -300,6 +224,10 @@ impl Driver for RosbridgeDriver {
         Ok(self.state.clone())
     }
 
+    fn clock(&self) -> Option<(f64, Instant)> {
+        self.clock
+    }
+
     fn start(&mut self, trajectory: &PartTrajectory) -> Result<(), DriverError> {
         let goal = Goal::new();
         let message = self.goal_message(trajectory, goal.id());
@@ -317,45 +245,25 @@ impl Driver for RosbridgeDriver {
     }
 }
 
-/// A WebSocket to the server at `host:port`.
-///
-/// # Errors
-/// In words.
-pub(super) fn open_socket(
-    address: &str,
-    config: WebSocketConfig,
-) -> Result<WebSocket<TcpStream>, String> {
-    let resolved = address
-        .to_socket_addrs()
-        .map_err(|error| error.to_string())?;
-    let mut stream = Err(std::io::Error::from(ErrorKind::AddrNotAvailable));
-    for address in resolved {
-        stream = TcpStream::connect_timeout(&address, PATIENCE);
-        if stream.is_ok() {
-            break;
-        }
+/// Whether a message says that a goal is known: the status list of ROS 1, feedback of either.
+fn speaks_of(action: &str, id: &str, message: &Value) -> bool {
+    if message["op"] == "action_feedback" {
+        return message["id"] == *id;
     }
-    let stream =
-        stream.map_err(|error| format!("no connection: {error}; is the server started?"))?;
-    stream
-        .set_nodelay(true)
-        .and_then(|()| stream.set_read_timeout(Some(PATIENCE)))
-        .map_err(|error| error.to_string())?;
-    let url = format!("ws://{address}/");
-    let (socket, _) = tungstenite::client::client_with_config(url, stream, Some(config))
-        .map_err(|error| format!("no WebSocket: {error}"))?;
-    Ok(socket)
+    let ours = |status: &Value| status["goal_id"]["id"] == *id;
+    let topic = message["topic"].as_str().unwrap_or_default();
+    match topic.strip_prefix(action) {
+        Some("/status") => {
+            let list = message["msg"]["status_list"].as_array();
+            list.is_some_and(|list| list.iter().any(ours))
+        }
+        Some("/feedback") => ours(&message["msg"]["status"]),
+        _ => false,
+    }
 }
 
-/// The end of a ROS 2 goal as the server tells it.
-fn bridged_outcome(message: &Value) -> Result<(), DriverError> {
-    let values = &message["values"];
-    let said = values["error_string"].as_str().or(values.as_str());
-    let status = match (&message["result"], message["status"].as_i64()) {
-        (Value::Bool(false), _) => None,
-        // Servers of the first versions tell no status of a success.
-        (_, status) => Some(status.unwrap_or(4)),
-    };
-    let code = values["error_code"].as_i64().unwrap_or(0);
-    ros_2_outcome(status, code, said.unwrap_or_default())
+/// A time of ROS 1 or ROS 2, s.
+fn clock_time(time: &Value) -> Option<f64> {
+    let part = |one: &str, two: &str| time[one].as_f64().or_else(|| time[two].as_f64());
+    Some(part("secs", "sec")? + 1e-9 * part("nsecs", "nanosec")?)
 }

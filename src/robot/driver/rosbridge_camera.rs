@@ -2,7 +2,7 @@
 
 use super::DriverError;
 use super::picture::{CameraPicture, LARGEST_PICTURE, PictureTopic, RawImage, pixels};
-use super::rosbridge::open_socket;
+use super::rosbridge_socket::open_socket;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};

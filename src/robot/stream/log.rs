@@ -8,7 +8,8 @@ use std::path::Path;
 use std::time::Instant;
 
 /// Tables `commanded.csv` and `state.csv` (`time_s`, `part`, `joint`, `position`) and `events.csv` (`time_s`, `event`);
-/// times count from the opening of the log.
+/// times count from the opening of the log; after the start, on the robot's
+/// clock where it keeps one.
 pub struct StreamLog {
     files: Option<Files>,
     opened: Instant,
@@ -110,17 +111,14 @@ impl StreamLog {
         }
     }
 
-    /// Notes where a part is, once for each report.
-    pub(super) fn state(&mut self, part: &Part, state: &JointState) {
+    /// Notes where a part is, once for each report, so long after the start.
+    pub(super) fn state(&mut self, part: &Part, state: &JointState, heard: f64) {
         match self.heard.iter_mut().find(|(name, _)| *name == part.name) {
             Some((_, last)) if *last == state.received => return,
             Some((_, last)) => *last = state.received,
             None => self.heard.push((part.name.clone(), state.received)),
         }
-        let time = state
-            .received
-            .saturating_duration_since(self.opened)
-            .as_secs_f64();
+        let time = self.started.unwrap_or(0.0) + heard;
         self.write(|files| {
             for (joint, position) in part.trajectory.joints.iter().zip(&state.positions) {
                 writeln!(files.state, "{time:.6},{},{joint},{position}", part.name)?;

@@ -6,12 +6,14 @@
 //! ends it early, every part is told to hold, and the log is complete.
 
 mod check;
+mod clock;
 mod log;
 
 pub use check::{Fault, check};
 pub use log::StreamLog;
 
 use super::driver::{Driver, DriverError, PartTrajectory, Progress};
+use clock::MotionClock;
 use std::time::{Duration, Instant};
 
 /// Time between looks at the drivers.
@@ -100,12 +102,16 @@ fn run(
     if let Err(ending) = started {
         return ending;
     }
+    let mut clock = match MotionClock::of(parts) {
+        Ok(clock) => clock,
+        Err(reason) => return Ending::Failed(reason),
+    };
     for part in parts.iter_mut() {
         if let Err(error) = part.driver.start(&part.trajectory) {
             return failed(part, &error);
         }
     }
-    let start = Instant::now();
+    clock.set_off();
     log.event("started");
     let mut done = vec![false; parts.len()];
     let longest = parts
@@ -113,7 +119,7 @@ fn run(
         .map(|part| part.trajectory.duration())
         .fold(0.0, f64::max);
     loop {
-        let elapsed = start.elapsed().as_secs_f64();
+        let elapsed = clock.elapsed(parts);
         if is_interrupted() {
             return Ending::Interrupted;
         }
@@ -128,7 +134,7 @@ fn run(
                     Err(error) => return failed(part, &error),
                 }
             }
-            if let Err(reason) = watch(part, bounds, elapsed, *done, log) {
+            if let Err(reason) = watch(part, bounds, &clock, *done, log) {
                 return Ending::Failed(reason);
             }
         }
@@ -137,7 +143,7 @@ fn run(
             log.commanded(f64::INFINITY, parts);
             return Ending::Finished;
         }
-        if elapsed > longest + OVERTIME {
+        if elapsed > longest + OVERTIME * clock.haste(elapsed) {
             let late: Vec<&str> = parts
                 .iter()
                 .zip(&done)
@@ -216,7 +222,7 @@ fn prepare(
 fn watch(
     part: &mut Part,
     bounds: &StreamBounds,
-    elapsed: f64,
+    clock: &MotionClock,
     done: bool,
     log: &mut StreamLog,
 ) -> Result<(), String> {
@@ -228,21 +234,25 @@ fn watch(
         .state()
         .map_err(|error| format!("{}: {error}", part.name))?;
     let Some(state) = state else { return Ok(()) };
-    log.state(part, &state);
     let silence = state.received.elapsed();
-    if silence > bounds.watchdog && !done {
+    let heard = clock.heard(part, silence);
+    log.state(part, &state, heard);
+    let told = part.driver.clock().map(|(_, told)| told.elapsed());
+    let quiet = told.map_or(silence, |told| silence.max(told));
+    if quiet > bounds.watchdog && !done {
         return Err(format!(
             "{}: nothing was heard of its joints for {:.0} ms; allowed: {:.0} ms",
             part.name,
-            silence.as_secs_f64() * 1e3,
+            quiet.as_secs_f64() * 1e3,
             bounds.watchdog.as_secs_f64() * 1e3
         ));
     }
     if !part.driver.knows_position() {
         return Ok(());
     }
-    let heard = elapsed - silence.as_secs_f64();
-    let Some((joint, distance)) = farthest(&part.trajectory, &state.positions, heard) else {
+    let lateness = LATENESS * clock.haste(heard);
+    let farthest = farthest(&part.trajectory, &state.positions, heard, lateness);
+    let Some((joint, distance)) = farthest else {
         return Ok(());
     };
     if !(distance <= bounds.tracking_tolerance) {
@@ -259,9 +269,10 @@ fn farthest<'a>(
     trajectory: &'a PartTrajectory,
     positions: &[f64],
     time: f64,
+    lateness: f64,
 ) -> Option<(&'a str, f64)> {
     let instants: Vec<Vec<f64>> = (0..=10)
-        .map(|k| trajectory.at(time - LATENESS * f64::from(k) / 10.0))
+        .map(|k| trajectory.at(time - lateness * f64::from(k) / 10.0))
         .collect();
     let distances = trajectory.joints.iter().enumerate().map(|(index, joint)| {
         let places = instants.iter().map(|instant| instant[index]);

@@ -1,0 +1,158 @@
+//! `rodlab cell`: the virtual robot cell.
+
+use super::failure::Failure;
+use super::interruption::watch_for_interruption;
+use super::output::print;
+use crate::cell::{Cell, Driver};
+use crate::virtual_cell::{Fault, Response, RodSupply, Settings, VirtualCell};
+use clap::{Args, Subcommand};
+use std::net::{SocketAddr, ToSocketAddrs};
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
+
+/// Arguments of `rodlab cell`.
+#[derive(Debug, Args)]
+pub struct CellArguments {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Debug, Subcommand)]
+enum What {
+    /// Simulate a cell, behind the protocol of real ones, until Ctrl-C
+    #[command(after_help = "\
+Examples:
+  rodlab cell serve --rod scenarios/rods/green_vps.toml
+  rodlab cell serve --cell cell.toml --rod rod.toml --friction 0.2 --rate 5
+  rodlab cell serve --rod scenarios/rods/green_vps.toml --fault drop-link@3s --fault lose-camera@0s
+
+Arms follow trajectories as `rodlab stream` sends them, late and a little behind. A gripper that closes is handed the end of a
+rod, which hangs from it with its free end on the table; one that opens lets it go. The camera shows the table and the rod; where
+the cell file names no other topic, on /camera/image_raw. What runs is printed: the address on which it listens.
+An arm is led by one client at a time. When that is gone, the arm stops. Times of faults count from the first motion of an arm;
+faults are drop-link, freeze-joint, slip-grasp and lose-camera.")]
+    Serve(ServeArguments),
+}
+
+#[derive(Debug, Args)]
+struct ServeArguments {
+    /// The cell file; its arms have drivers of kind \"rosbridge\"
+    #[arg(
+        long,
+        value_name = "FILE",
+        default_value = "scenarios/cells/gantry.toml"
+    )]
+    cell: PathBuf,
+    /// The rod: TOML with gravito_bending_length, radius and length in [deployment.rod]; without one, grippers hold nothing
+    #[arg(long, value_name = "FILE")]
+    rod: Option<PathBuf>,
+    /// Friction of the table
+    #[arg(long, value_name = "FRICTION", default_value_t = 0.4, value_parser = friction)]
+    friction: f64,
+    /// How many times as fast as real time; a simulation that cannot keep up is slower
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = rate)]
+    rate: f64,
+    /// Address to listen on, host:port, with port 0 on any that is free [default: that of the drivers]. On an address that
+    /// others can reach only with --token
+    #[arg(long, value_name = "ADDRESS")]
+    listen: Option<String>,
+    /// What clients must know: the path behind the address in their cell file, \"192.168.1.5:9090/TOKEN\"
+    #[arg(long, value_name = "TOKEN", env = "RODLAB_CELL_TOKEN", hide_env_values = true, value_parser = token)]
+    token: Option<String>,
+    /// Time from a command to the first motion, s
+    #[arg(long, value_name = "SECONDS", default_value_t = Response::default().latency, value_parser = delay)]
+    latency: f64,
+    /// Time by which joints run behind, s
+    #[arg(long, value_name = "SECONDS", default_value_t = Response::default().lag, value_parser = delay)]
+    lag: f64,
+    /// What goes wrong, and when, s after the first motion begins: FAULT@TIME; may be given more than once
+    #[arg(long = "fault", value_name = "FAULT@TIME")]
+    faults: Vec<Fault>,
+}
+
+/// Serves a virtual cell.
+pub fn cell(arguments: &CellArguments) -> Result<(), Failure> {
+    let What::Serve(arguments) = &arguments.what;
+    let cell = Cell::read(&arguments.cell)?;
+    let address = arguments.address(&cell)?;
+    let rod = arguments.rod.as_deref();
+    let supply = rod.map(|rod| RodSupply::new(rod, arguments.friction));
+    let settings = Settings {
+        address,
+        token: arguments.token.clone(),
+        rate: arguments.rate,
+        response: Response {
+            latency: arguments.latency,
+            lag: arguments.lag,
+        },
+        supply: supply.transpose()?,
+        faults: arguments.faults.clone(),
+    };
+    let interrupted = watch_for_interruption()?;
+    let mut served = VirtualCell::new(&cell, settings)?;
+    let address = served.address();
+    let address = address.map_err(|error| Failure::System(error.to_string()))?;
+    print(&format!("listening on {address}\n"))?;
+    Ok(served.serve(&|| interrupted.load(Ordering::Relaxed))?)
+}
+
+impl ServeArguments {
+    /// Where to listen. What only this machine can reach needs no token.
+    fn address(&self, cell: &Cell) -> Result<SocketAddr, Failure> {
+        let (what, given) = match &self.listen {
+            Some(given) => ("--listen", given.as_str()),
+            None => (
+                "the address of the drivers",
+                driver_address(cell).unwrap_or_default(),
+            ),
+        };
+        let server = given.split('/').next().unwrap_or_default();
+        let resolved = server.to_socket_addrs().ok().and_then(|mut all| all.next());
+        let address = resolved.ok_or_else(|| {
+            Failure::Input(format!(
+                "{what}: {given:?} is no address of this machine; needed: host:port, as in 127.0.0.1:9090"
+            ))
+        })?;
+        if address.ip().is_loopback() || (self.listen.is_some() && self.token.is_some()) {
+            return Ok(address);
+        }
+        Err(Failure::Input(format!(
+            "{what}: others can reach {address}; allowed: 127.0.0.1, or any address with --listen and --token"
+        )))
+    }
+}
+
+fn driver_address(cell: &Cell) -> Option<&str> {
+    cell.arms.iter().find_map(|arm| match &arm.driver {
+        Some(Driver::Rosbridge { address, .. }) => Some(address.as_str()),
+        _ => None,
+    })
+}
+
+fn number(text: &str, least: f64, most: f64) -> Result<f64, String> {
+    let number = text.trim().trim_end_matches('s').parse::<f64>().ok();
+    let number = number.filter(|number| (least..=most).contains(number));
+    number.ok_or_else(|| format!("a number from {least} to {most} is needed"))
+}
+
+fn friction(text: &str) -> Result<f64, String> {
+    number(text, 0.0, 10.0)
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    number(text, 0.01, 100.0)
+}
+
+fn delay(text: &str) -> Result<f64, String> {
+    number(text, 0.0, 0.2)
+}
+
+fn token(text: &str) -> Result<String, String> {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+    let is_long = (16..=128).contains(&text.len());
+    if is_long && text.chars().all(is_plain) {
+        Ok(text.to_owned())
+    } else {
+        Err("16 to 128 letters, digits, hyphens and underscores are needed".into())
+    }
+}

@@ -1,0 +1,63 @@
+//! A WebSocket to a rosbridge server.
+
+use serde_json::Value;
+use std::io::ErrorKind;
+use std::net::{TcpStream, ToSocketAddrs};
+use std::time::{Duration, Instant};
+use tungstenite::protocol::WebSocketConfig;
+use tungstenite::{Message, WebSocket};
+
+/// Longest time for a connection, and for a message to leave.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+/// A WebSocket to the server at `host:port`, or `host:port/path` where the server asks for one.
+///
+/// # Errors
+/// In words.
+pub(super) fn open_socket(
+    address: &str,
+    config: WebSocketConfig,
+) -> Result<WebSocket<TcpStream>, String> {
+    let (server, path) = address.split_once('/').unwrap_or((address, ""));
+    let resolved = server
+        .to_socket_addrs()
+        .map_err(|error| error.to_string())?;
+    let mut stream = Err(std::io::Error::from(ErrorKind::AddrNotAvailable));
+    for address in resolved {
+        stream = TcpStream::connect_timeout(&address, PATIENCE);
+        if stream.is_ok() {
+            break;
+        }
+    }
+    let stream =
+        stream.map_err(|error| format!("no connection: {error}; is the server started?"))?;
+    stream
+        .set_nodelay(true)
+        .and_then(|()| stream.set_read_timeout(Some(PATIENCE)))
+        .map_err(|error| error.to_string())?;
+    let url = format!("ws://{server}/{path}");
+    let (socket, _) = tungstenite::client::client_with_config(url, stream, Some(config))
+        .map_err(|error| format!("no WebSocket: {error}"))?;
+    Ok(socket)
+}
+
+/// Sends a message on a socket, which may be one that never waits.
+///
+/// # Errors
+/// It does not leave in time, or the connection is lost.
+pub(super) fn send(
+    socket: &mut WebSocket<TcpStream>,
+    value: &Value,
+) -> Result<(), tungstenite::Error> {
+    let mut result = socket.send(Message::text(value.to_string()));
+    let begin = Instant::now();
+    // A long goal may fill the socket's buffer; the rest follows as the server reads.
+    while let Err(tungstenite::Error::Io(error)) = &result {
+        if error.kind() != ErrorKind::WouldBlock || begin.elapsed() > PATIENCE {
+            break;
+        }
+        std::thread::sleep(Duration::from_millis(1));
+        result = socket.flush();
+    }
+    result
+}

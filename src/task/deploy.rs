@@ -1,0 +1,235 @@
+//! A rod laid along a pattern by an arm.
+
+use super::look::{lying_rod, next_picture, score_of};
+use super::motion::DeployMotion;
+use crate::cell::Cell;
+use crate::figure::Paper;
+use crate::results::{ResultsError, write_whole};
+use crate::robot::{Ending, JointTrajectory, StreamLog, stream};
+use crate::vision::{
+    ColourRule, Point, SCORE_POINTS, Score, centrelines_csv, encode_picture, overlay, pattern_csv,
+    score_figure,
+};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Longest wait for a gripper.
+const GRIPPER: Duration = Duration::from_secs(20);
+/// How long a rod that was let go is left to itself.
+const SETTLING: Duration = Duration::from_secs(3);
+
+/// What is laid where.
+pub struct DeployTask<'a> {
+    /// The cell.
+    pub cell: &'a Cell,
+    /// Index of the arm.
+    pub arm: usize,
+    /// The motion.
+    pub motion: &'a DeployMotion,
+    /// Greatest speed of the hand on the way to it, m/s.
+    pub approach_speed: f64,
+    /// The pattern in its own frame, without lead-in, m, and where that begins.
+    pub pattern: &'a [Point],
+    /// Where the rod begins: the start of the lead-in, m.
+    pub start: Point,
+    /// Length of the lead-in, m.
+    pub lead_in: f64,
+    /// Radius of the rod, m.
+    pub radius: f64,
+    /// Which pixels are rod.
+    pub colour: &'a ColourRule,
+    /// Where everything is written.
+    pub directory: &'a Path,
+}
+
+/// What is done one after the other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Stage {
+    /// The arm goes to the first point.
+    Approach,
+    /// The gripper takes the rod.
+    Take,
+    /// The rod is laid.
+    Lay,
+    /// The gripper lets it go.
+    LetGo,
+    /// The camera looks.
+    Look,
+    /// What it saw is compared with the pattern.
+    Score,
+}
+
+impl Stage {
+    /// In words.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Approach => "going to the first point",
+            Self::Take => "taking the rod",
+            Self::Lay => "laying it",
+            Self::LetGo => "letting it go",
+            Self::Look => "looking",
+            Self::Score => "scoring",
+        }
+    }
+}
+
+/// Why a task ended early.
+#[derive(Debug, thiserror::Error)]
+pub enum DeployError {
+    /// Something failed.
+    #[error("{}: {reason}", stage.in_words())]
+    Failed {
+        /// While this was done.
+        stage: Stage,
+        /// In words.
+        reason: String,
+    },
+    /// Somebody asked for the end; the arm holds.
+    #[error("interrupted; the arm holds")]
+    Interrupted,
+    /// A file could not be written.
+    #[error(transparent)]
+    Results(#[from] ResultsError),
+}
+
+/// What a task came to.
+pub struct DeployEnd {
+    /// Stages that were done, with the time that each took, s.
+    pub times: Vec<(Stage, f64)>,
+    /// The score, or why there is none.
+    pub score: Result<Score, DeployError>,
+}
+
+impl DeployTask<'_> {
+    /// Does all of it; what was done until something fails is in the directory.
+    pub fn run(&self, is_interrupted: &dyn Fn() -> bool) -> DeployEnd {
+        let mut times = Vec::new();
+        let score = self.stages(is_interrupted, &mut times);
+        DeployEnd { times, score }
+    }
+
+    fn stages(
+        &self,
+        is_interrupted: &dyn Fn() -> bool,
+        times: &mut Vec<(Stage, f64)>,
+    ) -> Result<Score, DeployError> {
+        let mut begin = Instant::now();
+        let mut done = |stage: Stage| {
+            tracing::info!("done: {}", stage.in_words());
+            times.push((stage, begin.elapsed().as_secs_f64()));
+            begin = Instant::now();
+        };
+        let stopped = || {
+            is_interrupted()
+                .then_some(DeployError::Interrupted)
+                .map_or(Ok(()), Err)
+        };
+        self.approach(is_interrupted)?;
+        done(Stage::Approach);
+        stopped()?;
+        self.grip(Stage::Take, is_interrupted)?;
+        done(Stage::Take);
+        stopped()?;
+        self.follow(Stage::Lay, &self.motion.laying, is_interrupted)?;
+        done(Stage::Lay);
+        stopped()?;
+        self.grip(Stage::LetGo, is_interrupted)?;
+        std::thread::sleep(SETTLING);
+        done(Stage::LetGo);
+        stopped()?;
+        let failed = |stage: Stage, reason: String| DeployError::Failed { stage, reason };
+        let picture = next_picture(self.cell).map_err(|reason| failed(Stage::Look, reason))?;
+        self.write("picture.png", &encode_picture(&picture))?;
+        done(Stage::Look);
+        let seen = |error: crate::vision::VisionError| failed(Stage::Score, error.to_string());
+        let frame = &self.motion.frame;
+        let (rod, found) = lying_rod(
+            &picture,
+            self.cell,
+            frame,
+            self.radius,
+            self.colour,
+            self.start,
+        )
+        .map_err(seen)?;
+        self.write("overlay.png", &encode_picture(&overlay(&picture, &found)))?;
+        let strands = centrelines_csv(&found.strands, None).map_err(seen)?;
+        self.write("centrelines.csv", strands.as_bytes())?;
+        self.write("rod.csv", pattern_csv(&rod).as_bytes())?;
+        let score = score_of(&rod, self.pattern, self.lead_in, SCORE_POINTS).map_err(seen)?;
+        let figure = score_figure(&score, "the rod", "the pattern");
+        self.write("score.svg", figure.svg(&Paper::default()).as_bytes())?;
+        done(Stage::Score);
+        Ok(score)
+    }
+
+    fn approach(&self, is_interrupted: &dyn Fn() -> bool) -> Result<(), DeployError> {
+        let failed = |reason: String| DeployError::Failed {
+            stage: Stage::Approach,
+            reason,
+        };
+        let from = self.cell.stands(self.arm).map_err(failed)?;
+        let to = &self.motion.laying.points[0];
+        let way = self.cell.approach(self.arm, &from, to, self.approach_speed);
+        match way.map_err(|error| failed(error.to_string()))? {
+            Some(way) => self.follow(Stage::Approach, &way, is_interrupted),
+            None => Ok(()),
+        }
+    }
+
+    /// Streams a motion; its log is a folder of the results.
+    fn follow(
+        &self,
+        stage: Stage,
+        trajectory: &JointTrajectory,
+        is_interrupted: &dyn Fn() -> bool,
+    ) -> Result<(), DeployError> {
+        let failed = |reason: String| DeployError::Failed { stage, reason };
+        let name = match stage {
+            Stage::Approach => "approach",
+            _ => "laying",
+        };
+        let folder = self.directory.join(name);
+        let made = std::fs::create_dir_all(&folder);
+        made.map_err(|error| failed(format!("{} cannot be made: {error}", folder.display())))?;
+        write_whole(
+            &folder.join("trajectory.csv"),
+            trajectory.to_csv().as_bytes(),
+        )?;
+        let prepared = self.cell.prepare_stream(std::slice::from_ref(trajectory));
+        let (mut parts, _) = prepared.map_err(failed)?;
+        let unwritable = |error: std::io::Error| {
+            failed(format!("{} cannot be written: {error}", folder.display()))
+        };
+        let mut log = StreamLog::open(&folder).map_err(unwritable)?;
+        let bounds = self.cell.stream_bounds();
+        let ending = stream(&mut parts, &bounds, is_interrupted, &mut log);
+        let logged = log.finish();
+        match ending {
+            Ending::Finished => logged.map_err(unwritable),
+            Ending::Interrupted => Err(DeployError::Interrupted),
+            Ending::Failed(reason) => Err(failed(reason)),
+        }
+    }
+
+    fn grip(&self, stage: Stage, is_interrupted: &dyn Fn() -> bool) -> Result<(), DeployError> {
+        let failed = |reason: String| DeployError::Failed { stage, reason };
+        let Some((gripper, [open, closed])) = self.cell.gripper(self.arm) else {
+            return Err(failed("the arm has no gripper in the cell file".into()));
+        };
+        let opening = if stage == Stage::Take { closed } else { open };
+        let moved = gripper.command(opening, GRIPPER, is_interrupted);
+        moved.map_err(|error| {
+            if is_interrupted() {
+                DeployError::Interrupted
+            } else {
+                failed(error.to_string())
+            }
+        })
+    }
+
+    fn write(&self, name: &str, bytes: &[u8]) -> Result<(), ResultsError> {
+        write_whole(&self.directory.join(name), bytes)
+    }
+}

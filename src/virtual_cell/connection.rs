@@ -1,0 +1,210 @@
+//! One client of a virtual cell: a WebSocket that never waits, with bounds on all that comes and goes.
+
+use std::collections::BTreeSet;
+use std::io::ErrorKind;
+use std::net::TcpStream;
+use std::time::{Duration, Instant};
+use tungstenite::handshake::HandshakeError;
+use tungstenite::handshake::server::{
+    Callback, ErrorResponse, Request as Handshake, Response, ServerHandshake,
+};
+use tungstenite::http::StatusCode;
+use tungstenite::protocol::WebSocketConfig;
+use tungstenite::{Message, WebSocket};
+
+/// Largest message of a client, bytes: a long trajectory of many joints.
+const LARGEST_MESSAGE: usize = 32 << 20;
+/// Most that waits for a client that reads slowly, bytes: a picture and a few seconds of reports.
+const MOST_WAITING: usize = 32 << 20;
+/// Longest time for a client to say what it wants to be.
+const HANDSHAKE: Duration = Duration::from_secs(2);
+/// Most messages that are taken of a client at a time.
+const AT_A_TIME: usize = 32;
+/// Most topics of a client.
+const MOST_TOPICS: usize = 64;
+
+/// Lets clients in that name the token as the path of the server.
+#[derive(Clone)]
+struct Doorkeeper {
+    token: Option<String>,
+}
+
+impl Callback for Doorkeeper {
+    fn on_request(
+        self,
+        request: &Handshake,
+        response: Response,
+    ) -> Result<Response, ErrorResponse> {
+        let path = request.uri().path().trim_start_matches('/');
+        let is_known = self.token.as_ref().is_none_or(|token| {
+            // As long for a token that is nearly right as for any other of its length.
+            let pairs = token.bytes().zip(path.bytes());
+            let differences = pairs.fold(0, |sum, (one, other)| sum | (one ^ other));
+            token.len() == path.len() && differences == 0
+        });
+        if is_known {
+            return Ok(response);
+        }
+        let mut refusal = ErrorResponse::new(Some("the token is wrong".into()));
+        *refusal.status_mut() = StatusCode::UNAUTHORIZED;
+        Err(refusal)
+    }
+}
+
+enum Link {
+    Opening(Box<tungstenite::handshake::MidHandshake<ServerHandshake<TcpStream, Doorkeeper>>>),
+    Open(Box<WebSocket<TcpStream>>),
+    Closed,
+}
+
+/// A client.
+pub struct Connection {
+    /// Its number.
+    pub id: u64,
+    link: Link,
+    since: Instant,
+    topics: BTreeSet<String>,
+    /// Whether something of the last message still waits.
+    is_full: bool,
+}
+
+impl Connection {
+    /// A client that has knocked; with a token it must know it. `None` where it is gone already.
+    pub fn accept(id: u64, stream: TcpStream, token: Option<&str>) -> Option<Self> {
+        let prepared = stream.set_nonblocking(true).and(stream.set_nodelay(true));
+        prepared.ok()?;
+        let config = WebSocketConfig::default()
+            .max_message_size(Some(LARGEST_MESSAGE))
+            .max_frame_size(Some(LARGEST_MESSAGE))
+            .max_write_buffer_size(MOST_WAITING);
+        let doorkeeper = Doorkeeper {
+            token: token.map(str::to_owned),
+        };
+        let begun = tungstenite::accept_hdr_with_config(stream, doorkeeper, Some(config));
+        let mut connection = Self {
+            id,
+            link: Link::Closed,
+            since: Instant::now(),
+            topics: BTreeSet::new(),
+            is_full: false,
+        };
+        connection.shake(begun);
+        (!connection.is_closed()).then_some(connection)
+    }
+
+    fn shake(
+        &mut self,
+        result: Result<
+            WebSocket<TcpStream>,
+            HandshakeError<ServerHandshake<TcpStream, Doorkeeper>>,
+        >,
+    ) {
+        self.link = match result {
+            Ok(socket) => Link::Open(Box::new(socket)),
+            Err(HandshakeError::Interrupted(begun)) if self.since.elapsed() < HANDSHAKE => {
+                Link::Opening(Box::new(begun))
+            }
+            Err(_) => Link::Closed,
+        };
+    }
+
+    /// Whether it is gone.
+    pub fn is_closed(&self) -> bool {
+        matches!(self.link, Link::Closed)
+    }
+
+    /// Cuts it.
+    pub fn cut(&mut self) {
+        self.link = Link::Closed;
+    }
+
+    /// What has come since the last time.
+    pub fn receive(&mut self) -> Vec<String> {
+        let mut texts = Vec::new();
+        self.link = match std::mem::replace(&mut self.link, Link::Closed) {
+            Link::Opening(begun) => {
+                self.shake(begun.handshake());
+                return texts;
+            }
+            Link::Closed => return texts,
+            Link::Open(mut socket) => {
+                let mut is_open = true;
+                while is_open && texts.len() < AT_A_TIME {
+                    match socket.read() {
+                        Ok(Message::Text(text)) => texts.push(text.as_str().to_owned()),
+                        Ok(Message::Close(_)) => is_open = false,
+                        Ok(_) => {}
+                        Err(tungstenite::Error::Io(error))
+                            if error.kind() == ErrorKind::WouldBlock =>
+                        {
+                            break;
+                        }
+                        Err(_) => is_open = false,
+                    }
+                }
+                if is_open {
+                    Link::Open(socket)
+                } else {
+                    Link::Closed
+                }
+            }
+        };
+        texts
+    }
+
+    /// Sends a message; what the client does not read at once waits, and a client for which too much waits is cut.
+    pub fn send(&mut self, text: &str) {
+        let Link::Open(socket) = &mut self.link else {
+            return;
+        };
+        let sent = socket.send(Message::text(text.to_owned()));
+        self.settle(sent);
+    }
+
+    /// Sends on what waits.
+    pub fn flush(&mut self) {
+        if let Link::Open(socket) = &mut self.link
+            && self.is_full
+        {
+            let flushed = socket.flush();
+            self.settle(flushed);
+        }
+    }
+
+    fn settle(&mut self, sent: Result<(), tungstenite::Error>) {
+        match sent {
+            Ok(()) => self.is_full = false,
+            Err(tungstenite::Error::Io(error)) if error.kind() == ErrorKind::WouldBlock => {
+                self.is_full = true;
+            }
+            Err(_) => self.cut(),
+        }
+    }
+
+    /// Whether something still waits.
+    pub fn is_full(&self) -> bool {
+        self.is_full
+    }
+
+    /// Notes a topic that it wants to hear.
+    ///
+    /// # Errors
+    /// There are too many.
+    pub fn subscribe(&mut self, topic: String) -> Result<(), String> {
+        if self.topics.len() >= MOST_TOPICS {
+            return Err(format!("at most {MOST_TOPICS} topics are allowed"));
+        }
+        self.topics.insert(topic);
+        Ok(())
+    }
+
+    /// It wants to hear it no more.
+    pub fn unsubscribe(&mut self, topic: &str) {
+        self.topics.remove(topic);
+    }
+
+    /// Whether it wants to.
+    pub fn hears(&self, topic: &str) -> bool {
+        self.topics.contains(topic)
+    }
+}

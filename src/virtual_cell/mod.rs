@@ -1,0 +1,34 @@
+//! A virtual robot cell: what a cell file describes, simulated, behind the rosbridge protocol of real ones.
+//!
+//! A client cannot tell the difference: arms follow `control_msgs/FollowJointTrajectory` late and a little behind, grippers
+//! `control_msgs/GripperCommand`; a rod that is handed to a gripper hangs from it, is laid on a table with friction and let go;
+//! a camera shows it. The clock of the cell, `/clock`, is real time or faster, and waits where the simulation cannot keep up.
+//!
+//! | file | what |
+//! |---|---|
+//! | `arm` | joints that follow trajectories with latency and lag, within their limits |
+//! | `rod` | the rod in simulation: handed over, led by the hand, let go |
+//! | `camera` | pictures of it |
+//! | `simulated_cell` | all of them on one clock, and what goes wrong |
+//! | `fault` | faults that a cell is told to have |
+//! | `topics` | names of actions and topics |
+//! | `message` | the rosbridge protocol |
+//! | `connection` | a client, with bounds on all that comes and goes |
+//! | `server` | clients, goals, reports |
+
+mod arm;
+mod camera;
+mod connection;
+mod fault;
+mod message;
+mod rod;
+mod server;
+mod simulated_cell;
+#[cfg(test)]
+mod tests;
+mod topics;
+
+pub use arm::Response;
+pub use fault::{Fault, FaultKind};
+pub use rod::{RodError, RodSupply};
+pub use server::{ServeError, Settings, VirtualCell};

@@ -1,0 +1,330 @@
+//! The rod of a virtual cell: handed to a gripper, laid down on the table, let go.
+
+use crate::experiment::{self, DeploymentTables};
+use crate::mechanics::dynamics::{Simulation, SimulationError};
+use crate::mechanics::scene::Motion;
+use crate::mechanics::{UnitQuaternion, Vector3};
+use crate::plan::deployment::{DeployedRod, OptimalGrasps, Scheme, trajectory};
+use crate::plan::pattern::{Line, PatternSource};
+use crate::robot::{Pose, between, distance_and_angle};
+use crate::run::PreparedRun;
+use crate::scenario::ScenarioError;
+use nalgebra::Translation3;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Time in which a rod that is handed over comes into the fingers, s.
+pub const HANDING_OVER: f64 = 1.0;
+/// How far the hand may be from where the rod hangs by itself, in gravito-bending lengths, and how far turned, rad: a person
+/// bends it by so much.
+const REACH: [f64; 2] = [2.0, 0.6];
+/// Least part of the hand's y axis that must be level for the rod to have a direction on the table.
+const LEVEL: f64 = 0.5;
+/// Speed of every node below which a rod that was let go rests, m/s.
+const REST: f64 = 1e-4;
+/// Longest time of simulation without a look at anything else.
+const AT_A_TIME: Duration = Duration::from_millis(20);
+/// Longest time for the simulation of a fall: a heap of rod is hard, and the rod along the pattern lies already.
+const LONGEST_FALL: Duration = Duration::from_secs(2);
+/// Length of the line on which a rod begins, over that of the rod.
+const FIRST_LINE: f64 = 0.05;
+
+/// Rods of one kind, one after the other, for grippers to take.
+pub struct RodSupply {
+    prepared: PreparedRun,
+    rod: DeployedRod,
+    /// Where the end hangs of a rod whose free end lies at the origin, along x.
+    end: Pose,
+}
+
+/// Why there are no rods.
+#[derive(Debug, thiserror::Error)]
+pub enum RodError {
+    /// The file is faulty.
+    #[error(transparent)]
+    File(#[from] Box<ScenarioError>),
+    /// The rod cannot hang.
+    #[error("the rod cannot hang from a gripper: {0}")]
+    Impossible(String),
+}
+
+impl RodSupply {
+    /// Rods as a file describes them in `[deployment.rod]`, on a table of some friction.
+    ///
+    /// # Errors
+    /// The file cannot be read, or is wrong.
+    pub fn new(file: &Path, friction: f64) -> Result<Self, RodError> {
+        let impossible = |error: String| RodError::Impossible(error);
+        let whole = std::path::absolute(file).map_err(|error| impossible(error.to_string()))?;
+        let extended = toml::Value::from(whole.to_string_lossy().as_ref()).to_string();
+        let text = |length: f64| {
+            format!(
+                "extends = {extended}\nexperiment = \"deployment\"\n\
+                 [deployment]\npattern = {{ kind = \"line\", length = {length:?} }}\nlead_in = 0.0\n\
+                 [contact]\nfriction = {friction:?}\ndistance_tolerance = \"50 µm\"\nslip_tolerance = \"0.01 mm/s\"\n\
+                 [time]\nstep = \"5 ms\"\nend = 10.0\n"
+            )
+        };
+        let load = |length: f64| {
+            let loaded = experiment::from_text("rod", &text(length), Path::new(""), &[]);
+            loaded.map_err(Box::new)
+        };
+        // Any short line will do; how short, the rod says.
+        let first = load(1e-3)?;
+        let tables: Option<&DeploymentTables> = first.scenario.experiment.tables();
+        let tables = tables.expect("the tables of a deployment");
+        let rod = tables.deployment.rod.deployed();
+        let loaded = load(FIRST_LINE * rod.length)?;
+        let prepared = experiment::prepare(&loaded.scenario);
+        let prepared = prepared.map_err(|issues| Box::new(loaded.locate(issues)))?;
+        let line = Line {
+            length: FIRST_LINE * rod.length,
+        };
+        let start = PatternSource::Line(line).pattern();
+        let start = start
+            .map_err(|error| impossible(error.to_string()))?
+            .at(0.0);
+        let poses = trajectory(&[start], &rod, Scheme::Optimal, OptimalGrasps::Exact);
+        let poses = poses.map_err(|error| impossible(error.to_string()))?;
+        let end = Pose::from_parts(Translation3::from(poses[0].position), poses[0].rotation);
+        Ok(Self { prepared, rod, end })
+    }
+
+    /// The rod by what matters for laying it.
+    pub fn rod(&self) -> &DeployedRod {
+        &self.rod
+    }
+
+    /// A rod whose end is handed to a gripper, at the time `now`, s. `hand` and the top of the `table` are poses in the cell.
+    /// Its free end lies on the table, in the direction in which the gripper holds it, so that it hangs by itself.
+    ///
+    /// # Errors
+    /// In words: no rod of this length hangs there, or it cannot be simulated.
+    pub fn handed(&self, hand: &Pose, table: &Pose, now: f64) -> Result<SimulatedRod, String> {
+        let held = table.inverse() * hand;
+        let across = held.rotation * Vector3::y();
+        if libm::hypot(across.x, across.y) < LEVEL {
+            return Err(
+                "the y axis of the hand is not level: a rod that it held would hang in no direction"
+                    .into(),
+            );
+        }
+        let heading = libm::atan2(-across.x, across.y);
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), heading);
+        let end = turn * self.end.translation.vector;
+        let place = held.translation.vector - end;
+        let frame = Pose::from_parts(Translation3::new(place.x, place.y, 0.0), turn);
+        let held = frame.inverse() * held;
+        let (distance, angle) = distance_and_angle(&self.end, &held);
+        let [most_lengths, most_angle] = REACH;
+        let most = most_lengths * self.rod.gravito_bending_length;
+        if !(distance <= most && angle <= most_angle) {
+            return Err(format!(
+                "a rod of {:.3} m hangs with its end {:.3} m above the table; the hand is {distance:.3} m and {angle:.2} rad away \
+                 from there; allowed: {most:.3} m and {most_angle} rad",
+                self.rod.length, self.end.translation.z
+            ));
+        }
+        let simulation = Simulation::new(&self.prepared.scene, &self.prepared.integration);
+        Ok(SimulatedRod {
+            simulation: simulation.map_err(|error| error.to_string())?,
+            frame: table * frame,
+            end: self.end,
+            last: self.end,
+            led_until: 0.0,
+            begin: now,
+            falling: Duration::ZERO,
+            radius: self.rod.radius,
+            is_held: true,
+            rests: false,
+        })
+    }
+}
+
+/// A rod in simulation.
+pub struct SimulatedRod {
+    simulation: Simulation,
+    /// The frame of the simulation in the cell.
+    frame: Pose,
+    /// Where its end was first, and where it was last, in that frame.
+    end: Pose,
+    last: Pose,
+    /// Until when the hand leads it, s of the simulation.
+    led_until: f64,
+    /// When it was handed over, s.
+    begin: f64,
+    radius: f64,
+    /// Time that its fall has taken to simulate.
+    falling: Duration,
+    is_held: bool,
+    rests: bool,
+}
+
+impl SimulatedRod {
+    /// Moves on towards the time `now`, s, its end in the hand; whether it has come there. Hard steps take long: then it must be
+    /// called again, with the same hand, so that others need not wait.
+    ///
+    /// # Errors
+    /// No step is found, or the rod is torn, while it is held. One that was let go stays as it is then.
+    pub fn advance(&mut self, hand: &Pose, now: f64) -> Result<bool, SimulationError> {
+        let until = now - self.begin;
+        if self.rests {
+            return Ok(true);
+        }
+        if self.is_held && until > self.led_until {
+            let part = (until / HANDING_OVER).clamp(0.0, 1.0);
+            let part = part * part * (3.0 - 2.0 * part);
+            let next = between(&self.end, &(self.frame.inverse() * hand), part);
+            self.simulation.move_clamp(0, self.motion(&next, until));
+            (self.last, self.led_until) = (next, until);
+        }
+        let work = Instant::now();
+        while self.simulation.time() < until {
+            if work.elapsed() > AT_A_TIME {
+                self.settled(work);
+                return Ok(self.rests);
+            }
+            if let Err(error) = self.simulation.advance(until) {
+                return self.given_up(error).map(|()| true);
+            }
+        }
+        self.settled(work);
+        Ok(true)
+    }
+
+    /// Notes whether a rod that was let go rests, or falls in a way that takes too long to simulate.
+    fn settled(&mut self, work: Instant) {
+        if self.is_held {
+            return;
+        }
+        let velocities = self.simulation.velocities().iter();
+        let fastest = velocities.map(|v| v.norm()).fold(0.0, f64::max);
+        self.falling += work.elapsed();
+        self.rests = fastest < REST;
+        if !self.rests && self.falling > LONGEST_FALL {
+            tracing::warn!(
+                "the rod that was let go takes long to simulate: it stays as it is, its fastest node at {fastest:.3} m/s"
+            );
+            self.rests = true;
+        }
+    }
+
+    /// A rod that was let go stays as it is where no step is found.
+    fn given_up(&mut self, error: SimulationError) -> Result<(), SimulationError> {
+        if self.is_held {
+            return Err(error);
+        }
+        tracing::warn!("the rod that was let go stays as it is: {error}");
+        self.rests = true;
+        Ok(())
+    }
+
+    /// From the last place of the end to the next, at a time of the simulation, s.
+    fn motion(&self, next: &Pose, until: f64) -> Motion {
+        let knots = [(self.simulation.time(), &self.last), (until, next)];
+        let way = |pose: &Pose| pose.translation.vector - self.end.translation.vector;
+        let turn = |pose: &Pose| pose.rotation * self.end.rotation.inverse();
+        Motion {
+            translation: knots.map(|(time, pose)| (time, way(pose))).into(),
+            orientation: knots.map(|(time, pose)| (time, turn(pose))).into(),
+            pivot: Some(self.end.translation.vector),
+            ..Motion::default()
+        }
+    }
+
+    /// The gripper lets go.
+    ///
+    /// # Errors
+    /// The simulation refuses.
+    pub fn release(&mut self) -> Result<(), SimulationError> {
+        if self.is_held {
+            self.is_held = false;
+            self.simulation.release(0)?;
+        }
+        Ok(())
+    }
+
+    /// Whether a gripper holds it.
+    pub fn is_held(&self) -> bool {
+        self.is_held
+    }
+
+    /// Its nodes in the cell, m.
+    pub fn nodes(&self) -> Vec<Vector3> {
+        let nodes = self.simulation.positions().iter();
+        nodes
+            .map(|node| (self.frame * nalgebra::Point3::from(*node)).coords)
+            .collect()
+    }
+
+    /// Its radius, m.
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::short_rod;
+    use super::*;
+
+    fn table() -> Pose {
+        Pose::translation(0.3, -0.1, 0.05)
+    }
+
+    /// Where a hand takes a rod whose free end lies somewhere on the table.
+    fn hand(supply: &RodSupply, heading: f64) -> Pose {
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), heading);
+        table() * Pose::from_parts(Translation3::new(0.1, 0.2, 0.0), turn) * supply.end
+    }
+
+    #[test]
+    fn a_rod_that_is_handed_over_hangs_where_it_was_until_it_is_moved() {
+        let (_folder, file) = short_rod();
+        let supply = RodSupply::new(&file, 0.4).unwrap();
+        let hand = hand(&supply, 0.7);
+        let mut rod = supply.handed(&hand, &table(), 3.0).unwrap();
+        let first = rod.nodes();
+        assert!((first[first.len() - 1] - hand.translation.vector).norm() < 1e-6);
+        let free = table() * nalgebra::Point3::new(0.1, 0.2, supply.rod().radius);
+        assert!((first[0] - free.coords).norm() < 1e-9);
+        for step in 1..=60 {
+            while !rod.advance(&hand, 3.0 + 5e-3 * f64::from(step)).unwrap() {}
+        }
+        let nodes = rod.nodes();
+        let moved = nodes.iter().zip(&first).map(|(a, b)| (a - b).norm());
+        assert!(moved.fold(0.0, f64::max) < 0.02 * supply.rod().gravito_bending_length);
+    }
+
+    #[test]
+    fn a_rod_that_is_let_go_falls_on_the_table() {
+        let (_folder, file) = short_rod();
+        let supply = RodSupply::new(&file, 0.4).unwrap();
+        let hand = hand(&supply, 0.0);
+        let mut rod = supply.handed(&hand, &table(), 0.0).unwrap();
+        rod.release().unwrap();
+        for step in 1..=300 {
+            while !rod.advance(&hand, 5e-3 * f64::from(step)).unwrap() {}
+        }
+        let top = rod.nodes().iter().map(|node| node.z).fold(0.0, f64::max);
+        assert!(top - 0.05 < 0.3 * supply.rod().length, "{top}");
+        assert!(!rod.is_held());
+    }
+
+    #[test]
+    fn a_hand_that_cannot_hold_a_hanging_rod_is_told_so() {
+        let (_folder, file) = short_rod();
+        let supply = RodSupply::new(&file, 0.4).unwrap();
+        let far = Pose::translation(0.0, 0.0, 0.3) * hand(&supply, 0.0);
+        let Err(words) = supply.handed(&far, &table(), 0.0) else {
+            panic!("it is too high");
+        };
+        assert!(words.contains("above the table"), "{words}");
+        let tipped =
+            hand(&supply, 0.0) * Pose::rotation(Vector3::z() * std::f64::consts::FRAC_PI_2);
+        let Err(words) = supply.handed(&tipped, &table(), 0.0) else {
+            panic!("its y axis points up");
+        };
+        assert!(words.contains("not level"), "{words}");
+    }
+}

@@ -1,0 +1,383 @@
+//! The server: clients, their goals, reports and pictures, and the clock of the cell.
+
+use super::arm::{Ended, Response};
+use super::camera::PictureTaker;
+use super::connection::Connection;
+use super::fault::{Fault, FaultKind};
+use super::message::{
+    GoalName, Request, Verdict, complaint, opening, published, stamp, trajectory,
+};
+use super::rod::RodSupply;
+use super::simulated_cell::{Event, STEP, SimulatedCell};
+use super::topics::{CLOCK, Topics};
+use crate::cell::Cell;
+use crate::mechanics::dynamics::SimulationError;
+use serde_json::json;
+use std::io::{self, ErrorKind};
+use std::net::{SocketAddr, TcpListener};
+use std::time::{Duration, Instant};
+
+/// Most clients at a time.
+const MOST_CLIENTS: usize = 16;
+/// Longest time in which the server steps without listening.
+const WORK: Duration = Duration::from_millis(5);
+/// Time for which it rests where nothing is to be done.
+const REST: Duration = Duration::from_millis(1);
+/// How far, s on our clock, the cell may fall behind before its clock waits for it.
+const BEHIND: f64 = 0.05;
+/// Time between reports: of the cell's clock, s, of ours at least, and of ours at most.
+const REPORT: (f64, Duration, Duration) =
+    (0.01, Duration::from_millis(4), Duration::from_millis(40));
+/// Time between pictures, s of the cell's clock.
+const PICTURE: f64 = 0.1;
+
+/// What a virtual cell is told.
+pub struct Settings {
+    /// Where it listens; with a port of 0 any that is free.
+    pub address: SocketAddr,
+    /// What clients must name as the path of the server.
+    pub token: Option<String>,
+    /// How many times as fast as real time.
+    pub rate: f64,
+    /// How the arms answer.
+    pub response: Response,
+    /// Rods for the grippers.
+    pub supply: Option<RodSupply>,
+    /// What goes wrong.
+    pub faults: Vec<Fault>,
+}
+
+/// Why there is no virtual cell, or no more.
+#[derive(Debug, thiserror::Error)]
+pub enum ServeError {
+    /// The cell cannot be simulated.
+    #[error("{0}")]
+    Cell(String),
+    /// Nobody can listen there.
+    #[error("{address}: nobody can listen there: {error}")]
+    Address {
+        /// The address.
+        address: SocketAddr,
+        /// Why.
+        error: io::Error,
+    },
+    /// The rod cannot be simulated any more.
+    #[error("the rod cannot be simulated any further: {0}")]
+    Rod(#[from] SimulationError),
+}
+
+/// A goal that is under way.
+struct UnderWay {
+    name: GoalName,
+    client: u64,
+}
+
+/// A virtual cell that listens.
+pub struct VirtualCell {
+    listener: TcpListener,
+    token: Option<String>,
+    rate: f64,
+    cell: SimulatedCell,
+    topics: Topics,
+    clients: Vec<Connection>,
+    next_client: u64,
+    /// The client that leads each arm, and the goals of arm and gripper.
+    leaders: Vec<Option<u64>>,
+    motions: Vec<Option<UnderWay>>,
+    grips: Vec<Option<UnderWay>>,
+    pictures: Option<PictureTaker>,
+    last_picture: f64,
+    last_report: (f64, Instant),
+}
+
+impl VirtualCell {
+    /// Listens for the clients of a cell.
+    ///
+    /// # Errors
+    /// Its arms have other drivers than rosbridge, its camera is too large, or the address is not free.
+    pub fn new(cell: &Cell, settings: Settings) -> Result<Self, ServeError> {
+        let topics = Topics::of(cell).map_err(ServeError::Cell)?;
+        let camera = cell.camera.as_ref();
+        let pictures = camera.map(|camera| PictureTaker::new(camera.seeing(cell.table_height())));
+        let unusable = |error| ServeError::Address {
+            address: settings.address,
+            error,
+        };
+        let listener = TcpListener::bind(settings.address).map_err(unusable)?;
+        listener.set_nonblocking(true).map_err(unusable)?;
+        let none = || cell.arms.iter().map(|_| None);
+        Ok(Self {
+            listener,
+            token: settings.token,
+            rate: settings.rate,
+            topics,
+            clients: Vec::new(),
+            next_client: 1,
+            leaders: cell.arms.iter().map(|_| None).collect(),
+            motions: none().collect(),
+            grips: none().collect(),
+            pictures,
+            last_picture: f64::NEG_INFINITY,
+            last_report: (f64::NEG_INFINITY, Instant::now()),
+            cell: SimulatedCell::new(cell, settings.response, settings.supply, settings.faults),
+        })
+    }
+
+    /// Where it listens.
+    ///
+    /// # Errors
+    /// The system does not say.
+    pub fn address(&self) -> io::Result<SocketAddr> {
+        self.listener.local_addr()
+    }
+
+    /// Serves until somebody asks for the end.
+    ///
+    /// # Errors
+    /// The rod cannot be simulated any further.
+    pub fn serve(&mut self, is_interrupted: &dyn Fn() -> bool) -> Result<(), ServeError> {
+        let mut since = Instant::now();
+        let mut began = self.cell.time();
+        while !is_interrupted() {
+            self.listen();
+            let target = began + self.rate * since.elapsed().as_secs_f64();
+            let work = Instant::now();
+            let mut is_idle = true;
+            while self.cell.time() + STEP <= target && work.elapsed() < WORK {
+                is_idle = false;
+                for event in self.cell.advance()? {
+                    self.tell(event);
+                }
+            }
+            // What cannot be caught up with is given up: the clock of the cell is late.
+            if target - self.cell.time() > self.rate * BEHIND {
+                (since, began) = (Instant::now(), self.cell.time());
+            }
+            self.report();
+            self.take_pictures();
+            self.clients.iter_mut().for_each(Connection::flush);
+            if is_idle {
+                std::thread::sleep(REST);
+            }
+        }
+        Ok(())
+    }
+
+    /// Lets clients in, hears what they say, and stops the arms of those that are gone.
+    fn listen(&mut self) {
+        while self.clients.len() < MOST_CLIENTS {
+            match self.listener.accept() {
+                Ok((stream, _)) => {
+                    let id = self.next_client;
+                    self.next_client += 1;
+                    let token = self.token.as_deref();
+                    self.clients.extend(Connection::accept(id, stream, token));
+                }
+                Err(error) if error.kind() == ErrorKind::WouldBlock => break,
+                Err(error) => {
+                    tracing::warn!("a client could not be let in: {error}");
+                    break;
+                }
+            }
+        }
+        for index in 0..self.clients.len() {
+            for text in self.clients[index].receive() {
+                self.hear(index, &text);
+            }
+        }
+        let gone = self.clients.extract_if(.., |client| client.is_closed());
+        let gone: Vec<u64> = gone.map(|client| client.id).collect();
+        for client in gone {
+            for arm in 0..self.leaders.len() {
+                if self.leaders[arm] == Some(client) {
+                    tracing::info!("the client that led {} is gone", self.topics.arms[arm].name);
+                    self.leaders[arm] = None;
+                    if self.motions[arm].take().is_some() {
+                        self.cell.stop(arm);
+                    }
+                }
+            }
+        }
+    }
+
+    fn hear(&mut self, index: usize, text: &str) {
+        let answer = match Request::read(text) {
+            Ok(Request::Subscribe(topic)) => match self.topics.know(&topic) {
+                Ok(()) => self.clients[index].subscribe(topic),
+                Err(words) => Err(words),
+            },
+            Ok(Request::Unsubscribe(topic)) => {
+                self.clients[index].unsubscribe(&topic);
+                Ok(())
+            }
+            Ok(Request::Goal { action, id, body }) => self.take(index, &action, id, &body),
+            Ok(Request::Cancel { action, id }) => self.cancel(index, &action, &id),
+            Ok(Request::Nothing) => Ok(()),
+            Err(words) => Err(words),
+        };
+        if let Err(words) = answer {
+            self.clients[index].send(&complaint(&words));
+        }
+    }
+
+    /// Takes a goal. An arm is led by one client at a time, until that is gone.
+    fn take(
+        &mut self,
+        index: usize,
+        action: &str,
+        id: String,
+        body: &serde_json::Value,
+    ) -> Result<(), String> {
+        let client = self.clients[index].id;
+        let (arm, is_gripper) = self.topics.action(action)?;
+        let known = &self.topics.arms[arm];
+        let name = GoalName {
+            version: known.version,
+            action: action.to_owned(),
+            id,
+        };
+        if is_gripper {
+            let taken = opening(body).and_then(|opening| self.cell.grip(arm, opening));
+            if let Err(words) = taken {
+                let verdict = Verdict::Aborted(-1, words);
+                self.clients[index].send(&name.result(&verdict));
+                return Ok(());
+            }
+            self.grips[arm] = Some(UnderWay { name, client });
+            return Ok(());
+        }
+        if self.leaders[arm].is_some_and(|leader| leader != client) {
+            return Err(format!("{} is led by another client", known.name));
+        }
+        let refused = match trajectory(body) {
+            Ok(trajectory) => self
+                .cell
+                .follow(arm, trajectory)
+                .map_err(|refusal| (refusal.code, refusal.words)),
+            Err(words) => Err((-1, words)),
+        };
+        if let Err((code, words)) = refused {
+            let verdict = Verdict::Aborted(code, words);
+            self.clients[index].send(&name.result(&verdict));
+            return Ok(());
+        }
+        self.leaders[arm] = Some(client);
+        self.clients[index].send(&name.feedback());
+        if let Some(before) = self.motions[arm].replace(UnderWay { name, client }) {
+            self.answer(&before, &Verdict::Cancelled);
+        }
+        Ok(())
+    }
+
+    fn cancel(&mut self, index: usize, action: &str, id: &str) -> Result<(), String> {
+        let (arm, is_gripper) = self.topics.action(action)?;
+        let client = self.clients[index].id;
+        let goals = if is_gripper {
+            &mut self.grips
+        } else {
+            &mut self.motions
+        };
+        let is_meant =
+            |goal: &mut UnderWay| goal.client == client && (id.is_empty() || goal.name.id == id);
+        if let Some(goal) = goals[arm].take_if(is_meant) {
+            if !is_gripper {
+                self.cell.stop(arm);
+            }
+            self.answer(&goal, &Verdict::Cancelled);
+        }
+        Ok(())
+    }
+
+    /// Tells a client how its goal ended.
+    fn answer(&mut self, goal: &UnderWay, verdict: &Verdict) {
+        let clients = self.clients.iter_mut();
+        for client in clients.filter(|client| client.id == goal.client) {
+            client.send(&goal.name.result(verdict));
+        }
+    }
+
+    /// Tells what has happened.
+    fn tell(&mut self, event: Event) {
+        match event {
+            Event::Arm(arm, ended) => {
+                let verdict = match ended {
+                    Ended::There => Verdict::Succeeded,
+                    Ended::Broken { code, words } => Verdict::Aborted(code, words),
+                };
+                if let Some(goal) = self.motions[arm].take() {
+                    self.answer(&goal, &verdict);
+                }
+            }
+            Event::Gripper(arm) => {
+                if let Some(goal) = self.grips[arm].take() {
+                    self.answer(&goal, &Verdict::Succeeded);
+                }
+            }
+            Event::Fault(kind) => {
+                tracing::warn!("{kind}, as told");
+                match kind {
+                    FaultKind::DropLink => self.clients.iter_mut().for_each(Connection::cut),
+                    FaultKind::LoseCamera => self.pictures = None,
+                    FaultKind::FreezeJoint | FaultKind::SlipGrasp => {}
+                }
+            }
+        }
+    }
+
+    /// Tells the time and where the joints are.
+    fn report(&mut self) {
+        let (time, told) = self.last_report;
+        let now = self.cell.time();
+        let (interval, least, most) = REPORT;
+        let is_due = now - time >= interval - 1e-9 && told.elapsed() >= least;
+        if !is_due && told.elapsed() < most {
+            return;
+        }
+        self.last_report = (now, Instant::now());
+        let version = self.topics.version;
+        let clock = published(CLOCK, json!({ "clock": stamp(version, now) }));
+        let mut reports = vec![(CLOCK.to_owned(), clock)];
+        for (known, arm) in self.topics.arms.iter().zip(self.cell.arms()) {
+            let message = json!({
+                "header": { "stamp": stamp(known.version, now), "frame_id": "" },
+                "name": arm.names(), "position": arm.joints(), "velocity": [], "effort": [],
+            });
+            let topic = known.joint_states.clone();
+            let text = published(&topic, message);
+            reports.push((topic, text));
+        }
+        for goal in self.motions.iter().flatten() {
+            let clients = self.clients.iter_mut();
+            for client in clients.filter(|client| client.id == goal.client) {
+                client.send(&goal.name.feedback());
+            }
+        }
+        for client in &mut self.clients {
+            for (topic, text) in &reports {
+                if client.hears(topic) {
+                    client.send(text);
+                }
+            }
+        }
+    }
+
+    /// Takes a picture after the other while somebody wants to see them.
+    fn take_pictures(&mut self) {
+        let Some(pictures) = &mut self.pictures else {
+            return;
+        };
+        let topic = &self.topics.camera;
+        if let Some(picture) = pictures.finished() {
+            let watching = self.clients.iter_mut();
+            for client in watching.filter(|client| client.hears(topic) && !client.is_full()) {
+                client.send(&picture);
+            }
+        }
+        let is_watched = self.clients.iter().any(|client| client.hears(topic));
+        let now = self.cell.time();
+        if is_watched && !pictures.is_busy() && now - self.last_picture >= PICTURE {
+            self.last_picture = now;
+            pictures.begin(self.cell.rod(), topic, stamp(self.topics.version, now));
+        }
+    }
+}

@@ -1,0 +1,216 @@
+//! Arms, grippers and the rod of a virtual cell, on one clock.
+
+use super::arm::{Ended, Refusal, Response, SimulatedArm};
+use super::fault::{Fault, FaultKind};
+use super::rod::{HANDING_OVER, RodSupply, SimulatedRod};
+use crate::cell::Cell;
+use crate::mechanics::Vector3;
+use crate::mechanics::dynamics::SimulationError;
+use crate::robot::{PartTrajectory, Pose};
+
+/// Time step of everything, s.
+pub const STEP: f64 = 5e-3;
+/// Time in which a gripper opens, s.
+const OPENING: f64 = 0.2;
+
+/// What has happened in a step.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Event {
+    /// The motion of an arm ended.
+    Arm(usize, Ended),
+    /// The gripper of an arm has done what it was told.
+    Gripper(usize),
+    /// A fault has come that is no business of arms and rods.
+    Fault(FaultKind),
+}
+
+/// A gripper under a command.
+#[derive(Clone, Copy, Debug, Default)]
+struct Gripper {
+    /// When it is done, s.
+    done: Option<f64>,
+}
+
+/// A cell in simulation.
+pub struct SimulatedCell {
+    time: f64,
+    arms: Vec<SimulatedArm>,
+    grippers: Vec<Gripper>,
+    /// Openings at and above which each gripper lets go, m.
+    opened: Vec<Option<f64>>,
+    table: Pose,
+    supply: Option<RodSupply>,
+    /// The rod, and the arm that took it.
+    rod: Option<(SimulatedRod, usize)>,
+    /// Faults to come, and when the first motion began, s.
+    faults: Vec<Fault>,
+    moved: Option<f64>,
+}
+
+impl SimulatedCell {
+    /// The arms of a cell at home, with rods for their grippers, if there are any.
+    pub fn new(
+        cell: &Cell,
+        response: Response,
+        supply: Option<RodSupply>,
+        faults: Vec<Fault>,
+    ) -> Self {
+        let grippers = cell.arms.iter().map(|arm| arm.gripper.as_ref());
+        // Half open is open.
+        let opened = grippers.map(|known| known.map(|known| 0.5 * (known.open + known.closed)));
+        Self {
+            time: 0.0,
+            arms: cell
+                .arms
+                .iter()
+                .map(|arm| SimulatedArm::new(arm, response))
+                .collect(),
+            grippers: vec![Gripper::default(); cell.arms.len()],
+            opened: opened.collect(),
+            table: cell.table.map_or_else(Pose::identity, |table| table.top),
+            supply,
+            rod: None,
+            faults,
+            moved: None,
+        }
+    }
+
+    /// Time, s.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// The arms.
+    pub fn arms(&self) -> &[SimulatedArm] {
+        &self.arms
+    }
+
+    /// Nodes of the rod in the cell, and its radius, m.
+    pub fn rod(&self) -> Option<(Vec<Vector3>, f64)> {
+        let (rod, _) = self.rod.as_ref()?;
+        Some((rod.nodes(), rod.radius()))
+    }
+
+    /// Lets an arm follow a trajectory.
+    ///
+    /// # Errors
+    /// See [`SimulatedArm::take`].
+    pub fn follow(&mut self, arm: usize, trajectory: PartTrajectory) -> Result<(), Refusal> {
+        self.arms[arm].take(trajectory, self.time)?;
+        self.moved.get_or_insert(self.time);
+        Ok(())
+    }
+
+    /// Stops an arm.
+    pub fn stop(&mut self, arm: usize) {
+        self.arms[arm].stop();
+    }
+
+    /// Opens or closes the gripper of an arm. One that closes is handed the end of a rod, a new one where one lies already.
+    ///
+    /// # Errors
+    /// In words.
+    pub fn grip(&mut self, arm: usize, opening: f64) -> Result<(), String> {
+        let Some(opened) = self.opened[arm] else {
+            return Err("this arm has no gripper".into());
+        };
+        let holder = self.rod.as_ref().filter(|(rod, _)| rod.is_held());
+        let holder = holder.map(|(_, holder)| *holder);
+        let takes = if opening >= opened {
+            if holder == Some(arm) {
+                self.let_go().map_err(|error| error.to_string())?;
+            }
+            OPENING
+        } else {
+            match (&self.supply, holder) {
+                (_, Some(holder)) if holder != arm => {
+                    return Err(format!("{} holds the rod", self.arms[holder].name));
+                }
+                (Some(supply), None) => {
+                    if self.arms[arm].is_moving() {
+                        return Err("the rod is handed over to an arm that stands still".into());
+                    }
+                    let rod = supply.handed(&self.arms[arm].hand(), &self.table, self.time)?;
+                    self.rod = Some((rod, arm));
+                    HANDING_OVER
+                }
+                (None, None) | (_, Some(_)) => OPENING,
+            }
+        };
+        self.grippers[arm].done = Some(self.time + takes);
+        Ok(())
+    }
+
+    fn let_go(&mut self) -> Result<(), SimulationError> {
+        match &mut self.rod {
+            Some((rod, _)) => rod.release(),
+            None => Ok(()),
+        }
+    }
+
+    /// Moves on by a step, or a rod that takes long to simulate towards the end of the last one.
+    ///
+    /// # Errors
+    /// The rod finds no step.
+    pub fn advance(&mut self) -> Result<Vec<Event>, SimulationError> {
+        if !self.lead_rod()? {
+            return Ok(Vec::new());
+        }
+        let mut events = self.suffer()?;
+        self.time += STEP;
+        for (index, arm) in self.arms.iter_mut().enumerate() {
+            if let Some(ended) = arm.advance(self.time, STEP) {
+                events.push(Event::Arm(index, ended));
+            }
+        }
+        self.lead_rod()?;
+        for (index, gripper) in self.grippers.iter_mut().enumerate() {
+            if gripper.done.take_if(|done| *done <= self.time).is_some() {
+                events.push(Event::Gripper(index));
+            }
+        }
+        Ok(events)
+    }
+
+    /// Leads the rod on to now; whether it has come there.
+    fn lead_rod(&mut self) -> Result<bool, SimulationError> {
+        match &mut self.rod {
+            Some((rod, holder)) => rod.advance(&self.arms[*holder].hand(), self.time),
+            None => Ok(true),
+        }
+    }
+
+    /// Lets the faults come whose time it is.
+    fn suffer(&mut self) -> Result<Vec<Event>, SimulationError> {
+        let Some(moved) = self.moved else {
+            return Ok(Vec::new());
+        };
+        let now = self.time - moved;
+        let moving = self.arms.iter().position(SimulatedArm::is_moving);
+        let holds = self.rod.as_ref().is_some_and(|(rod, _)| rod.is_held());
+        // A joint freezes in a motion, and a rod slips that is held.
+        let has_come = |fault: &Fault| {
+            fault.time <= now
+                && match fault.kind {
+                    FaultKind::FreezeJoint => moving.is_some(),
+                    FaultKind::SlipGrasp => holds,
+                    FaultKind::DropLink | FaultKind::LoseCamera => true,
+                }
+        };
+        let (come, rest): (Vec<Fault>, Vec<Fault>) =
+            self.faults.iter().copied().partition(has_come);
+        self.faults = rest;
+        let mut events = Vec::new();
+        for fault in come {
+            match (fault.kind, moving) {
+                (FaultKind::FreezeJoint, Some(arm)) => {
+                    self.arms[arm].freeze();
+                }
+                (FaultKind::SlipGrasp, _) => self.let_go()?,
+                _ => {}
+            }
+            events.push(Event::Fault(fault.kind));
+        }
+        Ok(events)
+    }
+}
