@@ -22,7 +22,8 @@ impl MotionClock {
     /// # Errors
     /// A connection is lost.
     pub(super) fn of(parts: &mut [Part]) -> Result<Self, String> {
-        for part in parts.iter_mut().filter(|part| part.driver.reports_state()) {
+        let clocked = parts.iter_mut();
+        for part in clocked.filter(|part| part.driver.clock().is_some()) {
             let heard = part.driver.state();
             heard.map_err(|error| format!("{}: {error}", part.name))?;
         }
