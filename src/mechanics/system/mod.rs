@@ -22,6 +22,7 @@ mod contact_stiffness;
 mod damping;
 mod events;
 mod grasp;
+mod joined_rods;
 mod joints;
 mod loads;
 mod mass;

@@ -19,7 +19,6 @@
 //! which is symmetric. With a hinge of the axis a, seen from outside, the moment T' on its frame counts in T and in the moment
 //! a·T' over its angle; the derivative of the one over the other is D' a.
 
-mod assembly;
 pub mod frame;
 mod plan;
 

@@ -1,10 +1,10 @@
 //! The joints and bodies of a scene whose rods are numbered: who owns which position, and what bodies weigh.
 
-use super::plan::JointPlan;
+use super::Assembly;
+use super::joints::JointPlan;
 use crate::linalg::UNUSED;
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::scene::{RodNode, Scene};
-use crate::mechanics::system::build::Assembly;
 use crate::mechanics::{JointError, SceneError, Vector3};
 
 impl Assembly {
@@ -12,11 +12,7 @@ impl Assembly {
     ///
     /// # Errors
     /// [`SceneError::Joint`] where clamps hold what joints hold, or a body is none.
-    pub(in crate::mechanics::system) fn join(
-        &mut self,
-        scene: &Scene,
-        plan: &JointPlan,
-    ) -> Result<(), SceneError> {
+    pub(super) fn join(&mut self, scene: &Scene, plan: &JointPlan) -> Result<(), SceneError> {
         let number = |at: &RodNode| self.rods.rods[at.rod].first_node + at.node;
         let named = |at: &RodNode, reason: JointError| {
             let joint = scene.joints.iter().find(|joint| joint.nodes.contains(at));
