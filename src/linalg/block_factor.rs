@@ -195,15 +195,19 @@ kernel! {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linalg::node_graph::NodeGraph;
+    use crate::linalg::node_graph::{BandPattern, NodeGraph};
 
     #[test]
     fn wide_registers_change_no_byte() {
         let nodes = 40;
         let elements = [3, 11, 20, 30]
             .map(|far| std::array::from_fn(|k| NODE * [0, 1, far, far + 1][k / 3] + k % 3));
-        let own: Vec<usize> = (0..NODE * nodes).collect();
-        let graph = NodeGraph::new(&elements, &own, &vec![false; NODE * nodes]);
+        let band = BandPattern {
+            owners: (0..NODE * nodes).collect(),
+            held: vec![false; NODE * nodes],
+            chains: Vec::new(),
+        };
+        let graph = NodeGraph::new(&elements, &band);
         let block = |seed: usize, diagonal: f64| {
             let mut block = Block(std::array::from_fn(|i| ((7 * seed + i) as f64).sin()));
             (0..NODE).for_each(|k| block.0[NODE * k + k] += diagonal);

@@ -7,7 +7,7 @@ use super::coupled_matrix::CoupledMatrix;
 use super::element::{Element, ElementMatrix, SharedUnknown, UNUSED};
 use super::error::{Inertia, SingularMatrix};
 use super::node_block::{NODE, NodeVector};
-use super::node_graph::NodeGraph;
+use super::node_graph::{BandPattern, NodeGraph};
 use super::symbolic::SymbolicFactor;
 
 /// Residual, relative to |A||x| + |b| in each row, above which a solution is refined once.
@@ -46,12 +46,14 @@ impl CoupledSystem {
     /// `held` marks unknowns that keep their place (length `dimension`): their rows and columns are
     /// dropped, their diagonals one. `shared` are the unknowns that are the same as another one, which is free or held
     /// and shared with no third: their rows and columns are added to those of that one, their own are as if held. With
-    /// `symmetric`, elements must be symmetric matrices; only one triangle is read.
+    /// `symmetric`, elements must be symmetric matrices; only one triangle is read. `chains` are the first nodes of the
+    /// parts that the band does not couple with those before, in their order.
     pub fn new(
         dimension: usize,
         elements: &[Element],
         held: &[bool],
         shared: &[SharedUnknown],
+        chains: &[usize],
         symmetric: bool,
     ) -> Self {
         assert_eq!(held.len(), dimension);
@@ -70,13 +72,18 @@ impl CoupledSystem {
             .map(|element| std::array::from_fn(|place| owned(&element[place])))
             .collect();
         let elements = &elements;
-        let graph = NodeGraph::new(elements, &owners, &held);
+        let band = BandPattern {
+            owners,
+            held,
+            chains: chains.to_vec(),
+        };
+        let graph = NodeGraph::new(elements, &band);
         let factor = BlockFactor::new(SymbolicFactor::new(&graph), symmetric);
         let vector = vec![[0.0; NODE]; nodes];
         Self {
             dimension,
             symmetric,
-            matrix: CoupledMatrix::new(graph, elements, &owners, &held, symmetric),
+            matrix: CoupledMatrix::new(graph, elements, &band, symmetric),
             factor,
             right_hand_side: vector.clone(),
             solution: vector.clone(),
@@ -276,7 +283,7 @@ mod tests {
             dense.column_mut(i).fill(0.0);
             dense[(i, i)] = 1.0;
         }
-        let system = CoupledSystem::new(dimension, &elements, &held, &[], symmetric);
+        let system = CoupledSystem::new(dimension, &elements, &held, &[], &[], symmetric);
         Example {
             system,
             dense,
@@ -382,7 +389,14 @@ mod tests {
                 }
             }
         }
-        let system = CoupledSystem::new(dimension, &elements, &vec![false; dimension], &[], true);
+        let system = CoupledSystem::new(
+            dimension,
+            &elements,
+            &vec![false; dimension],
+            &[],
+            &[],
+            true,
+        );
         let mut example = Example {
             system,
             dense,
@@ -460,7 +474,8 @@ mod tests {
                 dense.column_mut(i).fill(0.0);
                 dense[(i, i)] = 1.0;
             }
-            let mut system = CoupledSystem::new(dimension, &elements, &held, &shared, symmetric);
+            let mut system =
+                CoupledSystem::new(dimension, &elements, &held, &shared, &[], symmetric);
             // The second assembly must not see the first.
             for _ in 0..2 {
                 system.assemble(&plain.band);
@@ -489,10 +504,50 @@ mod tests {
     }
 
     #[test]
+    fn chains_that_nothing_couples_fill_nothing_between_them() {
+        // Forty rods of ten nodes, each with a zero between it and the next.
+        let (rods, nodes) = (40, 10);
+        let dimension = NODE * rods * nodes;
+        let mut band = BandedSymmetric::new(dimension);
+        for j in 0..dimension {
+            band.add(j, j, 20.0);
+            for i in j + 1..dimension.min(j + HALF_BANDWIDTH + 1) {
+                let is_inside =
+                    i / (NODE * nodes) == j / (NODE * nodes) && i / NODE <= j / NODE + 2;
+                if is_inside {
+                    band.add(i, j, (0.7 * (i + 3 * j) as f64).sin());
+                }
+            }
+        }
+        let elements: Vec<Element> = (0..rods)
+            .map(|k| {
+                let (a, b) = (nodes * k + 4, nodes * ((7 * k + 3) % rods) + 6);
+                std::array::from_fn(|place| NODE * [a, a + 1, b, b + 1][place / 3] + place % 3)
+            })
+            .collect();
+        let chains: Vec<usize> = (0..rods).map(|rod| nodes * rod).collect();
+        let held = vec![false; dimension];
+        let solve = |chains: &[usize]| {
+            let mut system = CoupledSystem::new(dimension, &elements, &held, &[], chains, true);
+            system.assemble(&band);
+            for index in 0..rods {
+                system.add_element(index, &[[0.1; 12]; 12]);
+            }
+            system.factor().unwrap();
+            let mut x: Vec<f64> = (0..dimension).map(|k| (0.3 * k as f64).cos()).collect();
+            system.solve(&mut x).unwrap();
+            (x, system.factor_blocks())
+        };
+        let ((one, joined), (other, apart)) = (solve(&[]), solve(&chains));
+        assert!(apart < joined, "{apart} of {joined}");
+        assert!(one.iter().zip(&other).all(|(a, b)| (a - b).abs() < 1e-13));
+    }
+
+    #[test]
     fn without_elements_it_solves_as_the_band_does() {
         let Example { band, .. } = example(120, 0, true, 15.0);
         let mut factor = crate::linalg::BandedFactor::new(120);
-        let mut system = CoupledSystem::new(120, &[], &[false; 120], &[], true);
+        let mut system = CoupledSystem::new(120, &[], &[false; 120], &[], &[], true);
         system.assemble(&band);
         assert_eq!(
             factor.factor(&band).unwrap().positive,
@@ -530,7 +585,7 @@ mod tests {
                 band.add(i + 4, i, 1.0);
             }
         }
-        let mut system = CoupledSystem::new(8, &[], &[false; 8], &[], true);
+        let mut system = CoupledSystem::new(8, &[], &[false; 8], &[], &[], true);
         system.assemble(&band);
         system.factor().unwrap();
         let mut x = [1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0];

@@ -3,7 +3,7 @@
 use super::banded::{BandedSymmetric, HALF_BANDWIDTH};
 use super::element::{Element, ElementMatrix, is_free};
 use super::node_block::{Block, NODE, NodeVector};
-use super::node_graph::NodeGraph;
+use super::node_graph::{BandPattern, NodeGraph};
 use std::cmp::Ordering;
 
 /// The assembled matrix, with the place of every entry found beforehand.
@@ -43,12 +43,11 @@ struct BandMove {
 }
 
 impl CoupledMatrix {
-    /// The zero matrix of the given pattern; `owners` and `held` fill whole nodes.
+    /// The zero matrix of the given pattern.
     pub(super) fn new(
         graph: NodeGraph,
         elements: &[Element],
-        owners: &[usize],
-        held: &[bool],
+        band: &BandPattern,
         symmetric: bool,
     ) -> Self {
         let (nodes, pairs) = (graph.nodes, graph.pairs().len());
@@ -66,10 +65,10 @@ impl CoupledMatrix {
             graph,
         };
         for element in elements {
-            matrix.place_element(element, held);
+            matrix.place_element(element, &band.held);
         }
-        matrix.place_shared(owners, held);
-        matrix.place_held(held);
+        matrix.place_shared(band);
+        matrix.place_held(&band.held);
         matrix
     }
 
@@ -188,12 +187,12 @@ impl CoupledMatrix {
 
     /// Finds where the entries of the band go that lie in rows or columns of unknowns that others own: to those of their
     /// owners, on both sides of the diagonal.
-    fn place_shared(&mut self, owners: &[usize], held: &[bool]) {
+    fn place_shared(&mut self, band: &BandPattern) {
+        let (owners, held) = (&band.owners, &band.held);
         let is_shared = |unknown: usize| owners[unknown] != unknown;
         for j in 0..owners.len() {
-            // The band couples nodes two apart at most.
-            let end = (j + HALF_BANDWIDTH + 1).min(NODE * (j / NODE + 3));
-            for i in j..owners.len().min(end) {
+            let end = (j + HALF_BANDWIDTH + 1).min(NODE * band.end_of_reach(j / NODE));
+            for i in j..end {
                 let (row, column) = (owners[i], owners[j]);
                 let goes = is_shared(i) || is_shared(j);
                 if !goes || held[row] || held[column] {

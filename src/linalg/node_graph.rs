@@ -20,36 +20,15 @@ pub(super) struct NodeGraph {
 
 impl NodeGraph {
     /// Neighbours up to two apart along the band and the nodes of each element, as far as they have a
-    /// free unknown in it. `owners` are the unknowns to which rows and columns of the band belong: those of elements have
-    /// been replaced by theirs.
-    pub(super) fn new(elements: &[Element], owners: &[usize], held: &[bool]) -> Self {
-        let nodes = held.len().div_ceil(NODE);
-        let owner_nodes = NodeOwners::new(owners, held);
-        let has_free: Vec<bool> = held
-            .chunks(NODE)
-            .map(|node| node.contains(&false))
-            .collect();
+    /// free unknown in it. Unknowns of elements are those to which their rows and columns belong.
+    pub(super) fn new(elements: &[Element], band: &BandPattern) -> Self {
+        let nodes = band.held.len().div_ceil(NODE);
+        let couplings = band.couplings();
         let mut keys = Vec::with_capacity(2 * nodes + 6 * elements.len());
         for q in 0..nodes {
-            for p in q + 1..nodes.min(q + 3) {
-                if has_free[p] && has_free[q] {
-                    keys.push(pair_key(p, q));
-                }
-            }
-        }
-        for (q, own) in owner_nodes.0.iter().enumerate() {
-            for p in q..nodes.min(q + 3) {
-                let other = &owner_nodes.0[p];
-                if own.is_empty() && other.is_empty() {
-                    continue;
-                }
-                // The node itself, as far as it has unknowns of its own, and those that own the others.
-                let all = |node: usize, owners: &[usize]| -> Vec<usize> {
-                    let itself = has_free[node].then_some(node);
-                    owners.iter().copied().chain(itself).collect()
-                };
-                for &a in &all(q, own) {
-                    for &b in &all(p, other) {
+            for p in q..band.end_of_reach(q) {
+                for &a in &couplings[q] {
+                    for &b in &couplings[p] {
                         if a != b {
                             keys.push(pair_key(a, b));
                         }
@@ -57,6 +36,7 @@ impl NodeGraph {
                 }
             }
         }
+        let held = &band.held;
         for element in elements {
             for (place, &i) in element.iter().enumerate() {
                 for &j in &element[..place] {
@@ -121,19 +101,39 @@ impl NodeGraph {
     }
 }
 
-/// Nodes that own free unknowns of each node; none where all are its own.
-struct NodeOwners(Vec<Vec<usize>>);
+/// What the band couples.
+#[derive(Clone, Debug, Default)]
+pub(super) struct BandPattern {
+    /// The unknowns to which rows and columns belong: their own, but for those that others own.
+    pub(super) owners: Vec<usize>,
+    /// Unknowns that keep their place, those that others own among them.
+    pub(super) held: Vec<bool>,
+    /// First nodes of the parts that are not coupled with those before; none: all of it is one.
+    pub(super) chains: Vec<usize>,
+}
 
-impl NodeOwners {
-    fn new(owners: &[usize], held: &[bool]) -> Self {
+impl BandPattern {
+    /// End of the nodes that the band may couple a node with, from itself on.
+    pub(super) fn end_of_reach(&self, node: usize) -> usize {
+        let next = self.chains.partition_point(|first| *first <= node);
+        let end = self.chains.get(next).copied().unwrap_or(usize::MAX);
+        end.min(node + 3).min(self.held.len() / NODE)
+    }
+
+    /// Nodes whose free unknowns rows and columns of each node belong to: itself, where it has free ones, and others.
+    fn couplings(&self) -> Vec<Vec<usize>> {
         let of_node = |(node, owners): (usize, &[usize])| {
-            let others = owners.iter().filter(|&&owner| !held[owner]);
-            let mut nodes: Vec<usize> = others.map(|owner| owner / NODE).collect();
-            nodes.retain(|owner| *owner != node);
+            let unknowns = NODE * node..NODE * (node + 1);
+            let itself = self.held[unknowns].contains(&false).then_some(node);
+            let others = owners.iter().filter(|&&owner| !self.held[owner]);
+            let others = others
+                .map(|owner| owner / NODE)
+                .filter(|owner| *owner != node);
+            let mut nodes: Vec<usize> = itself.into_iter().chain(others).collect();
             nodes.dedup();
             nodes
         };
-        Self(owners.chunks(NODE).enumerate().map(of_node).collect())
+        self.owners.chunks(NODE).enumerate().map(of_node).collect()
     }
 }
 

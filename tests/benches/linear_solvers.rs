@@ -66,10 +66,12 @@ fn coupled(criterion: &mut Criterion) {
         let right_hand_side: Vec<f64> = (0..dimension).map(|i| libm::cos(i as f64)).collect();
         let mut x = right_hand_side.clone();
         criterion.bench_function(&format!("coupled new {dimension}+{count}"), |bencher| {
-            bencher.iter(|| CoupledSystem::new(dimension, black_box(&elements), &held, &[], true));
+            bencher.iter(|| {
+                CoupledSystem::new(dimension, black_box(&elements), &held, &[], &[], true)
+            });
         });
         for (symmetric, name) in [(true, "symmetric"), (false, "general")] {
-            let mut system = CoupledSystem::new(dimension, &elements, &held, &[], symmetric);
+            let mut system = CoupledSystem::new(dimension, &elements, &held, &[], &[], symmetric);
             println!("{} blocks in the factor", system.factor_blocks());
             let name = |step: &str| format!("coupled {step} {name} {dimension}+{count}");
             criterion.bench_function(&name("assemble"), |bencher| {

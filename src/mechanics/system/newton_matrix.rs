@@ -25,6 +25,8 @@ pub struct NewtonMatrix {
     held: Vec<bool>,
     /// Positions of joined nodes that others own.
     shared: Vec<SharedUnknown>,
+    /// First node of each rod, then the places of frames.
+    chains: Vec<usize>,
     symmetric: bool,
     /// Whether the symmetric elimination has failed with this pattern.
     lost_symmetry: bool,
@@ -64,6 +66,9 @@ impl NewtonMatrix {
             coupled: None,
             held: assembly.held.clone(),
             shared: assembly.joints.shared(),
+            chains: (assembly.rods.rods.iter().map(|rod| rod.first_node))
+                .chain(assembly.rods.nodes..dimension / STRIDE)
+                .collect(),
             lost_symmetry: false,
             symmetric: loads.moments.is_empty() && !friction && !friction_on_planes,
             permanent_matrices: vec![ZERO; permanent.len()],
@@ -365,6 +370,7 @@ impl NewtonMatrix {
                     &elements,
                     &self.held,
                     &self.shared,
+                    &self.chains,
                     self.symmetric && !self.lost_symmetry,
                 ))
             }
