@@ -131,7 +131,7 @@ fn faults_name_file_line_and_key() {
             "\"10 cm\"",
             "\"10 kg\"",
             "`arms.0.tool.position.0`",
-            "unknown unit",
+            "is a mass, but this key takes a length",
         ),
         (
             "\"stepper\"",
