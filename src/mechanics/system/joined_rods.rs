@@ -4,7 +4,7 @@ use super::Assembly;
 use super::joints::JointPlan;
 use crate::linalg::UNUSED;
 use crate::mechanics::rod::STRIDE;
-use crate::mechanics::scene::{RodNode, Scene};
+use crate::mechanics::scene::{Clamp, RodNode, Scene};
 use crate::mechanics::{JointError, SceneError, Vector3};
 
 impl Assembly {
@@ -13,117 +13,110 @@ impl Assembly {
     /// # Errors
     /// [`SceneError::Joint`] where clamps hold what joints hold, or a body is none.
     pub(super) fn join(&mut self, scene: &Scene, plan: &JointPlan) -> Result<(), SceneError> {
-        let number = |at: &RodNode| self.rods.rods[at.rod].first_node + at.node;
-        let named = |at: &RodNode, reason: JointError| {
-            let joint = scene.joints.iter().find(|joint| joint.nodes.contains(at));
-            let body = scene.bodies.iter().find(|body| body.at == *at);
-            let name = joint
-                .map(|joint| &joint.name)
-                .or(body.map(|body| &body.name));
-            SceneError::Joint {
-                name: name.cloned().unwrap_or_default(),
-                reason,
-            }
-        };
-        let mut points = Vec::new();
-        for group in &plan.points {
-            let is_held = |at: &&RodNode| self.held[STRIDE * number(at)];
-            let mut clamped = group.iter().filter(is_held);
-            let owner = clamped.next().unwrap_or(&group[0]);
-            if let Some(other) = clamped.next() {
-                let [first, second] = [owner, other].map(|at| scene.rods[at.rod].name.clone());
-                return Err(named(other, JointError::TwoClamps { first, second }));
-            }
-            let others = group.iter().filter(|at| *at != owner);
-            points.extend(others.map(|at| [number(at), number(owner)]));
-        }
-        for [node, owner] in &points {
-            let [own, of_owner] = [node, owner].map(|node| STRIDE * node..STRIDE * node + 3);
-            self.unknowns.copy_within(of_owner.clone(), own.start);
-            self.velocity.copy_within(of_owner.clone(), own.start);
-            self.held.copy_within(of_owner, own.start);
-        }
+        self.share_points(scene, plan)?;
         for (number, planned) in plan.frames.iter().enumerate() {
-            let at = planned.nodes[0];
-            for at in &planned.nodes {
-                let clamps = scene.clamps.iter();
-                if scene.rods[at.rod].held {
-                    return Err(named(at, JointError::HeldRod));
-                }
-                if clamps
-                    .into_iter()
-                    .any(|clamp| (clamp.rod, clamp.node) == (at.rod, at.node) && clamp.holds_frame)
-                {
-                    let rod = scene.rods[at.rod].name.clone();
-                    return Err(named(at, JointError::ClampedFrame { rod }));
-                }
-            }
-            let frame = &mut self.joints.frames[number];
-            frame.node = self.rods.rods[at.rod].first_node + at.node;
-            frame.element = self.rods.elements.len();
-            self.rods.elements.push([UNUSED; 12]);
-            let slot = frame.first_unknown;
-            self.held[slot..slot + 3].fill(planned.hinge.is_some());
-            self.held[slot + 3] = planned.hinge.is_none();
-            let Some(inertia) = planned.inertia else {
-                continue;
-            };
-            let body = scene
-                .bodies
-                .iter()
-                .find(|body| body.inertia.is_some() && planned.nodes.contains(&body.at));
-            let body = body.expect("the plan took the inertia from it");
-            let borne = |(ghost, _): &&(usize, _)| {
-                let of_ghost = |edge: usize| edge == self.rods.nodes + ghost;
-                let mut vertices = self.rods.vertices.iter();
-                vertices.any(|vertex| {
-                    let (here, real) = if of_ghost(vertex.before) {
-                        (true, vertex.after)
-                    } else {
-                        (of_ghost(vertex.after), vertex.before)
-                    };
-                    here && self.locate(real).0 == body.at.rod
-                })
-            };
-            let ghosts = self.joints.frames[number].ghosts.iter();
-            let placed = { ghosts }.find(borne).expect("a rod bears the body").1;
-            let axes = [
-                placed.director,
-                placed.tangent.cross(&placed.director),
-                placed.tangent,
-            ];
-            let first = slot + STRIDE;
-            let length = self.joints.frames[number].length;
-            self.joints.frames[number].body = Some((first, axes));
-            let sum: f64 = inertia.iter().sum();
-            for (k, moment) in inertia.iter().enumerate() {
-                let tip = first + STRIDE * k;
-                let mass = (0.5 * sum - moment) / (length * length);
-                self.masses[tip..tip + 3].fill(mass);
-                self.held[tip..tip + STRIDE].fill(true);
+            refuse_walls(scene, &planned.nodes)?;
+            self.free_frame(number, &planned.nodes[0], planned.hinge.is_some());
+            if let Some(inertia) = planned.inertia {
+                let bodies = scene.bodies.iter().filter(|body| body.inertia.is_some());
+                let mut here = bodies.filter(|body| planned.nodes.contains(&body.at));
+                let body = here.next().expect("the plan took the inertia from it");
+                self.add_inertia(number, body.at.rod, inertia);
             }
         }
-        for body in &scene.bodies {
-            let check = |at: &RodNode| {
-                let nodes = scene.rods.get(at.rod).map_or(0, |rod| rod.centreline.len());
-                (at.node < nodes)
-                    .then_some(())
-                    .ok_or(JointError::NoSuchNode {
-                        node: at.node,
-                        nodes,
-                    })
-            };
-            check(&body.at).map_err(|reason| named(&body.at, reason))?;
-            let unknown = STRIDE * (self.rods.rods[body.at.rod].first_node + body.at.node);
-            for mass in &mut self.masses[unknown..unknown + 3] {
-                *mass += body.mass;
-            }
-        }
-        self.joints.points = points;
+        self.add_masses(scene)?;
         self.start_rotations(scene);
         let mut unknowns = std::mem::take(&mut self.unknowns);
         self.joints.complete(&mut unknowns);
         self.unknowns = unknowns;
+        Ok(())
+    }
+
+    /// Number of a node among those of all rods.
+    fn number(&self, at: &RodNode) -> usize {
+        self.rods.rods[at.rod].first_node + at.node
+    }
+
+    /// Gives the position of joined nodes to one of them, to that which a clamp holds where there is one.
+    fn share_points(&mut self, scene: &Scene, plan: &JointPlan) -> Result<(), SceneError> {
+        for group in &plan.points {
+            let is_held = |at: &&RodNode| self.held[STRIDE * self.number(at)];
+            let mut clamped = group.iter().filter(is_held);
+            let owner = clamped.next().unwrap_or(&group[0]);
+            if let Some(other) = clamped.next() {
+                let [first, second] = [owner, other].map(|at| scene.rods[at.rod].name.clone());
+                return Err(wrong(scene, other, JointError::TwoClamps { first, second }));
+            }
+            for at in group.iter().filter(|at| *at != owner) {
+                let [node, owner] = [at, owner].map(|at| self.number(at));
+                let [own, of_owner] = [node, owner].map(|node| STRIDE * node..STRIDE * node + 3);
+                self.unknowns.copy_within(of_owner.clone(), own.start);
+                self.velocity.copy_within(of_owner.clone(), own.start);
+                self.held.copy_within(of_owner, own.start);
+                self.joints.points.push([node, owner]);
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes the rotation of a frame an unknown, or its angle where it hangs on a hinge, and gives it an element.
+    fn free_frame(&mut self, number: usize, at: &RodNode, is_hinged: bool) {
+        let node = self.number(at);
+        let frame = &mut self.joints.frames[number];
+        frame.node = node;
+        frame.element = self.rods.elements.len();
+        self.rods.elements.push([UNUSED; 12]);
+        let first = frame.first_unknown;
+        self.held[first..first + 3].fill(is_hinged);
+        self.held[first + 3] = !is_hinged;
+    }
+
+    /// Gives a frame the moments of inertia (kg m²) of a body that a rod bears: masses at the tips of its principal axes.
+    fn add_inertia(&mut self, number: usize, rod: usize, inertia: [f64; 3]) {
+        let is_of_rod = |ghost: usize| {
+            let edge = self.rods.nodes + ghost;
+            self.rods.vertices.iter().any(|vertex| {
+                let real = match [vertex.before, vertex.after] {
+                    [before, after] if before == edge => after,
+                    [before, after] if after == edge => before,
+                    _ => return false,
+                };
+                self.locate(real).0 == rod
+            })
+        };
+        let frame = &self.joints.frames[number];
+        let mut ghosts = frame.ghosts.iter().filter(|(ghost, _)| is_of_rod(*ghost));
+        let placed = ghosts.next().expect("the rod is clamped to the frame").1;
+        let (first, length) = (frame.first_unknown + STRIDE, frame.length);
+        let axes = [
+            placed.director,
+            placed.tangent.cross(&placed.director),
+            placed.tangent,
+        ];
+        self.joints.frames[number].body = Some((first, axes));
+        let sum: f64 = inertia.iter().sum();
+        for (k, moment) in inertia.iter().enumerate() {
+            let tip = first + STRIDE * k;
+            self.masses[tip..tip + 3].fill((0.5 * sum - moment) / (length * length));
+            self.held[tip..tip + STRIDE].fill(true);
+        }
+    }
+
+    /// Lets nodes carry the masses of bodies.
+    fn add_masses(&mut self, scene: &Scene) -> Result<(), SceneError> {
+        for body in &scene.bodies {
+            let node = body.at.node;
+            let rod = scene.rods.get(body.at.rod);
+            let nodes = rod.map_or(0, |rod| rod.centreline.len());
+            if node >= nodes {
+                let reason = JointError::NoSuchNode { node, nodes };
+                return Err(wrong(scene, &body.at, reason));
+            }
+            let unknown = STRIDE * self.number(&body.at);
+            for mass in &mut self.masses[unknown..unknown + 3] {
+                *mass += body.mass;
+            }
+        }
         Ok(())
     }
 
@@ -147,5 +140,38 @@ impl Assembly {
                 self.velocity[slot..slot + 3].copy_from_slice(rate.as_slice());
             }
         }
+    }
+}
+
+/// A frame turns: no clamp may hold the frame of its nodes, nor may their rods be rigid obstacles.
+fn refuse_walls(scene: &Scene, nodes: &[RodNode]) -> Result<(), SceneError> {
+    for at in nodes {
+        if scene.rods[at.rod].held {
+            return Err(wrong(scene, at, JointError::HeldRod));
+        }
+        let here = |clamp: &&Clamp| (clamp.rod, clamp.node) == (at.rod, at.node);
+        if scene
+            .clamps
+            .iter()
+            .filter(here)
+            .any(|clamp| clamp.holds_frame)
+        {
+            let rod = scene.rods[at.rod].name.clone();
+            return Err(wrong(scene, at, JointError::ClampedFrame { rod }));
+        }
+    }
+    Ok(())
+}
+
+/// What is wrong with the joint or body at a node.
+fn wrong(scene: &Scene, at: &RodNode, reason: JointError) -> SceneError {
+    let joint = scene.joints.iter().find(|joint| joint.nodes.contains(at));
+    let body = scene.bodies.iter().find(|body| body.at == *at);
+    let name = joint
+        .map(|joint| &joint.name)
+        .or(body.map(|body| &body.name));
+    SceneError::Joint {
+        name: name.cloned().unwrap_or_default(),
+        reason,
     }
 }
