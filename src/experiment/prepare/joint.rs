@@ -76,5 +76,5 @@ pub(super) fn judge_joints(scene: &Scene, scenario: &scenario::Scenario) -> Resu
         }
         _ => path,
     };
-    Err(Issue::new(key, format!("`{name}` {reason}")))
+    Err(Issue::new(key, format!("`{name}`: {reason}")))
 }

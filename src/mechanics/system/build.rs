@@ -55,6 +55,15 @@ pub struct Assembly {
     pub rounding_stiffness: f64,
 }
 
+/// What holds the direction and the material frame of a rod at a node.
+#[derive(Clone, Copy)]
+enum Wall {
+    /// A clamp, by its number.
+    Clamp(usize),
+    /// The frame of a joint or body, by its number.
+    Frame(usize),
+}
+
 /// Scales of one rod.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RodScale {
@@ -315,8 +324,9 @@ impl Assembly {
                 None
             };
             let after = (k < edges).then_some(k);
-            let ghost_drive = drive_of_node[k].and_then(|(drive, frame)| frame.then_some(drive));
-            if let Some(drive) = ghost_drive {
+            let clamp = drive_of_node[k].and_then(|(drive, frame)| frame.then_some(drive));
+            let frame = plan.frame_at(index, k).map(Wall::Frame);
+            if let Some(wall) = clamp.map(Wall::Clamp).or(frame) {
                 // A wall at the node: a half vertex on either side that exists.
                 for (edge, ghost_first) in [(before, false), (after, true)] {
                     let Some(edge) = edge else { continue };
@@ -326,7 +336,10 @@ impl Assembly {
                     let whole = drive_of_node[other].is_some_and(|(neighbour, frame)| {
                         !frame && self.drives[neighbour].holds_position
                     });
-                    if whole && self.drives[drive].holds_position {
+                    if let Wall::Clamp(drive) = wall
+                        && whole
+                        && self.drives[drive].holds_position
+                    {
                         // The edge itself is the wall, and turns with the clamp.
                         let director = placed.material_director(edge);
                         self.held[STRIDE * start + 3] = true;
@@ -340,17 +353,30 @@ impl Assembly {
                     let placed_strains = placed.ghost_strains(k, edge, ghost_first);
                     let of_shape = |shape: &Placement| shape.ghost_strains(k, edge, ghost_first);
                     let ghost = self.rods.nodes + self.rods.ghosts;
-                    self.rods.ghosts += 1;
-                    self.ghosts.push(self.drives[drive].frame);
-                    self.drives[drive].ghosts.push(ghost - self.rods.nodes);
+                    let unknowns = match wall {
+                        Wall::Clamp(drive) => {
+                            self.add_clamped_ghost(drive);
+                            let (from, to) = if ghost_first { (4, 11) } else { (0, 7) };
+                            self.unknowns_of(range, k, from, to)
+                        }
+                        Wall::Frame(frame) => {
+                            let frame_there = placed.frame_at_node(k);
+                            let length = natural_lengths[edge];
+                            let element =
+                                self.add_turning_ghost(frame, frame_there, [start, end], length);
+                            VertexUnknowns::Turning {
+                                element,
+                                ghost_first,
+                            }
+                        }
+                    };
                     let angle = placed.angles[edge];
-                    let (before, after, from, to, change) = if ghost_first {
-                        (ghost, start, 4, 11, angle)
+                    let (before, after, change) = if ghost_first {
+                        (ghost, start, angle)
                     } else {
-                        (start, ghost, 0, 7, -angle)
+                        (start, ghost, -angle)
                     };
                     self.reference.twist.push(placed_strains.twist - change);
-                    let unknowns = self.unknowns_of(range, k, from, to);
                     self.rods.vertices.push(Vertex {
                         before,
                         after,
@@ -360,42 +386,6 @@ impl Assembly {
                         weights: VertexWeights::default(),
                         joint_twist: 0.0,
                         unknowns,
-                    });
-                }
-            } else if let Some(frame) = plan.frame_at(index, k) {
-                // The same at a wall that turns.
-                for (edge, ghost_first) in [(before, false), (after, true)] {
-                    let Some(edge) = edge else { continue };
-                    let voronoi = 0.5 * natural_lengths[edge];
-                    let placed_strains = placed.ghost_strains(k, edge, ghost_first);
-                    let of_shape = |shape: &Placement| shape.ghost_strains(k, edge, ghost_first);
-                    let real = range.first_node + edge;
-                    let ghost = self.rods.nodes
-                        + self.add_turning_ghost(
-                            frame,
-                            placed.frame_at_node(k),
-                            [real, range.end_of(real)],
-                            natural_lengths[edge],
-                        );
-                    let angle = placed.angles[edge];
-                    let (before, after, change) = if ghost_first {
-                        (ghost, real, angle)
-                    } else {
-                        (real, ghost, -angle)
-                    };
-                    self.reference.twist.push(placed_strains.twist - change);
-                    self.rods.vertices.push(Vertex {
-                        before,
-                        after,
-                        natural: natural(placed_strains, &of_shape, voronoi),
-                        stiffness: stiffness(rod, voronoi),
-                        strain: BendingStrain::default(),
-                        weights: VertexWeights::default(),
-                        joint_twist: 0.0,
-                        unknowns: VertexUnknowns::Turning {
-                            element: self.rods.elements.len() - 1,
-                            ghost_first,
-                        },
                     });
                 }
             } else if let (Some(before), Some(after)) = (before, after) {
@@ -428,8 +418,15 @@ impl Assembly {
         Ok(())
     }
 
-    /// Adds a ghost edge that turns with a frame beside the edge between two nodes, and the element of its half vertex;
-    /// returns its number.
+    /// Adds a ghost edge that follows a clamp.
+    fn add_clamped_ghost(&mut self, drive: usize) {
+        let ghost = self.rods.ghosts;
+        self.rods.ghosts += 1;
+        self.ghosts.push(self.drives[drive].frame);
+        self.drives[drive].ghosts.push(ghost);
+    }
+
+    /// Adds a ghost edge that turns with a frame beside the edge between two nodes; returns the element of its half vertex.
     fn add_turning_ghost(
         &mut self,
         frame: usize,
@@ -453,7 +450,7 @@ impl Assembly {
         }
         element[3] = STRIDE * start + 3;
         self.rods.elements.push(element);
-        ghost
+        self.rods.elements.len() - 1
     }
 
     /// Where the local unknowns `from..to` of the vertex at node `k` of a rod are.

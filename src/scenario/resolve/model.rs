@@ -244,16 +244,20 @@ pub fn refuse_rigid_statics(top: &Section<'_>, contact: &Contact, time: &Time) {
     }
 }
 
-/// Refuses the midpoint rule for viscous rods: in the middle of a step it knows no rate of a strain.
-pub fn refuse_viscous_midpoint(top: &Section<'_>, rods: &[Rod], time: &Time) {
-    let midpoint = matches!(
+/// Whether steps are those of the midpoint rule.
+fn is_midpoint(time: &Time) -> bool {
+    matches!(
         time,
         Time::Dynamic {
             scheme: Scheme::ImplicitMidpoint,
             ..
         }
-    );
-    if midpoint && rods.iter().any(|rod| rod.material.viscosity > 0.0) {
+    )
+}
+
+/// Refuses the midpoint rule for viscous rods: in the middle of a step it knows no rate of a strain.
+pub fn refuse_viscous_midpoint(top: &Section<'_>, rods: &[Rod], time: &Time) {
+    if is_midpoint(time) && rods.iter().any(|rod| rod.material.viscosity > 0.0) {
         top.below("time").fault(
             "scheme",
             "\"implicit-midpoint\" does not fit rods with a viscosity; allowed with them: \"implicit-euler\" and \"backward-differences\"",
@@ -263,18 +267,11 @@ pub fn refuse_viscous_midpoint(top: &Section<'_>, rods: &[Rod], time: &Time) {
 
 /// Refuses frames that turn with a scheme that goes on from the middle of each step: a rotation there is none at its end.
 pub fn refuse_turning_midpoint(top: &Section<'_>, joints: &[Joint], bodies: &[Body], time: &Time) {
-    let midpoint = matches!(
-        time,
-        Time::Dynamic {
-            scheme: Scheme::ImplicitMidpoint,
-            ..
-        }
-    );
     let turns = joints.iter().any(|joint| joint.kind != JointKind::Ball)
         || bodies
             .iter()
             .any(|body| body.moments_of_inertia().is_some());
-    if midpoint && turns {
+    if is_midpoint(time) && turns {
         top.below("time").fault(
             "scheme",
             "\"implicit-midpoint\" does not fit rigid joints, hinges and bodies with inertia; allowed with them: \"implicit-euler\" and \"backward-differences\"",

@@ -165,7 +165,7 @@ fn add(
     }
     if let Some(boundary) = &typed.boundary {
         let section = section.below("boundary");
-        hold(&section, boundary, name, &layout, &visits, edges, all);
+        hold(&section, boundary, kind, name, &layout, &visits, edges, all);
     }
 }
 
@@ -368,6 +368,7 @@ fn divided(points: &[[f64; 3]], edges: usize) -> Vec<[f64; 3]> {
 fn hold(
     section: &Section<'_>,
     typed: &typed::Boundary,
+    kind: JointKind,
     name: &str,
     layout: &Layout,
     visits: &BTreeMap<usize, Vec<(usize, usize)>>,
@@ -375,8 +376,7 @@ fn hold(
     all: &mut Networks,
 ) {
     let hold = typed.hold.unwrap_or(Hold::Position);
-    let welds = matches!(all.joints.last(), Some(joint) if joint.kind == JointKind::Rigid);
-    if welds && hold != Hold::Position {
+    if kind == JointKind::Rigid && hold != Hold::Position {
         section.fault(
             "hold",
             "rigid joints turn with the rods that meet there; allowed: \"position\"",

@@ -18,7 +18,7 @@ pub(in crate::mechanics::system) struct PlannedFrame {
     pub nodes: Vec<RodNode>,
     /// The frame to which a hinge ties it, and the axis of the hinge as placed.
     pub hinge: Option<(usize, Vector3)>,
-    /// Principal moments of inertia of the body, kg m²; zero without one.
+    /// Principal moments of inertia of the body, kg m²; `None` without one.
     pub inertia: Option<[f64; 3]>,
 }
 
