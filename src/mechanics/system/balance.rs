@@ -182,10 +182,15 @@ impl System {
     fn residual_of_frame(&self, first: usize, rod: usize) -> f64 {
         let own = &self.residual[first..first + STRIDE];
         let per_length = 1.0 / self.assembly.scales[rod].shortest_edge;
-        let turning = own[..3].iter().fold(0.0, |most: f64, r| match r.is_nan() {
-            true => f64::NAN,
-            false => most.max(r.abs()),
-        });
+        // What is no number stays none.
+        let larger = |most: f64, size: f64| {
+            if size > most || size.is_nan() {
+                size
+            } else {
+                most
+            }
+        };
+        let turning = own[..3].iter().map(|r| r.abs()).fold(0.0, larger);
         turning + own[3].abs() * per_length
     }
 
