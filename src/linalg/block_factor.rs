@@ -1,15 +1,21 @@
 //! Sparse elimination node by node: A = 𝓛 𝓤 with 4×4 blocks, 𝓛 with unit diagonal.
 //!
-//! Column k receives L_a U_k from every earlier column with a block in row k, then its blocks below the
-//! diagonal are divided by the diagonal block, L_a = A_ak D⁻¹ (left-looking elimination; Golub & Van
-//! Loan, 4th ed., sec. 3.2.11). The diagonal blocks are factored with partial pivoting inside the block
+//! Columns that fill the same rows make one dense panel, a supernode (Ng & Peyton 1993). A panel receives L_r U_cᵀ from
+//! every earlier one with rows among its columns; then its columns receive the same from each other, one by one, and
+//! their blocks below the diagonal are divided by the diagonal block, L_r = A_rk D⁻¹ (left-looking elimination; Golub &
+//! Van Loan, 4th ed., sec. 3.2.11). The diagonal blocks are factored with partial pivoting inside the block
 //! only, so the pattern is known beforehand; what that may cost in accuracy, the residual check of
-//! [`super::CoupledSystem::solve`] finds. A symmetric matrix has U_b = A_bkᵀ at hand and needs half the
+//! [`super::CoupledSystem::solve`] finds. A symmetric matrix has U_r = A_rkᵀ at hand and needs half the
 //! updates.
+//!
+//! Branches of the elimination tree share nothing and are eliminated side by side, then the panels of the trunk one after
+//! the other, their rows side by side. Every block is the result of the same operations in the same order, whatever the
+//! number of threads.
 
+use super::elimination::{Part, SMALLEST_TASK};
 use super::error::{Inertia, SingularMatrix};
-use super::instruction_set::{InstructionSet, kernel};
-use super::node_block::{Block, DiagonalFactor, NODE, NodeVector, symmetric_pivots};
+use super::instruction_set::InstructionSet;
+use super::node_block::{Block, BlockMatrix, DiagonalFactor, NODE, NodeVector};
 use super::symbolic::SymbolicFactor;
 
 /// Numeric factors in the pattern of a [`SymbolicFactor`].
@@ -17,178 +23,136 @@ use super::symbolic::SymbolicFactor;
 pub(super) struct BlockFactor {
     symbolic: SymbolicFactor,
     symmetric: bool,
-    /// Diagonal blocks as the elimination finds them.
-    pivots: Vec<Block>,
-    /// The same, factored.
+    /// The diagonal blocks, factored.
     diagonal: Vec<DiagonalFactor>,
-    /// Blocks of 𝓛 below the diagonal; before their column's turn, those of the reduced matrix.
+    /// Panels of 𝓛; before their column's turn, those of the reduced matrix. Diagonal blocks are those that the
+    /// elimination finds.
     lower: Vec<Block>,
     /// Blocks of 𝓤 right of the diagonal, transposed, so that they share the lower blocks' places.
     upper: Vec<Block>,
-    /// Block of the column at work in each row; scratch.
-    place_of_row: Vec<u32>,
+    /// Row of the panel at work that holds each row of the matrix, for the trunk and each branch; scratch.
+    local_rows: Vec<Vec<u32>>,
     /// A right-hand side in the order of elimination.
     vector: Vec<NodeVector>,
 }
 
 impl BlockFactor {
     pub(super) fn new(symbolic: SymbolicFactor, symmetric: bool) -> Self {
-        let (nodes, blocks) = (symbolic.order.len(), symbolic.rows.len());
+        let (nodes, blocks) = (symbolic.order.len(), symbolic.supernodes.blocks());
+        let branches = symbolic.branches.len();
         Self {
             symbolic,
             symmetric,
-            pivots: vec![Block::ZERO; nodes],
             diagonal: vec![DiagonalFactor::EMPTY; nodes],
             lower: vec![Block::ZERO; blocks],
             upper: vec![Block::ZERO; blocks],
-            place_of_row: vec![0; nodes],
+            local_rows: vec![vec![0; nodes]; 1 + branches],
             vector: vec![[0.0; NODE]; nodes],
         }
     }
 
-    /// Number of blocks below the diagonal.
+    /// Number of blocks stored for each triangle.
     pub(super) fn blocks(&self) -> usize {
         self.lower.len()
     }
 
-    /// Factors the matrix given by its diagonal blocks (node by node) and the blocks of the node graph's
-    /// pairs below the diagonal and right of it (the latter transposed; not read if symmetric).
-    pub(super) fn factor(
-        &mut self,
-        diagonal: &[Block],
-        lower: &[Block],
-        upper: &[Block],
-    ) -> Result<Inertia, SingularMatrix> {
-        self.load(diagonal, lower, upper);
-        eliminate_blocks(InstructionSet::best_of_width(NODE), self)
+    /// Factors a matrix.
+    pub(super) fn factor(&mut self, matrix: &BlockMatrix) -> Result<Inertia, SingularMatrix> {
+        self.factor_with(InstructionSet::best_of_width(NODE), matrix)
     }
 
-    #[inline(always)]
-    fn eliminate(&mut self) -> Result<Inertia, SingularMatrix> {
-        let mut inertia = Inertia::EMPTY;
-        for k in 0..self.symbolic.order.len() {
-            self.update_column(k);
-            self.factor_pivot(k, &mut inertia)?;
-            self.divide_column(k);
+    fn factor_with(
+        &mut self,
+        set: InstructionSet,
+        matrix: &BlockMatrix,
+    ) -> Result<Inertia, SingularMatrix> {
+        let Self {
+            symbolic,
+            symmetric,
+            diagonal,
+            lower,
+            upper,
+            local_rows,
+            ..
+        } = self;
+        let (of_trunk, of_branches) = local_rows.split_first_mut().expect("of the trunk");
+        let mut part = Part {
+            set,
+            matrix,
+            symbolic,
+            symmetric: *symmetric,
+            first_block: 0,
+            first_column: 0,
+            diagonal,
+            lower,
+            upper,
+        };
+        let mut inertia = part
+            .reborrow()
+            .eliminate_branches(&symbolic.branches, of_branches)?;
+        for &supernode in &symbolic.trunk {
+            part.eliminate_panel(supernode, of_trunk, SMALLEST_TASK, &mut inertia)?;
         }
         Ok(inertia)
     }
 
-    fn load(&mut self, diagonal: &[Block], lower: &[Block], upper: &[Block]) {
-        for (pivot, &node) in self.pivots.iter_mut().zip(&self.symbolic.order) {
-            *pivot = diagonal[node];
+    /// Solves A x = b in place.
+    pub(super) fn solve(&mut self, x: &mut [NodeVector]) {
+        for (own, &node) in self.vector.iter_mut().zip(&self.symbolic.order) {
+            *own = x[node];
         }
-        self.lower.fill(Block::ZERO);
-        if !self.symmetric {
-            self.upper.fill(Block::ZERO);
-        }
-        for (pair, &(place, transposed)) in self.symbolic.places.iter().enumerate() {
-            let place = place as usize;
-            if self.symmetric {
-                self.lower[place] = if transposed {
-                    lower[pair].transposed()
-                } else {
-                    lower[pair]
-                };
-            } else if transposed {
-                self.lower[place] = upper[pair].transposed();
-                self.upper[place] = lower[pair].transposed();
-            } else {
-                self.lower[place] = lower[pair];
-                self.upper[place] = upper[pair];
-            }
+        self.solve_lower();
+        self.solve_upper();
+        for (own, &node) in self.vector.iter().zip(&self.symbolic.order) {
+            x[node] = *own;
         }
     }
 
-    #[inline(always)]
-    fn factor_pivot(&mut self, k: usize, inertia: &mut Inertia) -> Result<(), SingularMatrix> {
-        let node = self.symbolic.order[k];
-        if self.symmetric {
-            // Rounding makes the two triangles differ, while the blocks beside this one are held once only. Left in,
-            // the difference E would pass on to later pivots as L E Lᵀ, which grows from node to node of a chain.
-            self.pivots[k].mirror_lower_triangle();
-            for (row, &pivot) in symmetric_pivots(&self.pivots[k]).iter().enumerate() {
-                inertia.count(pivot, NODE * node + row)?;
+    fn solve_lower(&mut self) {
+        let vector = &mut self.vector;
+        for supernode in &self.symbolic.supernodes.list {
+            let width = supernode.width();
+            let panel = &self.lower[supernode.blocks()];
+            let (own, after) = vector[supernode.columns.start..].split_at_mut(width);
+            let (square, below) = panel.split_at(width * width);
+            for (row, blocks) in square.chunks_exact(width).enumerate() {
+                let (before, rest) = own.split_at_mut(row);
+                for (block, value) in blocks.iter().zip(before) {
+                    block.subtract_from(value, &mut rest[0]);
+                }
             }
-        }
-        self.diagonal[k] =
-            DiagonalFactor::new(&self.pivots[k]).map_err(|(row, pivot)| SingularMatrix {
-                unknown: NODE * node + row,
-                pivot,
-            })?;
-        Ok(())
-    }
-
-    /// Subtracts from column k what the columns before it owe: L_a U_k of every column with a block in row k.
-    #[inline(always)]
-    fn update_column(&mut self, k: usize) {
-        let symbolic = &self.symbolic;
-        let column = symbolic.column(k);
-        for place in column.clone() {
-            self.place_of_row[symbolic.rows[place] as usize] = place as u32;
-        }
-        // Columns before k lie before it in storage.
-        let (lower_before, lower) = self.lower.split_at_mut(column.start);
-        let (upper_before, upper) = self.upper.split_at_mut(column.start);
-        for source in symbolic.row(k) {
-            let (b, end) = (source.block as usize, source.end as usize);
-            let (lower_b, upper_b) = (lower_before[b], upper_before[b]);
-            self.pivots[k].subtract_product(&lower_b, &upper_b);
-            for a in b + 1..end {
-                let row = symbolic.rows[a] as usize;
-                let place = self.place_of_row[row] as usize - column.start;
-                lower[place].subtract_product(&lower_before[a], &upper_b);
-                if !self.symmetric {
-                    upper[place].subtract_product(&upper_before[a], &lower_b);
+            let rows = &self.symbolic.supernodes.rows[supernode.rows.clone()];
+            for (&row, blocks) in rows.iter().zip(below.chunks_exact(width)) {
+                let target = &mut after[row as usize - supernode.columns.end];
+                for (block, value) in blocks.iter().zip(&*own) {
+                    block.subtract_from(value, target);
                 }
             }
         }
     }
 
-    /// Turns the reduced column k into that of 𝓛.
-    #[inline(always)]
-    fn divide_column(&mut self, k: usize) {
-        for place in self.symbolic.column(k) {
-            if self.symmetric {
-                self.upper[place] = self.lower[place];
+    fn solve_upper(&mut self) {
+        let vector = &mut self.vector;
+        for supernode in self.symbolic.supernodes.list.iter().rev() {
+            let width = supernode.width();
+            let panel = &self.upper[supernode.blocks()];
+            let (own, after) = vector[supernode.columns.start..].split_at_mut(width);
+            let (square, below) = panel.split_at(width * width);
+            let rows = &self.symbolic.supernodes.rows[supernode.rows.clone()];
+            for (&row, blocks) in rows.iter().zip(below.chunks_exact(width)) {
+                let value = &after[row as usize - supernode.columns.end];
+                for (block, target) in blocks.iter().zip(&mut *own) {
+                    block.subtract_transposed_from(value, target);
+                }
             }
-            self.lower[place] = self.diagonal[k].divide(&self.lower[place]);
-        }
-    }
-
-    /// Solves A x = b in place.
-    pub(super) fn solve(&mut self, x: &mut [NodeVector]) {
-        let Self {
-            symbolic, vector, ..
-        } = self;
-        for (own, &node) in vector.iter_mut().zip(&symbolic.order) {
-            *own = x[node];
-        }
-        for k in 0..vector.len() {
-            let own = vector[k];
-            for place in symbolic.column(k) {
-                let row = symbolic.rows[place] as usize;
-                self.lower[place].subtract_from(&own, &mut vector[row]);
+            for (row, blocks) in square.chunks_exact(width).enumerate().rev() {
+                let (before, rest) = own.split_at_mut(row);
+                rest[0] = self.diagonal[supernode.columns.start + row].solve(&rest[0]);
+                for (block, target) in blocks.iter().zip(before) {
+                    block.subtract_transposed_from(&rest[0], target);
+                }
             }
         }
-        for k in (0..vector.len()).rev() {
-            let mut own = vector[k];
-            for place in symbolic.column(k) {
-                let row = symbolic.rows[place] as usize;
-                self.upper[place].subtract_transposed_from(&vector[row], &mut own);
-            }
-            vector[k] = self.diagonal[k].solve(&own);
-        }
-        for (own, &node) in vector.iter().zip(&symbolic.order) {
-            x[node] = *own;
-        }
-    }
-}
-
-kernel! {
-    /// Factors the loaded blocks.
-    fn eliminate_blocks(factor: &mut BlockFactor) -> Result<Inertia, SingularMatrix> {
-        factor.eliminate()
     }
 }
 
@@ -221,12 +185,56 @@ mod tests {
         for symmetric in [true, false] {
             let mut dispatched = BlockFactor::new(SymbolicFactor::new(&graph), symmetric);
             let mut portable = dispatched.clone();
-            dispatched.factor(&diagonal, &lower, &upper).unwrap();
-            portable.load(&diagonal, &lower, &upper);
-            portable.eliminate().unwrap();
+            let matrix = BlockMatrix {
+                diagonal: &diagonal,
+                lower: &lower,
+                upper: &upper,
+            };
+            dispatched.factor(&matrix).unwrap();
+            let set = InstructionSet::available().next().unwrap();
+            portable.factor_with(set, &matrix).unwrap();
             assert_eq!(dispatched.lower, portable.lower);
             assert_eq!(dispatched.upper, portable.upper);
-            assert_eq!(dispatched.pivots, portable.pivots);
+        }
+    }
+
+    #[test]
+    fn threads_change_no_byte() {
+        let (side, mut pairs) = (36, Vec::new());
+        let nodes = side * side;
+        for k in 0..nodes as u32 {
+            pairs.extend(
+                [1, 2, side as u32, side as u32 + 1].map(|apart| (k, (k + apart) % nodes as u32)),
+            );
+        }
+        let graph = NodeGraph::of_pairs(nodes, &pairs);
+        let block = |seed: usize, diagonal: f64| {
+            let mut block = Block(std::array::from_fn(|i| ((7 * seed + i) as f64).sin()));
+            (0..NODE).for_each(|k| block.0[NODE * k + k] += diagonal);
+            block
+        };
+        let diagonal: Vec<Block> = (0..nodes).map(|k| block(k, 40.0)).collect();
+        let lower: Vec<Block> = (0..graph.pairs().len()).map(|k| block(k, 0.0)).collect();
+        for symmetric in [true, false] {
+            let symbolic = SymbolicFactor::new(&graph);
+            assert!(symbolic.branches.len() > 3);
+            let of_trunk = symbolic.trunk.iter().map(|k| symbolic.products[*k]);
+            assert!(of_trunk.max() > Some(4 * SMALLEST_TASK));
+            let matrix = BlockMatrix {
+                diagonal: &diagonal,
+                lower: &lower,
+                upper: &lower,
+            };
+            let factored = [1, 3].map(|threads| {
+                let mut factor = BlockFactor::new(symbolic.clone(), symmetric);
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+                let inertia = pool
+                    .build()
+                    .unwrap()
+                    .install(|| factor.factor(&matrix).unwrap());
+                (factor.lower, factor.upper, inertia)
+            });
+            assert!(factored[0] == factored[1]);
         }
     }
 }

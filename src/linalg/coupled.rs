@@ -115,8 +115,7 @@ impl CoupledSystem {
     /// # Errors
     /// A pivot that is zero or not finite.
     pub fn factor(&mut self) -> Result<Option<Inertia>, SingularMatrix> {
-        let (diagonal, lower, upper) = self.matrix.parts();
-        let inertia = self.factor.factor(diagonal, lower, upper)?;
+        let inertia = self.factor.factor(&self.matrix.parts())?;
         let filling = self.solution.as_flattened().len() - self.dimension;
         Ok(self.symmetric.then(|| Inertia {
             positive: inertia.positive - filling,

@@ -2,7 +2,7 @@
 
 use super::banded::{BandedSymmetric, HALF_BANDWIDTH};
 use super::element::{Element, ElementMatrix, is_free};
-use super::node_block::{Block, NODE, NodeVector};
+use super::node_block::{Block, BlockMatrix, NODE, NodeVector};
 use super::node_graph::{BandPattern, NodeGraph};
 use std::cmp::Ordering;
 
@@ -72,12 +72,15 @@ impl CoupledMatrix {
         matrix
     }
 
-    /// Diagonal blocks by nodes; blocks of the graph's pairs below the diagonal; and right of it,
-    /// transposed.
-    pub(super) fn parts(&self) -> (&[Block], &[Block], &[Block]) {
+    /// The matrix by its blocks.
+    pub(super) fn parts(&self) -> BlockMatrix<'_> {
         let (diagonal, rest) = self.blocks.split_at(self.graph.nodes);
         let (lower, upper) = rest.split_at(self.graph.pairs().len());
-        (diagonal, lower, upper)
+        BlockMatrix {
+            diagonal,
+            lower,
+            upper,
+        }
     }
 
     /// Sets the matrix to `band`, with ones on the diagonal of held unknowns.
@@ -144,7 +147,11 @@ impl CoupledMatrix {
         residual: &mut [NodeVector],
         scale: &mut [NodeVector],
     ) {
-        let (diagonal, lower, upper) = self.parts();
+        let BlockMatrix {
+            diagonal,
+            lower,
+            upper,
+        } = self.parts();
         let upper = if self.symmetric { lower } else { upper };
         for (p, block) in diagonal.iter().enumerate() {
             residual[p] = right_hand_side[p];

@@ -25,6 +25,16 @@ impl Inertia {
         largest_pivot: 0.0,
     };
 
+    /// The inertia of two matrices side by side.
+    pub(super) fn and(self, other: Self) -> Self {
+        Self {
+            positive: self.positive + other.positive,
+            negative: self.negative + other.negative,
+            smallest_pivot: self.smallest_pivot.min(other.smallest_pivot),
+            largest_pivot: self.largest_pivot.max(other.largest_pivot),
+        }
+    }
+
     /// Adds one pivot; a pivot that is zero or not finite is an error.
     #[inline(always)]
     pub(super) fn count(&mut self, pivot: f64, unknown: usize) -> Result<(), SingularMatrix> {

@@ -6,19 +6,27 @@
 //! rings couple distant nodes through small dense elements; [`CoupledSystem`] factors band and elements
 //! together.
 //!
-//! Neither factorisation allocates once it is set up, and both run in one thread in a fixed order of
-//! operations without fused multiply-adds, so the same matrix gives the same bytes on every machine.
+//! Neither factorisation allocates once it is set up, and every number is the result of the same operations in the same
+//! order on every machine, whatever the number of threads: the same matrix gives the same bytes. The band is factored in one
+//! thread, coupled systems in all there are.
 //! `instruction_set` compiles kernels, here and in the mechanics, for the registers of the machine at hand.
 
 mod banded;
 mod block_factor;
+mod branches;
 mod coupled;
 mod coupled_matrix;
+mod dissection;
 mod element;
+mod elimination;
+mod elimination_order;
+mod elimination_tree;
 mod error;
 pub(crate) mod instruction_set;
 mod node_block;
 mod node_graph;
+mod panel;
+mod supernodes;
 mod symbolic;
 
 pub use banded::{BandedFactor, BandedSymmetric, HALF_BANDWIDTH};

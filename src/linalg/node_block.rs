@@ -9,6 +9,16 @@ pub(super) const NODE: usize = 4;
 #[repr(C, align(32))]
 pub(super) struct Block(pub(super) [f64; NODE * NODE]);
 
+/// A matrix by the blocks of nodes and of their pairs.
+pub(super) struct BlockMatrix<'a> {
+    /// Diagonal blocks, node by node.
+    pub(super) diagonal: &'a [Block],
+    /// Blocks of the node graph's pairs below the diagonal.
+    pub(super) lower: &'a [Block],
+    /// Those right of it, transposed; not read if the matrix is symmetric.
+    pub(super) upper: &'a [Block],
+}
+
 /// The unknowns of one node.
 pub(super) type NodeVector = [f64; NODE];
 
@@ -41,23 +51,11 @@ impl Block {
         }
     }
 
-    /// `self` −= X Yᵀ.
+    /// `self` −= X.
     #[inline(always)]
-    pub(super) fn subtract_product(&mut self, x: &Self, y: &Self) {
-        for c in 0..NODE {
-            let mut column = [0.0; NODE];
-            for r in 0..NODE {
-                column[r] = self.0[NODE * c + r];
-            }
-            for k in 0..NODE {
-                let factor = y.0[NODE * k + c];
-                for r in 0..NODE {
-                    column[r] -= x.0[NODE * k + r] * factor;
-                }
-            }
-            for r in 0..NODE {
-                self.0[NODE * c + r] = column[r];
-            }
+    pub(super) fn subtract(&mut self, x: &Self) {
+        for (own, x) in self.0.iter_mut().zip(&x.0) {
+            *own -= x;
         }
     }
 
@@ -102,6 +100,27 @@ impl Block {
             }
         }
     }
+}
+
+/// Σⱼ Xⱼ Yⱼᵀ for several rows X of blocks and one row Y. The sums stay in registers: that is where the time of an
+/// elimination goes.
+#[inline(always)]
+pub(super) fn product<const ROWS: usize>(x: [&[Block]; ROWS], y: &[Block]) -> [Block; ROWS] {
+    let x = x.map(|x| &x[..y.len()]);
+    let mut sums = [[[0.0; NODE]; NODE]; ROWS];
+    for (j, y) in y.iter().enumerate() {
+        for k in 0..NODE {
+            for c in 0..NODE {
+                let factor = y.0[NODE * k + c];
+                for (sum, x) in sums.iter_mut().zip(&x) {
+                    for r in 0..NODE {
+                        sum[c][r] = x[j].0[NODE * k + r].mul_add(factor, sum[c][r]);
+                    }
+                }
+            }
+        }
+    }
+    sums.map(|columns| Block(std::array::from_fn(|i| columns[i / NODE][i % NODE])))
 }
 
 /// The factors P D = L U of a diagonal block, rows exchanged within the block.
@@ -251,7 +270,8 @@ mod tests {
         #[test]
         fn operations_agree_with_dense_matrices(x in blocks(), y in blocks(), c in blocks(), v in prop::array::uniform4(-1.0..1.0f64)) {
             let mut product = c;
-            product.subtract_product(&x, &y);
+            let [xy] = super::product([&[x]], &[y]);
+            product.subtract(&xy);
             prop_assert!((dense(&product) - (dense(&c) - dense(&x) * dense(&y).transpose())).amax() < 1e-14);
             let mut target = [1.0; 4];
             x.subtract_from(&v, &mut target);

@@ -46,12 +46,24 @@ impl NodeGraph {
                 }
             }
         }
+        Self::of_keys(nodes, keys)
+    }
+
+    /// The graph of given pairs, in any order and however often.
+    #[cfg(test)]
+    pub(super) fn of_pairs(nodes: usize, pairs: &[(u32, u32)]) -> Self {
+        let pairs = pairs.iter().filter(|(p, q)| p != q);
+        let keys = pairs
+            .map(|&(p, q)| pair_key(p as usize, q as usize))
+            .collect();
+        Self::of_keys(nodes, keys)
+    }
+
+    fn of_keys(nodes: usize, mut keys: Vec<u64>) -> Self {
         keys.sort_unstable();
         keys.dedup();
-        let pairs = keys
-            .iter()
-            .map(|&key| (key as u32, (key >> 32) as u32))
-            .collect();
+        let pair = |&key: &u64| (key as u32, (key >> 32) as u32);
+        let pairs = keys.iter().map(pair).collect();
         Self { nodes, pairs }
     }
 
@@ -67,9 +79,21 @@ impl NodeGraph {
             .ok()
     }
 
+    /// The graph of some of the nodes, numbered as they are listed.
+    pub(super) fn restricted_to(&self, nodes: &[u32]) -> Self {
+        let mut number = vec![None; self.nodes];
+        for (own, &node) in nodes.iter().enumerate() {
+            number[node as usize] = Some(own);
+        }
+        let keys = (self.pairs.iter())
+            .filter_map(|&(p, q)| Some(pair_key(number[p as usize]?, number[q as usize]?)))
+            .collect();
+        Self::of_keys(nodes.len(), keys)
+    }
+
     /// The approximate minimum degree order (Amestoy, Davis & Duff 1996): entry k is the node to be
     /// eliminated as k-th.
-    pub(super) fn elimination_order(&self) -> Vec<usize> {
+    pub(super) fn minimum_degree_order(&self) -> Vec<usize> {
         // The upper triangle by columns is the lower one by rows, so sort the pairs by p first.
         let mut starts = vec![0; self.nodes + 1];
         for &(p, _) in &self.pairs {

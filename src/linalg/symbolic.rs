@@ -1,140 +1,235 @@
-//! Where an elimination in a given order fills the matrix (George & Liu 1981, ch. 5).
+//! Where an elimination in a given order fills the matrix (George & Liu 1981, ch. 5; Davis 2006, ch. 4), and what depends
+//! on what in it.
 
+use super::branches::{Branch, branches};
+use super::elimination_order::best_tree;
+use super::elimination_tree::EliminationTree;
 use super::node_graph::NodeGraph;
+use super::supernodes::{Supernode, Supernodes};
+use std::ops::Range;
 
-/// The pattern of the factor by columns, in the order of elimination.
+/// The pattern of the factor by supernodes, in the order of elimination.
 #[derive(Clone, Debug)]
 pub(super) struct SymbolicFactor {
     /// Node eliminated as k-th.
     pub(super) order: Vec<usize>,
-    /// Blocks of column k below the diagonal are `starts[k]..starts[k + 1]`.
-    pub(super) starts: Vec<u32>,
-    /// Row, in the order of elimination, of each block below the diagonal; ascending in each column.
-    pub(super) rows: Vec<u32>,
-    /// Blocks left of the diagonal in row k are `row_blocks[row_starts[k]..row_starts[k + 1]]`.
-    pub(super) row_starts: Vec<u32>,
-    /// Each of them by columns, with the end of its column.
-    pub(super) row_blocks: Vec<RowBlock>,
-    /// Block of each pair of the node graph, and whether it lies there transposed.
-    pub(super) places: Vec<(u32, bool)>,
+    pub(super) supernodes: Supernodes,
+    /// What the supernodes before it change in supernode s: `updates[update_starts[s]..update_starts[s + 1]]`.
+    update_starts: Vec<usize>,
+    updates: Vec<Update>,
+    /// Products of blocks that each supernode takes where the matrix is symmetric.
+    pub(super) products: Vec<usize>,
+    /// Supernodes that share nothing with those of other branches.
+    pub(super) branches: Vec<Branch>,
+    /// The other supernodes, children before parents.
+    pub(super) trunk: Vec<usize>,
+    /// Pairs of the node graph by the supernodes that hold them: those of s are `entries[entry_starts[s]..entry_starts[s + 1]]`.
+    entry_starts: Vec<usize>,
+    entries: Vec<Entry>,
 }
 
-/// A block of the factor as seen from its row.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct RowBlock {
-    /// The block.
-    pub(super) block: u32,
-    /// End of the blocks of the same column.
-    pub(super) end: u32,
+/// Where the block of a pair of nodes lies.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Entry {
+    /// The pair, as the node graph lists them.
+    pub(super) pair: u32,
+    /// Its block, among those of its supernode.
+    pub(super) place: u32,
+    /// Whether it is transposed there.
+    pub(super) is_transposed: bool,
+}
+
+/// A supernode with rows among the columns of a later one.
+#[derive(Clone, Debug)]
+pub(super) struct Update {
+    /// The earlier supernode.
+    pub(super) source: usize,
+    /// Those rows, among the rows of the source below its columns.
+    pub(super) rows: Range<usize>,
 }
 
 impl SymbolicFactor {
     /// Chooses the order and finds the pattern.
     pub(super) fn new(graph: &NodeGraph) -> Self {
-        let order = graph.elimination_order();
-        let mut position = vec![0u32; graph.nodes];
-        for (k, &node) in order.iter().enumerate() {
-            position[node] = k as u32;
-        }
-        let (starts, rows) = fill(graph, &position);
-        let (row_starts, row_blocks) = by_rows(&starts, &rows);
-        let places = graph
-            .pairs()
-            .iter()
-            .map(|&(p, q)| {
-                let (row, column) = (position[p as usize], position[q as usize]);
-                let block = find(&starts, &rows, row.max(column), row.min(column));
-                (block, row < column)
+        Self::of_tree(graph, best_tree(graph))
+    }
+
+    /// The pattern where nodes are eliminated in the order of a tree.
+    fn of_tree(graph: &NodeGraph, tree: EliminationTree) -> Self {
+        let supernodes = Supernodes::new(&tree);
+        let (update_starts, updates) = updates(&supernodes);
+        let products: Vec<usize> = (supernodes.list.iter().zip(update_starts.windows(2)))
+            .map(|(supernode, range)| {
+                let updates = updates[range[0]..range[1]].iter();
+                let of_update = |update: &Update| update.products(&supernodes.list[update.source]);
+                supernode.products() + updates.map(of_update).sum::<usize>()
             })
             .collect();
+        let (branches, trunk) = branches(&supernodes.parents(), &products);
+        let (entry_starts, entries) = entries(graph, &tree.position, &supernodes);
         Self {
-            order,
-            starts,
-            rows,
-            row_starts,
-            row_blocks,
-            places,
+            order: tree.order,
+            supernodes,
+            update_starts,
+            updates,
+            products,
+            branches,
+            trunk,
+            entry_starts,
+            entries,
         }
     }
 
-    /// Blocks left of the diagonal in row k.
+    /// What the supernodes before it change in a supernode.
     #[inline(always)]
-    pub(super) fn row(&self, k: usize) -> &[RowBlock] {
-        &self.row_blocks[self.row_starts[k] as usize..self.row_starts[k + 1] as usize]
+    pub(super) fn updates(&self, supernode: usize) -> &[Update] {
+        &self.updates[self.update_starts[supernode]..self.update_starts[supernode + 1]]
     }
 
-    /// Blocks of column k.
+    /// The pairs of nodes in a supernode.
     #[inline(always)]
-    pub(super) fn column(&self, k: usize) -> std::ops::Range<usize> {
-        self.starts[k] as usize..self.starts[k + 1] as usize
+    pub(super) fn entries(&self, supernode: usize) -> &[Entry] {
+        &self.entries[self.entry_starts[supernode]..self.entry_starts[supernode + 1]]
     }
 }
 
-/// Pattern of each column: that of the matrix and those of its children in the elimination tree.
-fn fill(graph: &NodeGraph, position: &[u32]) -> (Vec<u32>, Vec<u32>) {
-    let nodes = graph.nodes;
-    let mut neighbours = vec![Vec::new(); nodes];
-    for &(p, q) in graph.pairs() {
+impl Update {
+    /// Products of blocks, rows from each column on.
+    fn products(&self, source: &Supernode) -> usize {
+        let (columns, below) = (self.rows.len(), source.rows.len() - self.rows.start);
+        source.width() * columns * (2 * below - columns + 1) / 2
+    }
+}
+
+/// The updates of all supernodes, the sources of each in their order.
+fn updates(supernodes: &Supernodes) -> (Vec<usize>, Vec<Update>) {
+    let of_row = |row: &u32| supernodes.of_column[*row as usize] as usize;
+    let targets = supernodes
+        .list
+        .iter()
+        .enumerate()
+        .flat_map(|(source, supernode)| {
+            let rows = &supernodes.rows[supernode.rows.clone()];
+            let mut start = 0;
+            let chunks = rows.chunk_by(move |a, b| of_row(a) == of_row(b));
+            chunks.map(move |chunk| {
+                let rows = start..start + chunk.len();
+                start = rows.end;
+                (of_row(&chunk[0]), Update { source, rows })
+            })
+        });
+    gathered(supernodes.list.len(), targets.collect())
+}
+
+/// The pairs of nodes in each supernode.
+fn entries(
+    graph: &NodeGraph,
+    position: &[u32],
+    supernodes: &Supernodes,
+) -> (Vec<usize>, Vec<Entry>) {
+    let entry = |(pair, &(p, q)): (usize, &(u32, u32))| {
         let (row, column) = (position[p as usize], position[q as usize]);
-        neighbours[row.min(column) as usize].push(row.max(column));
-    }
-    let mut children = vec![Vec::new(); nodes];
-    let mut seen_by = vec![u32::MAX; nodes];
-    let (mut starts, mut rows) = (vec![0u32], Vec::<u32>::new());
-    for k in 0..nodes {
-        let start = rows.len();
-        let mut visit = |row: u32, rows: &mut Vec<u32>| {
-            if row as usize != k && seen_by[row as usize] != k as u32 {
-                seen_by[row as usize] = k as u32;
-                rows.push(row);
-            }
+        let (supernode, place) = supernodes.place(row.max(column), row.min(column));
+        let entry = Entry {
+            pair: pair as u32,
+            place: place as u32,
+            is_transposed: row < column,
         };
-        for &row in &neighbours[k] {
-            visit(row, &mut rows);
+        (supernode, entry)
+    };
+    let entries = graph.pairs().iter().enumerate().map(entry).collect();
+    gathered(supernodes.list.len(), entries)
+}
+
+/// Values gathered by supernodes, in their order: where those of each begin, and the values.
+fn gathered<T>(supernodes: usize, mut values: Vec<(usize, T)>) -> (Vec<usize>, Vec<T>) {
+    let mut starts = vec![0; supernodes + 1];
+    values
+        .iter()
+        .for_each(|(supernode, _)| starts[supernode + 1] += 1);
+    for k in 0..supernodes {
+        starts[k + 1] += starts[k];
+    }
+    values.sort_by_key(|(supernode, _)| *supernode);
+    (starts, values.into_iter().map(|(_, value)| value).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linalg::dissection::dissection_order;
+    use proptest::prelude::*;
+
+    /// Graphs of so many nodes with some of all pairs.
+    fn graphs() -> impl Strategy<Value = NodeGraph> {
+        (1..40usize).prop_flat_map(|nodes| {
+            let pair = (0..nodes as u32, 0..nodes as u32);
+            prop::collection::vec(pair, 0..80)
+                .prop_map(move |pairs| NodeGraph::of_pairs(nodes, &pairs))
+        })
+    }
+
+    /// The rows below the diagonal in each column, as Gaussian elimination fills them.
+    fn filled(graph: &NodeGraph, order: &[usize]) -> Vec<Vec<bool>> {
+        let nodes = graph.nodes;
+        let mut position = vec![0; nodes];
+        (0..nodes).for_each(|k| position[order[k]] = k);
+        let mut filled = vec![vec![false; nodes]; nodes];
+        for &(p, q) in graph.pairs() {
+            let (p, q) = (position[p as usize], position[q as usize]);
+            filled[p.min(q)][p.max(q)] = true;
         }
-        for &child in &children[k] {
-            for place in starts[child] as usize..starts[child + 1] as usize {
-                visit(rows[place], &mut rows);
+        for k in 0..nodes {
+            let rows: Vec<usize> = (0..nodes).filter(|row| filled[k][*row]).collect();
+            for (place, &column) in rows.iter().enumerate() {
+                rows[place + 1..]
+                    .iter()
+                    .for_each(|&row| filled[column][row] = true);
             }
         }
-        rows[start..].sort_unstable();
-        if let Some(&parent) = rows.get(start) {
-            children[parent as usize].push(k);
-        }
-        starts.push(rows.len() as u32);
+        filled
     }
-    (starts, rows)
-}
 
-/// The same pattern by rows.
-fn by_rows(starts: &[u32], rows: &[u32]) -> (Vec<u32>, Vec<RowBlock>) {
-    let mut row_starts = vec![0u32; starts.len()];
-    for &row in rows {
-        row_starts[row as usize + 1] += 1;
-    }
-    for k in 1..row_starts.len() {
-        row_starts[k] += row_starts[k - 1];
-    }
-    let mut next = row_starts.clone();
-    let mut row_blocks = vec![RowBlock::default(); rows.len()];
-    for column in starts.windows(2) {
-        for block in column[0]..column[1] {
-            let place = &mut next[rows[block as usize] as usize];
-            row_blocks[*place as usize] = RowBlock {
-                block,
-                end: column[1],
-            };
-            *place += 1;
+    proptest! {
+        #[test]
+        fn panels_hold_what_elimination_fills(graph in graphs(), dissects in any::<bool>()) {
+            let order = if dissects { dissection_order(&graph) } else { graph.minimum_degree_order() };
+            let factor = SymbolicFactor::of_tree(&graph, EliminationTree::new(&graph, &order));
+            let mut nodes = factor.order.clone();
+            nodes.sort_unstable();
+            prop_assert!(nodes.into_iter().eq(0..graph.nodes));
+            let filled = filled(&graph, &factor.order);
+            let mut stored = vec![vec![false; graph.nodes]; graph.nodes];
+            let mut end = 0;
+            for supernode in &factor.supernodes.list {
+                prop_assert_eq!(supernode.columns.start, end);
+                end = supernode.columns.end;
+                for column in supernode.columns.clone() {
+                    let below = &factor.supernodes.rows[supernode.rows.clone()];
+                    prop_assert!(below.is_sorted());
+                    below.iter().for_each(|&row| stored[column][row as usize] = true);
+                    (column + 1..end).for_each(|row| stored[column][row] = true);
+                }
+            }
+            prop_assert_eq!(end, graph.nodes);
+            for (stored, filled) in stored.iter().zip(&filled) {
+                prop_assert!(stored.iter().zip(filled).all(|(stored, filled)| *stored || !filled));
+            }
+        }
+
+        #[test]
+        fn branches_depend_on_themselves_alone(graph in graphs()) {
+            let factor = SymbolicFactor::new(&graph);
+            let mut seen = factor.trunk.len();
+            for branch in &factor.branches {
+                seen += branch.supernodes.len();
+                for supernode in branch.supernodes.clone() {
+                    for update in factor.updates(supernode) {
+                        prop_assert!(branch.supernodes.contains(&update.source));
+                    }
+                }
+            }
+            prop_assert_eq!(seen, factor.supernodes.list.len());
         }
     }
-    (row_starts, row_blocks)
-}
-
-/// Index of block (row, column), row > column.
-fn find(starts: &[u32], rows: &[u32], row: u32, column: u32) -> u32 {
-    let range = starts[column as usize] as usize..starts[column as usize + 1] as usize;
-    let place = rows[range]
-        .binary_search(&row)
-        .expect("the pattern of the factor contains that of the matrix");
-    starts[column as usize] + place as u32
 }

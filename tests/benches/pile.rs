@@ -1,18 +1,35 @@
-//! Whole time steps of 1 ms of a pile of 50 rods with friction, while it falls in and nearly at rest, by each contact model.
+//! Whole time steps of 1 ms of piles of rods with friction, while they fall in and nearly at rest, by each contact model.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use rodlab::experiment;
+use rodlab::experiment::{self, Loaded};
 use rodlab::mechanics::dynamics::Simulation;
 use std::path::Path;
 
+/// The first rods of `scenarios/pile.toml`.
+fn pile(rods: usize, model: &str) -> Loaded {
+    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios");
+    let text = std::fs::read_to_string(directory.join("pile.toml")).expect("a scenario");
+    let is_beyond = |line: &&str| {
+        let name = line.trim().strip_prefix("{ name = \"rod");
+        let number = name.and_then(|name| name.split('"').next()?.parse::<usize>().ok());
+        number.is_some_and(|number| number >= rods)
+    };
+    let lines: Vec<&str> = text.lines().filter(|line| !is_beyond(line)).collect();
+    let model = format!("contact.model={model}");
+    experiment::from_text("pile", &lines.join("\n"), &directory, &[model]).expect("valid")
+}
+
 fn steps(criterion: &mut Criterion) {
-    let mut group = criterion.benchmark_group("step of 1 ms of a pile of 50 rods");
+    let mut group = criterion.benchmark_group("step of 1 ms of a pile");
     group.sample_size(10);
-    for (name, start) in [("falling in", 0.08), ("nearly at rest", 0.3)] {
-        for model in ["imc", "ipc", "complementarity"] {
-            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/pile.toml");
-            let loaded = experiment::load(&path, &[format!("contact.model={model}")])
-                .expect("a valid scenario");
+    let all = ["imc", "ipc", "complementarity"];
+    for (name, rods, start, models) in [
+        ("50 rods falling in", 50, 0.08, &all[..]),
+        ("50 rods nearly at rest", 50, 0.3, &all[..]),
+        ("200 rods falling in", 200, 0.15, &all[..2]),
+    ] {
+        for model in models {
+            let loaded = pile(rods, model);
             let prepared = experiment::prepare(&loaded.scenario).expect("a valid scene");
             let mut simulation =
                 Simulation::new(&prepared.scene, &prepared.integration).expect("sound");
