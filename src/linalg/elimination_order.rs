@@ -6,12 +6,12 @@ use super::node_graph::NodeGraph;
 use super::supernodes::Supernodes;
 use rayon::prelude::*;
 
-/// Products of blocks for each node above which other orders than one by minimum degree are tried.
+/// Products of blocks above which other orders than one by minimum degree are tried: those of some milliseconds.
 ///
 /// Minimum degree is quick to find and best for rods that touch here and there. In heaps its products vary by a third with the
 /// numbering of the nodes, which decides between equal degrees. For nets, all of whose crossings are tied to their
 /// neighbours, it takes up to seven times the products of nested dissection.
-const PRODUCTS_PER_NODE: usize = 300;
+const MANY_PRODUCTS: usize = 1_000_000;
 
 /// Other numberings of the nodes that are tried.
 const NUMBERINGS: u64 = 3;
@@ -20,7 +20,7 @@ const NUMBERINGS: u64 = 3;
 pub(super) fn best_tree(graph: &NodeGraph) -> EliminationTree {
     let tree = EliminationTree::new(graph, &graph.minimum_degree_order());
     let products = Supernodes::new(&tree).products();
-    if products <= PRODUCTS_PER_NODE * graph.nodes {
+    if products <= MANY_PRODUCTS {
         return tree;
     }
     let others = (0..=NUMBERINGS).into_par_iter().map(|seed| {

@@ -3,6 +3,7 @@
 use super::applications::Application;
 use super::bundling::Bundling;
 use super::cases::{Case, Run, run_all};
+use super::cost::{self, Costly};
 use super::folds::Folded;
 use super::grasp_grid::GraspGrid;
 use super::hanging_strips::Hanging;
@@ -17,7 +18,7 @@ use super::simplified_inversion::{self, Factor};
 use super::table::FiguresOfTable;
 use super::tightening::Tightening;
 use super::{
-    ReproduceError, ReproduceOptions, auto_steps, cost, deployment_correction, deployment_errors,
+    ReproduceError, ReproduceOptions, auto_steps, deployment_correction, deployment_errors,
     drag_steps, figure_2_5, figure_2_6, figure_2_7, figure_2_8, figure_3_4, figure_3_9, figure_4_5,
     figure_4_9, figure_4_10, figure_4_11, figure_5_4, figure_5_5, figure_5_6, figure_5_8,
     figure_6_2, figure_6_5, inversion_factors, knot_convergence, laid_patterns, table_2_1,
@@ -340,9 +341,9 @@ pub static ARTIFACTS: [Artifact; 36] = [
     },
     Artifact {
         name: "cost",
-        title: "Cost of a step over the number of flagella",
+        title: "Cost of a step over the number of flagella, of rods in a heap, of edges",
         recipe: &Recipe {
-            runs: Bundling::of_cost,
+            runs: Costly::all,
             write: cost::write,
             figures_of_table: Some(cost::figures_of_table),
         },

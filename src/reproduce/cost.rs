@@ -1,18 +1,164 @@
-//! What a time step costs over the number of flagella.
+//! What a time step costs over the number of flagella, of rods in a heap, and of edges of one rod.
 
 use super::ReproduceError;
 use super::bundling::Bundling;
-use super::cases::Case;
+use super::cases::{Case, Run, prepared};
 use super::page::{Page, PageFigure, number};
 use super::table::rows_of;
 use crate::figure::{AxisScale, Curve, LinePlot, Look, PlotStyle, styled_line_plots};
+use crate::run::PreparedRun;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+
+/// What is run.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Costly {
+    /// Flagella in a viscous fluid.
+    Flagella(Bundling),
+    /// A heap of so many rods, for a time, s.
+    Heap(usize, f64),
+    /// A rod of so many edges, for a time, s.
+    Rod(usize, f64),
+}
+
+/// Numbers of rods in a heap; of edges of a rod.
+const RODS: [usize; 3] = [10, 50, 200];
+const EDGES: [usize; 5] = [100, 300, 1000, 3000, 10000];
+/// Simulated time of the heaps, in which they fall in, and of a quick look, s.
+const END_OF_HEAP: [f64; 2] = [0.2, 0.02];
+/// The same of the rod.
+const END_OF_ROD: [f64; 2] = [0.5, 0.02];
+
+/// A heap before it falls, but for its rods.
+const HEAP: &str = r#"
+experiment = "scene"
+material = { youngs_modulus = "10 MPa", poissons_ratio = 0.5, density = 1000 }
+planes = [{ point = [0, 0, 0], normal = [0, 0, 1] }]
+loads = [{ kind = "gravity", acceleration = [0, 0, -9.81] }]
+contact = { model = "imc", friction = 0.3 }
+"#;
+
+/// A clamped rod that swings, and the table of it but for its edges.
+const ROD: &str = r#"
+experiment = "scene"
+material = { youngs_modulus = "100 MPa", poissons_ratio = 0.5, density = 1000 }
+clamps = [{ rod = "beam", at = "start" }]
+loads = [{ kind = "gravity", acceleration = [0, 0, -9.81] }]
+rods = [{ name = "beam", radius = "5 mm", edges = 100, shape = { kind = "straight", start = [0, 0, 0], end = [1, 0, 0] } }]
+time = { step = "1 ms", end = 0.5 }
+"#;
+
+impl Costly {
+    /// All that the page shows.
+    pub fn all(quick: bool) -> Vec<Self> {
+        let end = |ends: [f64; 2]| ends[usize::from(quick)];
+        let flagella = Bundling::of_cost(quick).into_iter().map(Self::Flagella);
+        let heaps = RODS.map(|rods| Self::Heap(rods, end(END_OF_HEAP)));
+        let rods = EDGES.map(|edges| Self::Rod(edges, end(END_OF_ROD)));
+        flagella.chain(heaps).chain(rods).collect()
+    }
+
+    fn kind(&self) -> &'static str {
+        match self {
+            Self::Flagella(_) => FLAGELLA,
+            Self::Heap(..) => HEAPS,
+            Self::Rod(..) => ONE_ROD,
+        }
+    }
+
+    fn count(&self) -> usize {
+        match self {
+            Self::Flagella(run) => run.flagella,
+            Self::Heap(count, _) | Self::Rod(count, _) => *count,
+        }
+    }
+}
+
+/// Names of the three families.
+const FLAGELLA: &str = "flagella";
+const HEAPS: &str = "rods in a heap";
+const ONE_ROD: &str = "edges of a rod";
+
+/// Rods of 20 edges in turns of the golden angle, 2.25 mm above each other, over a square of 10 cm, as in
+/// `scenarios/pile.toml`.
+fn heap(rods: usize, end: f64) -> String {
+    let rod = |rod: usize| {
+        let count = rod as f64;
+        let (sine, cosine) = (2.399_963_229_728_653 * count).sin_cos();
+        let x = 0.1 * (0.754_877_666_246_692_7 * count).fract();
+        let y = 0.1 * (0.569_840_290_998_053_2 * count).fract();
+        let height = 3e-3 + 2.25e-3 * count;
+        let end = |side: f64| {
+            format!(
+                "[{:?}, {:?}, {height:?}]",
+                x + side * cosine,
+                y + side * sine
+            )
+        };
+        format!(
+            "[[rods]]\nname = \"rod{rod}\"\nradius = 1e-3\nedges = 20\n\
+             shape = {{ kind = \"straight\", start = {}, end = {} }}\n",
+            end(-0.05),
+            end(0.05)
+        )
+    };
+    let rods: String = (0..rods).map(rod).collect();
+    format!("{HEAP}time = {{ step = 1e-3, end = {end:?} }}\n{rods}")
+}
+
+impl Run for Costly {
+    fn id(&self) -> String {
+        match self {
+            Self::Flagella(run) => run.id(),
+            Self::Heap(rods, _) => format!("heap_{rods}"),
+            Self::Rod(edges, _) => format!("rod_{edges}"),
+        }
+    }
+
+    fn prepare(&self) -> PreparedRun {
+        match self {
+            Self::Flagella(run) => run.prepare(),
+            Self::Heap(rods, end) => prepared(&self.id(), &heap(*rods, *end), &[]),
+            Self::Rod(edges, end) => {
+                let overrides = [
+                    format!("rods.beam.edges={edges}"),
+                    format!("time.end={end:?}"),
+                ];
+                prepared(&self.id(), ROD, &overrides)
+            }
+        }
+    }
+
+    fn end(&self) -> f64 {
+        match self {
+            Self::Flagella(run) => run.end(),
+            Self::Heap(_, end) | Self::Rod(_, end) => *end,
+        }
+    }
+
+    fn cost(&self) -> f64 {
+        match self {
+            Self::Flagella(run) => run.cost(),
+            Self::Heap(rods, end) => 0.5 * end * *rods as f64 * (1.0 + *rods as f64 / 100.0),
+            Self::Rod(edges, end) => 3e-3 * end * *edges as f64,
+        }
+    }
+
+    #[cfg(test)]
+    fn shortened(&self) -> Self {
+        match self {
+            Self::Flagella(run) => Self::Flagella(run.shortened()),
+            Self::Heap(rods, _) => Self::Heap(*rods, 2e-3),
+            Self::Rod(edges, _) => Self::Rod(*edges, 2e-3),
+        }
+    }
+}
 
 /// A row of the CSV file.
 #[derive(Serialize, Deserialize)]
 struct Row {
-    flagella: usize,
+    kind: String,
+    count: usize,
     nodes: usize,
     status: String,
     steps: u64,
@@ -23,15 +169,17 @@ struct Row {
 }
 
 /// Writes the table and the figure.
-pub(super) fn write(page: &mut Page, cases: &[Case<Bundling>]) -> Result<(), ReproduceError> {
+pub(super) fn write(page: &mut Page, cases: &[Case<Costly>]) -> Result<(), ReproduceError> {
     let rows: Vec<Row> = cases.iter().map(row).collect();
     page.text(
-        "Steps of 1 ms from rest, with the search for contacts but before the flagella meet; the table says how many \
-         steps had contacts. Times are those of a whole run over its steps: processor time of all threads, the set-up \
-         and the first preconditioner of the fluid included.",
+        "Steps of 1 ms. Flagella turn in a fluid from rest, with the search for contacts but before they meet. Rods of 20 \
+         edges fall on a floor and in on each other, with friction 0.3 (the first steps of `scenarios/pile.toml`). One rod \
+         swings from a clamp. The table says how many steps had contacts. Times are those of a whole run over its steps: \
+         processor time of all threads, the set-up and the first preconditioner of the fluid included.",
     );
     let header = [
-        "M",
+        "Number",
+        "of",
         "Nodes",
         "Steps",
         "with contact",
@@ -51,32 +199,42 @@ pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, Reproduc
 }
 
 fn figure(rows: &[Row]) -> PageFigure {
-    let milliseconds = |row: &Row| row.cpu_time_per_step_s.map(|time| 1e3 * time);
-    let points = rows
-        .iter()
-        .map(|row| (row.flagella as f64, milliseconds(row)));
+    let curve = |(kind, name): (&str, &str)| {
+        let rows = rows.iter().filter(|row| row.kind == kind);
+        let points = rows.map(|row| {
+            let milliseconds = row.cpu_time_per_step_s.map(|time| 1e3 * time);
+            (row.nodes as f64, milliseconds)
+        });
+        Curve::new(name, points.collect()).looking(Look::Marked)
+    };
+    let curves = [
+        (FLAGELLA, "flagella in a fluid"),
+        (HEAPS, "rods that fall in on each other"),
+        (ONE_ROD, "one rod"),
+    ];
     let plot = LinePlot {
         label: "Processor time of a step in ms".into(),
-        curves: vec![Curve::new("rodlab", points.collect()).looking(Look::Marks)],
+        curves: curves.map(curve).to_vec(),
     };
     let style = PlotStyle {
         horizontal: AxisScale::Logarithmic,
         vertical: vec![AxisScale::Logarithmic],
         ..PlotStyle::default()
     };
-    let figure = styled_line_plots([plot], "Number of flagella", style);
+    let figure = styled_line_plots([plot], "Number of nodes", style);
     PageFigure::new(
         "cost",
-        "Processor time of a step of 1 ms over the number of flagella",
+        "Processor time of a step of 1 ms over the number of nodes",
         figure,
     )
 }
 
-fn row(case: &Case<Bundling>) -> Row {
+fn row(case: &Case<Costly>) -> Row {
     let outcome = &case.record.outcome;
     let steps = outcome.steps as f64;
     Row {
-        flagella: case.run.flagella,
+        kind: case.run.kind().into(),
+        count: case.run.count(),
         nodes: case.manifest.rods.iter().map(|rod| rod.nodes).sum(),
         status: case.status().into(),
         steps: outcome.steps,
@@ -89,7 +247,8 @@ fn row(case: &Case<Bundling>) -> Row {
 
 fn line(row: &Row) -> Vec<String> {
     vec![
-        row.flagella.to_string(),
+        row.count.to_string(),
+        row.kind.clone(),
         row.nodes.to_string(),
         row.steps.to_string(),
         row.steps_with_contact.to_string(),
