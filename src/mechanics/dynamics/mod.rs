@@ -69,6 +69,8 @@ mod parallel_tests;
 #[cfg(test)]
 mod path_tests;
 #[cfg(test)]
+mod spring_tests;
+#[cfg(test)]
 mod test_log;
 #[cfg(test)]
 mod tests;

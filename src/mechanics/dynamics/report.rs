@@ -85,9 +85,9 @@ impl AddAssign for Exchange {
 pub struct Energies {
     /// ½ v·M v.
     pub kinetic: f64,
-    /// Stretching energy.
+    /// Stretching energy, that of springs between nodes included.
     pub stretching: f64,
-    /// Bending energy.
+    /// Bending energy, that of springs about hinges included.
     pub bending: f64,
     /// Twisting energy.
     pub twisting: f64,

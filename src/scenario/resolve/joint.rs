@@ -1,7 +1,7 @@
 //! Resolving joints and bodies.
 
 use super::load::{place, rod};
-use super::section::{NON_NEGATIVE, POSITIVE, Section};
+use super::section::{FINITE, NON_NEGATIVE, POSITIVE, Section};
 use crate::scenario::resolved::{Body, BodyShape, Joint, JointKind, Place};
 use crate::scenario::typed;
 
@@ -24,9 +24,34 @@ fn joint(section: &Section<'_>, typed: &typed::Joint, index: usize) -> Option<Jo
             rods,
             at,
             axis,
+            stiffness,
+            rest_angle,
         } => {
-            let axis = section.required_direction("axis", axis);
-            (name, rods, at, JointKind::Hinge { axis })
+            if stiffness.is_none() && rest_angle.is_some() {
+                section.missing(
+                    "stiffness",
+                    "what `rest_angle` is for: the spring about the axis",
+                );
+            }
+            let hinge = JointKind::Hinge {
+                axis: section.required_direction("axis", axis),
+                stiffness: section.optional("stiffness", stiffness, POSITIVE),
+                rest_angle: section.optional("rest_angle", rest_angle, FINITE),
+            };
+            (name, rods, at, hinge)
+        }
+        typed::Joint::Spring {
+            name,
+            rods,
+            at,
+            stiffness,
+            rest_length,
+        } => {
+            let spring = JointKind::Spring {
+                stiffness: section.required("stiffness", stiffness, POSITIVE),
+                rest_length: section.optional("rest_length", rest_length, NON_NEGATIVE),
+            };
+            (name, rods, at, spring)
         }
     };
     let rods = section.needed(

@@ -239,7 +239,7 @@ impl Joints {
             if let Some((base, axis)) = frame.hinge {
                 let moment = self.moments[number];
                 self.moments[base] += moment;
-                forces[frame.first_unknown + 3] = moment.dot(&(self.rotations[base] * axis));
+                forces[frame.first_unknown + 3] += moment.dot(&(self.rotations[base] * axis));
             }
         }
         for (frame, moment) in self.frames.iter().zip(&self.moments) {
