@@ -54,6 +54,20 @@ fn faults_name_the_joint_and_what_is_allowed() {
             "unknown key",
         ),
         (
+            joint("spring", "[\"end\", 4]") + "stiffness = 1\nbreak_at = 0\n",
+            "allowed: greater than 0",
+        ),
+        (
+            joint("rigid", "[\"end\", \"start\"]") + "break_at = 1\n",
+            "unknown key",
+        ),
+        (
+            joint("ball", "[\"end\", \"start\"]")
+                + "break_at = 1\n"
+                + &joint("rigid", "[\"end\", \"start\"]"),
+            "only where no other joint shares the point",
+        ),
+        (
             joint("spring", "[\"end\", \"start\"]") + "stiffness = 1\nrest_length = \"1 cm\"\n",
             "let the rest length be 0",
         ),
@@ -139,9 +153,21 @@ fn a_scheme_that_goes_on_from_the_middle_is_refused_beside_frames() {
 }
 
 #[test]
+fn what_breaks_needs_time() {
+    let text = joint("ball", "[\"end\", \"start\"]") + "break_at = \"1 N\"\n";
+    let text = format!("{RODS}{text}[time]\nmode = \"static\"\n");
+    let loaded = from_text("rods", &text, Path::new(""), &[]).map(drop);
+    let error = loaded.unwrap_err().to_string();
+    assert!(
+        error.contains("`joints.0.break_at`") && error.contains("\"dynamic\""),
+        "{error}"
+    );
+}
+
+#[test]
 fn springs_read_back_to_themselves() {
     let text = joint("spring", "[\"end\", 4]")
-        + "stiffness = \"2 N/mm\"\n"
+        + "stiffness = \"2 N/mm\"\nbreak_at = \"3 mN\"\n"
         + &joint("spring", "[3, 4]").replace("knee", "tie")
         + "stiffness = 1\nrest_length = \"3 cm\"\n"
         + &joint("hinge", "[\"end\", \"start\"]").replace("knee", "sprung")
@@ -164,6 +190,8 @@ fn springs_read_back_to_themselves() {
             },
         ]
     );
+    let strengths = scenario.joints.iter().map(|joint| joint.break_at);
+    assert!(strengths.eq([Some(3e-3), None, None]));
     let again = from_text("rods", &scenario.to_toml(), Path::new(""), &[]).unwrap();
     assert_eq!(again.scenario, scenario);
 }

@@ -115,6 +115,11 @@ pub enum JointError {
         /// Its length without force, m.
         rest_length: f64,
     },
+    /// A joint breaks whose force is not known.
+    #[error(
+        "breaks at a force that is not known: of joints at one point only a ball can break, and only where no other joint shares the point"
+    )]
+    Unbreakable,
     /// Other joints hold what it holds.
     #[error("other joints at this point already hold what it holds")]
     Twice,

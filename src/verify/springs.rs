@@ -26,15 +26,25 @@ const HINGE: Expectation = Expectation {
     source: "Euler–Bernoulli",
 };
 
+const BREAK: Expectation = Expectation {
+    formula: "v √(km) sin ωt = F",
+    source: "Newton",
+};
+const FREED: Expectation = Expectation {
+    formula: "v cos ωt",
+    source: "Newton",
+};
+
 /// Stiffness of the springs of the files, N/m, gravity, m/s², and mass of a body with its light rod, kg.
 const STIFFNESS: f64 = 50.0;
 const GRAVITY: f64 = 9.81;
 const MASS: f64 = 0.02 + 10.0 * PI * 1e-6 * 0.02;
 
-/// Weights in a row, a weight that goes around, a sprung hinge.
+/// Weights in a row, a weight that goes around, one that breaks its spring, a sprung hinge.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let mut checks = weights_in_a_row()?;
     checks.push(orbit()?);
+    checks.extend(broken_spring()?);
     checks.push(hinge()?);
     Ok(checks)
 }
@@ -123,6 +133,35 @@ fn orbit() -> Result<Check, GroupError> {
         radius,
         1e-3,
     ))
+}
+
+fn broken_spring() -> Result<[Check; 2], GroupError> {
+    let mut simulation = simulation(include_str!("scenes/breaking_spring.toml"))?;
+    let (speed, strength, end) = (2.0, 1.0, 0.02);
+    while simulation.time() < end {
+        simulation.advance(end)?;
+    }
+    let frequency = (STIFFNESS / MASS).sqrt();
+    let phase = libm::asin(strength / (speed * (STIFFNESS * MASS).sqrt()));
+    let [Some(found)] = simulation.breaks()[..] else {
+        return Err("the spring holds".into());
+    };
+    Ok([
+        BREAK.relative(
+            "weight that leaves on a spring: time at which it breaks at half of the largest force",
+            "s",
+            phase / frequency,
+            found.time,
+            1e-3,
+        ),
+        FREED.relative(
+            "the same: velocity after",
+            "m/s",
+            speed * libm::cos(phase),
+            simulation.velocities()[4].x,
+            1e-3,
+        ),
+    ])
 }
 
 fn hinge() -> Result<Check, GroupError> {

@@ -49,11 +49,17 @@ pub(super) fn place_joint(
                 nodes,
                 stiffness,
                 rest_length,
+                strength: joint.break_at,
             });
             return Ok(());
         }
     };
-    scene.joints.push(Joint { name, nodes, kind });
+    scene.joints.push(Joint {
+        name,
+        nodes,
+        kind,
+        strength: joint.break_at,
+    });
     Ok(())
 }
 
@@ -98,6 +104,7 @@ pub(super) fn judge_joints(scene: &Scene, scenario: &scenario::Scenario) -> Resu
         | JointError::OnePoint
         | JointError::NoSuchNode { .. } => path.key("at"),
         JointError::NoDirection { .. } => path.key("rest_length"),
+        JointError::Unbreakable => path.key("break_at"),
         _ => path,
     };
     Err(Issue::new(key, format!("`{name}`: {reason}")))

@@ -26,6 +26,7 @@ fn weld(one: RodNode, other: RodNode) -> Joint {
         name: "weld".into(),
         nodes: [one, other],
         kind: JointKind::Rigid,
+        strength: None,
     }
 }
 

@@ -29,6 +29,7 @@ fn spring(nodes: [[usize; 2]; 2], rest_length: Option<f64>) -> Spring {
         nodes: nodes.map(|[rod, node]| RodNode { rod, node }),
         stiffness: STIFFNESS,
         rest_length,
+        strength: None,
     }
 }
 
@@ -122,6 +123,7 @@ fn a_sprung_hinge_keeps_angular_momentum_and_its_energy() {
                     rest_angle: 0.3,
                 }),
             },
+            strength: None,
         }],
         ..Scene::default()
     };

@@ -22,6 +22,8 @@ pub struct Joint {
     pub nodes: [RodNode; 2],
     /// How rods may turn against each other there.
     pub kind: JointKind,
+    /// Largest force that it bears, N; only of balls that share their point with no other joint.
+    pub strength: Option<f64>,
 }
 
 /// Two nodes, of one rod or of two, that a spring pulls together and pushes apart; they need not lie at one point.
@@ -35,6 +37,8 @@ pub struct Spring {
     pub stiffness: f64,
     /// Length without force, m; `None` is the distance of the nodes as placed.
     pub rest_length: Option<f64>,
+    /// Largest force that it bears, pulled or pushed, N.
+    pub strength: Option<f64>,
 }
 
 /// What a joint leaves free.

@@ -14,6 +14,7 @@
 
 mod actuation;
 mod balance;
+mod breaking;
 mod build;
 mod clamps;
 mod complementarity;
@@ -42,6 +43,8 @@ mod work;
 use actuation::Actuators;
 pub use balance::Imbalance;
 use balance::RodTolerance;
+pub use breaking::Break;
+use breaking::Breaking;
 pub use build::Assembly;
 pub use clamps::Drive;
 pub use complementarity::NoContactForces;
@@ -120,6 +123,8 @@ pub struct System {
     pub damping: Damping,
     /// Springs between nodes and about hinges.
     springs: Springs,
+    /// What breaks of joints and springs.
+    breaking: Breaking,
     /// Contact, where the scene has it.
     pub contact: Option<ContactSystem>,
     /// Frames from which the present step transports.
@@ -232,6 +237,7 @@ impl System {
             actuators,
             damping: Damping::new(scene),
             springs,
+            breaking: Breaking::new(scene, &assembly),
             assembly,
             loads,
         };

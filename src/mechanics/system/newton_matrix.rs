@@ -339,9 +339,10 @@ impl NewtonMatrix {
         }
     }
 
-    /// Takes over which unknowns are held and how many ghost edges there are.
+    /// Takes over which unknowns are held, which are shared, and how many ghost edges there are.
     pub fn adapt(&mut self, assembly: &Assembly) {
         self.held.clone_from(&assembly.held);
+        self.shared = assembly.joints.shared();
         let edges = assembly.rods.nodes + assembly.rods.ghosts;
         self.spin_moment.resize(edges, 0.0);
         self.forget_pattern();

@@ -12,6 +12,7 @@
 //!
 //! A spring about a hinge has E = ½ c (α − α₀)² with the angle α, which is an unknown: ∂E/∂α = c (α − α₀), ∂²E/∂α² = c.
 
+use super::System;
 use super::build::Assembly;
 use super::joints::JointPlan;
 use crate::linalg::{Element, ElementMatrix, UNUSED};
@@ -140,6 +141,18 @@ impl Springs {
         }
     }
 
+    /// Force of one between nodes, k (r − L), N.
+    pub fn force(&self, number: usize) -> f64 {
+        let spring = &self.between_nodes[number];
+        spring.stiffness * (spring.span.norm() - spring.rest_length)
+    }
+
+    /// Lets one between nodes exert no force any more.
+    pub fn cut(&mut self, number: usize) {
+        let spring = &mut self.between_nodes[number];
+        (spring.stiffness, spring.rest_length) = (0.0, 0.0);
+    }
+
     /// Takes their configuration from `unknowns`.
     pub fn stretch(&mut self, unknowns: &[f64]) {
         for spring in &mut self.between_nodes {
@@ -232,6 +245,13 @@ impl Springs {
             let [from, to] = spring.nodes.map(&moved);
             spring.rest_length > 0.0 && (to - from).norm() > part * spring.rest_length
         })
+    }
+}
+
+impl System {
+    /// Force of a spring between nodes at the last evaluation, N: positive where it pulls.
+    pub fn spring_force(&self, spring: usize) -> f64 {
+        self.springs.force(spring)
     }
 }
 

@@ -13,6 +13,9 @@ pub struct Joint {
     pub rods: [String; 2],
     /// Node along each.
     pub at: [Place; 2],
+    /// Largest force that it bears, N.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub break_at: Option<f64>,
     /// What it leaves free.
     #[serde(flatten)]
     pub kind: JointKind,

@@ -5,7 +5,8 @@ use super::quantity::{Quantity, Vector};
 use super::rod::Rod;
 use crate::scenario::resolved::{Hold, NetworkJoint};
 use crate::scenario::units::{
-    Angle, Dimensionless, ForcePerLength, Length, Mass, MomentOfInertia, Time, TurningStiffness,
+    Angle, Dimensionless, Force, ForcePerLength, Length, Mass, MomentOfInertia, Time,
+    TurningStiffness,
 };
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -24,6 +25,9 @@ pub enum Joint {
         rods: Option<[String; 2]>,
         /// "start", "end", or the number of a node, of each: ["end", 4].
         at: Option<[Place; 2]>,
+        /// Largest force that it bears, in a dynamic run; where a step ends with more it breaks. Only of a ball that shares its
+        /// nodes with no other joint. Default: it never breaks.
+        break_at: Option<Quantity<Force>>,
     },
     /// The rods are welded: angles between them, and between their cross-sections, stay as placed.
     Rigid {
@@ -62,6 +66,9 @@ pub enum Joint {
         stiffness: Option<Quantity<ForcePerLength>>,
         /// Length without force. Default: the distance of the nodes as placed.
         rest_length: Option<Quantity<Length>>,
+        /// Largest force that it bears, pulled or pushed, in a dynamic run; where a step ends with more it breaks. Default: it
+        /// never breaks.
+        break_at: Option<Quantity<Force>>,
     },
 }
 

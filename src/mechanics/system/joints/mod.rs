@@ -370,6 +370,7 @@ impl System {
 
     /// Makes a residual over all nodes, frames and bodies one over the free unknowns.
     pub(super) fn gather_at_joints(&mut self, unknowns: &[f64]) {
+        self.breaking.note(&self.residual);
         let joints = &mut self.assembly.joints;
         joints.gather_moments(unknowns, &mut self.residual);
         joints.gather(&mut self.residual);

@@ -4,7 +4,7 @@
 use super::Joints;
 use super::frame::TurningFrame;
 use crate::mechanics::rod::STRIDE;
-use crate::mechanics::scene::{HingeSpring, JointKind, RodNode, Scene, Spring};
+use crate::mechanics::scene::{HingeSpring, Joint, JointKind, RodNode, Scene, Spring};
 use crate::mechanics::{JointError, SceneError, Vector3};
 use std::collections::BTreeMap;
 
@@ -84,6 +84,9 @@ impl JointPlan {
                 reason,
             };
             check_places(scene, &joint.nodes).map_err(wrong)?;
+            if joint.strength.is_some() && !is_alone(scene, joint) {
+                return Err(wrong(JointError::Unbreakable));
+            }
             points.join(joint.nodes);
             match joint.kind {
                 JointKind::Ball => {}
@@ -232,6 +235,12 @@ impl JointPlan {
             reason,
         })
     }
+}
+
+/// Whether a joint is a ball at whose nodes there is no other joint.
+fn is_alone(scene: &Scene, joint: &Joint) -> bool {
+    let touches = |other: &&Joint| other.nodes.iter().any(|node| joint.nodes.contains(node));
+    joint.kind == JointKind::Ball && scene.joints.iter().filter(touches).count() == 1
 }
 
 /// How far two nodes are apart as placed.

@@ -35,6 +35,7 @@ fn joint(name: &str, nodes: [RodNode; 2], kind: JointKind) -> Joint {
         name: name.into(),
         nodes,
         kind,
+        strength: None,
     }
 }
 
@@ -107,6 +108,7 @@ fn spring(name: &str, nodes: [RodNode; 2], rest_length: Option<f64>) -> Spring {
         nodes,
         stiffness: 0.4,
         rest_length,
+        strength: None,
     }
 }
 
@@ -298,6 +300,10 @@ fn joints_that_cannot_be_are_named() {
     let again = joint("again", [at(0, 0), at(3, 2)], JointKind::Rigid);
     let (name, reason) = refused(&|scene| scene.joints.push(again.clone()));
     assert_eq!((name.as_str(), reason), ("again", JointError::Twice));
+    for number in [0, 1, 3] {
+        let (_, reason) = refused(&|scene| scene.joints[number].strength = Some(1.0));
+        assert_eq!(reason, JointError::Unbreakable);
+    }
     let (name, reason) = refused(&|scene| scene.springs[1].nodes = [at(4, 0), at(2, 0)]);
     assert_eq!((name.as_str(), reason), ("strut", JointError::OnePoint));
     let (name, reason) = refused(&|scene| {
