@@ -2,7 +2,7 @@
 
 use super::from_text;
 use crate::mechanics::dynamics::Simulation;
-use crate::scenario::Scenario;
+use crate::scenario::{JointKind, Scenario};
 use std::path::Path;
 
 const RODS: &str = "experiment = \"scene\"\n[material]\nyoungs_modulus = 1e6\npoissons_ratio = 0.5\ndensity = 1000.0\n\
@@ -32,6 +32,55 @@ fn faults_name_the_joint_and_what_is_allowed() {
         (joint("ball", "[\"end\", 11]"), "allowed: 0 to 10"),
         (joint("ball", "[\"end\", \"end\"]"), "5.000000e-1 m apart"),
         (joint("hinge", "[\"end\", \"start\"]"), "missing key `axis`"),
+        (
+            joint("hinge", "[\"end\", \"start\"]") + "axis = [0, 1, 0]\nrest_angle = 1\n",
+            "missing key `stiffness`",
+        ),
+        (
+            joint("hinge", "[\"end\", \"start\"]") + "axis = [0, 1, 0]\nstiffness = \"1 N m\"\n",
+            "but this key takes a turning stiffness",
+        ),
+        (joint("spring", "[\"end\", 4]"), "missing key `stiffness`"),
+        (
+            joint("spring", "[\"end\", 4]") + "stiffness = 0\n",
+            "allowed: greater than 0",
+        ),
+        (
+            joint("spring", "[\"end\", 4]") + "stiffness = 1\nrest_length = -1\n",
+            "allowed: at least 0",
+        ),
+        (
+            joint("spring", "[\"end\", 4]") + "stiffness = 1\naxis = [0, 1, 0]\n",
+            "unknown key",
+        ),
+        (
+            joint("spring", "[\"end\", 4]") + "stiffness = 1\nbreak_at = 0\n",
+            "allowed: greater than 0",
+        ),
+        (
+            joint("rigid", "[\"end\", \"start\"]") + "break_at = 1\n",
+            "unknown key",
+        ),
+        (
+            joint("ball", "[\"end\", \"start\"]")
+                + "break_at = 1\n"
+                + &joint("rigid", "[\"end\", \"start\"]"),
+            "only where no other joint shares the point",
+        ),
+        (
+            joint("spring", "[\"end\", \"start\"]") + "stiffness = 1\nrest_length = \"1 cm\"\n",
+            "let the rest length be 0",
+        ),
+        (
+            joint("ball", "[\"end\", \"start\"]")
+                + &joint("spring", "[\"end\", \"start\"]").replace("knee", "tie")
+                + "stiffness = 1\n",
+            "`tie`: its nodes are one point",
+        ),
+        (
+            joint("spring", "[4, 4]").replace("boom", "post") + "stiffness = 1\n",
+            "joins a node to itself",
+        ),
         (
             joint("rigid", "[\"end\", \"start\"]").replace("boom", "bom"),
             "boom",
@@ -101,6 +150,50 @@ fn a_scheme_that_goes_on_from_the_middle_is_refused_beside_frames() {
     let error = loaded(&text).unwrap_err().to_string();
     assert!(error.contains("backward-differences"), "{error}");
     loaded(&text.replace("\"rigid\"", "\"ball\"")).unwrap();
+}
+
+#[test]
+fn what_breaks_needs_time() {
+    let text = joint("ball", "[\"end\", \"start\"]") + "break_at = \"1 N\"\n";
+    let text = format!("{RODS}{text}[time]\nmode = \"static\"\n");
+    let loaded = from_text("rods", &text, Path::new(""), &[]).map(drop);
+    let error = loaded.unwrap_err().to_string();
+    assert!(
+        error.contains("`joints.0.break_at`") && error.contains("\"dynamic\""),
+        "{error}"
+    );
+}
+
+#[test]
+fn springs_read_back_to_themselves() {
+    let text = joint("spring", "[\"end\", 4]")
+        + "stiffness = \"2 N/mm\"\nbreak_at = \"3 mN\"\n"
+        + &joint("spring", "[3, 4]").replace("knee", "tie")
+        + "stiffness = 1\nrest_length = \"3 cm\"\n"
+        + &joint("hinge", "[\"end\", \"start\"]").replace("knee", "sprung")
+        + "axis = [0, 1, 0]\nstiffness = \"1 N mm/rad\"\nrest_angle = \"90 deg\"\n";
+    let scenario = scenario(&text).unwrap();
+    let kinds: Vec<JointKind> = scenario.joints.iter().map(|joint| joint.kind).collect();
+    let spring = |stiffness, rest_length| JointKind::Spring {
+        stiffness,
+        rest_length,
+    };
+    assert_eq!(
+        kinds,
+        [
+            spring(2000.0, None),
+            spring(1.0, Some(0.03)),
+            JointKind::Hinge {
+                axis: [0.0, 1.0, 0.0],
+                stiffness: Some(1e-3),
+                rest_angle: Some(std::f64::consts::FRAC_PI_2),
+            },
+        ]
+    );
+    let strengths = scenario.joints.iter().map(|joint| joint.break_at);
+    assert!(strengths.eq([Some(3e-3), None, None]));
+    let again = from_text("rods", &scenario.to_toml(), Path::new(""), &[]).unwrap();
+    assert_eq!(again.scenario, scenario);
 }
 
 #[test]

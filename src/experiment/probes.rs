@@ -7,8 +7,8 @@ use crate::run::probes::{
 };
 use crate::run::{Observer, PreparedRun};
 use crate::scenario::{
-    self, AtPlace, Between, Issue, Issues, KeyPath, OneRod, Place, PressedRod, ProbeKind, Scenario,
-    did_you_mean,
+    self, AtPlace, Between, Issue, Issues, KeyPath, OneRod, OneSpring, Place, PressedRod,
+    ProbeKind, Scenario, did_you_mean,
 };
 
 /// Adds the probes of a scenario to the observers of a run.
@@ -152,6 +152,21 @@ fn resolve(probe: &scenario::Probe, scene: &Scene, key: &KeyPath) -> Result<Prob
                 return Err(Issue::new(key.key("to_rod"), message));
             }
             Quantity::LinkingNumber { rods: [one, other] }
+        }
+        ProbeKind::SpringForce(OneSpring { joint }) => {
+            let springs = &scene.springs;
+            let found = springs.iter().position(|spring| spring.name == *joint);
+            let spring = found.ok_or_else(|| {
+                let names: Vec<&str> = springs.iter().map(|spring| spring.name.as_str()).collect();
+                let help = match names[..] {
+                    [] => "the scene has no springs between nodes".to_owned(),
+                    _ => did_you_mean(joint, names.iter().copied())
+                        .unwrap_or_else(|| format!("the springs are: {}", names.join(", "))),
+                };
+                let message = format!("no spring between nodes is called `{joint}`");
+                Issue::new(key.key("joint"), message).with_help(help)
+            })?;
+            Quantity::SpringForce { spring }
         }
     };
     Ok(Probe {

@@ -104,6 +104,22 @@ pub enum JointError {
         /// Their distance, m.
         distance: f64,
     },
+    /// A spring between nodes that are one point.
+    #[error("its nodes are one point by other joints, where no spring can act")]
+    OnePoint,
+    /// A spring without a direction in which to push.
+    #[error(
+        "its nodes lie at one point, where a spring of rest length {rest_length:e} m pushes in no direction: let the rest length be 0, or place them apart"
+    )]
+    NoDirection {
+        /// Its length without force, m.
+        rest_length: f64,
+    },
+    /// A joint breaks whose force is not known.
+    #[error(
+        "breaks at a force that is not known: of joints at one point only a ball can break, and only where no other joint shares the point"
+    )]
+    Unbreakable,
     /// Other joints hold what it holds.
     #[error("other joints at this point already hold what it holds")]
     Twice,

@@ -8,7 +8,7 @@ mod joint;
 
 pub use actuation::{ActuatedStrain, Actuation, Course, Wave};
 
-pub use joint::{Body, Joint, JointKind, RodNode};
+pub use joint::{Body, HingeSpring, Joint, JointKind, RodNode, Spring};
 
 use super::contact::ContactParameters;
 use super::fluid::FluidModel;
@@ -25,6 +25,8 @@ pub struct Scene {
     pub clamps: Vec<Clamp>,
     /// Nodes that are joined.
     pub joints: Vec<Joint>,
+    /// Springs between nodes.
+    pub springs: Vec<Spring>,
     /// Masses and rigid bodies that rods carry.
     pub bodies: Vec<Body>,
     /// External loads.

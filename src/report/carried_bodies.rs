@@ -3,13 +3,14 @@
 //! Results hold positions of nodes, not how bodies are turned about the rod: pictures turn them the shortest way from where
 //! they were placed. Spheres and disks show no difference.
 
+use super::rod_places::{node_at, nodes_of};
 use crate::figure::{Body, MovieObstacle};
 use crate::mechanics::rigid_body::RigidBody;
 use crate::mechanics::rod::transport::{any_normal, normal_part, parallel_transport};
 use crate::mechanics::rotation::Pose;
 use crate::mechanics::{Matrix3, UnitQuaternion, Vector3};
 use crate::results::RodRecord;
-use crate::scenario::{BodyShape, Place, Scenario};
+use crate::scenario::{BodyShape, Scenario};
 use std::f64::consts::TAU;
 
 /// Corners of a disk.
@@ -36,22 +37,19 @@ pub fn carried_bodies(
 ) -> Vec<CarriedBody> {
     let bodies = scenario.iter().flat_map(|scenario| &scenario.bodies);
     let carried = bodies.filter_map(|body| {
-        let rod = rods.iter().position(|rod| rod.name == body.rod)?;
-        let first: usize = rods[..rod].iter().map(|rod| rod.nodes).sum();
-        let last = rods[rod].nodes - 1;
-        let along = match body.at {
-            Place::Start => 0,
-            Place::End => last,
-            Place::Number(number) => number.min(last),
-        };
-        let between = [along.saturating_sub(1), (along + 1).min(last)].map(|node| first + node);
+        let nodes = nodes_of(rods, &body.rod)?;
+        let node = node_at(&nodes, body.at);
+        let between = [
+            node.saturating_sub(1).max(*nodes.start()),
+            (node + 1).min(*nodes.end()),
+        ];
         let described = scenario?.rods.iter().find(|one| one.name == body.rod);
         let along_rod = start.get(between[1])? - start.get(between[0])?;
         let tangent = along_rod.try_normalize(0.0)?;
         let director = described.and_then(|rod| rod.director).map(Vector3::from);
         let director = director.and_then(|director| normal_part(&director, &tangent));
         Some(CarriedBody {
-            node: first + along,
+            node,
             between,
             triangles: surface(&body.shape?),
             placed: [tangent, director.unwrap_or_else(|| any_normal(&tangent))],

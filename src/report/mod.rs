@@ -3,9 +3,11 @@
 mod branches;
 mod carried_bodies;
 mod case_folders;
+mod drawn_springs;
 mod labels;
 mod obstacles;
 mod plot;
+mod rod_places;
 mod view;
 
 pub(crate) use plot::rods_figure;

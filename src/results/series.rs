@@ -28,9 +28,9 @@ pub struct SeriesRow {
     pub min_distance_m: Option<f64>,
     /// Kinetic energy.
     pub kinetic_energy_j: f64,
-    /// Elastic energy of stretching.
+    /// Elastic energy of stretching, that of springs between nodes included.
     pub stretching_energy_j: f64,
-    /// Elastic energy of bending.
+    /// Elastic energy of bending, that of springs about hinges included.
     pub bending_energy_j: f64,
     /// Elastic energy of twisting.
     pub twisting_energy_j: f64,

@@ -55,7 +55,8 @@ pub use resolved::{
     Pose, Rod, Scenario, Scheme, Shape, Solver, Start, Step, Stiffness, Time,
 };
 pub use resolved::{
-    AtPlace, Between, OneRod, PressedRod, Probe, ProbeKind, StopWhen, Summary, TwoNodes, TwoRods,
+    AtPlace, Between, OneRod, OneSpring, PressedRod, Probe, ProbeKind, StopWhen, Summary, TwoNodes,
+    TwoRods,
 };
 pub use sweep::{Case, CaseSet, INPUTS, InputFile, Parameter, Portable, Search, earlier_id};
 pub use typed::{Quantity, SearchMethod, Vector};

@@ -125,6 +125,11 @@ dimensions! {
     ForcePerLength = "a force per length", [
         decimal("N/m", 0), decimal("mN/m", -3), decimal("N/mm", 3),
     ];
+    /// Moment per angle, N m/rad.
+    TurningStiffness = "a turning stiffness", [
+        decimal("Nm/rad", 0), decimal("Nmm/rad", -3), decimal("mNm/rad", -3), decimal("µNm/rad", -6),
+        decimal("uNm/rad", -6), factor("Nm/deg", 1.0 / DEGREE), factor("Nm/°", 1.0 / DEGREE),
+    ];
     /// Bending or twisting stiffness, N m².
     Rigidity = "a bending stiffness", [
         decimal("Nm^2", 0), decimal("Nmm^2", -6), decimal("mNm^2", -3), decimal("µNm^2", -6),

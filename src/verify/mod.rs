@@ -23,6 +23,7 @@ mod obstacles;
 mod page;
 mod rods;
 mod spatial_rods;
+mod springs;
 mod statics;
 mod symmetry;
 #[cfg(test)]
@@ -43,7 +44,7 @@ type CheckGroup = fn(full: bool) -> Result<Vec<Check>, GroupError>;
 type GroupError = Box<dyn Error + Send + Sync>;
 
 /// All groups, in the order of the table.
-const GROUPS: [(&str, CheckGroup); 19] = [
+const GROUPS: [(&str, CheckGroup); 20] = [
     ("derivatives", derivatives::checks),
     ("statics", statics::checks),
     ("spatial rods", spatial_rods::checks),
@@ -59,6 +60,7 @@ const GROUPS: [(&str, CheckGroup); 19] = [
     ("contact", contact::checks),
     ("obstacles", obstacles::checks),
     ("joints", joints::checks),
+    ("springs", springs::checks),
     ("drag", drag::checks),
     ("conservation", conservation::checks),
     ("symmetry", symmetry::checks),

@@ -101,3 +101,8 @@ fn contact_passes() {
 fn continuation_passes() {
     assert_passes("continuation");
 }
+
+#[test]
+fn springs_pass() {
+    assert_passes("springs");
+}

@@ -1,20 +1,23 @@
 //! Joints and bodies, placed in the scene.
 
 use super::place::{find_place, find_rod};
-use crate::mechanics::scene::{Body, Joint, JointKind, RodDescription, RodNode, Scene};
+use crate::mechanics::scene::{
+    Body, HingeSpring, Joint, JointKind, RodDescription, RodNode, Scene, Spring,
+};
 use crate::mechanics::system::check_joints;
 use crate::mechanics::{JointError, SceneError, Vector3};
 use crate::scenario::{self, Issue, KeyPath};
 
-/// The joint of a scenario between these rods.
+/// Joins rods of a scene by a joint of its scenario.
 ///
 /// # Errors
 /// Rods and nodes that do not exist.
 pub(super) fn place_joint(
     joint: &scenario::Joint,
-    rods: &[RodDescription],
+    scene: &mut Scene,
     path: &KeyPath,
-) -> Result<Joint, Issue> {
+) -> Result<(), Issue> {
+    let rods = &scene.rods;
     let node = |k: usize| -> Result<RodNode, Issue> {
         let rod = find_rod(&joint.rods[k], rods, &path.key("rods").index(k))?;
         let count = rods[rod].centreline.len();
@@ -22,17 +25,42 @@ pub(super) fn place_joint(
         let node = find_place(joint.at[k], count, "node", &rods[rod], &at)?;
         Ok(RodNode { rod, node })
     };
-    Ok(Joint {
-        name: joint.name.clone(),
-        nodes: [node(0)?, node(1)?],
-        kind: match joint.kind {
-            scenario::JointKind::Ball => JointKind::Ball,
-            scenario::JointKind::Rigid => JointKind::Rigid,
-            scenario::JointKind::Hinge { axis } => JointKind::Hinge {
-                axis: Vector3::from(axis),
-            },
+    let (name, nodes) = (joint.name.clone(), [node(0)?, node(1)?]);
+    let kind = match joint.kind {
+        scenario::JointKind::Ball => JointKind::Ball,
+        scenario::JointKind::Rigid => JointKind::Rigid,
+        scenario::JointKind::Hinge {
+            axis,
+            stiffness,
+            rest_angle,
+        } => JointKind::Hinge {
+            axis: Vector3::from(axis),
+            spring: stiffness.map(|stiffness| HingeSpring {
+                stiffness,
+                rest_angle: rest_angle.unwrap_or(0.0),
+            }),
         },
-    })
+        scenario::JointKind::Spring {
+            stiffness,
+            rest_length,
+        } => {
+            scene.springs.push(Spring {
+                name,
+                nodes,
+                stiffness,
+                rest_length,
+                strength: joint.break_at,
+            });
+            return Ok(());
+        }
+    };
+    scene.joints.push(Joint {
+        name,
+        nodes,
+        kind,
+        strength: joint.break_at,
+    });
+    Ok(())
 }
 
 /// The body of a scenario at one of these rods.
@@ -71,9 +99,12 @@ pub(super) fn judge_joints(scene: &Scene, scenario: &scenario::Scenario) -> Resu
         _ => KeyPath::from("joints"),
     };
     let key = match reason {
-        JointError::Apart { .. } | JointError::SameNode | JointError::NoSuchNode { .. } => {
-            path.key("at")
-        }
+        JointError::Apart { .. }
+        | JointError::SameNode
+        | JointError::OnePoint
+        | JointError::NoSuchNode { .. } => path.key("at"),
+        JointError::NoDirection { .. } => path.key("rest_length"),
+        JointError::Unbreakable => path.key("break_at"),
         _ => path,
     };
     Err(Issue::new(key, format!("`{name}`: {reason}")))

@@ -64,9 +64,9 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
         }
     }
     for (index, joint) in scenario.joints.iter().enumerate() {
-        match place_joint(joint, &scene.rods, &KeyPath::from("joints").index(index)) {
-            Ok(joint) => scene.joints.push(joint),
-            Err(issue) => issues.push(issue),
+        let path = KeyPath::from("joints").index(index);
+        if let Err(issue) = place_joint(joint, &mut scene, &path) {
+            issues.push(issue);
         }
     }
     for (index, body) in scenario.bodies.iter().enumerate() {

@@ -122,3 +122,56 @@ fn a_hanging_rod_bears_the_weight_below_and_grows_longer() {
     near(run.last("ends_m").unwrap(), 0.4 + growth, 1e-9);
     near(run.last("tip_z_m").unwrap(), -growth, 1e-5);
 }
+
+#[test]
+fn springs_bear_the_weight_of_what_hangs_from_them() {
+    let run = ran(r#"
+        experiment = "scene"
+        material = { youngs_modulus = 1e7, poissons_ratio = 0.5, density = 1000.0 }
+        time = { mode = "static" }
+        [[rods]]
+        name = "beam"
+        radius = 0.004
+        held = true
+        edges = 1
+        shape = { kind = "straight", start = [0, 0, 0.1], end = [0.2, 0, 0.1] }
+        [[rods]]
+        name = "rod"
+        radius = 0.004
+        edges = 20
+        shape = { kind = "straight", start = [0, 0, 0], end = [0.2, 0, 0] }
+        [[joints]]
+        name = "left"
+        kind = "spring"
+        rods = ["beam", "rod"]
+        at = ["start", "start"]
+        stiffness = 10
+        [[joints]]
+        name = "right"
+        kind = "spring"
+        rods = ["rod", "beam"]
+        at = ["end", "end"]
+        stiffness = 20
+        [[loads]]
+        kind = "gravity"
+        acceleration = [0, 0, -9.81]
+        [[probes]]
+        name = "left"
+        kind = "spring_force"
+        joint = "left"
+        [[probes]]
+        name = "right"
+        kind = "spring_force"
+        joint = "right"
+        summary = "max"
+        "#);
+    let half = 0.5 * weight_of(0.2);
+    // The springs lean a little, since the rod hangs askew and sags.
+    for column in ["left_n", "right_n"] {
+        near(run.last(column).unwrap(), half, 2e-2);
+    }
+    assert_eq!(
+        run.summary.numbers("right_max_n").unwrap(),
+        [run.last("right_n")]
+    );
+}

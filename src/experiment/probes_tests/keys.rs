@@ -76,6 +76,14 @@ fn faults_of_probes_name_their_keys_and_what_is_allowed() {
             "probes.0.at`: rod `beam` has no edge 40; allowed: 0 to 39",
         ),
         (
+            "name = \"a\"\nkind = \"spring_force\"",
+            "probes.0`: missing key `joint`",
+        ),
+        (
+            "name = \"a\"\nkind = \"spring_force\"\njoint = \"bungee\"",
+            "probes.0.joint`: no spring between nodes is called `bungee` (the scene has no springs",
+        ),
+        (
             "name = \"a\"\nkind = \"energy\"\nrod = \"baem\"",
             "probes.0.rod`: no rod is called `baem` (did you mean `beam`?)",
         ),

@@ -63,7 +63,7 @@ impl Simulation {
     }
 
     /// Forgets the steps before, whose accelerations say nothing about what follows.
-    fn begin_anew(&mut self) {
+    pub(super) fn begin_anew(&mut self) {
         self.validity.stop_counting_energy();
         self.state.begin_anew();
         self.integrator.begin_anew();

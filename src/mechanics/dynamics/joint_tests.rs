@@ -26,6 +26,7 @@ fn weld(one: RodNode, other: RodNode) -> Joint {
         name: "weld".into(),
         nodes: [one, other],
         kind: JointKind::Rigid,
+        strength: None,
     }
 }
 
@@ -163,7 +164,10 @@ fn tumbling_goes_on_from_a_checkpoint_bit_for_bit() {
 #[test]
 fn joined_nodes_stay_one_point() {
     let mut scene = tumbling();
-    scene.joints[0].kind = JointKind::Hinge { axis: Vector3::z() };
+    scene.joints[0].kind = JointKind::Hinge {
+        axis: Vector3::z(),
+        spring: None,
+    };
     let mut simulation = Simulation::new(&scene, &parameters(Scheme::ImplicitEuler, 1e-3)).unwrap();
     while simulation.time() < 0.1 {
         simulation.advance(0.1).unwrap();

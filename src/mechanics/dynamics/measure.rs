@@ -30,6 +30,11 @@ impl Simulation {
         self.system.tension(edge)
     }
 
+    /// Force of a spring of the scene, N: positive where it pulls, 0 after it broke.
+    pub fn spring_force(&self, spring: usize) -> f64 {
+        self.system.spring_force(spring)
+    }
+
     /// Bending and twisting moments, curvature and twist at each node; `None` where the rod ends freely.
     pub fn resultants(&self) -> Vec<Option<Resultants>> {
         self.system.resultants()

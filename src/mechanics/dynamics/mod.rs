@@ -37,7 +37,7 @@ mod step_control;
 mod validity;
 mod validity_memory;
 
-pub use crate::mechanics::system::{Grasp, Resultants};
+pub use crate::mechanics::system::{Break, Grasp, Resultants};
 pub use parameters::{IntegrationParameters, Scheme, StepSize};
 pub use report::{Energies, Exchange, SimulationError, SimulationState, StepReport};
 pub use simulation::Simulation;
@@ -48,6 +48,8 @@ mod actuation_tests;
 mod balance_tests;
 #[cfg(test)]
 mod barrier_tests;
+#[cfg(test)]
+mod breaking_tests;
 #[cfg(test)]
 mod complementarity_tests;
 #[cfg(test)]
@@ -68,6 +70,8 @@ mod joint_tests;
 mod parallel_tests;
 #[cfg(test)]
 mod path_tests;
+#[cfg(test)]
+mod spring_tests;
 #[cfg(test)]
 mod test_log;
 #[cfg(test)]

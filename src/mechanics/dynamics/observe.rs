@@ -6,6 +6,7 @@ use super::state::State;
 use crate::mechanics::contact::{ActiveContact, Proximity};
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::scene::Start;
+use crate::mechanics::system::Break;
 use crate::mechanics::{SceneError, Vector3};
 
 impl Simulation {
@@ -127,9 +128,16 @@ impl Simulation {
     }
 
     /// What people should know of the motion so far, a sentence each: strains beyond the theory of rods, energy that came
-    /// from nowhere, steps far smaller than asked for.
+    /// from nowhere, steps far smaller than asked for, joints that broke.
     pub fn remarks(&self) -> Vec<String> {
-        self.validity.remarks(&self.system)
+        let mut remarks = self.validity.remarks(&self.system);
+        remarks.extend(self.system.remarks_on_breaks());
+        remarks
+    }
+
+    /// How each joint that may break did so, if it did: in the order of the joints of the scene, then of its springs.
+    pub fn breaks(&self) -> Vec<Option<Break>> {
+        self.system.breaks()
     }
 
     /// Numbers of the unknowns that are not held: node k has x, y, z at 4k..4k+2, its edge's angle at 4k+3.
@@ -214,6 +222,7 @@ impl Simulation {
             fluid: self.integrator.fluid.memory(),
             strains: self.system.damping.memory(),
             frames: self.system.frame_bases(),
+            breaks: self.system.breaks(),
         }
     }
 
@@ -223,6 +232,9 @@ impl Simulation {
     /// [`SimulationError::BadScene`] where the checkpoint does not fit the scene.
     pub fn restore(&mut self, state: SimulationState) -> Result<(), SimulationError> {
         let foreign = |what: String| SimulationError::BadScene(SceneError::Checkpoint(what));
+        // Before what was grasped since.
+        let restored = self.system.restore_breaks(&state.breaks);
+        restored.map_err(|what| foreign(what.to_owned()))?;
         let restored = self.system.restore_interventions(state.interventions);
         restored.map_err(|what| foreign(what.to_owned()))?;
         if state.unknowns.len() != self.state.unknowns.len()

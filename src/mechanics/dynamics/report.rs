@@ -6,7 +6,7 @@ use super::validity_memory::ValidityMemory;
 use crate::mechanics::contact::{ContactMemory, Proximity};
 use crate::mechanics::fluid::FluidMemory;
 use crate::mechanics::rod::ReferenceFrames;
-use crate::mechanics::system::Interventions;
+use crate::mechanics::system::{Break, Interventions};
 use crate::mechanics::{SceneError, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 use std::ops::AddAssign;
@@ -38,6 +38,8 @@ pub struct SimulationState {
     pub strains: Vec<Vec<f64>>,
     /// Rotations from which those of joints and bodies count.
     pub frames: Vec<UnitQuaternion>,
+    /// How joints broke.
+    pub breaks: Vec<Option<Break>>,
 }
 
 /// What one accepted step did.
@@ -85,9 +87,9 @@ impl AddAssign for Exchange {
 pub struct Energies {
     /// ½ v·M v.
     pub kinetic: f64,
-    /// Stretching energy.
+    /// Stretching energy, that of springs between nodes included.
     pub stretching: f64,
-    /// Bending energy.
+    /// Bending energy, that of springs about hinges included.
     pub bending: f64,
     /// Twisting energy.
     pub twisting: f64,

@@ -103,6 +103,10 @@ impl Simulation {
                 validity.note_small_steps(said);
             }
             self.validity = validity;
+            let (time, unknowns) = (self.state.time, &self.state.unknowns);
+            if self.system.break_joints(time, unknowns) {
+                self.begin_anew();
+            }
         }
         result.map_err(|error| self.explain(error))
     }

@@ -22,6 +22,23 @@ pub struct Joint {
     pub nodes: [RodNode; 2],
     /// How rods may turn against each other there.
     pub kind: JointKind,
+    /// Largest force that it bears, N; only of balls that share their point with no other joint.
+    pub strength: Option<f64>,
+}
+
+/// Two nodes, of one rod or of two, that a spring pulls together and pushes apart; they need not lie at one point.
+#[derive(Clone, Debug)]
+pub struct Spring {
+    /// Name by which scenarios and messages call it.
+    pub name: String,
+    /// The nodes.
+    pub nodes: [RodNode; 2],
+    /// Force per lengthening k, N/m.
+    pub stiffness: f64,
+    /// Length without force, m; `None` is the distance of the nodes as placed.
+    pub rest_length: Option<f64>,
+    /// Largest force that it bears, pulled or pushed, N.
+    pub strength: Option<f64>,
 }
 
 /// What a joint leaves free.
@@ -35,7 +52,18 @@ pub enum JointKind {
     Hinge {
         /// Unit vector.
         axis: Vector3,
+        /// A spring that resists the rotation.
+        spring: Option<HingeSpring>,
     },
+}
+
+/// A spring about the axis of a hinge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HingeSpring {
+    /// Moment per angle c, N m/rad.
+    pub stiffness: f64,
+    /// Angle from the hinge as placed at which it exerts no moment, rad.
+    pub rest_angle: f64,
 }
 
 /// A mass at a node, or a rigid body that is welded to the rod there with its centre of mass at the node.

@@ -217,13 +217,14 @@ impl System {
 
     /// Whether the residual of the last evaluation, at `unknowns` that were only predicted, is so small that no
     /// correction is needed: at every unknown against the load that alone acts there, at others against the largest force
-    /// on their rod (loads, inertia, drag, contact, reactions of clamps), and where nothing acts at all against rounding.
+    /// on their rod (loads, inertia, drag, contact, springs, reactions of clamps), and where nothing acts at all against rounding.
     pub fn is_balanced_as_predicted(&mut self, unknowns: &[f64], stage: Option<&Stage>) -> bool {
         let mut acting = std::mem::take(&mut self.corrected_residual);
         acting.fill(0.0);
         if let Some(stage) = stage {
             add_inertia(&self.assembly, &self.loads, stage, unknowns, &mut acting);
         }
+        self.springs.add_sizes(&mut acting);
         let mut in_contact = std::mem::take(&mut self.in_contact);
         in_contact.fill(false);
         if let Some(contact) = &self.contact {

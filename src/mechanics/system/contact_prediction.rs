@@ -56,7 +56,7 @@ impl System {
     /// that is so. `radius` is that of the thinnest rod, m.
     pub fn predict_contacts(&mut self, unknowns: &mut [f64], stage: &Stage, radius: f64) -> bool {
         // It solves with the rods alone, each for itself.
-        if !self.assembly.joints.is_empty() {
+        if !self.assembly.joints.is_empty() || !self.springs.couple_nothing() {
             return false;
         }
         let rods = self.assembly.rods.rods.len();

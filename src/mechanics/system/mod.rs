@@ -9,10 +9,12 @@
 //!
 //! (thesis Eq. 1.8) and its Jacobian, with the drag F₀ of a motion with the velocities v₀ and its local
 //! resistance D; without a [`Stage`] the terms with h fall away and equilibrium remains. The natural strains in E may be
-//! functions of time (`actuation`), and dashpots lie beside its springs where rods are viscous (`damping`).
+//! functions of time (`actuation`), and dashpots lie beside its springs where rods are viscous (`damping`). Springs between
+//! nodes and about hinges are part of E (`springs`).
 
 mod actuation;
 mod balance;
+mod breaking;
 mod build;
 mod clamps;
 mod complementarity;
@@ -32,6 +34,7 @@ mod residual;
 mod resultants;
 mod rigid_contact;
 mod shared_mass;
+mod springs;
 mod start;
 mod strain;
 mod touching;
@@ -40,6 +43,8 @@ mod work;
 use actuation::Actuators;
 pub use balance::Imbalance;
 use balance::RodTolerance;
+pub use breaking::Break;
+use breaking::Breaking;
 pub use build::Assembly;
 pub use clamps::Drive;
 pub use complementarity::NoContactForces;
@@ -53,6 +58,7 @@ use obstacles::MovingObstacle;
 pub use obstacles::obstacle_poses;
 pub use residual::TERMS;
 pub use resultants::Resultants;
+use springs::Springs;
 pub use strain::{LargestStrains, SectionScale, Strain};
 use touching::contact_of;
 pub use touching::name_overlap;
@@ -115,6 +121,10 @@ pub struct System {
     actuators: Actuators,
     /// Dashpots of the material.
     pub damping: Damping,
+    /// Springs between nodes and about hinges.
+    springs: Springs,
+    /// What breaks of joints and springs.
+    breaking: Breaking,
     /// Contact, where the scene has it.
     pub contact: Option<ContactSystem>,
     /// Frames from which the present step transports.
@@ -173,6 +183,8 @@ impl System {
         {
             return Err(NO_RIGID_CONTACT);
         }
+        let springs = Springs::new(scene, &assembly)?;
+        springs.round(&mut assembly);
         let loads = Loads::new(&scene.loads, &assembly)?;
         let actuators = Actuators::new(&scene.actuations, &assembly)?;
         let contact = contact_of(scene, &assembly)?;
@@ -214,6 +226,7 @@ impl System {
             matrix: NewtonMatrix::new(
                 &assembly,
                 &loads,
+                &springs,
                 friction_of_pairs,
                 friction_on_planes,
                 friction_on_planes || friction_on_obstacles || is_rigid,
@@ -223,6 +236,8 @@ impl System {
             contact,
             actuators,
             damping: Damping::new(scene),
+            springs,
+            breaking: Breaking::new(scene, &assembly),
             assembly,
             loads,
         };
@@ -261,6 +276,7 @@ impl System {
 
     /// Computes frames and strains at `unknowns`.
     pub fn update_geometry(&mut self, unknowns: &[f64]) {
+        self.springs.stretch(unknowns);
         (self.assembly.joints).turn_ghosts(unknowns, &mut self.ghosts);
         self.geometry
             .update(&self.assembly.rods, unknowns, &self.reference, &self.ghosts);
@@ -296,9 +312,17 @@ impl System {
         }
     }
 
-    /// Elastic energy of the last evaluation.
+    /// Elastic energy of the last evaluation, that of springs included.
     pub fn elastic_energy(&self) -> ElasticEnergy {
-        self.assembly.rods.energy(&self.geometry)
+        let (rods, springs) = (
+            self.assembly.rods.energy(&self.geometry),
+            self.springs.energy(),
+        );
+        ElasticEnergy {
+            stretching: rods.stretching + springs.stretching,
+            bending: rods.bending + springs.bending,
+            twisting: rods.twisting + springs.twisting,
+        }
     }
 
     /// Potential of the last evaluation, at `unknowns`, J: elastic and contact energy less the work of the dead
@@ -322,6 +346,7 @@ impl System {
         self.assembly
             .rods
             .add_gradient(&self.geometry, &mut self.residual);
+        self.springs.add_gradient(&mut self.residual);
         self.add_simple_terms(unknowns, stage);
         if let Some(contact) = &mut self.contact {
             copy_positions(unknowns, &mut self.positions);
@@ -342,6 +367,8 @@ impl System {
         self.matrix.clear();
         self.matrix
             .add_elastic(&self.assembly.rods, &self.geometry, &mut self.residual);
+        self.springs.add_gradient(&mut self.residual);
+        self.matrix.add_springs(&self.springs);
         self.add_simple_terms(unknowns, stage);
         if let Some(stage) = stage {
             self.matrix.add_inertia(&self.assembly, &self.loads, stage);

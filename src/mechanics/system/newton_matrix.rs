@@ -2,6 +2,7 @@
 //! nodes, and their factorisation.
 
 use super::loads::Loads;
+use super::springs::Springs;
 use super::{Assembly, Stage};
 use crate::linalg::{
     BandedFactor, BandedSymmetric, CoupledSystem, Element, ElementMatrix, Inertia, SharedUnknown,
@@ -15,8 +16,8 @@ const ZERO: ElementMatrix = [[0.0; 12]; 12];
 
 /// The Jacobian and its factors; storage is reused, patterns are kept as long as the contact candidates.
 ///
-/// Elements are numbered: closing vertices of rings and half vertices at joints, moments, contact candidates of two rods, with obstacles one per edge, then
-/// (with friction on planes or obstacles, or rigid contact) one per node. Rods that couple nowhere are factored as a band;
+/// Elements are numbered: closing vertices of rings and half vertices at joints, moments, springs between nodes, contact
+/// candidates of two rods, with obstacles one per edge, then (with friction on planes or obstacles, or rigid contact) one per node. Rods that couple nowhere are factored as a band;
 /// contact with planes and obstacles alone couples nothing new.
 pub struct NewtonMatrix {
     band: BandedSymmetric,
@@ -30,10 +31,12 @@ pub struct NewtonMatrix {
     symmetric: bool,
     /// Whether the symmetric elimination has failed with this pattern.
     lost_symmetry: bool,
-    /// Closing vertices and moments, always present.
+    /// Closing vertices, moments and springs, always present.
     permanent: Vec<Element>,
     permanent_matrices: Vec<ElementMatrix>,
     closing: usize,
+    /// Where the springs begin among the permanent elements.
+    first_spring: usize,
     /// Elements of contacts active in this linearisation.
     active: Vec<(usize, ElementMatrix)>,
     contact_elements: Vec<Element>,
@@ -53,6 +56,7 @@ impl NewtonMatrix {
     pub fn new(
         assembly: &Assembly,
         loads: &Loads,
+        springs: &Springs,
         friction: bool,
         friction_on_planes: bool,
         lists_nodes: bool,
@@ -60,6 +64,8 @@ impl NewtonMatrix {
         let dimension = assembly.unknowns.len();
         let mut permanent = assembly.joints.elements(&assembly.rods.elements);
         permanent.extend(loads.moments.iter().map(|moment| moment.unknowns()));
+        let first_spring = permanent.len();
+        permanent.extend(springs.elements());
         Self {
             band: BandedSymmetric::new(dimension),
             factor: BandedFactor::new(dimension),
@@ -74,6 +80,7 @@ impl NewtonMatrix {
             permanent_matrices: vec![ZERO; permanent.len()],
             permanent,
             closing: assembly.rods.elements.len(),
+            first_spring,
             active: Vec::new(),
             contact_elements: Vec::new(),
             candidate_elements: Vec::new(),
@@ -109,6 +116,14 @@ impl NewtonMatrix {
             closing,
             &mut self.spin_moment,
         );
+    }
+
+    pub fn add_springs(&mut self, springs: &Springs) {
+        springs.add_hessians(&mut self.permanent_matrices[self.first_spring..]);
+        let columns = self.band.columns_mut();
+        for (unknown, stiffness) in springs.diagonal() {
+            columns[unknown][0] += stiffness;
+        }
     }
 
     /// Makes what half vertices at joints have added derivatives over the unknowns, with the inertia of bodies.
@@ -324,9 +339,10 @@ impl NewtonMatrix {
         }
     }
 
-    /// Takes over which unknowns are held and how many ghost edges there are.
+    /// Takes over which unknowns are held, which are shared, and how many ghost edges there are.
     pub fn adapt(&mut self, assembly: &Assembly) {
         self.held.clone_from(&assembly.held);
+        self.shared = assembly.joints.shared();
         let edges = assembly.rods.nodes + assembly.rods.ghosts;
         self.spin_moment.resize(edges, 0.0);
         self.forget_pattern();

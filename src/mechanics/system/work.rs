@@ -54,6 +54,7 @@ impl System {
         let mut gradient = std::mem::take(&mut self.corrected_residual);
         gradient.fill(0.0);
         (self.assembly.rods).add_gradient(&self.geometry, &mut gradient);
+        self.springs.add_gradient(&mut gradient);
         (self.assembly.joints).gather_moments(unknowns, &mut gradient);
         // What is prescribed is where the step ends from its start: it is moved by others.
         let start = self.at_start(unknowns, stage);
@@ -74,7 +75,8 @@ impl System {
         (made > NEGLIGIBLE * energy).then_some(made)
     }
 
-    /// Whether an edge turns, or spins about itself, by more than [`FAR_TURN`] within a step, or is stretched as much.
+    /// Whether an edge or spring turns, or an edge spins about itself, by more than [`FAR_TURN`] within a step, or is stretched
+    /// as much.
     fn turns_far(&self, stage: &Stage, unknowns: &[f64]) -> bool {
         let moved = |node: usize| position(unknowns, node) - stage.positions[node];
         self.assembly.rods.edges.iter().any(|edge| {
@@ -82,7 +84,7 @@ impl System {
             let turn = (moved(edge.end) - moved(edge.start)).norm();
             let spin = (unknowns[angle] - stage.start[angle]).abs();
             turn > FAR_TURN * edge.natural_length || spin > FAR_TURN
-        })
+        }) || self.springs.turn_by(FAR_TURN, moved)
     }
 }
 

@@ -12,6 +12,7 @@ pub use error::PlotError;
 
 use super::branches::{Branches, PARAMETER};
 use super::carried_bodies::carried_bodies;
+use super::drawn_springs::drawn_springs;
 use super::obstacles::{bodies_at, obstacles_of, surfaces};
 use crate::experiment::{from_text, kind_named};
 use crate::figure::{
@@ -152,10 +153,12 @@ pub(crate) fn rods_figure(directory: &Path, manifest: &Manifest) -> Result<Figur
     let surfaces = surfaces(&obstacles, positions);
     let start = (outputs.first()).map_or(&[][..], |output| &output.positions);
     let carried = carried_bodies(scenario.as_ref(), rods, start);
+    let springs = drawn_springs(scenario.as_ref(), rods);
     let bodies = evenly_spread(&indexed, SNAPSHOTS)
         .map(|(_, output)| {
             let mut bodies = bodies_at(&obstacles, &surfaces, output.time);
             bodies.extend(carried.iter().map(|body| body.at(&output.positions)));
+            bodies.extend(springs.iter().map(|spring| spring.at(&output.positions)));
             bodies
         })
         .collect();

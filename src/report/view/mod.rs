@@ -14,6 +14,7 @@ use crate::mechanics::system::obstacle_poses;
 use crate::report::branches::Branches;
 use crate::report::carried_bodies::carried_bodies;
 use crate::report::case_folders::{CaseFolder, case_folders};
+use crate::report::drawn_springs::drawn_springs;
 use crate::report::obstacles::{movie_obstacles, obstacles_of};
 use crate::results::{
     Manifest, NODES, NodePositions, ResultsError, read_node_forces, read_nodes, replace_own,
@@ -198,10 +199,10 @@ fn movie_case(
         &outputs.iter().map(|output| output.time).collect::<Vec<_>>(),
         outputs.iter().flat_map(|output| &output.positions),
     );
-    bodies.extend(
-        (carried.iter())
-            .map(|body| body.in_motion(outputs.iter().map(|output| output.positions.as_slice()))),
-    );
+    let positions = || outputs.iter().map(|output| output.positions.as_slice());
+    bodies.extend(carried.iter().map(|body| body.in_motion(positions())));
+    let springs = drawn_springs(scenario.as_ref(), &manifest.rods);
+    bodies.extend(springs.iter().map(|spring| spring.in_motion(positions())));
     let planes = scenario.iter().flat_map(|scenario| &scenario.planes);
     let case = MovieCase {
         name: folder.name.clone(),

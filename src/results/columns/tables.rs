@@ -12,8 +12,8 @@ pub(super) const SERIES: &[Column] = columns! {
     "min_distance_m": "Distance of the two bodies that are nearest to touching, m: between centrelines, which touch at the \
         sum of their radii, or from a centreline to a plane. Rods are looked for near contact only; empty where none is near.",
     "kinetic_energy_j": "Kinetic energy, J.",
-    "stretching_energy_j": "Elastic energy of stretching, J.",
-    "bending_energy_j": "Elastic energy of bending, J.",
+    "stretching_energy_j": "Elastic energy of stretching, that of springs between nodes included, J.",
+    "bending_energy_j": "Elastic energy of bending, that of springs about hinges included, J.",
     "twisting_energy_j": "Elastic energy of twisting, J.",
     "contact_energy_j": "Potential of the contact forces, J; 0 for rigid contact.",
     "gravitational_energy_j": "Potential of gravity, J, measured from the origin.",

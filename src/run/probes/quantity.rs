@@ -114,6 +114,11 @@ pub enum Quantity {
         /// The rod.
         rod: usize,
     },
+    /// Force of a spring between nodes, N.
+    SpringForce {
+        /// The spring.
+        spring: usize,
+    },
 }
 
 /// What presses on a rod.
@@ -170,7 +175,7 @@ impl Quantity {
                 &[("", "_m")]
             }
             Self::Reaction { .. } => &REACTIONS,
-            Self::Tension { .. } => &[("", "_n")],
+            Self::Tension { .. } | Self::SpringForce { .. } => &[("", "_n")],
             Self::BendingMoment { .. } | Self::TwistingMoment { .. } => &[("", "_n_m")],
             Self::Curvature { .. } | Self::Torsion { .. } => &[("", "_per_m")],
             Self::Twist { .. } => &[("", "_rad_per_m")],
@@ -251,6 +256,7 @@ impl Quantity {
                 let length = |edge| (positions[range.end_of(edge)] - positions[edge]).norm();
                 vec![Some(range.edge_indices().map(length).sum())]
             }
+            Self::SpringForce { spring } => vec![Some(simulation.spring_force(spring))],
         }
     }
 }

@@ -1,34 +1,72 @@
 //! Resolving joints and bodies.
 
 use super::load::{place, rod};
-use super::section::{NON_NEGATIVE, POSITIVE, Section};
-use crate::scenario::resolved::{Body, BodyShape, Joint, JointKind, Place};
+use super::section::{FINITE, NON_NEGATIVE, POSITIVE, Section};
+use crate::scenario::resolved::{Body, BodyShape, Joint, JointKind, Place, Time};
 use crate::scenario::typed;
 
-/// Resolves all joints.
-pub fn joints(top: &Section<'_>, typed: &[typed::Joint]) -> Vec<Joint> {
+/// Resolves all joints of a run in `time`.
+pub fn joints(top: &Section<'_>, typed: &[typed::Joint], time: &Time) -> Vec<Joint> {
     let section = top.below("joints");
     typed
         .iter()
         .enumerate()
-        .filter_map(|(index, typed)| joint(&section.below(&index.to_string()), typed, index))
+        .filter_map(|(index, typed)| joint(&section.below(&index.to_string()), typed, index, time))
         .collect()
 }
 
-fn joint(section: &Section<'_>, typed: &typed::Joint, index: usize) -> Option<Joint> {
-    let (name, rods, at, kind) = match typed {
-        typed::Joint::Ball { name, rods, at } => (name, rods, at, JointKind::Ball),
-        typed::Joint::Rigid { name, rods, at } => (name, rods, at, JointKind::Rigid),
+fn joint(section: &Section<'_>, typed: &typed::Joint, index: usize, time: &Time) -> Option<Joint> {
+    let (name, rods, at, break_at, kind) = match typed {
+        typed::Joint::Ball {
+            name,
+            rods,
+            at,
+            break_at,
+        } => (name, rods, at, break_at, JointKind::Ball),
+        typed::Joint::Rigid { name, rods, at } => (name, rods, at, &None, JointKind::Rigid),
         typed::Joint::Hinge {
             name,
             rods,
             at,
             axis,
+            stiffness,
+            rest_angle,
         } => {
-            let axis = section.required_direction("axis", axis);
-            (name, rods, at, JointKind::Hinge { axis })
+            if stiffness.is_none() && rest_angle.is_some() {
+                section.missing(
+                    "stiffness",
+                    "what `rest_angle` is for: the spring about the axis",
+                );
+            }
+            let hinge = JointKind::Hinge {
+                axis: section.required_direction("axis", axis),
+                stiffness: section.optional("stiffness", stiffness, POSITIVE),
+                rest_angle: section.optional("rest_angle", rest_angle, FINITE),
+            };
+            (name, rods, at, &None, hinge)
+        }
+        typed::Joint::Spring {
+            name,
+            rods,
+            at,
+            stiffness,
+            rest_length,
+            break_at,
+        } => {
+            let spring = JointKind::Spring {
+                stiffness: section.required("stiffness", stiffness, POSITIVE),
+                rest_length: section.optional("rest_length", rest_length, NON_NEGATIVE),
+            };
+            (name, rods, at, break_at, spring)
         }
     };
+    let break_at = section.optional("break_at", break_at, POSITIVE);
+    if break_at.is_some() && !matches!(time, Time::Dynamic { .. }) {
+        section.fault(
+            "break_at",
+            "a joint breaks at some time, which only a dynamic run has; allowed: time.mode = \"dynamic\"",
+        );
+    }
     let rods = section.needed(
         "rods",
         rods.clone(),
@@ -57,6 +95,7 @@ fn joint(section: &Section<'_>, typed: &typed::Joint, index: usize) -> Option<Jo
         name: name.clone().unwrap_or_else(|| format!("joint {index}")),
         at: [node(0), node(1)],
         rods,
+        break_at,
         kind,
     })
 }

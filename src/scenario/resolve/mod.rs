@@ -117,7 +117,7 @@ pub fn resolve(
     model::refuse_static_motion(&top, &time, &clamps, &loads, &obstacles);
     network::refuse_static_motion(&top, &file.networks, &time);
     clamps.extend(networks.clamps);
-    let mut joints = joint::joints(&top, &file.joints);
+    let mut joints = joint::joints(&top, &file.joints, &time);
     joints.extend(networks.joints);
     let bodies = joint::bodies(&top, &file.bodies);
     model::refuse_turning_midpoint(&top, &joints, &bodies, &time);

@@ -5,8 +5,7 @@ use super::section::{
     DISPLACEMENT_TOLERANCE, FINITE, FORCE_TOLERANCE, FRACTION, NON_NEGATIVE, POSITIVE, Section,
 };
 use crate::scenario::resolved::{
-    Body, Clamp, Contact, Fluid, Joint, JointKind, Load, Obstacle, Output, Rod, Scheme, Solver,
-    Step, Time,
+    Body, Clamp, Contact, Fluid, Joint, Load, Obstacle, Output, Rod, Scheme, Solver, Step, Time,
 };
 use crate::scenario::typed::{self, ScenarioFile};
 
@@ -267,7 +266,7 @@ pub fn refuse_viscous_midpoint(top: &Section<'_>, rods: &[Rod], time: &Time) {
 
 /// Refuses frames that turn with a scheme that goes on from the middle of each step: a rotation there is none at its end.
 pub fn refuse_turning_midpoint(top: &Section<'_>, joints: &[Joint], bodies: &[Body], time: &Time) {
-    let turns = joints.iter().any(|joint| joint.kind != JointKind::Ball)
+    let turns = joints.iter().any(|joint| joint.kind.turns())
         || bodies
             .iter()
             .any(|body| body.moments_of_inertia().is_some());

@@ -159,6 +159,7 @@ fn add(
                 name: format!("{name} at point {point}"),
                 rods: [visits[0].0, *rod].map(|rod| format!("{name}_{rod}")),
                 at: [Place::Number(visits[0].1), Place::Number(*node)],
+                break_at: None,
                 kind,
             });
         }

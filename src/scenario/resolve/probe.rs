@@ -2,8 +2,8 @@
 
 use super::section::Section;
 use crate::scenario::resolved::{
-    AtPlace, Between, OneRod, Place, PressedRod, Probe, ProbeKind, StopWhen, Summary, TwoNodes,
-    TwoRods,
+    AtPlace, Between, OneRod, OneSpring, Place, PressedRod, Probe, ProbeKind, StopWhen, Summary,
+    TwoNodes, TwoRods,
 };
 use crate::scenario::typed;
 
@@ -59,6 +59,7 @@ fn probe(section: &Section<'_>, typed: &typed::Probe) -> Option<Probe> {
             (&probe.name, probe.summary)
         }
         Typed::LinkingNumber(probe) => (&probe.name, probe.summary),
+        Typed::SpringForce(probe) => (&probe.name, probe.summary),
     };
     let name = name_of_columns(section, name);
     let kind = match typed {
@@ -84,6 +85,11 @@ fn probe(section: &Section<'_>, typed: &typed::Probe) -> Option<Probe> {
                 rod: rod?,
                 to_rod: other?,
             })
+        }
+        Typed::SpringForce(probe) => {
+            let help = "the name of a joint of kind = \"spring\"";
+            let joint = section.needed("joint", probe.joint.clone(), help)?;
+            ProbeKind::SpringForce(OneSpring { joint })
         }
     };
     Some(Probe {

@@ -4,7 +4,7 @@ use super::load::Place;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Two nodes that are one point.
+/// Two nodes that are one point, or that a spring ties.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Joint {
     /// Name by which messages call it.
@@ -13,6 +13,9 @@ pub struct Joint {
     pub rods: [String; 2],
     /// Node along each.
     pub at: [Place; 2],
+    /// Largest force that it bears, N.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub break_at: Option<f64>,
     /// What it leaves free.
     #[serde(flatten)]
     pub kind: JointKind,
@@ -30,7 +33,28 @@ pub enum JointKind {
     Hinge {
         /// Unit vector, as placed.
         axis: [f64; 3],
+        /// Moment per angle of a spring about it, N m/rad.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        stiffness: Option<f64>,
+        /// Angle at which that exerts no moment, rad; `None` is as placed.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        rest_angle: Option<f64>,
     },
+    /// Everything, against a force.
+    Spring {
+        /// Force per lengthening, N/m.
+        stiffness: f64,
+        /// Length without force, m; `None` is the distance as placed.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        rest_length: Option<f64>,
+    },
+}
+
+impl JointKind {
+    /// Whether rods are clamped to a frame that turns with it.
+    pub fn turns(&self) -> bool {
+        matches!(self, Self::Rigid | Self::Hinge { .. })
+    }
 }
 
 /// A mass or rigid body at a node.

@@ -25,7 +25,8 @@ pub use model::{Contact, Fluid};
 pub use movement::{Movement, Pose};
 pub use obstacle::{Obstacle, ObstacleShape};
 pub use probe::{
-    AtPlace, Between, OneRod, PressedRod, Probe, ProbeKind, StopWhen, Summary, TwoNodes, TwoRods,
+    AtPlace, Between, OneRod, OneSpring, PressedRod, Probe, ProbeKind, StopWhen, Summary, TwoNodes,
+    TwoRods,
 };
 pub use rod::{CrossSection, Handedness, Inertia, Material, NaturalShape, Rod, Shape, Stiffness};
 pub use run::{Output, Scheme, Solver, Step, Time};

@@ -68,6 +68,8 @@ pub enum ProbeKind {
     LinkingNumber(TwoRods),
     /// Length of a rod.
     ArcLength(OneRod),
+    /// Force of a spring between nodes.
+    SpringForce(OneSpring),
 }
 
 /// A place on a rod.
@@ -127,6 +129,13 @@ pub struct OneRod {
     /// Name of the rod; `None` means the only one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rod: Option<String>,
+}
+
+/// A spring between nodes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OneSpring {
+    /// Name of the joint that it is.
+    pub joint: String,
 }
 
 /// Two rods.

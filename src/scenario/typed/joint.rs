@@ -4,11 +4,15 @@ use super::load::Place;
 use super::quantity::{Quantity, Vector};
 use super::rod::Rod;
 use crate::scenario::resolved::{Hold, NetworkJoint};
-use crate::scenario::units::{Dimensionless, Length, Mass, MomentOfInertia, Time};
+use crate::scenario::units::{
+    Angle, Dimensionless, Force, ForcePerLength, Length, Mass, MomentOfInertia, Time,
+    TurningStiffness,
+};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// Two nodes, of one rod or of two, that are one point from time zero on. Where three rods meet, two joints share a node.
+/// Two nodes, of one rod or of two, that are one point from time zero on, or that a spring ties. Where three rods meet, two
+/// joints share a node.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(tag = "kind", deny_unknown_fields, rename = "joint")]
@@ -21,6 +25,9 @@ pub enum Joint {
         rods: Option<[String; 2]>,
         /// "start", "end", or the number of a node, of each: ["end", 4].
         at: Option<[Place; 2]>,
+        /// Largest force that it bears, in a dynamic run; where a step ends with more it breaks. Only of a ball that shares its
+        /// nodes with no other joint. Default: it never breaks.
+        break_at: Option<Quantity<Force>>,
     },
     /// The rods are welded: angles between them, and between their cross-sections, stay as placed.
     Rigid {
@@ -41,6 +48,27 @@ pub enum Joint {
         at: Option<[Place; 2]>,
         /// Direction of the axis as placed; it turns with the first rod.
         axis: Option<Vector<Dimensionless>>,
+        /// Moment per angle of a spring about the axis. Default: none.
+        stiffness: Option<Quantity<TurningStiffness>>,
+        /// Angle of the second rod against the first, from where they are placed, at which that spring exerts no moment.
+        /// Default: 0.
+        rest_angle: Option<Quantity<Angle>>,
+    },
+    /// A spring pulls the nodes together and pushes them apart; they need not lie at one point.
+    Spring {
+        /// Name by which messages call it. Default: "joint 0", "joint 1", ...
+        name: Option<String>,
+        /// Names of the two rods; the same one twice to tie a rod to itself.
+        rods: Option<[String; 2]>,
+        /// "start", "end", or the number of a node, of each: ["end", 4].
+        at: Option<[Place; 2]>,
+        /// Force per lengthening.
+        stiffness: Option<Quantity<ForcePerLength>>,
+        /// Length without force. Default: the distance of the nodes as placed.
+        rest_length: Option<Quantity<Length>>,
+        /// Largest force that it bears, pulled or pushed, in a dynamic run; where a step ends with more it breaks. Default: it
+        /// never breaks.
+        break_at: Option<Quantity<Force>>,
     },
 }
 

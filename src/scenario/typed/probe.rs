@@ -46,6 +46,8 @@ pub enum Probe {
     LinkingNumber(LinkingProbe),
     /// Length of a rod: column _m.
     ArcLength(RodProbe),
+    /// Force of a spring between nodes, positive where it pulls, 0 after it broke: column _n.
+    SpringForce(SpringProbe),
 }
 
 /// A probe at a node.
@@ -149,6 +151,18 @@ pub struct LinkingProbe {
     pub rod: Option<String>,
     /// Name of the other rod.
     pub to_rod: Option<String>,
+    /// What stands in `summary.csv`: the "last", "max", "min" or "mean" value of the rows. Default: nothing.
+    pub summary: Option<Summary>,
+}
+
+/// A probe of a spring.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "spring_probe")]
+pub struct SpringProbe {
+    /// Name with which the columns begin: small letters, digits and underscores.
+    pub name: Option<String>,
+    /// Name of the joint that is the spring.
+    pub joint: Option<String>,
     /// What stands in `summary.csv`: the "last", "max", "min" or "mean" value of the rows. Default: nothing.
     pub summary: Option<Summary>,
 }

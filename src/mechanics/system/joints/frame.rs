@@ -10,6 +10,7 @@
 
 use crate::mechanics::rod::topology::position;
 use crate::mechanics::rod::{GhostEdge, STRIDE};
+use crate::mechanics::scene::HingeSpring;
 use crate::mechanics::{Matrix3, UnitQuaternion, Vector3, rotation};
 
 /// Turn of a frame from which on its rotation vector begins anew, rad: far from a whole turn, where J is singular.
@@ -28,6 +29,8 @@ pub struct TurningFrame {
     pub committed: UnitQuaternion,
     /// Number of the frame that a hinge ties it to, and the axis a of the hinge as placed.
     pub hinge: Option<(usize, Vector3)>,
+    /// The spring about that hinge.
+    pub spring: Option<HingeSpring>,
     /// First unknown of the tips of the principal axes, which are `axes` as placed.
     pub body: Option<(usize, [Vector3; 3])>,
     /// Ghost edges that turn with it, as placed.
@@ -49,6 +52,7 @@ impl TurningFrame {
             base: UnitQuaternion::identity(),
             committed: UnitQuaternion::identity(),
             hinge,
+            spring: None,
             body: None,
             ghosts: Vec::new(),
             elements: Vec::new(),

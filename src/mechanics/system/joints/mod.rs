@@ -239,7 +239,7 @@ impl Joints {
             if let Some((base, axis)) = frame.hinge {
                 let moment = self.moments[number];
                 self.moments[base] += moment;
-                forces[frame.first_unknown + 3] = moment.dot(&(self.rotations[base] * axis));
+                forces[frame.first_unknown + 3] += moment.dot(&(self.rotations[base] * axis));
             }
         }
         for (frame, moment) in self.frames.iter().zip(&self.moments) {
@@ -370,6 +370,7 @@ impl System {
 
     /// Makes a residual over all nodes, frames and bodies one over the free unknowns.
     pub(super) fn gather_at_joints(&mut self, unknowns: &[f64]) {
+        self.breaking.note(&self.residual);
         let joints = &mut self.assembly.joints;
         joints.gather_moments(unknowns, &mut self.residual);
         joints.gather(&mut self.residual);

@@ -4,7 +4,7 @@
 use super::Joints;
 use super::frame::TurningFrame;
 use crate::mechanics::rod::STRIDE;
-use crate::mechanics::scene::{JointKind, RodNode, Scene};
+use crate::mechanics::scene::{HingeSpring, Joint, JointKind, RodNode, Scene, Spring};
 use crate::mechanics::{JointError, SceneError, Vector3};
 use std::collections::BTreeMap;
 
@@ -18,16 +18,28 @@ pub(in crate::mechanics::system) struct PlannedFrame {
     pub nodes: Vec<RodNode>,
     /// The frame to which a hinge ties it, and the axis of the hinge as placed.
     pub hinge: Option<(usize, Vector3)>,
+    /// The spring about that axis.
+    pub spring: Option<HingeSpring>,
     /// Principal moments of inertia of the body, kg m²; `None` without one.
     pub inertia: Option<[f64; 3]>,
 }
 
-/// Whether the joints and bodies of a scene can be, as far as that does not depend on its clamps.
+/// A hinge that has not found its frames yet.
+struct PlannedHinge {
+    name: String,
+    nodes: [RodNode; 2],
+    axis: Vector3,
+    spring: Option<HingeSpring>,
+}
+
+/// Whether the joints, springs and bodies of a scene can be, as far as that does not depend on its clamps.
 ///
 /// # Errors
 /// [`SceneError::Joint`].
 pub fn check_joints(scene: &Scene) -> Result<(), SceneError> {
-    JointPlan::new(scene).map(drop)
+    let plan = JointPlan::new(scene)?;
+    let mut springs = scene.springs.iter();
+    springs.try_for_each(|spring| plan.rest_length(scene, spring).map(drop))
 }
 
 /// Unknowns that the joints of a scene take from those of its rods, and that their frames add; none where they cannot be.
@@ -65,13 +77,16 @@ impl JointPlan {
     pub fn new(scene: &Scene) -> Result<Self, SceneError> {
         let mut points = Groups::default();
         let mut rigid = Groups::default();
-        let mut hinges: Vec<(String, [RodNode; 2], Vector3)> = Vec::new();
+        let mut hinges: Vec<PlannedHinge> = Vec::new();
         for joint in &scene.joints {
             let wrong = |reason| SceneError::Joint {
                 name: joint.name.clone(),
                 reason,
             };
             check_places(scene, &joint.nodes).map_err(wrong)?;
+            if joint.strength.is_some() && !is_alone(scene, joint) {
+                return Err(wrong(JointError::Unbreakable));
+            }
             points.join(joint.nodes);
             match joint.kind {
                 JointKind::Ball => {}
@@ -81,11 +96,16 @@ impl JointPlan {
                     }
                     rigid.join(joint.nodes);
                 }
-                JointKind::Hinge { axis } => hinges.push((joint.name.clone(), joint.nodes, axis)),
+                JointKind::Hinge { axis, spring } => hinges.push(PlannedHinge {
+                    name: joint.name.clone(),
+                    nodes: joint.nodes,
+                    axis,
+                    spring,
+                }),
             }
         }
-        for (_, nodes, _) in &hinges {
-            nodes.iter().for_each(|node| rigid.add(*node));
+        for node in hinges.iter().flat_map(|hinge| hinge.nodes) {
+            rigid.add(node);
         }
         for body in scene.bodies.iter().filter(|body| body.inertia.is_some()) {
             rigid.add(body.at);
@@ -113,20 +133,25 @@ impl JointPlan {
     fn add_frames(
         &mut self,
         mut groups: Vec<Vec<RodNode>>,
-        mut hinges: Vec<(String, [RodNode; 2], Vector3)>,
+        mut hinges: Vec<PlannedHinge>,
     ) -> Result<(), SceneError> {
         let count = |group: &Vec<RodNode>| {
-            let ends = hinges.iter().flat_map(|(_, nodes, _)| nodes);
+            let ends = hinges.iter().flat_map(|hinge| &hinge.nodes);
             ends.filter(|node| group.contains(node)).count()
         };
         groups.sort_by_key(|group| std::cmp::Reverse(count(group)));
         while !groups.is_empty() {
             let base = self.frames.len();
-            self.add_frame(groups.remove(0), None);
-            while let Some(next) = (hinges.iter()).position(|(_, nodes, _)| {
-                (nodes.iter()).any(|node| self.frame_of.get(node) == Some(&base))
+            self.add_frame(groups.remove(0));
+            while let Some(next) = (hinges.iter()).position(|hinge| {
+                (hinge.nodes.iter()).any(|node| self.frame_of.get(node) == Some(&base))
             }) {
-                let (name, mut nodes, mut axis) = hinges.remove(next);
+                let PlannedHinge {
+                    name,
+                    mut nodes,
+                    mut axis,
+                    spring,
+                } = hinges.remove(next);
                 if self.frame_of.get(&nodes[0]) != Some(&base) {
                     nodes.swap(0, 1);
                     axis = -axis;
@@ -135,27 +160,30 @@ impl JointPlan {
                     let reason = JointError::Twice;
                     return Err(SceneError::Joint { name, reason });
                 };
-                self.add_frame(groups.remove(tied), Some((base, axis)));
+                let frame = self.add_frame(groups.remove(tied));
+                frame.hinge = Some((base, axis));
+                frame.spring = spring;
             }
         }
         match hinges.into_iter().next() {
             None => Ok(()),
-            Some((name, ..)) => Err(SceneError::Joint {
-                name,
+            Some(hinge) => Err(SceneError::Joint {
+                name: hinge.name,
                 reason: JointError::HingeOnHinge,
             }),
         }
     }
 
-    fn add_frame(&mut self, nodes: Vec<RodNode>, hinge: Option<(usize, Vector3)>) {
+    fn add_frame(&mut self, nodes: Vec<RodNode>) -> &mut PlannedFrame {
+        let number = self.frames.len();
         for node in &nodes {
-            self.frame_of.insert(*node, self.frames.len());
+            self.frame_of.insert(*node, number);
         }
         self.frames.push(PlannedFrame {
             nodes,
-            hinge,
-            inertia: None,
+            ..PlannedFrame::default()
         });
+        &mut self.frames[number]
     }
 
     /// Places of four unknowns that the frames need: one for the rotation, three for the tips of a body.
@@ -169,7 +197,10 @@ impl JointPlan {
         let frames = self.frames.iter().map(|frame| {
             let first_unknown = STRIDE * place;
             place += frame.places();
-            TurningFrame::new(first_unknown, frame.hinge)
+            TurningFrame {
+                spring: frame.spring,
+                ..TurningFrame::new(first_unknown, frame.hinge)
+            }
         });
         Joints::new(Vec::new(), frames.collect())
     }
@@ -178,10 +209,67 @@ impl JointPlan {
     pub fn frame_at(&self, rod: usize, node: usize) -> Option<usize> {
         self.frame_of.get(&RodNode { rod, node }).copied()
     }
+
+    /// Length of a spring without force, m.
+    ///
+    /// # Errors
+    /// [`SceneError::Joint`] where its nodes are missing or one point, or it has no direction.
+    pub fn rest_length(&self, scene: &Scene, spring: &Spring) -> Result<f64, SceneError> {
+        let found = span(scene, &spring.nodes).and_then(|span| {
+            let mut points = self.points.iter();
+            if points.any(|point| spring.nodes.iter().all(|node| point.contains(node))) {
+                return Err(JointError::OnePoint);
+            }
+            match spring.rest_length {
+                Some(rest_length) if span.is_a_point() && rest_length > 0.0 => {
+                    Err(JointError::NoDirection { rest_length })
+                }
+                Some(rest_length) => Ok(rest_length),
+                // What rounding leaves of a point would be a direction.
+                None if span.is_a_point() => Ok(0.0),
+                None => Ok(span.distance),
+            }
+        });
+        found.map_err(|reason| SceneError::Joint {
+            name: spring.name.clone(),
+            reason,
+        })
+    }
+}
+
+/// Whether a joint is a ball at whose nodes there is no other joint.
+fn is_alone(scene: &Scene, joint: &Joint) -> bool {
+    let touches = |other: &&Joint| other.nodes.iter().any(|node| joint.nodes.contains(node));
+    joint.kind == JointKind::Ball && scene.joints.iter().filter(touches).count() == 1
+}
+
+/// How far two nodes are apart as placed.
+struct Span {
+    /// m.
+    distance: f64,
+    /// The shorter of the edges of their rods, m.
+    edge: f64,
+}
+
+impl Span {
+    fn is_a_point(&self) -> bool {
+        self.distance <= SAME_POINT * self.edge
+    }
 }
 
 /// Whether the nodes of a joint exist, are two, and lie at one point.
 fn check_places(scene: &Scene, nodes: &[RodNode; 2]) -> Result<(), JointError> {
+    let span = span(scene, nodes)?;
+    if span.is_a_point() {
+        return Ok(());
+    }
+    Err(JointError::Apart {
+        distance: span.distance,
+    })
+}
+
+/// How far the nodes of a joint are apart, where they exist and are two.
+fn span(scene: &Scene, nodes: &[RodNode; 2]) -> Result<Span, JointError> {
     if nodes[0] == nodes[1] {
         return Err(JointError::SameNode);
     }
@@ -203,10 +291,7 @@ fn check_places(scene: &Scene, nodes: &[RodNode; 2]) -> Result<(), JointError> {
         edge = lengths.fold(edge, f64::min);
     }
     let distance = (places[1] - places[0]).norm();
-    if distance > SAME_POINT * edge {
-        return Err(JointError::Apart { distance });
-    }
-    Ok(())
+    Ok(Span { distance, edge })
 }
 
 /// Sets of nodes that grow together.

@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::mechanics::scene::{
-    Body, Clamp, Joint, JointKind, Motion, NaturalShape, RodDescription, RodNode, Scene, Stiffness,
+    Body, Clamp, HingeSpring, Joint, JointKind, Motion, NaturalShape, RodDescription, RodNode,
+    Scene, Spring, Stiffness,
 };
 use crate::mechanics::system::{Stage, copy_positions};
 use crate::mechanics::{JointError, SceneError};
@@ -34,11 +35,13 @@ fn joint(name: &str, nodes: [RodNode; 2], kind: JointKind) -> Joint {
         name: name.into(),
         nodes,
         kind,
+        strength: None,
     }
 }
 
 /// A star of five rods about the origin: the first two welded, the third in a hinge with a body, the fourth through the
-/// origin with its middle welded, too, the fifth in a ball joint; a sixth hangs by a ball joint at the first one's end.
+/// origin with its middle welded, too, the fifth in a ball joint; a sixth hangs by a ball joint at the first one's end. Springs
+/// resist the hinge, tie a clamped end, joined nodes and free ones, stretched, compressed and without a length of their own.
 fn star() -> Scene {
     let origin = Vector3::zeros();
     let [a, b, c, d, e, f] = [
@@ -66,11 +69,21 @@ fn star() -> Scene {
                 [at(2, 0), at(1, 3)],
                 JointKind::Hinge {
                     axis: Vector3::new(0.6, 0.0, 0.8),
+                    spring: Some(HingeSpring {
+                        stiffness: 0.7,
+                        rest_angle: 0.2,
+                    }),
                 },
             ),
             joint("cross", [at(3, 2), at(0, 0)], JointKind::Rigid),
             joint("ball", [at(4, 0), at(0, 0)], JointKind::Ball),
             joint("end", [at(5, 0), at(0, 3)], JointKind::Ball),
+        ],
+        springs: vec![
+            spring("bungee", [at(1, 0), at(5, 2)], Some(0.5)),
+            spring("strut", [at(5, 0), at(2, 3)], Some(4.0)),
+            spring("point", [at(4, 0), at(3, 4)], Some(0.0)),
+            spring("placed", [at(4, 2), at(2, 2)], None),
         ],
         bodies: vec![
             body("disk", at(2, 0), Some([0.02, 0.03, 0.04])),
@@ -86,6 +99,16 @@ fn star() -> Scene {
             motion: Motion::default(),
         }],
         ..Scene::default()
+    }
+}
+
+fn spring(name: &str, nodes: [RodNode; 2], rest_length: Option<f64>) -> Spring {
+    Spring {
+        name: name.into(),
+        nodes,
+        stiffness: 0.4,
+        rest_length,
+        strength: None,
     }
 }
 
@@ -277,6 +300,23 @@ fn joints_that_cannot_be_are_named() {
     let again = joint("again", [at(0, 0), at(3, 2)], JointKind::Rigid);
     let (name, reason) = refused(&|scene| scene.joints.push(again.clone()));
     assert_eq!((name.as_str(), reason), ("again", JointError::Twice));
+    for number in [0, 1, 3] {
+        let (_, reason) = refused(&|scene| scene.joints[number].strength = Some(1.0));
+        assert_eq!(reason, JointError::Unbreakable);
+    }
+    let (name, reason) = refused(&|scene| scene.springs[1].nodes = [at(4, 0), at(2, 0)]);
+    assert_eq!((name.as_str(), reason), ("strut", JointError::OnePoint));
+    let (name, reason) = refused(&|scene| {
+        scene.joints.truncate(3);
+        scene.springs[0].nodes = [at(4, 0), at(2, 0)];
+    });
+    let rest_length = 0.5;
+    assert_eq!(name, "bungee");
+    assert_eq!(reason, JointError::NoDirection { rest_length });
+    let (_, reason) = refused(&|scene| scene.springs[2].nodes = [at(4, 9), at(2, 0)]);
+    assert_eq!(reason, JointError::NoSuchNode { node: 9, nodes: 3 });
+    let (_, reason) = refused(&|scene| scene.springs[2].nodes = [at(4, 1), at(4, 1)]);
+    assert_eq!(reason, JointError::SameNode);
     let (_, reason) = refused(&|scene| scene.joints[4].nodes = [at(5, 0), at(0, 9)]);
     assert_eq!(reason, JointError::NoSuchNode { node: 9, nodes: 4 });
     let (_, reason) = refused(&|scene| {

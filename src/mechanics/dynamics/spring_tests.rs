@@ -1,0 +1,227 @@
+//! Rods that springs tie, in motion and in contact.
+
+use super::*;
+use crate::mechanics::Vector3;
+use crate::mechanics::contact::{ContactModel, ContactParameters};
+use crate::mechanics::scene::{
+    HingeSpring, Joint, JointKind, Load, LoadKind, Plane, RodDescription, RodNode, Scene, Spring,
+    Stiffness,
+};
+use std::f64::consts::TAU;
+
+const MASS: f64 = 1e-3;
+const STIFFNESS: f64 = 2.0;
+
+/// A rod of 1 g and four edges, 10 cm long.
+fn rod(name: &str, start: Vector3, along: Vector3) -> RodDescription {
+    let stiffness = Stiffness {
+        stretching: 1e4,
+        bending: [1e-2; 2],
+        twisting: 1e-2,
+    };
+    let node = |k: i32| start + along * (0.025 * f64::from(k));
+    RodDescription::uniform(name, (0..=4).map(node).collect(), stiffness, 2e-3, 1e-2)
+}
+
+fn spring(nodes: [[usize; 2]; 2], rest_length: Option<f64>) -> Spring {
+    Spring {
+        name: "spring".into(),
+        nodes: nodes.map(|[rod, node]| RodNode { rod, node }),
+        stiffness: STIFFNESS,
+        rest_length,
+        strength: None,
+    }
+}
+
+fn parameters(scheme: Scheme, step: f64) -> IntegrationParameters {
+    IntegrationParameters {
+        scheme,
+        step: StepSize::Fixed(step),
+        ..IntegrationParameters::default()
+    }
+}
+
+/// Two rods in a line, 2 cm apart, whose spring is 5 mm longer than by nature.
+fn pair() -> Scene {
+    let x = Vector3::x();
+    Scene {
+        rods: vec![rod("left", -0.11 * x, x), rod("right", 0.01 * x, x)],
+        springs: vec![spring([[0, 4], [1, 0]], Some(0.015))],
+        ..Scene::default()
+    }
+}
+
+/// Largest error of the gap between the rods of [`pair`] within two periods, m, of the cosine that it is.
+fn error_of_gap(scheme: Scheme, step: f64) -> f64 {
+    let frequency = (2.0 * STIFFNESS / MASS).sqrt();
+    let end = 2.0 * TAU / frequency;
+    let mut simulation = Simulation::new(&pair(), &parameters(scheme, step)).unwrap();
+    let mut worst = 0.0_f64;
+    while simulation.time() < end {
+        simulation.advance(end).unwrap();
+        let gap = simulation.positions()[5].x - simulation.positions()[4].x;
+        let exact = 0.015 + 0.005 * libm::cos(frequency * simulation.time());
+        worst = worst.max((gap - exact).abs());
+        let [momentum, _] = simulation.momenta();
+        assert!(momentum.norm() < 1e-12, "{momentum}");
+    }
+    worst
+}
+
+#[test]
+fn two_rods_swing_against_each_other_as_theory_says() {
+    let period = TAU / (2.0 * STIFFNESS / MASS).sqrt();
+    for (scheme, bound) in [
+        (Scheme::ImplicitMidpoint, 2e-3),
+        (Scheme::BackwardDifferences, 2e-3),
+        (Scheme::ImplicitEuler, 0.1),
+    ] {
+        let error = error_of_gap(scheme, period / 1000.0) / 0.005;
+        assert!(error < bound, "{scheme:?}: {error}");
+    }
+    let [whole, half] =
+        [500.0, 1000.0].map(|steps| error_of_gap(Scheme::ImplicitEuler, period / steps));
+    assert!((1.8..2.2).contains(&(whole / half)), "{whole} {half}");
+}
+
+#[test]
+fn the_energy_of_springs_is_in_the_balance() {
+    let mut simulation =
+        Simulation::new(&pair(), &parameters(Scheme::ImplicitMidpoint, 1e-4)).unwrap();
+    let start = simulation.energies();
+    assert!((start.stretching / (0.5 * STIFFNESS * 25e-6) - 1.0).abs() < 1e-9);
+    let mut kinetic = 0.0_f64;
+    while simulation.time() < 0.2 {
+        simulation.advance(0.2).unwrap();
+        let energies = simulation.energies();
+        kinetic = kinetic.max(energies.kinetic);
+        let change = (energies.total() / start.total() - 1.0).abs();
+        assert!(change < 1e-4, "{change}");
+    }
+    assert!(kinetic > 0.99 * start.total());
+}
+
+#[test]
+fn a_sprung_hinge_keeps_angular_momentum_and_its_energy() {
+    let (x, y) = (Vector3::x(), Vector3::y());
+    let origin = Vector3::zeros();
+    let stiffness = 0.02;
+    // Hardly bent, they keep for themselves next to nothing of the energy.
+    let stiff = |mut rod: RodDescription| {
+        rod.stiffness.bending = [1.0; 2];
+        rod
+    };
+    let scene = Scene {
+        rods: vec![stiff(rod("one", origin, x)), stiff(rod("other", origin, y))],
+        joints: vec![Joint {
+            name: "hinge".into(),
+            nodes: [RodNode { rod: 0, node: 0 }, RodNode { rod: 1, node: 0 }],
+            kind: JointKind::Hinge {
+                axis: Vector3::z(),
+                spring: Some(HingeSpring {
+                    stiffness,
+                    rest_angle: 0.3,
+                }),
+            },
+            strength: None,
+        }],
+        ..Scene::default()
+    };
+    let parameters = parameters(Scheme::BackwardDifferences, 5e-5);
+    let mut simulation = Simulation::new(&scene, &parameters).unwrap();
+    let start = simulation.energies();
+    assert!((start.bending / (0.5 * stiffness * 0.09) - 1.0).abs() < 1e-9);
+    let angle = |simulation: &Simulation| {
+        let positions = simulation.positions();
+        let [one, other] = [4, 9].map(|end| positions[end] - positions[0]);
+        libm::atan2(one.cross(&other).z, one.dot(&other)) - 0.25 * TAU
+    };
+    let mut farthest = 0.0_f64;
+    while simulation.time() < 0.05 {
+        simulation.advance(0.05).unwrap();
+        farthest = farthest.max(angle(&simulation));
+        let [momentum, angular] = simulation.momenta();
+        assert!(momentum.norm() < 1e-10, "{momentum}");
+        assert!(angular.norm() < 1e-10, "{angular}");
+        let change = (simulation.energies().total() / start.total() - 1.0).abs();
+        assert!(change < 1e-2, "{change}");
+    }
+    // It swings through the angle without a moment to the other side.
+    assert!((farthest - 0.6).abs() < 0.02, "{farthest}");
+}
+
+/// A rod that lies on the ground under its weight, half of which two springs to a beam above carry.
+#[test]
+fn springs_carry_what_the_ground_does_not() {
+    let (radius, gravity) = (2e-3, 9.81);
+    let (x, z) = (Vector3::x(), Vector3::z());
+    let weight = MASS * gravity;
+    let length = 0.25 * weight / STIFFNESS;
+    let mut beam = rod("beam", z * 0.05, x);
+    beam.held = true;
+    let rest_length = Some(0.05 - radius - length);
+    for model in [
+        ContactModel::ImplicitContact,
+        ContactModel::IncrementalPotential,
+        ContactModel::Complementarity,
+    ] {
+        let scene = Scene {
+            rods: vec![rod("rod", z * radius, x), beam.clone()],
+            springs: vec![
+                spring([[0, 0], [1, 0]], rest_length),
+                spring([[1, 4], [0, 4]], rest_length),
+            ],
+            loads: vec![
+                Load {
+                    kind: LoadKind::Gravity {
+                        acceleration: -gravity * z,
+                    },
+                    schedule: Vec::new(),
+                },
+                Load {
+                    kind: LoadKind::Drag {
+                        rod: Some(0),
+                        translation: 0.5,
+                        rotation: 0.0,
+                    },
+                    schedule: Vec::new(),
+                },
+            ],
+            planes: vec![Plane {
+                point: Vector3::zeros(),
+                normal: z,
+                friction: None,
+            }],
+            contact: Some(ContactParameters {
+                model,
+                distance_tolerance: 1e-5,
+                ..ContactParameters::default()
+            }),
+            ..Scene::default()
+        };
+        // A barrier begins where nothing touches.
+        let scene = if model == ContactModel::IncrementalPotential {
+            let mut raised = scene;
+            let nodes = raised.rods[0].centreline.iter_mut();
+            nodes.for_each(|node| node.z += 5e-6);
+            raised
+        } else {
+            scene
+        };
+        let mut simulation =
+            Simulation::new(&scene, &parameters(Scheme::ImplicitEuler, 1e-3)).unwrap();
+        while simulation.time() < 0.5 {
+            simulation.advance(0.5).unwrap();
+        }
+        let touches = simulation.plane_contacts().iter();
+        let pressed: f64 = touches.map(|touch| touch.force[2]).sum();
+        let positions = simulation.positions();
+        let pulls = [0, 4].map(|node| 0.05 - positions[node].z - (0.05 - radius - length));
+        let expected = weight - STIFFNESS * pulls.iter().sum::<f64>();
+        assert!((expected / weight - 0.5).abs() < 0.02, "{expected}");
+        assert!(
+            (pressed / expected - 1.0).abs() < 1e-3,
+            "{model:?}: {pressed} of {expected}"
+        );
+    }
+}

@@ -1,0 +1,181 @@
+//! Springs between nodes and about hinges, from scenario files, against closed forms.
+
+use super::{Check, Expectation, GroupError};
+use crate::experiment;
+use crate::mechanics::Vector3;
+use crate::mechanics::dynamics::Simulation;
+use crate::mechanics::rod::STRIDE;
+use nalgebra::DMatrix;
+use std::f64::consts::PI;
+use std::path::Path;
+
+const LENGTHENING: Expectation = Expectation {
+    formula: "Δ = Σ m g/k of all weights below",
+    source: "Hooke",
+};
+const ROW: Expectation = Expectation {
+    formula: "ω² = (3 ∓ √5)/2 k/m",
+    source: "Lagrange",
+};
+const ORBIT: Expectation = Expectation {
+    formula: "x = x₀ cos ωt, y = v₀/ω sin ωt, ω² = k/m",
+    source: "Newton",
+};
+const HINGE: Expectation = Expectation {
+    formula: "w = P L³/3EI + P b²/c",
+    source: "Euler–Bernoulli",
+};
+
+const BREAK: Expectation = Expectation {
+    formula: "v √(km) sin ωt = F",
+    source: "Newton",
+};
+const FREED: Expectation = Expectation {
+    formula: "v cos ωt",
+    source: "Newton",
+};
+
+/// Stiffness of the springs of the files, N/m, gravity, m/s², and mass of a body with its light rod, kg.
+const STIFFNESS: f64 = 50.0;
+const GRAVITY: f64 = 9.81;
+const MASS: f64 = 0.02 + 10.0 * PI * 1e-6 * 0.02;
+
+/// Weights in a row, a weight that goes around, one that breaks its spring, a sprung hinge.
+pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
+    let mut checks = weights_in_a_row()?;
+    checks.push(orbit()?);
+    checks.extend(broken_spring()?);
+    checks.push(hinge()?);
+    Ok(checks)
+}
+
+fn simulation(text: &str) -> Result<Simulation, GroupError> {
+    let loaded = experiment::from_text("scene", text, Path::new(""), &[])?;
+    let prepared = experiment::prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?;
+    Ok(Simulation::new(&prepared.scene, &prepared.integration)?)
+}
+
+fn weights_in_a_row() -> Result<Vec<Check>, GroupError> {
+    let mut simulation = simulation(include_str!("scenes/weights_in_a_row.toml"))?;
+    let heights = |simulation: &Simulation| [3, 6].map(|node| simulation.positions()[node].z);
+    let placed = heights(&simulation);
+    simulation.find_equilibrium()?;
+    let hung = heights(&simulation);
+    let fallen = [placed[0] - hung[0], placed[1] - hung[1]];
+    let mut checks = Vec::new();
+    for (name, weights, lengthening) in [
+        ("upper", 2.0, fallen[0]),
+        ("lower", 1.0, fallen[1] - fallen[0]),
+    ] {
+        checks.push(LENGTHENING.relative(
+            format!("two weights on springs in a row: lengthening of the {name} spring"),
+            "m",
+            weights * MASS * GRAVITY / STIFFNESS,
+            lengthening,
+            1e-6,
+        ));
+    }
+    let found = vertical_frequencies(&mut simulation)?;
+    for (mode, sign) in [-1.0, 1.0].into_iter().enumerate() {
+        let square = 0.5 * (3.0 + sign * 5.0_f64.sqrt()) * STIFFNESS / MASS;
+        checks.push(ROW.relative(
+            format!(
+                "two weights on springs in a row, vertical mode {}: ω",
+                mode + 1
+            ),
+            "rad/s",
+            square.sqrt(),
+            found[mode],
+            1e-4,
+        ));
+    }
+    Ok(checks)
+}
+
+/// Angular frequencies of the vertical motion, ascending; where everything hangs vertically it is apart from all other motion.
+fn vertical_frequencies(simulation: &mut Simulation) -> Result<Vec<f64>, GroupError> {
+    let unknowns = simulation.free_unknowns();
+    let vertical: Vec<usize> = (0..unknowns.len())
+        .filter(|&k| unknowns[k] % STRIDE == 2)
+        .collect();
+    let part = |of: &DMatrix<f64>| {
+        DMatrix::from_fn(vertical.len(), vertical.len(), |i, j| {
+            of[(vertical[i], vertical[j])]
+        })
+    };
+    let (stiffness, masses) = (simulation.stiffness_matrix(), simulation.mass_matrix());
+    let factor = part(&masses).cholesky().ok_or("no mass")?.unpack();
+    let half = factor.solve_lower_triangular(&part(&stiffness));
+    let whole = factor.solve_lower_triangular(&half.ok_or("no mass")?.transpose());
+    let squares = whole.ok_or("no mass")?.symmetric_eigenvalues();
+    let mut all: Vec<f64> = squares.iter().map(|square| square.sqrt()).collect();
+    all.sort_by(f64::total_cmp);
+    Ok(all)
+}
+
+fn orbit() -> Result<Check, GroupError> {
+    let mut simulation = simulation(include_str!("scenes/harmonic_orbit.toml"))?;
+    let (radius, speed, end) = (0.1, 2.0, 0.3);
+    let frequency = (STIFFNESS / MASS).sqrt();
+    let mut worst = 0.0_f64;
+    while simulation.time() < end {
+        simulation.advance(end)?;
+        let phase = frequency * simulation.time();
+        let along = Vector3::x() * (radius * libm::cos(phase));
+        let across = Vector3::y() * (speed / frequency * libm::sin(phase));
+        worst = worst.max((simulation.positions()[4] - along - across).norm());
+    }
+    Ok(ORBIT.scaled(
+        "weight about a spring without length for 2.4 turns, midpoint rule: farthest from the ellipse, of its axis",
+        "m",
+        0.0,
+        worst,
+        radius,
+        1e-3,
+    ))
+}
+
+fn broken_spring() -> Result<[Check; 2], GroupError> {
+    let mut simulation = simulation(include_str!("scenes/breaking_spring.toml"))?;
+    let (speed, strength, end) = (2.0, 1.0, 0.02);
+    while simulation.time() < end {
+        simulation.advance(end)?;
+    }
+    let frequency = (STIFFNESS / MASS).sqrt();
+    let phase = libm::asin(strength / (speed * (STIFFNESS * MASS).sqrt()));
+    let [Some(found)] = simulation.breaks()[..] else {
+        return Err("the spring holds".into());
+    };
+    Ok([
+        BREAK.relative(
+            "weight that leaves on a spring: time at which it breaks at half of the largest force",
+            "s",
+            phase / frequency,
+            found.time,
+            1e-3,
+        ),
+        FREED.relative(
+            "the same: velocity after",
+            "m/s",
+            speed * libm::cos(phase),
+            simulation.velocities()[4].x,
+            1e-3,
+        ),
+    ])
+}
+
+fn hinge() -> Result<Check, GroupError> {
+    let mut simulation = simulation(include_str!("scenes/sprung_hinge.toml"))?;
+    simulation.find_equilibrium()?;
+    let (force, arm, stiffness) = (1e-5, 0.1_f64, 0.01);
+    let (length, bending) = (2.0 * arm, 1e9 * 0.25 * PI * 1e-12);
+    let expected = force * (length.powi(3) / (3.0 * bending) + arm * arm / stiffness);
+    let end = simulation.positions().last().ok_or("no nodes")?;
+    Ok(HINGE.relative(
+        "cantilever with a sprung hinge in its middle: deflection",
+        "m",
+        expected,
+        end.z,
+        1e-3,
+    ))
+}
