@@ -7,6 +7,9 @@ use std::ops::Range;
 /// panels cost more in bookkeeping than in arithmetic.
 const ZEROS: [(usize, f64); 3] = [(2, 0.2), (6, 0.08), (usize::MAX, 0.02)];
 
+/// Most columns of a supernode: two rows of its blocks stay in the fastest cache, and little is left to one thread.
+const WIDEST: usize = 16;
+
 /// Columns next to each other and the rows that they fill.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Supernode {
@@ -142,12 +145,13 @@ impl Growing {
         }
     }
 
-    /// Whether few enough of its blocks are zero.
+    /// Whether it is narrow enough, and few enough of its blocks are zero.
     fn is_dense(&self) -> bool {
         let width = self.columns.len();
         let limit = ZEROS.iter().find(|(columns, _)| width <= *columns);
         let zeros = self.blocks() - self.filled;
-        limit.is_some_and(|(_, part)| zeros as f64 <= part * self.blocks() as f64)
+        width <= WIDEST
+            && limit.is_some_and(|(_, part)| zeros as f64 <= part * self.blocks() as f64)
     }
 }
 
@@ -179,7 +183,8 @@ fn fundamental(tree: &EliminationTree) -> (Vec<Growing>, Vec<u32>) {
         }
         let count = rows.len() - start;
         let extended = supernodes.last_mut().filter(|before| {
-            k > 0 && tree.parent[k - 1] == k as u32 && before.rows.len() == count + 1
+            let is_child = k > 0 && tree.parent[k - 1] == k as u32;
+            is_child && before.rows.len() == count + 1 && before.columns.len() < WIDEST
         });
         let own = if let Some(before) = extended {
             // The same rows but for k, which is the first of them.

@@ -1,12 +1,12 @@
 //! Whole time steps of 1 ms of piles of rods with friction, while they fall in and nearly at rest, by each contact model.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use rodlab::experiment::{self, Loaded};
+use rodlab::experiment;
 use rodlab::mechanics::dynamics::Simulation;
 use std::path::Path;
 
-/// The first rods of `scenarios/pile.toml`.
-fn pile(rods: usize, model: &str) -> Loaded {
+/// The first rods of `scenarios/pile.toml`, before they fall.
+fn pile(rods: usize, model: &str) -> Simulation {
     let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios");
     let text = std::fs::read_to_string(directory.join("pile.toml")).expect("a scenario");
     let is_beyond = |line: &&str| {
@@ -16,7 +16,10 @@ fn pile(rods: usize, model: &str) -> Loaded {
     };
     let lines: Vec<&str> = text.lines().filter(|line| !is_beyond(line)).collect();
     let model = format!("contact.model={model}");
-    experiment::from_text("pile", &lines.join("\n"), &directory, &[model]).expect("valid")
+    let text = lines.join("\n");
+    let loaded = experiment::from_text("pile", &text, &directory, &[model]).expect("valid");
+    let prepared = experiment::prepare(&loaded.scenario).expect("a valid scene");
+    Simulation::new(&prepared.scene, &prepared.integration).expect("sound")
 }
 
 fn steps(criterion: &mut Criterion) {
@@ -29,10 +32,7 @@ fn steps(criterion: &mut Criterion) {
         ("200 rods falling in", 200, 0.15, &all[..2]),
     ] {
         for model in models {
-            let loaded = pile(rods, model);
-            let prepared = experiment::prepare(&loaded.scenario).expect("a valid scene");
-            let mut simulation =
-                Simulation::new(&prepared.scene, &prepared.integration).expect("sound");
+            let mut simulation = pile(rods, model);
             while simulation.time() < start {
                 simulation.advance(start).expect("converges");
             }
