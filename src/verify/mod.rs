@@ -22,12 +22,14 @@ mod localized_buckling;
 mod obstacles;
 mod page;
 mod rods;
+mod scenario;
 mod spatial_rods;
 mod statics;
 mod symmetry;
 #[cfg(test)]
 mod tests;
 pub mod theory;
+mod tube_buckling;
 mod vibration;
 
 pub use check::{Check, Expectation, Verdict, table};

@@ -1,15 +1,12 @@
 //! Small vibrations of straight rods, from the eigenproblem of their stiffness and mass matrices. The rods come from
 //! scenario files, so that what `rods.inertia` does by default is what is checked.
 
+use super::scenario::{prepared, simulation};
 use super::theory::beam::{
     cantilever_wave_number, fixed_free_wave_number, free_wave_number, stretched_frequency,
 };
 use super::{Check, Expectation, GroupError};
-use crate::experiment;
-use crate::mechanics::dynamics::Simulation;
-use crate::run::PreparedRun;
 use std::f64::consts::TAU;
-use std::path::Path;
 
 const CLAMPED: Expectation = Expectation {
     formula: "cos βL cosh βL = −1, ω = β² √(EI/ρA)",
@@ -35,7 +32,7 @@ const STRING: Expectation = Expectation {
 const BOUND: f64 = 1e-5;
 /// The mass that serves bending leaves axial waves an error of second order, (kh)²/24.
 const AXIAL_BOUND: f64 = 5e-5;
-/// Near its clamps a string bends over a length of √(EI/T), here two and a half edges.
+/// Second order, with 100 edges: tension, too, is left (kh)²/24 by that mass.
 const STRING_BOUND: f64 = 1e-3;
 
 /// Speed of axial waves √(E/ρ) in rods of the files, m/s.
@@ -88,20 +85,22 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
         clamped.frequencies(Motion::Axial)[0],
         AXIAL_BOUND,
     ));
-    checks.extend(stretched_string()?);
+    checks.extend(stretched_string(
+        include_str!("scenes/stretched_string.toml"),
+        &[],
+    )?);
     Ok(checks)
 }
 
 /// The first modes of a string that begins under tension.
-fn stretched_string() -> Result<Vec<Check>, GroupError> {
-    let text = include_str!("scenes/stretched_string.toml");
-    let prepared = scene(text, &[])?;
+fn stretched_string(text: &str, overrides: &[String]) -> Result<Vec<Check>, GroupError> {
+    let prepared = prepared(text, overrides)?;
     let rod = &prepared.scene.rods[0];
     // Per length of the stretched string the mass is less, and a length of it bends as the shorter one without stress does.
     let stretch = 1.0 + rod.pretension / rod.stiffness.stretching;
     let bending = rod.stiffness.bending[0] * stretch;
     let mass = rod.mass_per_length / stretch;
-    let modes = Modes::of(text, &[])?.frequencies(Motion::Bending);
+    let modes = Modes::of(text, overrides)?.frequencies(Motion::Bending);
     let check = |mode: usize| {
         let expected = stretched_frequency(mode, rod.pretension, bending, mass, 1.0);
         STRING.relative(
@@ -113,12 +112,6 @@ fn stretched_string() -> Result<Vec<Check>, GroupError> {
         )
     };
     Ok((1..=3).map(check).collect())
-}
-
-/// A scenario file, with some keys set to other values.
-fn scene(text: &str, overrides: &[String]) -> Result<PreparedRun, GroupError> {
-    let loaded = experiment::from_text("scene", text, Path::new(""), overrides)?;
-    Ok(experiment::prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?)
 }
 
 /// How a mode moves mostly.
@@ -136,8 +129,7 @@ struct Modes(Vec<(f64, Motion)>);
 impl Modes {
     /// Of a scenario file of one rod, with some keys set to other values.
     fn of(text: &str, overrides: &[String]) -> Result<Self, GroupError> {
-        let prepared = scene(text, overrides)?;
-        let mut simulation = Simulation::new(&prepared.scene, &prepared.integration)?;
+        let mut simulation = simulation(text, overrides)?;
         let (stiffness, masses) = (simulation.stiffness_matrix(), simulation.mass_matrix());
         let unknowns = simulation.free_unknowns();
         // K v = ω² M v with M = L Lᵀ and u = Lᵀ v becomes an ordinary symmetric eigenproblem.
@@ -215,6 +207,23 @@ mod tests {
                 assert!(found > order - 0.2, "{inertia}: {found}");
                 assert!(inertia != "lumped" || found < 2.2, "{found}");
             }
+        }
+    }
+
+    #[test]
+    fn a_stretched_string_is_of_second_order() {
+        let text = include_str!("scenes/stretched_string.toml");
+        let of = |edges: usize| {
+            let keys = [format!("rods.0.edges={edges}")];
+            stretched_string(text, &keys).unwrap()
+        };
+        for (coarse, fine) in of(30).iter().zip(of(60)) {
+            let found = libm::log2(coarse.error / fine.error);
+            println!("{}: {:e} {found}", fine.name, fine.error);
+            assert!((1.8..2.2).contains(&found), "{found}");
+            // What is left of both without the error of second order.
+            let limit = (4.0 * fine.got - coarse.got) / 3.0;
+            assert!((limit / fine.expected - 1.0).abs() < 1e-4, "{limit}");
         }
     }
 

@@ -36,7 +36,11 @@ impl Slack {
         let missing = |angle: f64| {
             let ratio = libm::sin(angle) / (parts * libm::sin(angle / parts));
             // Positive where rounding leaves nothing to bend.
-            if angle == STRAIGHT { 1.0 } else { ratio - distance / length }
+            if angle == STRAIGHT {
+                1.0
+            } else {
+                ratio - distance / length
+            }
         };
         Self {
             start,

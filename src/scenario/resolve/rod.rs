@@ -188,14 +188,15 @@ fn pretension(
 ) -> f64 {
     let tension = section.with_default("pretension", &typed.pretension, FINITE, 0.0);
     if tension != 0.0 && matches!(natural_shape, NaturalShape::Curve(_)) {
-        let message = "the natural shape has lengths of its own; give `pretension` or those, not both";
+        let message =
+            "the natural shape has lengths of its own; give `pretension` or those, not both";
         section.fault("pretension", message);
     }
     let least = -MOST_SHORTENED * stretching;
     if tension < least {
         section.fault(
             "pretension",
-            format!("{tension:?} N is out of range; allowed: at least −0.9 EA = {least:?} N"),
+            format!("{tension:?} N is out of range; allowed: at least -0.9 EA = {least:?} N"),
         );
     }
     tension

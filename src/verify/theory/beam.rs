@@ -96,4 +96,19 @@ mod tests {
         assert!((2.0 * x - 8.986819).abs() < 1e-6);
         assert!((strip_tip_load() - 4.0126).abs() < 5e-5);
     }
+
+    #[test]
+    fn stretched_rods_lie_between_beams_and_strings() {
+        for mode in 1..=3 {
+            let frequency =
+                |tension: f64, bending: f64| stretched_frequency(mode, tension, bending, 2.0, 3.0);
+            // A clamped beam has the wave numbers of a free one.
+            let beam = (free_wave_number(mode) / 3.0).powi(2) * 0.5_f64.sqrt();
+            assert!((frequency(1e-9, 1.0) / beam - 1.0).abs() < 1e-9);
+            // To first order either end of a stiff string takes √(EI/T) from its length.
+            let string = mode as f64 * PI / 3.0 * 0.5_f64.sqrt();
+            let stiff = frequency(1.0, 1e-8) / string - 1.0;
+            assert!((stiff / (2.0 * 1e-4 / 3.0) - 1.0).abs() < 1e-3, "{stiff}");
+        }
+    }
 }
