@@ -37,7 +37,7 @@ pub fn stretched_frequency(
     mass_per_length: f64,
     length: f64,
 ) -> f64 {
-    let of_both = |beta: f64| beta.hypot((tension / bending).sqrt());
+    let of_both = |beta: f64| libm::hypot(beta, (tension / bending).sqrt());
     // Divided by cosh αL, so that stiff tension does not overflow.
     let first = mode as f64 * PI / length;
     let beta = bisect(first, first + 0.6 * PI / length, |beta| {
