@@ -156,6 +156,92 @@ fn vtk_reads_every_frame_of_a_run() {
     }
 }
 
+/// A rod above a box that stands and one that moves up and turns.
+const PUSHED: &str = r#"
+experiment = "scene"
+material = { youngs_modulus = "1 MPa", poissons_ratio = 0.5, density = 1000.0 }
+time = { step = "1 ms", end = "4 ms" }
+output = { interval = "2 ms", vtk = true }
+contact = { distance_tolerance = "0.1 mm" }
+
+[[rods]]
+name = "rope"
+radius = "2 mm"
+edges = 10
+shape = { kind = "straight", start = [-0.1, 0, 0], end = [0.1, 0, 0] }
+
+[[obstacles]]
+name = "floor"
+shape = { kind = "box", centre = [0, 0, -0.1], size = [0.4, 0.2, 0.1] }
+
+[[obstacles]]
+name = "lift"
+shape = { kind = "box", centre = [0, 0.2, 0.1], size = [0.02, 0.04, 0.06] }
+move = [[0, [0, 0, 0]], ["4 ms", [0, 0, "8 mm"]]]
+turn = [[0, 0], ["4 ms", "90 deg"]]
+axis = [0, 0, 1]
+"#;
+
+#[test]
+fn vtk_reads_obstacles_where_they_are_at_each_time() {
+    let Some(python) = python_with_vtk() else {
+        return;
+    };
+    let directory = tempfile::tempdir().unwrap();
+    fs::write(directory.path().join("pushed.toml"), PUSHED).unwrap();
+    rodlab(directory.path(), &["run", "pushed.toml", "--out", "pushed"]);
+    let results = directory.path().join("pushed");
+    let collection = fs::read_to_string(results.join("rods.pvd")).unwrap();
+    let files: Vec<PathBuf> = (0..3)
+        .map(|frame| results.join(format!("vtk/obstacles_{frame:06}.vtp")))
+        .collect();
+    for (frame, file) in files.iter().enumerate() {
+        let name = file.strip_prefix(&results).unwrap().display();
+        assert!(collection.contains(&format!("part=\"1\" file=\"{name}\"")));
+        assert!(file.exists(), "{frame}");
+    }
+    for (frame, read) in read(&python, &files).iter().enumerate() {
+        let points: Vec<Vec<f64>> = read["points"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(numbers)
+            .collect();
+        let triangles: Vec<Vec<f64>> = read["polygons"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(numbers)
+            .collect();
+        let owners = numbers(&read["of_cells"]["obstacle"]);
+        assert_eq!((points.len(), triangles.len(), owners.len()), (16, 24, 24));
+        // Half and all of a quarter turn about the middle of the second box, while it rises.
+        let (sine, cosine) = (0.25 * std::f64::consts::PI * frame as f64).sin_cos();
+        for (triangle, owner) in triangles.iter().zip(owners) {
+            for corner in triangle {
+                let point = &points[*corner as usize];
+                let (centre, half) = match owner as usize {
+                    0 => ([0.0, 0.0, -0.1], [0.2, 0.1, 0.05]),
+                    _ => ([0.0, 0.2, 0.1 + 4e-3 * frame as f64], [0.01, 0.02, 0.03]),
+                };
+                let [x, y, z] = std::array::from_fn(|axis| point[axis] - centre[axis]);
+                let (cosine, sine) = if owner == 0.0 {
+                    (1.0, 0.0)
+                } else {
+                    (cosine, sine)
+                };
+                let own = [cosine * x + sine * y, cosine * y - sine * x, z];
+                for axis in 0..3 {
+                    assert!(
+                        (own[axis].abs() - half[axis]).abs() < 1e-12,
+                        "{frame} {point:?}"
+                    );
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn vtk_reads_the_boundary_of_stable_helices() {
     let Some(python) = python_with_vtk() else {

@@ -2,7 +2,7 @@
 
 use super::from_text;
 use crate::mechanics::dynamics::Simulation;
-use crate::scenario::{JointKind, Scenario};
+use crate::scenario::{JointKind, Place, Scenario, Shape};
 use std::path::Path;
 
 const RODS: &str = "experiment = \"scene\"\n[material]\nyoungs_modulus = 1e6\npoissons_ratio = 0.5\ndensity = 1000.0\n\
@@ -226,4 +226,17 @@ fn a_tree_is_joined_where_its_rods_share_points() {
     let scenario = scenario(&text).unwrap();
     assert_eq!(scenario.joints.len(), 1);
     assert_eq!(scenario.rods[2].edges, 4);
+    // Every piece is cut into two edges, from its first point on, and the second rod begins where the first has a corner.
+    let Shape::Points { points } = &scenario.rods[2].shape else {
+        panic!("{:?}", scenario.rods[2].shape);
+    };
+    let expected = [
+        [2.0, 0.0, 0.0],
+        [2.0, 0.0, 0.5],
+        [2.0, 0.0, 1.0],
+        [2.25, 0.0, 1.25],
+        [2.5, 0.0, 1.5],
+    ];
+    assert_eq!(points[..], expected);
+    assert_eq!(scenario.joints[0].at, [Place::Number(2), Place::Number(0)]);
 }

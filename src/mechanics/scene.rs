@@ -80,6 +80,9 @@ pub struct RodDescription {
     pub twist: f64,
     /// The shape without stress.
     pub natural_shape: NaturalShape,
+    /// Tension T in the placed rod, N, negative for a push: edges without stress are those of the natural shape over
+    /// 1 + T/EA.
+    pub pretension: f64,
     /// Elastic stiffness of the cross-section.
     pub stiffness: Stiffness,
     /// Radius of the contact and fluid surface, m.
@@ -101,6 +104,13 @@ pub struct RodDescription {
 }
 
 impl RodDescription {
+    /// Lengths of edges that are so long under the tension of the placed rod, without it.
+    pub fn relaxed(&self, mut lengths: Vec<f64>) -> Vec<f64> {
+        let stretch = 1.0 + self.pretension / self.stiffness.stretching;
+        lengths.iter_mut().for_each(|length| *length /= stretch);
+        lengths
+    }
+
     /// A rod with the same circular section everywhere, open and at rest, naturally straight and untwisted: what most
     /// rods are, to be varied by the syntax of struct updates.
     ///
@@ -121,6 +131,7 @@ impl RodDescription {
             first_director: None,
             twist: 0.0,
             natural_shape: NaturalShape::Straight,
+            pretension: 0.0,
             stiffness,
             radius,
             mass_per_length,

@@ -3,6 +3,7 @@
 use crate::experiment::place_obstacles;
 use crate::figure::{Body, MovieObstacle};
 use crate::mechanics::Vector3;
+use crate::mechanics::rigid_body::neighbourhood;
 use crate::mechanics::scene::Obstacle;
 use crate::mechanics::system::obstacle_poses;
 use crate::scenario::Scenario;
@@ -20,9 +21,7 @@ pub fn surfaces<'a>(
     obstacles: &[Obstacle],
     points: impl Iterator<Item = &'a Vector3> + Clone,
 ) -> Vec<Vec<[Vector3; 3]>> {
-    let count = points.clone().count().max(1) as f64;
-    let centre = points.clone().sum::<Vector3>() / count;
-    let reach = points.fold(0.0, |most, x| f64::max(most, (x - centre).norm()));
+    let (centre, reach) = neighbourhood(points);
     let bodies = obstacles.iter().map(|obstacle| &obstacle.body);
     let surfaces = bodies.map(|body| body.surface(&centre, reach));
     surfaces

@@ -34,6 +34,8 @@ pub const PAGE: &str = "view.html";
 pub const VTK_COLLECTION: &str = "rods.pvd";
 /// Folder of the frames of the collection.
 pub const VTK_FOLDER: &str = "vtk";
+/// The frames of obstacles in it, as they are marked.
+pub(super) const OBSTACLE_FRAMES: &str = "vtk/obstacles";
 /// Held locked by the process that writes.
 pub(super) const LOCK: &str = ".lock";
 
@@ -42,11 +44,25 @@ pub(super) fn frame_name(index: usize) -> String {
     format!("{VTK_FOLDER}/rods_{index:06}.vtp")
 }
 
+/// Where the obstacles of a frame lie.
+pub(super) fn obstacle_frame_name(index: usize) -> String {
+    format!("{OBSTACLE_FRAMES}_{index:06}.vtp")
+}
+
+/// How the files of a series of frames are called, by the name under which it is marked; `None` for other files.
+pub(super) fn frame_names(marked: &str) -> Option<fn(usize) -> String> {
+    match marked {
+        VTK_FOLDER => Some(frame_name),
+        OBSTACLE_FRAMES => Some(obstacle_frame_name),
+        _ => None,
+    }
+}
+
 /// Whether a file in the folder of frames is called like one of them.
 pub(super) fn is_frame_name(name: &str) -> bool {
-    let number = name
-        .strip_prefix("rods_")
-        .and_then(|rest| rest.strip_suffix(".vtp"));
+    let prefixes = ["rods_", "obstacles_"];
+    let rest = prefixes.iter().find_map(|prefix| name.strip_prefix(prefix));
+    let number = rest.and_then(|rest| rest.strip_suffix(".vtp"));
     number.is_some_and(|number| number.len() >= 6 && number.bytes().all(|b| b.is_ascii_digit()))
 }
 

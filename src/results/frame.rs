@@ -1,7 +1,7 @@
-//! The rods at one output time.
+//! The rods, and what stands around them, at one output time.
 
 use super::RodRecord;
-use nalgebra::Vector3;
+use nalgebra::{Isometry3, Vector3};
 
 /// Everything about the rods that is written at an output time; arrays run over all nodes, rod after rod.
 #[derive(Clone, Debug, Default)]
@@ -20,6 +20,8 @@ pub struct Frame {
     pub fluid_forces: Vec<Vector3<f64>>,
     /// Contact forces on the nodes, N; empty without contact.
     pub contact_forces: Vec<Vector3<f64>>,
+    /// How obstacles moved since time zero; may be empty where none moves.
+    pub obstacle_poses: Vec<Isometry3<f64>>,
 }
 
 /// A node of a frame: its rod, its number along the rod, its number among all nodes.

@@ -1,7 +1,7 @@
 //! Marks of files: what a run wrote, so that a later look notices when something else stands there.
 
 use super::ResultsError;
-use super::files::{VTK_FOLDER, frame_name};
+use super::files::{VTK_FOLDER, frame_names};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -145,8 +145,8 @@ fn is_same_file(_: &fs::Metadata, _: &fs::Metadata) -> bool {
 pub fn check_files(directory: &Path, marks: &FileMarks) -> Result<(), ResultsError> {
     check_lengths(directory, marks)?;
     marks.iter().try_for_each(|(name, mark)| {
-        if name == VTK_FOLDER {
-            return marked_frames(directory, mark).map(drop);
+        if let Some(names) = frame_names(name) {
+            return marked_frames(directory, mark, names).map(drop);
         }
         let path = directory.join(name);
         let mut marker = Marker::default();
@@ -164,9 +164,9 @@ pub fn check_files(directory: &Path, marks: &FileMarks) -> Result<(), ResultsErr
 pub fn check_lengths(directory: &Path, marks: &FileMarks) -> Result<(), ResultsError> {
     marks.iter().try_for_each(|(name, mark)| {
         let path = directory.join(name);
-        let length = match name.as_str() {
-            VTK_FOLDER => length_of_frames(directory, mark.bytes)?,
-            _ => length_of(&path)?,
+        let length = match frame_names(name) {
+            Some(names) => length_of_frames(directory, mark.bytes, names)?,
+            None => length_of(&path)?,
         };
         if length == mark.bytes {
             return Ok(());
@@ -182,10 +182,14 @@ fn length_of(path: &Path) -> Result<u64, ResultsError> {
 }
 
 /// Length of the frames that hold the first `bytes` of them.
-fn length_of_frames(directory: &Path, bytes: u64) -> Result<u64, ResultsError> {
+fn length_of_frames(
+    directory: &Path,
+    bytes: u64,
+    names: fn(usize) -> String,
+) -> Result<u64, ResultsError> {
     let (mut length, mut index) = (0, 0);
     while length < bytes {
-        length += length_of(&directory.join(frame_name(index)))?.max(1);
+        length += length_of(&directory.join(names(index)))?.max(1);
         index += 1;
     }
     Ok(length)
@@ -195,11 +199,15 @@ fn length_of_frames(directory: &Path, bytes: u64) -> Result<u64, ResultsError> {
 ///
 /// # Errors
 /// [`ResultsError::Altered`] names a frame that is missing, or the folder.
-pub(super) fn marked_frames(directory: &Path, mark: &FileMark) -> Result<Marker, ResultsError> {
+pub(super) fn marked_frames(
+    directory: &Path,
+    mark: &FileMark,
+    names: fn(usize) -> String,
+) -> Result<Marker, ResultsError> {
     let mut marker = Marker::default();
     let mut index = 0;
     while marker.bytes() < mark.bytes {
-        let path = directory.join(frame_name(index));
+        let path = directory.join(names(index));
         let file = File::open(&path).map_err(|_| missing(path.clone()))?;
         let before = marker.bytes();
         let read = marker.read(file, u64::MAX);

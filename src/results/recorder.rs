@@ -1,16 +1,19 @@
 //! Writes each output time to all files that grow during a run.
 
-use super::files::{NODE_FORCES, NODES, SERIES, VTK_FOLDER};
+use super::files::{
+    NODE_FORCES, NODES, OBSTACLE_FRAMES, SERIES, VTK_FOLDER, frame_name, obstacle_frame_name,
+};
 use super::forces::write_forces;
 use super::frame::Frame;
 use super::mark::{FileMark, FileMarks, Marker, marked_frames};
 use super::nodes::write_nodes;
+use super::obstacle_frames::{ObstacleFrames, ObstacleSurfaces};
 use super::stream::CsvStream;
 use super::{ResultsError, RodRecord, SeriesRow, Value, vtk};
 use std::path::{Path, PathBuf};
 
 /// Which files a run writes beside `series.csv`.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct RecorderPlan {
     /// Names of the columns that observers add to `series.csv`.
     pub observed: Vec<String>,
@@ -20,6 +23,8 @@ pub struct RecorderPlan {
     pub forces: bool,
     /// `vtk/` and `rods.pvd`.
     pub vtk: bool,
+    /// Obstacles that stand in `vtk/` beside the rods.
+    pub obstacles: Option<ObstacleSurfaces>,
 }
 
 /// The files of a run that grow.
@@ -32,6 +37,7 @@ pub struct Recorder {
     forces: Option<CsvStream>,
     /// What was written to frames so far.
     frames: Option<Marker>,
+    obstacles: Option<ObstacleFrames>,
 }
 
 impl Recorder {
@@ -48,6 +54,10 @@ impl Recorder {
             nodes: plan.nodes.then(|| stream(NODES)).transpose()?,
             forces: plan.forces.then(|| stream(NODE_FORCES)).transpose()?,
             frames: plan.vtk.then(Marker::default),
+            obstacles: plan
+                .obstacles
+                .filter(|_| plan.vtk)
+                .map(|obstacles| ObstacleFrames::after(obstacles, Marker::default())),
             directory: directory.to_owned(),
             rods,
         })
@@ -66,13 +76,23 @@ impl Recorder {
         let nothing = FileMark::default();
         let marked = |name: &str| marks.get(name).unwrap_or(&nothing);
         let stream = |name: &str| CsvStream::continue_at(&directory.join(name), marked(name));
-        let frames = || marked_frames(directory, marked(VTK_FOLDER));
+        let frames = || marked_frames(directory, marked(VTK_FOLDER), frame_name);
+        let obstacles = |obstacles| {
+            let mark = marked(OBSTACLE_FRAMES);
+            let marker = marked_frames(directory, mark, obstacle_frame_name)?;
+            Ok(ObstacleFrames::after(obstacles, marker))
+        };
         Ok(Self {
             series: stream(SERIES)?,
             observed: plan.observed,
             nodes: plan.nodes.then(|| stream(NODES)).transpose()?,
             forces: plan.forces.then(|| stream(NODE_FORCES)).transpose()?,
             frames: plan.vtk.then(frames).transpose()?,
+            obstacles: plan
+                .obstacles
+                .filter(|_| plan.vtk)
+                .map(obstacles)
+                .transpose()?,
             directory: directory.to_owned(),
             rods,
         })
@@ -81,6 +101,13 @@ impl Recorder {
     /// Whether the frames must hold velocities and forces.
     pub fn needs_forces(&self) -> bool {
         self.forces.is_some() || self.frames.is_some()
+    }
+
+    /// Whether the frames must hold where obstacles are.
+    pub fn needs_obstacle_poses(&self) -> bool {
+        self.obstacles
+            .as_ref()
+            .is_some_and(ObstacleFrames::need_poses)
     }
 
     /// Whether frames are written at all.
@@ -111,6 +138,9 @@ impl Recorder {
                 frame,
             )?);
         }
+        if let Some(obstacles) = &mut self.obstacles {
+            obstacles.write(&self.directory, index, frame)?;
+        }
         // Last, so that a time in the series is there in all files.
         self.series.write_with(row, &self.observed, observed)?;
         self.series.flush()
@@ -128,8 +158,12 @@ impl Recorder {
             }
         }
         if let Some(frames) = &self.frames {
-            vtk::write_collection(&self.directory, times)?;
+            let file = |index| Some(self.obstacles.as_ref()?.file(index));
+            vtk::write_collection(&self.directory, times, file)?;
             marks.insert(VTK_FOLDER.to_owned(), frames.mark());
+        }
+        if let Some(obstacles) = &self.obstacles {
+            marks.insert(OBSTACLE_FRAMES.to_owned(), obstacles.mark());
         }
         Ok(marks)
     }
@@ -138,8 +172,8 @@ impl Recorder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::{check_files, read_series_as};
-    use nalgebra::Vector3;
+    use crate::results::{Surface, check_files, read_series_as};
+    use nalgebra::{Isometry3, Vector3};
     use serde::Deserialize;
     use std::fs;
 
@@ -164,6 +198,7 @@ mod tests {
             velocities: vec![Vector3::x(); 5],
             fluid_forces: Vec::new(),
             contact_forces: vec![Vector3::new(0.0, -2e-3, 0.0); 5],
+            obstacle_poses: vec![Isometry3::translation(time, 0.0, 0.0)],
         }
     }
 
@@ -181,6 +216,13 @@ mod tests {
             nodes: true,
             forces: true,
             vtk: true,
+            obstacles: Some(ObstacleSurfaces {
+                surfaces: vec![Surface {
+                    points: vec![Vector3::zeros(), Vector3::x(), Vector3::y()],
+                    triangles: vec![[0, 1, 2]],
+                }],
+                moving: true,
+            }),
         }
     }
 
@@ -277,10 +319,62 @@ mod tests {
             NODE_FORCES,
             "rods.pvd",
             "vtk/rods_000001.vtp",
+            "vtk/obstacles_000001.vtp",
         ] {
             let read =
                 |directory: &tempfile::TempDir| fs::read(directory.path().join(name)).unwrap();
             assert_eq!(read(&whole), read(&cut), "{name}");
+        }
+    }
+
+    #[test]
+    fn obstacles_that_stand_are_written_once_and_those_that_move_at_every_time() {
+        for (moving, written) in [(false, 1), (true, 3)] {
+            let directory = tempfile::tempdir().unwrap();
+            let obstacles = all().obstacles.map(|obstacles| ObstacleSurfaces {
+                moving,
+                ..obstacles
+            });
+            let plan = RecorderPlan { obstacles, ..all() };
+            let mut recorder = Recorder::create(directory.path(), rods(), plan.clone()).unwrap();
+            recorder.record(0, &row(0.0), &[], &frame(0.0)).unwrap();
+            let marks = recorder.sync([0.0].into_iter()).unwrap();
+            drop(recorder);
+            let continued = Recorder::continue_at(directory.path(), rods(), plan, &marks);
+            let mut recorder = continued.unwrap();
+            for k in 1..3 {
+                let frame = frame(k as f64);
+                recorder.record(k, &row(k as f64), &[], &frame).unwrap();
+            }
+            let marks = recorder.sync((0..3).map(|k| k as f64)).unwrap();
+            check_files(directory.path(), &marks).unwrap();
+            let folder = fs::read_dir(directory.path().join(VTK_FOLDER)).unwrap();
+            let names = folder.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+            let found = names.filter(|name| name.starts_with("obstacles_")).count();
+            assert_eq!(found, written);
+            let collection = fs::read_to_string(directory.path().join("rods.pvd")).unwrap();
+            let last = format!(
+                "<DataSet timestep=\"2.0\" part=\"1\" file=\"vtk/obstacles_00000{}.vtp\"/>",
+                written - 1
+            );
+            assert!(collection.contains(&last), "{collection}");
+            if moving {
+                // Frame k has them k metres further along x.
+                let first = |frame: usize| {
+                    let name = format!("vtk/obstacles_{frame:06}.vtp");
+                    let bytes = fs::read(directory.path().join(name)).unwrap();
+                    let text = String::from_utf8_lossy(&bytes);
+                    let (_, rest) = text.split_once("Name=\"points\"").unwrap();
+                    let (_, rest) = rest.split_once("offset=\"").unwrap();
+                    let offset: usize = rest.split_once('"').unwrap().0.parse().unwrap();
+                    let data = bytes.windows(2).position(|pair| pair == b"\n_").unwrap() + 2;
+                    let at = data + offset + 8;
+                    f64::from_le_bytes(bytes[at..at + 8].try_into().unwrap())
+                };
+                assert_eq!([0, 1, 2].map(first), [0.0, 1.0, 2.0]);
+            }
+            fs::write(directory.path().join("vtk/obstacles_000000.vtp"), "no VTK").unwrap();
+            check_files(directory.path(), &marks).unwrap_err();
         }
     }
 

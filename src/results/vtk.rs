@@ -1,4 +1,5 @@
-//! VTK PolyData: a frame per output time (`vtk/rods_000000.vtp`, ...) and `rods.pvd`, which ParaView opens.
+//! VTK PolyData: a frame per output time (`vtk/rods_000000.vtp`, ...) and `rods.pvd`, which ParaView opens. Obstacles are its
+//! second part, triangles with their number as the cell data `obstacle`.
 //!
 //! Each rod is a polyline. Point data: `radius`, `velocity`, and the forces that there are; cell data: `rod`,
 //! the number of the rod. Numbers are stored as they are in memory, 64 bits each, behind the XML ("appended raw"). In
@@ -10,6 +11,7 @@ use super::files::{VTK_COLLECTION, VTK_FOLDER, frame_name};
 use super::frame::{Frame, node_places};
 use super::{ResultsError, RodRecord, write_whole};
 use nalgebra::Vector3;
+use std::collections::HashMap;
 use std::fs;
 use std::path::Path;
 
@@ -20,27 +22,64 @@ pub(super) fn write_frame(
     rods: &[RodRecord],
     frame: &Frame,
 ) -> Result<Vec<u8>, ResultsError> {
+    let bytes = poly_data(rods, frame);
+    write_part(directory, &frame_name(index), &bytes)?;
+    Ok(bytes)
+}
+
+/// Writes a file of the folder of frames.
+fn write_part(directory: &Path, name: &str, bytes: &[u8]) -> Result<(), ResultsError> {
     let folder = directory.join(VTK_FOLDER);
     if folder.is_symlink() {
         return Err(ResultsError::Link { path: folder });
     }
     fs::create_dir_all(&folder).map_err(ResultsError::io("create", &folder))?;
-    let bytes = poly_data(rods, frame);
-    write_whole(&directory.join(frame_name(index)), &bytes)?;
+    write_whole(&directory.join(name), bytes)
+}
+
+/// Writes obstacles where they are at the time of a frame; returns the bytes.
+pub(super) fn write_obstacles(
+    directory: &Path,
+    name: &str,
+    surfaces: &[Surface],
+) -> Result<Vec<u8>, ResultsError> {
+    let points: Vec<Vector3<f64>> = surfaces.iter().flat_map(|s| s.points.clone()).collect();
+    let firsts = surfaces.iter().scan(0, |first, surface| {
+        let own = *first;
+        *first += surface.points.len();
+        Some(own)
+    });
+    let triangles: Vec<[usize; 3]> = (surfaces.iter().zip(firsts))
+        .flat_map(|(surface, first)| {
+            let triangles = surface.triangles.iter();
+            triangles.map(move |corners| corners.map(|corner| first + corner))
+        })
+        .collect();
+    let numbers = surfaces.iter().enumerate();
+    let numbers =
+        numbers.flat_map(|(number, surface)| vec![number; surface.triangles.len()].into_iter());
+    let mut file = PolyData::new(points.len(), 0, triangles.len());
+    file.section("CellData", |file| file.integers("obstacle", numbers));
+    file.surface(&points, &triangles);
+    let bytes = file.finish();
+    write_part(directory, name, &bytes)?;
     Ok(bytes)
 }
 
-/// Writes the collection that gives each frame its time.
+/// Writes the collection that gives each frame its time, with the obstacles of a frame where they have a file.
 pub(super) fn write_collection(
     directory: &Path,
     times: impl Iterator<Item = f64>,
+    obstacle_file: impl Fn(usize) -> Option<String>,
 ) -> Result<(), ResultsError> {
     let mut text = String::from(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n",
     );
     for (index, time) in times.enumerate() {
-        let file = frame_name(index);
-        text += &format!("<DataSet timestep=\"{time:?}\" part=\"0\" file=\"{file}\"/>\n");
+        let files = [Some(frame_name(index)), obstacle_file(index)];
+        for (part, file) in files.into_iter().flatten().enumerate() {
+            text += &format!("<DataSet timestep=\"{time:?}\" part=\"{part}\" file=\"{file}\"/>\n");
+        }
     }
     text += "</Collection>\n</VTKFile>\n";
     write_whole(&directory.join(VTK_COLLECTION), text.as_bytes())
@@ -72,12 +111,32 @@ fn poly_data(rods: &[RodRecord], frame: &Frame) -> Vec<u8> {
 }
 
 /// A surface of triangles.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Surface {
     /// The corners.
     pub points: Vec<Vector3<f64>>,
     /// Three indices of corners for each triangle.
     pub triangles: Vec<[usize; 3]>,
+}
+
+impl Surface {
+    /// The surface of triangles given by their corners, which share those that lie in the same place.
+    pub fn from_triangles(triangles: &[[Vector3<f64>; 3]]) -> Self {
+        let mut surface = Self::default();
+        let mut numbers = HashMap::new();
+        for corners in triangles {
+            let corner = |point: &Vector3<f64>| {
+                let place: [u64; 3] = (*point).map(f64::to_bits).into();
+                *numbers.entry(place).or_insert_with(|| {
+                    surface.points.push(*point);
+                    surface.points.len() - 1
+                })
+            };
+            let numbers = corners.each_ref().map(corner);
+            surface.triangles.push(numbers);
+        }
+        surface
+    }
 }
 
 /// Writes a surface with a number for each corner, called `name`.
@@ -94,16 +153,7 @@ pub fn write_surface(
     file.section("PointData", |file| {
         file.floats(name, 1, values.iter().copied())
     });
-    file.section("Points", |file| {
-        file.floats("points", 3, components(&surface.points));
-    });
-    file.section("Polys", |file| {
-        file.integers("connectivity", surface.triangles.iter().flatten().copied());
-        file.integers(
-            "offsets",
-            (1..=surface.triangles.len()).map(|triangle| 3 * triangle),
-        );
-    });
+    file.surface(&surface.points, &surface.triangles);
     write_whole(path, &file.finish())
 }
 
@@ -152,6 +202,18 @@ impl PolyData {
         self.xml += &format!("<{name}>\n");
         fill(self);
         self.xml += &format!("</{name}>\n");
+    }
+
+    /// The corners of triangles, and their numbers for each triangle.
+    fn surface(&mut self, points: &[Vector3<f64>], triangles: &[[usize; 3]]) {
+        self.section("Points", |file| {
+            file.floats("points", 3, components(points));
+        });
+        self.section("Polys", |file| {
+            file.integers("connectivity", triangles.iter().flatten().copied());
+            let offsets = (1..=triangles.len()).map(|triangle| 3 * triangle);
+            file.integers("offsets", offsets);
+        });
     }
 
     fn floats(&mut self, name: &str, components: usize, values: impl Iterator<Item = f64>) {
@@ -256,6 +318,7 @@ mod tests {
             velocities: (7..14).map(spiral).collect(),
             fluid_forces: Vec::new(),
             contact_forces: (14..21).map(spiral).collect(),
+            obstacle_poses: Vec::new(),
         }
     }
 
@@ -309,7 +372,7 @@ mod tests {
         for index in 0..2 {
             write_frame(directory.path(), index, &rods(), &frame()).unwrap();
         }
-        write_collection(directory.path(), [0.0, 0.25].into_iter()).unwrap();
+        write_collection(directory.path(), [0.0, 0.25].into_iter(), |_| None).unwrap();
         let text = fs::read_to_string(directory.path().join(VTK_COLLECTION)).unwrap();
         let tags = tags(&text);
         let frames: Vec<_> = tags

@@ -161,6 +161,7 @@ fn cantilever(integration: IntegrationParameters) -> PreparedRun {
             curvature: [0.5, 0.0],
             twist: 0.3,
         },
+        pretension: 0.0,
         stiffness: Stiffness {
             stretching: young * area,
             bending: [young * second_moment; 2],

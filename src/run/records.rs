@@ -2,10 +2,11 @@
 
 use super::RunOptions;
 use super::participants::columns;
-use crate::mechanics::scene::RodDescription;
+use crate::mechanics::rigid_body::neighbourhood;
+use crate::mechanics::scene::{Obstacle, RodDescription, Scene};
 use crate::results::{
-    CaseRecord, CaseStatus, MAIN_CASE, Manifest, RecorderPlan, ResultsError, RodRecord, START,
-    host_name, scenario_hash, write_whole,
+    CaseRecord, CaseStatus, MAIN_CASE, Manifest, ObstacleSurfaces, RecorderPlan, ResultsError,
+    RodRecord, START, Surface, host_name, scenario_hash, write_whole,
 };
 use crate::run::PreparedRun;
 use std::collections::BTreeMap;
@@ -41,6 +42,18 @@ pub(crate) fn recorder_plan(prepared: &PreparedRun) -> RecorderPlan {
         nodes: output.nodes,
         forces: output.forces,
         vtk: output.vtk,
+        obstacles: (output.vtk && !prepared.scene.obstacles.is_empty())
+            .then(|| obstacle_surfaces(&prepared.scene)),
+    }
+}
+
+/// Surfaces of the obstacles at time zero; of endless ones the part near the rods.
+fn obstacle_surfaces(scene: &Scene) -> ObstacleSurfaces {
+    let (centre, reach) = neighbourhood(scene.rods.iter().flat_map(|rod| &rod.centreline));
+    let of = |obstacle: &Obstacle| Surface::from_triangles(&obstacle.body.surface(&centre, reach));
+    ObstacleSurfaces {
+        surfaces: scene.obstacles.iter().map(of).collect(),
+        moving: scene.obstacles.iter().any(|body| body.motion.moves()),
     }
 }
 

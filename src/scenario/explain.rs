@@ -268,8 +268,8 @@ rods.shape.radius (of kind "ring")
 rods.shape
   Where the rod is placed.
   A curve in space.
-  kinds: straight, helix, arc, ring, catenary, points
-  keys: end, start, axis, centre, handedness, length, phase, pitch, radius, turns, angle, normal, tangent, down, file, points
+  kinds: straight, helix, arc, ring, catenary, slack, coil, points
+  keys: end, start, axis, centre, handedness, length, phase, pitch, radius, turns, angle, normal, tangent, down, towards, inner_radius, spacing, file, points
 "###);
         insta::assert_snapshot!(explain(*EXPERIMENTS, "loads.acceleration").unwrap(), @r###"
 loads.acceleration (of kind "gravity")
@@ -307,7 +307,9 @@ keys: actuation, bodies, clamps, contact, continuation, experiment, extends, fla
         for (key, kinds) in [
             (
                 "rods.shape.kind",
-                &["straight", "helix", "arc", "ring", "catenary", "points"][..],
+                &[
+                    "straight", "helix", "arc", "ring", "catenary", "slack", "coil", "points",
+                ][..],
             ),
             (
                 "loads.kind",

@@ -22,6 +22,7 @@ mod localized_buckling;
 mod obstacles;
 mod page;
 mod rods;
+mod scenario;
 mod spatial_rods;
 mod springs;
 mod statics;
@@ -29,6 +30,7 @@ mod symmetry;
 #[cfg(test)]
 mod tests;
 pub mod theory;
+mod tube_buckling;
 mod vibration;
 
 pub use check::{Check, Expectation, Verdict, table};

@@ -1,17 +1,13 @@
-//! Obstacles of every shape, through scenario files: ropes over round ones, a beam lifted by an edge and by a ball, a rod that
-//! buckles in a tube.
+//! Obstacles of every shape, through scenario files: ropes over round ones, a beam lifted by an edge and by a ball, rods that
+//! buckle in a tube.
 
-use super::continuation::critical_on_path;
 use super::friction::leg_tensions;
+use super::scenario::simulation;
 use super::theory::friction::Capstan;
-use super::{Check, Expectation, GroupError};
-use crate::experiment;
+use super::{Check, Expectation, GroupError, tube_buckling};
 use crate::mechanics::Vector3;
-use crate::mechanics::dynamics::Simulation;
-use crate::run::PreparedRun;
 use std::f64::consts::PI;
 use std::fmt::Write;
-use std::path::Path;
 
 const CAPSTAN: Expectation = Expectation {
     formula: "T₂ = T₁ exp(μφ), corrected for EI",
@@ -26,11 +22,6 @@ const FACETED: Expectation = Expectation {
     source: "",
 };
 
-const SNAKING: Expectation = Expectation {
-    formula: "F = 2 √(EI w/r)",
-    source: "Dawson and Paslay 1984",
-};
-
 /// Rope and post, m; see the scene.
 const POST_RADIUS: f64 = 0.02;
 const ROPE_RADIUS: f64 = 1e-3;
@@ -43,7 +34,7 @@ const STRETCHING: f64 = 1e3;
 const WRAPPED_EDGES: usize = 80;
 const LEG_EDGES: usize = 60;
 
-/// Ropes over a cylinder, a sphere, and meshes of that cylinder; a beam lifted by the edge of a box and by balls.
+/// Ropes over a cylinder, a sphere, and meshes of that cylinder; a beam lifted by the edge of a box and by balls; rods in tubes.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let cylinder =
         "{ kind = \"cylinder\", point = [0, 0, 0], direction = [0, 0, 1], radius = \"20 mm\" }";
@@ -61,37 +52,8 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
         checks.push(capstan(over, model, shape)?);
     }
     checks.extend(lifted_beam()?);
-    checks.push(rod_in_tube()?);
+    checks.extend(tube_buckling::checks()?);
     Ok(checks)
-}
-
-/// A scene, with these keys set.
-fn prepared(text: &str, overrides: &[String]) -> Result<PreparedRun, GroupError> {
-    let loaded = experiment::from_text("scene", text, Path::new(""), overrides)?;
-    let prepared = experiment::prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?;
-    Ok(prepared)
-}
-
-fn simulation(text: &str, overrides: &[String]) -> Result<Simulation, GroupError> {
-    let prepared = prepared(text, overrides)?;
-    Ok(Simulation::new(&prepared.scene, &prepared.integration)?)
-}
-
-/// The push under which a rod on the bottom of a horizontal tube begins to snake along it.
-fn rod_in_tube() -> Result<Check, GroupError> {
-    let prepared = prepared(include_str!("scenes/tube.toml"), &[])?;
-    let rod = &prepared.scene.rods[0];
-    let (bending, weight) = (rod.stiffness.bending[0], 9.81 * rod.mass_per_length);
-    let clearance = prepared.scene.obstacles[0].body.radius - rod.radius;
-    // A millimetre of shortening at the end of the path, of a metre.
-    let shortening = 1e-3 * critical_on_path(&prepared.scene, 1.0)?;
-    Ok(SNAKING.relative(
-        "rod pushed into a horizontal tube: push at which it begins to snake, by continuation",
-        "N",
-        2.0 * (bending * weight / clearance).sqrt(),
-        rod.stiffness.stretching * shortening,
-        5e-3,
-    ))
 }
 
 fn capstan(over: &str, model: &str, shape: &str) -> Result<Check, GroupError> {

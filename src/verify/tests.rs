@@ -98,6 +98,16 @@ fn contact_passes() {
 }
 
 #[test]
+fn obstacles_pass() {
+    assert_passes("obstacles");
+}
+
+#[test]
+fn joints_pass() {
+    assert_passes("joints");
+}
+
+#[test]
 fn continuation_passes() {
     assert_passes("continuation");
 }

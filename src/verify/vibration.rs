@@ -1,11 +1,12 @@
 //! Small vibrations of straight rods, from the eigenproblem of their stiffness and mass matrices. The rods come from
 //! scenario files, so that what `rods.inertia` does by default is what is checked.
 
-use super::theory::beam::{cantilever_wave_number, fixed_free_wave_number, free_wave_number};
+use super::scenario::{prepared, simulation};
+use super::theory::beam::{
+    cantilever_wave_number, fixed_free_wave_number, free_wave_number, stretched_frequency,
+};
 use super::{Check, Expectation, GroupError};
-use crate::experiment;
-use crate::mechanics::dynamics::Simulation;
-use std::path::Path;
+use std::f64::consts::TAU;
 
 const CLAMPED: Expectation = Expectation {
     formula: "cos βL cosh βL = −1, ω = β² √(EI/ρA)",
@@ -23,17 +24,24 @@ const AXIAL: Expectation = Expectation {
     formula: "ω = π/2L √(E/ρ)",
     source: "wave equation",
 };
+const STRING: Expectation = Expectation {
+    formula: "f = (n/2L) √(T/μ), corrected for EI and clamps",
+    source: "Timoshenko",
+};
 /// Fourth order, with 50 edges.
 const BOUND: f64 = 1e-5;
 /// The mass that serves bending leaves axial waves an error of second order, (kh)²/24.
 const AXIAL_BOUND: f64 = 5e-5;
+/// Second order, with 100 edges: that mass leaves (kh)²/24 to waves of tension, too, and the bends at the clamps are only five
+/// edges long.
+const STRING_BOUND: f64 = 1e-3;
 
 /// Speed of axial waves √(E/ρ) in rods of the files, m/s.
 const AXIAL_SPEED: f64 = 1000.0;
 /// Their radius of gyration √(I/A), half the radius, m.
 const GYRATION: f64 = 5e-3;
 
-/// First three modes of bending, clamped and free, and of torsion, and the first axial mode.
+/// First three modes of bending, clamped, free and stretched, and of torsion, and the first axial mode.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let clamped = Modes::of(include_str!("scenes/cantilever.toml"), &[])?;
     let free = Modes::of(include_str!("scenes/free_rod.toml"), &[])?;
@@ -78,7 +86,33 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
         clamped.frequencies(Motion::Axial)[0],
         AXIAL_BOUND,
     ));
+    checks.extend(stretched_string(
+        include_str!("scenes/stretched_string.toml"),
+        &[],
+    )?);
     Ok(checks)
+}
+
+/// The first modes of a string that begins under tension.
+fn stretched_string(text: &str, overrides: &[String]) -> Result<Vec<Check>, GroupError> {
+    let prepared = prepared(text, overrides)?;
+    let rod = &prepared.scene.rods[0];
+    // Per length of the stretched string the mass is less, and a length of it bends as the shorter one without stress does.
+    let stretch = 1.0 + rod.pretension / rod.stiffness.stretching;
+    let bending = rod.stiffness.bending[0] * stretch;
+    let mass = rod.mass_per_length / stretch;
+    let modes = Modes::of(text, overrides)?.frequencies(Motion::Bending);
+    let check = |mode: usize| {
+        let expected = stretched_frequency(mode, rod.pretension, bending, mass, 1.0);
+        STRING.relative(
+            format!("stretched string, mode {mode}: f"),
+            "Hz",
+            expected / TAU,
+            modes[2 * mode - 2] / TAU,
+            STRING_BOUND,
+        )
+    };
+    Ok((1..=3).map(check).collect())
 }
 
 /// How a mode moves mostly.
@@ -96,10 +130,7 @@ struct Modes(Vec<(f64, Motion)>);
 impl Modes {
     /// Of a scenario file of one rod, with some keys set to other values.
     fn of(text: &str, overrides: &[String]) -> Result<Self, GroupError> {
-        let loaded = experiment::from_text("scene", text, Path::new(""), overrides)?;
-        let prepared =
-            experiment::prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?;
-        let mut simulation = Simulation::new(&prepared.scene, &prepared.integration)?;
+        let mut simulation = simulation(text, overrides)?;
         let (stiffness, masses) = (simulation.stiffness_matrix(), simulation.mass_matrix());
         let unknowns = simulation.free_unknowns();
         // K v = ω² M v with M = L Lᵀ and u = Lᵀ v becomes an ordinary symmetric eigenproblem.
@@ -177,6 +208,26 @@ mod tests {
                 assert!(found > order - 0.2, "{inertia}: {found}");
                 assert!(inertia != "lumped" || found < 2.2, "{found}");
             }
+        }
+    }
+
+    #[test]
+    fn a_stretched_string_of_lumped_masses_is_of_second_order() {
+        let text = include_str!("scenes/stretched_string.toml");
+        let of = |edges: usize| {
+            let keys = [
+                format!("rods.0.edges={edges}"),
+                "rods.0.inertia=lumped".into(),
+            ];
+            stretched_string(text, &keys).unwrap()
+        };
+        for (coarse, fine) in of(40).iter().zip(of(80)) {
+            let found = libm::log2(coarse.error / fine.error);
+            println!("{}: {:e} {found}", fine.name, fine.error);
+            assert!((1.8..2.2).contains(&found), "{found}");
+            // What is left of both without the error of second order.
+            let limit = (4.0 * fine.got - coarse.got) / 3.0;
+            assert!((limit / fine.expected - 1.0).abs() < 1.5e-4, "{limit}");
         }
     }
 

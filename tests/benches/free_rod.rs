@@ -46,6 +46,7 @@ fn scene() -> Scene {
             first_director: None,
             twist: 0.0,
             natural_shape: NaturalShape::Straight,
+            pretension: 0.0,
             stiffness: Stiffness {
                 stretching: young * area,
                 bending: [young * second_moment; 2],

@@ -138,6 +138,7 @@ fn flagellum(
             Vector3::z()
         }),
         natural_shape: NaturalShape::AsPlaced,
+        pretension: 0.0,
         ..round_rod(&name(number), centreline, material, rod)
     }
 }

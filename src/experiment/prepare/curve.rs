@@ -1,6 +1,8 @@
 //! Analytic curves as nodes: shapes of a scenario sampled at equal arc length.
 
 use super::catenary::Catenary;
+use super::coil::Coil;
+use super::slack::Slack;
 use crate::mechanics::Vector3;
 use crate::scenario::{Handedness, Shape};
 
@@ -15,8 +17,8 @@ pub struct SampledCurve {
 
 /// Samples `shape` into `edges` edges of equal arc length.
 ///
-/// Nodes lie on the curve itself, so that an edge is a chord. A polyline keeps its corners where the
-/// number of edges fits, else it is resampled along its length.
+/// Nodes lie on the curve itself, so that an edge is a chord; slack rods and coils are given by the length of their chords. A
+/// polyline keeps its corners where the number of edges fits, else it is resampled along its length.
 pub fn sample(shape: &Shape, edges: usize, closed: bool) -> SampledCurve {
     let nodes = if closed { edges } else { edges + 1 };
     let at = |curve: &dyn Fn(f64) -> Vector3| {
@@ -97,6 +99,40 @@ pub fn sample(shape: &Shape, edges: usize, closed: bool) -> SampledCurve {
             SampledCurve {
                 nodes: at(&|s| chain.point(s)),
                 end_tangents: [Some(chain.tangent(0.0)), Some(chain.tangent(1.0))],
+            }
+        }
+        Shape::Slack {
+            start,
+            end,
+            length,
+            towards,
+        } => {
+            let [start, end, towards] = [start, end, towards].map(|&vector| Vector3::from(vector));
+            let arc = Slack::new(start, end, *length, towards, edges);
+            SampledCurve {
+                nodes: at(&|s| arc.point(s)),
+                end_tangents: [Some(arc.tangent(0.0)), Some(arc.tangent(1.0))],
+            }
+        }
+        Shape::Coil {
+            centre,
+            normal,
+            inner_radius,
+            spacing,
+            length,
+            phase,
+        } => {
+            let coil = Coil {
+                centre: Vector3::from(*centre),
+                plane: normal_plane(*normal),
+                phase: *phase,
+                inner_radius: *inner_radius,
+                spacing: *spacing,
+            };
+            let turned = coil.turned(*length, edges);
+            SampledCurve {
+                nodes: turned.iter().map(|turned| coil.point(*turned)).collect(),
+                end_tangents: [turned[0], turned[edges]].map(|at| Some(coil.tangent(at))),
             }
         }
         Shape::Points { points } => SampledCurve {

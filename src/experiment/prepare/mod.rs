@@ -1,6 +1,7 @@
 //! From a validated scenario to a scene that is ready to run.
 
 mod catenary;
+mod coil;
 pub(crate) mod curve;
 mod estimate;
 mod gripper_motion;
@@ -10,6 +11,7 @@ mod obstacle;
 mod place;
 mod round_rod;
 mod settings;
+mod slack;
 #[cfg(test)]
 mod tests;
 

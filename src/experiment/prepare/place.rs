@@ -39,6 +39,7 @@ pub(super) fn place_rod(rod: &Rod, path: &KeyPath) -> Result<mechanics::RodDescr
         first_director: rod.director.map(Vector3::from),
         twist: rod.twist,
         natural_shape,
+        pretension: rod.pretension,
         stiffness: mechanics::Stiffness {
             stretching: rod.stiffness.stretching,
             bending: [rod.stiffness.bending_1, rod.stiffness.bending_2],
@@ -227,7 +228,7 @@ fn natural_length(rod: &mechanics::RodDescription) -> f64 {
     };
     let edges = nodes.len() - usize::from(!rod.closed);
     let length = |edge: usize| (nodes[(edge + 1) % nodes.len()] - nodes[edge]).norm();
-    (0..edges).map(length).sum()
+    rod.relaxed((0..edges).map(length).collect()).iter().sum()
 }
 
 /// The rod of a name that stands at a key.

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::experiment::{case_set, from_text};
+use crate::mechanics::Vector3;
 use crate::mechanics::contact::ContactParameters;
 use crate::mechanics::dynamics::IntegrationParameters;
 use crate::scenario::Loaded;
@@ -204,4 +205,89 @@ acceleration = [0, 0, -9.81]
     println!("{farthest} {}", report.newton_iterations);
     // It resists bending by EI/(weight per length · L³) = 8e-6.
     assert!(farthest < 1e-3 && report.newton_iterations <= 8);
+}
+
+#[test]
+fn a_rod_under_pretension_starts_at_rest_and_pulls_on_its_clamps() {
+    for tension in [30.0, -0.2] {
+        let text = TWO_RODS
+            .replacen(
+                "edges = 10",
+                &format!("edges = 10\ninertia = \"lumped\"\npretension = {tension:?}"),
+                1,
+            )
+            .replace("[[loads]]", "[[clamps]]\nrod = \"beam\"\nat = 0\n[[loads]]")
+            .replace("moment = [1, 0, 0]", "moment = [0, 0, 0]");
+        let run = prepare(&loaded(&text).scenario).unwrap();
+        let beam = &run.scene.rods[0];
+        let stretch = 1.0 + tension / beam.stiffness.stretching;
+        let mut simulation = Simulation::new(&run.scene, &run.integration).unwrap();
+        for _ in 0..5 {
+            simulation.advance(1.0).unwrap();
+        }
+        for edge in 0..10 {
+            let found = simulation.tension(edge).unwrap();
+            assert!((found / tension - 1.0).abs() < 1e-9, "{found}");
+        }
+        // The clamps bear it, and nothing has moved.
+        for (node, sign) in [(0, -1.0), (10, 1.0)] {
+            let force = simulation.reaction(node) - Vector3::x() * (sign * tension);
+            assert!(force.norm() < 1e-6 * tension.abs(), "{force}");
+        }
+        let moved = (simulation.positions().iter().zip(&beam.centreline))
+            .fold(0.0, |most: f64, (x, placed)| most.max((x - placed).norm()));
+        assert!(moved < 1e-9, "{moved}");
+        // Its mass is that of the shorter rod without stress.
+        let masses = simulation.mass_matrix();
+        let free = simulation.free_unknowns();
+        let diagonal = masses.diagonal();
+        let along = free.iter().zip(diagonal.iter());
+        let beam_only = along.filter(|(unknown, _)| *unknown % 4 == 0 && **unknown < 44);
+        let mass: f64 = beam_only.map(|(_, mass)| mass).sum();
+        let expected = 0.9 * beam.mass_per_length / stretch;
+        assert!((mass / expected - 1.0).abs() < 1e-9, "{mass} {expected}");
+        let from = |place: f64| {
+            let more = format!(
+                "\n[[actuation]]\nkind = \"twist\"\nrod = \"beam\"\nfrom = {place}\nvalues = [[0, 1]]\n"
+            );
+            prepare(&loaded(&format!("{text}{more}")).scenario).is_ok()
+        };
+        // Places along it are those without stress.
+        assert!(from(0.999 / stretch) && !from(1.001 / stretch));
+    }
+}
+
+#[test]
+fn slack_rods_and_coils_have_exactly_the_length_that_is_stated() {
+    let shapes = [
+        (
+            "slack",
+            "start = [0, 0, 0], end = [1, 0.2, 0.3], length = 1.5, towards = [0, 1, 1]",
+        ),
+        (
+            "coil",
+            "centre = [0, 0, 9], inner_radius = 0.05, spacing = 0.03, length = 1.5",
+        ),
+    ];
+    for (kind, keys) in shapes {
+        let text = TWO_RODS.replace("edges = 10", "edges = 50").replace(
+            "kind = \"straight\", start = [0, 0, 0], end = [1, 0, 0]",
+            &format!("kind = {kind:?}, {keys}"),
+        );
+        let run = prepare(&loaded(&text).scenario).unwrap();
+        let beam = &run.scene.rods[0];
+        assert_eq!(beam.centreline.len(), 51);
+        let length: f64 = beam
+            .centreline
+            .windows(2)
+            .map(|x| (x[1] - x[0]).norm())
+            .sum();
+        assert!((length / 1.5 - 1.0).abs() < 1e-12, "{kind}: {length}");
+        // The tangents there are those of the curve: half a turn at a node ahead of the edges.
+        for (tangent, edge) in beam.end_tangents.iter().zip([0, 49]) {
+            let edge = (beam.centreline[edge + 1] - beam.centreline[edge]).normalize();
+            let ahead = tangent.unwrap().angle(&edge);
+            assert!(ahead > 1e-3 && ahead < 0.35, "{kind}: {ahead}");
+        }
+    }
 }

@@ -124,6 +124,38 @@ fn parameters(scheme: Scheme, step: f64) -> IntegrationParameters {
 }
 
 #[test]
+fn a_body_turns_about_each_of_its_axes_with_its_own_moment_of_inertia() {
+    let moments = [4e-6, 5e-6, 6e-6];
+    // The first and the second director and the tangent of the rod that bears it.
+    let axes = [Vector3::y(), Vector3::z(), Vector3::x()];
+    for (axis, moment) in axes.into_iter().zip(moments) {
+        let spin = axis * 3.0;
+        let angular_momentum = |inertia: Option<[f64; 3]>| {
+            let bar = RodDescription {
+                first_director: Some(Vector3::y()),
+                angular_velocity: spin,
+                ..rod("bar", Vector3::zeros(), Vector3::x() * 0.1, 5)
+            };
+            let scene = Scene {
+                rods: vec![bar],
+                bodies: vec![Body {
+                    name: "hub".into(),
+                    at: at(0, 2),
+                    mass: 0.02,
+                    inertia,
+                }],
+                ..Scene::default()
+            };
+            let parameters = parameters(Scheme::ImplicitEuler, 1e-3);
+            Simulation::new(&scene, &parameters).unwrap().momenta()[1]
+        };
+        let of_body = angular_momentum(Some(moments)) - angular_momentum(None);
+        let missed = (of_body - spin * moment).norm() / (spin * moment).norm();
+        assert!(missed < 1e-9, "{axis:?}: {of_body:?}");
+    }
+}
+
+#[test]
 fn a_body_that_tumbles_keeps_its_angular_momentum() {
     let lost = |scheme: Scheme, step: f64| {
         let mut simulation = Simulation::new(&tumbling(), &parameters(scheme, step)).unwrap();

@@ -2,6 +2,8 @@
 
 mod surface;
 
+pub use surface::neighbourhood;
+
 use super::{UnitQuaternion, Vector3};
 use std::collections::BTreeMap;
 

@@ -8,6 +8,14 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 const AROUND: usize = 48;
 const TO_POLE: usize = 12;
 
+/// The middle of points and the distance of the farthest from it, m: how far surfaces without end show.
+pub fn neighbourhood<'a>(points: impl Iterator<Item = &'a Vector3> + Clone) -> (Vector3, f64) {
+    let count = points.clone().count().max(1) as f64;
+    let centre = points.clone().sum::<Vector3>() / count;
+    let reach = points.fold(0.0, |most, x| f64::max(most, (x - centre).norm()));
+    (centre, reach)
+}
+
 impl RigidBody {
     /// The triangles of its surface, as three corners each (m). Of a cylinder without ends the part shows that is within a
     /// `reach` (m) of a point.

@@ -186,10 +186,12 @@ impl Assembly {
             NaturalShape::Centreline(points) => Some(place(points, 0.0, [None, None])?),
             _ => None,
         };
-        let natural_lengths = natural_placement
-            .as_ref()
-            .map_or(&placed.lengths, |p| &p.lengths)
-            .clone();
+        let natural_lengths = rod.relaxed(
+            natural_placement
+                .as_ref()
+                .map_or(&placed.lengths, |p| &p.lengths)
+                .clone(),
+        );
         self.place_nodes(rod, &range, &placed);
         self.add_edges_and_masses(rod, &range, &natural_lengths);
         let first_vertex = self.rods.vertices.len();

@@ -163,7 +163,7 @@ pub const FILES: &[FileDescription] = &[
     file(
         &["vtk"],
         "A frame per output time as VTK PolyData: polylines with radius, velocity, fluid and contact force at the \
-         nodes. ParaView's filter \"Tube\" with \"Vary Radius: By Absolute Scalar\" draws the rods as they are.",
+         nodes; beside them the obstacles, triangles with their number, once where none moves. ParaView's filter \"Tube\" with \"Vary Radius: By Absolute Scalar\" draws the rods as they are.",
     ),
     file(
         &["rods.svg", "rods.png"],

@@ -18,12 +18,14 @@ use super::stop::{Stop, StopRequests};
 use super::{Mode, PreparedRun, Reached, RunError, RunOptions, RunOutcome, RunStatus};
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::SimulationError;
-use crate::mechanics::scene::Start;
+use crate::mechanics::scene::{Obstacle, Start};
+use crate::mechanics::system::obstacle_poses;
 use crate::results::{
     BRANCH, CaseRecord, CaseStatus, CheckpointFiles, FileMarks, Frame, MANIFEST, Manifest,
     Recorder, ResultsDirectory, ResultsError, Usage, UsageMeter, Value, check_lengths,
     scenario_hash, sync, write_end_state,
 };
+use nalgebra::Isometry3;
 use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
 use tracing::info;
@@ -51,6 +53,8 @@ pub(crate) struct Session {
     path: Option<PathAtWork>,
     /// Positions at the start, m.
     placed: Vec<Vector3>,
+    /// What the frames show beside the rods.
+    obstacles: Vec<Obstacle>,
     run_state: RunState,
     meter: UsageMeter,
     /// When the log last heard of outputs.
@@ -163,6 +167,7 @@ impl Session {
             times,
             path,
             placed,
+            obstacles: prepared.scene.obstacles.clone(),
             run_state,
             meter,
             last_told: Instant::now(),
@@ -288,6 +293,7 @@ impl Session {
         let frame = if self.recorder.needs_frames() {
             Frame {
                 time,
+                obstacle_poses: self.obstacle_poses(time),
                 ..simulation.frame(self.recorder.needs_forces())
             }
         } else {
@@ -307,6 +313,18 @@ impl Session {
         self.run_state.outputs += 1;
         self.tell_progress(simulation);
         self.conclude_from(findings)
+    }
+
+    /// Where the obstacles are, if the frames ask.
+    fn obstacle_poses(&self, time: f64) -> Vec<Isometry3<f64>> {
+        if !self.recorder.needs_obstacle_poses() {
+            return Vec::new();
+        }
+        let poses = obstacle_poses(&self.obstacles, time);
+        let poses = poses.iter();
+        poses
+            .map(|pose| Isometry3::from_parts(pose.translation.into(), pose.rotation))
+            .collect()
     }
 
     /// Writes a checkpoint where the last is old, or else steps so long that whoever cannot wait for their end would lose much.

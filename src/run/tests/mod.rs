@@ -34,6 +34,7 @@ fn prepared(mode: Mode) -> PreparedRun {
         first_director: None,
         twist: 0.0,
         natural_shape: NaturalShape::Straight,
+        pretension: 0.0,
         stiffness: Stiffness {
             stretching: 1.0,
             bending: [1.0; 2],

@@ -77,6 +77,17 @@ fn rod(
         shape,
     };
     let rod = self::member(context, section, typed, common, member);
+    if let Shape::Coil { spacing, .. } = rod.shape
+        && spacing <= 2.0 * rod.radius
+    {
+        let diameter = 2.0 * rod.radius;
+        section.below("shape").fault(
+            "spacing",
+            format!(
+                "{spacing:?} m is out of range; allowed: greater than the diameter of the rod, {diameter:?} m"
+            ),
+        );
+    }
     let gains = vibrates && is_straight(&rod.natural_shape, &rod.shape);
     Rod {
         closed,
@@ -120,6 +131,7 @@ pub fn member(
         cross_section.stiffness(radius, &material),
     );
     refuse_degenerate(section, &stiffness);
+    let natural_shape = natural_shape(context, section, typed);
     Rod {
         name: member.name,
         radius,
@@ -127,7 +139,8 @@ pub fn member(
         closed: false,
         held: typed.held.unwrap_or(false),
         inertia: Inertia::Lumped,
-        natural_shape: natural_shape(context, section, typed),
+        pretension: pretension(section, typed, &natural_shape, stiffness.stretching),
+        natural_shape,
         twist: section.with_default("twist", &typed.twist, FINITE, 0.0),
         director: section.direction("director", &typed.director),
         stiffness,
@@ -161,6 +174,32 @@ fn is_straight(natural: &NaturalShape, placed: &Shape) -> bool {
         NaturalShape::Curved { curvature, twist } => *curvature == [0.0; 2] && *twist == 0.0,
         NaturalShape::Curve(shape) => matches!(shape, Shape::Straight { .. }),
     }
+}
+
+/// Most of its length that a rod may have lost where it begins pushed together.
+const MOST_SHORTENED: f64 = 0.9;
+
+/// The tension in a placed rod, N, whose lengths without stress follow from those placed.
+fn pretension(
+    section: &Section<'_>,
+    typed: &typed::Rod,
+    natural_shape: &NaturalShape,
+    stretching: f64,
+) -> f64 {
+    let tension = section.with_default("pretension", &typed.pretension, FINITE, 0.0);
+    if tension != 0.0 && matches!(natural_shape, NaturalShape::Curve(_)) {
+        let message =
+            "the natural shape has lengths of its own; give `pretension` or those, not both";
+        section.fault("pretension", message);
+    }
+    let least = -MOST_SHORTENED * stretching;
+    if tension < least {
+        section.fault(
+            "pretension",
+            format!("{tension:?} N is out of range; allowed: at least -0.9 EA = {least:?} N"),
+        );
+    }
+    tension
 }
 
 /// The name of a rod, or of what makes rods.
@@ -322,7 +361,9 @@ fn closed(section: &Section<'_>, typed: Option<bool>, shape: &Shape) -> bool {
             Shape::Straight { .. }
             | Shape::Helix { .. }
             | Shape::Arc { .. }
-            | Shape::Catenary { .. },
+            | Shape::Catenary { .. }
+            | Shape::Slack { .. }
+            | Shape::Coil { .. },
         ) => {
             section.fault(
                 "closed",
@@ -335,8 +376,18 @@ fn closed(section: &Section<'_>, typed: Option<bool>, shape: &Shape) -> bool {
 }
 
 fn edges(section: &Section<'_>, typed: Option<i64>, shape: &Shape, closed: bool) -> usize {
-    // A closed rod of two edges would fold onto itself.
-    let fewest = if closed { 3 } else { 1 };
+    let fewest = match shape {
+        // A closed rod of two edges would fold onto itself.
+        _ if closed => 3,
+        Shape::Slack { .. } => 2,
+        // Longer edges than its inner radius do not turn with it.
+        Shape::Coil {
+            inner_radius,
+            length,
+            ..
+        } => (length / inner_radius).ceil().clamp(1.0, MOST_EDGES as f64) as usize,
+        _ => 1,
+    };
     let corners = match shape {
         Shape::Points { points } if typed.is_none() => points.len(),
         _ => {

@@ -16,6 +16,8 @@ pub fn shape(context: &Context<'_>, section: &Section<'_>, typed: &typed::Shape)
         typed::Shape::Arc(curve) => arc(section, curve),
         typed::Shape::Ring(curve) => ring(section, curve),
         typed::Shape::Catenary(chain) => catenary(section, chain),
+        typed::Shape::Slack(rod) => slack(section, rod),
+        typed::Shape::Coil(rod) => coil(section, rod),
         typed::Shape::Points(points) => polyline::points(context, section, points),
     }
 }
@@ -70,18 +72,9 @@ fn catenary(section: &Section<'_>, typed: &typed::Catenary) -> Shape {
     let down = section.direction("down", &typed.down);
     let down = down.unwrap_or(UP.map(|component| -component));
     let along: [f64; 3] = std::array::from_fn(|i| end[i] - start[i]);
-    let norm = |vector: [f64; 3]| vector.iter().map(|c| c * c).sum::<f64>().sqrt();
     let fall: f64 = (0..3).map(|i| along[i] * down[i]).sum();
     let span = norm(std::array::from_fn(|i| along[i] - fall * down[i]));
-    if length <= norm(along) {
-        section.fault(
-            "length",
-            format!(
-                "{length:?} m is out of range; allowed: greater than the distance of the ends, {:?} m",
-                norm(along)
-            ),
-        );
-    } else if span < LEAST_SPAN * length {
+    if !refuse_taut(section, length, norm(along)) && span < LEAST_SPAN * length {
         section.fault(
             "end",
             format!(
@@ -94,6 +87,83 @@ fn catenary(section: &Section<'_>, typed: &typed::Catenary) -> Shape {
         end,
         length,
         down,
+    }
+}
+
+/// Greatest length of a slack rod over the distance of its ends: with them nearer it is a closed ring.
+const MOST_SLACK: f64 = 1e3;
+
+fn slack(section: &Section<'_>, typed: &typed::Slack) -> Shape {
+    let start = section.required_vector("start", &typed.start);
+    let end = section.required_vector("end", &typed.end);
+    let length = section.required("length", &typed.length, POSITIVE);
+    let towards = section.required_direction("towards", &typed.towards);
+    let along: [f64; 3] = std::array::from_fn(|i| end[i] - start[i]);
+    let distance = norm(along);
+    if !refuse_taut(section, length, distance) && length > MOST_SLACK * distance {
+        section.fault(
+            "end",
+            format!(
+                "the ends lie {distance:?} m apart; allowed: at least a thousandth of the length"
+            ),
+        );
+    }
+    let along = along.map(|component| component / distance);
+    let across = part_normal_to(towards, along);
+    if across.is_none() {
+        let message = "the direction must not be along the line from `start` to `end`";
+        section.fault("towards", message);
+    }
+    Shape::Slack {
+        start,
+        end,
+        length,
+        towards: across.unwrap_or(towards),
+    }
+}
+
+/// Reports a rod that is no longer than its ends are apart.
+fn refuse_taut(section: &Section<'_>, length: f64, distance: f64) -> bool {
+    let taut = length <= distance;
+    if taut {
+        section.fault(
+            "length",
+            format!(
+                "{length:?} m is out of range; allowed: greater than the distance of the ends, {distance:?} m"
+            ),
+        );
+    }
+    taut
+}
+
+fn coil(section: &Section<'_>, typed: &typed::Coil) -> Shape {
+    Shape::Coil {
+        centre: section.required_vector("centre", &typed.centre),
+        normal: section.direction("normal", &typed.normal).unwrap_or(UP),
+        inner_radius: section.required("inner_radius", &typed.inner_radius, POSITIVE),
+        spacing: section.required("spacing", &typed.spacing, POSITIVE),
+        length: section.required("length", &typed.length, POSITIVE),
+        phase: section.with_default("phase", &typed.phase, FINITE, 0.0),
+    }
+}
+
+fn norm(vector: [f64; 3]) -> f64 {
+    vector.iter().map(|c| c * c).sum::<f64>().sqrt()
+}
+
+/// The direction of the part of a unit vector that is normal to another; `None` where there is hardly any.
+fn part_normal_to(direction: [f64; 3], axis: [f64; 3]) -> Option<[f64; 3]> {
+    let along: f64 = (0..3).map(|i| axis[i] * direction[i]).sum();
+    let across: [f64; 3] = std::array::from_fn(|i| direction[i] - along * axis[i]);
+    let size = norm(across);
+    if size < 1e-6 {
+        // Nearer than this it is lost in round-off.
+        None
+    } else if along.abs() < 4.0 * f64::EPSILON {
+        // Exactly normal it stays as it is.
+        Some(direction)
+    } else {
+        Some(across.map(|component| component / size))
     }
 }
 
@@ -161,18 +231,11 @@ fn radial_direction(axis: [f64; 3], phase: f64) -> [f64; 3] {
 fn arc(section: &Section<'_>, typed: &typed::Arc) -> Shape {
     let tangent = section.required_direction("tangent", &typed.tangent);
     let normal = section.required_direction("normal", &typed.normal);
-    let along: f64 = (0..3).map(|i| tangent[i] * normal[i]).sum();
-    let across: [f64; 3] = std::array::from_fn(|i| normal[i] - along * tangent[i]);
-    let size = across.iter().map(|c| c * c).sum::<f64>().sqrt();
-    // Nearer than this the plane of the arc is lost in round-off; exactly normal stays as it is.
-    if size < 1e-6 {
+    let across = part_normal_to(normal, tangent);
+    if across.is_none() {
         section.fault("normal", "the normal must not be along the tangent");
     }
-    let normal = if along.abs() < 4.0 * f64::EPSILON {
-        normal
-    } else {
-        across.map(|component| component / size)
-    };
+    let normal = across.unwrap_or(normal);
     let angle = section.required("angle", &typed.angle, POSITIVE);
     if angle > TAU {
         section.fault(

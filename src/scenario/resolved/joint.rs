@@ -147,3 +147,29 @@ pub enum HeldEnds {
     /// Those at which ends of two rods meet.
     Corners,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn moments_of_inertia_are_those_of_the_textbooks() {
+        let sphere = BodyShape::Sphere { radius: 0.3 };
+        assert_eq!(sphere.moments_of_inertia(2.0), [0.4 * 2.0 * 0.3 * 0.3; 3]);
+        let sums = |moments: [f64; 3], expected: [f64; 3]| {
+            for (found, expected) in moments.into_iter().zip(expected) {
+                assert!((found / expected - 1.0).abs() < 1e-14, "{moments:?}");
+            }
+        };
+        let (radius, thickness) = (0.3, 0.2);
+        let disk = BodyShape::Disk { radius, thickness };
+        // m (3 R² + t²)/12 across, m R²/2 about the axis.
+        let across = 2.0 * (3.0 * 0.09 + 0.04) / 12.0;
+        sums(disk.moments_of_inertia(2.0), [across, across, 0.09]);
+        let size = [0.1, 0.2, 0.3];
+        let cuboid = BodyShape::Box { size };
+        // m (b² + c²)/12 about the side a.
+        let expected = [0.04 + 0.09, 0.01 + 0.09, 0.01 + 0.04].map(|squares| squares / 6.0);
+        sums(cuboid.moments_of_inertia(2.0), expected);
+    }
+}

@@ -23,6 +23,9 @@ pub struct Rod {
     pub natural_shape: NaturalShape,
     /// Total twist put into the placed rod, rad.
     pub twist: f64,
+    /// Tension in the placed rod, N.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub pretension: f64,
     /// Direction of the first material director on the first edge.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub director: Option<[f64; 3]>,
@@ -153,6 +156,32 @@ pub enum Shape {
         length: f64,
         /// Direction in which it hangs, a unit vector.
         down: [f64; 3],
+    },
+    /// A slack rod between two points, in an arc of a circle.
+    Slack {
+        /// First point, m.
+        start: [f64; 3],
+        /// Last point, m.
+        end: [f64; 3],
+        /// Length of its edges together, m.
+        length: f64,
+        /// Direction in which its middle lies off the line of its ends, a unit vector normal to that line.
+        towards: [f64; 3],
+    },
+    /// A rod coiled flat, from its inner end outwards.
+    Coil {
+        /// Middle of the coil, m.
+        centre: [f64; 3],
+        /// Unit vector about which it winds.
+        normal: [f64; 3],
+        /// Distance of its inner end from the middle, m.
+        inner_radius: f64,
+        /// Distance of neighbouring turns, m.
+        spacing: f64,
+        /// Length of its edges together, m.
+        length: f64,
+        /// Angle of the inner end about the normal, rad, from the direction of x (of y about a normal along x).
+        phase: f64,
     },
     /// An arc of a circle.
     Arc {

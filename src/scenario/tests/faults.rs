@@ -129,10 +129,10 @@ fn faults_name_file_line_column_key_and_range() {
     insta::assert_snapshot!(faults("edges = 50", "edges = 50.5"), @"beam.toml:12:9: `rods.0.edges`: expected a whole number, found a number");
     insta::assert_snapshot!(faults("edges = 50", "edges = 99999999999999999999"), @"beam.toml:12:9: `rods.0.edges`: expected a whole number, found a number");
     insta::assert_snapshot!(faults("poissons_ratio = 0.5", "poissons_ratio = 0.6"), @"beam.toml:6:18: `material.poissons_ratio`: 0.6 is out of range; allowed: greater than -1 and at most 0.5");
-    insta::assert_snapshot!(faults("kind = \"straight\"", "kind = \"strait\""), @r#"beam.toml:13:18: `rods.0.shape.kind`: "strait" is not known here; allowed: straight, helix, arc, ring, catenary, points (did you mean `straight`?)"#);
+    insta::assert_snapshot!(faults("kind = \"straight\"", "kind = \"strait\""), @r#"beam.toml:13:18: `rods.0.shape.kind`: "strait" is not known here; allowed: straight, helix, arc, ring, catenary, slack, coil, points (did you mean `straight`?)"#);
     insta::assert_snapshot!(faults("end = [1, 0, 0]", "end = [1, 0]"), @"beam.toml:13:55: `rods.0.shape.end`: expected an array of 3 values, found 2");
     insta::assert_snapshot!(faults("end = [1, 0, 0]", "end = [0, 0, 0]"), @"beam.toml:13:55: `rods.0.shape.end`: the line has no length: `start` and `end` are the same");
-    insta::assert_snapshot!(faults("kind = \"straight\", ", ""), @"beam.toml:13:9: `rods.0.shape`: missing key `kind`; allowed: straight, helix, arc, ring, catenary, points");
+    insta::assert_snapshot!(faults("kind = \"straight\", ", ""), @"beam.toml:13:9: `rods.0.shape`: missing key `kind`; allowed: straight, helix, arc, ring, catenary, slack, coil, points");
     insta::assert_snapshot!(faults("kind = \"gravity\"", "kind = \"gravitation\""), @r#"beam.toml:20:8: `loads.0.kind`: "gravitation" is not known here; allowed: gravity, force, moment, distributed, drag (did you mean `gravity`?)"#);
     insta::assert_snapshot!(faults("at = \"start\"", "at = \"middle\""), @r#"beam.toml:17:6: `clamps.0.at`: invalid value: string "middle", expected "start", "end" or a number counted from zero"#);
     insta::assert_snapshot!(faults("at = \"start\"", "at = -1"), @"beam.toml:17:6: `clamps.0.at`: -1 is out of range; allowed: 0 and up");
@@ -334,4 +334,33 @@ fn chains_that_cannot_hang_are_refused() {
     insta::assert_snapshot!(fault("start = [0, 0, 0], end = [3, 0, 4], length = 5"), @r##"beam.toml:13:75: `rods.0.shape.length`: 5.0 m is out of range; allowed: greater than the distance of the ends, 5.0 m"##);
     insta::assert_snapshot!(fault("start = [0, 0, 0], end = [0, 0, 4], length = 5"), @r##"beam.toml:13:55: `rods.0.shape.end`: the ends hang above each other, 0.0 m apart across; allowed: at least a thousandth of the length"##);
     insta::assert_snapshot!(fault("start = [0, 0, 0], end = [0, 0, 4]"), @r##"beam.toml:13:9: `rods.0.shape`: missing key `length` (a length, greater than 0)"##);
+}
+
+#[test]
+fn slack_rods_and_coils_that_cannot_lie_so_are_refused() {
+    let straight = "kind = \"straight\", start = [0, 0, 0], end = [1, 0, 0]";
+    let slack = |keys: &str| faults(straight, &format!("kind = \"slack\", {keys}"));
+    insta::assert_snapshot!(slack("start = [0, 0, 0], end = [3, 0, 4], length = 5, towards = [0, 1, 0]"), @r##"beam.toml:13:72: `rods.0.shape.length`: 5.0 m is out of range; allowed: greater than the distance of the ends, 5.0 m"##);
+    insta::assert_snapshot!(slack("start = [0, 0, 0], end = [3, 0, 4], length = 6000, towards = [0, 1, 0]"), @r##"beam.toml:13:52: `rods.0.shape.end`: the ends lie 5.0 m apart; allowed: at least a thousandth of the length"##);
+    insta::assert_snapshot!(slack("start = [0, 0, 0], end = [3, 0, 4], length = 6, towards = [6, 0, 8]"), @r##"beam.toml:13:85: `rods.0.shape.towards`: the direction must not be along the line from `start` to `end`"##);
+    insta::assert_snapshot!(slack("start = [0, 0, 0], end = [3, 0, 4], length = 6"), @r##"beam.toml:13:9: `rods.0.shape`: missing key `towards` (a direction [x, y, z])"##);
+    insta::assert_snapshot!(slack("start = [0, 0, 0], end = [0, 0, 0], length = 6, towards = [0, 1, 0]"), @r##"beam.toml:13:52: `rods.0.shape.end`: the ends lie 0.0 m apart; allowed: at least a thousandth of the length"##);
+    let coil = |keys: &str| {
+        faults(
+            straight,
+            &format!("kind = \"coil\", centre = [0, 0, 0], {keys}"),
+        )
+    };
+    insta::assert_snapshot!(coil("inner_radius = 0.1, spacing = 0.01, length = 2"), @r##"beam.toml:13:76: `rods.0.shape.spacing`: 0.01 m is out of range; allowed: greater than the diameter of the rod, 0.01 m"##);
+    insta::assert_snapshot!(coil("inner_radius = 0.01, spacing = 0.02, length = 2"), @r##"beam.toml:12:9: `rods.0.edges`: 50 is out of range; allowed: 200 to 1000000"##);
+    insta::assert_snapshot!(coil("inner_radius = 0, spacing = 0.02, length = 2"), @r##"beam.toml:13:61: `rods.0.shape.inner_radius`: 0.0 is out of range; allowed: greater than 0"##);
+}
+
+#[test]
+fn a_tension_that_no_rod_begins_with_is_refused() {
+    let straight = "shape = { kind = \"straight\", start = [0, 0, 0], end = [1, 0, 0] }";
+    let fault = |keys: &str| faults(straight, &format!("{straight}\n{keys}"));
+    insta::assert_snapshot!(fault("pretension = \"5 m\""), @r##"beam.toml:14:14: `rods.0.pretension`: "5 m" is a length, but this key takes a force; allowed units: N, kN, mN, µN, uN"##);
+    insta::assert_snapshot!(fault("pretension = \"-8 kN\""), @r##"beam.toml:14:14: `rods.0.pretension`: -8000.0 N is out of range; allowed: at least -0.9 EA = -7068.583470577035 N"##);
+    insta::assert_snapshot!(fault("pretension = 1\nnatural_shape = { kind = \"straight\", start = [0, 0, 0], end = [0.9, 0, 0] }"), @r##"beam.toml:14:14: `rods.0.pretension`: the natural shape has lengths of its own; give `pretension` or those, not both"##);
 }

@@ -134,6 +134,25 @@ radius = "2 mm"
 edges = 12
 shape = { kind = "catenary", start = [0, 0, 1], end = [1, 0.5, 2], length = "250 cm", down = [0, 0.1, -1] }
 
+[[rods]]
+name = "loose"
+radius = "1 mm"
+edges = 20
+shape = { kind = "slack", start = [0, 3, 1], end = [1, 3.5, 2], length = "250 cm", towards = [0, 1, -1] }
+
+[[rods]]
+name = "coil"
+radius = "1 mm"
+edges = 200
+shape = { kind = "coil", centre = [0, 0, 5], normal = [0, 1, 1], inner_radius = "3 cm", spacing = "4 mm", length = "2 m", phase = "10 deg" }
+
+[[rods]]
+name = "string"
+radius = "1 mm"
+edges = 20
+shape = { kind = "straight", start = [0, 4, 0], end = [1, 4, 0] }
+pretension = "20 mN"
+
 [[clamps]]
 rod = "rod_1"
 at = "start"

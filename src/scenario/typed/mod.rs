@@ -30,7 +30,7 @@ pub use probe::{
 };
 pub use quantity::{Quantity, Vector};
 pub use rod::{CrossSection, InertiaChoice, Material, Rod, Stiffness};
-pub use shape::{Arc, Catenary, Helix, NaturalShape, Points, Ring, Shape, Straight};
+pub use shape::{Arc, Catenary, Coil, Helix, NaturalShape, Points, Ring, Shape, Slack, Straight};
 pub use start::Start;
 pub use sweep::{End, Sample, SampleMethod, Search, SearchMethod, Sweep};
 

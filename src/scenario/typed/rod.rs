@@ -58,6 +58,10 @@ pub struct Rod {
     pub natural_twist: Option<Quantity<Twist>>,
     /// Total twist put into the placed rod from its first to its last edge. Default: 0.
     pub twist: Option<Quantity<Angle>>,
+    /// Tension T in the placed rod: it begins stretched by the strain T/EA, so that its length without stress is that placed
+    /// over 1 + T/EA, and pulls on the clamps that hold its ends; negative where it begins pushed together. Density, section,
+    /// natural curvature and twist are those without stress. Default: 0.
+    pub pretension: Option<Quantity<Force>>,
     /// Direction of the first material director m₁ on the first edge; its part normal to the edge counts.
     /// Matters for rectangles, natural curvature and unequal bending stiffnesses. Default: any normal.
     ///

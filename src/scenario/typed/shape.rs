@@ -22,6 +22,10 @@ pub enum Shape {
     Ring(Ring),
     /// A chain that hangs between two points.
     Catenary(Catenary),
+    /// A slack rod between two points.
+    Slack(Slack),
+    /// A rod coiled flat.
+    Coil(Coil),
     /// A polyline.
     Points(Points),
 }
@@ -143,6 +147,40 @@ pub struct Catenary {
     pub length: Option<Quantity<Length>>,
     /// Direction in which it hangs. Default: [0, 0, -1].
     pub down: Option<Vector<Dimensionless>>,
+}
+
+/// A rod that is longer than its ends are apart, laid in the arc of a circle between them; its edges are equal and have exactly
+/// the stated length together.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "slack")]
+pub struct Slack {
+    /// First point.
+    pub start: Option<Vector<Length>>,
+    /// Last point.
+    pub end: Option<Vector<Length>>,
+    /// Length of the rod, greater than the distance of its ends and at most a thousand times that.
+    pub length: Option<Quantity<Length>>,
+    /// Direction in which its middle lies off the line of its ends; its part normal to that line counts.
+    pub towards: Option<Vector<Dimensionless>>,
+}
+
+/// A rod coiled flat, in a spiral of Archimedes from its inner end outwards; its edges are equal and have exactly the stated
+/// length together.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "coil")]
+pub struct Coil {
+    /// Middle of the coil.
+    pub centre: Option<Vector<Length>>,
+    /// Direction about which it winds. Default: [0, 0, 1].
+    pub normal: Option<Vector<Dimensionless>>,
+    /// Distance of its inner end from the middle.
+    pub inner_radius: Option<Quantity<Length>>,
+    /// Distance of neighbouring turns from each other, greater than the diameter of the rod.
+    pub spacing: Option<Quantity<Length>>,
+    /// Length of the rod; it has as many turns as that makes.
+    pub length: Option<Quantity<Length>>,
+    /// Angle of the inner end about the normal, from the direction of x (of y about a normal along x). Default: 0.
+    pub phase: Option<Quantity<Angle>>,
 }
 
 /// A polyline; give `file` or `points`. With `edges` it is resampled to equal arc lengths.

@@ -27,6 +27,28 @@ pub fn fixed_free_wave_number(mode: usize) -> f64 {
     (mode as f64 - 0.5) * PI
 }
 
+/// Angular frequency, rad/s, of a mode of a rod with clamped ends under tension (e.g. Timoshenko, Vibration Problems in
+/// Engineering): EI w⁗ − T w″ = μ ω² w has w = e^{±αx}, e^{±iβx} with α² − β² = T/EI and μ ω² = EI α² β², and clamped ends
+/// 2αβ (1 − cosh αL cos βL) + (α² − β²) sinh αL sin βL = 0. Between (nπ/L) √(T/μ), the string's, and that of the beam.
+pub fn stretched_frequency(
+    mode: usize,
+    tension: f64,
+    bending: f64,
+    mass_per_length: f64,
+    length: f64,
+) -> f64 {
+    let of_both = |beta: f64| libm::hypot(beta, (tension / bending).sqrt());
+    // Divided by cosh αL, so that stiff tension does not overflow.
+    let first = mode as f64 * PI / length;
+    let beta = bisect(first, first + 0.6 * PI / length, |beta| {
+        let alpha = of_both(beta);
+        let (sine, cosine) = libm::sincos(beta * length);
+        2.0 * alpha * beta * (1.0 / libm::cosh(alpha * length) - cosine)
+            + tension / bending * libm::tanh(alpha * length) * sine
+    });
+    of_both(beta) * beta * (bending / mass_per_length).sqrt()
+}
+
 /// Critical compression of a column with both ends clamped, P L²/EI = 4π² (Euler).
 pub const CLAMPED_COLUMN: f64 = 4.0 * PI * PI;
 
@@ -73,5 +95,20 @@ mod tests {
         assert!((x.tan() - x).abs() < 1e-12);
         assert!((2.0 * x - 8.986819).abs() < 1e-6);
         assert!((strip_tip_load() - 4.0126).abs() < 5e-5);
+    }
+
+    #[test]
+    fn stretched_rods_lie_between_beams_and_strings() {
+        for mode in 1..=3 {
+            let frequency =
+                |tension: f64, bending: f64| stretched_frequency(mode, tension, bending, 2.0, 3.0);
+            // A clamped beam has the wave numbers of a free one.
+            let beam = (free_wave_number(mode) / 3.0).powi(2) * 0.5_f64.sqrt();
+            assert!((frequency(1e-9, 1.0) / beam - 1.0).abs() < 1e-9);
+            // To first order either end of a stiff string takes √(EI/T) from its length.
+            let string = mode as f64 * PI / 3.0 * 0.5_f64.sqrt();
+            let stiff = frequency(1.0, 1e-8) / string - 1.0;
+            assert!((stiff / (2.0 * 1e-4 / 3.0) - 1.0).abs() < 1e-3, "{stiff}");
+        }
     }
 }

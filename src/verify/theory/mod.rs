@@ -5,3 +5,4 @@ pub mod friction;
 pub mod localized_buckling;
 pub mod stokeslet;
 pub mod swimmer;
+pub mod tube;

@@ -297,6 +297,13 @@ fn joints_that_cannot_be_are_named() {
     let (name, reason) = refused(&|scene| scene.joints[3].nodes[0] = at(4, 1));
     assert_eq!(name, "ball");
     assert!(matches!(reason, JointError::Apart { distance } if (distance - 0.4387).abs() < 1e-3));
+    // A thousandth of an edge is no rounding.
+    let (name, reason) = refused(&|scene| {
+        let nodes = scene.rods[4].centreline.iter_mut();
+        nodes.for_each(|node| *node += Vector3::y() * 4e-4);
+    });
+    assert_eq!(name, "ball");
+    assert!(matches!(reason, JointError::Apart { distance } if (distance - 4e-4).abs() < 1e-12));
     let again = joint("again", [at(0, 0), at(3, 2)], JointKind::Rigid);
     let (name, reason) = refused(&|scene| scene.joints.push(again.clone()));
     assert_eq!((name.as_str(), reason), ("again", JointError::Twice));
