@@ -200,7 +200,7 @@ mod tests {
 
     #[test]
     fn threads_change_no_byte() {
-        let (side, mut pairs) = (36, Vec::new());
+        let (side, mut pairs) = (60, Vec::new());
         let nodes = side * side;
         for k in 0..nodes as u32 {
             pairs.extend(
@@ -219,7 +219,7 @@ mod tests {
             let symbolic = SymbolicFactor::new(&graph);
             assert!(symbolic.branches.len() > 3);
             let of_trunk = symbolic.trunk.iter().map(|k| symbolic.products[*k]);
-            assert!(of_trunk.max() > Some(4 * SMALLEST_TASK));
+            assert!(of_trunk.max() > Some(2 * SMALLEST_TASK));
             let matrix = BlockMatrix {
                 diagonal: &diagonal,
                 lower: &lower,

@@ -10,8 +10,8 @@ pub(super) struct Branch {
 
 /// Parts into which the work of the branches is cut, whatever the number of threads.
 const PARTS: usize = 16;
-/// Products of blocks that a branch has at least, if there are others.
-const SMALLEST_BRANCH: usize = 4_000;
+/// Products of blocks that a branch has at least, if there are others: to wake a thread takes as long as thousands of them.
+const SMALLEST_BRANCH: usize = 30_000;
 
 /// Cuts the tree into branches of about the same work, and the trunk that holds them together.
 pub(super) fn branches(parents: &[Option<usize>], products: &[usize]) -> (Vec<Branch>, Vec<usize>) {

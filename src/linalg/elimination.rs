@@ -9,7 +9,7 @@ use super::panel::{Earlier, Rows};
 use super::symbolic::{SymbolicFactor, Update};
 
 /// Products of blocks below which a task is not worth a thread.
-pub(super) const SMALLEST_TASK: usize = 4_000;
+pub(super) const SMALLEST_TASK: usize = 20_000;
 
 /// Consecutive panels, which no other ones change.
 pub(super) struct Part<'a> {

@@ -31,7 +31,7 @@ const GRAVITY: f64 = 9.81;
 const MODELS: [(ContactModel, &str, f64); 3] = [
     (ContactModel::ImplicitContact, "imc", 1.0),
     (ContactModel::IncrementalPotential, "ipc", 1.0),
-    (ContactModel::Complementarity, "complementarity", 1e-4),
+    (ContactModel::Complementarity, "complementarity", 1e-6),
 ];
 
 /// Sliding and sticking on an incline, and the capstan, by every contact model.
