@@ -40,8 +40,8 @@ pub struct CoupledSystem {
 }
 
 impl CoupledSystem {
-    /// Finds the pattern of a band of `dimension` unknowns together with `elements`, orders it by
-    /// approximate minimum degree and makes room for its factors.
+    /// Finds the pattern of a band of `dimension` unknowns together with `elements`, chooses an order of elimination that fills
+    /// it little, and makes room for its factors.
     ///
     /// `held` marks unknowns that keep their place (length `dimension`): their rows and columns are
     /// dropped, their diagonals one. `shared` are the unknowns that are the same as another one, which is free or held

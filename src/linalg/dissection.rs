@@ -22,8 +22,8 @@ const FAR: i32 = i32::MAX;
 /// An order of elimination: entry k is the node to be eliminated as k-th.
 pub(super) fn dissection_order(graph: &NodeGraph) -> Vec<usize> {
     let mut dissection = Dissection {
-        graph,
         neighbours: Neighbours::new(graph),
+        number: vec![0; graph.nodes],
         part: vec![Some(0); graph.nodes],
         parts: 0,
         distances: [(); LANDMARKS].map(|()| vec![FAR; graph.nodes]),
@@ -64,12 +64,13 @@ impl Neighbours {
     }
 }
 
-struct Dissection<'a> {
-    graph: &'a NodeGraph,
+struct Dissection {
     neighbours: Neighbours,
     /// The part that each node is in; none once it separates others.
     part: Vec<Option<u32>>,
     parts: u32,
+    /// Number of each node in a part; scratch.
+    number: Vec<u32>,
     /// Distance of each node from each landmark of its part, in pairs of the graph.
     distances: [Vec<i32>; LANDMARKS],
     queue: VecDeque<u32>,
@@ -92,18 +93,22 @@ struct Sizes {
     up_to: i32,
 }
 
-impl Dissection<'_> {
+impl Dissection {
     /// Orders the nodes of a part.
     fn divide(&mut self, nodes: Vec<u32>) {
+        if nodes.is_empty() {
+            return;
+        }
         if nodes.len() <= SMALLEST_PART {
             return self.order_by_degree(&nodes);
         }
-        self.place_landmarks(&nodes);
-        let reached = |own: &Self, node: &u32| own.distances[0][*node as usize] != FAR;
-        if !nodes.iter().all(|node| reached(self, node)) {
-            let (component, others) = nodes.iter().partition(|node| reached(self, node));
-            return self.divide_both(component, others);
+        let components = self.components(&nodes);
+        if components.len() > 1 {
+            return components
+                .into_iter()
+                .for_each(|component| self.divide(component));
         }
+        self.place_landmarks(&nodes);
         let Some(cut) = self.best_cut(&nodes) else {
             return self.order_by_degree(&nodes);
         };
@@ -135,11 +140,47 @@ impl Dissection<'_> {
         self.divide(other);
     }
 
+    /// Makes a part of each set of nodes of a part that hang together, and lists them.
+    fn components(&mut self, nodes: &[u32]) -> Vec<Vec<u32>> {
+        let whole = self.part[nodes[0] as usize];
+        let mut components = Vec::new();
+        for &start in nodes {
+            if self.part[start as usize] != whole {
+                continue;
+            }
+            self.parts += 1;
+            let own = Some(self.parts);
+            self.part[start as usize] = own;
+            let (mut component, mut next) = (vec![start], 0);
+            while let Some(&node) = component.get(next) {
+                next += 1;
+                for &other in self.neighbours.of(node) {
+                    if self.part[other as usize] == whole {
+                        self.part[other as usize] = own;
+                        component.push(other);
+                    }
+                }
+            }
+            components.push(component);
+        }
+        components
+    }
+
     /// Orders a part by minimum degree.
     fn order_by_degree(&mut self, nodes: &[u32]) {
-        let order = self.graph.restricted_to(nodes).minimum_degree_order();
-        self.order
-            .extend(order.into_iter().map(|k| nodes[k] as usize));
+        for (own, &node) in (0..).zip(nodes) {
+            self.number[node as usize] = own;
+        }
+        let part = self.part[nodes[0] as usize];
+        let mut pairs = Vec::new();
+        for (own, &node) in (0..).zip(nodes) {
+            let others = self.neighbours.of(node).iter();
+            let inside = others.filter(|other| self.part[**other as usize] == part);
+            pairs.extend(inside.map(|other| (own, self.number[*other as usize])));
+        }
+        let graph = NodeGraph::of_pairs(nodes.len(), &pairs);
+        let order = graph.minimum_degree_order().into_iter();
+        self.order.extend(order.map(|k| nodes[k] as usize));
     }
 
     /// Landmarks as far from each other as can be, the first far from everything.

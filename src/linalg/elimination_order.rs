@@ -41,7 +41,7 @@ pub(super) fn best_tree(graph: &NodeGraph) -> EliminationTree {
 fn renumbered_order(graph: &NodeGraph, seed: u64) -> Vec<usize> {
     let mut nodes: Vec<u32> = (0..graph.nodes as u32).collect();
     nodes.sort_by_key(|node| scrambled(seed << 32 | u64::from(*node)));
-    let order = graph.restricted_to(&nodes).minimum_degree_order();
+    let order = graph.renumbered(&nodes).minimum_degree_order();
     order.into_iter().map(|k| nodes[k] as usize).collect()
 }
 

@@ -50,7 +50,6 @@ impl NodeGraph {
     }
 
     /// The graph of given pairs, in any order and however often.
-    #[cfg(test)]
     pub(super) fn of_pairs(nodes: usize, pairs: &[(u32, u32)]) -> Self {
         let pairs = pairs.iter().filter(|(p, q)| p != q);
         let keys = pairs
@@ -79,16 +78,15 @@ impl NodeGraph {
             .ok()
     }
 
-    /// The graph of some of the nodes, numbered as they are listed.
-    pub(super) fn restricted_to(&self, nodes: &[u32]) -> Self {
-        let mut number = vec![None; self.nodes];
-        for (own, &node) in nodes.iter().enumerate() {
-            number[node as usize] = Some(own);
+    /// The same graph, its nodes numbered as they are listed.
+    pub(super) fn renumbered(&self, nodes: &[u32]) -> Self {
+        let mut number = vec![0; self.nodes];
+        for (own, &node) in (0..).zip(nodes) {
+            number[node as usize] = own;
         }
-        let keys = (self.pairs.iter())
-            .filter_map(|&(p, q)| Some(pair_key(number[p as usize]?, number[q as usize]?)))
-            .collect();
-        Self::of_keys(nodes.len(), keys)
+        let pairs = self.pairs.iter();
+        let renumbered = pairs.map(|&(p, q)| (number[p as usize], number[q as usize]));
+        Self::of_pairs(self.nodes, &renumbered.collect::<Vec<_>>())
     }
 
     /// The approximate minimum degree order (Amestoy, Davis & Duff 1996): entry k is the node to be

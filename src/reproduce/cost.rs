@@ -84,7 +84,7 @@ const ONE_ROD: &str = "edges of a rod";
 fn heap(rods: usize, end: f64) -> String {
     let rod = |rod: usize| {
         let count = rod as f64;
-        let (sine, cosine) = (2.399_963_229_728_653 * count).sin_cos();
+        let (sine, cosine) = libm::sincos(2.399_963_229_728_653 * count);
         let x = 0.1 * (0.754_877_666_246_692_7 * count).fract();
         let y = 0.1 * (0.569_840_290_998_053_2 * count).fract();
         let height = 3e-3 + 2.25e-3 * count;
