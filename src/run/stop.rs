@@ -14,7 +14,8 @@ pub enum StopRequest {
     TimeLimit,
 }
 
-/// What is asked, between steps and during long ones, whether to stop.
+/// What is asked, between steps and during long ones, whether to stop. A wish once told stays: it is asked for again by
+/// whoever finds work left undone.
 pub(crate) type StopRequests<'a> = &'a (dyn Fn() -> Option<StopRequest> + Sync);
 
 /// Why the steps ended early.

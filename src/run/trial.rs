@@ -124,15 +124,15 @@ fn try_stage(prepared: &PreparedRun, directory: &Path) -> (Stage, f64) {
         let usage = meter.usage();
         usage.cpu_time.unwrap_or(usage.wall_time)
     };
-    let looked = Mutex::new(Instant::now());
+    // When the clocks were last looked at; nothing once the time is over, which it stays.
+    let looked = Mutex::new(Some(Instant::now()));
     let over = || {
         let mut looked = looked.lock().expect("no thread panics with this lock");
-        if looked.elapsed() < LOOK {
-            return None;
+        if looked.is_some_and(|last| last.elapsed() >= LOOK) {
+            let is_over = spent() >= STAGE || meter.wall_time() >= PATIENCE;
+            *looked = (!is_over).then(Instant::now);
         }
-        *looked = Instant::now();
-        let is_over = spent() >= STAGE || meter.wall_time() >= PATIENCE;
-        is_over.then_some(StopRequest::TimeLimit)
+        looked.is_none().then_some(StopRequest::TimeLimit)
     };
     let stage = match run_until(prepared, &options, &over) {
         Ok(_) => Stage::Finished,
