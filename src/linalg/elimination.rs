@@ -103,12 +103,9 @@ impl<'a> Part<'a> {
     ) -> Result<(), SingularMatrix> {
         let (symbolic, set, symmetric) = (self.symbolic, self.set, self.symmetric);
         let supernode = &symbolic.supernodes.list[index];
-        let own = symbolic.supernodes.rows[supernode.rows.clone()].iter();
-        let rows = supernode
-            .columns
-            .clone()
-            .chain(own.map(|row| *row as usize));
-        for (local, row) in rows.enumerate() {
+        let below = symbolic.supernodes.rows[supernode.rows.clone()].iter();
+        let columns = supernode.columns.clone();
+        for (local, row) in columns.chain(below.map(|row| *row as usize)).enumerate() {
             local_rows[row] = local as u32;
         }
         let local_rows = &*local_rows;
@@ -134,16 +131,9 @@ impl<'a> Part<'a> {
         let per_row = symbolic.products[index] / supernode.height();
         let most = (smallest_task / per_row.max(1)).max(8);
         let updates = symbolic.updates(index);
-        side_by_side(all, most, &|mut rows| {
+        side_by_side(all.reborrow(), most, &|mut rows| {
             update_rows(set, &mut rows, &earlier, updates, local_rows, symmetric);
         });
-        let (lower, upper) = (&mut lower[..blocks], &mut upper[..blocks]);
-        let all = Rows {
-            lower,
-            upper,
-            width: supernode.width(),
-            first: 0,
-        };
         let (mut square, below) = all.split(supernode.width());
         let first = supernode.columns.start - self.first_column;
         let diagonal = &mut self.diagonal[first..first + supernode.width()];

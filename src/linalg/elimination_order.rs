@@ -16,25 +16,27 @@ const MANY_PRODUCTS: usize = 1_000_000;
 /// Other numberings of the nodes that are tried.
 const NUMBERINGS: u64 = 3;
 
-/// The elimination tree of the order chosen.
-pub(super) fn best_tree(graph: &NodeGraph) -> EliminationTree {
-    let tree = EliminationTree::new(graph, &graph.minimum_degree_order());
-    let products = Supernodes::new(&tree).products();
-    if products <= MANY_PRODUCTS {
-        return tree;
+/// The elimination tree of the order chosen, and its supernodes.
+pub(super) fn best_tree(graph: &NodeGraph) -> (EliminationTree, Supernodes) {
+    let with_supernodes = |order: &[usize]| {
+        let tree = EliminationTree::new(graph, order);
+        let supernodes = Supernodes::new(&tree);
+        (tree, supernodes)
+    };
+    let by_degree = with_supernodes(&graph.minimum_degree_order());
+    if by_degree.1.products() <= MANY_PRODUCTS {
+        return by_degree;
     }
-    let others = (0..=NUMBERINGS).into_par_iter().map(|seed| {
-        let order = match seed {
-            NUMBERINGS => dissection_order(graph),
-            _ => renumbered_order(graph, seed),
-        };
-        let tree = EliminationTree::new(graph, &order);
-        (Supernodes::new(&tree).products(), tree)
+    let others = (0..=NUMBERINGS).into_par_iter().map(|seed| match seed {
+        NUMBERINGS => with_supernodes(&dissection_order(graph)),
+        _ => with_supernodes(&renumbered_order(graph, seed)),
     });
     let mut all: Vec<_> = others.collect();
-    all.push((products, tree));
-    let best = all.into_iter().min_by_key(|(products, _)| *products);
-    best.map(|(_, tree)| tree).expect("one is tried")
+    all.push(by_degree);
+    let best = all
+        .into_iter()
+        .min_by_key(|(_, supernodes)| supernodes.products());
+    best.expect("one is tried")
 }
 
 /// The order by minimum degree where nodes are numbered in some other way.
@@ -81,7 +83,7 @@ mod tests {
         let graph = net(20, 5);
         let tree = EliminationTree::new(&graph, &graph.minimum_degree_order());
         let by_degree = Supernodes::new(&tree).products();
-        let best = Supernodes::new(&best_tree(&graph)).products();
+        let best = best_tree(&graph).1.products();
         assert!(
             3 * best < by_degree,
             "{best} products, {by_degree} by degree"

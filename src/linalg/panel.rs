@@ -43,6 +43,16 @@ impl<'a> Rows<'a> {
         self.lower.len() / self.width
     }
 
+    /// The same rows for a while.
+    #[inline(always)]
+    pub(super) fn reborrow(&mut self) -> Rows<'_> {
+        Rows {
+            lower: self.lower,
+            upper: self.upper,
+            ..*self
+        }
+    }
+
     /// The first `count` rows and the others.
     #[inline(always)]
     pub(super) fn split(self, count: usize) -> (Self, Self) {

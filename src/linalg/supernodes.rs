@@ -3,12 +3,12 @@
 use super::elimination_tree::{EliminationTree, ROOT};
 use std::ops::Range;
 
-/// Part of a panel that may be zeros for the sake of one panel in place of two, by its number of columns: narrow
-/// panels cost more in bookkeeping than in arithmetic.
-const ZEROS: [(usize, f64); 3] = [(2, 0.2), (6, 0.08), (usize::MAX, 0.02)];
-
 /// Most columns of a supernode: two rows of its blocks stay in the fastest cache, and little is left to one thread.
 const WIDEST: usize = 16;
+
+/// Part of a panel that may be zeros for the sake of one panel in place of two, by its number of columns: narrow
+/// panels cost more in bookkeeping than in arithmetic.
+const ZEROS: [(usize, f64); 3] = [(2, 0.2), (6, 0.08), (WIDEST, 0.02)];
 
 /// Columns next to each other and the rows that they fill.
 #[derive(Clone, Debug, PartialEq)]
@@ -150,12 +150,12 @@ impl Growing {
         let width = self.columns.len();
         let limit = ZEROS.iter().find(|(columns, _)| width <= *columns);
         let zeros = self.blocks() - self.filled;
-        width <= WIDEST
-            && limit.is_some_and(|(_, part)| zeros as f64 <= part * self.blocks() as f64)
+        limit.is_some_and(|(_, part)| zeros as f64 <= part * self.blocks() as f64)
     }
 }
 
-/// Columns are taken together as long as each fills what the one before it fills, which is a child of it with one row more. The pattern of a column is that of the matrix and those of its children (George & Liu 1981, ch. 5).
+/// Columns are taken together as long as each fills what the one before it fills, which is a child of it with one row more.
+/// The pattern of a column is that of the matrix and those of its children (George & Liu 1981, ch. 5).
 fn fundamental(tree: &EliminationTree) -> (Vec<Growing>, Vec<u32>) {
     let columns = tree.parent.len();
     let mut supernodes: Vec<Growing> = Vec::new();

@@ -51,12 +51,12 @@ pub(super) struct Update {
 impl SymbolicFactor {
     /// Chooses the order and finds the pattern.
     pub(super) fn new(graph: &NodeGraph) -> Self {
-        Self::of_tree(graph, best_tree(graph))
+        let (tree, supernodes) = best_tree(graph);
+        Self::of_tree(graph, tree, supernodes)
     }
 
-    /// The pattern where nodes are eliminated in the order of a tree.
-    fn of_tree(graph: &NodeGraph, tree: EliminationTree) -> Self {
-        let supernodes = Supernodes::new(&tree);
+    /// The pattern where nodes are eliminated in the order of a tree, which has these supernodes.
+    fn of_tree(graph: &NodeGraph, tree: EliminationTree, supernodes: Supernodes) -> Self {
         let (update_starts, updates) = updates(&supernodes);
         let products: Vec<usize> = (supernodes.list.iter().zip(update_starts.windows(2)))
             .map(|(supernode, range)| {
@@ -194,7 +194,11 @@ mod tests {
         #[test]
         fn panels_hold_what_elimination_fills(graph in graphs(), dissects in any::<bool>()) {
             let order = if dissects { dissection_order(&graph) } else { graph.minimum_degree_order() };
-            let factor = SymbolicFactor::of_tree(&graph, EliminationTree::new(&graph, &order));
+            let factor = {
+                let tree = EliminationTree::new(&graph, &order);
+                let supernodes = Supernodes::new(&tree);
+                SymbolicFactor::of_tree(&graph, tree, supernodes)
+            };
             let mut nodes = factor.order.clone();
             nodes.sort_unstable();
             prop_assert!(nodes.into_iter().eq(0..graph.nodes));

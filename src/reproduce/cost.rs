@@ -38,7 +38,7 @@ loads = [{ kind = "gravity", acceleration = [0, 0, -9.81] }]
 contact = { model = "imc", friction = 0.3 }
 "#;
 
-/// A clamped rod that swings, and the table of it but for its edges.
+/// A clamped rod that swings; its edges and the end are overridden.
 const ROD: &str = r#"
 experiment = "scene"
 material = { youngs_modulus = "100 MPa", poissons_ratio = 0.5, density = 1000 }

@@ -1,37 +1,15 @@
 //! Joints that break in motion.
 
+use super::spring_tests::{MASS, STIFFNESS, parameters, rod};
 use super::*;
 use crate::mechanics::Vector3;
-use crate::mechanics::scene::{
-    Joint, JointKind, Load, LoadKind, RodDescription, RodNode, Scene, Spring, Stiffness,
-};
+use crate::mechanics::scene::{Joint, JointKind, Load, LoadKind, RodNode, Scene, Spring};
 use std::f64::consts::PI;
 
-const MASS: f64 = 1e-3;
-const STIFFNESS: f64 = 2.0;
 const SPEED: f64 = 0.4;
-
-/// A rod of 1 g and four edges, 10 cm long.
-fn rod(name: &str, start: Vector3, along: Vector3) -> RodDescription {
-    let stiffness = Stiffness {
-        stretching: 1e4,
-        bending: [1e-2; 2],
-        twisting: 1e-2,
-    };
-    let node = |k: i32| start + along * (0.025 * f64::from(k));
-    RodDescription::uniform(name, (0..=4).map(node).collect(), stiffness, 2e-3, 1e-2)
-}
 
 fn nodes() -> [RodNode; 2] {
     [RodNode { rod: 0, node: 4 }, RodNode { rod: 1, node: 0 }]
-}
-
-fn parameters(scheme: Scheme, step: f64) -> IntegrationParameters {
-    IntegrationParameters {
-        scheme,
-        step: StepSize::Fixed(step),
-        ..IntegrationParameters::default()
-    }
 }
 
 /// Angular frequency of two such rods that a spring ties, rad/s, and the largest force on it when they part at [`SPEED`], N.

@@ -9,11 +9,11 @@ use crate::mechanics::scene::{
 };
 use std::f64::consts::TAU;
 
-const MASS: f64 = 1e-3;
-const STIFFNESS: f64 = 2.0;
+pub(super) const MASS: f64 = 1e-3;
+pub(super) const STIFFNESS: f64 = 2.0;
 
 /// A rod of 1 g and four edges, 10 cm long.
-fn rod(name: &str, start: Vector3, along: Vector3) -> RodDescription {
+pub(super) fn rod(name: &str, start: Vector3, along: Vector3) -> RodDescription {
     let stiffness = Stiffness {
         stretching: 1e4,
         bending: [1e-2; 2],
@@ -33,7 +33,7 @@ fn spring(nodes: [[usize; 2]; 2], rest_length: Option<f64>) -> Spring {
     }
 }
 
-fn parameters(scheme: Scheme, step: f64) -> IntegrationParameters {
+pub(super) fn parameters(scheme: Scheme, step: f64) -> IntegrationParameters {
     IntegrationParameters {
         scheme,
         step: StepSize::Fixed(step),
