@@ -9,6 +9,8 @@ use serde::{Deserialize, Serialize};
 pub struct ContactMemory {
     /// Positions of all nodes when the candidates were last built, m; empty before the first time.
     pub candidate_positions: Vec<[f64; 3]>,
+    /// Candidates that the Newton system couples.
+    pub coupled: Vec<usize>,
     /// Contact stiffness k.
     pub stiffness: f64,
     /// Normal force of every candidate in the last step, N.
@@ -34,6 +36,7 @@ impl ContactSystem {
         let tractions = self.carried_tractions().committed().iter();
         ContactMemory {
             candidate_positions: positions.map(|&position| position.into()).collect(),
+            coupled: self.coupled_pairs().to_vec(),
             stiffness: self.stiffness(),
             normal_forces: self.multipliers().committed().to_vec(),
             tractions: tractions.map(|known| known.map(Into::into)).collect(),
@@ -52,6 +55,7 @@ impl ContactSystem {
             return Err(MismatchedMemory { expected, found });
         }
         self.rebuild_candidates(&positions);
+        self.coupled.clone_from(&memory.coupled);
         self.set_stiffness(memory.stiffness);
         let tractions = memory.tractions.iter();
         self.restore_multipliers(

@@ -14,6 +14,7 @@
 //! | `normal_law`, `normal_response`, `potential`, `barrier` | contact energy of a gap: Eqs. 2.15, 2.16 or the barrier of Eq. 2.1 |
 //! | `continuous_collision`, `step_bound` | how far a step may go without crossing the barrier |
 //! | `certificate` | that nothing has passed through anything in a step |
+//! | `coupled_pairs` | pairs for which the Newton system has room |
 //! | `constraints` | contacts as constraints, whose forces are found by complementarity (thesis 3.3) |
 //! | `friction` | Coulomb friction, smoothed near zero slip (Eqs. 2.7–2.14) |
 //! | `edge_contact`, `plane_contact` | force and Jacobian of one contact |
@@ -35,6 +36,7 @@ mod constraints;
 mod contact_system;
 mod contacts;
 mod continuous_collision;
+mod coupled_pairs;
 mod distance;
 mod edge_contact;
 mod evaluation;

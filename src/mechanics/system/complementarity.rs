@@ -120,6 +120,9 @@ impl System {
             .collect();
         copy_positions(unknowns, &mut self.positions);
         contact.list_constraints(&self.positions, &reaches, earlier);
+        if contact.couple_constraints() {
+            self.matrix.expect_other_candidates();
+        }
         let mut moved = 0.0;
         if !contact.constraints().is_empty() {
             // Forces of the last step belong to other contact points and directions.

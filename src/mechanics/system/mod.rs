@@ -380,6 +380,9 @@ impl System {
             let (previous, step) = start_of(stage, &self.positions);
             contact.evaluate(&self.positions, previous, step);
             subtract_contact_forces(contact, &mut self.residual);
+            if contact.couple_contacts() {
+                self.matrix.expect_other_candidates();
+            }
             self.matrix.add_contact(contact);
         }
         self.gather_at_joints(unknowns);

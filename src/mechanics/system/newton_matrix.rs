@@ -14,10 +14,10 @@ use std::ops::Range;
 
 const ZERO: ElementMatrix = [[0.0; 12]; 12];
 
-/// The Jacobian and its factors; storage is reused, patterns are kept as long as the contact candidates.
+/// The Jacobian and its factors; storage is reused, patterns are kept as long as the same pairs of edges are coupled.
 ///
 /// Elements are numbered: closing vertices of rings and half vertices at joints, moments, springs between nodes, contact
-/// candidates of two rods, with obstacles one per edge, then (with friction on planes or obstacles, or rigid contact) one per node. Rods that couple nowhere are factored as a band;
+/// candidates of two rods that are coupled, with obstacles one per edge, then (with friction on planes or obstacles, or rigid contact) one per node. Rods that couple nowhere are factored as a band;
 /// contact with planes and obstacles alone couples nothing new.
 pub struct NewtonMatrix {
     band: BandedSymmetric,
@@ -40,11 +40,11 @@ pub struct NewtonMatrix {
     /// Elements of contacts active in this linearisation.
     active: Vec<(usize, ElementMatrix)>,
     contact_elements: Vec<Element>,
-    /// Element of each candidate among those of contacts; none for one that has its place in the band.
+    /// Element of each candidate among those of contacts; none for one that has its place in the band, or is not coupled.
     candidate_elements: Vec<Option<usize>>,
     /// Where the elements of nodes begin among those of contacts.
     first_node_element: usize,
-    /// Whether the candidates are others than those for which elements were listed.
+    /// Whether other candidates are coupled than those for which elements were listed.
     candidates_changed: bool,
     /// Whether contact of nodes with planes and obstacles has elements of its own.
     lists_nodes: bool,
@@ -246,7 +246,7 @@ impl NewtonMatrix {
         self.expect_contacts(contact);
     }
 
-    /// Makes room for the contacts of all candidates in a pattern yet to be found, where something couples: to be called
+    /// Makes room for the contacts that are coupled in a pattern yet to be found, where something couples: to be called
     /// before [`Self::factor`], also by who adds contacts later.
     pub fn expect_contacts(&mut self, contact: &ContactSystem) {
         let couples =
@@ -256,7 +256,7 @@ impl NewtonMatrix {
         }
     }
 
-    /// Lists the elements of the present candidates, and drops the pattern where they are others than before.
+    /// Lists the elements of the contacts that are coupled, and drops the pattern where they are others than before.
     fn update_elements(&mut self, contact: &ContactSystem) {
         if !self.candidates_changed {
             return;
@@ -264,11 +264,9 @@ impl NewtonMatrix {
         self.candidates_changed = false;
         let earlier = std::mem::take(&mut self.contact_elements);
         let with_obstacle = |pair: &CandidatePair| !contact.is_of_rod(pair.nodes[2]);
-        let between_rods = contact
-            .candidates()
-            .iter()
-            .filter(|pair| !with_obstacle(pair));
-        let elements = between_rods.map(|pair| element_of(&pair.nodes));
+        let candidates = contact.candidates();
+        let coupled = contact.coupled_pairs().iter();
+        let elements = coupled.map(|candidate| element_of(&candidates[*candidate].nodes));
         self.contact_elements.extend(elements);
         let first_edge = self.contact_elements.len();
         if !contact.surface().obstacles().is_empty() {
@@ -282,12 +280,12 @@ impl NewtonMatrix {
             self.contact_elements
                 .extend(nodes.map(|node| element_of(&[node])));
         }
-        let mut next = 0;
+        let mut coupled = contact.coupled_pairs().iter().enumerate().peekable();
         self.candidate_elements.clear();
-        for pair in contact.candidates() {
+        for (candidate, pair) in candidates.iter().enumerate() {
             self.candidate_elements.push(if !with_obstacle(pair) {
-                next += 1;
-                Some(next - 1)
+                let own = coupled.next_if(|(_, coupled)| **coupled == candidate);
+                own.map(|(element, _)| element)
             } else if pair.is_of_node() {
                 self.lists_nodes
                     .then_some(self.first_node_element + pair.nodes[0])

@@ -1,0 +1,90 @@
+//! The pairs of edges that the Newton system couples: those in contact.
+//!
+//! Candidates that are kept over many steps are four or five times as many as the contacts among them, and every pair that the
+//! system couples fills its factors. Only those are coupled in which a contact force has acted since the candidates were built.
+
+use super::contact_system::ContactSystem;
+use super::contacts::Bodies;
+
+impl ContactSystem {
+    /// Numbers of the candidates of two rods that the Newton system couples, in order.
+    pub fn coupled_pairs(&self) -> &[usize] {
+        &self.coupled
+    }
+
+    /// Couples the contacts of the last evaluation too; returns whether some were not.
+    pub fn couple_contacts(&mut self) -> bool {
+        let contacts = self.contacts.iter().map(|contact| contact.candidate);
+        let new = self.uncoupled(contacts);
+        self.couple(new)
+    }
+
+    /// Couples the constraints that were listed last too; returns whether some were not.
+    pub fn couple_constraints(&mut self) -> bool {
+        let candidates = self.constraints.iter().filter_map(|one| match one.bodies {
+            Bodies::Edges(candidate) => Some(candidate),
+            Bodies::Plane(_) => None,
+        });
+        let new = self.uncoupled(candidates);
+        self.couple(new)
+    }
+
+    /// Those of some candidates that are of two rods and not coupled yet.
+    fn uncoupled(&self, candidates: impl Iterator<Item = usize>) -> Vec<usize> {
+        let is_of_rods = |one: &usize| self.is_of_rod(self.candidates.pairs()[*one].nodes[2]);
+        let is_new = |one: &usize| self.coupled.binary_search(one).is_err();
+        candidates.filter(is_of_rods).filter(is_new).collect()
+    }
+
+    fn couple(&mut self, new: Vec<usize>) -> bool {
+        self.coupled.extend(&new);
+        self.coupled.sort_unstable();
+        !new.is_empty()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{ContactParameters, ContactSurface};
+    use super::*;
+    use crate::mechanics::Vector3;
+
+    /// Two rods of three edges across each other; the edges in their middles touch, others are candidates.
+    #[test]
+    fn what_touches_is_coupled_and_stays_so_until_other_candidates_come() {
+        let mut surface = ContactSurface::new();
+        let node = |along: Vector3, k: i32| along * (f64::from(k) - 1.5);
+        let apart = |gap: f64| Vector3::z() * (2.0 + gap);
+        let at = |gap: f64| -> Vec<Vector3> {
+            let low = (0..4).map(|k| node(Vector3::x(), k));
+            let high = (0..4).map(|k| node(Vector3::y(), k) + apart(gap));
+            low.chain(high).collect()
+        };
+        let near = at(-1e-3);
+        surface.add_rod(0, &near[..4], false, 1.0, false);
+        surface.add_rod(4, &near[4..], false, 1.0, false);
+        let mut contact =
+            ContactSystem::new(ContactParameters::default(), surface, Vec::new(), 1.0);
+        contact.update_candidates(&near);
+        assert_eq!(contact.candidates().len(), 9);
+        assert!(contact.coupled_pairs().is_empty());
+
+        contact.evaluate(&near, &near, 1e-3);
+        assert_eq!(contact.contacts().len(), 1);
+        assert!(contact.couple_contacts());
+        let coupled = [contact.contacts()[0].candidate];
+        assert_eq!(contact.coupled_pairs(), coupled);
+        assert!(!contact.couple_contacts());
+
+        let open = at(0.2);
+        assert!(!contact.update_candidates(&open));
+        contact.evaluate(&open, &near, 1e-3);
+        assert!(contact.contacts().is_empty() && !contact.couple_contacts());
+        assert_eq!(contact.coupled_pairs(), coupled);
+        let memory = contact.memory();
+        assert!(contact.update_candidates(&at(10.0)));
+        assert!(contact.coupled_pairs().is_empty());
+        contact.restore(&memory).unwrap();
+        assert_eq!(contact.coupled_pairs(), coupled);
+    }
+}
