@@ -37,12 +37,13 @@ impl NodeGraph {
             }
         }
         let held = &band.held;
+        let mut of_element: Vec<usize> = Vec::new();
         for element in elements {
-            for (place, &i) in element.iter().enumerate() {
-                for &j in &element[..place] {
-                    if is_free(i, held) && is_free(j, held) && i / NODE != j / NODE {
-                        keys.push(pair_key(i / NODE, j / NODE));
-                    }
+            of_element.clear();
+            for node in (element.iter().filter(|i| is_free(**i, held))).map(|i| i / NODE) {
+                if !of_element.contains(&node) {
+                    keys.extend(of_element.iter().map(|&other| pair_key(node, other)));
+                    of_element.push(node);
                 }
             }
         }

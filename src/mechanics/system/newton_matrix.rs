@@ -191,11 +191,7 @@ impl NewtonMatrix {
                 self.subtract_in_band(&pair.nodes[..pair.first_body], jacobian);
                 continue;
             };
-            let mut matrix = *jacobian;
-            matrix
-                .as_flattened_mut()
-                .iter_mut()
-                .for_each(|entry| *entry = -*entry);
+            let matrix = jacobian.map(|row| row.map(|entry| -entry));
             self.active.push((self.permanent.len() + element, matrix));
         }
         for (touch, jacobian) in contact
