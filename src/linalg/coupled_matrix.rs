@@ -6,6 +6,9 @@ use super::node_block::{Block, BlockMatrix, NODE, NodeVector};
 use super::node_graph::{BandPattern, NodeGraph};
 use std::cmp::Ordering;
 
+/// Unknowns of a node that are its position; they are its first.
+const POSITION: usize = 3;
+
 /// The assembled matrix, with the place of every entry found beforehand.
 #[derive(Clone, Debug)]
 pub(super) struct CoupledMatrix {
@@ -16,15 +19,53 @@ pub(super) struct CoupledMatrix {
     blocks: Vec<Block>,
     /// Blocks that couple each node k with k + 1 and k + 2.
     band_places: Vec<[Option<usize>; 2]>,
-    /// Which entry of each element goes to which value; element e owns `element_starts[e]..[e + 1]`.
+    /// Which positions of two nodes in each element go to which block.
+    block_moves: Vec<BlockMove>,
+    /// Which of its other entries goes to which value.
     moves: Vec<Move>,
-    element_starts: Vec<usize>,
+    /// Where the moves of each element begin: element e has those up to where those of e + 1 begin.
+    element_starts: Vec<Starts>,
     /// Entries of the band in rows and columns of unknowns that others own, and the values to which they are added.
     band_moves: Vec<BandMove>,
     /// Values in the rows and columns of held unknowns where the band may have entries.
     held_values: Vec<u32>,
     /// Values on the diagonal of held unknowns.
     held_diagonals: Vec<u32>,
+}
+
+/// Where the moves of an element begin.
+#[derive(Clone, Copy, Debug)]
+struct Starts {
+    block_moves: usize,
+    moves: usize,
+}
+
+/// The 3×3 entries of an element matrix that couple the positions of two of its nodes, and the block to which they are added.
+#[derive(Clone, Copy, Debug)]
+struct BlockMove {
+    block: u32,
+    /// First row and column of the entries.
+    first: [u8; 2],
+    /// Whether the block is stored transposed.
+    transposed: bool,
+}
+
+impl BlockMove {
+    #[inline(always)]
+    fn add(&self, matrix: &ElementMatrix, blocks: &mut [Block]) {
+        let [row, column] = self.first.map(usize::from);
+        let block = &mut blocks[self.block as usize].0;
+        for r in 0..POSITION {
+            for c in 0..POSITION {
+                let place = if self.transposed {
+                    NODE * r + c
+                } else {
+                    NODE * c + r
+                };
+                block[place] += matrix[row + r][column + c];
+            }
+        }
+    }
 }
 
 /// One entry of an element matrix (row-major) and the value to which it is added.
@@ -57,16 +98,19 @@ impl CoupledMatrix {
             band_places: (0..nodes)
                 .map(|q| [1, 2].map(|apart| graph.pair(q + apart, q).map(|pair| nodes + pair)))
                 .collect(),
-            moves: Vec::with_capacity(90 * elements.len()),
-            element_starts: vec![0],
+            block_moves: Vec::with_capacity(16 * elements.len()),
+            moves: Vec::new(),
+            element_starts: Vec::with_capacity(elements.len() + 1),
             band_moves: Vec::new(),
             held_values: Vec::new(),
             held_diagonals: Vec::new(),
             graph,
         };
         for element in elements {
+            matrix.begin_element();
             matrix.place_element(element, &band.held);
         }
+        matrix.begin_element();
         matrix.place_shared(band);
         matrix.place_held(&band.held);
         matrix
@@ -132,9 +176,12 @@ impl CoupledMatrix {
     /// Adds the matrix of an element.
     #[inline]
     pub(super) fn add_element(&mut self, index: usize, matrix: &ElementMatrix) {
-        let moves = &self.moves[self.element_starts[index]..self.element_starts[index + 1]];
+        let [own, next] = [index, index + 1].map(|index| self.element_starts[index]);
+        for of_block in &self.block_moves[own.block_moves..next.block_moves] {
+            of_block.add(matrix, &mut self.blocks);
+        }
         let entries = matrix.as_flattened();
-        for &Move { entry, value } in moves {
+        for &Move { entry, value } in &self.moves[own.moves..next.moves] {
             *value_mut(&mut self.blocks, value) += entries[entry as usize];
         }
     }
@@ -170,12 +217,28 @@ impl CoupledMatrix {
 
     /// Finds where the entries of an element go. A symmetric matrix stores no block right of the diagonal.
     fn place_element(&mut self, element: &Element, held: &[bool]) {
+        let corners: [Option<usize>; 4] =
+            std::array::from_fn(|corner| node_at(element, POSITION * corner, held));
+        for (row, p) in corners.iter().enumerate() {
+            for (column, q) in corners.iter().enumerate() {
+                let both = p.zip(*q).and_then(|(p, q)| self.block(p, q));
+                if let Some((block, transposed)) = both {
+                    self.block_moves.push(BlockMove {
+                        block: block as u32,
+                        first: [row, column].map(|corner| (POSITION * corner) as u8),
+                        transposed,
+                    });
+                }
+            }
+        }
         // Neighbouring entries lie in the same block: look it up only where the nodes change.
         let mut nodes = (usize::MAX, usize::MAX);
         let mut place = None;
         for (row, &i) in element.iter().enumerate() {
             for (column, &j) in element.iter().enumerate() {
-                if !is_free(i, held) || !is_free(j, held) {
+                let in_block =
+                    corners[row / POSITION].is_some() && corners[column / POSITION].is_some();
+                if in_block || !is_free(i, held) || !is_free(j, held) {
                     continue;
                 }
                 if nodes != (i / NODE, j / NODE) {
@@ -189,7 +252,14 @@ impl CoupledMatrix {
                 }
             }
         }
-        self.element_starts.push(self.moves.len());
+    }
+
+    /// Notes where the moves of the next element begin.
+    fn begin_element(&mut self) {
+        self.element_starts.push(Starts {
+            block_moves: self.block_moves.len(),
+            moves: self.moves.len(),
+        });
     }
 
     /// Finds where the entries of the band go that lie in rows or columns of unknowns that others own: to those of their
@@ -268,6 +338,16 @@ impl CoupledMatrix {
                 .push((NODE * NODE * p + NODE * r + r) as u32);
         }
     }
+}
+
+/// The node whose whole position, free, stands at a place of an element.
+fn node_at(element: &Element, place: usize, held: &[bool]) -> Option<usize> {
+    let unknowns = &element[place..place + POSITION];
+    let node = unknowns[0] / NODE;
+    let is_position = |(axis, unknown): (usize, &usize)| {
+        *unknown == NODE * node + axis && is_free(*unknown, held)
+    };
+    unknowns.iter().enumerate().all(is_position).then_some(node)
 }
 
 /// The index of the value of the unknowns `row` and `column` in a block, which may be stored transposed.
