@@ -16,6 +16,8 @@ pub(super) struct NodeGraph {
     pub(super) nodes: usize,
     /// Pairs (p, q), p > q, sorted by q, then p.
     pairs: Vec<(u32, u32)>,
+    /// Where the pairs of each q begin, and where those of the last end.
+    starts: Vec<u32>,
 }
 
 impl NodeGraph {
@@ -63,8 +65,18 @@ impl NodeGraph {
         keys.sort_unstable();
         keys.dedup();
         let pair = |&key: &u64| (key as u32, (key >> 32) as u32);
-        let pairs = keys.iter().map(pair).collect();
-        Self { nodes, pairs }
+        let pairs: Vec<(u32, u32)> = keys.iter().map(pair).collect();
+        let mut starts = Vec::with_capacity(nodes + 1);
+        for q in 0..=nodes as u32 {
+            let before = starts.last().map_or(0, |start| *start as usize);
+            let more = pairs[before..].iter().take_while(|pair| pair.1 < q);
+            starts.push((before + more.count()) as u32);
+        }
+        Self {
+            nodes,
+            pairs,
+            starts,
+        }
     }
 
     /// Coupled pairs (p, q), p > q.
@@ -74,9 +86,9 @@ impl NodeGraph {
 
     /// Place of a pair in [`Self::pairs`].
     pub(super) fn pair(&self, p: usize, q: usize) -> Option<usize> {
-        self.pairs
-            .binary_search_by_key(&(q as u32, p as u32), |&(p, q)| (q, p))
-            .ok()
+        let [first, end] = [q, q + 1].map(|q| self.starts[q] as usize);
+        let place = self.pairs[first..end].binary_search_by_key(&(p as u32), |pair| pair.0);
+        place.ok().map(|place| first + place)
     }
 
     /// The same graph, its nodes numbered as they are listed.
