@@ -91,6 +91,9 @@ impl System {
                 "joints or bodies of the scene turn, beside which nothing can be grasped",
             );
         }
+        if self.assembly.joints.dependent().contains(&(STRIDE * node)) {
+            return refuse("it slides along a rod, or has the position of another node");
+        }
         let neighbours = self.neighbours(node);
         if grasp.frame
             && let Err(why) = self.may_hold_frame(&neighbours, node)
