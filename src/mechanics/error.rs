@@ -117,7 +117,7 @@ pub enum JointError {
     },
     /// A joint breaks whose force is not known.
     #[error(
-        "breaks at a force that is not known: of joints at one point only a ball can break, and only where no other joint shares the point"
+        "breaks at a force that is not known: of joints at one point slides can break, and balls, but only where no other joint shares the point"
     )]
     Unbreakable,
     /// Other joints hold what it holds.

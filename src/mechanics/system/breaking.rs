@@ -3,8 +3,8 @@
 //! That of a spring between nodes is k (r − L), pulled or pushed. That of a ball joint of two nodes is what holds the node
 //! whose position is that of the other one: the residual M a + ∇E − F of its own rod there, before it is added to that of
 //! the other; that of a slide is what holds the node that slides. Where a step ends with more than a joint bears, it breaks:
-//! the spring is gone, the node has its own position
-//! and goes on with its velocity. Contact goes on to pass over what overlapped at the joint.
+//! the spring is gone, the node has its own position and goes on with its velocity. Contact goes on to pass over what
+//! overlapped at the joint.
 
 use super::System;
 use super::build::Assembly;

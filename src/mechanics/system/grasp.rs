@@ -91,8 +91,8 @@ impl System {
                 "joints or bodies of the scene turn, beside which nothing can be grasped",
             );
         }
-        if self.assembly.joints.dependent().contains(&(STRIDE * node)) {
-            return refuse("it slides along a rod, or has the position of another node");
+        if self.assembly.joints.slides_at(node) {
+            return refuse("it slides along a rod");
         }
         let neighbours = self.neighbours(node);
         if grasp.frame

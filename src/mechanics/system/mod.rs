@@ -441,6 +441,8 @@ impl System {
     pub fn factor(&mut self) -> Result<Option<Inertia>, SingularMatrix> {
         let slides = &self.assembly.joints.slides;
         if slides.is_empty() {
+            // The last one may have broken.
+            self.border = Border::default();
             return self.matrix.factor();
         }
         let parameters = slides.iter().map(|slide| slide.unknown);
@@ -448,12 +450,7 @@ impl System {
         let inertia = self.matrix.factor()?;
         let (joints, held) = (&self.assembly.joints, &self.assembly.held);
         let solve = |right_hand_side: &mut [f64]| self.matrix.solve(right_hand_side);
-        let whole = (self.border).factor(joints, held, &diagonals, inertia, solve)?;
-        let unknown = joints.slides[0].unknown;
-        whole.ok_or(SingularMatrix {
-            unknown,
-            pivot: 0.0,
-        })
+        (self.border).factor(joints, held, &diagonals, inertia, solve)
     }
 
     /// Writes the Newton direction −J⁻¹R, zero at held unknowns, with the contact forces of the linearised

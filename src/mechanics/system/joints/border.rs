@@ -16,7 +16,8 @@
 
 use super::Joints;
 use super::slide::Slide;
-use crate::linalg::Inertia;
+use super::track::Weights;
+use crate::linalg::{Inertia, SingularMatrix};
 use crate::mechanics::Vector3;
 use crate::mechanics::rod::STRIDE;
 use nalgebra::{DMatrix, DVector, Dyn, LU};
@@ -29,41 +30,39 @@ const OWN: usize = 4;
 pub struct Border {
     /// As they were when it was factored.
     slides: Vec<Slide>,
-    /// N, and K⁻¹ L: a column for each unknown of the border.
-    rows: Vec<Vec<f64>>,
+    /// Entries of Nᵀ and their unknowns: a row for each unknown of the border.
+    rows: Vec<Vec<(usize, f64)>>,
+    /// Columns of K⁻¹ L.
     solutions: Vec<Vec<f64>>,
     /// S.
     schur: Option<LU<f64, Dyn, Dyn>>,
 }
 
-/// A failed solution with K.
-type Failed<E> = Result<(), E>;
+type Solved = Result<(), SingularMatrix>;
 
 impl Border {
     /// Factors the border of `joints` over unknowns of which some are `held`; `diagonals` are those of the matrix at the
-    /// parameters, and `solve` solves with K. Of the inertia of K it makes that of the whole; `None` where S is singular.
+    /// parameters, and `solve` solves with K. Of the inertia of K it makes that of the whole.
     ///
     /// # Errors
-    /// Those of `solve`.
-    pub fn factor<E>(
+    /// Those of `solve`, and a matrix S that is singular.
+    pub fn factor(
         &mut self,
         joints: &Joints,
         held: &[bool],
         diagonals: &[f64],
         inertia: Option<Inertia>,
-        mut solve: impl FnMut(&mut [f64]) -> Failed<E>,
-    ) -> Result<Option<Option<Inertia>>, E> {
+        mut solve: impl FnMut(&mut [f64]) -> Solved,
+    ) -> Result<Option<Inertia>, SingularMatrix> {
         self.slides.clone_from(&joints.slides);
         let size = OWN * self.slides.len();
-        let mut columns = Vec::with_capacity(size);
-        self.rows.clear();
+        let (mut columns, mut rows) = (Vec::with_capacity(size), Vec::with_capacity(size));
         let mut schur = DMatrix::zeros(size, size);
         for (number, slide) in self.slides.iter().enumerate() {
             let first = OWN * number;
             for axis in 0..3 {
                 columns.push(constraint(slide, &slide.grip.weights, axis, held.len()));
-                let row = constraint(slide, &slide.follow.weights, axis, held.len());
-                self.rows.push(row);
+                rows.push(constraint(slide, &slide.follow.weights, axis, held.len()));
                 if !slide.is_stopped {
                     schur[(first + axis, first + 3)] = slide.follow.tangent[axis];
                     schur[(first + 3, first + axis)] = slide.grip.tangent[axis];
@@ -71,21 +70,20 @@ impl Border {
             }
             let along = turning(slide, held.len());
             columns.push(along.clone());
-            self.rows.push(along);
+            rows.push(along);
             schur[(first + 3, first + 3)] = if slide.is_stopped {
                 1.0
             } else {
                 slide.residual.dot(&slide.grip.curvature) + diagonals[number]
             };
         }
-        for column in columns.iter_mut().chain(&mut self.rows) {
+        for column in columns.iter_mut().chain(&mut rows) {
             joints.gather_points(column);
-            column
-                .iter_mut()
-                .zip(held)
-                .filter(|(_, held)| **held)
-                .for_each(|(entry, _)| *entry = 0.0);
+            for (entry, _) in column.iter_mut().zip(held).filter(|(_, held)| **held) {
+                *entry = 0.0;
+            }
         }
+        self.rows = rows.iter().map(|row| entries(row)).collect();
         for column in &mut columns {
             solve(column)?;
         }
@@ -97,9 +95,16 @@ impl Border {
         self.solutions = columns;
         let inertia = inertia.map(|inertia| self.whole(inertia, &schur));
         let factors = schur.lu();
-        let is_regular = factors.is_invertible();
+        if let Some(slide) = self.slides.first()
+            && !factors.is_invertible()
+        {
+            return Err(SingularMatrix {
+                unknown: slide.unknown,
+                pivot: 0.0,
+            });
+        }
         self.schur = Some(factors);
-        Ok(is_regular.then_some(inertia))
+        Ok(inertia)
     }
 
     /// Solves in place with the factors of the last [`Self::factor`], for the unknowns without joints and the parameters;
@@ -107,11 +112,11 @@ impl Border {
     ///
     /// # Errors
     /// Those of `solve`.
-    pub fn solve<E>(
+    pub fn solve(
         &self,
         right_hand_side: &mut [f64],
-        solve: impl FnOnce(&mut [f64]) -> Failed<E>,
-    ) -> Failed<E> {
+        solve: impl FnOnce(&mut [f64]) -> Solved,
+    ) -> Solved {
         let Some(schur) = &self.schur else {
             return solve(right_hand_side);
         };
@@ -165,6 +170,9 @@ impl Border {
             })
         };
         let negative = |matrix: DMatrix<f64>| {
+            if matrix.is_empty() {
+                return 0;
+            }
             let eigenvalues = matrix.symmetric_eigenvalues();
             eigenvalues.iter().filter(|value| **value < 0.0).count()
         };
@@ -176,33 +184,20 @@ impl Border {
             let own = part(&along, &along);
             own - between.transpose() * carried
         });
-        let negative = of_rods.negative
-            + negative(of_forces)
-            + of_parameters.map_or(0, |matrix| {
-                if matrix.is_empty() {
-                    0
-                } else {
-                    negative(matrix)
-                }
-            });
+        let negative = of_rods.negative + negative(of_forces) + of_parameters.map_or(0, negative);
         let constraints = 3 * self.slides.len();
         let all = of_rods.positive + of_rods.negative;
         let negative = negative.saturating_sub(constraints);
         Inertia {
             negative,
-            positive: all - negative,
+            positive: all - constraints - negative,
             ..of_rods
         }
     }
 }
 
 /// A column of W − E.
-fn constraint(
-    slide: &Slide,
-    weights: &super::track::Weights,
-    axis: usize,
-    size: usize,
-) -> Vec<f64> {
+fn constraint(slide: &Slide, weights: &Weights, axis: usize, size: usize) -> Vec<f64> {
     let mut column = vec![0.0; size];
     for (node, weight) in weights.nodes.iter().zip(&weights.values) {
         column[STRIDE * node + axis] += weight;
@@ -226,6 +221,12 @@ fn turning(slide: &Slide, size: usize) -> Vec<f64> {
     column
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+/// What of a vector is not zero.
+fn entries(row: &[f64]) -> Vec<(usize, f64)> {
+    let all = row.iter().copied().enumerate();
+    all.filter(|(_, entry)| *entry != 0.0).collect()
+}
+
+fn dot(row: &[(usize, f64)], column: &[f64]) -> f64 {
+    row.iter().map(|(k, entry)| entry * column[*k]).sum()
 }

@@ -201,6 +201,14 @@ impl Joints {
         }
     }
 
+    /// Whether a node, or the one whose position it has, slides along a rod.
+    pub fn slides_at(&self, node: usize) -> bool {
+        let mut points = self.points.iter();
+        let owner = points.find_map(|&[own, owner]| (own == node).then_some(owner));
+        let owner = owner.unwrap_or(node);
+        self.slides.iter().any(|slide| slide.node == owner)
+    }
+
     /// Unknowns that others determine: those of joined and of sliding nodes.
     pub fn dependent(&self) -> Vec<usize> {
         let mut dependent: Vec<usize> = self.shared().iter().map(|one| one.unknown).collect();
