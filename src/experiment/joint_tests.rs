@@ -61,6 +61,31 @@ fn faults_name_the_joint_and_what_is_allowed() {
             joint("rigid", "[\"end\", \"start\"]") + "break_at = 1\n",
             "unknown key",
         ),
+        (joint("slide", "[\"start\", 4]"), "m apart, they must lie at one point"),
+        (joint("slide", "[\"end\", 11]"), "allowed: 0 to 10"),
+        (joint("slide", "[4, 5]").replace("boom", "post"), "5.000000e-2 m apart"),
+        (
+            joint("slide", "[\"end\", \"start\"]") + "stiffness = 1\n",
+            "unknown key",
+        ),
+        (
+            joint("slide", "[\"end\", \"start\"]") + "break_at = -1\n",
+            "allowed: greater than 0",
+        ),
+        (
+            joint("slide", "[\"end\", \"start\"]")
+                + &joint("rigid", "[\"end\", \"start\"]").replace("knee", "weld"),
+            "`knee`: its first node is joined to the rod along which it should slide",
+        ),
+        (
+            joint("slide", "[\"end\", \"start\"]")
+                + &joint("slide", "[\"end\", \"start\"]").replace("knee", "again"),
+            "`again`: its first node slides along another rod already",
+        ),
+        (
+            joint("slide", "[\"end\", \"start\"]") + "[[clamps]]\nrod = \"post\"\nat = \"end\"\n",
+            "holds the node of rod `post` that should slide",
+        ),
         (
             joint("ball", "[\"end\", \"start\"]")
                 + "break_at = 1\n"
@@ -149,7 +174,9 @@ fn a_scheme_that_goes_on_from_the_middle_is_refused_beside_frames() {
     let loaded = |text: &str| from_text("rods", text, Path::new(""), &[]).map(drop);
     let error = loaded(&text).unwrap_err().to_string();
     assert!(error.contains("backward-differences"), "{error}");
-    loaded(&text.replace("\"rigid\"", "\"ball\"")).unwrap();
+    for kind in ["\"ball\"", "\"slide\""] {
+        loaded(&text.replace("\"rigid\"", kind)).unwrap();
+    }
 }
 
 #[test]
@@ -192,6 +219,16 @@ fn springs_read_back_to_themselves() {
     );
     let strengths = scenario.joints.iter().map(|joint| joint.break_at);
     assert!(strengths.eq([Some(3e-3), None, None]));
+    let again = from_text("rods", &scenario.to_toml(), Path::new(""), &[]).unwrap();
+    assert_eq!(again.scenario, scenario);
+}
+
+#[test]
+fn slides_read_back_to_themselves() {
+    let text = joint("slide", "[\"end\", \"start\"]") + "break_at = \"3 mN\"\n";
+    let scenario = scenario(&text).unwrap();
+    let joint = &scenario.joints[0];
+    assert_eq!((joint.kind, joint.break_at), (JointKind::Slide, Some(3e-3)));
     let again = from_text("rods", &scenario.to_toml(), Path::new(""), &[]).unwrap();
     assert_eq!(again.scenario, scenario);
 }

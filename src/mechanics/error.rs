@@ -117,7 +117,7 @@ pub enum JointError {
     },
     /// A joint breaks whose force is not known.
     #[error(
-        "breaks at a force that is not known: of joints at one point only a ball can break, and only where no other joint shares the point"
+        "breaks at a force that is not known: of joints at one point slides can break, and balls, but only where no other joint shares the point"
     )]
     Unbreakable,
     /// Other joints hold what it holds.
@@ -126,6 +126,35 @@ pub enum JointError {
     /// A hinge between two frames that both hang on hinges.
     #[error("hangs on another hinge at this point: let all hinges there share one rod")]
     HingeOnHinge,
+    /// A sliding node that is one point with a node of the rod along which it slides.
+    #[error(
+        "its first node is joined to the rod along which it should slide: leave out one of the joints"
+    )]
+    JoinedToRail,
+    /// A node that slides along two rods.
+    #[error(
+        "its first node slides along another rod already: let another node slide, or join two rods there by a ball"
+    )]
+    SlidesTwice,
+    /// A sliding node on a rod along which others slide.
+    #[error(
+        "its first node is one of those of rod `{rod}`, along which another node slides: what bears a sliding node cannot slide itself"
+    )]
+    SlidingRail {
+        /// Name of that rod.
+        rod: String,
+    },
+    /// A ring that slides along itself.
+    #[error("a closed rod cannot slide along itself")]
+    OwnRing,
+    /// A sliding node that is held.
+    #[error(
+        "a clamp, or `held`, holds the node of rod `{rod}` that should slide: hold the other rod, and let its nodes be the ones that move"
+    )]
+    HeldSlide {
+        /// Name of the rod.
+        rod: String,
+    },
     /// Two bodies are welded to each other.
     #[error("is welded to another rigid body: give one body the mass and inertia of both")]
     TwoBodies,

@@ -316,7 +316,10 @@ keys: actuation, bodies, clamps, contact, continuation, experiment, extends, fla
                 &["gravity", "force", "moment", "distributed", "drag"],
             ),
             ("rods.0.natural_shape.kind", &["as-placed", "curved"]),
-            ("joints.kind", &["ball", "rigid", "hinge", "spring"]),
+            (
+                "joints.kind",
+                &["ball", "rigid", "hinge", "slide", "spring"],
+            ),
             ("bodies.shape.kind", &["sphere", "disk", "box"]),
             ("networks.shape.kind", &["grid", "table"]),
         ] {

@@ -1,7 +1,7 @@
 //! Joints and bodies, through scenario files: frames against beam theory, pendulums and a heavy disk against their frequencies,
-//! a net and a gridshell against their symmetry.
+//! a net and a gridshell against their symmetry; slides are a file of their own.
 
-use super::{Check, Expectation, GroupError};
+use super::{Check, Expectation, GroupError, slides};
 use crate::experiment;
 use crate::mechanics::dynamics::Simulation;
 use crate::mechanics::{Vector3, scene::Scene};
@@ -61,7 +61,7 @@ const FORCE: f64 = 1e-5;
 /// Bound of all of them with 50 edges a rod.
 const BOUND: f64 = 1e-3;
 
-/// Frames under end loads, pendulums, a disk, nets.
+/// Frames under end loads, pendulums, a disk, nets, slides.
 pub fn checks(full: bool) -> Result<Vec<Check>, GroupError> {
     let mut checks = Vec::new();
     let stiff = LENGTH.powi(3) / BENDING;
@@ -111,6 +111,7 @@ pub fn checks(full: bool) -> Result<Vec<Check>, GroupError> {
     checks.extend(disk()?);
     checks.push(net(if full { 20 } else { 8 })?);
     checks.push(gridshell()?);
+    checks.extend(slides::checks()?);
     Ok(checks)
 }
 

@@ -23,6 +23,7 @@ mod obstacles;
 mod page;
 mod rods;
 mod scenario;
+mod slides;
 mod spatial_rods;
 mod springs;
 mod statics;

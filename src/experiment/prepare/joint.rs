@@ -29,6 +29,7 @@ pub(super) fn place_joint(
     let kind = match joint.kind {
         scenario::JointKind::Ball => JointKind::Ball,
         scenario::JointKind::Rigid => JointKind::Rigid,
+        scenario::JointKind::Slide => JointKind::Slide,
         scenario::JointKind::Hinge {
             axis,
             stiffness,

@@ -74,8 +74,8 @@ pub struct ContactSurface {
 /// A point at which two rods are joined.
 #[derive(Clone, Copy, Debug)]
 struct ContactJoint {
-    /// Arc length along either rod, m.
-    arc_length: [f64; 2],
+    /// Arc length along either rod, m; `None` where the joint may be anywhere along it.
+    arc_length: [Option<f64>; 2],
     /// Length of the way through the joint within which the rods are neighbours, m.
     reach: f64,
 }
@@ -172,6 +172,21 @@ impl ContactSurface {
             .sum();
         let overlapping = REACH / libm::sin(0.5 * angle);
         let reach = sum * overlapping.clamp(PI, FARTHEST_REACH);
+        self.join(rods, arc_length.map(Some), reach);
+    }
+
+    /// Lets the first rod slide along the second with a place at an arc length (m): edges of the first that are nearer to it
+    /// along the rod than π times the mean of the radii are neighbours of the whole second rod.
+    pub fn add_slide(&mut self, rods: [usize; 2], arc_length: f64) {
+        let radius = |rod: usize| self.edges.iter().find(|edge| edge.rod == rod);
+        let sum: f64 = rods
+            .iter()
+            .filter_map(|rod| Some(radius(*rod)?.radius))
+            .sum();
+        self.join(rods, [Some(arc_length), None], PI * sum);
+    }
+
+    fn join(&mut self, rods: [usize; 2], arc_length: [Option<f64>; 2], reach: f64) {
         let (rods, arc_length) = if rods[0] <= rods[1] {
             (rods, arc_length)
         } else {
@@ -192,7 +207,8 @@ impl ContactSurface {
         };
         joints.iter().any(|joint| {
             let [first, second] = joint.arc_length;
-            let way = |one: f64, other: f64| self.way_to(a, one) + self.way_to(b, other);
+            let to = |edge, place: Option<f64>| place.map_or(0.0, |at| self.way_to(edge, at));
+            let way = |one, other| to(a, one) + to(b, other);
             way(first, second) < joint.reach || a.rod == b.rod && way(second, first) < joint.reach
         })
     }

@@ -331,6 +331,7 @@ impl Integrator {
     ) -> SimulationError {
         let Workspace { stage, trial, .. } = &self.workspace;
         let error = failure.into_error(system, &trial.unknowns, stage, [state.time, step]);
+        system.begin_step(None);
         system.drive(state.time, &mut state.unknowns);
         system.update_geometry(&state.unknowns);
         error

@@ -71,6 +71,8 @@ mod parallel_tests;
 #[cfg(test)]
 mod path_tests;
 #[cfg(test)]
+mod slide_tests;
+#[cfg(test)]
 mod spring_tests;
 #[cfg(test)]
 mod test_log;

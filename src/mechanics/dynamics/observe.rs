@@ -144,8 +144,8 @@ impl Simulation {
     pub fn free_unknowns(&self) -> Vec<usize> {
         let assembly = &self.system.assembly;
         let mut owned = assembly.held.clone();
-        for one in assembly.joints.shared() {
-            owned[one.unknown] = true;
+        for unknown in assembly.joints.dependent() {
+            owned[unknown] = true;
         }
         (0..owned.len()).filter(|&k| !owned[k]).collect()
     }

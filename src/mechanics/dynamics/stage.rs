@@ -104,6 +104,8 @@ impl Workspace {
         let step = goal - state.time;
         scheme.begin(step, state, turning, &mut self.stage, &mut self.trial);
         let time = scheme.stage_time(state.time, goal);
+        let is_middle = scheme.extrapolates();
+        system.begin_step(is_middle.then_some(&state.unknowns));
         system.drive(time, &mut self.trial.unknowns);
         system.damp(
             self.stage.step,
@@ -273,6 +275,7 @@ impl Workspace {
         for (end, start) in trial.iter_mut().zip(&state.unknowns) {
             *end = 2.0 * *end - start;
         }
+        system.begin_step(None);
         system.drive(goal, trial);
         system.update_geometry(trial);
         if system.largest_step(&state.unknowns, trial) < 1.0 {

@@ -11,7 +11,8 @@ pub struct RodNode {
     pub node: usize,
 }
 
-/// Two nodes, of one rod or of two, that are the same point from time zero on.
+/// Two nodes, of one rod or of two, that are the same point from time zero on, or begin as one where the first slides along
+/// the rod of the second.
 ///
 /// They keep one position, exactly: it is one set of unknowns. Any number of joints may meet at a point.
 #[derive(Clone, Debug)]
@@ -22,7 +23,7 @@ pub struct Joint {
     pub nodes: [RodNode; 2],
     /// How rods may turn against each other there.
     pub kind: JointKind,
-    /// Largest force that it bears, N; only of balls that share their point with no other joint.
+    /// Largest force that it bears, N; only of slides, and of balls that share their point with no other joint.
     pub strength: Option<f64>,
 }
 
@@ -55,6 +56,9 @@ pub enum JointKind {
         /// A spring that resists the rotation.
         spring: Option<HingeSpring>,
     },
+    /// Every rotation, and moves along the rod of the second node, between stops at its ends. Along its own rod a node slides
+    /// on the side of it where the second one is.
+    Slide,
 }
 
 /// A spring about the axis of a hinge.

@@ -231,12 +231,12 @@ impl Descent {
             squared_residual: system.squared_residual(),
             positive,
         };
-        self.move_by(unknowns, 1.0);
+        self.move_by(system, unknowns, 1.0);
         let longest = system.largest_step(unknowns, &self.trial);
         let mut part = 1.0;
         for _ in 0..HALVINGS {
             let length = part * longest;
-            self.move_by(unknowns, length);
+            self.move_by(system, unknowns, length);
             let bent =
                 self.bend_back(system, unknowns) && scale.norm(&self.correction) <= length * whole;
             if bent && system.largest_step(unknowns, &self.trial) >= 1.0 {
@@ -279,6 +279,7 @@ impl Descent {
         for (trial, correction) in self.trial.iter_mut().zip(&self.correction) {
             *trial += correction;
         }
+        system.complete(&mut self.trial);
         solved
     }
 
@@ -301,7 +302,7 @@ impl Descent {
         let potential = system.potential(unknowns);
         let mut length = 1.0;
         for _ in 0..DEPARTURE_HALVINGS {
-            self.move_by(unknowns, length);
+            self.move_by(system, unknowns, length);
             if self.bend_back(system, unknowns) && system.largest_step(unknowns, &self.trial) >= 1.0
             {
                 system.evaluate(&self.trial, None);
@@ -314,10 +315,11 @@ impl Descent {
         false
     }
 
-    fn move_by(&mut self, unknowns: &[f64], length: f64) {
+    fn move_by(&mut self, system: &mut System, unknowns: &[f64], length: f64) {
         for k in 0..self.trial.len() {
             self.trial[k] = unknowns[k] + length * self.direction[k];
         }
+        system.complete(&mut self.trial);
     }
 }
 

@@ -48,6 +48,7 @@ pub fn nearby_equilibrium(
         for (unknown, step) in unknowns.iter_mut().zip(&direction) {
             *unknown += step;
         }
+        system.complete(unknowns);
         system.update_geometry(unknowns);
         system.commit_frames();
     }

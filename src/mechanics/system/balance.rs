@@ -15,6 +15,7 @@
 //! No residual can be asked to be smaller than what the last digits of the unknowns leave in elastic forces, and in a
 //! time step in inertia and in friction, whose slip is the difference of two positions over the step.
 
+use super::joints::Slide;
 use super::{Stage, System, add_inertia};
 use crate::mechanics::contact::ContactSystem;
 use crate::mechanics::rod::{RodRange, STRIDE};
@@ -123,6 +124,15 @@ impl System {
                 tolerances[rod].force = tolerances[rod].force.max(rounding);
             }
         }
+        for slide in &self.assembly.joints.slides {
+            let rods = [slide.node, slide.rail().start].map(|node| self.assembly.locate(node).0);
+            let rounding = rods.map(|rod| tolerances[rod].rounding);
+            let rounding = rounding[0].max(rounding[1]);
+            for rod in rods {
+                tolerances[rod].rounding = rounding;
+                tolerances[rod].force = tolerances[rod].force.max(rounding);
+            }
+        }
         let least = tolerances
             .iter()
             .fold(f64::INFINITY, |least, rod| least.min(rod.force));
@@ -175,7 +185,23 @@ impl System {
                 };
             }
         }
+        for slide in &self.assembly.joints.slides {
+            let size = self.residual_along(slide);
+            let ratio = size / self.tolerances[self.assembly.locate(slide.node).0].force;
+            if ratio > worst.ratio || ratio.is_nan() {
+                worst = Imbalance {
+                    ratio,
+                    residual: size,
+                    unknown: STRIDE * slide.node,
+                };
+            }
+        }
         worst
+    }
+
+    /// Residual of a sliding node along its rod, N.
+    fn residual_along(&self, slide: &Slide) -> f64 {
+        self.residual[slide.unknown].abs() / slide.edge()
     }
 
     /// Largest residual of the unknowns of a frame of a joint, N; the moment about a hinge is divided by the shortest edge.
@@ -238,6 +264,10 @@ impl System {
                 let rod = self.assembly.locate(frame.node).0;
                 let rounding = self.tolerances[rod].rounding;
                 self.residual_of_frame(frame.first_unknown, rod) <= rounding
+            })
+            && self.assembly.joints.slides.iter().all(|slide| {
+                let rod = self.assembly.locate(slide.node).0;
+                self.residual_along(slide) <= self.tolerances[rod].rounding
             });
         self.corrected_residual = acting;
         self.in_contact = in_contact;
@@ -347,6 +377,11 @@ impl System {
                 let value = own[k] * if k == 3 { per_length } else { weight };
                 *sum += value * value;
             }
+        }
+        for slide in &self.assembly.joints.slides {
+            let rod = self.assembly.locate(slide.node).0;
+            let along = residual[slide.unknown] * self.tolerances[rod].weight / slide.edge();
+            sums[3] += along * along;
         }
         sums.iter().sum()
     }

@@ -2,13 +2,14 @@
 //!
 //! That of a spring between nodes is k (r − L), pulled or pushed. That of a ball joint of two nodes is what holds the node
 //! whose position is that of the other one: the residual M a + ∇E − F of its own rod there, before it is added to that of
-//! the other. Where a step ends with more than a joint bears, it breaks: the spring is gone, the node has its own position
-//! and goes on with its velocity. Contact goes on to pass over what overlapped at the joint.
+//! the other; that of a slide is what holds the node that slides. Where a step ends with more than a joint bears, it breaks:
+//! the spring is gone, the node has its own position and goes on with its velocity. Contact goes on to pass over what
+//! overlapped at the joint.
 
 use super::System;
 use super::build::Assembly;
 use crate::mechanics::rod::{STRIDE, topology::position};
-use crate::mechanics::scene::{RodNode, Scene};
+use crate::mechanics::scene::{JointKind, RodNode, Scene};
 use serde::{Deserialize, Serialize};
 use tracing::info;
 
@@ -46,6 +47,8 @@ enum Tie {
         /// Force of the joint on it at the last evaluation, N.
         force: f64,
     },
+    /// A node that slides along a rod.
+    Slide(usize),
 }
 
 impl Breaking {
@@ -58,6 +61,17 @@ impl Breaking {
                 continue;
             };
             let nodes = joint.nodes.each_ref().map(number);
+            if joint.kind == JointKind::Slide {
+                let mut points = assembly.joints.points.iter();
+                let owner = points.find(|point| point[0] == nodes[0]);
+                links.push(Link {
+                    name: joint.name.clone(),
+                    strength,
+                    tie: Tie::Slide(owner.map_or(nodes[0], |point| point[1])),
+                    broken: None,
+                });
+                continue;
+            }
             let mut points = assembly.joints.points.iter();
             let point = points.find(|point| point.iter().all(|node| nodes.contains(node)));
             let &[node, _] = point.expect("a joint that breaks has its point for itself");
@@ -117,6 +131,11 @@ impl System {
             let force = match link.tie {
                 Tie::Spring(number) => self.springs.force(number).abs(),
                 Tie::Ball { force, .. } => force,
+                Tie::Slide(node) => {
+                    let mut slides = self.assembly.joints.slides.iter();
+                    let slide = slides.find(|slide| slide.node == node);
+                    slide.map_or(0.0, |slide| slide.force())
+                }
             };
             if force > link.strength {
                 info!(joint = link.name, time, force, "joint broke");
@@ -171,6 +190,13 @@ impl System {
                 let joints = &mut self.assembly.joints;
                 joints.points.retain(|point| point[0] != node);
                 self.assembly.held[STRIDE * node..STRIDE * node + 3].fill(false);
+            }
+            Tie::Slide(node) => {
+                let slides = &mut self.assembly.joints.slides;
+                if let Some(number) = slides.iter().position(|slide| slide.node == node) {
+                    let slide = slides.remove(number);
+                    self.assembly.held[slide.unknown] = true;
+                }
             }
         }
     }

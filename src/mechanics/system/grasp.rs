@@ -91,6 +91,9 @@ impl System {
                 "joints or bodies of the scene turn, beside which nothing can be grasped",
             );
         }
+        if self.assembly.joints.slides_at(node) {
+            return refuse("it slides along a rod");
+        }
         let neighbours = self.neighbours(node);
         if grasp.frame
             && let Err(why) = self.may_hold_frame(&neighbours, node)

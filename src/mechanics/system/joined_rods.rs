@@ -1,7 +1,7 @@
 //! The joints and bodies of a scene whose rods are numbered: who owns which position, and what bodies weigh.
 
 use super::Assembly;
-use super::joints::JointPlan;
+use super::joints::{JointPlan, PlannedSlide, Slide, Track};
 use crate::linalg::UNUSED;
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::scene::{Clamp, RodNode, Scene};
@@ -23,6 +23,10 @@ impl Assembly {
                 let body = here.next().expect("the plan took the inertia from it");
                 self.add_inertia(number, body.at.rod, inertia);
             }
+        }
+        let first_place = self.all_places().end - plan.slides.len();
+        for (place, slide) in (first_place..).zip(&plan.slides) {
+            self.free_slide(slide, place);
         }
         self.add_masses(scene)?;
         self.start_rotations(scene);
@@ -69,6 +73,29 @@ impl Assembly {
         let first = frame.first_unknown;
         self.held[first..first + 3].fill(is_hinged);
         self.held[first + 3] = !is_hinged;
+    }
+
+    /// Lets a node follow a place along a rod, which becomes an unknown.
+    fn free_slide(&mut self, planned: &PlannedSlide, place: usize) {
+        let [node, start] = planned.nodes.each_ref().map(|at| self.number(at));
+        let mut points = self.joints.points.iter();
+        let node = points
+            .find_map(|&[own, owner]| (own == node).then_some(owner))
+            .unwrap_or(node);
+        let range = self.rods.rods[planned.nodes[1].rod];
+        let lengths: Vec<f64> = (self.rods.edges.iter())
+            .filter(|edge| range.edge_indices().contains(&edge.start))
+            .map(|edge| edge.natural_length)
+            .collect();
+        let track = Track::new(&range, planned.rail, &lengths);
+        let unknown = STRIDE * place + 3;
+        self.unknowns[unknown] = track.parameter(start);
+        // The rest of its place is unused, and lies where the node does.
+        self.unknowns
+            .copy_within(STRIDE * node..STRIDE * node + 3, STRIDE * place);
+        self.held[STRIDE * place..unknown].fill(true);
+        let slide = Slide::new(node, unknown, track, &self.unknowns);
+        self.joints.slides.push(slide);
     }
 
     /// Gives a frame the moments of inertia (kg m²) of a body that a rod bears: masses at the tips of its principal axes.

@@ -10,7 +10,7 @@
 //! (thesis Eq. 1.8) and its Jacobian, with the drag F₀ of a motion with the velocities v₀ and its local
 //! resistance D; without a [`Stage`] the terms with h fall away and equilibrium remains. The natural strains in E may be
 //! functions of time (`actuation`), and dashpots lie beside its springs where rods are viscous (`damping`). Springs between
-//! nodes and about hinges are part of E (`springs`).
+//! nodes and about hinges are part of E (`springs`). Positions that others determine are eliminated (`joints`).
 
 mod actuation;
 mod balance;
@@ -51,6 +51,7 @@ pub use complementarity::NoContactForces;
 use damping::Damping;
 pub use events::Event;
 pub use grasp::{Grasp, Interventions};
+use joints::Border;
 pub use joints::{check_joints, joint_unknowns};
 use loads::Loads;
 use newton_matrix::NewtonMatrix;
@@ -108,7 +109,7 @@ const NO_RIGID_CONTACT: SceneError = SceneError::Unsuitable(
 );
 
 const NO_START: SceneError = SceneError::Unsuitable(
-    "a scene with rigid joints, hinges or bodies with inertia cannot start from the end of another run, which does not tell how they are turned",
+    "a scene with rigid joints, hinges, sliding nodes or bodies with inertia cannot start from the end of another run, which does not tell how they are turned or where they slide",
 );
 
 /// Models, state of the frames, and scratch of one scene.
@@ -159,6 +160,8 @@ pub struct System {
     /// Whether a node was ever grasped or released.
     switched: bool,
     matrix: NewtonMatrix,
+    /// What sliding nodes add to it.
+    border: Border,
     /// What residual counts as none, rod by rod, and the multiple of the acting forces that it is.
     tolerances: Vec<RodTolerance>,
     relative_tolerance: f64,
@@ -172,7 +175,8 @@ impl System {
     pub fn new(scene: &Scene) -> Result<Self, SceneError> {
         let mut assembly = Assembly::new(scene)?;
         if let Some(start) = &scene.start {
-            if !assembly.joints.frames.is_empty() {
+            let joints = &assembly.joints;
+            if !joints.frames.is_empty() || !joints.slides.is_empty() {
                 return Err(NO_START);
             }
             assembly.begin_at(start)?;
@@ -231,6 +235,7 @@ impl System {
                 friction_on_planes,
                 friction_on_planes || friction_on_obstacles || is_rigid,
             ),
+            border: Border::default(),
             tolerances: vec![RodTolerance::default(); assembly.rods.rods.len()],
             relative_tolerance: 0.0,
             contact,
@@ -277,6 +282,7 @@ impl System {
     /// Computes frames and strains at `unknowns`.
     pub fn update_geometry(&mut self, unknowns: &[f64]) {
         self.springs.stretch(unknowns);
+        self.assembly.joints.place(unknowns);
         (self.assembly.joints).turn_ghosts(unknowns, &mut self.ghosts);
         self.geometry
             .update(&self.assembly.rods, unknowns, &self.reference, &self.ghosts);
@@ -294,6 +300,7 @@ impl System {
 
     /// Goes on from frames that were committed at `time` with `unknowns`.
     pub fn resume(&mut self, time: f64, unknowns: &[f64], reference: &ReferenceFrames) {
+        self.begin_step(None);
         self.reference.clone_from(reference);
         self.committed_time = time;
         self.place_obstacles(time);
@@ -435,7 +442,18 @@ impl System {
     /// # Errors
     /// The unknown at which the matrix is singular.
     pub fn factor(&mut self) -> Result<Option<Inertia>, SingularMatrix> {
-        self.matrix.factor()
+        let slides = &self.assembly.joints.slides;
+        if slides.is_empty() {
+            // The last one may have broken.
+            self.border = Border::default();
+            return self.matrix.factor();
+        }
+        let parameters = slides.iter().map(|slide| slide.unknown);
+        let diagonals: Vec<f64> = parameters.map(|own| self.matrix.isolate(own)).collect();
+        let inertia = self.matrix.factor()?;
+        let (joints, held) = (&self.assembly.joints, &self.assembly.held);
+        let solve = |right_hand_side: &mut [f64]| self.matrix.solve(right_hand_side);
+        (self.border).factor(joints, held, &diagonals, inertia, solve)
     }
 
     /// Writes the Newton direction −J⁻¹R, zero at held unknowns, with the contact forces of the linearised
@@ -453,8 +471,9 @@ impl System {
                 -self.corrected_residual[k]
             };
         }
-        self.matrix.solve(direction)?;
-        self.assembly.joints.spread(direction);
+        let matrix = &mut self.matrix;
+        (self.border).solve(direction, |right_hand_side| matrix.solve(right_hand_side))?;
+        self.spread(direction);
         Ok(())
     }
 
@@ -468,15 +487,27 @@ impl System {
     /// # Errors
     /// A system that is singular to working precision.
     pub fn solve(&mut self, right_hand_side: &mut [f64]) -> Result<(), SingularMatrix> {
-        self.assembly.joints.gather(right_hand_side);
+        let joints = &self.assembly.joints;
+        joints.gather_points(right_hand_side);
+        self.border.gather(right_hand_side);
+        joints.gather_points(right_hand_side);
         for (entry, held) in right_hand_side.iter_mut().zip(&self.assembly.held) {
             if *held {
                 *entry = 0.0;
             }
         }
-        self.matrix.solve(right_hand_side)?;
-        self.assembly.joints.spread(right_hand_side);
+        let matrix = &mut self.matrix;
+        (self.border).solve(right_hand_side, |rest| matrix.solve(rest))?;
+        self.spread(right_hand_side);
         Ok(())
+    }
+
+    /// Moves nodes whose positions others determine, as when the Jacobian was factored.
+    fn spread(&self, moves: &mut [f64]) {
+        let joints = &self.assembly.joints;
+        joints.spread_points(moves);
+        self.border.spread(moves);
+        joints.spread_points(moves);
     }
 
     /// Writes the residual with the contact forces of the linearised laws.
@@ -611,7 +642,9 @@ impl System {
     /// The Jacobian of the last linearisation as a dense matrix over all unknowns, held ones with unit
     /// diagonals; for tests and small eigenproblems.
     pub fn dense_matrix(&self) -> nalgebra::DMatrix<f64> {
-        self.matrix.to_dense()
+        let mut dense = self.matrix.to_dense();
+        (self.assembly.joints).reduce_jacobian(&mut dense, &self.assembly.held);
+        dense
     }
 }
 

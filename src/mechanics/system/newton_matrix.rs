@@ -323,6 +323,14 @@ impl NewtonMatrix {
         }
     }
 
+    /// Makes the row and the column of an unknown that is eliminated otherwise those of the unit matrix; returns what was
+    /// on its diagonal.
+    pub fn isolate(&mut self, unknown: usize) -> f64 {
+        let diagonal = self.band.get(unknown, unknown);
+        self.band.hold(unknown);
+        diagonal
+    }
+
     /// Adds to the diagonal of some free unknowns, one value for positions and one for angles.
     pub fn shift(&mut self, unknowns: Range<usize>, shift: f64, spin_shift: f64, held: &[bool]) {
         let columns = self.band.columns_mut();

@@ -4,7 +4,7 @@ use super::{Assembly, System, copy_positions};
 use crate::mechanics::contact::{
     ContactPair, ContactPlane, ContactSurface, ContactSystem, Proximity,
 };
-use crate::mechanics::scene::Scene;
+use crate::mechanics::scene::{JointKind, Scene};
 use crate::mechanics::{Overlap, Vector3};
 
 /// The contact model of a scene with its first candidates; `None` where everything passes through.
@@ -95,6 +95,15 @@ fn join(surface: &mut ContactSurface, scene: &Scene, assembly: &Assembly) {
                 libm::acos(steepest.min(1.0)),
             );
         }
+    }
+    let slides = scene
+        .joints
+        .iter()
+        .filter(|joint| joint.kind == JointKind::Slide);
+    for [node, start] in slides.map(|joint| joint.nodes) {
+        let nodes = &scene.rods[node.rod].centreline[..=node.node];
+        let arc = nodes.windows(2).map(|ends| (ends[1] - ends[0]).norm());
+        surface.add_slide([node.rod, start.rod], arc.sum());
     }
 }
 

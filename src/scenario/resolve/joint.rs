@@ -23,6 +23,12 @@ fn joint(section: &Section<'_>, typed: &typed::Joint, index: usize, time: &Time)
             at,
             break_at,
         } => (name, rods, at, break_at, JointKind::Ball),
+        typed::Joint::Slide {
+            name,
+            rods,
+            at,
+            break_at,
+        } => (name, rods, at, break_at, JointKind::Slide),
         typed::Joint::Rigid { name, rods, at } => (name, rods, at, &None, JointKind::Rigid),
         typed::Joint::Hinge {
             name,

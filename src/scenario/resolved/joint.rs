@@ -4,7 +4,7 @@ use super::load::Place;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Two nodes that are one point, or that a spring ties.
+/// Two nodes that are one point, of which one slides along the rod of the other, or that a spring ties.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Joint {
     /// Name by which messages call it.
@@ -40,6 +40,8 @@ pub enum JointKind {
         #[serde(skip_serializing_if = "Option::is_none")]
         rest_angle: Option<f64>,
     },
+    /// Every rotation, and moves along the second rod.
+    Slide,
     /// Everything, against a force.
     Spring {
         /// Force per lengthening, N/m.

@@ -11,7 +11,8 @@ use crate::scenario::units::{
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// Two nodes, of one rod or of two, that are one point from time zero on, or that a spring ties. Where three rods meet, two
+/// Two nodes, of one rod or of two, that are one point from time zero on, of which one slides along the rod of the other, or
+/// that a spring ties. Where three rods meet, two
 /// joints share a node.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
@@ -53,6 +54,17 @@ pub enum Joint {
         /// Angle of the second rod against the first, from where they are placed, at which that spring exerts no moment.
         /// Default: 0.
         rest_angle: Option<Quantity<Angle>>,
+    },
+    /// The first node slides along the rod of the second, without friction, between stops at its ends.
+    Slide {
+        /// Name by which messages call it. Default: "joint 0", "joint 1", ...
+        name: Option<String>,
+        /// Names of the rod with the node that slides, and of that along which it slides; the same one twice for a noose.
+        rods: Option<[String; 2]>,
+        /// "start", "end", or the number of a node, of each: the one that slides, and where it begins: ["end", 4].
+        at: Option<[Place; 2]>,
+        /// Largest force that it bears, in a dynamic run; where a step ends with more it breaks. Default: it never breaks.
+        break_at: Option<Quantity<Force>>,
     },
     /// A spring pulls the nodes together and pushes them apart; they need not lie at one point.
     Spring {

@@ -18,18 +18,28 @@
 //!
 //! which is symmetric. With a hinge of the axis a, seen from outside, the moment T' on its frame counts in T and in the moment
 //! a·T' over its angle; the derivative of the one over the other is D' a.
+//!
+//! **Slides.** A node that slides along a rod has the position of a place there ([`slide`]), which depends on the rod and
+//! on one unknown. Since other nodes bear it from edge to edge, it is not eliminated from the matrix, but by a border of it
+//! ([`border`]).
 
+pub mod border;
 pub mod frame;
 mod plan;
+pub mod slide;
+mod track;
 
 use super::System;
 use crate::linalg::{Element, ElementMatrix, SharedUnknown, UNUSED};
 use crate::mechanics::rod::topology::add_to_node;
 use crate::mechanics::rod::{GhostEdge, STRIDE, TURNING_ROTATION};
 use crate::mechanics::{Matrix3, UnitQuaternion, Vector3, rotation};
+pub use border::Border;
 use frame::TurningFrame;
-pub(super) use plan::JointPlan;
+pub(super) use plan::{JointPlan, PlannedSlide};
 pub use plan::{check_joints, joint_unknowns};
+pub(super) use slide::Slide;
+pub(super) use track::Track;
 
 /// Where the angle of a hinge lies among the unknowns of a half vertex, and of the element of a frame.
 const HINGE: usize = TURNING_ROTATION + 3;
@@ -42,6 +52,10 @@ pub struct Joints {
     pub points: Vec<[usize; 2]>,
     /// Frames; those that hinges tie come after those that they are tied to.
     pub frames: Vec<TurningFrame>,
+    /// Nodes that slide along rods; each owns its point.
+    pub slides: Vec<Slide>,
+    /// Unknowns at the start of the step of which a scheme solves the middle; `None` where it solves the end.
+    start: Option<Vec<f64>>,
     /// Scratch: rotation of each frame at the last evaluation.
     rotations: Vec<UnitQuaternion>,
     /// Scratch: moment on each frame, those on frames that hinges tie to it included, at the last evaluation, N m.
@@ -59,12 +73,14 @@ impl Joints {
             tip_forces: vec![[Vector3::zeros(); 3]; frames.len()],
             points,
             frames,
+            slides: Vec::new(),
+            start: None,
         }
     }
 
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.points.is_empty() && self.frames.is_empty()
+        self.points.is_empty() && self.frames.is_empty() && self.slides.is_empty()
     }
 
     /// The unknowns that others own.
@@ -152,8 +168,12 @@ impl Joints {
         if self.is_empty() {
             return;
         }
-        for &[node, owner] in &self.points {
-            unknowns.copy_within(STRIDE * owner..STRIDE * owner + 3, STRIDE * node);
+        self.spread_points(unknowns);
+        if !self.slides.is_empty() {
+            for slide in &self.slides {
+                slide.complete(unknowns, self.start.as_deref());
+            }
+            self.spread_points(unknowns);
         }
         self.rotate(unknowns);
         for (frame, rotation) in self.frames.iter().zip(&self.rotations) {
@@ -167,8 +187,47 @@ impl Joints {
         }
     }
 
-    /// Adds what acts on joined nodes to what acts on the owners of their positions.
+    /// From now on unknowns are those in the middle of a step from `start`, or, without one, those of its end.
+    pub fn begin_step(&mut self, start: Option<&[f64]>) {
+        if !self.slides.is_empty() {
+            self.start = start.map(<[f64]>::to_vec);
+        }
+    }
+
+    /// Takes the places of sliding nodes from `unknowns`.
+    pub fn place(&mut self, unknowns: &[f64]) {
+        for slide in &mut self.slides {
+            slide.place(unknowns, self.start.as_deref());
+        }
+    }
+
+    /// Whether a node, or the one whose position it has, slides along a rod.
+    pub fn slides_at(&self, node: usize) -> bool {
+        let mut points = self.points.iter();
+        let owner = points.find_map(|&[own, owner]| (own == node).then_some(owner));
+        let owner = owner.unwrap_or(node);
+        self.slides.iter().any(|slide| slide.node == owner)
+    }
+
+    /// Unknowns that others determine: those of joined and of sliding nodes.
+    pub fn dependent(&self) -> Vec<usize> {
+        let mut dependent: Vec<usize> = self.shared().iter().map(|one| one.unknown).collect();
+        let of_slide = |slide: &Slide| STRIDE * slide.node..STRIDE * slide.node + 3;
+        dependent.extend(self.slides.iter().flat_map(of_slide));
+        dependent
+    }
+
+    /// Adds what acts on nodes whose positions others determine to what acts on these.
     pub fn gather(&self, forces: &mut [f64]) {
+        self.gather_points(forces);
+        if !self.slides.is_empty() {
+            self.slides.iter().for_each(|slide| slide.gather(forces));
+            self.gather_points(forces);
+        }
+    }
+
+    /// Adds what acts on joined nodes to what acts on the owners of their positions.
+    pub fn gather_points(&self, forces: &mut [f64]) {
         for &[node, owner] in &self.points {
             for axis in 0..3 {
                 forces[STRIDE * owner + axis] += std::mem::take(&mut forces[STRIDE * node + axis]);
@@ -177,7 +236,7 @@ impl Joints {
     }
 
     /// Moves joined nodes as the owners of their positions.
-    pub fn spread(&self, moves: &mut [f64]) {
+    pub fn spread_points(&self, moves: &mut [f64]) {
         for &[node, owner] in &self.points {
             moves.copy_within(STRIDE * owner..STRIDE * owner + 3, STRIDE * node);
         }
@@ -195,6 +254,7 @@ impl Joints {
             matrix.row_mut(unknown).fill(0.0);
             matrix.column_mut(unknown).fill(0.0);
         }
+        self.reduce(matrix);
         for (number, frame) in self.frames.iter().enumerate() {
             let Some((first, tips)) = frame.tips(&self.rotations[number]) else {
                 continue;
@@ -217,6 +277,63 @@ impl Joints {
                     }
                 }
             }
+        }
+    }
+
+    /// Makes a matrix over the owners of all positions one over the free unknowns: Pᵀ M P over those that sliding nodes
+    /// follow.
+    fn reduce(&self, matrix: &mut nalgebra::DMatrix<f64>) {
+        for slide in &self.slides {
+            let own = STRIDE * slide.node;
+            let mut rates = nalgebra::DMatrix::zeros(matrix.nrows(), 3);
+            for axis in 0..3 {
+                let mut column = vec![0.0; matrix.nrows()];
+                column[own + axis] = 1.0;
+                slide.gather(&mut column);
+                self.gather_points(&mut column);
+                rates.column_mut(axis).copy_from_slice(&column);
+            }
+            let block = matrix.fixed_view::<3, 3>(own, own).clone_owned();
+            let mut rows = matrix.rows(own, 3).clone_owned();
+            let mut columns = matrix.columns(own, 3).clone_owned();
+            rows.columns_mut(own, 3).fill(0.0);
+            columns.rows_mut(own, 3).fill(0.0);
+            matrix.rows_mut(own, 3).fill(0.0);
+            matrix.columns_mut(own, 3).fill(0.0);
+            *matrix += &rates * rows + columns * rates.transpose();
+            *matrix += &rates * block * rates.transpose();
+        }
+    }
+
+    /// Makes a Jacobian over the owners of all positions, of which some unknowns are `held`, one over the free unknowns.
+    pub fn reduce_jacobian(&self, matrix: &mut nalgebra::DMatrix<f64>, held: &[bool]) {
+        self.reduce(matrix);
+        for slide in &self.slides {
+            let weights = &slide.grip.weights;
+            matrix[(slide.unknown, slide.unknown)] += slide.residual.dot(&slide.grip.curvature);
+            let mut turning = vec![0.0; held.len()];
+            for (node, slope) in weights.nodes.iter().zip(&weights.slopes) {
+                for axis in 0..3 {
+                    turning[STRIDE * node + axis] += slope * slide.residual[axis];
+                }
+            }
+            self.gather_points(&mut turning);
+            for (k, entry) in turning.iter().enumerate() {
+                matrix[(slide.unknown, k)] += entry;
+                matrix[(k, slide.unknown)] += entry;
+            }
+            for axis in 0..3 {
+                let own = STRIDE * slide.node + axis;
+                matrix[(own, own)] = 1.0;
+            }
+        }
+        if self.slides.is_empty() {
+            return;
+        }
+        for k in (0..held.len()).filter(|k| held[*k]) {
+            matrix.row_mut(k).fill(0.0);
+            matrix.column_mut(k).fill(0.0);
+            matrix[(k, k)] = 1.0;
         }
     }
 
@@ -373,7 +490,16 @@ impl System {
         self.breaking.note(&self.residual);
         let joints = &mut self.assembly.joints;
         joints.gather_moments(unknowns, &mut self.residual);
+        joints.gather_points(&mut self.residual);
+        for slide in &mut joints.slides {
+            slide.note(&self.residual, unknowns, joints.start.as_deref());
+        }
         joints.gather(&mut self.residual);
+    }
+
+    /// From now on unknowns are those in the middle of a step from `start`, or, without one, those of its end.
+    pub fn begin_step(&mut self, start: Option<&[f64]>) {
+        self.assembly.joints.begin_step(start);
     }
 
     /// Lets rotation vectors that have become long begin anew in a motion: its unknowns and velocities now, and earlier ones.
@@ -407,5 +533,7 @@ impl System {
     }
 }
 
+#[cfg(test)]
+mod slide_tests;
 #[cfg(test)]
 mod tests;

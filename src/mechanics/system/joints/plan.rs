@@ -24,6 +24,15 @@ pub(in crate::mechanics::system) struct PlannedFrame {
     pub inertia: Option<[f64; 3]>,
 }
 
+/// A node that slides along a rod.
+#[derive(Clone, Debug)]
+pub(in crate::mechanics::system) struct PlannedSlide {
+    /// The node, and that of the rod where it begins.
+    pub nodes: [RodNode; 2],
+    /// First and last node of that rod along which it may slide.
+    pub rail: [usize; 2],
+}
+
 /// A hinge that has not found its frames yet.
 struct PlannedHinge {
     name: String,
@@ -48,11 +57,16 @@ pub fn joint_unknowns(scene: &Scene) -> [usize; 2] {
         return [0; 2];
     };
     let taken = plan.points.iter().map(|point| 3 * (point.len() - 1));
+    // Three of the position, and one more that says where it is.
+    let slides = plan.slides.len();
     let added = plan.frames.iter().map(|frame| match frame.hinge {
         Some(_) => 1,
         None => 3,
     });
-    [taken.sum(), added.sum()]
+    [
+        taken.sum::<usize>() + 3 * slides,
+        added.sum::<usize>() + slides,
+    ]
 }
 
 impl PlannedFrame {
@@ -68,6 +82,8 @@ pub(in crate::mechanics::system) struct JointPlan {
     pub points: Vec<Vec<RodNode>>,
     /// Frames; those that hinges tie come after those that they are tied to.
     pub frames: Vec<PlannedFrame>,
+    /// Nodes that slide along rods.
+    pub slides: Vec<PlannedSlide>,
     frame_of: BTreeMap<RodNode, usize>,
 }
 
@@ -78,18 +94,25 @@ impl JointPlan {
         let mut points = Groups::default();
         let mut rigid = Groups::default();
         let mut hinges: Vec<PlannedHinge> = Vec::new();
+        let mut slides: Vec<(String, PlannedSlide)> = Vec::new();
         for joint in &scene.joints {
             let wrong = |reason| SceneError::Joint {
                 name: joint.name.clone(),
                 reason,
             };
             check_places(scene, &joint.nodes).map_err(wrong)?;
+            if joint.kind == JointKind::Slide {
+                let rail = rail_of(scene, joint.nodes).map_err(wrong)?;
+                let nodes = joint.nodes;
+                slides.push((joint.name.clone(), PlannedSlide { nodes, rail }));
+                continue;
+            }
             if joint.strength.is_some() && !is_alone(scene, joint) {
                 return Err(wrong(JointError::Unbreakable));
             }
             points.join(joint.nodes);
             match joint.kind {
-                JointKind::Ball => {}
+                JointKind::Ball | JointKind::Slide => {}
                 JointKind::Rigid => {
                     if rigid.are_joined(joint.nodes) {
                         return Err(wrong(JointError::Twice));
@@ -110,7 +133,9 @@ impl JointPlan {
         for body in scene.bodies.iter().filter(|body| body.inertia.is_some()) {
             rigid.add(body.at);
         }
+        judge_slides(scene, &slides, &points)?;
         let mut plan = Self {
+            slides: slides.into_iter().map(|(_, slide)| slide).collect(),
             points: points.into_groups(),
             ..Self::default()
         };
@@ -186,9 +211,11 @@ impl JointPlan {
         &mut self.frames[number]
     }
 
-    /// Places of four unknowns that the frames need: one for the rotation, three for the tips of a body.
+    /// Places of four unknowns that the frames and slides need: one for a rotation, three for the tips of a body, one for a
+    /// place along a rod.
     pub fn places(&self) -> usize {
-        self.frames.iter().map(PlannedFrame::places).sum()
+        let of_frames: usize = self.frames.iter().map(PlannedFrame::places).sum();
+        of_frames + self.slides.len()
     }
 
     /// The frames with their unknowns after those of `nodes` nodes; rods are yet to be clamped to them.
@@ -235,6 +262,71 @@ impl JointPlan {
             reason,
         })
     }
+}
+
+/// First and last node along which the first node of a slide may go: those of the other rod, or those on its own rod that
+/// lie on the same side of it as the second one.
+fn rail_of(scene: &Scene, [node, start]: [RodNode; 2]) -> Result<[usize; 2], JointError> {
+    let rod = &scene.rods[start.rod];
+    let last = rod.centreline.len() - 1;
+    if node.rod != start.rod {
+        return Ok([0, last]);
+    }
+    if rod.closed {
+        return Err(JointError::OwnRing);
+    }
+    Ok(if start.node > node.node {
+        [node.node + 1, last]
+    } else {
+        [0, node.node - 1]
+    })
+}
+
+/// Whether slides leave each sliding node one place, and let no place depend on itself.
+fn judge_slides(
+    scene: &Scene,
+    slides: &[(String, PlannedSlide)],
+    points: &Groups,
+) -> Result<(), SceneError> {
+    for (index, (name, slide)) in slides.iter().enumerate() {
+        let node = points.root(slide.nodes[0]);
+        let wrong = |reason| SceneError::Joint {
+            name: name.clone(),
+            reason,
+        };
+        let is_on = |rail: &PlannedSlide| {
+            let [first, last] = rail.rail;
+            let rod = rail.nodes[1].rod;
+            (first..=last).any(|along| points.root(RodNode { rod, node: along }) == node)
+        };
+        if is_on(slide) {
+            return Err(wrong(JointError::JoinedToRail));
+        }
+        let held = scene.clamps.iter().filter(|clamp| clamp.holds_position);
+        let clamped = held.map(|clamp| RodNode {
+            rod: clamp.rod,
+            node: clamp.node,
+        });
+        let of_held_rods = (points.parent.keys().copied())
+            .chain([slide.nodes[0]])
+            .filter(|at| scene.rods[at.rod].held);
+        if let Some(at) = clamped
+            .chain(of_held_rods)
+            .find(|at| points.root(*at) == node)
+        {
+            let rod = scene.rods[at.rod].name.clone();
+            return Err(wrong(JointError::HeldSlide { rod }));
+        }
+        let mut earlier = slides[..index].iter();
+        if earlier.any(|(_, other)| points.root(other.nodes[0]) == node) {
+            return Err(wrong(JointError::SlidesTwice));
+        }
+        if let Some((_, other)) = slides.iter().find(|(_, other)| is_on(other)) {
+            let rod = scene.rods[other.nodes[1].rod].name.clone();
+            return Err(wrong(JointError::SlidingRail { rod }));
+        }
+    }
+    Ok(())
 }
 
 /// Whether a joint is a ball at whose nodes there is no other joint.

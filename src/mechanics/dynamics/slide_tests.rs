@@ -1,0 +1,391 @@
+//! Nodes that slide along rods, in motion and at rest.
+
+use super::*;
+use crate::mechanics::Vector3;
+use crate::mechanics::scene::{
+    Clamp, Joint, JointKind, Load, LoadKind, Motion, NaturalShape, RodDescription, RodNode, Scene,
+    Stiffness,
+};
+use std::f64::consts::PI;
+
+const GRAVITY: f64 = 9.81;
+
+fn rod(name: &str, nodes: Vec<Vector3>) -> RodDescription {
+    let stiffness = Stiffness {
+        stretching: 1e3,
+        bending: [1e-3; 2],
+        twisting: 1e-3,
+    };
+    RodDescription::uniform(name, nodes, stiffness, 2e-3, 0.01)
+}
+
+fn slide(nodes: [[usize; 2]; 2]) -> Joint {
+    Joint {
+        name: format!("slide {}", nodes[0][1]),
+        nodes: nodes.map(|[rod, node]| RodNode { rod, node }),
+        kind: JointKind::Slide,
+        strength: None,
+    }
+}
+
+fn gravity() -> Load {
+    Load {
+        kind: LoadKind::Gravity {
+            acceleration: Vector3::z() * -GRAVITY,
+        },
+        schedule: Vec::new(),
+    }
+}
+
+fn parameters(scheme: Scheme, step: f64) -> IntegrationParameters {
+    IntegrationParameters {
+        scheme,
+        step: StepSize::Fixed(step),
+        ..IntegrationParameters::default()
+    }
+}
+
+fn run(scene: &Scene, scheme: Scheme, step: f64, end: f64) -> Simulation {
+    let mut simulation = Simulation::new(scene, &parameters(scheme, step)).unwrap();
+    while simulation.time() < end {
+        simulation.advance(end).unwrap();
+    }
+    simulation
+}
+
+const SLOPE: f64 = 0.5;
+
+/// A shuttle of one edge, both ends of which slide along a straight wire that is held and slopes by [`SLOPE`] (rad).
+fn incline() -> Scene {
+    let down = Vector3::new(SLOPE.cos(), 0.0, -SLOPE.sin());
+    let mut wire = rod(
+        "wire",
+        (0..=40).map(|k| down * (0.025 * f64::from(k))).collect(),
+    );
+    wire.held = true;
+    let shuttle = rod("shuttle", vec![down * 0.05, down * 0.1]);
+    Scene {
+        rods: vec![wire, shuttle],
+        joints: vec![slide([[1, 0], [0, 2]]), slide([[1, 1], [0, 4]])],
+        loads: vec![gravity()],
+        ..Scene::default()
+    }
+}
+
+/// How far the shuttle of [`incline`] has come at time `end`, m.
+fn fallen(scheme: Scheme, step: f64, end: f64) -> f64 {
+    let simulation = run(&incline(), scheme, step, end);
+    let ends = &simulation.positions()[41..];
+    for end in ends {
+        let off = end.z * SLOPE.cos() + end.x * SLOPE.sin();
+        assert!(off.abs() < 1e-14 && end.y.abs() < 1e-14, "{end}");
+    }
+    ends[0].norm() - 0.05
+}
+
+#[test]
+fn it_falls_along_an_incline_without_friction() {
+    let end = 0.5;
+    let expected = 0.5 * GRAVITY * SLOPE.sin() * end * end;
+    // It crosses more than twenty edges.
+    assert!(expected > 20.0 * 0.025);
+    let error = |scheme, step| fallen(scheme, step, end) / expected - 1.0;
+    assert!(error(Scheme::ImplicitMidpoint, 1e-2).abs() < 1e-9);
+    let [coarse, fine] = [1e-2, 5e-3].map(|step| error(Scheme::ImplicitEuler, step));
+    // With Euler the way is ½ a t (t + h).
+    assert!((coarse / (1e-2 / end) - 1.0).abs() < 1e-6, "{coarse}");
+    assert!((coarse / fine - 2.0).abs() < 1e-6, "{coarse} {fine}");
+    assert!(error(Scheme::BackwardDifferences, 1e-2).abs() < 1e-3);
+}
+
+/// The shuttle on half a circle of radius 0.2 m, beginning near the horizontal.
+fn bowl() -> Scene {
+    let (radius, edges) = (0.2, 40);
+    let place = |angle: f64| Vector3::new(-angle.cos(), 0.0, -angle.sin()) * radius;
+    let nodes = (0..=edges)
+        .map(|k| place(PI * f64::from(k) / f64::from(edges)))
+        .collect();
+    let mut wire = rod("wire", nodes);
+    wire.held = true;
+    let [from, to] = [4, 5].map(|k| wire.centreline[k]);
+    Scene {
+        rods: vec![wire, rod("shuttle", vec![from, to])],
+        joints: vec![slide([[1, 0], [0, 4]]), slide([[1, 1], [0, 5]])],
+        loads: vec![gravity()],
+        ..Scene::default()
+    }
+}
+
+/// Largest deviation of the energy of a scene from that at its start over some time, J.
+fn deviation(scene: &Scene, scheme: Scheme, step: f64, end: f64) -> (f64, f64) {
+    let mut simulation = Simulation::new(scene, &parameters(scheme, step)).unwrap();
+    let start = simulation.energies().total();
+    let (mut worst, mut kinetic) = (0.0_f64, 0.0_f64);
+    while simulation.time() < end {
+        simulation.advance(end).unwrap();
+        let energies = simulation.energies();
+        worst = worst.max((energies.total() - start).abs());
+        kinetic = kinetic.max(energies.kinetic);
+    }
+    (worst, kinetic)
+}
+
+#[test]
+fn crossing_edges_costs_no_energy_but_the_schemes() {
+    let (coarse, kinetic) = deviation(&bowl(), Scheme::ImplicitMidpoint, 1e-3, 2.0);
+    let (fine, _) = deviation(&bowl(), Scheme::ImplicitMidpoint, 5e-4, 2.0);
+    // There and back several times, over some thirty edges each.
+    assert!(kinetic > 0.5e-4 * GRAVITY * 0.1);
+    assert!(fine < 1e-3 * kinetic, "{fine} of {kinetic}");
+    assert!(coarse > 2.5 * fine, "{coarse} {fine}");
+    let (lost, _) = deviation(&bowl(), Scheme::BackwardDifferences, 5e-4, 0.5);
+    assert!(lost < 1e-2 * kinetic, "{lost} of {kinetic}");
+}
+
+/// A shuttle that moves along a slender rod that is free and at rest, slightly across it.
+fn free_rail() -> Scene {
+    let rail = rod(
+        "rail",
+        (0..=20)
+            .map(|k| Vector3::x() * (0.01 * f64::from(k)))
+            .collect(),
+    );
+    let mut shuttle = rod("shuttle", vec![Vector3::x() * 0.03, Vector3::x() * 0.04]);
+    shuttle.velocity = Vector3::new(0.5, 0.0, 0.0);
+    let push = |force: f64, end: f64| Load {
+        kind: LoadKind::Force {
+            rod: 0,
+            node: 20,
+            force: Vector3::new(0.0, force, 0.5 * force),
+        },
+        schedule: vec![(0.0, 1.0), (end, 1.0), (end + 1e-6, 0.0)],
+    };
+    Scene {
+        rods: vec![rail, shuttle],
+        joints: vec![slide([[1, 0], [0, 3]]), slide([[1, 1], [0, 4]])],
+        loads: vec![push(2e-3, 0.02)],
+        ..Scene::default()
+    }
+}
+
+#[test]
+fn momentum_is_kept_along_a_rod_that_bends() {
+    let pushed = 0.02 + 0.5e-6;
+    for (scheme, angular) in [
+        (Scheme::ImplicitMidpoint, 1e-3),
+        (Scheme::ImplicitEuler, 1e-2),
+        (Scheme::BackwardDifferences, 1e-2),
+    ] {
+        let mut simulation = Simulation::new(&free_rail(), &parameters(scheme, 5e-4)).unwrap();
+        while simulation.time() < pushed {
+            simulation.advance(0.021).unwrap();
+        }
+        while simulation.time() < 0.03 {
+            simulation.advance(0.03).unwrap();
+        }
+        let [before, turning_before] = simulation.momenta();
+        let placed = simulation.positions()[21];
+        while simulation.time() < 0.2 {
+            simulation.advance(0.2).unwrap();
+        }
+        let [after, turning_after] = simulation.momenta();
+        let travelled = (simulation.positions()[21] - placed).norm();
+        assert!(travelled > 0.05, "{travelled}");
+        let change = (after - before).norm() / before.norm();
+        assert!(change < 1e-6, "{scheme:?}: {change:e}");
+        let change = (turning_after - turning_before).norm() / turning_before.norm();
+        assert!(change < angular, "{scheme:?}: {change:e}");
+    }
+}
+
+#[test]
+fn stops_hold_it_at_the_end() {
+    let simulation = run(&incline(), Scheme::ImplicitEuler, 2e-3, 1.2);
+    let positions = simulation.positions();
+    assert!((positions[40] - positions[42]).norm() < 1e-12);
+    let length = (positions[42] - positions[41]).norm();
+    assert!((length / 0.05 - 1.0).abs() < 1e-3, "{length}");
+    // With less damping the edge, which is elastic, leaps back, and comes again.
+    for scheme in [Scheme::BackwardDifferences, Scheme::ImplicitMidpoint] {
+        let mut simulation = Simulation::new(&incline(), &parameters(scheme, 2e-3)).unwrap();
+        let start = simulation.energies().total();
+        let mut farthest = 0.0_f64;
+        while simulation.time() < 1.2 {
+            simulation.advance(1.2).unwrap();
+            farthest = farthest.max(simulation.positions()[42].norm());
+            let gained = simulation.energies().total() - start;
+            assert!(gained < 1e-9, "{scheme:?}: {gained:e}");
+        }
+        assert!((farthest - 1.0).abs() < 1e-12, "{scheme:?}: {farthest}");
+    }
+}
+
+#[test]
+fn it_goes_on_from_a_checkpoint_bit_for_bit_and_breaks() {
+    for scheme in [
+        Scheme::BackwardDifferences,
+        Scheme::ImplicitMidpoint,
+        Scheme::ImplicitEuler,
+    ] {
+        let mut scene = bowl();
+        // Broken at the bottom, where the shuttle is pressed on the wire: 3 m g of each end.
+        let pressed = 1.8 * 0.5 * 0.01 * 0.0157 * GRAVITY;
+        scene
+            .joints
+            .iter_mut()
+            .for_each(|joint| joint.strength = Some(pressed));
+        let parameters = parameters(scheme, 1e-3);
+        let mut whole = Simulation::new(&scene, &parameters).unwrap();
+        let (mut states, end) = (Vec::new(), 0.3);
+        while whole.time() < end {
+            whole.advance(end).unwrap();
+            if whole.time() > 0.1 && states.is_empty() {
+                assert_eq!(whole.breaks(), [None, None]);
+                states.push(whole.state());
+            }
+        }
+        assert!(
+            whole.breaks().iter().any(Option::is_some),
+            "{:?}",
+            whole.breaks()
+        );
+        states.push(whole.state());
+        // The end in front has left the wire.
+        assert!(
+            whole.positions()[42].norm() > 0.201,
+            "{}",
+            whole.positions()[42]
+        );
+        for state in states {
+            let mut resumed = Simulation::new(&scene, &parameters).unwrap();
+            resumed.restore(state).unwrap();
+            while resumed.time() < end {
+                resumed.advance(end).unwrap();
+            }
+            assert_eq!(whole.positions(), resumed.positions());
+            assert_eq!(whole.breaks(), resumed.breaks());
+        }
+    }
+}
+
+const SPAN: f64 = 0.8;
+const DROP: f64 = 0.2;
+const BENDING: f64 = 8e-5;
+const WEIGHT: f64 = 0.02;
+
+/// A ring on a rope of 1 m, slack between two posts, that begins at the part `part` of the rope.
+fn ring_on_rope(edges: usize, part: f64) -> (Scene, usize) {
+    let start = (part * edges as f64).round();
+    let (one, other) = (start / edges as f64, 1.0 - start / edges as f64);
+    // Where circles about the posts meet, below them.
+    let across = Vector3::new(SPAN, 0.0, DROP);
+    let along = (one * one - other * other + across.norm_squared()) / (2.0 * across.norm());
+    let unit = across.normalize();
+    let down = Vector3::new(unit.z, 0.0, -unit.x);
+    let apex = unit * along + down * (one * one - along * along).sqrt();
+    let node = |k: usize| {
+        let at = k as f64 / edges as f64;
+        if at <= one {
+            apex * (at / one)
+        } else {
+            apex + (across - apex) * ((at - one) / other)
+        }
+    };
+    let stiffness = Stiffness {
+        stretching: 1e3,
+        bending: [BENDING; 2],
+        twisting: BENDING,
+    };
+    let rope = RodDescription {
+        natural_shape: NaturalShape::Straight,
+        ..RodDescription::uniform(
+            "rope",
+            (0..=edges).map(node).collect(),
+            stiffness,
+            2e-4,
+            1e-4,
+        )
+    };
+    let start = start as usize;
+    let hung = rope.centreline[start];
+    let ring = RodDescription::uniform(
+        "ring",
+        vec![hung, hung - Vector3::z() * 0.02],
+        stiffness,
+        2e-4,
+        1e-4,
+    );
+    let clamp = |node: usize| Clamp {
+        rod: 0,
+        node,
+        holds_position: true,
+        holds_frame: false,
+        motion: Motion::default(),
+    };
+    let scene = Scene {
+        rods: vec![rope, ring],
+        joints: vec![slide([[1, 0], [0, start]])],
+        clamps: vec![clamp(0), clamp(edges)],
+        loads: vec![Load {
+            kind: LoadKind::Force {
+                rod: 1,
+                node: 1,
+                force: Vector3::z() * -WEIGHT,
+            },
+            schedule: Vec::new(),
+        }],
+        ..Scene::default()
+    };
+    (scene, edges + 1)
+}
+
+/// Where the ring hangs: both halves of the rope make the angle α with the vertical, and turn into the horizontal at the ring
+/// as tan θ/4 ∝ e^(−s/λ), λ² = EI/T, 2T cos α = W.
+fn ring_at_rest() -> Vector3 {
+    let (mut low, mut high) = (0.0, 0.5 * PI);
+    let layer = |angle: f64| {
+        let tension = WEIGHT / (2.0 * angle.cos());
+        let (size, turn) = ((BENDING / tension).sqrt(), 0.5 * PI - angle);
+        let shortening = 2.0 * size * (1.0 - (0.5 * turn).cos());
+        (shortening, 2.0 * size * (0.5 * turn).sin(), tension / 1e3)
+    };
+    for _ in 0..80 {
+        let angle: f64 = 0.5 * (low + high);
+        let (shortening, aside, strain) = layer(angle);
+        let reach = (1.0 + strain - 2.0 * shortening) * angle.sin() + 2.0 * aside * angle.cos();
+        if reach < SPAN {
+            low = angle;
+        } else {
+            high = angle;
+        }
+    }
+    let (shortening, aside, strain) = layer(low);
+    // Posts at the heights 0 and DROP: the arm to the lower one is the shorter.
+    let arm = 0.5 * (1.0 + strain - DROP / low.cos()) - shortening;
+    let (sine, cosine) = low.sin_cos();
+    Vector3::new(
+        arm * sine + aside * cosine,
+        0.0,
+        aside * sine - arm * cosine,
+    )
+}
+
+#[test]
+fn a_ring_on_a_slack_rope_rests_where_both_halves_make_the_same_angle() {
+    let expected = ring_at_rest();
+    let off = |edges: usize, part: f64| {
+        let (scene, ring) = ring_on_rope(edges, part);
+        let mut simulation = Simulation::new(&scene, &IntegrationParameters::default()).unwrap();
+        simulation.find_equilibrium().unwrap();
+        simulation.positions()[ring] - expected
+    };
+    let errors = [40, 80].map(|edges| off(edges, 0.5));
+    for error in errors {
+        assert!(error.norm() < 1e-3, "{errors:?}");
+    }
+    let order = (errors[0].z / errors[1].z).log2();
+    assert!((order - 2.0).abs() < 0.2, "{order} {errors:?}");
+    // From the other side it comes to the same place.
+    let difference = (off(80, 0.25) - errors[1]).norm();
+    assert!(difference < 1e-6, "{difference:e}");
+}

@@ -1,0 +1,232 @@
+//! The Newton system of sliding nodes: that of the rods without them, with a border.
+//!
+//! With the moves δ of all nodes, free as they are without the joints, the change η of the force of each joint, and the
+//! change σ of its parameter,
+//!
+//! ```text
+//! ⎡ K    L ⎤ ⎡ δ ⎤     ⎡ r ⎤      L = [ W − E | w' R ],      D = ⎡ 0      X'    ⎤
+//! ⎣ Nᵀ   D ⎦ ⎣ z ⎦  =  ⎣ s ⎦ ,    z = (η, σ),                    ⎣ X'ᵀ    R·X'' ⎦
+//! ```
+//!
+//! where E picks the sliding node and W the nodes that bear it: the first rows of the border say δx = W δq + X' σ. N is L but
+//! in the middle of a step, where the node moves by other weights than its force ([`super::slide`]). So K keeps its pattern
+//! wherever a node slides, a band remains a band, and four solutions more a joint and a small dense matrix,
+//! S = D − Nᵀ K⁻¹ L, are the price. The numbers of negative eigenvalues of K and S add up to those of the whole
+//! (Haynsworth 1968), of which three a joint belong to the constraints.
+
+use super::Joints;
+use super::slide::Slide;
+use super::track::Weights;
+use crate::linalg::{Inertia, SingularMatrix};
+use crate::mechanics::Vector3;
+use crate::mechanics::rod::STRIDE;
+use nalgebra::{DMatrix, DVector, Dyn, LU};
+
+/// Unknowns of a joint in the border: its force, and its parameter.
+const OWN: usize = 4;
+
+/// Factors of the border; empty without sliding nodes.
+#[derive(Clone, Debug, Default)]
+pub struct Border {
+    /// As they were when it was factored.
+    slides: Vec<Slide>,
+    /// Entries of Nᵀ and their unknowns: a row for each unknown of the border.
+    rows: Vec<Vec<(usize, f64)>>,
+    /// Columns of K⁻¹ L.
+    solutions: Vec<Vec<f64>>,
+    /// S.
+    schur: Option<LU<f64, Dyn, Dyn>>,
+}
+
+type Solved = Result<(), SingularMatrix>;
+
+impl Border {
+    /// Factors the border of `joints` over unknowns of which some are `held`; `diagonals` are those of the matrix at the
+    /// parameters, and `solve` solves with K. Of the inertia of K it makes that of the whole.
+    ///
+    /// # Errors
+    /// Those of `solve`, and a matrix S that is singular.
+    pub fn factor(
+        &mut self,
+        joints: &Joints,
+        held: &[bool],
+        diagonals: &[f64],
+        inertia: Option<Inertia>,
+        mut solve: impl FnMut(&mut [f64]) -> Solved,
+    ) -> Result<Option<Inertia>, SingularMatrix> {
+        self.slides.clone_from(&joints.slides);
+        let size = OWN * self.slides.len();
+        let (mut columns, mut rows) = (Vec::with_capacity(size), Vec::with_capacity(size));
+        let mut schur = DMatrix::zeros(size, size);
+        for (number, slide) in self.slides.iter().enumerate() {
+            let first = OWN * number;
+            for axis in 0..3 {
+                columns.push(constraint(slide, &slide.grip.weights, axis, held.len()));
+                rows.push(constraint(slide, &slide.follow.weights, axis, held.len()));
+                if !slide.is_stopped {
+                    schur[(first + axis, first + 3)] = slide.follow.tangent[axis];
+                    schur[(first + 3, first + axis)] = slide.grip.tangent[axis];
+                }
+            }
+            let along = turning(slide, held.len());
+            columns.push(along.clone());
+            rows.push(along);
+            schur[(first + 3, first + 3)] = if slide.is_stopped {
+                1.0
+            } else {
+                slide.residual.dot(&slide.grip.curvature) + diagonals[number]
+            };
+        }
+        for column in columns.iter_mut().chain(&mut rows) {
+            joints.gather_points(column);
+            for (entry, _) in column.iter_mut().zip(held).filter(|(_, held)| **held) {
+                *entry = 0.0;
+            }
+        }
+        self.rows = rows.iter().map(|row| entries(row)).collect();
+        for column in &mut columns {
+            solve(column)?;
+        }
+        for (i, row) in self.rows.iter().enumerate() {
+            for (j, column) in columns.iter().enumerate() {
+                schur[(i, j)] -= dot(row, column);
+            }
+        }
+        self.solutions = columns;
+        let inertia = inertia.map(|inertia| self.whole(inertia, &schur));
+        let factors = schur.lu();
+        if let Some(slide) = self.slides.first()
+            && !factors.is_invertible()
+        {
+            return Err(SingularMatrix {
+                unknown: slide.unknown,
+                pivot: 0.0,
+            });
+        }
+        self.schur = Some(factors);
+        Ok(inertia)
+    }
+
+    /// Solves in place with the factors of the last [`Self::factor`], for the unknowns without joints and the parameters;
+    /// `solve` solves with K.
+    ///
+    /// # Errors
+    /// Those of `solve`.
+    pub fn solve(
+        &self,
+        right_hand_side: &mut [f64],
+        solve: impl FnOnce(&mut [f64]) -> Solved,
+    ) -> Solved {
+        let Some(schur) = &self.schur else {
+            return solve(right_hand_side);
+        };
+        let mut own = DVector::zeros(OWN * self.slides.len());
+        for (number, slide) in self.slides.iter().enumerate() {
+            let along = std::mem::take(&mut right_hand_side[slide.unknown]);
+            if !slide.is_stopped {
+                own[OWN * number + 3] = along;
+            }
+        }
+        solve(right_hand_side)?;
+        for (row, entry) in self.rows.iter().zip(own.iter_mut()) {
+            *entry -= dot(row, right_hand_side);
+        }
+        // What is singular has been refused.
+        schur.solve_mut(&mut own);
+        for (solution, part) in self.solutions.iter().zip(own.iter()) {
+            for (entry, solution) in right_hand_side.iter_mut().zip(solution) {
+                *entry -= part * solution;
+            }
+        }
+        for (number, slide) in self.slides.iter().enumerate() {
+            right_hand_side[slide.unknown] = own[OWN * number + 3];
+        }
+        Ok(())
+    }
+
+    /// Lets what acts on the sliding nodes act on what bears them, as when the border was factored.
+    pub fn gather(&self, forces: &mut [f64]) {
+        self.slides.iter().for_each(|slide| slide.gather(forces));
+    }
+
+    /// Moves the sliding nodes, as when the border was factored.
+    pub fn spread(&self, moves: &mut [f64]) {
+        self.slides.iter().for_each(|slide| slide.spread(moves));
+    }
+
+    /// The inertia of the Newton system of the free unknowns from that of K, which counts each parameter as one that is
+    /// positive and each sliding node as free.
+    fn whole(&self, of_rods: Inertia, schur: &DMatrix<f64>) -> Inertia {
+        let (mut forces, mut along) = (Vec::new(), Vec::new());
+        for (number, slide) in self.slides.iter().enumerate() {
+            forces.extend(OWN * number..OWN * number + 3);
+            if !slide.is_stopped {
+                along.push(OWN * number + 3);
+            }
+        }
+        let part = |rows: &[usize], columns: &[usize]| {
+            DMatrix::from_fn(rows.len(), columns.len(), |i, j| {
+                schur[(rows[i], columns[j])]
+            })
+        };
+        let negative = |matrix: DMatrix<f64>| {
+            if matrix.is_empty() {
+                return 0;
+            }
+            let eigenvalues = matrix.symmetric_eigenvalues();
+            eigenvalues.iter().filter(|value| **value < 0.0).count()
+        };
+        // One after the other, since they have different units.
+        let between = part(&forces, &along);
+        let of_forces = part(&forces, &forces);
+        let carried = of_forces.clone().lu().solve(&between);
+        let of_parameters = carried.map(|carried| {
+            let own = part(&along, &along);
+            own - between.transpose() * carried
+        });
+        let negative = of_rods.negative + negative(of_forces) + of_parameters.map_or(0, negative);
+        let constraints = 3 * self.slides.len();
+        let all = of_rods.positive + of_rods.negative;
+        let negative = negative.saturating_sub(constraints);
+        Inertia {
+            negative,
+            positive: all - constraints - negative,
+            ..of_rods
+        }
+    }
+}
+
+/// A column of W − E.
+fn constraint(slide: &Slide, weights: &Weights, axis: usize, size: usize) -> Vec<f64> {
+    let mut column = vec![0.0; size];
+    for (node, weight) in weights.nodes.iter().zip(&weights.values) {
+        column[STRIDE * node + axis] += weight;
+    }
+    column[STRIDE * slide.node + axis] -= 1.0;
+    column
+}
+
+/// w' R; none where a stop holds the node.
+fn turning(slide: &Slide, size: usize) -> Vec<f64> {
+    let mut column = vec![0.0; size];
+    if !slide.is_stopped {
+        let weights = &slide.grip.weights;
+        for (node, slope) in weights.nodes.iter().zip(&weights.slopes) {
+            let force: Vector3 = slide.residual * *slope;
+            for axis in 0..3 {
+                column[STRIDE * node + axis] += force[axis];
+            }
+        }
+    }
+    column
+}
+
+/// What of a vector is not zero.
+fn entries(row: &[f64]) -> Vec<(usize, f64)> {
+    let all = row.iter().copied().enumerate();
+    all.filter(|(_, entry)| *entry != 0.0).collect()
+}
+
+fn dot(row: &[(usize, f64)], column: &[f64]) -> f64 {
+    row.iter().map(|(k, entry)| entry * column[*k]).sum()
+}

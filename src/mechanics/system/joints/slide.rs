@@ -1,0 +1,182 @@
+//! A node that slides along a rod without friction.
+//!
+//! Its position is that of a place on the rod's curve ([`Track`]), whose parameter s is the unknown in its stead:
+//!
+//! ```text
+//! x = X(s, q) = Σ wⱼ(s) xⱼ,    what acts on x, R:   wⱼ R on xⱼ,   R·X' on s
+//! ```
+//!
+//! So the force of the joint is across the rod, momentum is kept, and whatever s is, the node is on the curve exactly. At the
+//! ends of an open rod stops take what pushes s outwards.
+//!
+//! **From the middle of a step.** The implicit midpoint rule goes on from the middle as far again. There the place is
+//! x = ½ (xₙ + X(2s − sₙ, 2q − qₙ)), so that the step ends on the curve; forces pass over where the middle is, at (s, q).
+//! For a straight rod at rest that keeps energy exactly.
+
+use super::track::{Track, Weights};
+use crate::mechanics::Vector3;
+use crate::mechanics::rod::{STRIDE, topology::position};
+
+/// A sliding node, at the configuration of the last [`Slide::place`].
+#[derive(Clone, Debug)]
+pub struct Slide {
+    /// The node.
+    pub node: usize,
+    /// The unknown s.
+    pub unknown: usize,
+    pub(super) track: Track,
+    /// Where forces pass over.
+    pub(super) grip: Grip,
+    /// How the node moves with s and q.
+    pub(super) follow: Grip,
+    /// Residual of the node by all that acts on it, R, N.
+    pub(super) residual: Vector3,
+    /// Whether a stop takes the force along the rod.
+    pub(super) is_stopped: bool,
+}
+
+/// A place on the curve.
+#[derive(Clone, Debug)]
+pub(super) struct Grip {
+    pub weights: Weights,
+    /// X' = ∂X/∂s, m.
+    pub tangent: Vector3,
+    /// X'' = ∂²X/∂s², m.
+    pub curvature: Vector3,
+}
+
+impl Grip {
+    fn new(weights: Weights, position_of: impl Fn(usize) -> Vector3) -> Self {
+        let sum = |factors: &[f64; 4]| sum(factors, &weights.nodes, &position_of);
+        Self {
+            tangent: sum(&weights.slopes),
+            curvature: sum(&weights.curvatures),
+            weights,
+        }
+    }
+}
+
+fn sum(factors: &[f64; 4], nodes: &[usize; 4], of: impl Fn(usize) -> Vector3) -> Vector3 {
+    let terms = factors.iter().zip(nodes);
+    terms.map(|(factor, node)| of(*node) * *factor).sum()
+}
+
+impl Slide {
+    /// A node at the place that the unknown tells.
+    pub fn new(node: usize, unknown: usize, track: Track, unknowns: &[f64]) -> Self {
+        let weights = track.at(unknowns[unknown]);
+        let grip = Grip::new(weights, |node| position(unknowns, node));
+        Self {
+            node,
+            unknown,
+            track,
+            follow: grip.clone(),
+            grip,
+            residual: Vector3::zeros(),
+            is_stopped: false,
+        }
+    }
+
+    /// Nodes of the rod along which it slides.
+    pub fn rail(&self) -> std::ops::Range<usize> {
+        self.track.nodes()
+    }
+
+    /// Mean edge length of that rod, m: what s counts.
+    pub fn edge(&self) -> f64 {
+        self.track.edge
+    }
+
+    /// Force of the joint at the last evaluation, N.
+    pub fn force(&self) -> f64 {
+        self.residual.norm()
+    }
+
+    /// Least and largest s, in the middle of a step from `start` such that the step ends within the rod.
+    fn ends(&self, start: Option<&[f64]>) -> Option<[f64; 2]> {
+        let ends = self.track.ends()?;
+        Some(match start {
+            None => ends,
+            Some(start) => ends.map(|end| 0.5 * (start[self.unknown] + end)),
+        })
+    }
+
+    /// Writes where the node is, and s where a stop keeps it; in the middle of a step from `start`.
+    pub(super) fn complete(&self, unknowns: &mut [f64], start: Option<&[f64]>) {
+        if let Some([least, largest]) = self.ends(start) {
+            unknowns[self.unknown] = unknowns[self.unknown].clamp(least, largest);
+        }
+        let weights = self.track.at(self.parameter(unknowns, start));
+        let end = |node: usize| place(unknowns, start, node);
+        let end = sum(&weights.values, &weights.nodes, end);
+        let here = match start {
+            None => end,
+            Some(start) => (position(start, self.node) + end) * 0.5,
+        };
+        let own = STRIDE * self.node;
+        unknowns[own..own + 3].copy_from_slice(here.as_slice());
+    }
+
+    /// s where a step from `start` ends of which `unknowns` are the middle.
+    fn parameter(&self, unknowns: &[f64], start: Option<&[f64]>) -> f64 {
+        let now = unknowns[self.unknown];
+        start.map_or(now, |start| 2.0 * now - start[self.unknown])
+    }
+
+    /// Takes its configuration from `unknowns`, in the middle of a step from `start`.
+    pub(super) fn place(&mut self, unknowns: &[f64], start: Option<&[f64]>) {
+        let weights = self.track.at(unknowns[self.unknown]);
+        self.grip = Grip::new(weights, |node| position(unknowns, node));
+        self.follow = match start {
+            None => self.grip.clone(),
+            Some(_) => {
+                let weights = self.track.at(self.parameter(unknowns, start));
+                Grip::new(weights, |node| place(unknowns, start, node))
+            }
+        };
+    }
+
+    /// Keeps the residual of the node, and whether a stop at `unknowns` takes its part along the rod.
+    pub(super) fn note(&mut self, residual: &[f64], unknowns: &[f64], start: Option<&[f64]>) {
+        self.residual = position(residual, self.node);
+        let along = residual[self.unknown] + self.residual.dot(&self.grip.tangent);
+        let place = unknowns[self.unknown];
+        self.is_stopped = self.ends(start).is_some_and(|[least, largest]| {
+            place <= least && along >= 0.0 || place >= largest && along <= 0.0
+        });
+    }
+
+    /// Lets what acts on the node act on the rod and on s.
+    pub(super) fn gather(&self, forces: &mut [f64]) {
+        let own = STRIDE * self.node;
+        let force = position(forces, self.node);
+        forces[own..own + 3].fill(0.0);
+        let Weights { nodes, values, .. } = &self.grip.weights;
+        for (node, weight) in nodes.iter().zip(values) {
+            for axis in 0..3 {
+                forces[STRIDE * node + axis] += weight * force[axis];
+            }
+        }
+        forces[self.unknown] += force.dot(&self.grip.tangent);
+        if self.is_stopped {
+            forces[self.unknown] = 0.0;
+        }
+    }
+
+    /// Moves the node as s and the rod move.
+    pub(super) fn spread(&self, moves: &mut [f64]) {
+        let weights = &self.follow.weights;
+        let carried = sum(&weights.values, &weights.nodes, |node| {
+            position(moves, node)
+        });
+        let moved = carried + self.follow.tangent * moves[self.unknown];
+        let own = STRIDE * self.node;
+        moves[own..own + 3].copy_from_slice(moved.as_slice());
+    }
+}
+
+/// Where a node is where a step from `start` ends of which `unknowns` are the middle.
+fn place(unknowns: &[f64], start: Option<&[f64]>, node: usize) -> Vector3 {
+    let now = position(unknowns, node);
+    start.map_or(now, |start| now * 2.0 - position(start, node))
+}

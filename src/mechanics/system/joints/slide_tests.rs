@@ -1,0 +1,369 @@
+//! Residual and Jacobian of sliding nodes against finite differences, and slides that cannot be.
+
+use super::*;
+use crate::mechanics::scene::{
+    Body, Clamp, Joint, JointKind, Motion, NaturalShape, RodDescription, RodNode, Scene, Spring,
+    Stiffness,
+};
+use crate::mechanics::system::{Stage, copy_positions};
+use crate::mechanics::{JointError, SceneError};
+
+fn at(rod: usize, node: usize) -> RodNode {
+    RodNode { rod, node }
+}
+
+fn rod(name: &str, nodes: Vec<Vector3>, closed: bool) -> RodDescription {
+    let stiffness = Stiffness {
+        stretching: 30.0,
+        bending: [0.02, 0.05],
+        twisting: 0.03,
+    };
+    RodDescription {
+        natural_shape: NaturalShape::Curved {
+            curvature: [1.0, -2.0],
+            twist: 0.0,
+        },
+        closed,
+        rotational_inertia_per_length: 0.01,
+        ..RodDescription::uniform(name, nodes, stiffness, 0.01, 0.8)
+    }
+}
+
+fn slide(name: &str, nodes: [RodNode; 2]) -> Joint {
+    Joint {
+        name: name.into(),
+        nodes,
+        kind: JointKind::Slide,
+        strength: None,
+    }
+}
+
+/// A clamped arc along which the end of a strut slides, to which the last rod is joined; the other end of the strut slides on a
+/// ring, and the third rod is a noose: its end slides along itself. Springs load all of them, a heavy node hangs on the arc.
+fn frame() -> Scene {
+    let arc = |k: usize| {
+        let angle = 0.25 * k as f64;
+        Vector3::new(angle.sin(), 0.1 * angle * angle, 1.0 - angle.cos())
+    };
+    let rail: Vec<Vector3> = (0..7).map(arc).collect();
+    let ring: Vec<Vector3> = (0..5)
+        .map(|k| {
+            let angle = 1.25 * f64::from(k) + 0.1 * f64::from(k * k % 3);
+            Vector3::new(2.0 + angle.cos(), angle.sin(), 0.4)
+        })
+        .collect();
+    let (from, to) = (rail[3], ring[2]);
+    let strut = (0..=3)
+        .map(|k| from + (to - from) * (f64::from(k) / 3.0))
+        .collect();
+    let mut noose: Vec<Vector3> = (0..8)
+        .map(|k| {
+            let angle = 0.8 * f64::from(k);
+            from + Vector3::new(0.4 * angle.sin(), -0.3 * angle, 0.4 * (1.0 - angle.cos()))
+        })
+        .collect();
+    let tail = [2.0, 1.0, 0.0].map(|k| from + Vector3::new(0.1, 0.2, 0.3) * k);
+    let tail = tail.to_vec();
+    let caught = noose[2];
+    noose.push(caught);
+    let spring = |name: &str, nodes, rest_length| Spring {
+        name: name.into(),
+        nodes,
+        stiffness: 0.4,
+        rest_length: Some(rest_length),
+        strength: None,
+    };
+    Scene {
+        rods: vec![
+            rod("rail", rail, false),
+            rod("strut", strut, false),
+            rod("noose", noose, false),
+            rod("ring", ring, true),
+            rod("tail", tail, false),
+        ],
+        joints: vec![
+            slide("foot", [at(1, 0), at(0, 3)]),
+            Joint {
+                kind: JointKind::Ball,
+                ..slide("hook", [at(1, 0), at(4, 2)])
+            },
+            slide("head", [at(1, 3), at(3, 2)]),
+            slide("noose", [at(2, 8), at(2, 2)]),
+        ],
+        springs: vec![
+            spring("one", [at(1, 1), at(0, 6)], 0.3),
+            spring("two", [at(2, 8), at(3, 0)], 0.1),
+            spring("three", [at(2, 1), at(4, 0)], 0.2),
+        ],
+        bodies: vec![Body {
+            name: "payload".into(),
+            at: at(0, 4),
+            mass: 0.3,
+            inertia: None,
+        }],
+        clamps: vec![Clamp {
+            rod: 0,
+            node: 0,
+            holds_position: true,
+            holds_frame: true,
+            motion: Motion::default(),
+        }],
+        ..Scene::default()
+    }
+}
+
+/// The unknowns that Newton's method moves.
+fn own(system: &System) -> Vec<usize> {
+    let dependent = system.assembly.joints.dependent();
+    let held = &system.assembly.held;
+    (0..held.len())
+        .filter(|&k| !held[k] && !dependent.contains(&k))
+        .collect()
+}
+
+fn perturbed(system: &mut System, size: f64) -> Vec<f64> {
+    let mut unknowns = system.assembly.unknowns.clone();
+    for k in own(system) {
+        unknowns[k] += size * ((1.7 * k as f64).sin() + (0.3 * (k * k) as f64).cos());
+    }
+    // Between nodes, where the curve has third derivatives.
+    for slide in &system.assembly.joints.slides {
+        unknowns[slide.unknown] += 0.37;
+    }
+    system.complete(&mut unknowns);
+    unknowns
+}
+
+fn moved(system: &mut System, unknowns: &[f64], unknown: usize, by: f64) -> Vec<f64> {
+    let mut moved = unknowns.to_vec();
+    moved[unknown] += by;
+    system.complete(&mut moved);
+    moved
+}
+
+fn stage_at(system: &System) -> Stage {
+    let start = system.assembly.unknowns.clone();
+    let mut positions = vec![Vector3::zeros(); system.assembly.rods.nodes];
+    copy_positions(&start, &mut positions);
+    Stage {
+        step: 0.05,
+        acceleration_step: 0.06,
+        velocity: start.iter().map(|q| (3.0 * q).sin()).collect(),
+        start,
+        drag: Vec::new(),
+        drag_velocity: Vec::new(),
+        resistance: Vec::new(),
+        positions,
+    }
+}
+
+#[test]
+fn sliding_nodes_lie_where_they_were_placed() {
+    let scene = frame();
+    let mut system = System::new(&scene).unwrap();
+    assert_eq!(system.assembly.joints.slides.len(), 4 - 1);
+    let mut unknowns = system.assembly.unknowns.clone();
+    system.complete(&mut unknowns);
+    for (rod, description) in scene.rods.iter().enumerate() {
+        let first = system.assembly.rods.rods[rod].first_node;
+        for (along, placed) in description.centreline.iter().enumerate() {
+            let found = crate::mechanics::rod::topology::position(&unknowns, first + along);
+            assert!((found - placed).norm() < 1e-14, "{rod} {along}");
+        }
+    }
+}
+
+#[test]
+fn the_residual_of_sliding_nodes_is_the_gradient_of_the_energy() {
+    let mut system = System::new(&frame()).unwrap();
+    for size in [0.0, 0.02, 0.1] {
+        let unknowns = perturbed(&mut system, size);
+        system.evaluate(&unknowns, None);
+        let residual = system.residual.clone();
+        let scale = residual.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
+        let step = 1e-5;
+        for k in own(&system) {
+            let mut energy_at = |by: f64| {
+                let moved = moved(&mut system, &unknowns, k, by);
+                system.update_geometry(&moved);
+                system.elastic_energy().total()
+            };
+            let slope = (8.0 * (energy_at(step) - energy_at(-step)) - energy_at(2.0 * step)
+                + energy_at(-2.0 * step))
+                / (12.0 * step);
+            assert!(
+                (slope - residual[k]).abs() < 1e-8 * scale,
+                "{size}, unknown {k}: {slope} against {}",
+                residual[k]
+            );
+        }
+    }
+}
+
+#[test]
+fn the_jacobian_of_sliding_nodes_is_exact_and_symmetric() {
+    let mut system = System::new(&frame()).unwrap();
+    let stage = stage_at(&system);
+    for (size, stage) in [(0.0, None), (0.1, None), (0.1, Some(&stage))] {
+        let unknowns = perturbed(&mut system, size);
+        system.linearize(&unknowns, stage);
+        let jacobian = system.dense_matrix();
+        let scale = jacobian.amax();
+        let skew = (&jacobian - jacobian.transpose()).amax();
+        assert!(skew < 1e-12 * scale, "{size}: {skew:e}");
+        let step = 1e-6;
+        for column in own(&system) {
+            let mut difference = vec![0.0; unknowns.len()];
+            for sign in [1.0, -1.0] {
+                let moved = moved(&mut system, &unknowns, column, sign * step);
+                system.evaluate(&moved, stage);
+                for (entry, residual) in difference.iter_mut().zip(&system.residual) {
+                    *entry += sign * residual / (2.0 * step);
+                }
+            }
+            for row in own(&system) {
+                let error = (difference[row] - jacobian[(row, column)]).abs();
+                assert!(error < 2e-8 * scale, "{size}, {row}, {column}: {error:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn newton_and_its_inertia_are_those_of_the_dense_matrix() {
+    let mut system = System::new(&frame()).unwrap();
+    let stage = stage_at(&system);
+    for stage in [Some(&stage), None] {
+        let unknowns = perturbed(&mut system, 0.05);
+        let free = own(&system);
+        let mut negatives = Vec::new();
+        for shift in [0.0, 0.3, 30.0] {
+            system.linearize(&unknowns, stage);
+            system.shift(shift, 0.0);
+            let jacobian = system.dense_matrix();
+            let inertia = system.factor().unwrap().expect("symmetric");
+            let part = nalgebra::DMatrix::from_fn(free.len(), free.len(), |i, j| {
+                jacobian[(free[i], free[j])]
+            });
+            let eigenvalues = part.symmetric_eigenvalues();
+            let negative = eigenvalues.iter().filter(|value| **value < 0.0).count();
+            assert_eq!(inertia.negative, negative, "{shift}");
+            negatives.push(negative);
+            let mut direction = vec![0.0; unknowns.len()];
+            system.direction(&mut direction).unwrap();
+            for row in &free {
+                let product: f64 = free
+                    .iter()
+                    .map(|k| jacobian[(*row, *k)] * direction[*k])
+                    .sum();
+                let error = (product + system.residual[*row]).abs();
+                assert!(error < 1e-9 * jacobian.amax(), "{shift} {row}: {error:e}");
+            }
+        }
+        if stage.is_none() {
+            assert!(negatives[0] > negatives[2], "{negatives:?}");
+        }
+    }
+}
+
+#[test]
+fn in_the_middle_of_a_step_newtons_direction_lowers_the_residual_in_proportion() {
+    let mut system = System::new(&frame()).unwrap();
+    let stage = stage_at(&system);
+    system.begin_step(Some(&stage.start));
+    let unknowns = perturbed(&mut system, 0.05);
+    system.linearize(&unknowns, Some(&stage));
+    let residual = system.residual.clone();
+    let scale = residual.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
+    system.factor().unwrap();
+    let mut direction = vec![0.0; unknowns.len()];
+    system.direction(&mut direction).unwrap();
+    let mut residual_after = |part: f64| {
+        let ends = unknowns.iter().zip(&direction);
+        let mut moved: Vec<f64> = ends.map(|(q, d)| q + part * d).collect();
+        system.complete(&mut moved);
+        system.evaluate(&moved, Some(&stage));
+        system.residual.clone()
+    };
+    let part = 1e-5;
+    let (after, before) = (residual_after(part), residual_after(-part));
+    for k in own(&system) {
+        let rate = (after[k] - before[k]) / (2.0 * part);
+        assert!((rate + residual[k]).abs() < 1e-6 * scale, "{k}");
+    }
+}
+
+#[test]
+fn a_stop_holds_what_is_pushed_out_and_lets_go_what_is_drawn_in() {
+    let mut system = System::new(&frame()).unwrap();
+    let mut unknowns = system.assembly.unknowns.clone();
+    let own = system.assembly.joints.slides[0].unknown;
+    for (beyond, end) in [(-0.3, 0.0), (9.0, 6.0)] {
+        unknowns[own] = beyond;
+        system.complete(&mut unknowns);
+        assert!((unknowns[own] - end).abs() < 1e-12);
+        system.evaluate(&unknowns, None);
+        let slide = &system.assembly.joints.slides[0];
+        let along = slide.residual.dot(&slide.grip.tangent);
+        let outwards = if beyond < 0.0 { along } else { -along };
+        assert_eq!(slide.is_stopped, outwards >= 0.0);
+        let left = system.residual[own];
+        assert_eq!(left, if slide.is_stopped { 0.0 } else { along });
+    }
+}
+
+#[test]
+fn slides_that_cannot_be_are_named() {
+    let refused = |change: &dyn Fn(&mut Scene)| {
+        let mut scene = frame();
+        change(&mut scene);
+        match System::new(&scene).err() {
+            Some(SceneError::Joint { name, reason }) => (name, reason),
+            other => panic!("{other:?}"),
+        }
+    };
+    let (name, reason) = refused(&|scene| scene.joints[0].nodes[1] = at(0, 4));
+    assert_eq!(name, "foot");
+    assert!(matches!(reason, JointError::Apart { distance } if distance > 0.2));
+    // Along its own rod, from its own neighbour.
+    let (_, reason) = refused(&|scene| scene.joints[3].nodes[1] = at(2, 7));
+    assert!(matches!(reason, JointError::Apart { distance } if distance > 0.2));
+    let (name, reason) = refused(&|scene| {
+        let mut again = slide("again", [at(1, 0), at(2, 0)]);
+        again.nodes = [at(1, 0), at(0, 3)];
+        scene.joints.push(again);
+    });
+    assert_eq!((name.as_str(), reason), ("again", JointError::SlidesTwice));
+    let (name, reason) = refused(&|scene| {
+        scene.joints.push(Joint {
+            kind: JointKind::Ball,
+            ..slide("pin", [at(1, 0), at(0, 3)])
+        });
+    });
+    assert_eq!((name.as_str(), reason), ("foot", JointError::JoinedToRail));
+    // The strut, whose ends slide, is no rail.
+    let (name, reason) = refused(&|scene| {
+        scene.joints[1].kind = JointKind::Slide;
+        scene.joints[1].nodes.swap(0, 1);
+    });
+    let rod = "strut".into();
+    assert_eq!(
+        (name.as_str(), reason),
+        ("foot", JointError::SlidingRail { rod })
+    );
+    let (_, reason) = refused(&|scene| {
+        scene.clamps.push(Clamp {
+            rod: 1,
+            node: 0,
+            ..scene.clamps[0].clone()
+        });
+    });
+    assert_eq!(
+        reason,
+        JointError::HeldSlide {
+            rod: "strut".into()
+        }
+    );
+    let (_, reason) = refused(&|scene| scene.rods[2].closed = true);
+    assert_eq!(reason, JointError::OwnRing);
+}

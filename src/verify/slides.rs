@@ -1,0 +1,140 @@
+//! Nodes that slide along rods, from scenario files, against closed forms.
+
+use super::{Check, Expectation, GroupError};
+use crate::experiment;
+use crate::mechanics::Vector3;
+use crate::mechanics::dynamics::Simulation;
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::path::Path;
+
+const FALL: Expectation = Expectation {
+    formula: "s = ½ g sin α t²",
+    source: "Galileo",
+};
+const KEPT: Expectation = Expectation {
+    formula: "E(t) = E(0)",
+    source: "conservation",
+};
+const RING: Expectation = Expectation {
+    formula: "(L−2c) sin α + 2d cos α = D, c = 4λ sin²(θ/4), d = 2λ sin(θ/2), θ = π/2 − α, λ² = EI/T, 2T cos α = W",
+    source: "statics, elastica",
+};
+const ORDER: Expectation = Expectation {
+    formula: "log₂(error at N / error at 2N)",
+    source: "second order",
+};
+
+/// A shuttle on an incline, a ring on a slack rope.
+pub fn checks() -> Result<Vec<Check>, GroupError> {
+    let (fall, ring) = (incline()?, ring_on_rope()?);
+    Ok([fall, ring].into_iter().flatten().collect())
+}
+
+fn simulation(text: &str) -> Result<Simulation, GroupError> {
+    let loaded = experiment::from_text("scene", text, Path::new(""), &[])?;
+    let prepared = experiment::prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?;
+    Ok(Simulation::new(&prepared.scene, &prepared.integration)?)
+}
+
+fn incline() -> Result<[Check; 2], GroupError> {
+    let mut simulation = simulation(include_str!("scenes/shuttle_on_incline.toml"))?;
+    let energy = |simulation: &Simulation| simulation.energies().total();
+    let (start, end) = (energy(&simulation), 0.4);
+    let mut worst = 0.0_f64;
+    while simulation.time() < end {
+        simulation.advance(end)?;
+        worst = worst.max((energy(&simulation) - start).abs());
+    }
+    let place = simulation.positions()[81];
+    let kinetic = simulation.energies().kinetic;
+    Ok([
+        FALL.relative(
+            "shuttle that slides down a wire over fifty of its edges, midpoint rule: way",
+            "m",
+            0.5 * 9.81 * 0.8 * end * end,
+            place.norm() - 0.05,
+            1e-9,
+        ),
+        KEPT.scaled(
+            "the same: energy gained or lost, of its kinetic energy",
+            "J",
+            0.0,
+            worst,
+            kinetic,
+            1e-9,
+        ),
+    ])
+}
+
+/// Length of the rope, m, how far the posts are apart and by how much the second is higher, m, EI, N m², EA, N, and the
+/// weight, N.
+const LENGTH: f64 = 1.0;
+const SPAN: f64 = 0.8;
+const RISE: f64 = 0.2;
+const BENDING: f64 = 64e9 * PI * 1.6e-15 / 4.0;
+const STRETCHING: f64 = 64e9 * PI * 4e-8;
+const WEIGHT: f64 = 0.02;
+
+fn ring_on_rope() -> Result<[Check; 2], GroupError> {
+    let file = include_str!("scenes/ring_on_rope.toml");
+    let expected = ring_at_rest();
+    let place = |edges: usize| -> Result<Vector3, GroupError> {
+        let text = file
+            .replace("edges = 80", &format!("edges = {edges}"))
+            .replace("\"start\", 40", &format!("\"start\", {}", edges / 2));
+        let mut simulation = simulation(&text)?;
+        simulation.find_equilibrium()?;
+        Ok(simulation.positions()[edges + 1])
+    };
+    let fine = place(80)?;
+    let off = (place(40)?.z - expected.z) / (fine.z - expected.z);
+    Ok([
+        RING.scaled(
+            "ring on a slack rope between posts of different heights: distance from where it rests, of the length of the rope",
+            "m",
+            0.0,
+            (fine - expected).norm(),
+            LENGTH,
+            1e-3,
+        ),
+        ORDER.scaled(
+            "the same, height, 40 to 80 edges: order",
+            "",
+            2.0,
+            libm::log2(off),
+            1.0,
+            0.2,
+        ),
+    ])
+}
+
+/// Where the ring rests, m: tensions are the same on either side, and so are the angles α with the vertical. At the ring the
+/// rope turns by θ = π/2 − α into the horizontal, tan ϑ/4 ∝ e^(−s/λ), which takes c off its length and d off its line.
+fn ring_at_rest() -> Vector3 {
+    let (mut low, mut high) = (0.0, FRAC_PI_2);
+    let bend = |angle: f64| {
+        let tension = WEIGHT / (2.0 * libm::cos(angle));
+        let (size, turn) = ((BENDING / tension).sqrt(), FRAC_PI_2 - angle);
+        let shortening = 4.0 * size * libm::sin(0.25 * turn).powi(2);
+        let aside = 2.0 * size * libm::sin(0.5 * turn);
+        (LENGTH * (1.0 + tension / STRETCHING), shortening, aside)
+    };
+    for _ in 0..80 {
+        let angle = 0.5 * (low + high);
+        let (length, shortening, aside) = bend(angle);
+        let reach = (length - 2.0 * shortening) * libm::sin(angle) + 2.0 * aside * libm::cos(angle);
+        if reach < SPAN {
+            low = angle;
+        } else {
+            high = angle;
+        }
+    }
+    let (length, shortening, aside) = bend(low);
+    let (sine, cosine) = (libm::sin(low), libm::cos(low));
+    let arm = 0.5 * (length - RISE / cosine) - shortening;
+    Vector3::new(
+        arm * sine + aside * cosine,
+        0.0,
+        aside * sine - arm * cosine,
+    )
+}
