@@ -9,6 +9,9 @@ class Camera:
     def __init__(self, simulation):
         self.simulation = simulation
         self.seen = mujoco.MjData(simulation.model)
+        self.options = mujoco.MjvOption()
+        # Marks of the model are no part of the cell.
+        self.options.sitegroup[:] = 0
         width, height = simulation.cell.picture
         self.renderer = mujoco.Renderer(simulation.model, height, width)
 
@@ -21,5 +24,5 @@ class Camera:
         mujoco.mj_kinematics(model, seen)
         mujoco.mj_comPos(model, seen)
         mujoco.mj_camlight(model, seen)
-        self.renderer.update_scene(seen, camera="above")
+        self.renderer.update_scene(seen, camera="above", scene_option=self.options)
         return time, self.renderer.render()

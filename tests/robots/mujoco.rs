@@ -57,17 +57,19 @@ impl Cell {
         let free = TcpListener::bind("127.0.0.1:0").unwrap();
         let port = free.local_addr().unwrap().port().to_string();
         drop(free);
+        let folder = tempfile::tempdir().unwrap();
         let mut process = Command::new(repository().join("scripts/mujoco-cell"))
             .arg(repository().join("scripts/mujoco_cell/sawyer.csv"))
             .args(["--port", &port, "--rate", "4", "--packages"])
             .arg(packages())
             .args(CABLE)
+            // Its files go with the folder when it is killed.
+            .env("TMPDIR", folder.path())
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
             .unwrap();
         let lines = lines_of(&mut process);
-        let folder = tempfile::tempdir().unwrap();
         let cell = repository().join("scenarios/cells/mujoco.toml");
         let cell = fs::read_to_string(cell).unwrap().replace("11311", &port);
         fs::write(folder.path().join("cell.toml"), cell).unwrap();
