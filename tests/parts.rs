@@ -1,5 +1,5 @@
-//! Parts beside Rust that some tests need: a browser, Slurm, ROS 1, Fast DDS and Cyclone DDS, simavr, pinocchio, VTK. One
-//! place says what is installed and why, installs one after the other, and says what was skipped.
+//! Parts beside Rust that some tests need: a browser, Slurm, ROS 1, Fast DDS and Cyclone DDS, simavr, pinocchio, MuJoCo,
+//! VTK. One place says what is installed and why, installs one after the other, and says what was skipped.
 
 use std::fs::{File, OpenOptions};
 use std::io::Write;
@@ -79,7 +79,8 @@ pub fn python_with(module: &str, package: &str, purpose: &str) -> Option<PathBuf
     .then_some(python)
 }
 
-fn in_build(name: &str) -> PathBuf {
+/// A file or folder beside the build.
+pub fn in_build(name: &str) -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join(name)
 }
 

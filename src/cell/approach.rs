@@ -3,7 +3,8 @@
 use super::plan::PlanError;
 use super::resolved::{Cell, Driver};
 use crate::robot::{
-    Column, JointTrajectory, Limits, RosVersion, RosbridgeGripper, SAMPLE, parametrise,
+    Column, GripperDriver, JointTrajectory, Limits, Ros1Gripper, RosVersion, RosbridgeGripper,
+    SAMPLE, parametrise,
 };
 use std::time::{Duration, Instant};
 
@@ -108,22 +109,25 @@ impl Cell {
     }
 
     /// The gripper of an arm, with the openings in which it holds nothing and in which it holds, m.
-    pub fn gripper(&self, arm: usize) -> Option<(RosbridgeGripper, [f64; 2])> {
+    pub fn gripper(&self, arm: usize) -> Option<(Box<dyn GripperDriver>, [f64; 2])> {
         let arm = &self.arms[arm];
-        let (Some(gripper), Some(Driver::Rosbridge { address, ros, .. })) =
-            (&arm.gripper, &arm.driver)
-        else {
-            return None;
+        let gripper = arm.gripper.as_ref()?;
+        let action = gripper.action.clone();
+        let driver: Box<dyn GripperDriver> = match arm.driver.as_ref()? {
+            Driver::Rosbridge { address, ros, .. } => Box::new(RosbridgeGripper {
+                address: address.clone(),
+                version: match ros {
+                    1 => RosVersion::One,
+                    _ => RosVersion::Two,
+                },
+                action,
+            }),
+            Driver::Ros1 { master, .. } => Box::new(Ros1Gripper {
+                master: master.clone(),
+                action,
+            }),
+            _ => return None,
         };
-        let version = match ros {
-            1 => RosVersion::One,
-            _ => RosVersion::Two,
-        };
-        let gripper_of = RosbridgeGripper {
-            address: address.clone(),
-            version,
-            action: gripper.action.clone(),
-        };
-        Some((gripper_of, [gripper.open, gripper.closed]))
+        Some((driver, [gripper.open, gripper.closed]))
     }
 }

@@ -46,7 +46,7 @@ pub struct Arm {
     pub gripper: Option<Gripper>,
 }
 
-/// The gripper of an arm: the action `control_msgs/GripperCommand` at the rosbridge server of the arm.
+/// The gripper of an arm: the action `control_msgs/GripperCommand` at the rosbridge server or the ROS 1 master of the arm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gripper {
     /// Name of the action.

@@ -193,10 +193,13 @@ impl Resolver<'_> {
         gripper: &typed::Gripper,
         driver: Option<&typed::Driver>,
     ) -> Gripper {
-        if !matches!(driver, Some(typed::Driver::Rosbridge(_))) {
+        if !matches!(
+            driver,
+            Some(typed::Driver::Rosbridge(_) | typed::Driver::Ros1(_))
+        ) {
             self.fault(
                 path,
-                "a gripper is moved through the rosbridge server of its arm: its driver must be of kind \"rosbridge\"",
+                "a gripper is moved as its arm is: the driver of that must be of kind \"rosbridge\" or \"ros1\"",
             );
         }
         let opening = |key: &str, given: &Option<Quantity<Length>>, otherwise: f64| {

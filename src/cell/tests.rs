@@ -111,6 +111,13 @@ fn units_and_defaults_are_resolved() {
 }
 
 #[test]
+fn the_gripper_of_an_arm_of_ros_1_is_moved_by_its_master() {
+    let cell = shipped("mujoco.toml");
+    let (_, openings) = cell.gripper(0).unwrap();
+    assert_eq!(openings, [0.04, 0.0]);
+}
+
+#[test]
 fn faults_name_file_line_and_key() {
     let cases = [
         ("name = \"a\"", "nam = \"a\"", "cell.toml:4:", "nam"),
@@ -194,6 +201,12 @@ fn faults_name_file_line_and_key() {
             "above 0",
         ),
     ];
+    let gripper = "[arms.gripper]\naction = \"/grip\"\n[arms.driver]\nkind = \"file\"\npath = \"-\"\n\n[[axes]]";
+    let refused = read(&ONE_JOINT.replacen("[[axes]]", gripper, 1)).unwrap_err();
+    assert!(
+        refused.contains("`arms.0.gripper`") && refused.contains("\"rosbridge\" or \"ros1\""),
+        "{refused}"
+    );
     for (good, bad, place, expected) in cases {
         assert!(ONE_JOINT.contains(good), "{good}");
         let error = read(&ONE_JOINT.replacen(good, bad, 1)).unwrap_err();

@@ -38,9 +38,10 @@ pub use chain::{Chain, Joint, JointKind, Limits, MOST_JOINTS, Motion, Segment};
 pub use collision::{Approach, FAR, Member, StandingBox, Surroundings};
 pub use driver::{
     Bag, BagError, BagPicture, CameraError, CameraPicture, Driver, DriverError, FileDriver,
-    JointState, Middleware, PartTrajectory, PictureTopic, Progress, Ros1Camera, Ros1Driver,
-    Ros2Address, Ros2CameraAddress, RosVersion, RosbridgeCamera, RosbridgeDriver, RosbridgeGripper,
-    SerialLine, StepperAnswer, StepperDriver, StepperLink, StepperRequest, open_camera,
+    GripperDriver, JointState, Middleware, PartTrajectory, PictureTopic, Progress, Ros1Camera,
+    Ros1Driver, Ros1Gripper, Ros2Address, Ros2CameraAddress, RosVersion, RosbridgeCamera,
+    RosbridgeDriver, RosbridgeGripper, SerialLine, StepperAnswer, StepperDriver, StepperLink,
+    StepperRequest, open_camera,
 };
 pub use inverse::{Nearest, REACHED};
 pub use kinematics::Jacobian;

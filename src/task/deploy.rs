@@ -54,6 +54,8 @@ pub enum Stage {
     Lay,
     /// The gripper lets it go.
     LetGo,
+    /// The arm goes out of the picture: to its posture at rest.
+    Retreat,
     /// The camera looks.
     Look,
     /// What it saw is compared with the pattern.
@@ -68,6 +70,7 @@ impl Stage {
             Self::Take => "taking the rod",
             Self::Lay => "laying it",
             Self::LetGo => "letting it go",
+            Self::Retreat => "going out of the picture",
             Self::Look => "looking",
             Self::Score => "scoring",
         }
@@ -138,6 +141,9 @@ impl DeployTask<'_> {
         std::thread::sleep(SETTLING);
         done(Stage::LetGo);
         stopped()?;
+        self.retreat(is_interrupted)?;
+        done(Stage::Retreat);
+        stopped()?;
         let failed = |stage: Stage, reason: String| DeployError::Failed { stage, reason };
         let picture = next_picture(self.cell).map_err(|reason| failed(Stage::Look, reason))?;
         self.write("picture.png", &encode_picture(&picture))?;
@@ -169,13 +175,36 @@ impl DeployTask<'_> {
             stage: Stage::Approach,
             reason,
         };
-        let from = self.cell.stands(self.arm).map_err(failed)?;
-        let to = &self.motion.laying.points[0];
-        let way = self.cell.approach(self.arm, &from, to, self.approach_speed);
-        match way.map_err(|error| failed(error.to_string()))? {
-            Some(way) => self.follow(Stage::Approach, &way, is_interrupted),
-            None => Ok(()),
+        let way = self
+            .straight(&self.motion.laying.points[0])
+            .map_err(failed)?;
+        way.map_or(Ok(()), |way| {
+            self.follow(Stage::Approach, &way, is_interrupted)
+        })
+    }
+
+    /// To the posture at rest, so that the camera sees the rod. Where something is in the way the arm stays: the rod lies already.
+    fn retreat(&self, is_interrupted: &dyn Fn() -> bool) -> Result<(), DeployError> {
+        let failed = |reason: String| DeployError::Failed {
+            stage: Stage::Retreat,
+            reason,
+        };
+        let home = &self.cell.arms[self.arm].home;
+        let Some(way) = self.straight(home).map_err(failed)? else {
+            return Ok(());
+        };
+        if let Err(reason) = self.cell.prepare_stream(std::slice::from_ref(&way)) {
+            tracing::warn!("the arm stays where it is, perhaps in the picture: {reason}");
+            return Ok(());
         }
+        self.follow(Stage::Retreat, &way, is_interrupted)
+    }
+
+    /// From where the arm stands to some joints, each straight; `None` where it is there already.
+    fn straight(&self, to: &[f64]) -> Result<Option<JointTrajectory>, String> {
+        let from = self.cell.stands(self.arm)?;
+        let way = self.cell.approach(self.arm, &from, to, self.approach_speed);
+        way.map_err(|error| error.to_string())
     }
 
     /// Streams a motion; its log is a folder of the results.
@@ -188,6 +217,7 @@ impl DeployTask<'_> {
         let failed = |reason: String| DeployError::Failed { stage, reason };
         let name = match stage {
             Stage::Approach => "approach",
+            Stage::Retreat => "retreat",
             _ => "laying",
         };
         let folder = self.directory.join(name);

@@ -1,6 +1,7 @@
 //! The commands of robots from outside, with the real parts that this machine can have.
 
 mod kinematics;
+mod mujoco;
 mod ros1;
 #[cfg(feature = "ros2")]
 mod ros2;

@@ -26,7 +26,8 @@ fn script() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/ros1")
 }
 
-fn is_installed() -> bool {
+/// Whether it is there.
+pub(super) fn is_installed() -> bool {
     let files = [
         "/usr/bin/rosmaster",
         "/usr/lib/genpy/genmsg_py.py",

@@ -20,7 +20,7 @@ mod stepper;
 pub use camera_name::{CameraError, open_camera};
 pub use file::FileDriver;
 pub use picture::{CameraPicture, PictureTopic};
-pub use ros1::{Bag, BagError, BagPicture, Ros1Camera, Ros1Driver};
+pub use ros1::{Bag, BagError, BagPicture, Ros1Camera, Ros1Driver, Ros1Gripper};
 pub use ros2::{Middleware, Ros2Address, Ros2CameraAddress};
 pub use rosbridge::RosbridgeDriver;
 pub use rosbridge_camera::RosbridgeCamera;
@@ -28,7 +28,7 @@ pub use rosbridge_goal::RosVersion;
 pub use rosbridge_gripper::RosbridgeGripper;
 pub use stepper::{SerialLine, StepperAnswer, StepperDriver, StepperLink, StepperRequest};
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// The motion of one arm or axis.
 #[derive(Clone, Debug, PartialEq)]
@@ -116,6 +116,21 @@ pub enum DriverError {
     /// The other end broke the motion off.
     #[error("{0}")]
     Aborted(String),
+}
+
+/// What opens and closes the gripper of an arm.
+pub trait GripperDriver {
+    /// Moves the fingers to an opening, m, and waits until they are there, or hold something on the way.
+    ///
+    /// # Errors
+    /// There is nobody at the other end, it refuses, nothing is heard in time, or somebody asked for the end: then the command is
+    /// cancelled.
+    fn command(
+        &self,
+        opening: f64,
+        patience: Duration,
+        is_interrupted: &dyn Fn() -> bool,
+    ) -> Result<(), DriverError>;
 }
 
 /// What moves an arm or an axis.

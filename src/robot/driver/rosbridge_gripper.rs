@@ -1,8 +1,8 @@
 //! A gripper behind rosbridge: the action `control_msgs/GripperCommand`.
 
-use super::DriverError;
 use super::rosbridge_goal::{ActionName, RosVersion, cancellation, goal, result_of};
 use super::rosbridge_socket::{open_socket, send};
+use super::{DriverError, GripperDriver};
 use serde_json::{Value, json};
 use std::io::ErrorKind;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
@@ -30,12 +30,8 @@ pub struct RosbridgeGripper {
     pub action: String,
 }
 
-impl RosbridgeGripper {
-    /// Moves the fingers to an opening, m, and waits until they are there, or hold something on the way.
-    ///
-    /// # Errors
-    /// There is no server, it refuses, nothing is heard in time, or somebody asked for the end: then the command is cancelled.
-    pub fn command(
+impl GripperDriver for RosbridgeGripper {
+    fn command(
         &self,
         opening: f64,
         patience: Duration,
@@ -98,7 +94,9 @@ impl RosbridgeGripper {
             patience.as_secs_f64()
         )))
     }
+}
 
+impl RosbridgeGripper {
     fn lost(&self, reason: impl std::fmt::Display) -> DriverError {
         DriverError::Lost(self.in_words(reason))
     }

@@ -38,6 +38,21 @@ pub const CANCEL: MessageType = MessageType {
     name: "actionlib_msgs/GoalID",
     md5: "302881f31927c1df708a2dbab0e80ee8",
 };
+/// An opening of a gripper that is asked for.
+pub const GRIPPER_GOAL: MessageType = MessageType {
+    name: "control_msgs/GripperCommandActionGoal",
+    md5: "aa581f648a35ed681db2ec0bf7a82bea",
+};
+/// How it went.
+pub const GRIPPER_RESULT: MessageType = MessageType {
+    name: "control_msgs/GripperCommandActionResult",
+    md5: "143702cb2df0f163c5283cedc5efc6b6",
+};
+/// Time of a simulated robot.
+pub const CLOCK: MessageType = MessageType {
+    name: "rosgraph_msgs/Clock",
+    md5: "a9c97c1d230cfc112e270351a944ee47",
+};
 
 /// A picture as its pixels.
 pub const IMAGE: MessageType = MessageType {
@@ -115,6 +130,17 @@ pub fn goal(trajectory: &PartTrajectory, id: &str) -> Vec<u8> {
     writer.0
 }
 
+/// An opening of a gripper, m; the effort is its own.
+pub fn gripper_goal(opening: f64, id: &str) -> Vec<u8> {
+    let mut writer = Writer::default();
+    writer.header();
+    writer.goal_id(id);
+    for number in [opening, 0.0] {
+        writer.0.extend(number.to_le_bytes());
+    }
+    writer.0
+}
+
 /// A cancellation.
 pub fn cancel(id: &str) -> Vec<u8> {
     let mut writer = Writer::default();
@@ -187,8 +213,8 @@ fn goal_status(reader: &mut Reader<'_>) -> Option<GoalStatus> {
     Some(GoalStatus { id, status, text })
 }
 
-/// The status at the beginning of a feedback.
-pub fn feedback(message: &[u8]) -> Option<GoalStatus> {
+/// The status at the beginning of a feedback or a result.
+pub fn status_of(message: &[u8]) -> Option<GoalStatus> {
     goal_status(&mut Reader(message))
 }
 
@@ -198,6 +224,13 @@ pub fn result(message: &[u8]) -> Option<(GoalStatus, i32, String)> {
     let status = goal_status(&mut reader)?;
     let code = reader.u32()? as i32;
     Some((status, code, reader.text()?))
+}
+
+/// The time of a simulated robot, s; `None` where the message is damaged.
+pub fn clock(message: &[u8]) -> Option<f64> {
+    let mut reader = Reader(message);
+    let (seconds, nanoseconds) = (reader.u32()?, reader.u32()?);
+    Some(f64::from(seconds) + 1e-9 * f64::from(nanoseconds))
 }
 
 /// A picture as its pixels; `None` where the message is damaged.
@@ -255,10 +288,19 @@ mod tests {
         assert_eq!(writer.0, [2, 0, 0, 0, 0, 0, 0, 0]);
     }
 
+    #[test]
+    fn a_clock_is_read() {
+        let mut writer = Writer::default();
+        writer.duration(12.25);
+        assert_eq!(clock(&writer.0), Some(12.25));
+        assert_eq!(clock(&writer.0[..7]), None);
+    }
+
     proptest! {
         #[test]
         fn no_bytes_make_it_panic(bytes in prop::collection::vec(any::<u8>(), 0..80)) {
-            let _ = (joint_state(&bytes), feedback(&bytes), result(&bytes));
+            let _ = (joint_state(&bytes), status_of(&bytes), result(&bytes));
+            let _ = clock(&bytes);
             let _ = (raw_image(&bytes), compressed_image(&bytes));
         }
     }

@@ -1,12 +1,13 @@
 //! `control_msgs/FollowJointTrajectory` of ROS 1, natively: no ROS installation, no bridge, no further crate.
 //!
 //! A node (`node`) speaks XML-RPC (`xmlrpc`) with the master and TCPROS with the action server: goal and cancellation
-//! out, joint states, feedback and result in (`message`). Pictures come from a `camera` or from a recording (`bag`).
+//! out, joint states, feedback, result and the clock of a simulated robot in (`message`). A `gripper` is another action. Pictures come from a `camera` or from a recording (`bag`).
 
 mod bag;
 mod bag_record;
 mod bag_topic;
 mod camera;
+mod gripper;
 mod lz4;
 mod message;
 mod node;
@@ -14,6 +15,7 @@ mod xmlrpc;
 
 pub use bag::{Bag, BagError, BagPicture};
 pub use camera::Ros1Camera;
+pub use gripper::Ros1Gripper;
 
 use super::action_client::{ActionClient, Goal};
 use super::follow_joint_trajectory::ros_1_outcome;
@@ -26,6 +28,10 @@ use std::time::{Duration, Instant};
 /// Longest wait for the action server.
 const PATIENCE: Duration = Duration::from_secs(3);
 
+/// Topic on which a simulated robot tells its time.
+const CLOCK_TOPIC: &str = "/clock";
+
+const CLOCK: &str = "clock";
 const STATES: &str = "joint states";
 const FEEDBACK: &str = "feedback";
 const RESULT: &str = "result";
@@ -38,6 +44,7 @@ pub struct Ros1Driver {
     joints: Vec<String>,
     connection: Option<Connection>,
     state: Option<JointState>,
+    clock: Option<(f64, Instant)>,
     goal: Option<Goal>,
 }
 
@@ -59,6 +66,7 @@ impl Ros1Driver {
             joints: Vec::new(),
             connection: None,
             state: None,
+            clock: None,
             goal: None,
         }
     }
@@ -68,6 +76,7 @@ impl Ros1Driver {
         let (sender, heard): (Sender<Heard>, Receiver<Heard>) = channel();
         let topic = |what: &str| format!("{}/{what}", self.action);
         node.subscribe(STATES, &self.joint_states, message::JOINT_STATE, &sender)?;
+        node.subscribe(CLOCK, CLOCK_TOPIC, message::CLOCK, &sender)?;
         node.subscribe(FEEDBACK, &topic("feedback"), message::FEEDBACK, &sender)?;
         node.subscribe(RESULT, &topic("result"), message::RESULT, &sender)?;
         let goals = node.advertise(&topic("goal"), message::GOAL)?;
@@ -93,8 +102,12 @@ impl Ros1Driver {
                 });
                 self.state = heard.or(self.state.take());
             }
+            CLOCK => {
+                let heard = message::clock(bytes).map(|time| (time, Instant::now()));
+                self.clock = heard.or(self.clock);
+            }
             FEEDBACK => {
-                if let (Some(goal), Some(status)) = (&mut self.goal, message::feedback(bytes))
+                if let (Some(goal), Some(status)) = (&mut self.goal, message::status_of(bytes))
                     && status.id == goal.id()
                 {
                     goal.acknowledge();
@@ -189,6 +202,10 @@ impl Driver for Ros1Driver {
     fn state(&mut self) -> Result<Option<JointState>, DriverError> {
         self.listen()?;
         Ok(self.state.clone())
+    }
+
+    fn clock(&self) -> Option<(f64, Instant)> {
+        self.clock
     }
 
     fn start(&mut self, trajectory: &PartTrajectory) -> Result<(), DriverError> {
