@@ -165,8 +165,8 @@ fn a_rod_is_laid_seen_and_scored_in_mujoco() {
     let picture = cell.folder.path().join("laid/picture.png");
     assert_eq!(image::image_dimensions(picture).unwrap(), (1280, 960));
     let error = |index: usize| record["score"][index]["mean_m"].as_f64().unwrap();
-    assert!(error(0) < 1.5e-2, "{record}");
-    assert!(error(1) < 3e-3, "{record}");
+    assert!(error(0) < 8e-3, "{record}");
+    assert!(error(1) < 1e-3, "{record}");
     for name in ["rod.csv", "score.svg", "retreat/state.csv", "report.md"] {
         assert!(!cell.read(name).is_empty(), "{name}");
     }
