@@ -52,9 +52,9 @@ fn ten_rods_settle_in_the_steps_asked_for_with_every_model() {
 }
 
 #[test]
-fn fifty_rods_settle_in_the_steps_asked_for() {
+fn fifty_rods_settle_in_the_steps_asked_for_with_every_model() {
     std::thread::scope(|scope| {
-        for model in ["imc", "ipc"] {
+        for model in ["imc", "ipc", "complementarity"] {
             scope.spawn(move || settle(50, model));
         }
     });

@@ -1,11 +1,11 @@
 //! Residual and Jacobian of sliding nodes against finite differences, and slides that cannot be.
 
+use super::tests::{compare_residual, moved, own, perturbed, stage_at};
 use super::*;
 use crate::mechanics::scene::{
     Body, Clamp, Joint, JointKind, Motion, NaturalShape, RodDescription, RodNode, Scene, Spring,
     Stiffness,
 };
-use crate::mechanics::system::{Stage, copy_positions};
 use crate::mechanics::{JointError, SceneError};
 
 fn at(rod: usize, node: usize) -> RodNode {
@@ -112,51 +112,6 @@ fn frame() -> Scene {
     }
 }
 
-/// The unknowns that Newton's method moves.
-fn own(system: &System) -> Vec<usize> {
-    let dependent = system.assembly.joints.dependent();
-    let held = &system.assembly.held;
-    (0..held.len())
-        .filter(|&k| !held[k] && !dependent.contains(&k))
-        .collect()
-}
-
-fn perturbed(system: &mut System, size: f64) -> Vec<f64> {
-    let mut unknowns = system.assembly.unknowns.clone();
-    for k in own(system) {
-        unknowns[k] += size * ((1.7 * k as f64).sin() + (0.3 * (k * k) as f64).cos());
-    }
-    // Between nodes, where the curve has third derivatives.
-    for slide in &system.assembly.joints.slides {
-        unknowns[slide.unknown] += 0.37;
-    }
-    system.complete(&mut unknowns);
-    unknowns
-}
-
-fn moved(system: &mut System, unknowns: &[f64], unknown: usize, by: f64) -> Vec<f64> {
-    let mut moved = unknowns.to_vec();
-    moved[unknown] += by;
-    system.complete(&mut moved);
-    moved
-}
-
-fn stage_at(system: &System) -> Stage {
-    let start = system.assembly.unknowns.clone();
-    let mut positions = vec![Vector3::zeros(); system.assembly.rods.nodes];
-    copy_positions(&start, &mut positions);
-    Stage {
-        step: 0.05,
-        acceleration_step: 0.06,
-        velocity: start.iter().map(|q| (3.0 * q).sin()).collect(),
-        start,
-        drag: Vec::new(),
-        drag_velocity: Vec::new(),
-        resistance: Vec::new(),
-        positions,
-    }
-}
-
 #[test]
 fn sliding_nodes_lie_where_they_were_placed() {
     let scene = frame();
@@ -175,29 +130,7 @@ fn sliding_nodes_lie_where_they_were_placed() {
 
 #[test]
 fn the_residual_of_sliding_nodes_is_the_gradient_of_the_energy() {
-    let mut system = System::new(&frame()).unwrap();
-    for size in [0.0, 0.02, 0.1] {
-        let unknowns = perturbed(&mut system, size);
-        system.evaluate(&unknowns, None);
-        let residual = system.residual.clone();
-        let scale = residual.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
-        let step = 1e-5;
-        for k in own(&system) {
-            let mut energy_at = |by: f64| {
-                let moved = moved(&mut system, &unknowns, k, by);
-                system.update_geometry(&moved);
-                system.elastic_energy().total()
-            };
-            let slope = (8.0 * (energy_at(step) - energy_at(-step)) - energy_at(2.0 * step)
-                + energy_at(-2.0 * step))
-                / (12.0 * step);
-            assert!(
-                (slope - residual[k]).abs() < 1e-8 * scale,
-                "{size}, unknown {k}: {slope} against {}",
-                residual[k]
-            );
-        }
-    }
+    compare_residual(&frame(), [0.0, 0.02, 0.1]);
 }
 
 #[test]
