@@ -36,6 +36,8 @@ pub(super) struct Candidates {
     /// Margin beyond that, m.
     margin: f64,
     pairs: Vec<CandidatePair>,
+    /// Numbers of those that the Newton system couples, sorted.
+    pub coupled: Vec<usize>,
     /// The pairs before the last build.
     earlier_pairs: Vec<CandidatePair>,
     /// Gap between the surfaces of every pair when the set was built, m.
@@ -71,6 +73,7 @@ impl Candidates {
             reach,
             margin: MARGIN * surface.largest_moving_radius(),
             pairs: Vec::new(),
+            coupled: Vec::new(),
             earlier_pairs: Vec::new(),
             gaps: Vec::new(),
             positions: Vec::new(),
@@ -108,6 +111,7 @@ impl Candidates {
     pub fn set_margin(&mut self, margin: f64) {
         self.margin = margin;
         self.pairs.clear();
+        self.coupled.clear();
         self.gaps.clear();
         self.positions.clear();
     }
@@ -138,6 +142,9 @@ impl Candidates {
             .pairs
             .iter()
             .eq(self.found.iter().map(|(pair, _)| pair));
+        if !unchanged {
+            self.coupled.clear();
+        }
         std::mem::swap(&mut self.pairs, &mut self.earlier_pairs);
         self.pairs.clear();
         self.gaps.clear();

@@ -37,8 +37,6 @@ pub struct ContactSystem {
     pub(super) planes: Vec<ContactPlane>,
     pub(super) obstacles: PlacedObstacles,
     pub(super) candidates: Candidates,
-    /// Candidates of two rods that the Newton system couples, sorted.
-    pub(super) coupled: Vec<usize>,
     pub(super) multipliers: Multipliers,
     pub(super) carried_tractions: Tractions,
     pub(super) stiffness: f64,
@@ -87,7 +85,6 @@ impl ContactSystem {
             surface,
             planes,
             candidates,
-            coupled: Vec::new(),
             multipliers: Multipliers::default(),
             carried_tractions: Tractions::default(),
             tractions: Vec::new(),
@@ -132,7 +129,6 @@ impl ContactSystem {
     /// A larger margin means fewer rebuilds, a smaller one fewer candidates and so fewer entries in the
     /// Newton system. To be called before the first update, and again before a restart.
     pub fn set_candidate_margin(&mut self, margin: f64) {
-        self.coupled.clear();
         self.candidates.set_margin(margin);
     }
 
@@ -174,7 +170,6 @@ impl ContactSystem {
             .rebuild(&self.surface, &self.obstacles, positions);
         self.obstacles.moved = false;
         if changed {
-            self.coupled.clear();
             self.carry_multipliers_over();
         }
         changed
@@ -224,7 +219,6 @@ impl ContactSystem {
 
     /// Rebuilds the candidates for these positions in any case; without positions there are none.
     pub(super) fn rebuild_candidates(&mut self, positions: &[Vector3]) {
-        self.coupled.clear();
         self.candidates
             .rebuild(&self.surface, &self.obstacles, positions);
     }

@@ -9,7 +9,7 @@ use super::contacts::Bodies;
 impl ContactSystem {
     /// Numbers of the candidates of two rods that the Newton system couples, in order.
     pub fn coupled_pairs(&self) -> &[usize] {
-        &self.coupled
+        &self.candidates.coupled
     }
 
     /// Couples the contacts of the last evaluation too; returns whether some were not.
@@ -32,14 +32,17 @@ impl ContactSystem {
     /// Those of some candidates that are of two rods and not coupled yet.
     fn uncoupled(&self, candidates: impl Iterator<Item = usize>) -> Vec<usize> {
         let is_of_rods = |one: &usize| self.is_of_rod(self.candidates.pairs()[*one].nodes[2]);
-        let is_new = |one: &usize| self.coupled.binary_search(one).is_err();
+        let is_new = |one: &usize| self.coupled_pairs().binary_search(one).is_err();
         candidates.filter(is_of_rods).filter(is_new).collect()
     }
 
     fn couple(&mut self, new: Vec<usize>) -> bool {
-        self.coupled.extend(&new);
-        self.coupled.sort_unstable();
-        !new.is_empty()
+        if new.is_empty() {
+            return false;
+        }
+        self.candidates.coupled.extend(new);
+        self.candidates.coupled.sort_unstable();
+        true
     }
 }
 

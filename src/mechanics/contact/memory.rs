@@ -55,7 +55,7 @@ impl ContactSystem {
             return Err(MismatchedMemory { expected, found });
         }
         self.rebuild_candidates(&positions);
-        self.coupled.clone_from(&memory.coupled);
+        self.candidates.coupled.clone_from(&memory.coupled);
         self.set_stiffness(memory.stiffness);
         let tractions = memory.tractions.iter();
         self.restore_multipliers(
