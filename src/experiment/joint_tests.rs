@@ -8,6 +8,8 @@ use std::path::Path;
 const RODS: &str = "experiment = \"scene\"\n[material]\nyoungs_modulus = 1e6\npoissons_ratio = 0.5\ndensity = 1000.0\n\
     [[rods]]\nname = \"post\"\nradius = 0.005\nedges = 10\nshape = { kind = \"straight\", start = [0, 0, 0], end = [0, 0, 0.5] }\n\
     [[rods]]\nname = \"boom\"\nradius = 0.005\nedges = 10\nshape = { kind = \"straight\", start = [0, 0, 0.5], end = [0.5, 0, 0.5] }\n";
+/// A ball around the end of the boom, so large that it reaches the post.
+const BALL: &str = "[[bodies]]\nrod = \"boom\"\nat = \"end\"\nmass = \"1 g\"\nshape = { kind = \"sphere\", radius = 0.6 }\n";
 const NET: &str = "[[networks]]\nrod = { radius = \"1 mm\", edges = 2 }\n";
 
 fn scenario(rest: &str) -> Result<Scenario, String> {
@@ -50,6 +52,33 @@ fn faults_name_the_joint_and_what_is_allowed() {
             "allowed: at least 0",
         ),
         (
+            joint("spring", "[\"end\", 4]") + "turning_stiffness = 1\nrest_length = 1\n",
+            "missing key `stiffness`",
+        ),
+        (
+            joint("spring", "[\"end\", 4]") + "turning_stiffness = 1\nbreak_at = 1\n",
+            "missing key `stiffness`",
+        ),
+        (
+            joint("spring", "[\"end\", 4]") + "turning_stiffness = \"1 N/m\"\n",
+            "but this key takes a turning stiffness",
+        ),
+        (
+            joint("spring", "[\"end\", 4]") + "stiffness = 1\nrest_rotation = [1, 0, 0]\n",
+            "missing key `turning_stiffness`",
+        ),
+        (
+            joint("spring", "[\"end\", 4]")
+                + "turning_stiffness = 1\nrest_rotation = [\"200 deg\", 0, 0]\n",
+            "allowed: up to π",
+        ),
+        (
+            joint("rigid", "[\"end\", \"start\"]")
+                + &joint("spring", "[\"end\", \"start\"]").replace("knee", "tie")
+                + "turning_stiffness = 1\n",
+            "`tie`: its nodes turn as one",
+        ),
+        (
             joint("spring", "[\"end\", 4]") + "stiffness = 1\naxis = [0, 1, 0]\n",
             "unknown key",
         ),
@@ -58,8 +87,16 @@ fn faults_name_the_joint_and_what_is_allowed() {
             "allowed: greater than 0",
         ),
         (
-            joint("rigid", "[\"end\", \"start\"]") + "break_at = 1\n",
+            joint("rigid", "[\"end\", \"start\"]") + "break_at_moment = \"1 N\"\n",
+            "but this key takes a moment",
+        ),
+        (
+            joint("ball", "[\"end\", \"start\"]") + "break_at_moment = 1\n",
             "unknown key",
+        ),
+        (
+            joint("spring", "[\"end\", 4]") + "stiffness = 1\nbreak_at_moment = 1\n",
+            "missing key `turning_stiffness`",
         ),
         (joint("slide", "[\"start\", 4]"), "m apart, they must lie at one point"),
         (joint("slide", "[\"end\", 11]"), "allowed: 0 to 10"),
@@ -90,7 +127,13 @@ fn faults_name_the_joint_and_what_is_allowed() {
             joint("ball", "[\"end\", \"start\"]")
                 + "break_at = 1\n"
                 + &joint("rigid", "[\"end\", \"start\"]"),
-            "only where no other joint shares the point",
+            "`joints.0.break_at`: `knee`: breaks at a force that is not known",
+        ),
+        (
+            joint("hinge", "[\"end\", \"start\"]")
+                + "axis = [0, 1, 0]\nbreak_at_moment = 1\n"
+                + &joint("ball", "[\"end\", \"start\"]").replace("knee", "ball"),
+            "`joints.0.break_at_moment`: `knee`: breaks at a force that is not known",
         ),
         (
             joint("spring", "[\"end\", \"start\"]") + "stiffness = 1\nrest_length = \"1 cm\"\n",
@@ -134,6 +177,10 @@ fn faults_name_the_joint_and_what_is_allowed() {
             "[[bodies]]\nrod = \"boom\"\nat = \"end\"\nmass = \"1 g\"\nshape = { kind = \"disk\" }\n".to_owned(),
             "missing key `radius`",
         ),
+        (
+            format!("{BALL}[contact]\nmodel = \"imc\"\n"),
+            "the ball at node 10 of rod `boom`",
+        ),
         (NET.to_owned(), "missing key `shape`"),
         (
             format!("{NET}shape = {{ kind = \"grid\", sides = [[1, 0, 0], [2, 0, 0]], rods = [3, 3] }}\n"),
@@ -174,9 +221,21 @@ fn a_scheme_that_goes_on_from_the_middle_is_refused_beside_frames() {
     let loaded = |text: &str| from_text("rods", text, Path::new(""), &[]).map(drop);
     let error = loaded(&text).unwrap_err().to_string();
     assert!(error.contains("backward-differences"), "{error}");
-    for kind in ["\"ball\"", "\"slide\""] {
+    let spring = text.replace("\"rigid\"", "\"spring\"\nturning_stiffness = 1");
+    let error = loaded(&spring).unwrap_err().to_string();
+    assert!(error.contains("springs that turn rods"), "{error}");
+    for kind in ["\"ball\"", "\"slide\"", "\"spring\"\nstiffness = 1"] {
         loaded(&text.replace("\"rigid\"", kind)).unwrap();
     }
+}
+
+#[test]
+fn bodies_off_their_node_touch_nothing() {
+    let text = format!("{BALL}offset = [0, 0, \"2 cm\"]\n[contact]\nmodel = \"imc\"\n");
+    let scenario = scenario(&text).unwrap();
+    assert_eq!(scenario.bodies[0].offset, Some([0.0, 0.0, 0.02]));
+    let again = from_text("rods", &scenario.to_toml(), Path::new(""), &[]).unwrap();
+    assert_eq!(again.scenario, scenario);
 }
 
 #[test]
@@ -198,12 +257,16 @@ fn springs_read_back_to_themselves() {
         + &joint("spring", "[3, 4]").replace("knee", "tie")
         + "stiffness = 1\nrest_length = \"3 cm\"\n"
         + &joint("hinge", "[\"end\", \"start\"]").replace("knee", "sprung")
-        + "axis = [0, 1, 0]\nstiffness = \"1 N mm/rad\"\nrest_angle = \"90 deg\"\n";
+        + "axis = [0, 1, 0]\nstiffness = \"1 N mm/rad\"\nrest_angle = \"90 deg\"\n"
+        + &joint("spring", "[7, 8]").replace("knee", "coil")
+        + "turning_stiffness = \"2 N mm/rad\"\nrest_rotation = [0, 0, \"90 deg\"]\n";
     let scenario = scenario(&text).unwrap();
     let kinds: Vec<JointKind> = scenario.joints.iter().map(|joint| joint.kind).collect();
     let spring = |stiffness, rest_length| JointKind::Spring {
-        stiffness,
+        stiffness: Some(stiffness),
         rest_length,
+        turning_stiffness: None,
+        rest_rotation: None,
     };
     assert_eq!(
         kinds,
@@ -215,10 +278,16 @@ fn springs_read_back_to_themselves() {
                 stiffness: Some(1e-3),
                 rest_angle: Some(std::f64::consts::FRAC_PI_2),
             },
+            JointKind::Spring {
+                stiffness: None,
+                rest_length: None,
+                turning_stiffness: Some(2e-3),
+                rest_rotation: Some([0.0, 0.0, std::f64::consts::FRAC_PI_2]),
+            },
         ]
     );
     let strengths = scenario.joints.iter().map(|joint| joint.break_at);
-    assert!(strengths.eq([Some(3e-3), None, None]));
+    assert!(strengths.eq([Some(3e-3), None, None, None]));
     let again = from_text("rods", &scenario.to_toml(), Path::new(""), &[]).unwrap();
     assert_eq!(again.scenario, scenario);
 }

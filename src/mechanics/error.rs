@@ -107,6 +107,11 @@ pub enum JointError {
     /// A spring between nodes that are one point.
     #[error("its nodes are one point by other joints, where no spring can act")]
     OnePoint,
+    /// A spring between frames that are one.
+    #[error(
+        "its nodes turn as one, by other joints or because nothing turns them, where no spring can turn them"
+    )]
+    OneFrame,
     /// A spring without a direction in which to push.
     #[error(
         "its nodes lie at one point, where a spring of rest length {rest_length:e} m pushes in no direction: let the rest length be 0, or place them apart"
@@ -117,7 +122,7 @@ pub enum JointError {
     },
     /// A joint breaks whose force is not known.
     #[error(
-        "breaks at a force that is not known: of joints at one point slides can break, and balls, but only where no other joint shares the point"
+        "breaks at a force that is not known, since other joints share its point: only a joint that is alone there can break"
     )]
     Unbreakable,
     /// Other joints hold what it holds.

@@ -51,6 +51,32 @@ pub fn left_jacobian_derivative(vector: &Vector3, moment: &Vector3) -> Matrix3 {
         + (twice * b_slope - cross * a_slope) * vector.transpose()
 }
 
+/// The inverse of the left Jacobian, which is finite up to a whole turn:
+///
+/// ```text
+/// J⁻¹(φ) = 1 − ½ [φ]× + e [φ]×²,     e = (1 − ½ φ cot ½ φ)/φ²
+/// ```
+pub fn inverse_left_jacobian(vector: &Vector3) -> Matrix3 {
+    let square = vector.norm_squared();
+    let coefficient = if square < 1e-2 {
+        // Five terms of the series: the next is below rounding.
+        let terms: [f64; 5] = [
+            1.0 / 12.0,
+            1.0 / 720.0,
+            1.0 / 30240.0,
+            1.0 / 1209600.0,
+            1.0 / 47900160.0,
+        ];
+        (terms.iter().rev()).fold(0.0, |sum, term| sum * square + term)
+    } else {
+        let half = 0.5 * square.sqrt();
+        let (sine, cosine) = libm::sincos(half);
+        (1.0 - half * cosine / sine) / square
+    };
+    let cross = vector.cross_matrix();
+    Matrix3::identity() - cross * 0.5 + cross * cross * coefficient
+}
+
 /// a, b, and their derivatives over φ divided by φ.
 fn coefficients(angle: f64) -> [f64; 4] {
     let square = angle * angle;
@@ -176,7 +202,7 @@ mod tests {
     fn a_change_of_the_vector_turns_by_its_jacobian() {
         let change = Vector3::new(0.3, 0.5, -0.2);
         let moment = Vector3::new(-0.7, 0.4, 1.1);
-        for size in [0.0, 1e-3, 0.0999, 0.1001, 0.7, 2.5] {
+        for size in [0.0, 1e-3, 0.0999, 0.1001, 0.7, 2.5, 3.14] {
             let vector = Vector3::new(0.48, 0.6, -0.64) * size;
             let step = 1e-5;
             let ends = [step, -step].map(|step| from_vector(vector + change * step));
@@ -189,6 +215,9 @@ mod tests {
             let slope = (of(step) - of(-step)) / (2.0 * step);
             let found = left_jacobian_derivative(&vector, &moment) * change;
             assert!((slope - found).norm() < 1e-9, "{size}: {slope} {found}");
+            let inverse = inverse_left_jacobian(&vector) * left_jacobian(&vector);
+            let error = (inverse - Matrix3::identity()).amax();
+            assert!(error < 1e-13, "{size}: {error:e}");
         }
     }
 

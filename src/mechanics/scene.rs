@@ -8,7 +8,7 @@ mod joint;
 
 pub use actuation::{ActuatedStrain, Actuation, Course, Wave};
 
-pub use joint::{Body, HingeSpring, Joint, JointKind, RodNode, Spring};
+pub use joint::{Body, HingeSpring, Joint, JointKind, RodNode, Spring, Strength, TurningStiffness};
 
 use super::contact::ContactParameters;
 use super::fluid::FluidModel;

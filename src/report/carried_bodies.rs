@@ -51,7 +51,7 @@ pub fn carried_bodies(
         Some(CarriedBody {
             node,
             between,
-            triangles: surface(&body.shape?),
+            triangles: surface(&body.shape?, body.offset),
             placed: [tangent, director.unwrap_or_else(|| any_normal(&tangent))],
         })
     });
@@ -93,8 +93,17 @@ impl CarriedBody {
     }
 }
 
-/// The surface of a shape about the origin, m; the tangent is z.
-fn surface(shape: &BodyShape) -> Vec<[Vector3; 3]> {
+/// The surface of a shape around a centre, m; the tangent is z.
+fn surface(shape: &BodyShape, centre: Option<[f64; 3]>) -> Vec<[Vector3; 3]> {
+    let mut triangles = surface_about_origin(shape);
+    if let Some(centre) = centre.map(Vector3::from) {
+        let corners = triangles.iter_mut().flatten();
+        corners.for_each(|corner| *corner += centre);
+    }
+    triangles
+}
+
+fn surface_about_origin(shape: &BodyShape) -> Vec<[Vector3; 3]> {
     let (origin, all) = (Vector3::zeros(), f64::INFINITY);
     match *shape {
         BodyShape::Sphere { radius } => RigidBody::sphere(origin, radius).surface(&origin, all),

@@ -1,6 +1,6 @@
 //! Springs between nodes, for pictures: thin straight threads.
 //!
-//! Results do not tell when a spring broke: those that may break are not drawn.
+//! Results do not tell when a spring broke: those that may break are not drawn, nor those that only turn rods.
 
 use super::rod_places::{node_at, nodes_of};
 use crate::figure::{Body, MovieObstacle};
@@ -29,10 +29,9 @@ pub fn drawn_springs(scenario: Option<&Scenario>, rods: &[RodRecord]) -> Vec<Dra
     let Some(scenario) = scenario else {
         return Vec::new();
     };
-    let springs = scenario
-        .joints
-        .iter()
-        .filter(|joint| matches!(joint.kind, JointKind::Spring { .. }) && joint.break_at.is_none());
+    let pulls = |kind: &JointKind| matches!(kind, JointKind::Spring { stiffness, .. } if stiffness.is_some());
+    let joints = scenario.joints.iter();
+    let springs = joints.filter(|joint| pulls(&joint.kind) && !joint.may_break());
     let drawn = springs.filter_map(|joint| {
         let node = |end: usize| Some(node_at(&nodes_of(rods, &joint.rods[end])?, joint.at[end]));
         let tied = (scenario.rods.iter()).filter(|rod| joint.rods.contains(&rod.name));

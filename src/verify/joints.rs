@@ -1,7 +1,8 @@
 //! Joints and bodies, through scenario files: frames against beam theory, pendulums and a heavy disk against their frequencies,
-//! a net and a gridshell against their symmetry; slides are a file of their own.
+//! a net and a gridshell against their symmetry; slides, and bodies whose centre is off
+//! their node, are files of their own.
 
-use super::{Check, Expectation, GroupError, slides};
+use super::{Check, Expectation, GroupError, bodies, slides};
 use crate::experiment;
 use crate::mechanics::dynamics::Simulation;
 use crate::mechanics::{Vector3, scene::Scene};
@@ -111,6 +112,7 @@ pub fn checks(full: bool) -> Result<Vec<Check>, GroupError> {
     checks.extend(disk()?);
     checks.push(net(if full { 20 } else { 8 })?);
     checks.push(gridshell()?);
+    checks.extend(bodies::checks()?);
     checks.extend(slides::checks()?);
     Ok(checks)
 }
@@ -227,7 +229,7 @@ fn cross_deflection(edges: usize) -> Result<f64, GroupError> {
 
 /// Angular frequencies, ascending: K v = ω² M v has 1/ω² as the eigenvalues of L⁻¹ M L⁻ᵀ with K = L Lᵀ, where joints need no
 /// mass.
-fn frequencies(simulation: &mut Simulation) -> Result<Vec<f64>, GroupError> {
+pub(super) fn frequencies(simulation: &mut Simulation) -> Result<Vec<f64>, GroupError> {
     let (stiffness, masses) = (simulation.stiffness_matrix(), simulation.mass_matrix());
     let factor = stiffness.cholesky().ok_or("not stable")?.unpack();
     let half: Option<DMatrix<f64>> = factor.solve_lower_triangular(&masses);

@@ -5,6 +5,7 @@
 //! the table keeps its order.
 
 mod actuation;
+mod bodies;
 mod buckling;
 mod check;
 mod conservation;
@@ -32,6 +33,7 @@ mod symmetry;
 mod tests;
 pub mod theory;
 mod tube_buckling;
+mod turning_springs;
 mod vibration;
 
 pub use check::{Check, Expectation, Verdict, table};

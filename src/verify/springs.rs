@@ -1,13 +1,13 @@
-//! Springs between nodes and about hinges, from scenario files, against closed forms.
+//! Springs between nodes and about hinges, from scenario files, against closed forms; those that turn frames are a file of
+//! their own.
 
-use super::{Check, Expectation, GroupError};
-use crate::experiment;
+use super::scenario::simulation;
+use super::{Check, Expectation, GroupError, turning_springs};
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::Simulation;
 use crate::mechanics::rod::STRIDE;
 use nalgebra::DMatrix;
 use std::f64::consts::PI;
-use std::path::Path;
 
 const LENGTHENING: Expectation = Expectation {
     formula: "Δ = Σ m g/k of all weights below",
@@ -40,23 +40,18 @@ const STIFFNESS: f64 = 50.0;
 const GRAVITY: f64 = 9.81;
 const MASS: f64 = 0.02 + 10.0 * PI * 1e-6 * 0.02;
 
-/// Weights in a row, a weight that goes around, one that breaks its spring, a sprung hinge.
+/// Weights in a row, a weight that goes around, one that breaks its spring, a sprung hinge, turning springs.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let mut checks = weights_in_a_row()?;
     checks.push(orbit()?);
     checks.extend(broken_spring()?);
     checks.push(hinge()?);
+    checks.extend(turning_springs::checks()?);
     Ok(checks)
 }
 
-fn simulation(text: &str) -> Result<Simulation, GroupError> {
-    let loaded = experiment::from_text("scene", text, Path::new(""), &[])?;
-    let prepared = experiment::prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?;
-    Ok(Simulation::new(&prepared.scene, &prepared.integration)?)
-}
-
 fn weights_in_a_row() -> Result<Vec<Check>, GroupError> {
-    let mut simulation = simulation(include_str!("scenes/weights_in_a_row.toml"))?;
+    let mut simulation = simulation(include_str!("scenes/weights_in_a_row.toml"), &[])?;
     let heights = |simulation: &Simulation| [3, 6].map(|node| simulation.positions()[node].z);
     let placed = heights(&simulation);
     simulation.find_equilibrium()?;
@@ -114,7 +109,7 @@ fn vertical_frequencies(simulation: &mut Simulation) -> Result<Vec<f64>, GroupEr
 }
 
 fn orbit() -> Result<Check, GroupError> {
-    let mut simulation = simulation(include_str!("scenes/harmonic_orbit.toml"))?;
+    let mut simulation = simulation(include_str!("scenes/harmonic_orbit.toml"), &[])?;
     let (radius, speed, end) = (0.1, 2.0, 0.3);
     let frequency = (STIFFNESS / MASS).sqrt();
     let mut worst = 0.0_f64;
@@ -136,7 +131,7 @@ fn orbit() -> Result<Check, GroupError> {
 }
 
 fn broken_spring() -> Result<[Check; 2], GroupError> {
-    let mut simulation = simulation(include_str!("scenes/breaking_spring.toml"))?;
+    let mut simulation = simulation(include_str!("scenes/breaking_spring.toml"), &[])?;
     let (speed, strength, end) = (2.0, 1.0, 0.02);
     while simulation.time() < end {
         simulation.advance(end)?;
@@ -165,7 +160,7 @@ fn broken_spring() -> Result<[Check; 2], GroupError> {
 }
 
 fn hinge() -> Result<Check, GroupError> {
-    let mut simulation = simulation(include_str!("scenes/sprung_hinge.toml"))?;
+    let mut simulation = simulation(include_str!("scenes/sprung_hinge.toml"), &[])?;
     simulation.find_equilibrium()?;
     let (force, arm, stiffness) = (1e-5, 0.1_f64, 0.01);
     let (length, bending) = (2.0 * arm, 1e9 * 0.25 * PI * 1e-12);

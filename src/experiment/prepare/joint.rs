@@ -2,7 +2,8 @@
 
 use super::place::{find_place, find_rod};
 use crate::mechanics::scene::{
-    Body, HingeSpring, Joint, JointKind, RodDescription, RodNode, Scene, Spring,
+    Body, HingeSpring, Joint, JointKind, RodDescription, RodNode, Scene, Spring, Strength,
+    TurningStiffness,
 };
 use crate::mechanics::system::check_joints;
 use crate::mechanics::{JointError, SceneError, Vector3};
@@ -26,6 +27,10 @@ pub(super) fn place_joint(
         Ok(RodNode { rod, node })
     };
     let (name, nodes) = (joint.name.clone(), [node(0)?, node(1)?]);
+    let strength = Strength {
+        force: joint.break_at.unwrap_or(f64::INFINITY),
+        moment: joint.break_at_moment.unwrap_or(f64::INFINITY),
+    };
     let kind = match joint.kind {
         scenario::JointKind::Ball => JointKind::Ball,
         scenario::JointKind::Rigid => JointKind::Rigid,
@@ -44,13 +49,19 @@ pub(super) fn place_joint(
         scenario::JointKind::Spring {
             stiffness,
             rest_length,
+            turning_stiffness,
+            rest_rotation,
         } => {
             scene.springs.push(Spring {
                 name,
                 nodes,
-                stiffness,
+                stiffness: stiffness.unwrap_or(0.0),
+                turning: turning_stiffness.map(|stiffness| TurningStiffness {
+                    stiffness,
+                    rest_rotation: rest_rotation.map_or_else(Vector3::zeros, Vector3::from),
+                }),
                 rest_length,
-                strength: joint.break_at,
+                strength,
             });
             return Ok(());
         }
@@ -59,7 +70,7 @@ pub(super) fn place_joint(
         name,
         nodes,
         kind,
-        strength: joint.break_at,
+        strength,
     });
     Ok(())
 }
@@ -80,7 +91,9 @@ pub(super) fn place_body(
         name: body.name.clone(),
         at: RodNode { rod, node },
         mass: body.mass,
+        offset: body.offset.map_or_else(Vector3::zeros, Vector3::from),
         inertia: body.moments_of_inertia(),
+        ball: body.ball(),
     })
 }
 
@@ -105,7 +118,15 @@ pub(super) fn judge_joints(scene: &Scene, scenario: &scenario::Scenario) -> Resu
         | JointError::OnePoint
         | JointError::NoSuchNode { .. } => path.key("at"),
         JointError::NoDirection { .. } => path.key("rest_length"),
-        JointError::Unbreakable => path.key("break_at"),
+        JointError::Unbreakable => {
+            let joint = of_joint.map(|index| &scenario.joints[index]);
+            let by_force = joint.is_none_or(|joint| joint.break_at.is_some());
+            path.key(if by_force {
+                "break_at"
+            } else {
+                "break_at_moment"
+            })
+        }
         _ => path,
     };
     Err(Issue::new(key, format!("`{name}`: {reason}")))

@@ -1,16 +1,17 @@
-//! The surfaces that may touch: every edge of a rod as a capsule, rigid planes, and rigid obstacles.
+//! The surfaces that may touch: every edge of a rod as a capsule, balls around nodes, rigid planes, and rigid obstacles.
 
 use crate::mechanics::Vector3;
 use crate::mechanics::rigid_body::RigidBody;
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
-/// An edge of a rod as contact sees it: a capsule around the segment between two nodes; or such an edge of an obstacle.
+/// An edge of a rod as contact sees it: a capsule around the segment between two nodes; such an edge of an obstacle; or a
+/// ball around one node, which stands twice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactEdge {
     /// The two nodes, indices into the positions of all rods; those of obstacles, their vertices, go on from there.
     pub nodes: [usize; 2],
-    /// Index of the rod; obstacles go on from there.
+    /// Index of the rod; balls and obstacles go on from there.
     pub rod: usize,
     /// Radius h of the surface, m.
     pub radius: f64,
@@ -50,14 +51,14 @@ impl ContactFace {
 
 /// The contact surfaces of all rods and obstacles.
 ///
-/// Bodies that touch are numbered: edges of rods, edges of obstacles, faces of obstacles.
+/// Bodies that touch are numbered: edges of rods, balls, edges of obstacles, faces of obstacles.
 #[derive(Clone, Debug, Default)]
 pub struct ContactSurface {
     edges: Vec<ContactEdge>,
     faces: Vec<ContactFace>,
     /// Nodes of all rods.
     rod_nodes: usize,
-    /// Edges of all rods, which come first.
+    /// Edges of all rods, and balls, which come first.
     rod_edges: usize,
     obstacles: Vec<RigidBody>,
     /// Friction coefficient between each obstacle and rods.
@@ -157,6 +158,55 @@ impl ContactSurface {
         }
         self.closed_lengths.push(closed.then_some(length));
         self.rod_edges = self.edges.len();
+    }
+
+    /// Adds a ball around a node, after all rods and before obstacles. The rods that meet there, given with the arc length (m)
+    /// of the node along each, and balls that were added before, with 0, pass into it: they are its neighbours within half as
+    /// much again as a straight one overlaps. Returns its number among the rods.
+    ///
+    /// A ball is touched like an edge of no length. Planes, faces and tubes touch it where they touch the node: the larger of
+    /// the two radii counts.
+    pub fn add_ball(
+        &mut self,
+        node: usize,
+        radius: f64,
+        held: bool,
+        meeting: &[(usize, f64)],
+    ) -> usize {
+        debug_assert!(self.obstacles.is_empty(), "obstacles come last");
+        let ball = self.closed_lengths.len();
+        let edge = self.edges.len();
+        for &(rod, arc_length) in meeting {
+            let edges = self.edges.iter();
+            let of_rod = edges.filter(|edge| edge.rod == rod).map(|edge| edge.radius);
+            let reach = REACH * (radius + of_rod.fold(0.0, f64::max));
+            self.join([rod, ball], [Some(arc_length), Some(0.0)], reach);
+        }
+        let [moving, any] = &mut self.least_radii;
+        for (least, counts) in [(moving, !held), (any, true)] {
+            if counts {
+                *least = Some(least.map_or(radius, |least| least.min(radius)));
+            }
+        }
+        self.edges.push(ContactEdge {
+            nodes: [node; 2],
+            rod: ball,
+            radius,
+            arc_length: [0.0; 2],
+            held,
+        });
+        let nodes = self.nodes.iter_mut();
+        for own in nodes.filter(|own| own.node == node && own.radius < radius) {
+            (own.edge, own.radius) = (edge, radius);
+        }
+        self.closed_lengths.push(None);
+        self.rod_edges = self.edges.len();
+        ball
+    }
+
+    /// Whether a body is a ball around a node.
+    pub fn is_ball(&self, body: usize) -> bool {
+        body < self.rod_edges && self.edges[body].nodes[0] == self.edges[body].nodes[1]
     }
 
     /// Joins two rods at arc lengths along them (m), where they meet at `angle` (rad).
@@ -264,7 +314,7 @@ impl ContactSurface {
         &self.edges
     }
 
-    /// Edges of the rods, which come first.
+    /// Edges of the rods, and balls, which come first.
     pub fn rod_edges(&self) -> &[ContactEdge] {
         &self.edges[..self.rod_edges]
     }
@@ -437,6 +487,31 @@ mod tests {
         surface.add_joint([0, 1], [1.0, 0.5], 20f64.to_radians());
         assert!(!surface.may_touch(8, 28));
         assert!(surface.may_touch(4, 29), "0.5 + 0.4 apart");
+    }
+
+    #[test]
+    fn rods_pass_into_balls_at_their_nodes_and_touch_others() {
+        let mut surface = ContactSurface::new();
+        surface.add_rod(0, &line(21, 0.1), false, 0.05, false);
+        surface.add_rod(21, &line(21, 0.1), false, 0.05, false);
+        let ball = surface.add_ball(10, 0.2, false, &[(0, 1.0)]);
+        let beside = surface.add_ball(31, 0.3, false, &[(1, 1.0), (ball, 0.0)]);
+        let obstacle = RigidBody::sphere(Vector3::zeros(), 1.0);
+        surface.add_obstacle(obstacle, 0.0);
+        assert_eq!(surface.rod_edges().len(), 42);
+        assert!(surface.is_ball(40) && surface.is_ball(41));
+        assert!(!surface.is_ball(39) && !surface.is_ball(42), "an obstacle");
+        assert_eq!(surface.obstacle_of(42), Some(0));
+        assert_eq!(surface.obstacle_of(40), None);
+        assert_eq!([ball, beside], [2, 3]);
+        // Within 1.5 (0.2 + 0.05) along the first rod; all of the second.
+        assert!(!surface.may_touch(9, 40) && !surface.may_touch(6, 40));
+        assert!(surface.may_touch(5, 40) && surface.may_touch(13 + 1, 40));
+        assert!(surface.may_touch(30, 40));
+        assert!(!surface.may_touch(40, 41), "balls at one point");
+        let node = surface.nodes()[10];
+        assert_eq!((node.edge, node.radius), (40, 0.2));
+        assert!((surface.threshold([5, 40]) - 0.25).abs() < 1e-15);
     }
 
     #[test]

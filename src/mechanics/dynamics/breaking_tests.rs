@@ -3,7 +3,10 @@
 use super::spring_tests::{MASS, STIFFNESS, parameters, rod};
 use super::*;
 use crate::mechanics::Vector3;
-use crate::mechanics::scene::{Joint, JointKind, Load, LoadKind, RodNode, Scene, Spring};
+use crate::mechanics::scene::{
+    Body, Clamp, Joint, JointKind, Load, LoadKind, Motion, RodNode, Scene, Spring, Strength,
+    TurningStiffness,
+};
 use std::f64::consts::PI;
 
 const SPEED: f64 = 0.4;
@@ -30,8 +33,9 @@ fn parting() -> Scene {
             name: "thread".into(),
             nodes: nodes(),
             stiffness: STIFFNESS,
+            turning: None,
             rest_length: None,
-            strength: Some(0.5 * swing().1),
+            strength: Strength::of_force(0.5 * swing().1),
         }],
         ..Scene::default()
     }
@@ -48,7 +52,7 @@ fn hanging() -> Scene {
             name: "hook".into(),
             nodes: nodes(),
             kind: JointKind::Ball,
-            strength: Some(0.1),
+            strength: Strength::of_force(0.1),
         }],
         loads: vec![Load {
             kind: LoadKind::Force {
@@ -57,6 +61,101 @@ fn hanging() -> Scene {
                 force: -z,
             },
             schedule: vec![(0.0, 0.0), (1.0, 1.0)],
+        }],
+        ..Scene::default()
+    }
+}
+
+/// The same with a beam that a clamp holds and a joint of another kind.
+fn hanging_by(kind: JointKind) -> Scene {
+    let mut scene = hanging();
+    scene.rods[0].held = false;
+    scene.rods[0].stiffness.bending = [10.0; 2];
+    scene.clamps = vec![clamp(0)];
+    scene.joints[0].kind = kind;
+    scene
+}
+
+fn hinge(axis: Vector3) -> JointKind {
+    JointKind::Hinge { axis, spring: None }
+}
+
+fn clamp(rod: usize) -> Clamp {
+    Clamp {
+        rod,
+        node: 0,
+        holds_position: true,
+        holds_frame: true,
+        motion: Motion::default(),
+    }
+}
+
+/// A clamped rod of two pieces, whose end is pushed aside by a force that grows by 1 N/s.
+fn pushed_aside(kind: JointKind, moment: f64) -> Scene {
+    let (x, z) = (Vector3::x(), Vector3::z());
+    let mut rods = vec![rod("root", -0.1 * x, x), rod("arm", Vector3::zeros(), x)];
+    rods.iter_mut()
+        .for_each(|rod| rod.stiffness.bending = [100.0; 2]);
+    Scene {
+        rods,
+        clamps: vec![clamp(0)],
+        joints: vec![Joint {
+            name: "weld".into(),
+            nodes: nodes(),
+            kind,
+            strength: Strength::of_moment(moment),
+        }],
+        loads: vec![Load {
+            kind: LoadKind::Force {
+                rod: 1,
+                node: 4,
+                force: z,
+            },
+            schedule: vec![(0.0, 0.0), (1.0, 1.0)],
+        }],
+        ..Scene::default()
+    }
+}
+
+/// Rate at which the arm of [`flail`] turns, rad/s, and when it is pushed off its hinge, s.
+const SPIN: f64 = 40.0;
+const PUSHED: f64 = 0.2;
+
+/// An arm with a body, which turns on a hinge at the end of a post until it is pushed off along the axis.
+fn flail() -> Scene {
+    let (x, z) = (Vector3::x(), Vector3::z());
+    let mut rods = vec![rod("post", -0.1 * z, z), rod("arm", Vector3::zeros(), x)];
+    for rod in &mut rods {
+        rod.stiffness.bending = [10.0; 2];
+        rod.stiffness.twisting = 10.0;
+    }
+    rods[1].angular_velocity = SPIN * z;
+    rods[1].velocity = SPIN * z.cross(&(0.05 * x));
+    let centripetal = MASS * SPIN * SPIN * 0.05;
+    Scene {
+        rods,
+        clamps: vec![clamp(0)],
+        joints: vec![Joint {
+            name: "hinge".into(),
+            nodes: nodes(),
+            kind: hinge(z),
+            // Twice as much acts at first, as the arm swings in its length.
+            strength: Strength::of_force(3.0 * centripetal),
+        }],
+        bodies: vec![Body {
+            name: "hub".into(),
+            at: nodes()[1],
+            mass: MASS,
+            offset: Vector3::zeros(),
+            inertia: Some([2e-6, 3e-6, 4e-6]),
+            ball: None,
+        }],
+        loads: vec![Load {
+            // On arm and body alike: it turns nothing that is free.
+            kind: LoadKind::Gravity {
+                acceleration: z * (4.0 * centripetal / (2.0 * MASS)),
+            },
+            schedule: vec![(PUSHED, 0.0), (PUSHED + 1e-3, 1.0)],
         }],
         ..Scene::default()
     }
@@ -82,7 +181,7 @@ fn a_spring_breaks_when_its_force_is_passed_and_lets_go() {
         (Scheme::ImplicitEuler, 1e-2),
     ] {
         let simulation = run(&parting(), scheme, step, 2.0 * expected);
-        let [Some(Break { time, force })] = simulation.breaks()[..] else {
+        let [Some(Break { time, force, .. })] = simulation.breaks()[..] else {
             panic!("{:?}", simulation.breaks());
         };
         assert!(
@@ -113,9 +212,134 @@ fn a_spring_breaks_when_its_force_is_passed_and_lets_go() {
 }
 
 #[test]
+fn a_turning_spring_breaks_at_its_moment() {
+    let mut scene = pushed_aside(JointKind::Ball, 0.0);
+    scene.joints[0].strength = Strength::default();
+    scene.springs = vec![Spring {
+        name: "coil".into(),
+        nodes: nodes(),
+        stiffness: 0.0,
+        turning: Some(TurningStiffness {
+            stiffness: 10.0,
+            rest_rotation: Vector3::zeros(),
+        }),
+        rest_length: None,
+        strength: Strength::of_moment(2e-3),
+    }];
+    let simulation = run(&scene, Scheme::BackwardDifferences, 2e-5, 0.024);
+    let [Some(Break { time, moment, .. })] = simulation.breaks()[..] else {
+        panic!("{:?}", simulation.breaks());
+    };
+    assert!((time - 0.02).abs() < 1e-3, "{time}");
+    assert!(moment > 2e-3 && moment < 2.02e-3, "{moment}");
+    let start = simulation.energies();
+    // Nothing is left that turns the arm back.
+    assert!(start.kinetic > 10.0 * start.bending, "{start:?}");
+}
+
+#[test]
+fn welds_and_hinges_break_at_the_force_that_holds_the_rod_and_let_it_fall() {
+    let expected = 0.1;
+    for kind in [JointKind::Rigid, hinge(Vector3::y())] {
+        for scheme in [Scheme::ImplicitEuler, Scheme::BackwardDifferences] {
+            let scene = hanging_by(kind);
+            let simulation = run(&scene, scheme, 2e-4, expected + 0.02);
+            let [Some(Break { time, force, .. })] = simulation.breaks()[..] else {
+                panic!("{:?}", simulation.breaks());
+            };
+            assert!((time - expected).abs() < 0.01 * expected, "{time}");
+            assert!(force > 0.1 && force < 0.102, "{kind:?} {scheme:?}: {force}");
+            let positions = simulation.positions();
+            assert!(positions[4].norm() < 1e-4, "{}", positions[4]);
+            let fallen = -(positions[5].z + 3.0 * positions[7].z + positions[9].z) / 5.0 - 0.05;
+            let free = simulation.time() - time;
+            let expected = 0.5 * (time + free / 3.0) / MASS * free * free;
+            assert!(
+                (fallen / expected - 1.0).abs() < 0.02,
+                "{kind:?} {scheme:?}: {fallen} of {expected}"
+            );
+        }
+    }
+}
+
+#[test]
+fn welds_and_hinges_break_at_the_moment_that_bends_the_rod() {
+    for kind in [JointKind::Rigid, hinge(Vector3::z())] {
+        let scene = pushed_aside(kind, 2e-3);
+        let simulation = run(&scene, Scheme::BackwardDifferences, 2e-5, 0.024);
+        let [
+            Some(Break {
+                time,
+                force,
+                moment,
+            }),
+        ] = simulation.breaks()[..]
+        else {
+            panic!("{:?}", simulation.breaks());
+        };
+        assert!((time - 0.02).abs() < 4e-4, "{kind:?}: {time}");
+        assert!(moment > 2e-3 && moment < 2.02e-3, "{kind:?}: {moment}");
+        assert!((force / 0.02 - 1.0).abs() < 0.1, "{kind:?}: {force}");
+        let remarks = simulation.remarks();
+        let is_told = |remark: &String| remark.contains("`weld` broke") && remark.ends_with("N m");
+        assert!(remarks.iter().any(is_told), "{remarks:?}");
+        // The end flies off with the impulse of the force: the middle of the arm by F/m.
+        let free = simulation.time() - time;
+        let velocities = &simulation.velocities()[5..10];
+        let mean = 0.25
+            * (0.5 * (velocities[0] + velocities[4]) + velocities[1..4].iter().sum::<Vector3>());
+        let expected = (time + 0.5 * free) * free / MASS;
+        assert!((mean.z / expected - 1.0).abs() < 0.05, "{mean} {expected}");
+    }
+}
+
+#[test]
+fn a_rod_leaves_its_hinge_as_it_moves_and_turns() {
+    let scene = flail();
+    let parameters = parameters(Scheme::BackwardDifferences, 2e-4);
+    let end = PUSHED + 0.05;
+    let mut whole = Simulation::new(&scene, &parameters).unwrap();
+    let mut states = Vec::new();
+    while whole.time() < end {
+        whole.advance(end).unwrap();
+        // After more than a turn, before and after it has broken.
+        let counts = [whole.time() > 0.9 * PUSHED, whole.breaks()[0].is_some()];
+        if states.len() < counts.iter().filter(|it| **it).count() {
+            states.push(whole.state());
+        }
+    }
+    assert_eq!(states.len(), 2);
+    let [Some(Break { time, .. })] = whole.breaks()[..] else {
+        panic!("{:?}", whole.breaks());
+    };
+    assert!(time > PUSHED && time < PUSHED + 1e-3, "{time}");
+    let [hub, tip] = [5, 9].map(|node| whole.velocities()[node]);
+    let arm = whole.positions()[9] - whole.positions()[5];
+    let (turning, turned) = (tip - hub, SPIN * end);
+    assert!((turning.xy().norm() / (0.1 * SPIN) - 1.0).abs() < 1e-3);
+    let angle = (libm::atan2(arm.y, arm.x) - turned).rem_euclid(2.0 * PI);
+    assert!(angle.min(2.0 * PI - angle) < 5e-3, "{angle}");
+    // Half of the mass is at the hub, that of the arm around its middle.
+    let velocity = hub + turning * 0.25;
+    let (sine, cosine) = libm::sincos(SPIN * time);
+    let expected = Vector3::new(-sine, cosine, 0.0) * (0.025 * SPIN);
+    let error = (velocity - expected).xy().norm() / expected.norm();
+    assert!(error < 5e-3, "{velocity} {expected}");
+    for state in states {
+        let mut resumed = Simulation::new(&scene, &parameters).unwrap();
+        resumed.restore(state).unwrap();
+        while resumed.time() < end {
+            resumed.advance(end).unwrap();
+        }
+        assert_eq!(whole.positions(), resumed.positions());
+        assert_eq!(whole.breaks(), resumed.breaks());
+    }
+}
+
+#[test]
 fn a_spring_that_bears_the_force_holds() {
     let mut scene = parting();
-    scene.springs[0].strength = Some(1.01 * swing().1);
+    scene.springs[0].strength = Strength::of_force(1.01 * swing().1);
     let (frequency, _) = swing();
     let end = 2.0 * PI / frequency;
     let simulation = run(&scene, Scheme::ImplicitMidpoint, 1e-3 * end, end);
@@ -132,7 +356,7 @@ fn a_ball_joint_breaks_at_the_force_that_holds_the_rod_and_lets_it_fall() {
     ] {
         let step = 2e-4;
         let simulation = run(&hanging(), scheme, step, expected + 0.02);
-        let [Some(Break { time, force })] = simulation.breaks()[..] else {
+        let [Some(Break { time, force, .. })] = simulation.breaks()[..] else {
             panic!("{:?}", simulation.breaks());
         };
         assert!(
@@ -159,7 +383,12 @@ fn a_ball_joint_breaks_at_the_force_that_holds_the_rod_and_lets_it_fall() {
 #[test]
 fn what_broke_is_broken_after_a_checkpoint_and_goes_on_bit_for_bit() {
     for scheme in [Scheme::BackwardDifferences, Scheme::ImplicitMidpoint] {
-        for (scene, end) in [(parting(), 0.02), (hanging(), 0.12)] {
+        let mut scenes = vec![(parting(), 0.02), (hanging(), 0.12)];
+        if scheme == Scheme::BackwardDifferences {
+            scenes.push((hanging_by(JointKind::Rigid), 0.12));
+            scenes.push((hanging_by(hinge(Vector3::y())), 0.12));
+        }
+        for (scene, end) in scenes {
             let parameters = parameters(scheme, 2e-4);
             let mut whole = Simulation::new(&scene, &parameters).unwrap();
             let mut states = vec![whole.state()];

@@ -4,7 +4,7 @@ use super::*;
 use crate::mechanics::Vector3;
 use crate::mechanics::scene::{
     Body, Clamp, Joint, JointKind, Load, LoadKind, Motion, RodDescription, RodNode, Scene,
-    Stiffness,
+    Stiffness, Strength,
 };
 
 fn rod(name: &str, from: Vector3, to: Vector3, edges: usize) -> RodDescription {
@@ -26,7 +26,7 @@ fn weld(one: RodNode, other: RodNode) -> Joint {
         name: "weld".into(),
         nodes: [one, other],
         kind: JointKind::Rigid,
-        strength: None,
+        strength: Strength::default(),
     }
 }
 
@@ -109,7 +109,9 @@ fn tumbling() -> Scene {
             name: "hub".into(),
             at: at(0, 0),
             mass: 0.02,
+            offset: Vector3::zeros(),
             inertia: Some([4e-6, 5e-6, 6e-6]),
+            ball: None,
         }],
         ..Scene::default()
     }
@@ -142,7 +144,9 @@ fn a_body_turns_about_each_of_its_axes_with_its_own_moment_of_inertia() {
                     name: "hub".into(),
                     at: at(0, 2),
                     mass: 0.02,
+                    offset: Vector3::zeros(),
                     inertia,
+                    ball: None,
                 }],
                 ..Scene::default()
             };
@@ -157,8 +161,10 @@ fn a_body_turns_about_each_of_its_axes_with_its_own_moment_of_inertia() {
 
 #[test]
 fn a_body_that_tumbles_keeps_its_angular_momentum() {
-    let lost = |scheme: Scheme, step: f64| {
-        let mut simulation = Simulation::new(&tumbling(), &parameters(scheme, step)).unwrap();
+    let lost = |scheme: Scheme, step: f64, offset: Vector3| {
+        let mut scene = tumbling();
+        scene.bodies[0].offset = offset;
+        let mut simulation = Simulation::new(&scene, &parameters(scheme, step)).unwrap();
         let [momentum, angular] = simulation.momenta();
         // More than a turn: rotation vectors begin anew several times.
         while simulation.time() < 1.0 {
@@ -168,10 +174,14 @@ fn a_body_that_tumbles_keeps_its_angular_momentum() {
         assert!((momentum_after - momentum).norm() < 1e-9 * momentum.norm());
         (angular_after - angular).norm() / angular.norm()
     };
-    assert!(lost(Scheme::BackwardDifferences, 1e-3) < 1e-3);
-    // Implicit Euler loses in proportion to the step.
-    let [whole, half] = [1e-3, 5e-4].map(|step| lost(Scheme::ImplicitEuler, step));
-    assert!(whole < 0.1 && half < 0.6 * whole, "{whole} {half}");
+    let off_node = Vector3::new(0.02, -0.01, 0.03);
+    for offset in [Vector3::zeros(), off_node] {
+        let lost = |scheme, step| lost(scheme, step, offset);
+        assert!(lost(Scheme::BackwardDifferences, 1e-3) < 1e-3);
+        // Implicit Euler loses in proportion to the step.
+        let [whole, half] = [1e-3, 5e-4].map(|step| lost(Scheme::ImplicitEuler, step));
+        assert!(whole < 0.1 && half < 0.6 * whole, "{whole} {half}");
+    }
 }
 
 #[test]

@@ -47,6 +47,8 @@ mod actuation_tests;
 #[cfg(test)]
 mod balance_tests;
 #[cfg(test)]
+mod ball_tests;
+#[cfg(test)]
 mod barrier_tests;
 #[cfg(test)]
 mod breaking_tests;

@@ -86,6 +86,9 @@ impl Simulation {
         let elastic = self.system.elastic_energy();
         let assembly = &self.system.assembly;
         let nodes = assembly.all_places();
+        let (loads, State { time, unknowns, .. }) = (&self.system.loads, &self.state);
+        let of_nodes =
+            loads.gravitational_energy(*time, &assembly.masses, &assembly.obstacle, unknowns);
         Energies {
             kinetic: assembly.kinetic_energy(&nodes, &self.state.velocity),
             stretching: elastic.stretching,
@@ -96,12 +99,7 @@ impl Simulation {
                 .contact
                 .as_ref()
                 .map_or(0.0, |contact| contact.energy()),
-            gravitational: self.system.loads.gravitational_energy(
-                self.state.time,
-                &assembly.masses,
-                &assembly.obstacle,
-                &self.state.unknowns,
-            ),
+            gravitational: of_nodes + loads.gravitational_energy_of_arms(*time, unknowns),
         }
     }
 

@@ -103,8 +103,13 @@ impl Simulation {
                 validity.note_small_steps(said);
             }
             self.validity = validity;
-            let (time, unknowns) = (self.state.time, &self.state.unknowns);
-            if self.system.break_joints(time, unknowns) {
+            let State {
+                time,
+                unknowns,
+                velocity,
+                ..
+            } = &mut self.state;
+            if self.system.break_joints(*time, unknowns, velocity) {
                 self.begin_anew();
             }
         }

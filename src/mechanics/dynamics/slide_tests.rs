@@ -4,7 +4,7 @@ use super::*;
 use crate::mechanics::Vector3;
 use crate::mechanics::scene::{
     Clamp, Joint, JointKind, Load, LoadKind, Motion, NaturalShape, RodDescription, RodNode, Scene,
-    Stiffness,
+    Stiffness, Strength,
 };
 use std::f64::consts::PI;
 
@@ -24,7 +24,7 @@ fn slide(nodes: [[usize; 2]; 2]) -> Joint {
         name: format!("slide {}", nodes[0][1]),
         nodes: nodes.map(|[rod, node]| RodNode { rod, node }),
         kind: JointKind::Slide,
-        strength: None,
+        strength: Strength::default(),
     }
 }
 
@@ -233,7 +233,7 @@ fn it_goes_on_from_a_checkpoint_bit_for_bit_and_breaks() {
         scene
             .joints
             .iter_mut()
-            .for_each(|joint| joint.strength = Some(pressed));
+            .for_each(|joint| joint.strength = Strength::of_force(pressed));
         let parameters = parameters(scheme, 1e-3);
         let mut whole = Simulation::new(&scene, &parameters).unwrap();
         let (mut states, end) = (Vec::new(), 0.3);

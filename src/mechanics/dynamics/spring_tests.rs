@@ -5,7 +5,7 @@ use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactModel, ContactParameters};
 use crate::mechanics::scene::{
     HingeSpring, Joint, JointKind, Load, LoadKind, Plane, RodDescription, RodNode, Scene, Spring,
-    Stiffness,
+    Stiffness, Strength, TurningStiffness,
 };
 use std::f64::consts::TAU;
 
@@ -28,8 +28,9 @@ fn spring(nodes: [[usize; 2]; 2], rest_length: Option<f64>) -> Spring {
         name: "spring".into(),
         nodes: nodes.map(|[rod, node]| RodNode { rod, node }),
         stiffness: STIFFNESS,
+        turning: None,
         rest_length,
-        strength: None,
+        strength: Strength::default(),
     }
 }
 
@@ -123,7 +124,7 @@ fn a_sprung_hinge_keeps_angular_momentum_and_its_energy() {
                     rest_angle: 0.3,
                 }),
             },
-            strength: None,
+            strength: Strength::default(),
         }],
         ..Scene::default()
     };
@@ -148,6 +149,56 @@ fn a_sprung_hinge_keeps_angular_momentum_and_its_energy() {
     }
     // It swings through the angle without a moment to the other side.
     assert!((farthest - 0.6).abs() < 0.02, "{farthest}");
+}
+
+#[test]
+fn two_rods_that_a_spring_turns_keep_momenta_and_energy() {
+    let (x, z) = (Vector3::x(), Vector3::z());
+    let stiffness = 0.02;
+    let stiff = |mut rod: RodDescription| {
+        rod.stiffness.bending = [1.0; 2];
+        rod.stiffness.twisting = 1.0;
+        rod.rotational_inertia_per_length = 1e-7;
+        rod
+    };
+    let rest_rotation = Vector3::new(0.5, -0.8, 0.4);
+    // Neither at their ends nor at one point.
+    let scene = Scene {
+        rods: vec![
+            stiff(rod("one", Vector3::zeros(), x)),
+            stiff(rod("other", 0.02 * z, Vector3::new(0.6, 0.8, 0.0))),
+        ],
+        springs: vec![Spring {
+            stiffness: 0.0,
+            turning: Some(TurningStiffness {
+                stiffness,
+                rest_rotation,
+            }),
+            ..spring([[0, 1], [1, 4]], None)
+        }],
+        ..Scene::default()
+    };
+    let parameters = parameters(Scheme::BackwardDifferences, 5e-5);
+    let mut simulation = Simulation::new(&scene, &parameters).unwrap();
+    let start = simulation.energies();
+    let expected = 0.5 * stiffness * rest_rotation.norm_squared();
+    assert!((start.total() / expected - 1.0).abs() < 1e-9);
+    let mut kinetic = 0.0_f64;
+    while simulation.time() < 0.05 {
+        simulation.advance(0.05).unwrap();
+        let [momentum, angular] = simulation.momenta();
+        assert!(momentum.norm() < 1e-10, "{momentum}");
+        assert!(angular.norm() < 1e-8, "{angular}");
+        let energies = simulation.energies();
+        kinetic = kinetic.max(energies.kinetic);
+        let change = (energies.total() / start.total() - 1.0).abs();
+        assert!(change < 1e-2, "{change}");
+    }
+    assert!(
+        kinetic > 0.9 * start.total(),
+        "{kinetic} of {}",
+        start.total()
+    );
 }
 
 /// A rod that lies on the ground under its weight, half of which two springs to a beam above carry.

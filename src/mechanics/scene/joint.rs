@@ -23,23 +23,78 @@ pub struct Joint {
     pub nodes: [RodNode; 2],
     /// How rods may turn against each other there.
     pub kind: JointKind,
-    /// Largest force that it bears, N; only of slides, and of balls that share their point with no other joint.
-    pub strength: Option<f64>,
+    /// What it bears; only of slides, and of joints that share their point with no other one.
+    pub strength: Strength,
 }
 
-/// Two nodes, of one rod or of two, that a spring pulls together and pushes apart; they need not lie at one point.
+/// What a joint or spring bears: where a step ends with more, it breaks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Strength {
+    /// Largest force, N: of a spring pulled or pushed, of a joint what holds the one rod at the other.
+    pub force: f64,
+    /// Largest moment, N m: of what turns rods towards each other.
+    pub moment: f64,
+}
+
+impl Default for Strength {
+    /// Of one that never breaks.
+    fn default() -> Self {
+        Self {
+            force: f64::INFINITY,
+            moment: f64::INFINITY,
+        }
+    }
+}
+
+impl Strength {
+    /// Of one that breaks under a force (N) alone.
+    pub fn of_force(force: f64) -> Self {
+        Self {
+            force,
+            ..Self::default()
+        }
+    }
+
+    /// Of one that breaks under a moment (N m) alone.
+    pub fn of_moment(moment: f64) -> Self {
+        Self {
+            moment,
+            ..Self::default()
+        }
+    }
+
+    /// Whether there is a force or moment under which it breaks.
+    pub fn may_break(&self) -> bool {
+        self.force.min(self.moment) < f64::INFINITY
+    }
+}
+
+/// Two nodes, of one rod or of two, that a spring pulls together and pushes apart, or whose material frames it turns towards
+/// each other; they need not lie at one point.
 #[derive(Clone, Debug)]
 pub struct Spring {
     /// Name by which scenarios and messages call it.
     pub name: String,
     /// The nodes.
     pub nodes: [RodNode; 2],
-    /// Force per lengthening k, N/m.
+    /// Force per lengthening k, N/m; 0 where it neither pulls nor pushes.
     pub stiffness: f64,
+    /// How it turns the material frames of the rods at its nodes.
+    pub turning: Option<TurningStiffness>,
     /// Length without force, m; `None` is the distance of the nodes as placed.
     pub rest_length: Option<f64>,
-    /// Largest force that it bears, pulled or pushed, N.
-    pub strength: Option<f64>,
+    /// What it bears.
+    pub strength: Strength,
+}
+
+/// How a spring resists that the material frames of two rods turn against each other, about whatever axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TurningStiffness {
+    /// Moment per angle c, N m/rad.
+    pub stiffness: f64,
+    /// Rotation vector of the second frame against the first, from where they are placed and in the axes of the scene there,
+    /// at which it exerts no moment, rad.
+    pub rest_rotation: Vector3,
 }
 
 /// What a joint leaves free.
@@ -70,7 +125,7 @@ pub struct HingeSpring {
     pub rest_angle: f64,
 }
 
-/// A mass at a node, or a rigid body that is welded to the rod there with its centre of mass at the node.
+/// A mass at a node, or a rigid body that is welded to the rod there.
 #[derive(Clone, Debug)]
 pub struct Body {
     /// Name by which scenarios and messages call it.
@@ -79,7 +134,11 @@ pub struct Body {
     pub at: RodNode,
     /// Mass, kg.
     pub mass: f64,
-    /// Principal moments of inertia (kg m²) about the two material directors and the tangent of the rod at the node; `None`
-    /// for a point mass, which the rod carries without being stiffened.
+    /// From the node to its centre of mass along the two material directors and the tangent of the rod there, m.
+    pub offset: Vector3,
+    /// Principal moments of inertia (kg m²) about its centre of mass and axes along the two material directors and the tangent;
+    /// `None` for a point mass at the node, which the rod carries without being stiffened.
     pub inertia: Option<[f64; 3]>,
+    /// Radius of the ball around the node that it is for contact, m; `None` where it touches nothing.
+    pub ball: Option<f64>,
 }

@@ -1,15 +1,19 @@
-//! Joints that break where the force on them is too large.
+//! Joints that break where the force or the moment on them is too large.
 //!
-//! That of a spring between nodes is k (r − L), pulled or pushed. That of a ball joint of two nodes is what holds the node
-//! whose position is that of the other one: the residual M a + ∇E − F of its own rod there, before it is added to that of
-//! the other; that of a slide is what holds the node that slides. Where a step ends with more than a joint bears, it breaks:
-//! the spring is gone, the node has its own position and goes on with its velocity. Contact goes on to pass over what
-//! overlapped at the joint.
+//! Those of a spring are k (r − L), pulled or pushed, and c θ. The force of a joint of two nodes is what holds the node whose
+//! position is that of the other one: the residual M a + ∇E − F of its own rod there, before it is added to that of
+//! the other; that of a slide is what holds the node that slides. The moment of a rigid joint or hinge is that of everything on
+//! the frame of one of its rods; a weld that may break has a frame for either rod, of which the one has the unknowns of the
+//! other ([`super::joints`]).
+//!
+//! Where a step ends with more than a joint bears, it breaks: the spring is gone, node and frame have unknowns of their own and
+//! go on with their velocities. Contact goes on to pass over what overlapped at the joint.
 
 use super::System;
 use super::build::Assembly;
+use super::joints::{Joints, TurningFrame};
 use crate::mechanics::rod::{STRIDE, topology::position};
-use crate::mechanics::scene::{JointKind, RodNode, Scene};
+use crate::mechanics::scene::{JointKind, RodNode, Scene, Strength};
 use serde::{Deserialize, Serialize};
 use tracing::info;
 
@@ -20,6 +24,8 @@ pub struct Break {
     pub time: f64,
     /// Under which force, N.
     pub force: f64,
+    /// Under which moment, N m; 0 where it bears none.
+    pub moment: f64,
 }
 
 /// The joints and springs of a scene that break, in this order.
@@ -31,8 +37,7 @@ pub(super) struct Breaking {
 #[derive(Clone, Debug)]
 struct Link {
     name: String,
-    /// Largest force that it bears, N.
-    strength: f64,
+    strength: Strength,
     tie: Tie,
     broken: Option<Break>,
 }
@@ -42,13 +47,35 @@ enum Tie {
     /// A spring between nodes, by its number.
     Spring(usize),
     /// A node whose position is that of another one.
-    Ball {
+    Point {
         node: usize,
-        /// Force of the joint on it at the last evaluation, N.
-        force: f64,
+        /// What turns with it.
+        turning: Turning,
+        /// Force (N) and moment (N m) of the joint at the last evaluation.
+        load: [f64; 2],
     },
     /// A node that slides along a rod.
     Slide(usize),
+}
+
+/// What a joint does to the frame of one of its rods, by its number.
+#[derive(Clone, Copy, Debug)]
+enum Turning {
+    /// Nothing: a ball.
+    Free,
+    /// It turns as that of the other rod.
+    Weld(usize),
+    /// It hangs on a hinge.
+    Hinge(usize),
+}
+
+impl Turning {
+    fn frame(&self) -> Option<usize> {
+        match *self {
+            Self::Free => None,
+            Self::Weld(frame) | Self::Hinge(frame) => Some(frame),
+        }
+    }
 }
 
 impl Breaking {
@@ -56,10 +83,9 @@ impl Breaking {
     pub fn new(scene: &Scene, assembly: &Assembly) -> Self {
         let number = |at: &RodNode| assembly.rods.rods[at.rod].first_node + at.node;
         let mut links = Vec::new();
-        for joint in &scene.joints {
-            let Some(strength) = joint.strength else {
-                continue;
-            };
+        let joints = scene.joints.iter();
+        for joint in joints.filter(|joint| joint.strength.may_break()) {
+            let strength = joint.strength;
             let nodes = joint.nodes.each_ref().map(number);
             if joint.kind == JointKind::Slide {
                 let mut points = assembly.joints.points.iter();
@@ -78,15 +104,19 @@ impl Breaking {
             links.push(Link {
                 name: joint.name.clone(),
                 strength,
-                tie: Tie::Ball { node, force: 0.0 },
+                tie: Tie::Point {
+                    node,
+                    turning: turning_of(joint.kind, nodes, &assembly.joints),
+                    load: [0.0; 2],
+                },
                 broken: None,
             });
         }
         for (number, spring) in scene.springs.iter().enumerate() {
-            if let Some(strength) = spring.strength {
+            if spring.strength.may_break() {
                 links.push(Link {
                     name: spring.name.clone(),
-                    strength,
+                    strength: spring.strength,
                     tie: Tie::Spring(number),
                     broken: None,
                 });
@@ -98,8 +128,19 @@ impl Breaking {
     /// Keeps the forces of joints from a residual over all nodes.
     pub fn note(&mut self, residual: &[f64]) {
         for link in &mut self.links {
-            if let Tie::Ball { node, force } = &mut link.tie {
-                *force = position(residual, *node).norm();
+            if let Tie::Point { node, load, .. } = &mut link.tie {
+                load[0] = position(residual, *node).norm();
+            }
+        }
+    }
+
+    /// Keeps the moments of joints from those on frames.
+    pub fn note_moments(&mut self, joints: &Joints) {
+        for link in &mut self.links {
+            if let Tie::Point { turning, load, .. } = &mut link.tie
+                && let Some(frame) = turning.frame()
+            {
+                load[1] = joints.moment_on(frame).norm();
             }
         }
     }
@@ -107,20 +148,52 @@ impl Breaking {
     /// What broke, a sentence each.
     pub fn remarks(&self) -> impl Iterator<Item = String> {
         self.links.iter().filter_map(|link| {
-            let Break { time, force } = link.broken?;
+            let Break {
+                time,
+                force,
+                moment,
+            } = link.broken?;
             let name = &link.name;
-            Some(format!(
-                "joint `{name}` broke at t = {time:.6e} s under {force:.6e} N"
-            ))
+            let mut remark =
+                format!("joint `{name}` broke at t = {time:.6e} s under {force:.6e} N");
+            if moment > 0.0 {
+                remark += &format!(" and {moment:.6e} N m");
+            }
+            Some(remark)
         })
     }
 }
 
+/// What a joint of two nodes does to the frame of one of their rods.
+fn turning_of(kind: JointKind, nodes: [usize; 2], joints: &Joints) -> Turning {
+    let mut frames = joints.frames.iter().enumerate();
+    let mut of_frame = |is_tied: &dyn Fn(&TurningFrame) -> bool| {
+        let tied = frames.find(|(_, frame)| nodes.contains(&frame.node) && is_tied(frame));
+        tied.expect("a joint that breaks has its frames for itself")
+            .0
+    };
+    match kind {
+        JointKind::Ball | JointKind::Slide => Turning::Free,
+        JointKind::Rigid => Turning::Weld(of_frame(&|frame| {
+            let welds = &joints.welds;
+            welds
+                .iter()
+                .any(|weld| STRIDE * weld[0] == frame.first_unknown)
+        })),
+        JointKind::Hinge { .. } => Turning::Hinge(of_frame(&|frame| frame.hinge.is_some())),
+    }
+}
+
 impl System {
-    /// Breaks the joints that bear less than the step put on them that ended at `time` (s) with `unknowns`; says whether
-    /// there are any.
-    pub fn break_joints(&mut self, time: f64, unknowns: &[f64]) -> bool {
+    /// Breaks the joints that bear less than the step put on them that ended at `time` (s) with `unknowns` and `velocity`,
+    /// which then are those of what is free; says whether there are any.
+    pub fn break_joints(&mut self, time: f64, unknowns: &mut [f64], velocity: &mut [f64]) -> bool {
+        if self.breaking.links.is_empty() {
+            return false;
+        }
         self.springs.stretch(unknowns);
+        self.assembly.joints.rotate(unknowns);
+        (self.springs).turn(&self.assembly.joints, &self.assembly.drives, time);
         let mut breaking = std::mem::take(&mut self.breaking);
         let mut any = false;
         for link in breaking
@@ -128,18 +201,33 @@ impl System {
             .iter_mut()
             .filter(|link| link.broken.is_none())
         {
-            let force = match link.tie {
-                Tie::Spring(number) => self.springs.force(number).abs(),
-                Tie::Ball { force, .. } => force,
+            let [force, moment] = match link.tie {
+                Tie::Spring(number) => [
+                    self.springs.force(number).abs(),
+                    self.springs.moment(number),
+                ],
+                Tie::Point { load, .. } => load,
                 Tie::Slide(node) => {
                     let mut slides = self.assembly.joints.slides.iter();
                     let slide = slides.find(|slide| slide.node == node);
-                    slide.map_or(0.0, |slide| slide.force())
+                    [slide.map_or(0.0, |slide| slide.force()), 0.0]
                 }
             };
-            if force > link.strength {
-                info!(joint = link.name, time, force, "joint broke");
-                link.broken = Some(Break { time, force });
+            if force > link.strength.force || moment > link.strength.moment {
+                info!(joint = link.name, time, force, moment, "joint broke");
+                link.broken = Some(Break {
+                    time,
+                    force,
+                    moment,
+                });
+                if let Tie::Point {
+                    turning: Turning::Hinge(frame),
+                    ..
+                } = link.tie
+                {
+                    let joints = &mut self.assembly.joints;
+                    joints.take_over_rotation(frame, unknowns, velocity);
+                }
                 self.part(link.tie);
                 any = true;
             }
@@ -147,7 +235,7 @@ impl System {
         self.breaking = breaking;
         if any {
             self.damping.rest();
-            self.matrix.adapt(&self.assembly);
+            self.matrix.recouple(&self.assembly, &self.springs);
         }
         any
     }
@@ -179,17 +267,31 @@ impl System {
                 self.part(tie);
             }
         }
-        self.matrix.adapt(&self.assembly);
+        self.matrix.recouple(&self.assembly, &self.springs);
         Ok(())
     }
 
     fn part(&mut self, tie: Tie) {
         match tie {
             Tie::Spring(number) => self.springs.cut(number),
-            Tie::Ball { node, .. } => {
+            Tie::Point { node, turning, .. } => {
                 let joints = &mut self.assembly.joints;
                 joints.points.retain(|point| point[0] != node);
                 self.assembly.held[STRIDE * node..STRIDE * node + 3].fill(false);
+                let own = turning
+                    .frame()
+                    .map_or(0, |frame| joints.frames[frame].first_unknown);
+                match turning {
+                    Turning::Free => {}
+                    Turning::Weld(_) => joints.welds.retain(|weld| STRIDE * weld[0] != own),
+                    Turning::Hinge(frame) => {
+                        let frame = &mut joints.frames[frame];
+                        (frame.hinge, frame.spring) = (None, None);
+                        self.springs.leave_hinge(own + 3);
+                        self.assembly.held[own..own + 3].fill(false);
+                        self.assembly.held[own + 3] = true;
+                    }
+                }
             }
             Tie::Slide(node) => {
                 let slides = &mut self.assembly.joints.slides;

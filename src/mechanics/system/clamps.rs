@@ -131,6 +131,14 @@ impl Drive {
         }
     }
 
+    /// How its frame has turned at a time (s) since it took hold.
+    pub fn rotation(&self, time: f64) -> UnitQuaternion {
+        let turning = self.turning(time);
+        let about_axis = rotation::from_vector(turning.axis * turning.angle);
+        let oriented = turning.orientation;
+        oriented.map_or(about_axis, |orientation| orientation * about_axis)
+    }
+
     /// Writes the prescribed position and frames at `time`; the reference frames are those of `committed`, s.
     pub fn apply(&self, time: f64, committed: f64, unknowns: &mut [f64], ghosts: &mut [GhostEdge]) {
         if self.released {

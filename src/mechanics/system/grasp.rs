@@ -143,6 +143,11 @@ impl System {
                 "clamp {clamp} cannot be released: it holds an edge together with its neighbour"
             ));
         }
+        if self.springs.turns_against(clamp) {
+            return Err(format!(
+                "clamp {clamp} cannot be released: a spring turns against it"
+            ));
+        }
         self.update_geometry(unknowns);
         if holds_position {
             self.assembly.held[STRIDE * node..STRIDE * node + 3].fill(false);

@@ -1,10 +1,11 @@
 //! The joints and bodies of a scene whose rods are numbered: who owns which position, and what bodies weigh.
 
 use super::Assembly;
-use super::joints::{JointPlan, PlannedSlide, Slide, Track};
+use super::joints::{EccentricMass, JointPlan, PlannedSlide, Slide, Track};
 use crate::linalg::UNUSED;
 use crate::mechanics::rod::STRIDE;
-use crate::mechanics::scene::{Clamp, RodNode, Scene};
+use crate::mechanics::rod::topology::position;
+use crate::mechanics::scene::{Body, Clamp, RodNode, Scene};
 use crate::mechanics::{JointError, SceneError, Vector3};
 
 impl Assembly {
@@ -15,13 +16,18 @@ impl Assembly {
     pub(super) fn join(&mut self, scene: &Scene, plan: &JointPlan) -> Result<(), SceneError> {
         self.share_points(scene, plan)?;
         for (number, planned) in plan.frames.iter().enumerate() {
+            if let Some(base) = planned.weld {
+                self.weld(number, base);
+            }
+        }
+        for (number, planned) in plan.frames.iter().enumerate() {
             refuse_walls(scene, &planned.nodes)?;
             self.free_frame(number, &planned.nodes[0], planned.hinge.is_some());
-            if let Some(inertia) = planned.inertia {
-                let bodies = scene.bodies.iter().filter(|body| body.inertia.is_some());
-                let mut here = bodies.filter(|body| planned.nodes.contains(&body.at));
-                let body = here.next().expect("the plan took the inertia from it");
-                self.add_inertia(number, body.at.rod, inertia);
+            let mut bodies = scene.bodies.iter();
+            let here =
+                bodies.find(|body| planned.nodes.contains(&body.at) && body.inertia.is_some());
+            if let Some(body) = here {
+                self.add_inertia(number, body);
             }
         }
         let first_place = self.all_places().end - plan.slides.len();
@@ -63,6 +69,17 @@ impl Assembly {
         Ok(())
     }
 
+    /// Lets a frame turn as another one, with one measure of length.
+    fn weld(&mut self, number: usize, base: usize) {
+        let frames = &mut self.joints.frames;
+        let length = frames[number].length.min(frames[base].length);
+        for frame in [number, base] {
+            frames[frame].length = length;
+        }
+        let places = [number, base].map(|frame| frames[frame].first_unknown / STRIDE);
+        self.joints.welds.push(places);
+    }
+
     /// Makes the rotation of a frame an unknown, or its angle where it hangs on a hinge, and gives it an element.
     fn free_frame(&mut self, number: usize, at: &RodNode, is_hinged: bool) {
         let node = self.number(at);
@@ -98,8 +115,11 @@ impl Assembly {
         self.joints.slides.push(slide);
     }
 
-    /// Gives a frame the moments of inertia (kg m²) of a body that a rod bears: masses at the tips of its principal axes.
-    fn add_inertia(&mut self, number: usize, rod: usize, inertia: [f64; 3]) {
+    /// Gives a frame the inertia of a body that a rod bears: masses at the tips of its principal axes, and that of its centre
+    /// where this is off the node.
+    fn add_inertia(&mut self, number: usize, body: &Body) {
+        let (rod, inertia) = (body.at.rod, body.inertia.unwrap_or_default());
+        let node = self.number(&body.at);
         let is_of_rod = |ghost: usize| {
             let edge = self.rods.nodes + ghost;
             self.rods.vertices.iter().any(|vertex| {
@@ -120,7 +140,16 @@ impl Assembly {
             placed.tangent.cross(&placed.director),
             placed.tangent,
         ];
-        self.joints.frames[number].body = Some((first, axes));
+        let frame = &mut self.joints.frames[number];
+        frame.body = Some((first, axes));
+        if body.offset != Vector3::zeros() {
+            frame.eccentric = Some(EccentricMass {
+                node,
+                first_tip: first / STRIDE,
+                mass: body.mass,
+                parts: (body.offset / length).into(),
+            });
+        }
         let sum: f64 = inertia.iter().sum();
         for (k, moment) in inertia.iter().enumerate() {
             let tip = first + STRIDE * k;
@@ -165,6 +194,15 @@ impl Assembly {
             if frame.hinge.is_none() {
                 let rate = spin * frame.length;
                 self.velocity[slot..slot + 3].copy_from_slice(rate.as_slice());
+            }
+        }
+        for &[own, owner] in &self.joints.welds {
+            let [own, owner] = [own, owner].map(|place| STRIDE * place);
+            // The one that bears a body turns already.
+            if position(&self.velocity, own / STRIDE) == Vector3::zeros() {
+                self.velocity.copy_within(owner..owner + 3, own);
+            } else {
+                self.velocity.copy_within(own..own + 3, owner);
             }
         }
     }

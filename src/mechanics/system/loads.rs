@@ -1,6 +1,7 @@
 //! External loads: dead forces, moments on edges, linear drag.
 
 use super::build::Assembly;
+use crate::mechanics::rod::topology::position;
 use crate::mechanics::rod::vertex::EdgeFrame;
 use crate::mechanics::rod::{RodRange, STRIDE, holonomy_jacobian};
 use crate::mechanics::scene::{Load, LoadKind, piecewise_linear};
@@ -17,6 +18,8 @@ pub struct Loads {
     drags: Vec<Drag>,
     /// Acceleration of gravity, with schedules, for the potential energy.
     gravity: Vec<(Vector3, Scale)>,
+    /// What weighs on the tips of bodies whose centre of mass is off their node: unknown along x and mass, kg.
+    weights_of_tips: Vec<(usize, f64)>,
     /// Factor of each load of the scene beside its schedule.
     factors: Vec<f64>,
 }
@@ -68,7 +71,10 @@ impl Loads {
     /// # Errors
     /// [`LoadError`] names a rod, node or edge that does not exist.
     pub fn new(descriptions: &[Load], assembly: &Assembly) -> Result<Self, LoadError> {
-        let mut loads = Self::default();
+        let mut loads = Self {
+            weights_of_tips: assembly.weights_of_tips(),
+            ..Self::default()
+        };
         let range = |rod: usize| -> Result<RodRange, LoadError> {
             let found = assembly.rods.rods.get(rod).copied();
             found.ok_or(LoadError::NoSuchRod(rod))
@@ -92,6 +98,10 @@ impl Loads {
                             let unknown = STRIDE * node + axis;
                             entries.push((unknown, assembly.masses[unknown] * acceleration[axis]));
                         }
+                    }
+                    for &(unknown, mass) in &loads.weights_of_tips {
+                        let weight = acceleration * mass;
+                        entries.extend((0..3).map(|axis| (unknown + axis, weight[axis])));
                     }
                 }
                 LoadKind::Force { rod, node, force } => {
@@ -228,7 +238,19 @@ impl Loads {
         }
     }
 
-    /// Potential energy of gravity, −Σ m g·x, J.
+    /// Potential energy of gravity of bodies, from their nodes to their centres of mass, −Σ m g·r, J.
+    pub fn gravitational_energy_of_arms(&self, time: f64, unknowns: &[f64]) -> f64 {
+        let mut energy = 0.0;
+        for (acceleration, scale) in &self.gravity {
+            let factor = scale.at(time);
+            for &(unknown, mass) in &self.weights_of_tips {
+                energy -= factor * mass * acceleration.dot(&position(unknowns, unknown / STRIDE));
+            }
+        }
+        energy
+    }
+
+    /// Potential energy of gravity of nodes, −Σ m g·x, J.
     pub fn gravitational_energy(
         &self,
         time: f64,

@@ -161,7 +161,7 @@ impl Assembly {
                 .map(|k| 0.5 * shared[k] * between(k).powi(2))
                 .sum()
         });
-        lumped - shared.sum::<f64>()
+        lumped - shared.sum::<f64>() + self.eccentric_energy(nodes, velocity)
     }
 
     /// Momentum, kg m/s, and angular momentum about the origin, kg m²/s, of the motion of all nodes.
@@ -179,7 +179,8 @@ impl Assembly {
             let between = |vector: &[f64]| position(vector, pair[1]) - position(vector, pair[0]);
             angular -= between(unknowns).cross(&between(velocity)) * shared[0];
         }
-        [momentum, angular]
+        let [of_arms, about_origin] = self.eccentric_momenta(unknowns, velocity);
+        [momentum + of_arms, angular + about_origin]
     }
 }
 

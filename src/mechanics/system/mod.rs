@@ -10,7 +10,7 @@
 //! (thesis Eq. 1.8) and its Jacobian, with the drag F₀ of a motion with the velocities v₀ and its local
 //! resistance D; without a [`Stage`] the terms with h fall away and equilibrium remains. The natural strains in E may be
 //! functions of time (`actuation`), and dashpots lie beside its springs where rods are viscous (`damping`). Springs between
-//! nodes and about hinges are part of E (`springs`). Positions that others determine are eliminated (`joints`).
+//! nodes, between frames and about hinges are part of E (`springs`). Positions that others determine are eliminated (`joints`).
 
 mod actuation;
 mod balance;
@@ -22,6 +22,7 @@ mod contact_prediction;
 mod contact_response;
 mod contact_stiffness;
 mod damping;
+mod eccentric;
 mod events;
 mod grasp;
 mod joined_rods;
@@ -122,7 +123,7 @@ pub struct System {
     actuators: Actuators,
     /// Dashpots of the material.
     pub damping: Damping,
-    /// Springs between nodes and about hinges.
+    /// Springs between nodes, between frames and about hinges.
     springs: Springs,
     /// What breaks of joints and springs.
     breaking: Breaking,
@@ -284,6 +285,7 @@ impl System {
         self.springs.stretch(unknowns);
         self.assembly.joints.place(unknowns);
         (self.assembly.joints).turn_ghosts(unknowns, &mut self.ghosts);
+        (self.springs).turn(&self.assembly.joints, &self.assembly.drives, self.time);
         self.geometry
             .update(&self.assembly.rods, unknowns, &self.reference, &self.ghosts);
     }
@@ -308,6 +310,8 @@ impl System {
         for drive in &mut self.assembly.drives {
             drive.resume(unknowns);
         }
+        self.assembly.joints.rotate(unknowns);
+        self.assembly.joints.commit();
     }
 
     /// Keeps frames and contact forces of the last evaluation as those of an accepted step.
@@ -353,7 +357,7 @@ impl System {
         self.assembly
             .rods
             .add_gradient(&self.geometry, &mut self.residual);
-        self.springs.add_gradient(&mut self.residual);
+        (self.springs).add_gradient(&self.assembly.joints, &mut self.residual);
         self.add_simple_terms(unknowns, stage);
         if let Some(contact) = &mut self.contact {
             copy_positions(unknowns, &mut self.positions);
@@ -374,8 +378,8 @@ impl System {
         self.matrix.clear();
         self.matrix
             .add_elastic(&self.assembly.rods, &self.geometry, &mut self.residual);
-        self.springs.add_gradient(&mut self.residual);
-        self.matrix.add_springs(&self.springs);
+        (self.springs).add_gradient(&self.assembly.joints, &mut self.residual);
+        (self.matrix).add_springs(&self.springs, &self.assembly.joints, unknowns);
         self.add_simple_terms(unknowns, stage);
         if let Some(stage) = stage {
             self.matrix.add_inertia(&self.assembly, &self.loads, stage);
@@ -677,6 +681,7 @@ fn add_inertia(
         residual[k] += assembly.masses[k] * per_acceleration_step * change;
     }
     assembly.add_shared_inertia(stage, unknowns, residual);
+    assembly.add_eccentric_inertia(stage, unknowns, residual);
     for (k, coefficient) in loads.damping.iter().enumerate() {
         residual[k] += coefficient * (unknowns[k] - stage.start[k]) * per_step;
     }

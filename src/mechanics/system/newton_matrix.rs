@@ -1,6 +1,7 @@
 //! The Jacobian of the residual: a band for the rods, small dense elements for all that couples distant
 //! nodes, and their factorisation.
 
+use super::joints::Joints;
 use super::loads::Loads;
 use super::springs::Springs;
 use super::{Assembly, Stage};
@@ -16,7 +17,7 @@ const ZERO: ElementMatrix = [[0.0; 12]; 12];
 
 /// The Jacobian and its factors; storage is reused, patterns are kept as long as the same pairs of edges are coupled.
 ///
-/// Elements are numbered: closing vertices of rings and half vertices at joints, moments, springs between nodes, contact
+/// Elements are numbered: closing vertices of rings and half vertices at joints, moments, springs between nodes and frames, contact
 /// candidates of two rods that are coupled, with obstacles one per edge, then (with friction on planes or obstacles, or rigid contact) one per node. Rods that couple nowhere are factored as a band;
 /// contact with planes and obstacles alone couples nothing new.
 pub struct NewtonMatrix {
@@ -65,7 +66,7 @@ impl NewtonMatrix {
         let mut permanent = assembly.joints.elements(&assembly.rods.elements);
         permanent.extend(loads.moments.iter().map(|moment| moment.unknowns()));
         let first_spring = permanent.len();
-        permanent.extend(springs.elements());
+        permanent.extend(springs.elements(&assembly.joints));
         Self {
             band: BandedSymmetric::new(dimension),
             factor: BandedFactor::new(dimension),
@@ -118,8 +119,9 @@ impl NewtonMatrix {
         );
     }
 
-    pub fn add_springs(&mut self, springs: &Springs) {
-        springs.add_hessians(&mut self.permanent_matrices[self.first_spring..]);
+    pub fn add_springs(&mut self, springs: &Springs, joints: &Joints, unknowns: &[f64]) {
+        let matrices = &mut self.permanent_matrices[self.first_spring..];
+        springs.add_hessians(joints, unknowns, matrices);
         let columns = self.band.columns_mut();
         for (unknown, stiffness) in springs.diagonal() {
             columns[unknown][0] += stiffness;
@@ -348,6 +350,18 @@ impl NewtonMatrix {
         let edges = assembly.rods.nodes + assembly.rods.ghosts;
         self.spin_moment.resize(edges, 0.0);
         self.forget_pattern();
+    }
+
+    /// Takes over which unknowns half vertices, frames and springs couple, where frames turn with others than before.
+    pub fn recouple(&mut self, assembly: &Assembly, springs: &Springs) {
+        let joints = &assembly.joints;
+        let of_rods = joints.elements(&assembly.rods.elements);
+        self.permanent[..self.closing].copy_from_slice(&of_rods);
+        let of_springs = self.permanent[self.first_spring..].iter_mut();
+        for (own, element) in of_springs.zip(springs.elements(joints)) {
+            *own = element;
+        }
+        self.adapt(assembly);
     }
 
     /// Drops the pattern; it is found again when something couples.

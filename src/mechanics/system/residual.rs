@@ -19,7 +19,7 @@ impl System {
         self.assembly
             .rods
             .add_gradient(&self.geometry, &mut elastic);
-        self.springs.add_gradient(&mut elastic);
+        (self.springs).add_gradient(&self.assembly.joints, &mut elastic);
         let mut inertia = vec![0.0; self.residual.len()];
         if let Some(stage) = stage {
             add_inertia(&self.assembly, &self.loads, stage, unknowns, &mut inertia);

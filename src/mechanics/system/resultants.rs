@@ -53,7 +53,8 @@ impl System {
         all
     }
 
-    /// Moment of the clamps on the rod at a node, N m; zero where none holds a frame.
+    /// Moment of the clamps on the rod at a node, and on springs that turn against them there, N m; zero where none holds a
+    /// frame.
     pub fn clamp_moment(&self, node: usize) -> Vector3 {
         let rods = &self.assembly.rods;
         let mut moment = Vector3::zeros();
@@ -71,12 +72,14 @@ impl System {
                 turning(frames[1], &gradient.e1, gradient.phi1)
             };
         }
-        // Edges that are walls themselves are held by their angles.
-        let drives = self.assembly.drives.iter();
-        let drives = drives.filter(|drive| drive.node == node && !drive.released);
-        for edge in drives.flat_map(|drive| &drive.edges) {
-            let spin = self.residual[STRIDE * edge.start + 3];
-            moment += self.geometry.edges[edge.start].tangent * spin;
+        let drives = self.assembly.drives.iter().enumerate();
+        for (number, drive) in drives.filter(|(_, drive)| drive.node == node && !drive.released) {
+            // Edges that are walls themselves are held by their angles.
+            for edge in &drive.edges {
+                let spin = self.residual[STRIDE * edge.start + 3];
+                moment += self.geometry.edges[edge.start].tangent * spin;
+            }
+            moment -= self.springs.moment_on_clamp(number);
         }
         moment
     }

@@ -29,6 +29,7 @@ pub(super) fn contact_of(
         );
     }
     join(&mut surface, scene, assembly);
+    add_balls(&mut surface, scene, assembly);
     for obstacle in &scene.obstacles {
         let friction = obstacle.friction.unwrap_or(parameters.friction);
         surface.add_obstacle(obstacle.body.clone(), friction);
@@ -81,10 +82,7 @@ fn join(surface: &mut ContactSurface, scene: &Scene, assembly: &Assembly) {
             let places = [node, other].map(|node| {
                 let (rod, along) = assembly.locate(node);
                 let nodes = &scene.rods[rod].centreline;
-                let arc = nodes[..=along]
-                    .windows(2)
-                    .map(|ends| (ends[1] - ends[0]).norm());
-                (rod, arc.sum::<f64>(), directions(nodes, along))
+                (rod, arc_length(nodes, along), directions(nodes, along))
             });
             let [(first, one, from), (second, another, to)] = places;
             let cosines = from.iter().flat_map(|a| to.iter().map(|b| a.dot(b)));
@@ -101,10 +99,42 @@ fn join(surface: &mut ContactSurface, scene: &Scene, assembly: &Assembly) {
         .iter()
         .filter(|joint| joint.kind == JointKind::Slide);
     for [node, start] in slides.map(|joint| joint.nodes) {
-        let nodes = &scene.rods[node.rod].centreline[..=node.node];
-        let arc = nodes.windows(2).map(|ends| (ends[1] - ends[0]).norm());
-        surface.add_slide([node.rod, start.rod], arc.sum());
+        let arc = arc_length(&scene.rods[node.rod].centreline, node.node);
+        surface.add_slide([node.rod, start.rod], arc);
     }
+}
+
+/// Adds the bodies that are balls for contact, where they are thicker than their rods.
+fn add_balls(surface: &mut ContactSurface, scene: &Scene, assembly: &Assembly) {
+    let owner = |node: usize| {
+        let mut points = assembly.joints.points.iter();
+        let point = points.find(|point| point[0] == node);
+        point.map_or(node, |point| point[1])
+    };
+    let mut balls: Vec<[usize; 2]> = Vec::new();
+    for body in &scene.bodies {
+        let (range, rod) = (&assembly.rods.rods[body.at.rod], &scene.rods[body.at.rod]);
+        let Some(radius) = body.ball.filter(|radius| *radius > rod.radius) else {
+            continue;
+        };
+        let node = range.first_node + body.at.node;
+        let point = owner(node);
+        let here = (0..assembly.rods.nodes).filter(|other| owner(*other) == point);
+        let rods = here.map(|other| {
+            let (rod, along) = assembly.locate(other);
+            (rod, arc_length(&scene.rods[rod].centreline, along))
+        });
+        let earlier = balls.iter().filter(|ball| ball[1] == point);
+        let meeting: Vec<_> = rods.chain(earlier.map(|ball| (ball[0], 0.0))).collect();
+        let ball = surface.add_ball(node, radius, rod.held, &meeting);
+        balls.push([ball, point]);
+    }
+}
+
+/// Arc length along a rod to a node, m.
+fn arc_length(nodes: &[Vector3], node: usize) -> f64 {
+    let edges = nodes[..=node].windows(2);
+    edges.map(|ends| (ends[1] - ends[0]).norm()).sum()
 }
 
 /// Unit vectors from a node to its neighbours along a rod.
@@ -179,9 +209,14 @@ fn names(pair: ContactPair, contact: &ContactSystem, assembly: &Assembly) -> [St
         if let Some(obstacle) = contact.surface().obstacle_of(edge) {
             return format!("obstacle `{}`", assembly.obstacles[obstacle]);
         }
-        let edge = contact.surface().edges()[edge];
-        let (rod, node) = assembly.locate(edge.nodes[0]);
-        format!("edge {node} of rod `{}`", assembly.names[rod])
+        let node = contact.surface().edges()[edge].nodes[0];
+        let (rod, node) = assembly.locate(node);
+        let what = if contact.surface().is_ball(edge) {
+            "the ball at node"
+        } else {
+            "edge"
+        };
+        format!("{what} {node} of rod `{}`", assembly.names[rod])
     };
     match pair {
         ContactPair::Edges([a, b]) => [edge_name(a), edge_name(b)],

@@ -54,7 +54,7 @@ impl System {
         let mut gradient = std::mem::take(&mut self.corrected_residual);
         gradient.fill(0.0);
         (self.assembly.rods).add_gradient(&self.geometry, &mut gradient);
-        self.springs.add_gradient(&mut gradient);
+        (self.springs).add_gradient(&self.assembly.joints, &mut gradient);
         (self.assembly.joints).gather_moments(unknowns, &mut gradient);
         // What is prescribed is where the step ends from its start: it is moved by others.
         let start = self.at_start(unknowns, stage);

@@ -4,6 +4,7 @@ use super::load::{place, rod};
 use super::section::{FINITE, NON_NEGATIVE, POSITIVE, Section};
 use crate::scenario::resolved::{Body, BodyShape, Joint, JointKind, Place, Time};
 use crate::scenario::typed;
+use std::f64::consts::PI;
 
 /// Resolves all joints of a run in `time`.
 pub fn joints(top: &Section<'_>, typed: &[typed::Joint], time: &Time) -> Vec<Joint> {
@@ -16,20 +17,32 @@ pub fn joints(top: &Section<'_>, typed: &[typed::Joint], time: &Time) -> Vec<Joi
 }
 
 fn joint(section: &Section<'_>, typed: &typed::Joint, index: usize, time: &Time) -> Option<Joint> {
-    let (name, rods, at, break_at, kind) = match typed {
+    let (name, rods, at, strength, kind) = match typed {
         typed::Joint::Ball {
             name,
             rods,
             at,
             break_at,
-        } => (name, rods, at, break_at, JointKind::Ball),
+        } => (name, rods, at, (break_at, &None), JointKind::Ball),
         typed::Joint::Slide {
             name,
             rods,
             at,
             break_at,
-        } => (name, rods, at, break_at, JointKind::Slide),
-        typed::Joint::Rigid { name, rods, at } => (name, rods, at, &None, JointKind::Rigid),
+        } => (name, rods, at, (break_at, &None), JointKind::Slide),
+        typed::Joint::Rigid {
+            name,
+            rods,
+            at,
+            break_at,
+            break_at_moment,
+        } => (
+            name,
+            rods,
+            at,
+            (break_at, break_at_moment),
+            JointKind::Rigid,
+        ),
         typed::Joint::Hinge {
             name,
             rods,
@@ -37,6 +50,8 @@ fn joint(section: &Section<'_>, typed: &typed::Joint, index: usize, time: &Time)
             axis,
             stiffness,
             rest_angle,
+            break_at,
+            break_at_moment,
         } => {
             if stiffness.is_none() && rest_angle.is_some() {
                 section.missing(
@@ -49,7 +64,7 @@ fn joint(section: &Section<'_>, typed: &typed::Joint, index: usize, time: &Time)
                 stiffness: section.optional("stiffness", stiffness, POSITIVE),
                 rest_angle: section.optional("rest_angle", rest_angle, FINITE),
             };
-            (name, rods, at, &None, hinge)
+            (name, rods, at, (break_at, break_at_moment), hinge)
         }
         typed::Joint::Spring {
             name,
@@ -57,19 +72,68 @@ fn joint(section: &Section<'_>, typed: &typed::Joint, index: usize, time: &Time)
             at,
             stiffness,
             rest_length,
+            turning_stiffness,
+            rest_rotation,
             break_at,
+            break_at_moment,
         } => {
+            if stiffness.is_none() {
+                let help = if rest_length.is_some() {
+                    Some("what `rest_length` is for: the force per lengthening")
+                } else if turning_stiffness.is_none() {
+                    Some("the force per lengthening, or `turning_stiffness`, or both")
+                } else if break_at.is_some() {
+                    Some("what `break_at` is for: the spring exerts no force without it")
+                } else {
+                    None
+                };
+                help.inspect(|help| section.missing("stiffness", *help));
+            }
+            let for_turning = [
+                ("rest_rotation", rest_rotation.is_some()),
+                ("break_at_moment", break_at_moment.is_some()),
+            ];
+            if turning_stiffness.is_none()
+                && let Some((key, _)) = for_turning.iter().find(|(_, is_given)| *is_given)
+            {
+                let help = format!("what `{key}` is for: the moment per angle");
+                section.missing("turning_stiffness", help);
+            }
+            let rest_rotation = section.vector("rest_rotation", rest_rotation);
+            if let Some(vector) = rest_rotation {
+                let square: f64 = vector.iter().map(|part| part * part).sum();
+                let angle = square.sqrt();
+                if angle > PI {
+                    section.fault(
+                        "rest_rotation",
+                        format!(
+                            "its length {angle:?} rad is more than half a turn; allowed: up to π"
+                        ),
+                    );
+                }
+            }
             let spring = JointKind::Spring {
-                stiffness: section.required("stiffness", stiffness, POSITIVE),
+                stiffness: section.optional("stiffness", stiffness, POSITIVE),
                 rest_length: section.optional("rest_length", rest_length, NON_NEGATIVE),
+                turning_stiffness: section.optional(
+                    "turning_stiffness",
+                    turning_stiffness,
+                    POSITIVE,
+                ),
+                rest_rotation,
             };
-            (name, rods, at, break_at, spring)
+            (name, rods, at, (break_at, break_at_moment), spring)
         }
     };
-    let break_at = section.optional("break_at", break_at, POSITIVE);
-    if break_at.is_some() && !matches!(time, Time::Dynamic { .. }) {
+    let break_at = section.optional("break_at", strength.0, POSITIVE);
+    let break_at_moment = section.optional("break_at_moment", strength.1, POSITIVE);
+    let keys = [("break_at", break_at), ("break_at_moment", break_at_moment)];
+    for (key, _) in keys.iter().filter(|(_, limit)| limit.is_some()) {
+        if matches!(time, Time::Dynamic { .. }) {
+            continue;
+        }
         section.fault(
-            "break_at",
+            key,
             "a joint breaks at some time, which only a dynamic run has; allowed: time.mode = \"dynamic\"",
         );
     }
@@ -102,6 +166,7 @@ fn joint(section: &Section<'_>, typed: &typed::Joint, index: usize, time: &Time)
         at: [node(0), node(1)],
         rods,
         break_at,
+        break_at_moment,
         kind,
     })
 }
@@ -149,6 +214,9 @@ fn body(section: &Section<'_>, typed: &typed::Body, index: usize) -> Body {
             .shape
             .as_ref()
             .map(|typed| shape(&section.below("shape"), typed)),
+        offset: section
+            .vector("offset", &typed.offset)
+            .filter(|offset| *offset != [0.0; 3]),
         inertia: given,
     }
 }

@@ -273,7 +273,7 @@ pub fn refuse_turning_midpoint(top: &Section<'_>, joints: &[Joint], bodies: &[Bo
     if is_midpoint(time) && turns {
         top.below("time").fault(
             "scheme",
-            "\"implicit-midpoint\" does not fit rigid joints, hinges and bodies with inertia; allowed with them: \"implicit-euler\" and \"backward-differences\"",
+            "\"implicit-midpoint\" does not fit rigid joints, hinges, springs that turn rods, and bodies with inertia; allowed with them: \"implicit-euler\" and \"backward-differences\"",
         );
     }
 }

@@ -160,6 +160,7 @@ fn add(
                 rods: [visits[0].0, *rod].map(|rod| format!("{name}_{rod}")),
                 at: [Place::Number(visits[0].1), Place::Number(*node)],
                 break_at: None,
+                break_at_moment: None,
                 kind,
             });
         }

@@ -16,9 +16,19 @@ pub struct Joint {
     /// Largest force that it bears, N.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub break_at: Option<f64>,
+    /// Largest moment that it bears, N m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub break_at_moment: Option<f64>,
     /// What it leaves free.
     #[serde(flatten)]
     pub kind: JointKind,
+}
+
+impl Joint {
+    /// Whether there is a force or moment under which it breaks.
+    pub fn may_break(&self) -> bool {
+        self.break_at.is_some() || self.break_at_moment.is_some()
+    }
 }
 
 /// What a joint leaves free.
@@ -42,20 +52,29 @@ pub enum JointKind {
     },
     /// Every rotation, and moves along the second rod.
     Slide,
-    /// Everything, against a force.
+    /// Everything, against a force or a moment.
     Spring {
         /// Force per lengthening, N/m.
-        stiffness: f64,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        stiffness: Option<f64>,
         /// Length without force, m; `None` is the distance as placed.
         #[serde(skip_serializing_if = "Option::is_none")]
         rest_length: Option<f64>,
+        /// Moment per angle between the material frames, N m/rad.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        turning_stiffness: Option<f64>,
+        /// Rotation vector of the second frame against the first without moment, rad; `None` is as placed.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        rest_rotation: Option<[f64; 3]>,
     },
 }
 
 impl JointKind {
     /// Whether rods are clamped to a frame that turns with it.
     pub fn turns(&self) -> bool {
-        matches!(self, Self::Rigid | Self::Hinge { .. })
+        let springs_turn =
+            matches!(self, Self::Spring { turning_stiffness, .. } if turning_stiffness.is_some());
+        springs_turn || matches!(self, Self::Rigid | Self::Hinge { .. })
     }
 }
 
@@ -73,20 +92,34 @@ pub struct Body {
     /// Its shape, of uniform density.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shape: Option<BodyShape>,
-    /// Instead of a shape, principal moments of inertia about the two material directors and the tangent, kg m².
+    /// From the node to its centre of mass along the two material directors and the tangent, m; `None` is at the node.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub offset: Option<[f64; 3]>,
+    /// Instead of a shape, principal moments of inertia about the centre of mass, and axes along the two material directors
+    /// and the tangent, kg m².
     #[serde(skip_serializing_if = "Option::is_none")]
     pub inertia: Option<[f64; 3]>,
 }
 
 impl Body {
-    /// Principal moments of inertia about the two material directors and the tangent, kg m²; `None` for a point mass.
+    /// Principal moments of inertia about the centre of mass, and axes along the two material directors and the tangent, kg m²;
+    /// `None` for a point mass at the node.
     pub fn moments_of_inertia(&self) -> Option<[f64; 3]> {
         let of_shape = self.shape.map(|shape| shape.moments_of_inertia(self.mass));
-        of_shape.or(self.inertia)
+        let off_node = self.offset.map(|_| [0.0; 3]);
+        of_shape.or(self.inertia).or(off_node)
+    }
+
+    /// Radius of the ball around the node that it is for contact, m; `None` for a body that touches nothing.
+    pub fn ball(&self) -> Option<f64> {
+        match self.shape {
+            Some(BodyShape::Sphere { radius }) if self.offset.is_none() => Some(radius),
+            _ => None,
+        }
     }
 }
 
-/// Shape of a body, centred at its node.
+/// Shape of a body, around its centre of mass.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum BodyShape {

@@ -5,7 +5,7 @@ use super::quantity::{Quantity, Vector};
 use super::rod::Rod;
 use crate::scenario::resolved::{Hold, NetworkJoint};
 use crate::scenario::units::{
-    Angle, Dimensionless, Force, ForcePerLength, Length, Mass, MomentOfInertia, Time,
+    Angle, Dimensionless, Force, ForcePerLength, Length, Mass, Moment, MomentOfInertia, Time,
     TurningStiffness,
 };
 use schemars::JsonSchema;
@@ -26,8 +26,8 @@ pub enum Joint {
         rods: Option<[String; 2]>,
         /// "start", "end", or the number of a node, of each: ["end", 4].
         at: Option<[Place; 2]>,
-        /// Largest force that it bears, in a dynamic run; where a step ends with more it breaks. Only of a ball that shares its
-        /// nodes with no other joint. Default: it never breaks.
+        /// Largest force that it bears, in a dynamic run; where a step ends with more it breaks. Only of a joint that shares its
+        /// nodes with no other one. Default: it never breaks.
         break_at: Option<Quantity<Force>>,
     },
     /// The rods are welded: angles between them, and between their cross-sections, stay as placed.
@@ -38,6 +38,11 @@ pub enum Joint {
         rods: Option<[String; 2]>,
         /// "start", "end", or the number of a node, of each: ["end", 4].
         at: Option<[Place; 2]>,
+        /// Largest force that it bears, in a dynamic run; where a step ends with more it breaks. Only of a joint that shares its
+        /// nodes with no other one. Default: it never breaks.
+        break_at: Option<Quantity<Force>>,
+        /// Largest moment that it bears, as `break_at`.
+        break_at_moment: Option<Quantity<Moment>>,
     },
     /// The second rod turns against the first about an axis only.
     Hinge {
@@ -54,6 +59,11 @@ pub enum Joint {
         /// Angle of the second rod against the first, from where they are placed, at which that spring exerts no moment.
         /// Default: 0.
         rest_angle: Option<Quantity<Angle>>,
+        /// Largest force that it bears, in a dynamic run; where a step ends with more it breaks. Only of a joint that shares its
+        /// nodes with no other one. Default: it never breaks.
+        break_at: Option<Quantity<Force>>,
+        /// Largest moment that it bears, that of the spring included, as `break_at`.
+        break_at_moment: Option<Quantity<Moment>>,
     },
     /// The first node slides along the rod of the second, without friction, between stops at its ends.
     Slide {
@@ -66,7 +76,8 @@ pub enum Joint {
         /// Largest force that it bears, in a dynamic run; where a step ends with more it breaks. Default: it never breaks.
         break_at: Option<Quantity<Force>>,
     },
-    /// A spring pulls the nodes together and pushes them apart; they need not lie at one point.
+    /// A spring pulls the nodes together and pushes them apart, or turns the rods towards each other there; the nodes need not
+    /// lie at one point. It has a `stiffness`, a `turning_stiffness`, or both.
     Spring {
         /// Name by which messages call it. Default: "joint 0", "joint 1", ...
         name: Option<String>,
@@ -78,13 +89,21 @@ pub enum Joint {
         stiffness: Option<Quantity<ForcePerLength>>,
         /// Length without force. Default: the distance of the nodes as placed.
         rest_length: Option<Quantity<Length>>,
+        /// Moment per angle by which the material frame of the second rod has turned against that of the first, about whatever
+        /// axis, up to half a turn. Default: none.
+        turning_stiffness: Option<Quantity<TurningStiffness>>,
+        /// Rotation vector of the second frame against the first, from where they are placed, without moment: its direction is
+        /// the axis, which turns with the first rod, its length the angle. Default: [0, 0, 0].
+        rest_rotation: Option<Vector<Angle>>,
         /// Largest force that it bears, pulled or pushed, in a dynamic run; where a step ends with more it breaks. Default: it
         /// never breaks.
         break_at: Option<Quantity<Force>>,
+        /// Largest moment by which it turns the rods, as `break_at`.
+        break_at_moment: Option<Quantity<Moment>>,
     },
 }
 
-/// A mass at a node of a rod, or a rigid body welded to it there with its centre of mass at the node.
+/// A mass at a node of a rod, or a rigid body welded to it there.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "body")]
 pub struct Body {
@@ -96,14 +115,18 @@ pub struct Body {
     pub at: Option<Place>,
     /// Its mass.
     pub mass: Option<Quantity<Mass>>,
-    /// Its shape, of uniform density, which gives its inertia; it touches nothing. Default: a point mass.
+    /// Its shape, of uniform density, which gives its inertia. With [contact] a sphere without `offset` touches rods, planes,
+    /// obstacles and other spheres; other shapes touch nothing. Default: a point mass.
     pub shape: Option<BodyShape>,
-    /// Instead of a shape, its principal moments of inertia about the two material directors and the tangent of the rod at
-    /// the node.
+    /// From the node to its centre of mass, along the two material directors and the tangent of the rod at the node. Default:
+    /// [0, 0, 0].
+    pub offset: Option<Vector<Length>>,
+    /// Instead of a shape, its principal moments of inertia about its centre of mass, and axes along the two material directors
+    /// and the tangent of the rod at the node.
     pub inertia: Option<[Quantity<MomentOfInertia>; 3]>,
 }
 
-/// Shape of a body of uniform density, centred at its node.
+/// Shape of a body of uniform density, around its centre of mass.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(tag = "kind", deny_unknown_fields, rename = "body_shape")]

@@ -16,6 +16,19 @@ use crate::mechanics::{Matrix3, UnitQuaternion, Vector3, rotation};
 /// Turn of a frame from which on its rotation vector begins anew, rad: far from a whole turn, where J is singular.
 const LARGEST_TURN: f64 = 1.0;
 
+/// The mass of a body whose centre is off its node: see [`super::super::eccentric`].
+#[derive(Clone, Debug)]
+pub struct EccentricMass {
+    /// Number of the node among those of all rods.
+    pub node: usize,
+    /// Place of the first of the tips of its principal axes among the unknowns.
+    pub first_tip: usize,
+    /// kg.
+    pub mass: f64,
+    /// From the node to the centre, along the principal axes and over their length ℓ.
+    pub parts: [f64; 3],
+}
+
 /// A frame and what is clamped to it.
 #[derive(Clone, Debug)]
 pub struct TurningFrame {
@@ -33,6 +46,8 @@ pub struct TurningFrame {
     pub spring: Option<HingeSpring>,
     /// First unknown of the tips of the principal axes, which are `axes` as placed.
     pub body: Option<(usize, [Vector3; 3])>,
+    /// The mass of that body, where its centre is off the node.
+    pub eccentric: Option<EccentricMass>,
     /// Ghost edges that turn with it, as placed.
     pub ghosts: Vec<(usize, GhostEdge)>,
     /// Elements of the half vertices of these.
@@ -54,6 +69,7 @@ impl TurningFrame {
             hinge,
             spring: None,
             body: None,
+            eccentric: None,
             ghosts: Vec::new(),
             elements: Vec::new(),
             element: 0,

@@ -8,42 +8,36 @@
 //! vertex of every clamp ([`crate::mechanics::rod`], `turning_ghost`), so that the joint stands at the node and its
 //! error is of second order in the edge length. In the middle of a rod the two half vertices in series are as stiff as the
 //! whole one was.
-//!
-//! Kernels write moments T and their derivatives D = ∂T/∂ψ over rotations ψ seen from outside. For ends of a rotation this
-//! is D = S − ½ [T]× with the second derivative S along exp([ψ]×), and over ℓφ
-//!
-//! ```text
-//! Jᵀ T/ℓ,     (Jᵀ D J + ∂(Jᵀ T)/∂φ)/ℓ²
-//! ```
-//!
-//! which is symmetric. With a hinge of the axis a, seen from outside, the moment T' on its frame counts in T and in the moment
-//! a·T' over its angle; the derivative of the one over the other is D' a.
+//! Kernels write moments on frames seen from outside; how these and their derivatives become those over the unknowns is in
+//! [`derivatives`].
 //!
 //! **Slides.** A node that slides along a rod has the position of a place there ([`slide`]), which depends on the rod and
 //! on one unknown. Since other nodes bear it from edge to edge, it is not eliminated from the matrix, but by a border of it
 //! ([`border`]).
 
 pub mod border;
+mod derivatives;
 pub mod frame;
+mod masses;
 mod plan;
 pub mod slide;
+mod spring_ends;
 mod track;
 
 use super::System;
-use crate::linalg::{Element, ElementMatrix, SharedUnknown, UNUSED};
-use crate::mechanics::rod::topology::add_to_node;
+use crate::linalg::{Element, SharedUnknown, UNUSED};
+use crate::mechanics::rod::topology::{add_to_node, position};
 use crate::mechanics::rod::{GhostEdge, STRIDE, TURNING_ROTATION};
-use crate::mechanics::{Matrix3, UnitQuaternion, Vector3, rotation};
+use crate::mechanics::{UnitQuaternion, Vector3, rotation};
 pub use border::Border;
-use frame::TurningFrame;
+use derivatives::{HINGE, OWN_HINGE, OWN_NODE};
+pub(super) use frame::{EccentricMass, TurningFrame};
+pub use plan::joint_unknowns;
 pub(super) use plan::{JointPlan, PlannedSlide};
-pub use plan::{check_joints, joint_unknowns};
 pub(super) use slide::Slide;
+pub(super) use spring_ends::TurnedEnd;
+pub use spring_ends::check_joints;
 pub(super) use track::Track;
-
-/// Where the angle of a hinge lies among the unknowns of a half vertex, and of the element of a frame.
-const HINGE: usize = TURNING_ROTATION + 3;
-const OWN_HINGE: usize = 3;
 
 /// Joints and bodies of a scene, with its unknowns numbered.
 #[derive(Clone, Debug, Default)]
@@ -52,6 +46,8 @@ pub struct Joints {
     pub points: Vec<[usize; 2]>,
     /// Frames; those that hinges tie come after those that they are tied to.
     pub frames: Vec<TurningFrame>,
+    /// Frames that turn as one with another until a weld breaks: their places among the unknowns, own and that of the owner.
+    pub welds: Vec<[usize; 2]>,
     /// Nodes that slide along rods; each owns its point.
     pub slides: Vec<Slide>,
     /// Unknowns at the start of the step of which a scheme solves the middle; `None` where it solves the end.
@@ -73,6 +69,7 @@ impl Joints {
             tip_forces: vec![[Vector3::zeros(); 3]; frames.len()],
             points,
             frames,
+            welds: Vec::new(),
             slides: Vec::new(),
             start: None,
         }
@@ -91,7 +88,12 @@ impl Joints {
                 owner: STRIDE * owner + axis,
             })
         };
-        self.points.iter().flat_map(of_point).collect()
+        self.tied().flat_map(of_point).collect()
+    }
+
+    /// Places among the unknowns of which three are those of another place: joined nodes and welded frames.
+    fn tied(&self) -> impl Iterator<Item = &[usize; 2]> {
+        self.points.iter().chain(&self.welds)
     }
 
     /// The unknowns of an element of the rods as the Jacobian has them: half vertices of hinges know the frame that these
@@ -116,8 +118,25 @@ impl Joints {
             if frame.hinge.is_some() {
                 own[OWN_HINGE] = frame.first_unknown + 3;
             }
+            if let Some(eccentric) = &frame.eccentric {
+                for axis in 0..3 {
+                    own[OWN_NODE + axis] = STRIDE * eccentric.node + axis;
+                }
+            }
         }
         elements
+    }
+
+    /// Rotation of a frame since it was placed, at the last evaluation.
+    pub fn rotation(&self, frame: usize) -> UnitQuaternion {
+        self.rotations[frame]
+    }
+
+    /// First unknown of the rotation in which a frame takes part, and the angle of its hinge.
+    pub fn unknowns_of_frame(&self, number: usize) -> (usize, Option<usize>) {
+        let frame = &self.frames[number];
+        let hinge = frame.hinge.map(|_| frame.first_unknown + 3);
+        (self.free_rotation(frame), hinge)
     }
 
     /// First unknown of the rotation that a frame takes part in.
@@ -127,7 +146,7 @@ impl Joints {
     }
 
     /// Computes the rotations of all frames.
-    fn rotate(&mut self, unknowns: &[f64]) {
+    pub fn rotate(&mut self, unknowns: &[f64]) {
         for number in 0..self.frames.len() {
             let frame = &self.frames[number];
             self.rotations[number] = match frame.hinge {
@@ -153,6 +172,34 @@ impl Joints {
                     spin: turn.dot(&tangent),
                 };
             }
+        }
+    }
+
+    /// Moment on a frame at the last [`Self::gather_moments`], those on frames that hinges tie to it included, N m.
+    pub fn moment_on(&self, frame: usize) -> Vector3 {
+        self.moments[frame]
+    }
+
+    /// Gives a frame on a hinge a rotation of its own, that at `unknowns` with its rate at `velocity`, before it is freed.
+    pub fn take_over_rotation(
+        &mut self,
+        number: usize,
+        unknowns: &mut [f64],
+        velocity: &mut [f64],
+    ) {
+        self.rotate(unknowns);
+        let (jacobian, axis) = self.rates_of_frame(number, unknowns);
+        let (of_base, _) = self.unknowns_of_frame(number);
+        let frame = &mut self.frames[number];
+        let own = frame.first_unknown;
+        let about_axis = axis.map(|axis| axis * velocity[own + 3]);
+        let spin = jacobian * position(velocity, of_base / STRIDE)
+            + about_axis.unwrap_or_else(Vector3::zeros);
+        frame.base = self.rotations[number];
+        unknowns[own..own + STRIDE].fill(0.0);
+        velocity[own..own + STRIDE].fill(0.0);
+        for axis in 0..3 {
+            velocity[own + axis] = frame.length * spin[axis];
         }
     }
 
@@ -226,82 +273,19 @@ impl Joints {
         }
     }
 
-    /// Adds what acts on joined nodes to what acts on the owners of their positions.
+    /// Adds what acts on joined nodes, and welded frames, to what acts on the owners of their positions and rotations.
     pub fn gather_points(&self, forces: &mut [f64]) {
-        for &[node, owner] in &self.points {
+        for &[node, owner] in self.tied() {
             for axis in 0..3 {
                 forces[STRIDE * owner + axis] += std::mem::take(&mut forces[STRIDE * node + axis]);
             }
         }
     }
 
-    /// Moves joined nodes as the owners of their positions.
+    /// Moves joined nodes and welded frames as the owners of their positions and rotations.
     pub fn spread_points(&self, moves: &mut [f64]) {
-        for &[node, owner] in &self.points {
+        for &[node, owner] in self.tied() {
             moves.copy_within(STRIDE * owner..STRIDE * owner + 3, STRIDE * node);
-        }
-    }
-
-    /// Makes a mass matrix of all nodes and tips of bodies one over the free unknowns, Pᵀ M P, with frames as placed.
-    pub fn gather_masses(&self, unknowns: &[f64], matrix: &mut nalgebra::DMatrix<f64>) {
-        for SharedUnknown { unknown, owner } in self.shared() {
-            let row = matrix.row(unknown).clone_owned();
-            let mut owners = matrix.row_mut(owner);
-            owners += row;
-            let column = matrix.column(unknown).clone_owned();
-            let mut owners = matrix.column_mut(owner);
-            owners += column;
-            matrix.row_mut(unknown).fill(0.0);
-            matrix.column_mut(unknown).fill(0.0);
-        }
-        self.reduce(matrix);
-        for (number, frame) in self.frames.iter().enumerate() {
-            let Some((first, tips)) = frame.tips(&self.rotations[number]) else {
-                continue;
-            };
-            let base = frame.hinge.map_or(frame, |(base, _)| &self.frames[base]);
-            let vector = base.rotation_vector(unknowns);
-            let jacobian = rotation::left_jacobian(&vector) / base.length;
-            let axis = frame.hinge.map(|(base, axis)| self.rotations[base] * axis);
-            for (k, tip) in tips.iter().enumerate() {
-                let mass = matrix[(first + STRIDE * k, first + STRIDE * k)];
-                // ṗ = ω × p for the rotation of the base, and of the hinge about its axis.
-                let turned = -tip.cross_matrix() * jacobian;
-                let mut rates: Vec<(usize, Vector3)> = (0..3)
-                    .map(|i| (base.first_unknown + i, turned.column(i).into_owned()))
-                    .collect();
-                rates.extend(axis.map(|axis| (frame.first_unknown + 3, axis.cross(tip))));
-                for (i, one) in &rates {
-                    for (j, other) in &rates {
-                        matrix[(*i, *j)] += mass * one.dot(other);
-                    }
-                }
-            }
-        }
-    }
-
-    /// Makes a matrix over the owners of all positions one over the free unknowns: Pᵀ M P over those that sliding nodes
-    /// follow.
-    fn reduce(&self, matrix: &mut nalgebra::DMatrix<f64>) {
-        for slide in &self.slides {
-            let own = STRIDE * slide.node;
-            let mut rates = nalgebra::DMatrix::zeros(matrix.nrows(), 3);
-            for axis in 0..3 {
-                let mut column = vec![0.0; matrix.nrows()];
-                column[own + axis] = 1.0;
-                slide.gather(&mut column);
-                self.gather_points(&mut column);
-                rates.column_mut(axis).copy_from_slice(&column);
-            }
-            let block = matrix.fixed_view::<3, 3>(own, own).clone_owned();
-            let mut rows = matrix.rows(own, 3).clone_owned();
-            let mut columns = matrix.columns(own, 3).clone_owned();
-            rows.columns_mut(own, 3).fill(0.0);
-            columns.rows_mut(own, 3).fill(0.0);
-            matrix.rows_mut(own, 3).fill(0.0);
-            matrix.columns_mut(own, 3).fill(0.0);
-            *matrix += &rates * rows + columns * rates.transpose();
-            *matrix += &rates * block * rates.transpose();
         }
     }
 
@@ -367,75 +351,6 @@ impl Joints {
             }
         }
     }
-
-    /// Makes the elements of half vertices, which hold second derivatives over rotations seen from outside, and those of the
-    /// frames themselves derivatives of the residual over the unknowns. In a stage inertia is `per_square`, 1/(h hₐ), times
-    /// the masses of all unknowns; to be called after [`Self::gather_moments`].
-    pub fn transform(
-        &self,
-        unknowns: &[f64],
-        per_square: Option<f64>,
-        masses: &[f64],
-        matrices: &mut [ElementMatrix],
-    ) {
-        for (number, frame) in self.frames.iter().enumerate() {
-            let base = frame.hinge.map_or(frame, |(base, _)| &self.frames[base]);
-            let vector = base.rotation_vector(unknowns);
-            let jacobian = rotation::left_jacobian(&vector) / base.length;
-            let axis = frame.hinge.map(|(base, axis)| self.rotations[base] * axis);
-            for &element in &frame.elements {
-                turn_with_hinge(&mut matrices[element], axis.as_ref());
-                over_vector(&mut matrices[element], &jacobian);
-            }
-            let mut own = Matrix3::zeros();
-            let moment = self.moments[number];
-            if frame.hinge.is_none() {
-                let bent = jacobian.transpose() * moment.cross_matrix() * jacobian * -0.5;
-                let curved = rotation::left_jacobian_derivative(&vector, &moment);
-                own += bent + curved / (base.length * base.length);
-            }
-            if let Some(per_square) = per_square
-                && let Some((first, tips)) = frame.tips(&self.rotations[number])
-            {
-                let mut second = Matrix3::zeros();
-                for (k, tip) in tips.iter().enumerate() {
-                    let force = self.tip_forces[number][k];
-                    let mass = masses[first + STRIDE * k] * per_square;
-                    let product = tip * force.transpose();
-                    second += (product + product.transpose()) * 0.5
-                        - Matrix3::identity() * tip.dot(&force)
-                        + (Matrix3::identity() * tip.norm_squared() - tip * tip.transpose()) * mass;
-                }
-                let mut whole: ElementMatrix = [[0.0; 12]; 12];
-                for i in 0..3 {
-                    for j in 0..3 {
-                        whole[TURNING_ROTATION + i][TURNING_ROTATION + j] = second[(i, j)];
-                    }
-                }
-                turn_with_hinge(&mut whole, axis.as_ref());
-                over_vector(&mut whole, &jacobian);
-                let (from, to) = (TURNING_ROTATION, &mut matrices[frame.element]);
-                for i in 0..4 {
-                    for j in 0..4 {
-                        to[i][j] += whole[from + i][from + j];
-                    }
-                }
-            }
-            let to = &mut matrices[frame.element];
-            for i in 0..3 {
-                for j in 0..3 {
-                    to[i][j] += own[(i, j)];
-                }
-            }
-            if let Some(axis) = axis {
-                let mixed = jacobian.transpose() * moment.cross(&axis) * -0.5;
-                for i in 0..3 {
-                    to[i][OWN_HINGE] += mixed[i];
-                    to[OWN_HINGE][i] += mixed[i];
-                }
-            }
-        }
-    }
 }
 
 /// Takes three entries out of a vector.
@@ -444,39 +359,6 @@ fn take(entries: &mut [f64], first: usize) -> Vector3 {
     let taken = Vector3::from_column_slice(entries);
     entries.fill(0.0);
     taken
-}
-
-/// Fills in row and column of the angle of a hinge: those of a rotation about its axis.
-fn turn_with_hinge(matrix: &mut ElementMatrix, axis: Option<&Vector3>) {
-    let Some(axis) = axis else { return };
-    let along = |values: [f64; 3]| Vector3::from(values).dot(axis);
-    for row in matrix.iter_mut().take(HINGE) {
-        row[HINGE] = along([row[HINGE - 3], row[HINGE - 2], row[HINGE - 1]]);
-    }
-    for column in 0..=HINGE {
-        let rotation = [3, 2, 1].map(|before| matrix[HINGE - before][column]);
-        matrix[HINGE][column] = along(rotation);
-    }
-}
-
-/// From derivatives over a rotation seen from outside to those over ℓφ: rows by Jᵀ, columns by J.
-fn over_vector(matrix: &mut ElementMatrix, jacobian: &Matrix3) {
-    let places: [usize; 3] = std::array::from_fn(|axis| TURNING_ROTATION + axis);
-    for row in matrix.iter_mut() {
-        let turned = jacobian.transpose() * Vector3::from(places.map(|place| row[place]));
-        places
-            .iter()
-            .zip(turned.iter())
-            .for_each(|(place, value)| row[*place] = *value);
-    }
-    for column in 0..12 {
-        let turned =
-            jacobian.transpose() * Vector3::from(places.map(|place| matrix[place][column]));
-        places
-            .iter()
-            .zip(turned.iter())
-            .for_each(|(place, value)| matrix[*place][column] = *value);
-    }
 }
 
 impl System {
@@ -490,6 +372,7 @@ impl System {
         self.breaking.note(&self.residual);
         let joints = &mut self.assembly.joints;
         joints.gather_moments(unknowns, &mut self.residual);
+        self.breaking.note_moments(joints);
         joints.gather_points(&mut self.residual);
         for slide in &mut joints.slides {
             slide.note(&self.residual, unknowns, joints.start.as_deref());

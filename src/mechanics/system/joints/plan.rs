@@ -3,8 +3,9 @@
 
 use super::Joints;
 use super::frame::TurningFrame;
+use super::spring_ends::turned_nodes;
 use crate::mechanics::rod::STRIDE;
-use crate::mechanics::scene::{HingeSpring, Joint, JointKind, RodNode, Scene, Spring};
+use crate::mechanics::scene::{HingeSpring, Joint, JointKind, RodNode, Scene};
 use crate::mechanics::{JointError, SceneError, Vector3};
 use std::collections::BTreeMap;
 
@@ -20,8 +21,10 @@ pub(in crate::mechanics::system) struct PlannedFrame {
     pub hinge: Option<(usize, Vector3)>,
     /// The spring about that axis.
     pub spring: Option<HingeSpring>,
-    /// Principal moments of inertia of the body, kg m²; `None` without one.
-    pub inertia: Option<[f64; 3]>,
+    /// The frame with which it turns as one until the weld breaks.
+    pub weld: Option<usize>,
+    /// Whether a body with inertia turns with it.
+    pub bears_body: bool,
 }
 
 /// A node that slides along a rod.
@@ -41,16 +44,6 @@ struct PlannedHinge {
     spring: Option<HingeSpring>,
 }
 
-/// Whether the joints, springs and bodies of a scene can be, as far as that does not depend on its clamps.
-///
-/// # Errors
-/// [`SceneError::Joint`].
-pub fn check_joints(scene: &Scene) -> Result<(), SceneError> {
-    let plan = JointPlan::new(scene)?;
-    let mut springs = scene.springs.iter();
-    springs.try_for_each(|spring| plan.rest_length(scene, spring).map(drop))
-}
-
 /// Unknowns that the joints of a scene take from those of its rods, and that their frames add; none where they cannot be.
 pub fn joint_unknowns(scene: &Scene) -> [usize; 2] {
     let Ok(plan) = JointPlan::new(scene) else {
@@ -59,10 +52,14 @@ pub fn joint_unknowns(scene: &Scene) -> [usize; 2] {
     let taken = plan.points.iter().map(|point| 3 * (point.len() - 1));
     // Three of the position, and one more that says where it is.
     let slides = plan.slides.len();
-    let added = plan.frames.iter().map(|frame| match frame.hinge {
-        Some(_) => 1,
-        None => 3,
-    });
+    let added = plan
+        .frames
+        .iter()
+        .map(|frame| match (frame.hinge, frame.weld) {
+            (Some(_), _) => 1,
+            (_, Some(_)) => 0,
+            _ => 3,
+        });
     [
         taken.sum::<usize>() + 3 * slides,
         added.sum::<usize>() + slides,
@@ -71,7 +68,7 @@ pub fn joint_unknowns(scene: &Scene) -> [usize; 2] {
 
 impl PlannedFrame {
     fn places(&self) -> usize {
-        if self.inertia.is_some() { 4 } else { 1 }
+        if self.bears_body { 4 } else { 1 }
     }
 }
 
@@ -95,6 +92,7 @@ impl JointPlan {
         let mut rigid = Groups::default();
         let mut hinges: Vec<PlannedHinge> = Vec::new();
         let mut slides: Vec<(String, PlannedSlide)> = Vec::new();
+        let mut welds: Vec<[RodNode; 2]> = Vec::new();
         for joint in &scene.joints {
             let wrong = |reason| SceneError::Joint {
                 name: joint.name.clone(),
@@ -107,12 +105,16 @@ impl JointPlan {
                 slides.push((joint.name.clone(), PlannedSlide { nodes, rail }));
                 continue;
             }
-            if joint.strength.is_some() && !is_alone(scene, joint) {
+            if joint.strength.may_break() && !is_alone(scene, joint) {
                 return Err(wrong(JointError::Unbreakable));
             }
             points.join(joint.nodes);
             match joint.kind {
                 JointKind::Ball | JointKind::Slide => {}
+                JointKind::Rigid if joint.strength.may_break() => {
+                    joint.nodes.into_iter().for_each(|node| rigid.add(node));
+                    welds.push(joint.nodes);
+                }
                 JointKind::Rigid => {
                     if rigid.are_joined(joint.nodes) {
                         return Err(wrong(JointError::Twice));
@@ -130,6 +132,9 @@ impl JointPlan {
         for node in hinges.iter().flat_map(|hinge| hinge.nodes) {
             rigid.add(node);
         }
+        for node in turned_nodes(scene)? {
+            rigid.add(node);
+        }
         for body in scene.bodies.iter().filter(|body| body.inertia.is_some()) {
             rigid.add(body.at);
         }
@@ -140,15 +145,17 @@ impl JointPlan {
             ..Self::default()
         };
         plan.add_frames(rigid.into_groups(), hinges)?;
-        for body in &scene.bodies {
-            if let Some(inertia) = body.inertia {
-                let frame = plan.frame_of[&body.at];
-                if plan.frames[frame].inertia.replace(inertia).is_some() {
-                    return Err(SceneError::Joint {
-                        name: body.name.clone(),
-                        reason: JointError::TwoBodies,
-                    });
-                }
+        for weld in welds {
+            let [base, tied] = weld.map(|node| plan.frame_of[&node]);
+            plan.frames[tied].weld = Some(base);
+        }
+        for body in scene.bodies.iter().filter(|body| body.inertia.is_some()) {
+            let frame = &mut plan.frames[plan.frame_of[&body.at]];
+            if std::mem::replace(&mut frame.bears_body, true) {
+                return Err(SceneError::Joint {
+                    name: body.name.clone(),
+                    reason: JointError::TwoBodies,
+                });
             }
         }
         Ok(plan)
@@ -236,32 +243,6 @@ impl JointPlan {
     pub fn frame_at(&self, rod: usize, node: usize) -> Option<usize> {
         self.frame_of.get(&RodNode { rod, node }).copied()
     }
-
-    /// Length of a spring without force, m.
-    ///
-    /// # Errors
-    /// [`SceneError::Joint`] where its nodes are missing or one point, or it has no direction.
-    pub fn rest_length(&self, scene: &Scene, spring: &Spring) -> Result<f64, SceneError> {
-        let found = span(scene, &spring.nodes).and_then(|span| {
-            let mut points = self.points.iter();
-            if points.any(|point| spring.nodes.iter().all(|node| point.contains(node))) {
-                return Err(JointError::OnePoint);
-            }
-            match spring.rest_length {
-                Some(rest_length) if span.is_a_point() && rest_length > 0.0 => {
-                    Err(JointError::NoDirection { rest_length })
-                }
-                Some(rest_length) => Ok(rest_length),
-                // What rounding leaves of a point would be a direction.
-                None if span.is_a_point() => Ok(0.0),
-                None => Ok(span.distance),
-            }
-        });
-        found.map_err(|reason| SceneError::Joint {
-            name: spring.name.clone(),
-            reason,
-        })
-    }
 }
 
 /// First and last node along which the first node of a slide may go: those of the other rod, or those on its own rod that
@@ -329,22 +310,22 @@ fn judge_slides(
     Ok(())
 }
 
-/// Whether a joint is a ball at whose nodes there is no other joint.
+/// Whether there is no other joint at the nodes of one.
 fn is_alone(scene: &Scene, joint: &Joint) -> bool {
     let touches = |other: &&Joint| other.nodes.iter().any(|node| joint.nodes.contains(node));
-    joint.kind == JointKind::Ball && scene.joints.iter().filter(touches).count() == 1
+    scene.joints.iter().filter(touches).count() == 1
 }
 
 /// How far two nodes are apart as placed.
-struct Span {
+pub(super) struct Span {
     /// m.
-    distance: f64,
+    pub distance: f64,
     /// The shorter of the edges of their rods, m.
     edge: f64,
 }
 
 impl Span {
-    fn is_a_point(&self) -> bool {
+    pub fn is_a_point(&self) -> bool {
         self.distance <= SAME_POINT * self.edge
     }
 }
@@ -361,7 +342,7 @@ fn check_places(scene: &Scene, nodes: &[RodNode; 2]) -> Result<(), JointError> {
 }
 
 /// How far the nodes of a joint are apart, where they exist and are two.
-fn span(scene: &Scene, nodes: &[RodNode; 2]) -> Result<Span, JointError> {
+pub(super) fn span(scene: &Scene, nodes: &[RodNode; 2]) -> Result<Span, JointError> {
     if nodes[0] == nodes[1] {
         return Err(JointError::SameNode);
     }

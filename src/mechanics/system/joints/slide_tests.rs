@@ -4,7 +4,7 @@ use super::tests::{compare_jacobian, compare_residual, own, perturbed, stage_at}
 use super::*;
 use crate::mechanics::scene::{
     Body, Clamp, Joint, JointKind, Motion, NaturalShape, RodDescription, RodNode, Scene, Spring,
-    Stiffness,
+    Stiffness, Strength,
 };
 use crate::mechanics::{JointError, SceneError};
 
@@ -34,7 +34,7 @@ fn slide(name: &str, nodes: [RodNode; 2]) -> Joint {
         name: name.into(),
         nodes,
         kind: JointKind::Slide,
-        strength: None,
+        strength: Strength::default(),
     }
 }
 
@@ -70,8 +70,9 @@ fn frame() -> Scene {
         name: name.into(),
         nodes,
         stiffness: 0.4,
+        turning: None,
         rest_length: Some(rest_length),
-        strength: None,
+        strength: Strength::default(),
     };
     Scene {
         rods: vec![
@@ -99,7 +100,9 @@ fn frame() -> Scene {
             name: "payload".into(),
             at: at(0, 4),
             mass: 0.3,
+            offset: Vector3::zeros(),
             inertia: None,
+            ball: None,
         }],
         clamps: vec![Clamp {
             rod: 0,

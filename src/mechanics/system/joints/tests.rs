@@ -1,9 +1,11 @@
 //! Residual and Jacobian of joined rods against finite differences, and the plan of joints.
 
 use super::*;
+use crate::mechanics::contact::{ContactModel, ContactParameters};
+use crate::mechanics::rigid_body::RigidBody;
 use crate::mechanics::scene::{
-    Body, Clamp, HingeSpring, Joint, JointKind, Motion, NaturalShape, RodDescription, RodNode,
-    Scene, Spring, Stiffness,
+    Body, Clamp, HingeSpring, Joint, JointKind, Load, LoadKind, Motion, NaturalShape, Obstacle,
+    RodDescription, RodNode, Scene, Spring, Stiffness, Strength, TurningStiffness,
 };
 use crate::mechanics::system::{Stage, copy_positions};
 use crate::mechanics::{JointError, SceneError};
@@ -35,13 +37,14 @@ fn joint(name: &str, nodes: [RodNode; 2], kind: JointKind) -> Joint {
         name: name.into(),
         nodes,
         kind,
-        strength: None,
+        strength: Strength::default(),
     }
 }
 
 /// A star of five rods about the origin: the first two welded, the third in a hinge with a body, the fourth through the
 /// origin with its middle welded, too, the fifth in a ball joint; a sixth hangs by a ball joint at the first one's end. Springs
-/// resist the hinge, tie a clamped end, joined nodes and free ones, stretched, compressed and without a length of their own.
+/// resist the hinge, tie a clamped end, joined nodes and free ones, stretched, compressed and without a length of their own;
+/// others turn free ends, the sides of the hinge, and the hinge against the clamp.
 fn star() -> Scene {
     let origin = Vector3::zeros();
     let [a, b, c, d, e, f] = [
@@ -84,6 +87,17 @@ fn star() -> Scene {
             spring("strut", [at(5, 0), at(2, 3)], Some(4.0)),
             spring("point", [at(4, 0), at(3, 4)], Some(0.0)),
             spring("placed", [at(4, 2), at(2, 2)], None),
+            turning_spring("ends", [at(4, 1), at(5, 2)], Vector3::new(0.4, -0.3, 1.2)),
+            turning_spring(
+                "about the hinge",
+                [at(2, 0), at(1, 3)],
+                Vector3::new(0.1, 0.8, 0.2),
+            ),
+            turning_spring(
+                "to the clamp",
+                [at(1, 0), at(2, 0)],
+                Vector3::new(-1.9, 0.5, 0.2),
+            ),
         ],
         bodies: vec![
             body("disk", at(2, 0), Some([0.02, 0.03, 0.04])),
@@ -107,8 +121,22 @@ fn spring(name: &str, nodes: [RodNode; 2], rest_length: Option<f64>) -> Spring {
         name: name.into(),
         nodes,
         stiffness: 0.4,
+        turning: None,
         rest_length,
-        strength: None,
+        strength: Strength::default(),
+    }
+}
+
+/// One that only turns what it ties.
+fn turning_spring(name: &str, nodes: [RodNode; 2], rest_rotation: Vector3) -> Spring {
+    let turning = TurningStiffness {
+        stiffness: 0.3,
+        rest_rotation,
+    };
+    Spring {
+        stiffness: 0.0,
+        turning: Some(turning),
+        ..spring(name, nodes, None)
     }
 }
 
@@ -117,7 +145,9 @@ fn body(name: &str, at: RodNode, inertia: Option<[f64; 3]>) -> Body {
         name: name.into(),
         at,
         mass: 0.3,
+        offset: Vector3::zeros(),
         inertia,
+        ball: None,
     }
 }
 
@@ -237,6 +267,102 @@ fn the_jacobian_of_joined_rods_and_bodies_is_exact_and_symmetric() {
     compare_jacobian(&star(), &cases, 1e-8);
 }
 
+/// The star with one more rod at the end of its third one, by a weld that may break, and bodies on both sides of that.
+fn star_with_breakable_weld() -> Scene {
+    let mut scene = star();
+    let end = scene.rods[2].centreline[3];
+    let away = Vector3::new(-0.9, -0.2, 0.7);
+    scene.rods.push(rod("welded", end, end + away, 3));
+    scene.joints.push(Joint {
+        strength: Strength::of_force(1.0),
+        ..joint("breakable", [at(6, 0), at(2, 3)], JointKind::Rigid)
+    });
+    scene
+        .bodies
+        .push(body("one", at(6, 0), Some([0.02, 0.03, 0.04])));
+    scene
+        .bodies
+        .push(body("other", at(2, 3), Some([0.01, 0.02, 0.015])));
+    scene
+}
+
+#[test]
+fn a_weld_that_may_break_is_as_exact_as_one_that_does_not() {
+    let scene = star_with_breakable_weld();
+    compare_residual(&scene, [0.0, 0.02, 0.2]);
+    compare_jacobian(&scene, &[(0.2, false), (0.0, true), (0.2, true)], 1e-8);
+}
+
+#[test]
+fn the_jacobian_of_bodies_whose_centre_is_off_their_node_is_exact_in_motion_and_under_their_weight()
+{
+    let mut scene = star_with_breakable_weld();
+    for (k, body) in scene.bodies.iter_mut().enumerate() {
+        if body.inertia.is_some() {
+            body.offset = Vector3::new(0.2, -0.1 * k as f64, 0.15);
+        }
+    }
+    scene.loads = vec![Load {
+        kind: LoadKind::Gravity {
+            acceleration: Vector3::new(0.3, -0.2, -0.9),
+        },
+        schedule: Vec::new(),
+    }];
+    let cases = [(0.0, false), (0.2, false), (0.0, true), (0.2, true)];
+    compare_jacobian(&scene, &cases, 1e-8);
+}
+
+/// A ball around the end of a rod that touches another rod, another ball and a sphere.
+fn touching_ball(model: ContactModel) -> Scene {
+    let tolerance = 1e-2;
+    let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
+    // The surfaces are this far apart.
+    let apart = |radii: f64| radii + 0.3 * tolerance;
+    let (own, others) = (0.2, 0.3);
+    let beside = -x * apart(own + 0.01);
+    let above = z * apart(own + others);
+    let ball = |name: &str, rod: usize, radius: f64| Body {
+        ball: Some(radius),
+        ..body(name, at(rod, 0), Some([0.02, 0.03, 0.04]))
+    };
+    Scene {
+        rods: vec![
+            rod("bearer", Vector3::zeros(), Vector3::new(0.3, 0.2, -0.9), 3),
+            rod("beside", beside - y * 0.7, beside + y * 0.8, 4),
+            rod("above", above, above + Vector3::new(0.1, 0.3, 0.9), 3),
+        ],
+        bodies: vec![ball("ball", 0, own), ball("other", 2, others)],
+        obstacles: vec![Obstacle {
+            name: "sphere".into(),
+            body: RigidBody::sphere(Vector3::new(0.6, -0.8, 0.0) * apart(own + 0.25), 0.25),
+            ..Obstacle::default()
+        }],
+        contact: Some(ContactParameters {
+            model,
+            distance_tolerance: tolerance,
+            ..ContactParameters::default()
+        }),
+        ..Scene::default()
+    }
+}
+
+#[test]
+fn the_jacobian_of_a_ball_that_touches_is_exact_and_symmetric() {
+    for model in [
+        ContactModel::ImplicitContact,
+        ContactModel::IncrementalPotential,
+    ] {
+        let scene = touching_ball(model);
+        let mut system = System::new(&scene).unwrap();
+        let unknowns = system.assembly.unknowns.clone();
+        system.evaluate(&unknowns, None);
+        let contacts = system.contact.as_ref().unwrap().contacts();
+        assert_eq!(contacts.len(), 3, "{model:?}");
+        assert!(contacts.iter().all(|contact| contact.normal_force > 0.0));
+        compare_jacobian(&scene, &[(0.0, false), (0.0, true)], 1e-6);
+    }
+}
+
 #[test]
 fn newton_solves_what_the_dense_matrix_says() {
     let mut system = System::new(&star()).unwrap();
@@ -319,7 +445,7 @@ fn joints_that_cannot_be_are_named() {
     let (name, reason) = refused(&|scene| scene.joints.push(again.clone()));
     assert_eq!((name.as_str(), reason), ("again", JointError::Twice));
     for number in [0, 1, 3] {
-        let (_, reason) = refused(&|scene| scene.joints[number].strength = Some(1.0));
+        let (_, reason) = refused(&|scene| scene.joints[number].strength = Strength::of_force(1.0));
         assert_eq!(reason, JointError::Unbreakable);
     }
     let (name, reason) = refused(&|scene| scene.springs[1].nodes = [at(4, 0), at(2, 0)]);

@@ -1,0 +1,152 @@
+//! From derivatives over rotations of frames to those over the unknowns.
+//!
+//! Kernels write moments T and their derivatives D = ∂T/∂ψ over rotations ψ seen from outside. For ends of a rotation this
+//! is D = S − ½ [T]× with the second derivative S along exp([ψ]×), and over ℓφ
+//!
+//! ```text
+//! Jᵀ T/ℓ,     (Jᵀ D J + ∂(Jᵀ T)/∂φ)/ℓ²
+//! ```
+//!
+//! which is symmetric. With a hinge of the axis a, seen from outside, the moment T' on its frame counts in T and in the moment
+//! a·T' over its angle; the derivative of the one over the other is D' a.
+
+use super::Joints;
+use crate::linalg::ElementMatrix;
+use crate::mechanics::rod::{STRIDE, TURNING_ROTATION};
+use crate::mechanics::{Matrix3, Vector3, rotation};
+
+/// Where the angle of a hinge lies among the unknowns of a half vertex, and of the element of a frame.
+pub(super) const HINGE: usize = TURNING_ROTATION + 3;
+pub(super) const OWN_HINGE: usize = 3;
+/// Where the position of the node begins in the element of a frame with a body whose centre of mass is off it.
+pub(super) const OWN_NODE: usize = 6;
+
+impl Joints {
+    /// How a frame turns, seen from outside, with the rotation ℓφ in which it takes part, J/ℓ, and the axis of its hinge at
+    /// the last evaluation, which was at `unknowns`.
+    pub fn rates_of_frame(&self, number: usize, unknowns: &[f64]) -> (Matrix3, Option<Vector3>) {
+        let frame = &self.frames[number];
+        let base = frame.hinge.map_or(frame, |(base, _)| &self.frames[base]);
+        let jacobian = rotation::left_jacobian(&base.rotation_vector(unknowns)) / base.length;
+        let axis = frame.hinge.map(|(base, axis)| self.rotations[base] * axis);
+        (jacobian, axis)
+    }
+
+    /// Makes the elements of half vertices, which hold second derivatives over rotations seen from outside, and those of the
+    /// frames themselves derivatives of the residual over the unknowns. In a stage inertia is `per_square`, 1/(h hₐ), times
+    /// the masses of all unknowns; to be called after [`Self::gather_moments`].
+    pub fn transform(
+        &self,
+        unknowns: &[f64],
+        per_square: Option<f64>,
+        masses: &[f64],
+        matrices: &mut [ElementMatrix],
+    ) {
+        for (number, frame) in self.frames.iter().enumerate() {
+            let (jacobian, axis) = self.rates_of_frame(number, unknowns);
+            for &element in &frame.elements {
+                turn_with_hinge(&mut matrices[element], axis.as_ref());
+                over_vector(&mut matrices[element], &jacobian);
+            }
+            let mut own = Matrix3::zeros();
+            let moment = self.moments[number];
+            if frame.hinge.is_none() {
+                let bent = jacobian.transpose() * moment.cross_matrix() * jacobian * -0.5;
+                let vector = frame.rotation_vector(unknowns);
+                let curved = rotation::left_jacobian_derivative(&vector, &moment);
+                own += bent + curved / (frame.length * frame.length);
+            }
+            if let Some((first, tips)) = frame.tips(&self.rotations[number]) {
+                let per_square = per_square.unwrap_or(0.0);
+                let of_mass = |arm: &Vector3, mass: f64| {
+                    let square = Matrix3::identity() * arm.norm_squared();
+                    (square - arm * arm.transpose()) * (mass * per_square)
+                };
+                let mut second = Matrix3::zeros();
+                for (k, tip) in tips.iter().enumerate() {
+                    let force = self.tip_forces[number][k];
+                    let product = tip * force.transpose();
+                    second += (product + product.transpose()) * 0.5
+                        - Matrix3::identity() * tip.dot(&force)
+                        + of_mass(tip, masses[first + STRIDE * k]);
+                }
+                if let Some(eccentric) = &frame.eccentric {
+                    let arm = eccentric.arm_of(&tips);
+                    second += of_mass(&arm, eccentric.mass);
+                    let over = -arm.cross_matrix() * (eccentric.mass * per_square);
+                    let to = &mut matrices[frame.element];
+                    let mut add = |column: usize, force: Vector3| {
+                        for axis in 0..3 {
+                            to[OWN_NODE + axis][column] += force[axis];
+                            to[column][OWN_NODE + axis] += force[axis];
+                        }
+                    };
+                    let over_vector = over * jacobian;
+                    (0..3).for_each(|column| add(column, over_vector.column(column).into_owned()));
+                    axis.into_iter()
+                        .for_each(|axis| add(OWN_HINGE, over * axis));
+                }
+                let mut whole: ElementMatrix = [[0.0; 12]; 12];
+                for i in 0..3 {
+                    for j in 0..3 {
+                        whole[TURNING_ROTATION + i][TURNING_ROTATION + j] = second[(i, j)];
+                    }
+                }
+                turn_with_hinge(&mut whole, axis.as_ref());
+                over_vector(&mut whole, &jacobian);
+                let (from, to) = (TURNING_ROTATION, &mut matrices[frame.element]);
+                for i in 0..4 {
+                    for j in 0..4 {
+                        to[i][j] += whole[from + i][from + j];
+                    }
+                }
+            }
+            let to = &mut matrices[frame.element];
+            for i in 0..3 {
+                for j in 0..3 {
+                    to[i][j] += own[(i, j)];
+                }
+            }
+            if let Some(axis) = axis {
+                let mixed = jacobian.transpose() * moment.cross(&axis) * -0.5;
+                for i in 0..3 {
+                    to[i][OWN_HINGE] += mixed[i];
+                    to[OWN_HINGE][i] += mixed[i];
+                }
+            }
+        }
+    }
+}
+
+/// Fills in row and column of the angle of a hinge: those of a rotation about its axis.
+fn turn_with_hinge(matrix: &mut ElementMatrix, axis: Option<&Vector3>) {
+    let Some(axis) = axis else { return };
+    let along = |values: [f64; 3]| Vector3::from(values).dot(axis);
+    for row in matrix.iter_mut().take(HINGE) {
+        row[HINGE] = along([row[HINGE - 3], row[HINGE - 2], row[HINGE - 1]]);
+    }
+    for column in 0..=HINGE {
+        let rotation = [3, 2, 1].map(|before| matrix[HINGE - before][column]);
+        matrix[HINGE][column] = along(rotation);
+    }
+}
+
+/// From derivatives over a rotation seen from outside to those over ℓφ: rows by Jᵀ, columns by J.
+fn over_vector(matrix: &mut ElementMatrix, jacobian: &Matrix3) {
+    let places: [usize; 3] = std::array::from_fn(|axis| TURNING_ROTATION + axis);
+    for row in matrix.iter_mut() {
+        let turned = jacobian.transpose() * Vector3::from(places.map(|place| row[place]));
+        places
+            .iter()
+            .zip(turned.iter())
+            .for_each(|(place, value)| row[*place] = *value);
+    }
+    for column in 0..12 {
+        let turned =
+            jacobian.transpose() * Vector3::from(places.map(|place| matrix[place][column]));
+        places
+            .iter()
+            .zip(turned.iter())
+            .for_each(|(place, value)| matrix[*place][column] = *value);
+    }
+}

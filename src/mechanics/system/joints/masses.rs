@@ -1,0 +1,87 @@
+//! The mass matrix of joined nodes, frames and bodies.
+
+use super::Joints;
+use crate::linalg::SharedUnknown;
+use crate::mechanics::Vector3;
+use crate::mechanics::rod::STRIDE;
+
+impl Joints {
+    /// Makes a mass matrix of all nodes and tips of bodies one over the free unknowns, Pᵀ M P, with frames as placed.
+    pub fn gather_masses(&self, unknowns: &[f64], matrix: &mut nalgebra::DMatrix<f64>) {
+        for (number, frame) in self.frames.iter().enumerate() {
+            let Some((first, tips)) = frame.tips(&self.rotations[number]) else {
+                continue;
+            };
+            // ṗ = ω × p for the rotation of the base, and of the hinge about its axis.
+            let (jacobian, axis) = self.rates_of_frame(number, unknowns);
+            let (of_base, hinge) = self.unknowns_of_frame(number);
+            let rates_of = |arm: &Vector3| -> Vec<(usize, Vector3)> {
+                let turned = -arm.cross_matrix() * jacobian;
+                let rates = (0..3).map(|i| (of_base + i, turned.column(i).into_owned()));
+                let about_axis = hinge
+                    .zip(axis)
+                    .map(|(hinge, axis)| (hinge, axis.cross(arm)));
+                rates.chain(about_axis).collect()
+            };
+            let add =
+                |matrix: &mut nalgebra::DMatrix<f64>, mass: f64, rates: &[(usize, Vector3)]| {
+                    for (i, one) in rates {
+                        for (j, other) in rates {
+                            matrix[(*i, *j)] += mass * one.dot(other);
+                        }
+                    }
+                };
+            for (k, tip) in tips.iter().enumerate() {
+                let mass = matrix[(first + STRIDE * k, first + STRIDE * k)];
+                add(matrix, mass, &rates_of(tip));
+            }
+            if let Some(eccentric) = &frame.eccentric {
+                let rates = rates_of(&eccentric.arm_of(&tips));
+                add(matrix, eccentric.mass, &rates);
+                for (unknown, rate) in &rates {
+                    for axis in 0..3 {
+                        let node = STRIDE * eccentric.node + axis;
+                        matrix[(node, *unknown)] += eccentric.mass * rate[axis];
+                        matrix[(*unknown, node)] += eccentric.mass * rate[axis];
+                    }
+                }
+            }
+        }
+        for SharedUnknown { unknown, owner } in self.shared() {
+            let row = matrix.row(unknown).clone_owned();
+            let mut owners = matrix.row_mut(owner);
+            owners += row;
+            let column = matrix.column(unknown).clone_owned();
+            let mut owners = matrix.column_mut(owner);
+            owners += column;
+            matrix.row_mut(unknown).fill(0.0);
+            matrix.column_mut(unknown).fill(0.0);
+        }
+        self.reduce(matrix);
+    }
+
+    /// Makes a matrix over the owners of all positions one over the free unknowns: Pᵀ M P over those that sliding nodes
+    /// follow.
+    pub(super) fn reduce(&self, matrix: &mut nalgebra::DMatrix<f64>) {
+        for slide in &self.slides {
+            let own = STRIDE * slide.node;
+            let mut rates = nalgebra::DMatrix::zeros(matrix.nrows(), 3);
+            for axis in 0..3 {
+                let mut column = vec![0.0; matrix.nrows()];
+                column[own + axis] = 1.0;
+                slide.gather(&mut column);
+                self.gather_points(&mut column);
+                rates.column_mut(axis).copy_from_slice(&column);
+            }
+            let block = matrix.fixed_view::<3, 3>(own, own).clone_owned();
+            let mut rows = matrix.rows(own, 3).clone_owned();
+            let mut columns = matrix.columns(own, 3).clone_owned();
+            rows.columns_mut(own, 3).fill(0.0);
+            columns.rows_mut(own, 3).fill(0.0);
+            matrix.rows_mut(own, 3).fill(0.0);
+            matrix.columns_mut(own, 3).fill(0.0);
+            *matrix += &rates * rows + columns * rates.transpose();
+            *matrix += &rates * block * rates.transpose();
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! What springs tie: how far apart, and what turns with their ends.
+
+use super::plan::{JointPlan, span};
+use crate::mechanics::scene::{RodNode, Scene, Spring};
+use crate::mechanics::{JointError, SceneError};
+
+/// What one end of a spring turns with that turns material frames.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::mechanics::system) enum TurnedEnd {
+    /// A frame to which the rod is clamped there, by its number.
+    Frame(usize),
+    /// The clamp that holds the frame of the rod there.
+    Clamped(RodNode),
+    /// A rod that stands still.
+    Held,
+}
+
+/// Whether the joints, springs and bodies of a scene can be, as far as that does not depend on its clamps.
+///
+/// # Errors
+/// [`SceneError::Joint`].
+pub fn check_joints(scene: &Scene) -> Result<(), SceneError> {
+    let plan = JointPlan::new(scene)?;
+    for spring in &scene.springs {
+        plan.rest_length(scene, spring)?;
+        if spring.turning.is_some() {
+            plan.turned_ends(scene, spring)?;
+        }
+    }
+    Ok(())
+}
+
+/// What turns with a node but a frame that is free.
+fn wall_at(scene: &Scene, at: RodNode) -> Option<TurnedEnd> {
+    let mut clamps = scene.clamps.iter().filter(|clamp| clamp.holds_frame);
+    if scene.rods[at.rod].held {
+        Some(TurnedEnd::Held)
+    } else if clamps.any(|clamp| (clamp.rod, clamp.node) == (at.rod, at.node)) {
+        Some(TurnedEnd::Clamped(at))
+    } else {
+        None
+    }
+}
+
+/// Nodes at which rods are clamped to frames that springs turn.
+///
+/// # Errors
+/// [`SceneError::Joint`] where there is no such node.
+pub(super) fn turned_nodes(scene: &Scene) -> Result<Vec<RodNode>, SceneError> {
+    let mut nodes = Vec::new();
+    for spring in scene
+        .springs
+        .iter()
+        .filter(|spring| spring.turning.is_some())
+    {
+        span(scene, &spring.nodes).map_err(|reason| wrong(spring, reason))?;
+        let ends = spring.nodes.into_iter();
+        nodes.extend(ends.filter(|at| wall_at(scene, *at).is_none()));
+    }
+    Ok(nodes)
+}
+
+/// What is wrong with a spring.
+fn wrong(spring: &Spring, reason: JointError) -> SceneError {
+    SceneError::Joint {
+        name: spring.name.clone(),
+        reason,
+    }
+}
+
+impl JointPlan {
+    /// Length of a spring without force, m.
+    ///
+    /// # Errors
+    /// [`SceneError::Joint`] where its nodes are missing or one point, or it has no direction.
+    pub fn rest_length(&self, scene: &Scene, spring: &Spring) -> Result<f64, SceneError> {
+        let found = span(scene, &spring.nodes).and_then(|span| {
+            if spring.stiffness == 0.0 {
+                return Ok(0.0);
+            }
+            let mut points = self.points.iter();
+            if points.any(|point| spring.nodes.iter().all(|node| point.contains(node))) {
+                return Err(JointError::OnePoint);
+            }
+            match spring.rest_length {
+                Some(rest_length) if span.is_a_point() && rest_length > 0.0 => {
+                    Err(JointError::NoDirection { rest_length })
+                }
+                Some(rest_length) => Ok(rest_length),
+                // What rounding leaves of a point would be a direction.
+                None if span.is_a_point() => Ok(0.0),
+                None => Ok(span.distance),
+            }
+        });
+        found.map_err(|reason| wrong(spring, reason))
+    }
+
+    /// What the ends of a spring turn with that turns frames.
+    ///
+    /// # Errors
+    /// [`SceneError::Joint`] where both turn as one.
+    pub fn turned_ends(
+        &self,
+        scene: &Scene,
+        spring: &Spring,
+    ) -> Result<[TurnedEnd; 2], SceneError> {
+        let ends = spring.nodes.map(|at| {
+            let frame = || self.frame_at(at.rod, at.node);
+            let wall = wall_at(scene, at);
+            wall.unwrap_or_else(|| TurnedEnd::Frame(frame().expect("the plan has a frame there")))
+        });
+        if ends[0] == ends[1] {
+            return Err(wrong(spring, JointError::OneFrame));
+        }
+        Ok(ends)
+    }
+}

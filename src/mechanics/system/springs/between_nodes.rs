@@ -1,0 +1,112 @@
+//! A spring between two nodes.
+//!
+//! Of the stiffness k and the length L without force, with the vector d from the one node to the other, r = ‖d‖ long, it has
+//!
+//! ```text
+//! E = ½ k (r − L)²,   ∂E/∂d = k (1 − L/r) d,   ∂²E/∂d² = k [ (1 − L/r) 1 + L/r d⊗d/r² ]
+//! ```
+//!
+//! Without L that is k d and k 1, wherever the nodes are. Where the nodes of another one meet exactly its force has no
+//! direction, and is taken to be none.
+
+use crate::mechanics::{Matrix3, Vector3};
+
+#[derive(Clone, Debug)]
+pub(super) struct NodeSpring {
+    /// Numbers of its nodes among those of all rods.
+    pub nodes: [usize; 2],
+    /// k, N/m.
+    pub stiffness: f64,
+    /// L, m.
+    pub rest_length: f64,
+    /// d, m.
+    pub span: Vector3,
+}
+
+impl NodeSpring {
+    /// L/r; 0 where the direction is lost.
+    fn rest_part(&self) -> f64 {
+        let length = self.span.norm();
+        if length > 0.0 {
+            self.rest_length / length
+        } else {
+            0.0
+        }
+    }
+
+    /// Force k (r − L), N: positive where it pulls.
+    pub fn force(&self) -> f64 {
+        self.stiffness * (self.span.norm() - self.rest_length)
+    }
+
+    /// E, J.
+    pub fn energy(&self) -> f64 {
+        let lengthening = self.span.norm() - self.rest_length;
+        0.5 * self.stiffness * lengthening * lengthening
+    }
+
+    /// ∂E/∂d, N.
+    pub fn gradient(&self) -> Vector3 {
+        self.span * (self.stiffness * (1.0 - self.rest_part()))
+    }
+
+    /// ∂²E/∂d², N/m.
+    pub fn hessian(&self) -> Matrix3 {
+        let rest_part = self.rest_part();
+        let across = Matrix3::from_diagonal_element(1.0 - rest_part);
+        let square = self.span.norm_squared();
+        if rest_part == 0.0 {
+            return across * self.stiffness;
+        }
+        let along = self.span * self.span.transpose() * (rest_part / square);
+        (across + along) * self.stiffness
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn spring(rest_length: f64, span: Vector3) -> NodeSpring {
+        NodeSpring {
+            nodes: [0, 1],
+            stiffness: 3.0,
+            rest_length,
+            span,
+        }
+    }
+
+    #[test]
+    fn gradient_and_hessian_are_derivatives_of_the_energy() {
+        let direction = Vector3::new(0.48, -0.6, 0.64);
+        for size in [1e-3, 1.0, 1e3] {
+            for part in [0.0, 0.3, 1.0, 2.5] {
+                let at = |span: Vector3| spring(part * size, span);
+                let here = at(direction * size);
+                let step = 1e-4 * size;
+                for axis in 0..3 {
+                    let moved = |by: f64| at(here.span + Vector3::ith(axis, by * step));
+                    let slope = |value: &dyn Fn(NodeSpring) -> f64| {
+                        let [near, far] = [1.0, 2.0].map(|by| value(moved(by)) - value(moved(-by)));
+                        (8.0 * near - far) / (12.0 * step)
+                    };
+                    let error = slope(&|spring| spring.energy()) - here.gradient()[axis];
+                    assert!(error.abs() < 1e-8 * 3.0 * size, "{size} {part}: {error:e}");
+                    for row in 0..3 {
+                        let slope = slope(&|spring| spring.gradient()[row]);
+                        let error = slope - here.hessian()[(row, axis)];
+                        assert!(error.abs() < 1e-8 * 3.0, "{size} {part}: {error:e}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn one_without_length_is_linear_where_its_nodes_meet() {
+        let here = spring(0.0, Vector3::zeros());
+        assert_eq!(here.energy(), 0.0);
+        assert_eq!(here.gradient(), Vector3::zeros());
+        assert_eq!(here.hessian(), Matrix3::identity() * 3.0);
+    }
+}

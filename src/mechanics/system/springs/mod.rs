@@ -1,0 +1,293 @@
+//! Springs: between two nodes ([`between_nodes`]), between the material frames of two rods ([`between_frames`]), and about
+//! hinges.
+//!
+//! A spring about a hinge has E = ½ c (α − α₀)² with the angle α, which is an unknown: ∂E/∂α = c (α − α₀), ∂²E/∂α² = c.
+
+mod between_frames;
+mod between_nodes;
+
+use super::System;
+use super::build::Assembly;
+use super::clamps::Drive;
+use super::joints::{JointPlan, Joints, TurnedEnd};
+use crate::linalg::{Element, ElementMatrix, UNUSED};
+use crate::mechanics::rod::topology::position;
+use crate::mechanics::rod::{ElasticEnergy, STRIDE};
+use crate::mechanics::scene::{RodNode, Scene};
+use crate::mechanics::{SceneError, Vector3, rotation};
+use between_frames::{FrameSpring, SpringEnd};
+use between_nodes::NodeSpring;
+
+/// The springs of a scene, at the configuration of the last [`Self::stretch`] and [`Self::turn`].
+#[derive(Clone, Debug, Default)]
+pub struct Springs {
+    between_nodes: Vec<NodeSpring>,
+    between_frames: Vec<FrameSpring>,
+    about_hinges: Vec<AngleSpring>,
+}
+
+#[derive(Clone, Debug)]
+struct AngleSpring {
+    /// Unknown of the angle.
+    unknown: usize,
+    /// c, N m/rad.
+    stiffness: f64,
+    /// α₀, rad.
+    rest_angle: f64,
+    /// α, rad.
+    angle: f64,
+}
+
+impl Springs {
+    /// The springs of a scene with its unknowns numbered.
+    ///
+    /// # Errors
+    /// [`SceneError::Joint`] where one cannot be.
+    pub fn new(scene: &Scene, assembly: &Assembly) -> Result<Self, SceneError> {
+        let plan = if scene.springs.is_empty() {
+            JointPlan::default()
+        } else {
+            JointPlan::new(scene)?
+        };
+        let (mut between_nodes, mut between_frames) = (Vec::new(), Vec::new());
+        for (spring_number, spring) in scene.springs.iter().enumerate() {
+            let rest_length = plan.rest_length(scene, spring)?;
+            let number = |at: RodNode| assembly.rods.rods[at.rod].first_node + at.node;
+            if let Some(turning) = &spring.turning {
+                let end = |end: TurnedEnd| match end {
+                    TurnedEnd::Frame(frame) => SpringEnd::Frame(frame),
+                    TurnedEnd::Held => SpringEnd::Held,
+                    TurnedEnd::Clamped(at) => {
+                        let mut drives = assembly.drives.iter();
+                        let drive = drives.position(|drive| drive.node == number(at));
+                        SpringEnd::Clamp(drive.expect("the plan found the clamp"))
+                    }
+                };
+                between_frames.push(FrameSpring {
+                    number: spring_number,
+                    ends: plan.turned_ends(scene, spring)?.map(end),
+                    stiffness: turning.stiffness,
+                    rest: rotation::from_vector(turning.rest_rotation),
+                    vector: Vector3::zeros(),
+                });
+            }
+            between_nodes.push(NodeSpring {
+                nodes: spring.nodes.map(number),
+                stiffness: spring.stiffness,
+                rest_length,
+                span: Vector3::zeros(),
+            });
+        }
+        let hinges = assembly.joints.frames.iter();
+        let about_hinges = hinges.filter_map(|frame| {
+            frame.spring.map(|spring| AngleSpring {
+                unknown: frame.first_unknown + 3,
+                stiffness: spring.stiffness,
+                rest_angle: spring.rest_angle,
+                angle: 0.0,
+            })
+        });
+        Ok(Self {
+            between_nodes,
+            between_frames,
+            about_hinges: about_hinges.collect(),
+        })
+    }
+
+    /// Whether there are none between nodes.
+    pub fn couple_nothing(&self) -> bool {
+        self.between_nodes.is_empty()
+    }
+
+    /// Tells `assembly` what the last digits of positions and rotations leave in the forces of springs.
+    pub fn round(&self, assembly: &mut Assembly) {
+        let frames = assembly.joints.frames.iter();
+        let frames: Vec<_> = frames.map(|frame| (frame.node, frame.length)).collect();
+        let mut round = |node: usize, stiffness: f64| {
+            let rounding = stiffness * f64::EPSILON;
+            let (rod, _) = assembly.locate(node);
+            let scale = &mut assembly.scales[rod];
+            scale.rounding_stiffness = scale.rounding_stiffness.max(rounding);
+            assembly.rounding_stiffness = assembly.rounding_stiffness.max(rounding);
+        };
+        for spring in &self.between_nodes {
+            let [from, to] = spring.nodes;
+            round(from, spring.stiffness);
+            round(to, spring.stiffness);
+        }
+        for spring in &self.between_frames {
+            for end in spring.ends {
+                if let SpringEnd::Frame(number) = end {
+                    let (node, length) = frames[number];
+                    round(node, spring.stiffness / (length * length));
+                }
+            }
+        }
+    }
+
+    /// Force of one between nodes, k (r − L), N.
+    pub fn force(&self, number: usize) -> f64 {
+        self.between_nodes[number].force()
+    }
+
+    /// Moment by which one turns what it ties, c ‖θ‖, N m; 0 for one that does not.
+    pub fn moment(&self, number: usize) -> f64 {
+        let mut between_frames = self.between_frames.iter();
+        let spring = between_frames.find(|spring| spring.number == number);
+        spring.map_or(0.0, |spring| spring.moments()[1].norm())
+    }
+
+    /// Takes the spring about a hinge away, whose angle is an unknown.
+    pub fn leave_hinge(&mut self, angle: usize) {
+        self.about_hinges.retain(|spring| spring.unknown != angle);
+    }
+
+    /// Lets one exert no force and no moment any more.
+    pub fn cut(&mut self, number: usize) {
+        let spring = &mut self.between_nodes[number];
+        (spring.stiffness, spring.rest_length) = (0.0, 0.0);
+        let between_frames = self.between_frames.iter_mut();
+        for spring in between_frames.filter(|spring| spring.number == number) {
+            spring.stiffness = 0.0;
+        }
+    }
+
+    /// Moment of the springs that turn against a clamp, on it, N m.
+    pub fn moment_on_clamp(&self, clamp: usize) -> Vector3 {
+        let mut moment = Vector3::zeros();
+        for spring in &self.between_frames {
+            for (end, gradient) in spring.ends.iter().zip(spring.moments()) {
+                if matches!(end, SpringEnd::Clamp(number) if *number == clamp) {
+                    moment -= gradient;
+                }
+            }
+        }
+        moment
+    }
+
+    /// Whether one turns against a clamp.
+    pub fn turns_against(&self, clamp: usize) -> bool {
+        let mut ends = self.between_frames.iter().flat_map(|spring| &spring.ends);
+        ends.any(|end| matches!(end, SpringEnd::Clamp(number) if *number == clamp))
+    }
+
+    /// Takes rotations from the frames of the last evaluation, and from clamps at a time (s).
+    pub fn turn(&mut self, joints: &Joints, drives: &[Drive], time: f64) {
+        for spring in &mut self.between_frames {
+            spring.turn(joints, drives, time);
+        }
+    }
+
+    /// Takes lengths and angles of hinges from `unknowns`.
+    pub fn stretch(&mut self, unknowns: &[f64]) {
+        for spring in &mut self.between_nodes {
+            let [from, to] = spring.nodes.map(|node| position(unknowns, node));
+            spring.span = to - from;
+        }
+        for spring in &mut self.about_hinges {
+            spring.angle = unknowns[spring.unknown];
+        }
+    }
+
+    /// Energy, J: that between nodes counts as of stretching, that between frames and about hinges as of bending.
+    pub fn energy(&self) -> ElasticEnergy {
+        let of_angle = |spring: &AngleSpring| {
+            let turn = spring.angle - spring.rest_angle;
+            0.5 * spring.stiffness * turn * turn
+        };
+        ElasticEnergy {
+            stretching: self.between_nodes.iter().map(NodeSpring::energy).sum(),
+            bending: self.about_hinges.iter().map(of_angle).sum::<f64>()
+                + (self.between_frames.iter())
+                    .map(FrameSpring::energy)
+                    .sum::<f64>(),
+            twisting: 0.0,
+        }
+    }
+
+    /// Adds the gradient of the energy to `gradient`, over all unknowns; moments on frames are seen from outside.
+    pub fn add_gradient(&self, joints: &Joints, gradient: &mut [f64]) {
+        for spring in &self.between_frames {
+            spring.add_gradient(joints, gradient);
+        }
+        for spring in &self.between_nodes {
+            let force = spring.gradient();
+            let [from, to] = spring.nodes.map(|node| STRIDE * node);
+            for axis in 0..3 {
+                gradient[from + axis] -= force[axis];
+                gradient[to + axis] += force[axis];
+            }
+        }
+        for spring in &self.about_hinges {
+            gradient[spring.unknown] += spring.stiffness * (spring.angle - spring.rest_angle);
+        }
+    }
+
+    /// Adds the sizes of the forces on nodes to `forces`, over all unknowns, N.
+    pub fn add_sizes(&self, forces: &mut [f64]) {
+        for spring in &self.between_nodes {
+            let force = spring.gradient();
+            for node in spring.nodes {
+                for axis in 0..3 {
+                    forces[STRIDE * node + axis] += force[axis].abs();
+                }
+            }
+        }
+    }
+
+    /// The unknowns of the springs between nodes, then of those between frames.
+    pub fn elements(&self, joints: &Joints) -> impl Iterator<Item = Element> {
+        let between_nodes = self.between_nodes.iter().map(|spring| {
+            let mut element = [UNUSED; 12];
+            for (end, node) in spring.nodes.iter().enumerate() {
+                for axis in 0..3 {
+                    element[3 * end + axis] = STRIDE * node + axis;
+                }
+            }
+            element
+        });
+        let between_frames = self.between_frames.iter();
+        between_nodes.chain(between_frames.map(|spring| spring.element(joints)))
+    }
+
+    /// Adds the second derivatives at `unknowns` to the matrices of [`Self::elements`].
+    pub fn add_hessians(&self, joints: &Joints, unknowns: &[f64], matrices: &mut [ElementMatrix]) {
+        let (matrices, of_frames) = matrices.split_at_mut(self.between_nodes.len());
+        for (spring, matrix) in self.between_frames.iter().zip(of_frames) {
+            spring.add_hessian(joints, unknowns, matrix);
+        }
+        for (spring, matrix) in self.between_nodes.iter().zip(matrices) {
+            let hessian = spring.hessian();
+            for i in 0..3 {
+                for j in 0..3 {
+                    matrix[i][j] += hessian[(i, j)];
+                    matrix[3 + i][3 + j] += hessian[(i, j)];
+                    matrix[3 + i][j] -= hessian[(i, j)];
+                    matrix[i][3 + j] -= hessian[(i, j)];
+                }
+            }
+        }
+    }
+
+    /// Unknowns and second derivatives of the springs about hinges.
+    pub fn diagonal(&self) -> impl Iterator<Item = (usize, f64)> {
+        let hinges = self.about_hinges.iter();
+        hinges.map(|spring| (spring.unknown, spring.stiffness))
+    }
+
+    /// Whether one between nodes turns, or is stretched, by more than `part` of its length without force where its ends move
+    /// so. The force of one without such a length is linear however far it turns.
+    pub fn turn_by(&self, part: f64, moved: impl Fn(usize) -> Vector3) -> bool {
+        self.between_nodes.iter().any(|spring| {
+            let [from, to] = spring.nodes.map(&moved);
+            spring.rest_length > 0.0 && (to - from).norm() > part * spring.rest_length
+        })
+    }
+}
+
+impl System {
+    /// Force of a spring between nodes at the last evaluation, N: positive where it pulls.
+    pub fn spring_force(&self, spring: usize) -> f64 {
+        self.springs.force(spring)
+    }
+}
