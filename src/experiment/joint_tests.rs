@@ -231,7 +231,8 @@ fn a_scheme_that_goes_on_from_the_middle_is_refused_beside_frames() {
 
 #[test]
 fn bodies_off_their_node_touch_nothing() {
-    let text = format!("{BALL}offset = [0, 0, \"2 cm\"]\n[contact]\nmodel = \"imc\"\n");
+    let weld = joint("rigid", "[\"end\", \"start\"]");
+    let text = format!("{weld}{BALL}offset = [0, 0, \"2 cm\"]\n[contact]\nmodel = \"imc\"\n");
     let scenario = scenario(&text).unwrap();
     assert_eq!(scenario.bodies[0].offset, Some([0.0, 0.0, 0.02]));
     let again = from_text("rods", &scenario.to_toml(), Path::new(""), &[]).unwrap();
