@@ -4,7 +4,7 @@ use super::failure::Failure;
 use super::interruption::watch_for_interruption;
 use super::output::print;
 use crate::cell::{Cell, Driver};
-use crate::virtual_cell::{Fault, Response, RodSupply, Settings, VirtualCell};
+use crate::virtual_cell::{ChuckedSupply, Fault, Response, RodSupply, Settings, VirtualCell};
 use clap::{Args, Subcommand};
 use std::net::{SocketAddr, ToSocketAddrs};
 use std::path::PathBuf;
@@ -43,7 +43,8 @@ struct ServeArguments {
         default_value = "scenarios/cells/gantry.toml"
     )]
     cell: PathBuf,
-    /// The rod: TOML with gravito_bending_length, radius and length in [deployment.rod]; without one, grippers hold nothing
+    /// The rod: TOML with gravito_bending_length, radius and length in [deployment.rod], or where the cell has a [chuck] with
+    /// youngs_modulus, poissons_ratio and density in [material] and radius and length in [rod]; without one, grippers hold nothing
     #[arg(long, value_name = "FILE")]
     rod: Option<PathBuf>,
     /// Friction of the table
@@ -76,7 +77,14 @@ pub fn cell(arguments: &CellArguments) -> Result<(), Failure> {
     let cell = Cell::read(&arguments.cell)?;
     let address = arguments.address(&cell)?;
     let rod = arguments.rod.as_deref();
-    let supply = rod.map(|rod| RodSupply::new(rod, arguments.friction));
+    let chucked = rod
+        .map(|rod| ChuckedSupply::new(rod, &cell))
+        .transpose()?
+        .flatten();
+    let supply = match cell.chuck {
+        Some(_) => None,
+        None => rod.map(|rod| RodSupply::new(rod, arguments.friction)),
+    };
     let settings = Settings {
         address,
         token: arguments.token.clone(),
@@ -86,6 +94,7 @@ pub fn cell(arguments: &CellArguments) -> Result<(), Failure> {
             lag: arguments.lag,
         },
         supply: supply.transpose()?,
+        chucked,
         faults: arguments.faults.clone(),
     };
     let interrupted = watch_for_interruption()?;

@@ -47,6 +47,7 @@ pub use folding::{
     AlgorithmName, Crease, FoldedOutlines, FoldingOutcome, Paper, TypedPaper, folded_outlines,
     planned_fold, resolve_paper,
 };
+pub use helix::manipulation::{ClampPoses, ClampedRod};
 pub use helix::stability::{
     HelixSearch, HelixStability, discrete_critical_distance, estimated_critical_distance,
 };

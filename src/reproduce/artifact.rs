@@ -4,6 +4,7 @@ use super::applications::Application;
 use super::bundling::Bundling;
 use super::cases::{Case, Run, run_all};
 use super::cost::{self, Costly};
+use super::explored_helices::Explored;
 use super::folds::Folded;
 use super::grasp_grid::GraspGrid;
 use super::hanging_strips::Hanging;
@@ -21,8 +22,8 @@ use super::{
     ReproduceError, ReproduceOptions, auto_steps, deployment_correction, deployment_errors,
     drag_steps, figure_2_5, figure_2_6, figure_2_7, figure_2_8, figure_3_4, figure_3_9, figure_4_5,
     figure_4_9, figure_4_10, figure_4_11, figure_5_4, figure_5_5, figure_5_6, figure_5_8,
-    figure_6_2, figure_6_5, inversion_factors, knot_convergence, laid_patterns, table_2_1,
-    table_2_2, table_4_1, table_5_2, table_5_3, table_5_4,
+    figure_6_2, figure_6_5, figure_6_6_robot, inversion_factors, knot_convergence, laid_patterns,
+    table_2_1, table_2_2, table_4_1, table_5_2, table_5_3, table_5_4,
 };
 use std::fmt;
 use std::path::PathBuf;
@@ -35,7 +36,7 @@ pub struct Artifact {
 }
 
 /// All tables and figures.
-pub static ARTIFACTS: [Artifact; 36] = [
+pub static ARTIFACTS: [Artifact; 37] = [
     Artifact {
         name: "tab2.1",
         title: "Table 2.1: IMC and IPC, iterations and time of bundling flagella",
@@ -310,6 +311,15 @@ pub static ARTIFACTS: [Artifact; 36] = [
             runs: |quick| vec![Helices::of_the_thesis(quick)],
             write: figure_6_2::write_section,
             figures_of_table: Some(figure_6_2::figures_of_section),
+        },
+    },
+    Artifact {
+        name: "fig6.6-robot",
+        title: "Figure 6.6: the boundary of the stable helices, explored by the arm of a virtual cell",
+        recipe: &Recipe {
+            runs: |quick| vec![Explored::of_the_thesis(quick)],
+            write: figure_6_6_robot::write,
+            figures_of_table: Some(figure_6_6_robot::figures_of_table),
         },
     },
     Artifact {

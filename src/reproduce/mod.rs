@@ -11,6 +11,7 @@
 //! | `inversion` | a knot pulled until it inverts (thesis 3) |
 //! | `helices` | the search for the boundary of the stable helices (thesis 6.2) |
 //! | `manipulated_helix` | a helical rod manipulated in time (thesis 6.3) |
+//! | `explored_helices` | helical rods explored by the arm of a virtual cell (thesis 6.3, 6.4) |
 //! | `laying` | a rod laid along a pattern (thesis 5.5) |
 //! | `applications` | cables placed in clips, a knot tied on the table (thesis 5.5.5, 5.5.6) |
 //! | `cases` | running the runs |
@@ -33,6 +34,7 @@
 //! | `table_5_4` | how often cables are placed and knots tied |
 //! | `figure_6_2` | figures 6.2 and 6.6 |
 //! | `figure_6_5` | disturbances of a manipulated rod |
+//! | `figure_6_6_robot` | the boundary of the stable helices, explored by an arm |
 //! | `overhand_law` | knots pulled tight against Eq. 2.30, part by part |
 //! | `knot_convergence` | what mesh, pull speed and contact tolerance change |
 //! | `deployment_errors`, `deployment_correction` | what jitter and errors of the rod do to a laid rod, and their correction |
@@ -49,6 +51,7 @@ mod deployment_correction;
 mod deployment_errors;
 mod difference;
 mod drag_steps;
+mod explored_helices;
 mod figure_2_5;
 mod figure_2_6;
 mod figure_2_7;
@@ -65,6 +68,7 @@ mod figure_5_6;
 mod figure_5_8;
 mod figure_6_2;
 mod figure_6_5;
+mod figure_6_6_robot;
 mod folds;
 mod grasp_grid;
 mod hanging_strips;
