@@ -173,10 +173,10 @@ fn a_killed_exploration_goes_on_at_its_direction_and_finds_what_theory_says() {
 }
 
 #[test]
-fn a_rod_that_slips_or_a_link_that_drops_ends_an_exploration_with_exit_code_1() {
+fn a_rod_that_slips_or_a_lost_camera_ends_an_exploration_with_exit_code_1() {
     for (fault, words) in [
         ("slip-grasp@20s", "straight"),
-        ("drop-link@20s", "connection"),
+        ("lose-camera@5s", "no picture"),
     ] {
         let served = serve(&["--fault", fault]);
         served.write("two.csv", TWO);

@@ -22,7 +22,7 @@ pub(super) const DIRECTIONS: usize = 328;
 /// Of these, a quick look takes one in so many.
 const QUICK: usize = 41;
 /// How many times as fast as real time the cells are at most.
-const RATE: f64 = 100.0;
+const RATE: f64 = 40.0;
 /// Processor time of a direction, s: measured, right to a factor of two.
 const SECONDS_PER_DIRECTION: f64 = 10.0;
 

@@ -115,30 +115,34 @@ fn limits(page: &mut Page, rows: &[ExplorationRow]) {
     }
 }
 
+/// The section near ω = 0, and where stability was found to be lost at all, how well.
 fn figures(rows: &[ExplorationRow]) -> Vec<PageFigure> {
+    let mut figures = vec![PageFigure::new(
+        "fig6.6-robot",
+        "Directions near ω = 0, in its plane: line, the boundary of the stable helices by theory; marks, where the arm found the \
+         wire to be a helix no longer, for |ω| below 0.15 of the direction",
+        section_figure(rows, NEAR),
+    )];
     let errors = rows
         .iter()
-        .filter_map(|row| Some((row.theory?, row.relative_difference.map(|part| 1e2 * part))));
-    let errors = LinePlot {
+        .filter_map(|row| Some((row.theory?, Some(1e2 * row.relative_difference?))));
+    let errors: Vec<(f64, Option<f64>)> = errors.collect();
+    if errors.is_empty() {
+        return figures;
+    }
+    let plot = LinePlot {
         label: "Difference from theory in %".into(),
-        curves: vec![Curve::new("directions", errors.collect()).looking(Look::Marks)],
+        curves: vec![Curve::new("directions", errors).looking(Look::Marks)],
     };
-    vec![
-        PageFigure::new(
-            "fig6.6-robot",
-            "Directions near ω = 0, in its plane: line, the boundary of the stable helices by theory; marks, where the arm found the \
-             wire to be a helix no longer, for |ω| below 0.15 of the direction",
-            section_figure(rows, NEAR),
-        ),
-        PageFigure::new(
-            "fig6.6-robot_found",
-            "Distances found over those of theory, all directions",
-            found_and_theory(rows),
-        ),
-        PageFigure::new(
-            "fig6.6-robot_difference",
-            "Difference from theory over the distance at which theory has stability lost",
-            line_plots([errors], "Distance ‖(κ, τ, ω)‖ of theory"),
-        ),
-    ]
+    figures.push(PageFigure::new(
+        "fig6.6-robot_found",
+        "Distances found over those of theory, all directions",
+        found_and_theory(rows),
+    ));
+    figures.push(PageFigure::new(
+        "fig6.6-robot_difference",
+        "Difference from theory over the distance at which theory has stability lost",
+        line_plots([plot], "Distance ‖(κ, τ, ω)‖ of theory"),
+    ));
+    figures
 }

@@ -212,7 +212,7 @@ mod tests {
                 "{text}"
             );
             assert!(
-                ["0.0", "60 d", "rods of"]
+                ["0.0", "60 d", "1 d", "rods of"]
                     .iter()
                     .any(|what| text.contains(&format!("**Quick: {what}"))),
                 "{text}"

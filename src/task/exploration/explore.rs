@@ -1,9 +1,8 @@
 //! One direction after the other, and what is resumed after an end.
 
 use super::ray::{Ray, RayRequest};
-use super::record::{
-    ExplorationPlan, ExplorationRecord, ExplorationRow, ExplorationSummary, Found, TABLE, read_rows,
-};
+use super::record::{ExplorationPlan, ExplorationRecord};
+use super::row::{ExplorationRow, ExplorationSummary, Found, TABLE, read_rows};
 use super::walk::{Picture, SearchSteps, Searched, WalkError, Walker, follow};
 use crate::cell::{Cell, HandPathRequest};
 use crate::experiment::ClampedRod;

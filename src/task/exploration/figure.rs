@@ -1,6 +1,6 @@
 //! Figures of an exploration: what was found beside theory.
 
-use super::record::ExplorationRow;
+use super::row::ExplorationRow;
 use crate::figure::{Curve, Figure, LinePlot, Look, line_plots, plot_to_scale};
 use crate::mechanics::kirchhoff::{Helix, critical_distance};
 use std::f64::consts::FRAC_PI_2;
@@ -49,12 +49,14 @@ pub fn section_figure(rows: &[ExplorationRow], near: f64) -> Figure {
     });
     let flat = rows.iter().filter(|row| row.omega.abs() <= near);
     let found = flat.filter_map(|row| Some((row.found? * row.tau, Some(row.found? * row.kappa))));
+    let mut curves = vec![Curve::new("theory, ω = 0", theory.collect())];
+    let found: Vec<(f64, Option<f64>)> = found.collect();
+    if !found.is_empty() {
+        curves.push(Curve::new("found", found).looking(Look::Marks));
+    }
     let plot = LinePlot {
         label: "κL".into(),
-        curves: vec![
-            Curve::new("theory, ω = 0", theory.collect()),
-            Curve::new("found", found.collect()).looking(Look::Marks),
-        ],
+        curves,
     };
     plot_to_scale(plot, "τL")
 }

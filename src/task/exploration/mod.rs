@@ -11,7 +11,8 @@
 //! | `ray` | the joints along a ray, and how far it can be followed |
 //! | `walk` | motions along a ray, looks from there, and the search for the instability |
 //! | `explore` | one direction after the other, and what is resumed after an end |
-//! | `record` | rows, manifest and page |
+//! | `row` | a row for each direction, and what all of them come to |
+//! | `record` | manifest and page |
 //! | `figure` | what was found beside theory |
 
 mod directions;
@@ -19,12 +20,12 @@ mod explore;
 mod figure;
 mod ray;
 mod record;
+mod row;
 mod walk;
 
 pub use directions::{quarter_sphere, read_directions, section};
 pub use explore::{Exploration, ExploreError};
 pub use figure::{found_and_theory, section_figure};
-pub use record::{
-    ExplorationPlan, ExplorationRecord, ExplorationRow, ExplorationSummary, read_rows, write_page,
-};
+pub use record::{ExplorationPlan, ExplorationRecord, write_page};
+pub use row::{ExplorationRow, ExplorationSummary, read_rows};
 pub use walk::SearchSteps;
