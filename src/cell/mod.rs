@@ -11,12 +11,14 @@
 //! | `surroundings`, `plan` | collision checks; joint trajectories along a path of a hand |
 //! | `streaming` | a joint trajectory with the drivers that it moves |
 //! | `approach` | from where an arm stands to where a motion begins |
+//! | `continuation` | from where an arm stands on along a path |
 //! | `camera` | the camera as one that locates what it sees |
 //! | `view` | the 3-D page of a cell |
 //! | `report` | what `rodlab check` says of it |
 
 mod approach;
 mod camera;
+mod continuation;
 mod plan;
 mod report;
 mod resolve;

@@ -11,6 +11,7 @@ use super::rod::RodSupply;
 use super::simulated_cell::{Event, STEP, SimulatedCell};
 use super::topics::{CLOCK, Topics};
 use crate::cell::Cell;
+use crate::experiment::Jitter;
 use crate::mechanics::dynamics::SimulationError;
 use serde_json::json;
 use std::io::{self, ErrorKind};
@@ -43,6 +44,8 @@ pub struct Settings {
     pub response: Response,
     /// Rods for the grippers.
     pub supply: Option<RodSupply>,
+    /// How the hands tremble, which nobody is told.
+    pub jitter: Option<Jitter>,
     /// What goes wrong.
     pub faults: Vec<Fault>,
 }
@@ -119,7 +122,13 @@ impl VirtualCell {
             pictures,
             last_picture: f64::NEG_INFINITY,
             last_report: (f64::NEG_INFINITY, Instant::now()),
-            cell: SimulatedCell::new(cell, settings.response, settings.supply, settings.faults),
+            cell: SimulatedCell::new(
+                cell,
+                settings.response,
+                settings.supply,
+                settings.jitter,
+                settings.faults,
+            ),
         })
     }
 

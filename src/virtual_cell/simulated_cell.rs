@@ -4,9 +4,11 @@ use super::arm::{Ended, Refusal, Response, SimulatedArm};
 use super::fault::{Fault, FaultKind};
 use super::rod::{HANDING_OVER, RodSupply, SimulatedRod};
 use crate::cell::Cell;
+use crate::experiment::Jitter;
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::SimulationError;
 use crate::robot::{PartTrajectory, Pose};
+use nalgebra::Translation3;
 
 /// Time step of everything, s.
 pub const STEP: f64 = 5e-3;
@@ -40,6 +42,8 @@ pub struct SimulatedCell {
     opened: Vec<Option<f64>>,
     table: Pose,
     supply: Option<RodSupply>,
+    /// How the hands tremble, which the joints do not tell.
+    jitter: Option<Jitter>,
     /// The rod, and the arm that took it.
     rod: Option<(SimulatedRod, usize)>,
     /// Faults to come, and when the first motion began, s.
@@ -53,6 +57,7 @@ impl SimulatedCell {
         cell: &Cell,
         response: Response,
         supply: Option<RodSupply>,
+        jitter: Option<Jitter>,
         faults: Vec<Fault>,
     ) -> Self {
         let grippers = cell.arms.iter().map(|arm| arm.gripper.as_ref());
@@ -69,6 +74,7 @@ impl SimulatedCell {
             opened: opened.collect(),
             table: cell.table.map_or_else(Pose::identity, |table| table.top),
             supply,
+            jitter,
             rod: None,
             faults,
             moved: None,
@@ -130,7 +136,7 @@ impl SimulatedCell {
                     if self.arms[arm].is_moving() {
                         return Err("the rod is handed over to an arm that stands still".into());
                     }
-                    let rod = supply.handed(&self.arms[arm].hand(), &self.table, self.time)?;
+                    let rod = supply.handed(&self.hand(arm), &self.table, self.time)?;
                     self.rod = Some((rod, arm));
                     HANDING_OVER
                 }
@@ -172,11 +178,22 @@ impl SimulatedCell {
         Ok(events)
     }
 
+    /// Where the hand of an arm is, trembling.
+    fn hand(&self, arm: usize) -> Pose {
+        let hand = self.arms[arm].hand();
+        match &self.jitter {
+            Some(jitter) => Translation3::from(jitter.at(self.time).0) * hand,
+            None => hand,
+        }
+    }
+
     /// Leads the rod on to now; whether it has come there.
     fn lead_rod(&mut self) -> Result<bool, SimulationError> {
-        match &mut self.rod {
-            Some((rod, holder)) => rod.advance(&self.arms[*holder].hand(), self.time),
-            None => Ok(true),
+        let holder = self.rod.as_ref().map(|(_, holder)| *holder);
+        let hand = holder.map(|holder| self.hand(holder));
+        match (&mut self.rod, hand) {
+            (Some((rod, _)), Some(hand)) => rod.advance(&hand, self.time),
+            _ => Ok(true),
         }
     }
 
