@@ -47,6 +47,7 @@ mod measure_knot;
 mod measure_markers;
 mod measure_sheet;
 mod output;
+mod pattern_source;
 mod picture_source;
 mod plan;
 mod plan_deployment;

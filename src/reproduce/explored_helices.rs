@@ -194,6 +194,7 @@ fn with_cell<T>(
         response: Response::default(),
         supply: None,
         chucked,
+        jitter: None,
         faults: Vec::new(),
     };
     let mut served = VirtualCell::new(&cell, settings).map_err(|error| in_words(&error))?;

@@ -31,6 +31,7 @@
 //! | `figure_5_8`, `heavy_loops` | rods folded over onto themselves |
 //! | `laid_patterns`, `laid_outlines` | rods laid along patterns, from above |
 //! | `table_5_2`, `measured_deployments` | how well rods are laid along patterns, simulated and measured |
+//! | `table_5_2_cell`, `virtual_laying` | the same through drivers and camera of the virtual cell |
 //! | `table_5_4` | how often cables are placed and knots tied |
 //! | `figure_6_2` | figures 6.2 and 6.6 |
 //! | `figure_6_5` | disturbances of a manipulated rod |
@@ -38,6 +39,7 @@
 //! | `overhand_law` | knots pulled tight against Eq. 2.30, part by part |
 //! | `knot_convergence` | what mesh, pull speed and contact tolerance change |
 //! | `deployment_errors`, `deployment_correction` | what jitter and errors of the rod do to a laid rod, and their correction |
+//! | `cell_correction` | the same in the virtual cell, through drivers and camera |
 //! | `cost`, `drag_steps`, `auto_steps` | what steps cost, and what larger and automatic ones lose |
 //! | `difference` | distance of the nodes between two runs (thesis Eq. 2.28) |
 
@@ -46,6 +48,7 @@ mod artifact;
 mod auto_steps;
 mod bundling;
 mod cases;
+mod cell_correction;
 mod cost;
 mod deployment_correction;
 mod deployment_errors;
@@ -94,9 +97,11 @@ mod table_2_1;
 mod table_2_2;
 mod table_4_1;
 mod table_5_2;
+mod table_5_2_cell;
 mod table_5_3;
 mod table_5_4;
 mod tightening;
+mod virtual_laying;
 
 pub use artifact::{ARTIFACTS, Artifact};
 pub use redraw::redraw;

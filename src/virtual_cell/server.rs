@@ -12,6 +12,7 @@ use super::rod::RodSupply;
 use super::simulated_cell::{Event, STEP, SimulatedCell};
 use super::topics::{CLOCK, Topics};
 use crate::cell::Cell;
+use crate::experiment::Jitter;
 use crate::mechanics::dynamics::SimulationError;
 use serde_json::json;
 use std::io::{self, ErrorKind};
@@ -46,6 +47,8 @@ pub struct Settings {
     pub supply: Option<RodSupply>,
     /// Rods between the chuck and a hand.
     pub chucked: Option<ChuckedSupply>,
+    /// How the hands tremble, which nobody is told.
+    pub jitter: Option<Jitter>,
     /// What goes wrong.
     pub faults: Vec<Fault>,
 }
@@ -131,6 +134,7 @@ impl VirtualCell {
                 settings.response,
                 settings.supply,
                 settings.chucked,
+                settings.jitter,
                 settings.faults,
             ),
         })

@@ -6,9 +6,11 @@ use super::chuck::{Chuck, ChuckedSupply};
 use super::fault::{Fault, FaultKind};
 use super::rod::{HANDING_OVER, RodSupply, SimulatedRod};
 use crate::cell::Cell;
+use crate::experiment::Jitter;
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::SimulationError;
 use crate::robot::{PartTrajectory, Pose};
+use nalgebra::Translation3;
 
 /// Time step of everything, s.
 pub const STEP: f64 = 5e-3;
@@ -42,6 +44,8 @@ pub struct SimulatedCell {
     opened: Vec<Option<f64>>,
     table: Pose,
     supply: Option<RodSupply>,
+    /// How the hands tremble, which the joints do not tell.
+    jitter: Option<Jitter>,
     /// The rod, and the arm that took it.
     rod: Option<(SimulatedRod, usize)>,
     /// The chuck with its rod.
@@ -58,6 +62,7 @@ impl SimulatedCell {
         response: Response,
         supply: Option<RodSupply>,
         chucked: Option<ChuckedSupply>,
+        jitter: Option<Jitter>,
         faults: Vec<Fault>,
     ) -> Self {
         let parts = moving_parts(cell);
@@ -74,6 +79,7 @@ impl SimulatedCell {
             opened: opened.collect(),
             table: cell.table.map_or_else(Pose::identity, |table| table.top),
             supply,
+            jitter,
             rod: None,
             chuck: chucked.map(Chuck::new),
             faults,
@@ -146,7 +152,7 @@ impl SimulatedCell {
                 }
                 (Some(supply), None) => {
                     self.arms[arm].must_stand()?;
-                    let rod = supply.handed(&self.arms[arm].hand(), &self.table, self.time)?;
+                    let rod = supply.handed(&self.hand(arm), &self.table, self.time)?;
                     self.rod = Some((rod, arm));
                     HANDING_OVER
                 }
@@ -210,15 +216,26 @@ impl SimulatedCell {
         Ok(events)
     }
 
+    /// Where the hand of an arm is, trembling.
+    fn hand(&self, arm: usize) -> Pose {
+        let hand = self.arms[arm].hand();
+        match &self.jitter {
+            Some(jitter) => Translation3::from(jitter.at(self.time).0) * hand,
+            None => hand,
+        }
+    }
+
     /// Leads the rod on to now; whether it has come there.
     fn lead_rod(&mut self) -> Result<bool, SimulationError> {
         if let Some(chuck) = &mut self.chuck {
             let angle = self.arms[chuck.part()].joints()[0];
             return chuck.lead(|arm| self.arms[arm].hand(), angle, self.time);
         }
-        match &mut self.rod {
-            Some((rod, holder)) => rod.advance(&self.arms[*holder].hand(), self.time),
-            None => Ok(true),
+        let holder = self.rod.as_ref().map(|(_, holder)| *holder);
+        let hand = holder.map(|holder| self.hand(holder));
+        match (&mut self.rod, hand) {
+            (Some((rod, _)), Some(hand)) => rod.advance(&hand, self.time),
+            _ => Ok(true),
         }
     }
 
