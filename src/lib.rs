@@ -31,7 +31,7 @@
 //! cli            ──> sweep, verify, reproduce, task, virtual_cell, guide, cluster
 //! task           ──> cell, report
 //! sweep, verify  ──> experiment
-//! reproduce      ──> report
+//! reproduce      ──> report, task, virtual_cell
 //! report         ──> experiment
 //! experiment     ──> run, knot, plan, scenario, figure
 //! run            ──> mechanics, results

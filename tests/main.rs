@@ -12,6 +12,7 @@ mod cross_sections;
 mod deployment;
 mod exact_answers;
 mod explained;
+mod exploration;
 mod folding;
 mod fuzz;
 mod guide;

@@ -3,12 +3,17 @@
 use super::failure::Failure;
 use super::interruption::watch_for_interruption;
 use super::output::print;
+use super::values::positive_length;
 use crate::cell::{Cell, Driver};
-use crate::virtual_cell::{Fault, Response, RodSupply, Settings, VirtualCell};
+use crate::experiment::Jitter;
+use crate::virtual_cell::{ChuckedSupply, Fault, Response, RodSupply, Settings, VirtualCell};
 use clap::{Args, Subcommand};
 use std::net::{SocketAddr, ToSocketAddrs};
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
+
+/// Period of the fastest trembling, s.
+const JITTER_PERIOD: f64 = 1.0;
 
 /// Arguments of `rodlab cell`.
 #[derive(Debug, Args)]
@@ -43,9 +48,14 @@ struct ServeArguments {
         default_value = "scenarios/cells/gantry.toml"
     )]
     cell: PathBuf,
-    /// The rod: TOML with gravito_bending_length, radius and length in [deployment.rod]; without one, grippers hold nothing
+    /// The rod: TOML with gravito_bending_length, radius and length in [deployment.rod], or where the cell has a [chuck] with
+    /// youngs_modulus, poissons_ratio and density in [material] and radius and length in [rod]; without one, grippers hold nothing
     #[arg(long, value_name = "FILE")]
     rod: Option<PathBuf>,
+    /// Where on the table a person lays the free end of a rod that is handed over: x,y in the cell, m [default: where the rod hangs by
+    /// itself]
+    #[arg(long, value_name = "X,Y", value_parser = place, requires = "rod", allow_hyphen_values = true)]
+    free_end: Option<[f64; 2]>,
     /// Friction of the table
     #[arg(long, value_name = "FRICTION", default_value_t = 0.4, value_parser = friction)]
     friction: f64,
@@ -65,6 +75,12 @@ struct ServeArguments {
     /// Time by which joints run behind, s
     #[arg(long, value_name = "SECONDS", default_value_t = Response::default().lag, value_parser = delay)]
     lag: f64,
+    /// Root mean square by which the hands tremble in each direction, unknown to the arms, with periods from 1 to 5 s
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
+    jitter: Option<f64>,
+    /// Number of the trembling: the same number, the same trembling
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "jitter")]
+    seed: u64,
     /// What goes wrong, and when, s after the first motion begins: FAULT@TIME; may be given more than once
     #[arg(long = "fault", value_name = "FAULT@TIME")]
     faults: Vec<Fault>,
@@ -76,7 +92,17 @@ pub fn cell(arguments: &CellArguments) -> Result<(), Failure> {
     let cell = Cell::read(&arguments.cell)?;
     let address = arguments.address(&cell)?;
     let rod = arguments.rod.as_deref();
-    let supply = rod.map(|rod| RodSupply::new(rod, arguments.friction));
+    let chucked = rod
+        .map(|rod| ChuckedSupply::new(rod, &cell))
+        .transpose()?
+        .flatten();
+    let supply = rod.filter(|_| cell.chuck.is_none()).map(|rod| {
+        let supply = RodSupply::new(rod, arguments.friction)?;
+        Ok::<_, Failure>(match arguments.free_end {
+            Some(place) => supply.with_free_end(place),
+            None => supply,
+        })
+    });
     let settings = Settings {
         address,
         token: arguments.token.clone(),
@@ -86,6 +112,10 @@ pub fn cell(arguments: &CellArguments) -> Result<(), Failure> {
             lag: arguments.lag,
         },
         supply: supply.transpose()?,
+        chucked,
+        jitter: arguments
+            .jitter
+            .map(|rms| Jitter::new([rms, 0.0], JITTER_PERIOD, arguments.seed)),
         faults: arguments.faults.clone(),
     };
     let interrupted = watch_for_interruption()?;
@@ -133,6 +163,13 @@ fn number(text: &str, least: f64, most: f64) -> Result<f64, String> {
     let number = text.trim().trim_end_matches('s').parse::<f64>().ok();
     let number = number.filter(|number| (least..=most).contains(number));
     number.ok_or_else(|| format!("a number from {least} to {most} is needed"))
+}
+
+fn place(text: &str) -> Result<[f64; 2], String> {
+    let fault = || "two numbers from -100 to 100 m are needed, as in 0.2,-0.1".to_owned();
+    let (x, y) = text.split_once(',').ok_or_else(fault)?;
+    let number = |text: &str| number(text, -100.0, 100.0).map_err(|_| fault());
+    Ok([number(x)?, number(y)?])
 }
 
 fn friction(text: &str) -> Result<f64, String> {

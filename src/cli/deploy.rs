@@ -6,22 +6,21 @@ use super::interruption::watch_for_interruption;
 use super::log_directory::log_directory;
 use super::output::{print, print_json};
 use super::plan::{parse_place, positive};
-use super::plan_deployment::{DeploymentPlan, WrittenPlan};
+use super::plan_deployment::DeploymentPlan;
 use super::run::{prepare, summary};
 use super::solve_arm::arm_named;
 use crate::cell::{Cell, Place};
 use crate::experiment::case_set;
+use crate::plan::deployment::Spare;
 use crate::report::write_page;
 use crate::results::{PAGE, write_whole};
-use crate::robot::Pose;
 use crate::run::RunOptions;
 use crate::task::{
-    DeployError, DeployRecord, DeployTask, MotionRequest, Status, middle_of_table, write_manifest,
-    write_report,
+    Correction, DeployError, DeployRecord, DeployTask, LayingMethod, MotionRequest, SETTLING,
+    Status, Unfinished, middle_of_table, write_manifest, write_report,
 };
-use crate::vision::{ColourRule, Point};
+use crate::vision::ColourRule;
 use clap::Args;
-use nalgebra::Translation3;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
@@ -74,12 +73,18 @@ pub struct DeployArguments {
     /// Which colours are rod, as of `rodlab trace`
     #[arg(long, value_name = "RULE", default_value = "auto")]
     colour: String,
+    /// Look at the rod each 0.8 gravito-bending lengths while it is laid, and plan the rest of its path anew from where it lies
+    #[arg(long, conflicts_with_all = ["simulate", "dry_run"])]
+    correct: bool,
     /// Plan everything, write the pages, and move nothing
     #[arg(long, conflicts_with = "simulate")]
     dry_run: bool,
     /// Lay the rod in plain simulation, without a cell
     #[arg(long)]
     simulate: bool,
+    /// The arm, and what it holds, were looked at after a task that did not come to its end
+    #[arg(long)]
+    checked: bool,
     /// Where everything goes [default: results/deploy-TIME]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -95,29 +100,37 @@ pub fn deploy(arguments: &DeployArguments, common: &Common) -> Result<(), Failur
     let colour = ColourRule::parse(&arguments.colour)?;
     let cell = Cell::read(&arguments.cell)?;
     let arm = arm_named(&cell, arguments.arm.as_deref(), &arguments.cell)?;
+    let moves = !(arguments.dry_run || arguments.simulate || arguments.checked);
+    let before = Unfinished::of(&cell, arm, Path::new("")).left();
+    if let Some(left) = before.filter(|_| moves) {
+        return Err(Failure::Input(format!(
+            "the last task with arm {} did not come to its end ({left}): look at the arm and at what it holds, and then say --checked",
+            cell.arms[arm].name
+        )));
+    }
     let directory = log_directory("deploy", arguments.out.as_deref())?;
-    let plan = arguments.plan.write(&directory.join("plan"))?;
+    let unfinished = Unfinished::of(&cell, arm, &directory);
     if arguments.simulate {
+        arguments
+            .plan
+            .write(&directory.join("plan"), &Spare::HANGS)?;
         return simulate(&directory, common);
     }
-    let pattern = pattern_of(&plan);
-    let poses: Vec<Pose> = plan
-        .poses
-        .iter()
-        .map(|pose| Pose::from_parts(Translation3::from(pose.position), pose.rotation))
-        .collect();
+    let pattern = arguments.plan.outline()?;
     let place = arguments.place.or_else(|| middle_of_table(&cell, &pattern));
     let place =
         place.ok_or_else(|| Failure::Input("--place is needed: the cell has no [table]".into()))?;
     let motion = MotionRequest {
         cell: &cell,
         arm,
-        poses: &poses,
         place,
         speed: arguments.hand_speed,
         margin: arguments.margin,
     };
-    let motion = motion.plan()?;
+    let (rod, path, motion) = motion.plan(|spare| {
+        let plan = arguments.plan.write(&directory.join("plan"), spare)?;
+        Ok::<_, Failure>((plan.rod, plan.path))
+    })?;
     write_whole(
         &directory.join("joints.csv"),
         motion.laying.to_csv().as_bytes(),
@@ -146,16 +159,21 @@ pub fn deploy(arguments: &DeployArguments, common: &Common) -> Result<(), Failur
     record.status = Status::Running;
     write_manifest(&record, &directory)?;
     let interrupted = watch_for_interruption()?;
+    let correction = arguments
+        .correct
+        .then(|| Correction::usual(rod.gravito_bending_length, arguments.hand_speed));
     let task = DeployTask {
         cell: &cell,
         arm,
         motion: &motion,
         approach_speed: arguments.approach_speed,
         pattern: &pattern,
-        start: plan.points[0].position,
-        lead_in: plan.lead_in,
-        radius: plan.rod.radius,
+        path: &path,
+        rod: &rod,
         colour: &colour,
+        laying: correction.as_ref().map(|way| way as &dyn LayingMethod),
+        unfinished: Some(&unfinished),
+        settling: SETTLING,
         directory: &directory,
     };
     let end = task.run(&|| interrupted.load(Ordering::Relaxed));
@@ -165,7 +183,10 @@ pub fn deploy(arguments: &DeployArguments, common: &Common) -> Result<(), Failur
         Ok(score) => {
             record.score(&score);
             record.status = Status::Finished;
-            None
+            let cleared = unfinished.clear();
+            cleared.err().map(|error| {
+                Failure::System(format!("the end of the task cannot be noted: {error}"))
+            })
         }
         Err(error) => {
             record.status = match error {
@@ -193,16 +214,6 @@ fn failed(error: &DeployError, directory: &Path) -> Failure {
         },
         _ => Failure::System(message),
     }
-}
-
-/// The pattern without its lead-in, m.
-fn pattern_of(plan: &WrittenPlan) -> Vec<Point> {
-    let points = plan.points.iter();
-    // What is within rounding of its start is its start.
-    let behind = points.filter(|point| point.s >= plan.lead_in - 1e-9);
-    behind
-        .map(|point| Point::new(point.position.x, point.position.y))
-        .collect()
 }
 
 /// Lays it in plain simulation, and writes the page.

@@ -4,6 +4,7 @@ use super::applications::Application;
 use super::bundling::Bundling;
 use super::cases::{Case, Run, run_all};
 use super::cost::{self, Costly};
+use super::explored_helices::Explored;
 use super::folds::Folded;
 use super::grasp_grid::GraspGrid;
 use super::hanging_strips::Hanging;
@@ -18,11 +19,12 @@ use super::simplified_inversion::{self, Factor};
 use super::table::FiguresOfTable;
 use super::tightening::Tightening;
 use super::{
-    ReproduceError, ReproduceOptions, auto_steps, deployment_correction, deployment_errors,
-    drag_steps, figure_2_5, figure_2_6, figure_2_7, figure_2_8, figure_3_4, figure_3_9, figure_4_5,
-    figure_4_9, figure_4_10, figure_4_11, figure_5_4, figure_5_5, figure_5_6, figure_5_8,
-    figure_6_2, figure_6_5, inversion_factors, knot_convergence, laid_patterns, table_2_1,
-    table_2_2, table_4_1, table_5_2, table_5_3, table_5_4,
+    ReproduceError, ReproduceOptions, auto_steps, cell_correction, deployment_correction,
+    deployment_errors, drag_steps, figure_2_5, figure_2_6, figure_2_7, figure_2_8, figure_3_4,
+    figure_3_9, figure_4_5, figure_4_9, figure_4_10, figure_4_11, figure_5_4, figure_5_5,
+    figure_5_6, figure_5_8, figure_6_2, figure_6_5, figure_6_6_robot, inversion_factors,
+    knot_convergence, laid_patterns, table_2_1, table_2_2, table_4_1, table_5_2, table_5_2_cell,
+    table_5_3, table_5_4,
 };
 use std::fmt;
 use std::path::PathBuf;
@@ -35,7 +37,7 @@ pub struct Artifact {
 }
 
 /// All tables and figures.
-pub static ARTIFACTS: [Artifact; 36] = [
+pub static ARTIFACTS: [Artifact; 39] = [
     Artifact {
         name: "tab2.1",
         title: "Table 2.1: IMC and IPC, iterations and time of bundling flagella",
@@ -268,6 +270,15 @@ pub static ARTIFACTS: [Artifact; 36] = [
         },
     },
     Artifact {
+        name: "tab5.2-cell",
+        title: "Table 5.2 in the virtual cell: through drivers and camera",
+        recipe: &Recipe {
+            runs: Laying::of_cell,
+            write: table_5_2_cell::write,
+            figures_of_table: None,
+        },
+    },
+    Artifact {
         name: "tab5.3",
         title: "Table 5.3: trajectories by exact grasps and by the network",
         recipe: &Recipe {
@@ -313,6 +324,15 @@ pub static ARTIFACTS: [Artifact; 36] = [
         },
     },
     Artifact {
+        name: "fig6.6-robot",
+        title: "Figure 6.6: the boundary of the stable helices, explored by the arm of a virtual cell",
+        recipe: &Recipe {
+            runs: |quick| vec![Explored::of_the_thesis(quick)],
+            write: figure_6_6_robot::write,
+            figures_of_table: Some(figure_6_6_robot::figures_of_table),
+        },
+    },
+    Artifact {
         name: "knot-convergence",
         title: "Overhand knots pulled tight: mesh, pull speed and contact tolerance",
         recipe: &Recipe {
@@ -337,6 +357,15 @@ pub static ARTIFACTS: [Artifact; 36] = [
             runs: Laying::of_correction,
             write: deployment_correction::write,
             figures_of_table: Some(deployment_correction::figures_of_table),
+        },
+    },
+    Artifact {
+        name: "cell-correction",
+        title: "Rods laid in the virtual cell: what correction makes up for",
+        recipe: &Recipe {
+            runs: Laying::of_cell_correction,
+            write: cell_correction::write,
+            figures_of_table: Some(cell_correction::figures_of_table),
         },
     },
     Artifact {

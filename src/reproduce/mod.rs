@@ -11,6 +11,7 @@
 //! | `inversion` | a knot pulled until it inverts (thesis 3) |
 //! | `helices` | the search for the boundary of the stable helices (thesis 6.2) |
 //! | `manipulated_helix` | a helical rod manipulated in time (thesis 6.3) |
+//! | `explored_helices` | helical rods explored by the arm of a virtual cell (thesis 6.3, 6.4) |
 //! | `laying` | a rod laid along a pattern (thesis 5.5) |
 //! | `applications` | cables placed in clips, a knot tied on the table (thesis 5.5.5, 5.5.6) |
 //! | `cases` | running the runs |
@@ -30,12 +31,15 @@
 //! | `figure_5_8`, `heavy_loops` | rods folded over onto themselves |
 //! | `laid_patterns`, `laid_outlines` | rods laid along patterns, from above |
 //! | `table_5_2`, `measured_deployments` | how well rods are laid along patterns, simulated and measured |
+//! | `table_5_2_cell`, `virtual_laying` | the same through drivers and camera of the virtual cell |
 //! | `table_5_4` | how often cables are placed and knots tied |
 //! | `figure_6_2` | figures 6.2 and 6.6 |
 //! | `figure_6_5` | disturbances of a manipulated rod |
+//! | `figure_6_6_robot` | the boundary of the stable helices, explored by an arm |
 //! | `overhand_law` | knots pulled tight against Eq. 2.30, part by part |
 //! | `knot_convergence` | what mesh, pull speed and contact tolerance change |
 //! | `deployment_errors`, `deployment_correction` | what jitter and errors of the rod do to a laid rod, and their correction |
+//! | `cell_correction` | the same in the virtual cell, through drivers and camera |
 //! | `cost`, `drag_steps`, `auto_steps` | what steps cost, and what larger and automatic ones lose |
 //! | `difference` | distance of the nodes between two runs (thesis Eq. 2.28) |
 
@@ -44,11 +48,13 @@ mod artifact;
 mod auto_steps;
 mod bundling;
 mod cases;
+mod cell_correction;
 mod cost;
 mod deployment_correction;
 mod deployment_errors;
 mod difference;
 mod drag_steps;
+mod explored_helices;
 mod figure_2_5;
 mod figure_2_6;
 mod figure_2_7;
@@ -65,6 +71,7 @@ mod figure_5_6;
 mod figure_5_8;
 mod figure_6_2;
 mod figure_6_5;
+mod figure_6_6_robot;
 mod folds;
 mod grasp_grid;
 mod hanging_strips;
@@ -90,9 +97,11 @@ mod table_2_1;
 mod table_2_2;
 mod table_4_1;
 mod table_5_2;
+mod table_5_2_cell;
 mod table_5_3;
 mod table_5_4;
 mod tightening;
+mod virtual_laying;
 
 pub use artifact::{ARTIFACTS, Artifact};
 pub use redraw::redraw;
@@ -208,7 +217,7 @@ mod tests {
                 "{text}"
             );
             assert!(
-                ["0.0", "60 d", "rods of"]
+                ["0.0", "60 d", "1 d", "rods of"]
                     .iter()
                     .any(|what| text.contains(&format!("**Quick: {what}"))),
                 "{text}"

@@ -11,6 +11,9 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 /// Colour of the rod, and of the table.
 const ROD: [u8; 3] = [205, 60, 70];
 const TABLE: [f64; 3] = [40.0, 44.0, 48.0];
+/// Length and radius of a marker, m, and its colour.
+const MARKER: [f64; 2] = [7e-3, 3.5e-3];
+const MARKER_COLOUR: [u8; 3] = [50, 95, 235];
 /// Points of a rendered rod over its radius.
 const SPACING: f64 = 0.5;
 /// Most points of a rendered rod.
@@ -41,7 +44,14 @@ impl PictureTaker {
     }
 
     /// Begins a picture of a rod, for a topic, at the time `now`, s.
-    pub fn begin(&mut self, rod: Option<(Vec<Vector3>, f64)>, topic: &str, stamp: Value) {
+    /// `markers` says where it has markers, over its length.
+    pub fn begin(
+        &mut self,
+        rod: Option<(Vec<Vector3>, f64)>,
+        markers: Vec<f64>,
+        topic: &str,
+        stamp: Value,
+    ) {
         let camera = self.camera;
         self.taken += 1;
         let number = self.taken;
@@ -49,7 +59,7 @@ impl PictureTaker {
         let (sender, receiver) = channel();
         self.under_way = Some(receiver);
         std::thread::spawn(move || {
-            let picture = picture(&camera, rod, number);
+            let picture = picture(&camera, rod, &markers, number);
             // Nobody waits for it any more where this fails.
             let _ = sender.send(message(&picture, &topic, number, &stamp));
         });
@@ -73,18 +83,49 @@ impl PictureTaker {
 }
 
 /// What the camera sees of a rod of some radius, m; `number` makes the noise another one each time.
-fn picture(camera: &Camera, rod: Option<(Vec<Vector3>, f64)>, number: u64) -> RgbImage {
-    let options = RenderOptions {
+fn picture(
+    camera: &Camera,
+    rod: Option<(Vec<Vector3>, f64)>,
+    markers: &[f64],
+    number: u64,
+) -> RgbImage {
+    let mut options = RenderOptions {
         seed: number,
         ..RenderOptions::default()
     };
-    let rods = rod.map(|(nodes, radius)| RenderedRod {
-        points: visible(camera, fine(&nodes, SPACING * radius)),
-        radius,
-        colour: ROD,
-    });
-    let rods: Vec<RenderedRod> = rods.into_iter().collect();
+    let mut rods = Vec::new();
+    if let Some((nodes, radius)) = rod {
+        let points = fine(&nodes, SPACING * radius);
+        for place in markers {
+            rods.push(RenderedRod {
+                points: visible(camera, marker(&points, *place)),
+                radius: MARKER[1],
+                colour: MARKER_COLOUR,
+            });
+        }
+        // What has markers hangs in the air: its shadow is all but gone.
+        if !markers.is_empty() {
+            options.shadow = 0.0;
+        }
+        rods.push(RenderedRod {
+            points: visible(camera, points),
+            radius,
+            colour: ROD,
+        });
+    }
     render(camera, &rods, |_| TABLE, &options)
+}
+
+/// A sleeve about the point of a curve that lies `place` of its length from its start.
+fn marker(points: &[Vector3], place: f64) -> Vec<Vector3> {
+    let mut lengths = vec![0.0];
+    for pair in points.windows(2) {
+        lengths.push(lengths[lengths.len() - 1] + (pair[1] - pair[0]).norm());
+    }
+    let middle = place * lengths[lengths.len() - 1];
+    let within = points.iter().zip(&lengths);
+    let within = within.filter(|(_, length)| (*length - middle).abs() <= 0.5 * MARKER[0]);
+    within.map(|(point, _)| *point).collect()
 }
 
 /// What is not too near, from the start of the rod on.
@@ -183,7 +224,7 @@ mod tests {
                 Vector3::new(x, 0.05 * libm::cos(15.0 * x), 0.0016)
             })
             .collect();
-        let picture = picture(&camera, Some((nodes.clone(), 0.0016)), 1);
+        let picture = picture(&camera, Some((nodes.clone(), 0.0016)), &[], 1);
         let found = trace(&picture, &TraceOptions::default()).unwrap();
         assert_eq!(found.strands.len(), 1);
         for point in &found.strands[0].points {

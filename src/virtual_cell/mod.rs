@@ -8,7 +8,9 @@
 //! |---|---|
 //! | `arm` | joints that follow trajectories with latency and lag, within their limits |
 //! | `rod` | the rod in simulation: handed over, led by the hand, let go |
-//! | `camera` | pictures of it |
+//! | `axis` | external axes, which move as arms do |
+//! | `chuck` | a rod clamped between a chuck and a hand, led and twisted |
+//! | `camera` | pictures of the rod |
 //! | `simulated_cell` | all of them on one clock, and what goes wrong |
 //! | `fault` | faults that a cell is told to have |
 //! | `topics` | names of actions and topics |
@@ -17,7 +19,9 @@
 //! | `server` | clients, goals, reports |
 
 mod arm;
+mod axis;
 mod camera;
+mod chuck;
 mod connection;
 mod fault;
 mod message;
@@ -29,6 +33,7 @@ mod tests;
 mod topics;
 
 pub use arm::Response;
+pub use chuck::ChuckedSupply;
 pub use fault::{Fault, FaultKind};
 pub use rod::{RodError, RodSupply};
 pub use server::{ServeError, Settings, VirtualCell};

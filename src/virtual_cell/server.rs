@@ -2,6 +2,7 @@
 
 use super::arm::{Ended, Response};
 use super::camera::PictureTaker;
+use super::chuck::ChuckedSupply;
 use super::connection::Connection;
 use super::fault::{Fault, FaultKind};
 use super::message::{
@@ -11,6 +12,7 @@ use super::rod::RodSupply;
 use super::simulated_cell::{Event, STEP, SimulatedCell};
 use super::topics::{CLOCK, Topics};
 use crate::cell::Cell;
+use crate::experiment::Jitter;
 use crate::mechanics::dynamics::SimulationError;
 use serde_json::json;
 use std::io::{self, ErrorKind};
@@ -43,6 +45,10 @@ pub struct Settings {
     pub response: Response,
     /// Rods for the grippers.
     pub supply: Option<RodSupply>,
+    /// Rods between the chuck and a hand.
+    pub chucked: Option<ChuckedSupply>,
+    /// How the hands tremble, which nobody is told.
+    pub jitter: Option<Jitter>,
     /// What goes wrong.
     pub faults: Vec<Fault>,
 }
@@ -87,6 +93,8 @@ pub struct VirtualCell {
     grips: Vec<Option<UnderWay>>,
     pictures: Option<PictureTaker>,
     last_picture: f64,
+    /// Clients that watched when the picture under way was begun.
+    watchers: Vec<u64>,
     last_report: (f64, Instant),
 }
 
@@ -105,7 +113,8 @@ impl VirtualCell {
         };
         let listener = TcpListener::bind(settings.address).map_err(unusable)?;
         listener.set_nonblocking(true).map_err(unusable)?;
-        let none = || cell.arms.iter().map(|_| None);
+        let parts = topics.arms.len();
+        let none = || (0..parts).map(|_| None);
         Ok(Self {
             listener,
             token: settings.token,
@@ -113,13 +122,21 @@ impl VirtualCell {
             topics,
             clients: Vec::new(),
             next_client: 1,
-            leaders: cell.arms.iter().map(|_| None).collect(),
+            leaders: vec![None; parts],
             motions: none().collect(),
             grips: none().collect(),
             pictures,
             last_picture: f64::NEG_INFINITY,
+            watchers: Vec::new(),
             last_report: (f64::NEG_INFINITY, Instant::now()),
-            cell: SimulatedCell::new(cell, settings.response, settings.supply, settings.faults),
+            cell: SimulatedCell::new(
+                cell,
+                settings.response,
+                settings.supply,
+                settings.chucked,
+                settings.jitter,
+                settings.faults,
+            ),
         })
     }
 
@@ -368,16 +385,27 @@ impl VirtualCell {
         };
         let topic = &self.topics.camera;
         if let Some(picture) = pictures.finished() {
+            // Who came later waits for the next one: this shows what was before.
+            let watchers = std::mem::take(&mut self.watchers);
             let watching = self.clients.iter_mut();
             for client in watching.filter(|client| client.hears(topic) && !client.is_full()) {
-                client.send(&picture);
+                if watchers.contains(&client.id) {
+                    client.send(&picture);
+                }
             }
         }
-        let is_watched = self.clients.iter().any(|client| client.hears(topic));
+        let watching = self.clients.iter().filter(|client| client.hears(topic));
+        let watching: Vec<u64> = watching.map(|client| client.id).collect();
         let now = self.cell.time();
-        if is_watched && !pictures.is_busy() && now - self.last_picture >= PICTURE {
+        if !watching.is_empty() && !pictures.is_busy() && now - self.last_picture >= PICTURE {
             self.last_picture = now;
-            pictures.begin(self.cell.rod(), topic, stamp(self.topics.version, now));
+            self.watchers = watching;
+            pictures.begin(
+                self.cell.rod(),
+                self.cell.markers(),
+                topic,
+                stamp(self.topics.version, now),
+            );
         }
     }
 }

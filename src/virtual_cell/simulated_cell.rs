@@ -1,12 +1,16 @@
-//! Arms, grippers and the rod of a virtual cell, on one clock.
+//! Arms, axes, grippers and the rod of a virtual cell, on one clock.
 
 use super::arm::{Ended, Refusal, Response, SimulatedArm};
+use super::axis::moving_parts;
+use super::chuck::{Chuck, ChuckedSupply};
 use super::fault::{Fault, FaultKind};
 use super::rod::{HANDING_OVER, RodSupply, SimulatedRod};
 use crate::cell::Cell;
+use crate::experiment::Jitter;
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::SimulationError;
 use crate::robot::{PartTrajectory, Pose};
+use nalgebra::Translation3;
 
 /// Time step of everything, s.
 pub const STEP: f64 = 5e-3;
@@ -40,8 +44,12 @@ pub struct SimulatedCell {
     opened: Vec<Option<f64>>,
     table: Pose,
     supply: Option<RodSupply>,
+    /// How the hands tremble, which the joints do not tell.
+    jitter: Option<Jitter>,
     /// The rod, and the arm that took it.
     rod: Option<(SimulatedRod, usize)>,
+    /// The chuck with its rod.
+    chuck: Option<Chuck>,
     /// Faults to come, and when the first motion began, s.
     faults: Vec<Fault>,
     moved: Option<f64>,
@@ -53,23 +61,27 @@ impl SimulatedCell {
         cell: &Cell,
         response: Response,
         supply: Option<RodSupply>,
+        chucked: Option<ChuckedSupply>,
+        jitter: Option<Jitter>,
         faults: Vec<Fault>,
     ) -> Self {
-        let grippers = cell.arms.iter().map(|arm| arm.gripper.as_ref());
+        let parts = moving_parts(cell);
+        let grippers = parts.iter().map(|arm| arm.gripper.as_ref());
         // Half open is open.
         let opened = grippers.map(|known| known.map(|known| 0.5 * (known.open + known.closed)));
         Self {
             time: 0.0,
-            arms: cell
-                .arms
+            arms: parts
                 .iter()
                 .map(|arm| SimulatedArm::new(arm, response))
                 .collect(),
-            grippers: vec![Gripper::default(); cell.arms.len()],
+            grippers: vec![Gripper::default(); parts.len()],
             opened: opened.collect(),
             table: cell.table.map_or_else(Pose::identity, |table| table.top),
             supply,
+            jitter,
             rod: None,
+            chuck: chucked.map(Chuck::new),
             faults,
             moved: None,
         }
@@ -80,15 +92,24 @@ impl SimulatedCell {
         self.time
     }
 
-    /// The arms.
+    /// The arms, then the axes.
     pub fn arms(&self) -> &[SimulatedArm] {
         &self.arms
     }
 
     /// Nodes of the rod in the cell, and its radius, m.
     pub fn rod(&self) -> Option<(Vec<Vector3>, f64)> {
+        if let Some(chuck) = &self.chuck {
+            return Some((chuck.nodes()?, chuck.rod().radius));
+        }
         let (rod, _) = self.rod.as_ref()?;
         Some((rod.nodes(), rod.radius()))
+    }
+
+    /// Where markers are along it, over its length.
+    pub fn markers(&self) -> Vec<f64> {
+        let chuck = self.chuck.as_ref();
+        chuck.map_or_else(Vec::new, |chuck| chuck.rod().marker_places())
     }
 
     /// Lets an arm follow a trajectory.
@@ -114,8 +135,7 @@ impl SimulatedCell {
         let Some(opened) = self.opened[arm] else {
             return Err("this arm has no gripper".into());
         };
-        let holder = self.rod.as_ref().filter(|(rod, _)| rod.is_held());
-        let holder = holder.map(|(_, holder)| *holder);
+        let holder = self.holder();
         let takes = if opening >= opened {
             if holder == Some(arm) {
                 self.let_go().map_err(|error| error.to_string())?;
@@ -126,11 +146,13 @@ impl SimulatedCell {
                 (_, Some(holder)) if holder != arm => {
                     return Err(format!("{} holds the rod", self.arms[holder].name));
                 }
+                (_, None) if self.chuck.is_some() => {
+                    self.clamp(arm)?;
+                    HANDING_OVER
+                }
                 (Some(supply), None) => {
-                    if self.arms[arm].is_moving() {
-                        return Err("the rod is handed over to an arm that stands still".into());
-                    }
-                    let rod = supply.handed(&self.arms[arm].hand(), &self.table, self.time)?;
+                    self.arms[arm].must_stand()?;
+                    let rod = supply.handed(&self.hand(arm), &self.table, self.time)?;
                     self.rod = Some((rod, arm));
                     HANDING_OVER
                 }
@@ -141,7 +163,29 @@ impl SimulatedCell {
         Ok(())
     }
 
+    /// The arm whose gripper holds the rod.
+    fn holder(&self) -> Option<usize> {
+        if let Some(chuck) = &self.chuck {
+            return chuck.holder();
+        }
+        let held = self.rod.as_ref().filter(|(rod, _)| rod.is_held());
+        held.map(|(_, holder)| *holder)
+    }
+
+    /// Clamps a rod between the chuck and the hand of an arm.
+    fn clamp(&mut self, arm: usize) -> Result<(), String> {
+        self.arms[arm].must_stand()?;
+        let Some(chuck) = &mut self.chuck else {
+            return Ok(());
+        };
+        let angle = self.arms[chuck.part()].joints()[0];
+        chuck.take(arm, &self.arms[arm].hand(), angle, self.time)
+    }
+
     fn let_go(&mut self) -> Result<(), SimulationError> {
+        if let Some(chuck) = &mut self.chuck {
+            return chuck.let_go();
+        }
         match &mut self.rod {
             Some((rod, _)) => rod.release(),
             None => Ok(()),
@@ -172,11 +216,26 @@ impl SimulatedCell {
         Ok(events)
     }
 
+    /// Where the hand of an arm is, trembling.
+    fn hand(&self, arm: usize) -> Pose {
+        let hand = self.arms[arm].hand();
+        match &self.jitter {
+            Some(jitter) => Translation3::from(jitter.at(self.time).0) * hand,
+            None => hand,
+        }
+    }
+
     /// Leads the rod on to now; whether it has come there.
     fn lead_rod(&mut self) -> Result<bool, SimulationError> {
-        match &mut self.rod {
-            Some((rod, holder)) => rod.advance(&self.arms[*holder].hand(), self.time),
-            None => Ok(true),
+        if let Some(chuck) = &mut self.chuck {
+            let angle = self.arms[chuck.part()].joints()[0];
+            return chuck.lead(|arm| self.arms[arm].hand(), angle, self.time);
+        }
+        let holder = self.rod.as_ref().map(|(_, holder)| *holder);
+        let hand = holder.map(|holder| self.hand(holder));
+        match (&mut self.rod, hand) {
+            (Some((rod, _)), Some(hand)) => rod.advance(&hand, self.time),
+            _ => Ok(true),
         }
     }
 
@@ -187,7 +246,7 @@ impl SimulatedCell {
         };
         let now = self.time - moved;
         let moving = self.arms.iter().position(SimulatedArm::is_moving);
-        let holds = self.rod.as_ref().is_some_and(|(rod, _)| rod.is_held());
+        let holds = self.holder().is_some();
         // A joint freezes in a motion, and a rod slips that is held.
         let has_come = |fault: &Fault| {
             fault.time <= now
