@@ -140,8 +140,6 @@ pub struct ContactConstraint {
     pub(super) threshold: f64,
     /// Force on the first body, N.
     pub force: Vector3,
-    /// Whether it has borne a force since the step began.
-    pub(super) touched: bool,
 }
 
 impl ContactConstraint {
@@ -178,7 +176,6 @@ impl ContactConstraint {
             friction,
             threshold,
             force: Vector3::zeros(),
-            touched: false,
         }
     }
 
