@@ -295,8 +295,9 @@ fn welds_and_hinges_break_at_the_moment_that_bends_the_rod() {
 
 #[test]
 fn a_rod_leaves_its_hinge_as_it_moves_and_turns() {
+    const STEP: f64 = 2e-4;
     let scene = flail();
-    let parameters = parameters(Scheme::BackwardDifferences, 2e-4);
+    let parameters = parameters(Scheme::BackwardDifferences, STEP);
     let end = PUSHED + 0.05;
     let mut whole = Simulation::new(&scene, &parameters).unwrap();
     let mut states = Vec::new();
@@ -324,7 +325,8 @@ fn a_rod_leaves_its_hinge_as_it_moves_and_turns() {
     let (sine, cosine) = libm::sincos(SPIN * time);
     let expected = Vector3::new(-sine, cosine, 0.0) * (0.025 * SPIN);
     let error = (velocity - expected).xy().norm() / expected.norm();
-    assert!(error < 5e-3, "{velocity} {expected}");
+    // When it breaks is known to the step, in which the arm turns by so much.
+    assert!(error < SPIN * STEP, "{velocity} {expected}");
     for state in states {
         let mut resumed = Simulation::new(&scene, &parameters).unwrap();
         resumed.restore(state).unwrap();

@@ -328,7 +328,8 @@ fn touching_ball(model: ContactModel) -> Scene {
     Scene {
         rods: vec![
             rod("bearer", Vector3::zeros(), Vector3::new(0.3, 0.2, -0.9), 3),
-            rod("beside", beside - y * 0.7, beside + y * 0.8, 4),
+            // The middle of an edge is beside the ball, no node.
+            rod("beside", beside - y * 0.7, beside + y * 0.4, 4),
             rod("above", above, above + Vector3::new(0.1, 0.3, 0.9), 3),
         ],
         bodies: vec![ball("ball", 0, own), ball("other", 2, others)],
