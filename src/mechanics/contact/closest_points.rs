@@ -63,8 +63,8 @@ impl ClosestPoints {
         );
         let cross = edge_i.cross(&edge_j);
         let determinant = cross.norm_squared() + smoothing * (square_i + square_j - smoothing);
-        // A first edge without length is a point, which is parallel to nothing.
-        let is_point = square_i == smoothing;
+        // An edge without length is a point, which is parallel to nothing, and lies at its first node.
+        let is_point = square_i == smoothing || square_j == smoothing;
         if is_point || determinant <= PARALLEL_SINE * PARALLEL_SINE * square_i * square_j {
             return Self::of_parallel_edges(nodes);
         }
@@ -341,11 +341,14 @@ mod tests {
         let nodes = [Vector3::zeros(), Vector3::x(), point, point];
         assert_eq!(edge_distance(&nodes), 2.0);
         assert_eq!(edge_distance(&[point; 4]), 0.0);
-        // The first one keeps its node for itself, smoothed or not.
+        // The other edge has a nearest point, smoothed or not.
         for smoothing in [0.0, 1e-3] {
             let found = ClosestPoints::smoothed(&[point, point, nodes[0], nodes[1]], smoothing);
             assert_eq!(found.weights(), [1.0, 0.0, -0.75, -0.25]);
             assert_eq!((found.free, found.distance()), ([false, true], 2.0));
+            let found = ClosestPoints::smoothed(&[nodes[0], nodes[1], point, point], smoothing);
+            assert_eq!(found.weights(), [0.75, 0.25, -1.0, 0.0]);
+            assert_eq!((found.free, found.distance()), ([true, false], 2.0));
         }
     }
 }
