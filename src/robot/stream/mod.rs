@@ -134,7 +134,7 @@ fn run(
                     Err(error) => return failed(part, &error),
                 }
             }
-            if let Err(reason) = watch(part, bounds, &clock, *done, log) {
+            if let Err(reason) = watch(part, bounds, &mut clock, *done, log) {
                 return Ending::Failed(reason);
             }
         }
@@ -222,7 +222,7 @@ fn prepare(
 fn watch(
     part: &mut Part,
     bounds: &StreamBounds,
-    clock: &MotionClock,
+    clock: &mut MotionClock,
     done: bool,
     log: &mut StreamLog,
 ) -> Result<(), String> {

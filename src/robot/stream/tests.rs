@@ -172,6 +172,10 @@ impl Driver for Simulated {
         true
     }
     fn state(&mut self) -> Result<Option<JointState>, DriverError> {
+        // The first report after the start is slow to come: the clock has leapt then.
+        if self.start == Some(self.now) {
+            std::thread::sleep(Duration::from_millis(20));
+        }
         self.now = Instant::now();
         let since = self.time() - 50.0 * Self::HEARS;
         Ok(Some(JointState {
@@ -183,8 +187,8 @@ impl Driver for Simulated {
         Some((self.time(), self.now))
     }
     fn start(&mut self, _: &PartTrajectory) -> Result<(), DriverError> {
-        self.start = Some(Instant::now());
         self.now = Instant::now();
+        self.start = Some(self.now);
         Ok(())
     }
     fn advance(&mut self, elapsed: f64) -> Result<Progress, DriverError> {
