@@ -185,13 +185,14 @@ impl Driver for RosbridgeDriver {
         } else {
             "sensor_msgs/msg/JointState"
         };
-        self.send(&json!({ "op": "subscribe", "topic": self.joint_states, "type": state_type }))?;
         let clock_type = if one {
             "rosgraph_msgs/Clock"
         } else {
             "rosgraph_msgs/msg/Clock"
         };
+        // Before the states of joints: a motion begins once these are heard, and its clock must be known then.
         self.send(&json!({ "op": "subscribe", "topic": CLOCK, "type": clock_type }))?;
+        self.send(&json!({ "op": "subscribe", "topic": self.joint_states, "type": state_type }))?;
         if one {
             for (topic, kind) in [
                 ("status", "actionlib_msgs/GoalStatusArray"),

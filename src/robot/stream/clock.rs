@@ -45,23 +45,30 @@ impl MotionClock {
 
     /// Time since the start, s.
     pub(super) fn elapsed(&mut self, parts: &[Part]) -> f64 {
-        let ours = self.start.elapsed().as_secs_f64();
         let robot = self
             .robot
             .and_then(|(part, began)| Some(parts[part].driver.clock()?.0 - began));
-        let elapsed = robot.unwrap_or(ours);
-        self.haste = self.haste.max(elapsed / ours.max(1e-3)).min(MOST_HASTE);
+        let elapsed = robot.unwrap_or_else(|| self.start.elapsed().as_secs_f64());
+        self.hasten(elapsed);
         elapsed
     }
 
     /// When, s after the start, what a part said last was so; `silence` is how long ago that was on our clock.
-    pub(super) fn heard(&self, part: &Part, silence: Duration) -> f64 {
+    pub(super) fn heard(&mut self, part: &Part, silence: Duration) -> f64 {
         let robot = self.robot.zip(part.driver.clock());
         // What comes with the time of the robot's clock is as old as that.
-        match robot {
+        let heard = match robot {
             Some(((_, began), (time, _))) => time - began,
             None => self.start.elapsed().as_secs_f64() - silence.as_secs_f64(),
-        }
+        };
+        self.hasten(heard);
+        heard
+    }
+
+    /// Notes how fast the clock has been until it was so late, s after the start.
+    fn hasten(&mut self, time: f64) {
+        let ours = self.start.elapsed().as_secs_f64();
+        self.haste = self.haste.max(time / ours.max(1e-3)).min(MOST_HASTE);
     }
 
     /// How many times as fast as ours the clock has been on the way, at most, and never below 1: what takes us a moment is

@@ -134,7 +134,7 @@ fn run(
                     Err(error) => return failed(part, &error),
                 }
             }
-            if let Err(reason) = watch(part, bounds, &clock, *done, log) {
+            if let Err(reason) = watch(part, bounds, &mut clock, *done, log) {
                 return Ending::Failed(reason);
             }
         }
@@ -222,7 +222,7 @@ fn prepare(
 fn watch(
     part: &mut Part,
     bounds: &StreamBounds,
-    clock: &MotionClock,
+    clock: &mut MotionClock,
     done: bool,
     log: &mut StreamLog,
 ) -> Result<(), String> {
@@ -271,13 +271,13 @@ fn farthest<'a>(
     time: f64,
     lateness: f64,
 ) -> Option<(&'a str, f64)> {
-    let instants: Vec<Vec<f64>> = (0..=10)
-        .map(|k| trajectory.at(time - lateness * f64::from(k) / 10.0))
-        .collect();
+    let since = time - lateness;
+    let ends = [trajectory.at(since), trajectory.at(time)];
+    let [first, last] = [since, time].map(|end| trajectory.times.partition_point(|t| *t < end));
     let distances = trajectory.joints.iter().enumerate().map(|(index, joint)| {
-        let places = instants.iter().map(|instant| instant[index]);
+        let places = ends.iter().chain(&trajectory.points[first..last]);
         let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), place| {
-            (low.min(place), high.max(place))
+            (low.min(place[index]), high.max(place[index]))
         });
         let position = positions[index];
         // A position that is no number is infinitely far.
