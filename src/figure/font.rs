@@ -3,25 +3,22 @@
 //! DejaVu Sans without hints, cut down to Latin, Greek, Cyrillic, signs of mathematics and arrows; its licence lies
 //! beside it. Letters that it lacks are drawn as boxes.
 
-use skrifa::instance::{LocationRef, Size};
-use skrifa::metrics::GlyphMetrics;
-use skrifa::outline::{DrawSettings, OutlineGlyphCollection, OutlinePen};
-use skrifa::{FontRef, GlyphId, MetadataProvider};
 use std::fmt::Write;
 use std::sync::LazyLock;
+use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
 /// Font units per em.
 pub(super) const UNITS: f64 = 2048.0;
 
-static FONT: LazyLock<FontRef<'static>> = LazyLock::new(|| {
-    FontRef::new(include_bytes!("font/DejaVuSans-subset.ttf")).expect("the font is whole")
+static FONT: LazyLock<Face<'static>> = LazyLock::new(|| {
+    Face::parse(include_bytes!("font/DejaVuSans-subset.ttf"), 0).expect("the font is whole")
 });
 
 /// A letter of the font; lengths are in em.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Glyph {
     /// Its number in the font.
-    pub number: u32,
+    pub number: u16,
     /// How far the next letter is.
     pub advance: f64,
     /// Left, right and top of its ink.
@@ -32,28 +29,26 @@ pub(super) struct Glyph {
 
 /// The letter of a character.
 pub(super) fn glyph(character: char) -> Glyph {
-    let id = FONT.charmap().map(character).unwrap_or(GlyphId::NOTDEF);
-    let metrics: GlyphMetrics = FONT.glyph_metrics(Size::unscaled(), LocationRef::default());
-    let em = |units: f32| f64::from(units) / UNITS;
-    let advance = em(metrics.advance_width(id).unwrap_or_default());
-    let ink = metrics.bounds(id).unwrap_or_default();
+    let id = FONT.glyph_index(character).unwrap_or_default();
+    let em = |units: i16| f64::from(units) / UNITS;
+    let advance = FONT.glyph_hor_advance(id).unwrap_or_default();
+    let ink = FONT.glyph_bounding_box(id);
+    let ink = ink.map_or([0; 3], |ink| [ink.x_min, ink.x_max, ink.y_max]);
+    let [left, right, top] = ink.map(em);
     Glyph {
-        number: id.to_u32(),
-        advance,
-        left: em(ink.x_min),
-        right: em(ink.x_max),
-        top: em(ink.y_max),
+        number: id.0,
+        advance: f64::from(advance) / UNITS,
+        left,
+        right,
+        top,
     }
 }
 
 /// The outline of a letter as SVG path data in font units, y upwards; empty for a space.
-pub(super) fn outline(number: u32) -> String {
-    let outlines: OutlineGlyphCollection = FONT.outline_glyphs();
+pub(super) fn outline(number: u16) -> String {
     let mut pen = PathData::default();
-    if let Some(glyph) = outlines.get(GlyphId::new(number)) {
-        let settings = DrawSettings::unhinted(Size::unscaled(), LocationRef::default());
-        glyph.draw(settings, &mut pen).expect("the font is whole");
-    }
+    // What has no ink has no outline.
+    let _ = FONT.outline_glyph(GlyphId(number), &mut pen);
     pen.0
 }
 
@@ -73,7 +68,7 @@ impl PathData {
     }
 }
 
-impl OutlinePen for PathData {
+impl OutlineBuilder for PathData {
     fn move_to(&mut self, x: f32, y: f32) {
         self.add('M', &[x, y]);
     }
