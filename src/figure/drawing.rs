@@ -58,7 +58,7 @@ impl Stroke {
 pub(super) struct Drawing {
     width: f64,
     body: String,
-    letters: BTreeSet<u32>,
+    letters: BTreeSet<u16>,
 }
 
 impl Drawing {

@@ -19,7 +19,7 @@ const MACRON: char = '\u{304}';
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Placed {
     /// Number of the letter in the font.
-    pub glyph: u32,
+    pub glyph: u16,
     /// Where it begins on its line.
     pub at: [f64; 2],
     /// Its size over that of the line.
