@@ -13,10 +13,10 @@ use tungstenite::Message;
 const ROD: &str = "[deployment.rod]\ngravito_bending_length = \"3 cm\"\nradius = \"2 mm\"\nlength = \"30 cm\"\nedges = 30\n";
 
 /// A server that ends with the test.
-struct Served {
+pub struct Served {
     child: Child,
     address: String,
-    folder: tempfile::TempDir,
+    pub folder: tempfile::TempDir,
 }
 
 impl Drop for Served {
@@ -27,19 +27,24 @@ impl Drop for Served {
     }
 }
 
-fn gantry() -> String {
+pub fn gantry() -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/cells/gantry.toml");
     fs::read_to_string(path).unwrap()
 }
 
-/// Serves the gantry with a rod, with further arguments; `client.toml` in its folder is the cell file for its clients, who name a
-/// path where there is one.
+/// Serves the gantry with a rod, with further arguments.
 fn serve(arguments: &[&str], path: &str) -> Served {
+    serve_cell(&[&["--rod", "rod.toml"], arguments].concat(), path)
+}
+
+/// Serves the gantry with some arguments; `client.toml` in its folder is the cell file for its clients, who name a path where there is
+/// one.
+pub fn serve_cell(arguments: &[&str], path: &str) -> Served {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("rod.toml"), ROD).unwrap();
     fs::write(folder.path().join("cell.toml"), gantry()).unwrap();
     let mut child = Command::new(env!("CARGO_BIN_EXE_rodlab"))
-        .args(["cell", "serve", "--cell", "cell.toml", "--rod", "rod.toml"])
+        .args(["cell", "serve", "--cell", "cell.toml"])
         .args(["--listen", "127.0.0.1:0"])
         .args(arguments)
         .current_dir(folder.path())
@@ -73,7 +78,7 @@ impl Served {
         command
     }
 
-    fn run(&self, arguments: &[&str]) -> Output {
+    pub fn run(&self, arguments: &[&str]) -> Output {
         self.command(arguments).output().unwrap()
     }
 
@@ -92,7 +97,7 @@ impl Served {
         ])
     }
 
-    fn read(&self, name: &str) -> String {
+    pub fn read(&self, name: &str) -> String {
         fs::read_to_string(self.folder.path().join(name)).unwrap_or_default()
     }
 
@@ -110,7 +115,7 @@ impl Served {
     }
 
     /// Changes the cell file of the clients.
-    fn change(&self, from: &str, to: &str) {
+    pub fn change(&self, from: &str, to: &str) {
         let path = self.folder.path().join("client.toml");
         let text = fs::read_to_string(&path).unwrap();
         assert!(text.contains(from), "{from}");
@@ -118,7 +123,7 @@ impl Served {
     }
 }
 
-fn said(output: &Output) -> String {
+pub fn said(output: &Output) -> String {
     let [stdout, stderr] =
         [&output.stdout, &output.stderr].map(|said| String::from_utf8_lossy(said));
     format!("{stdout}{stderr}")

@@ -3,8 +3,7 @@
 use super::plan::PlanError;
 use super::resolved::{Cell, Driver};
 use crate::robot::{
-    Column, GripperDriver, JointTrajectory, Limits, Ros1Gripper, RosVersion, RosbridgeGripper,
-    SAMPLE, parametrise,
+    GripperDriver, JointTrajectory, Limits, Ros1Gripper, RosVersion, RosbridgeGripper, parametrise,
 };
 use std::time::{Duration, Instant};
 
@@ -92,20 +91,7 @@ impl Cell {
         let way: Vec<f64> = (0..=POINTS).map(|k| part(k) * whole).collect();
         let limits: Vec<Limits> = arm.chain.joints.iter().map(|joint| joint.limits).collect();
         let motion = parametrise(&joints, &way, &limits, speed)?;
-        let columns = arm.chain.joints.iter().map(|joint| Column {
-            part: arm.name.clone(),
-            joint: Some(joint.name.clone()),
-            kind: joint.kind,
-        });
-        let last = motion.samples.len() - 1;
-        let count = last.div_ceil(STRIDE);
-        Ok(Some(JointTrajectory {
-            columns: columns.collect(),
-            times: (0..=count).map(|k| (k * STRIDE) as f64 * SAMPLE).collect(),
-            points: (0..=count)
-                .map(|k| motion.samples[(k * STRIDE).min(last)].clone())
-                .collect(),
-        }))
+        Ok(Some(arm.sampled(&motion.samples, STRIDE)))
     }
 
     /// The gripper of an arm, with the openings in which it holds nothing and in which it holds, m.

@@ -10,19 +10,22 @@
 //! | `resolved` | the [`Cell`] |
 //! | `surroundings`, `plan` | collision checks; joint trajectories along a path of a hand |
 //! | `streaming` | a joint trajectory with the drivers that it moves |
-//! | `approach` | from where an arm stands to where a motion begins |
+//! | `approach`, `onwards` | from where an arm stands to where a motion begins; along a path of its hand from there |
+//! | `sampled` | samples of a motion as a joint trajectory |
 //! | `camera` | the camera as one that locates what it sees |
 //! | `view` | the 3-D page of a cell |
 //! | `report` | what `rodlab check` says of it |
 
 mod approach;
 mod camera;
+mod onwards;
 mod plan;
 mod report;
 mod resolve;
 mod resolve_chain;
 mod resolved;
 mod resolver;
+mod sampled;
 mod streaming;
 mod surroundings;
 #[cfg(test)]
@@ -30,6 +33,7 @@ mod tests;
 mod typed;
 mod view;
 
+pub use onwards::Onwards;
 pub use plan::{Place, Plan, PlanError, PlanReport, PlanRequest, read_poses};
 pub use report::CellReport;
 pub use resolved::{Arm, Axis, Camera, Cell, Driver, Gripper, Obstacle, Streaming, Table};

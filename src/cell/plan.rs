@@ -2,8 +2,8 @@
 
 use super::resolved::Cell;
 use crate::robot::{
-    Column, JointTrajectory, Obstruction, PathFailure, PathProblem, Pose, SAMPLE, TimingError,
-    Utilisation, parametrise, parts, place, read_table, subdivide, utilisation,
+    JointTrajectory, Obstruction, PathFailure, PathProblem, Pose, TimingError, Utilisation,
+    parametrise, parts, place, read_table, subdivide, utilisation,
 };
 use crate::robot::{Limits, TableError, pose};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
@@ -169,7 +169,8 @@ impl Cell {
         let limits: Vec<Limits> = arm.chain.joints.iter().map(|joint| joint.limits).collect();
         let motion = parametrise(&path.joints, &way, &limits, request.speed)?;
         let used: Utilisation = utilisation(&motion.samples, &limits);
-        let trajectory = self.sampled(request, &motion.samples);
+        let stride = (1000 / request.rate) as usize;
+        let trajectory = arm.sampled(&motion.samples, stride);
         let (place_position, place_quaternion) = parts(&frame);
         let to_limits = path.least_distance_to_limits;
         let report = PlanReport {
@@ -244,24 +245,5 @@ impl Cell {
             given + 2,
             failure.reason.in_words()
         )
-    }
-
-    /// Every so many samples as a trajectory; the last point is one more step at rest where it falls between.
-    fn sampled(&self, request: &PlanRequest, samples: &[Vec<f64>]) -> JointTrajectory {
-        let arm = &self.arms[request.arm];
-        let stride = (1000 / request.rate) as usize;
-        let count = (samples.len() - 1).div_ceil(stride);
-        let columns = arm.chain.joints.iter().map(|joint| Column {
-            part: arm.name.clone(),
-            joint: Some(joint.name.clone()),
-            kind: joint.kind,
-        });
-        JointTrajectory {
-            columns: columns.collect(),
-            times: (0..=count).map(|k| (k * stride) as f64 * SAMPLE).collect(),
-            points: (0..=count)
-                .map(|k| samples[(k * stride).min(samples.len() - 1)].clone())
-                .collect(),
-        }
     }
 }

@@ -32,6 +32,8 @@ mod failure;
 mod figure_arguments;
 mod fold;
 mod fold_figures;
+mod fold_in_cell;
+mod fold_simulation;
 mod folded_sheet;
 mod gather;
 mod guide;

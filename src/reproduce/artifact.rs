@@ -13,6 +13,7 @@ use super::inversion::Inversion;
 use super::laying::Laying;
 use super::manipulated_helix::ManipulatedHelix;
 use super::page::{Heading, Page};
+use super::recipe::AnyRecipe;
 use super::sideways_push::SidewaysPush;
 use super::simplified_inversion::{self, Factor};
 use super::table::FiguresOfTable;
@@ -20,9 +21,9 @@ use super::tightening::Tightening;
 use super::{
     ReproduceError, ReproduceOptions, auto_steps, deployment_correction, deployment_errors,
     drag_steps, figure_2_5, figure_2_6, figure_2_7, figure_2_8, figure_3_4, figure_3_9, figure_4_5,
-    figure_4_9, figure_4_10, figure_4_11, figure_5_4, figure_5_5, figure_5_6, figure_5_8,
-    figure_6_2, figure_6_5, inversion_factors, knot_convergence, laid_patterns, table_2_1,
-    table_2_2, table_4_1, table_5_2, table_5_3, table_5_4,
+    figure_4_9, figure_4_10, figure_4_11, figure_4_11_cell, figure_5_4, figure_5_5, figure_5_6,
+    figure_5_8, figure_6_2, figure_6_5, inversion_factors, knot_convergence, laid_patterns,
+    table_2_1, table_2_2, table_4_1, table_5_2, table_5_3, table_5_4,
 };
 use std::fmt;
 use std::path::PathBuf;
@@ -35,7 +36,7 @@ pub struct Artifact {
 }
 
 /// All tables and figures.
-pub static ARTIFACTS: [Artifact; 36] = [
+pub static ARTIFACTS: [Artifact; 37] = [
     Artifact {
         name: "tab2.1",
         title: "Table 2.1: IMC and IPC, iterations and time of bundling flagella",
@@ -194,6 +195,11 @@ pub static ARTIFACTS: [Artifact; 36] = [
             write: figure_4_11::write,
             figures_of_table: Some(figure_4_11::figures_of_table),
         },
+    },
+    Artifact {
+        name: "fig4.11-cell",
+        title: "Figure 4.11 by an arm: seven folds in the virtual cell",
+        recipe: &figure_4_11_cell::FoldsInCell,
     },
     Artifact {
         name: "tab4.1",
@@ -384,6 +390,14 @@ impl Artifact {
         self.title
     }
 
+    /// What its page is called.
+    pub(super) fn heading(&self) -> Heading {
+        Heading {
+            name: self.name,
+            title: self.title,
+        }
+    }
+
     /// Rough cost of all its runs on one core, s.
     pub fn cost(&self, quick: bool) -> f64 {
         self.recipe.cost(quick)
@@ -410,50 +424,15 @@ struct Recipe<R> {
     figures_of_table: Option<FiguresOfTable>,
 }
 
-/// A [`Recipe`] of whatever runs.
-pub(super) trait AnyRecipe: Sync {
-    /// Rough cost of all runs on one core, s.
-    fn cost(&self, quick: bool) -> f64;
-
-    /// The figures from the table alone.
-    fn figures_of_table(&self) -> Option<FiguresOfTable>;
-
-    /// Makes the runs and writes the page; returns the files written.
-    fn make(
-        &self,
-        artifact: &'static Artifact,
-        options: &ReproduceOptions,
-        report: &(dyn Fn(&str) + Sync),
-    ) -> Result<Vec<PathBuf>, ReproduceError>;
-
-    /// The same with a few steps of the first `count` runs.
-    #[cfg(test)]
-    fn make_shortened(
-        &self,
-        artifact: &'static Artifact,
-        count: usize,
-        options: &ReproduceOptions,
-        report: &(dyn Fn(&str) + Sync),
-    ) -> Result<Vec<PathBuf>, ReproduceError>;
-
-    /// The ids of the runs, each of which is prepared.
-    #[cfg(test)]
-    fn ids(&self, quick: bool) -> Vec<String>;
-}
-
 impl<R: Run> Recipe<R> {
     fn make_of(
         &self,
-        artifact: &'static Artifact,
+        heading: Heading,
         runs: &[R],
         options: &ReproduceOptions,
         report: &(dyn Fn(&str) + Sync),
     ) -> Result<Vec<PathBuf>, ReproduceError> {
         let cases = run_all(runs, options, report)?;
-        let heading = Heading {
-            name: artifact.name,
-            title: artifact.title,
-        };
         let mut page = Page::begin(heading, options, &cases)?;
         (self.write)(&mut page, &cases)?;
         Ok(page.finish()?)
@@ -471,24 +450,24 @@ impl<R: Run> AnyRecipe for Recipe<R> {
 
     fn make(
         &self,
-        artifact: &'static Artifact,
+        heading: Heading,
         options: &ReproduceOptions,
         report: &(dyn Fn(&str) + Sync),
     ) -> Result<Vec<PathBuf>, ReproduceError> {
-        self.make_of(artifact, &(self.runs)(options.quick), options, report)
+        self.make_of(heading, &(self.runs)(options.quick), options, report)
     }
 
     #[cfg(test)]
     fn make_shortened(
         &self,
-        artifact: &'static Artifact,
+        heading: Heading,
         count: usize,
         options: &ReproduceOptions,
         report: &(dyn Fn(&str) + Sync),
     ) -> Result<Vec<PathBuf>, ReproduceError> {
         let runs = (self.runs)(options.quick);
         let runs: Vec<R> = runs.iter().take(count).map(Run::shortened).collect();
-        self.make_of(artifact, &runs, options, report)
+        self.make_of(heading, &runs, options, report)
     }
 
     #[cfg(test)]

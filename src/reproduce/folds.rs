@@ -12,8 +12,9 @@ pub(super) struct Scenario {
     /// The same for files.
     pub id: &'static str,
     /// How far the edge goes, m, as its key is typed.
-    crease: &'static str,
-    paper: &'static str,
+    pub crease: &'static str,
+    /// The file of the sheet.
+    pub paper: &'static str,
     /// Whether a moment at the gripper keeps the sheet from sliding on a table of friction 0.12.
     pub is_held: bool,
 }
@@ -42,8 +43,8 @@ pub(super) const SCENARIOS: [Scenario; 8] = [
     ),
     scenario("US letter, C = 0.27 m", "us_27", "0.27", US_LETTER, true),
 ];
-/// The one of Fig. 4.10.
-const COMPARED: usize = 7;
+/// The one of Fig. 4.10; those before it are the thesis' seven.
+pub(super) const COMPARED: usize = 7;
 
 const fn scenario(
     name: &'static str,
@@ -58,6 +59,17 @@ const fn scenario(
         crease,
         paper,
         is_held,
+    }
+}
+
+impl Scenario {
+    /// The scenario with its paper in it.
+    pub fn text(&self) -> String {
+        let lines = SCENARIO.lines().filter(|line| !line.starts_with("extends"));
+        let lines: Vec<&str> = lines.collect();
+        let table = self.paper.find("[folding.paper]");
+        let table = table.expect("a table of the sheet");
+        format!("{}\n{}", lines.join("\n"), &self.paper[table..])
     }
 }
 
@@ -163,15 +175,6 @@ impl Folded {
         runs
     }
 
-    /// The scenario with its paper in it.
-    fn text(&self) -> String {
-        let lines = SCENARIO.lines().filter(|line| !line.starts_with("extends"));
-        let lines: Vec<&str> = lines.collect();
-        let paper = SCENARIOS[self.scenario].paper;
-        let table = paper.find("[folding.paper]").expect("a table of the sheet");
-        format!("{}\n{}", lines.join("\n"), &paper[table..])
-    }
-
     fn overrides(&self) -> Vec<String> {
         let Way {
             algorithm,
@@ -198,7 +201,8 @@ impl Folded {
 
     /// The run, ready to start.
     pub fn prepared(&self) -> PreparedRun {
-        prepared(&self.id(), &self.text(), &self.overrides())
+        let text = SCENARIOS[self.scenario].text();
+        prepared(&self.id(), &text, &self.overrides())
     }
 }
 

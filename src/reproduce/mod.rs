@@ -13,6 +13,7 @@
 //! | `manipulated_helix` | a helical rod manipulated in time (thesis 6.3) |
 //! | `laying` | a rod laid along a pattern (thesis 5.5) |
 //! | `applications` | cables placed in clips, a knot tied on the table (thesis 5.5.5, 5.5.6) |
+//! | `recipe` | what is asked of each |
 //! | `cases` | running the runs |
 //! | `page` | CSV, Markdown and manifest of an artefact |
 //! | `table` | that CSV, read again |
@@ -23,6 +24,7 @@
 //! | `folds` | a sheet that is folded (thesis 4.6) |
 //! | `figure_4_5` | the force manifold of folding |
 //! | `figure_4_9`, `hanging_strips` | strips that hang down |
+//! | `figure_4_11_cell`, `folds_in_cell` | folds by the arm of a virtual cell |
 //! | `figure_4_10`, `figure_4_11`, `table_4_1` | folds by several ways, and what planning them takes |
 //! | `figure_5_4` | where a gripper may be above a straight line |
 //! | `figure_5_5`, `sideways_push` | optimal grasps that are pushed sideways |
@@ -57,6 +59,7 @@ mod figure_3_4;
 mod figure_3_9;
 mod figure_4_10;
 mod figure_4_11;
+mod figure_4_11_cell;
 mod figure_4_5;
 mod figure_4_9;
 mod figure_5_4;
@@ -66,6 +69,7 @@ mod figure_5_8;
 mod figure_6_2;
 mod figure_6_5;
 mod folds;
+mod folds_in_cell;
 mod grasp_grid;
 mod hanging_strips;
 mod heavy_loops;
@@ -82,6 +86,7 @@ mod manipulated_helix;
 mod measured_deployments;
 mod overhand_law;
 mod page;
+mod recipe;
 mod redraw;
 mod sideways_push;
 mod simplified_inversion;
@@ -138,6 +143,9 @@ pub enum ReproduceError {
     /// The system could not start the threads of a run.
     #[error("cannot start the threads of a run: {0}")]
     Threads(String),
+    /// A virtual cell did not do what a page is made of.
+    #[error("the virtual cell: {0}")]
+    Cell(String),
     /// There is no table to draw figures from.
     #[error("there is no `{}`; make it by `rodlab reproduce {artifact}`", table.display())]
     NoTable {
@@ -169,7 +177,7 @@ pub fn reproduce(
     if options.quick && page::is_whole(&page) {
         return Err(ReproduceError::WouldReplace { page });
     }
-    artifact.recipe.make(artifact, options, report)
+    artifact.recipe.make(artifact.heading(), options, report)
 }
 
 #[cfg(test)]
@@ -198,7 +206,7 @@ mod tests {
             let options = options(directory.path(), 2);
             let written = artifact
                 .recipe
-                .make_shortened(artifact, usize::MAX, &options, &|_| {})
+                .make_shortened(artifact.heading(), usize::MAX, &options, &|_| {})
                 .unwrap();
             let page = directory.path().join(artifact.name());
             assert!(written.iter().all(|file| file.starts_with(&page)));
@@ -208,7 +216,7 @@ mod tests {
                 "{text}"
             );
             assert!(
-                ["0.0", "60 d", "rods of"]
+                ["0.0", "60 d", "rods of", "one sheet"]
                     .iter()
                     .any(|what| text.contains(&format!("**Quick: {what}"))),
                 "{text}"
@@ -238,7 +246,7 @@ mod tests {
         let shortened = |options: &ReproduceOptions| {
             let made = artifact
                 .recipe
-                .make_shortened(artifact, 2, options, &|_| {});
+                .make_shortened(artifact.heading(), 2, options, &|_| {});
             made.unwrap();
             fs::read_to_string(&page).unwrap()
         };
@@ -264,7 +272,7 @@ mod tests {
         let options = options(directory.path(), 1);
         let make = |count: usize| {
             let recipe = artifact.recipe;
-            let made = recipe.make_shortened(artifact, count, &options, &report);
+            let made = recipe.make_shortened(artifact.heading(), count, &options, &report);
             made.unwrap();
             fs::read(directory.path().join("fig2.6/fig2.6.csv")).unwrap()
         };

@@ -24,6 +24,19 @@ pub enum Status {
     Interrupted,
 }
 
+impl Status {
+    /// In words.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Planned => "planned, and nothing moved",
+            Self::Running => "under way",
+            Self::Finished => "finished",
+            Self::Failed => "failed",
+            Self::Interrupted => "interrupted",
+        }
+    }
+}
+
 /// What `manifest.json` holds, and `report.md` says.
 #[derive(Clone, Debug, Serialize)]
 pub struct DeployRecord {
@@ -83,14 +96,7 @@ pub fn write_report(record: &DeployRecord, directory: &Path) -> Result<(), Resul
         // Writing to a string cannot fail.
         let _ = writeln!(text, "| {name} | {value} |");
     };
-    let status = match record.status {
-        Status::Planned => "planned, and nothing moved",
-        Status::Running => "under way",
-        Status::Finished => "finished",
-        Status::Failed => "failed",
-        Status::Interrupted => "interrupted",
-    };
-    row("status", status.into());
+    row("status", record.status.in_words().into());
     if let Some(error) = &record.error {
         row("because", error.replace(['|', '\n'], " "));
     }

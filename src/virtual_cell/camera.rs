@@ -1,7 +1,8 @@
-//! The camera of a virtual cell: pictures of the rod on the table, made beside everything else.
+//! The camera of a virtual cell: pictures of what lies on the table, made beside everything else.
 
+use super::sheet_picture::{SeenSheet, SheetView};
 use crate::mechanics::Vector3;
-use crate::vision::{Camera, RenderOptions, RenderedRod, render};
+use crate::vision::{Camera, Point, RenderOptions, RenderedRod, render};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use image::RgbImage;
@@ -17,6 +18,15 @@ const SPACING: f64 = 0.5;
 const MOST_POINTS: usize = 50_000;
 /// What is nearer to the camera than this is out of focus, m.
 const NEAREST: f64 = 0.2;
+
+/// What there is to see.
+#[derive(Default)]
+pub struct Scenery {
+    /// Nodes of a rod, and its radius, m.
+    pub rod: Option<(Vec<Vector3>, f64)>,
+    /// A sheet.
+    pub sheet: Option<SeenSheet>,
+}
 
 /// Takes pictures, one at a time, in a thread of their own.
 pub struct PictureTaker {
@@ -40,8 +50,8 @@ impl PictureTaker {
         self.under_way.is_some()
     }
 
-    /// Begins a picture of a rod, for a topic, at the time `now`, s.
-    pub fn begin(&mut self, rod: Option<(Vec<Vector3>, f64)>, topic: &str, stamp: Value) {
+    /// Begins a picture for a topic, with a stamp.
+    pub fn begin(&mut self, scenery: Scenery, topic: &str, stamp: Value) {
         let camera = self.camera;
         self.taken += 1;
         let number = self.taken;
@@ -49,7 +59,7 @@ impl PictureTaker {
         let (sender, receiver) = channel();
         self.under_way = Some(receiver);
         std::thread::spawn(move || {
-            let picture = picture(&camera, rod, number);
+            let picture = picture(&camera, scenery, number);
             // Nobody waits for it any more where this fails.
             let _ = sender.send(message(&picture, &topic, number, &stamp));
         });
@@ -72,19 +82,26 @@ impl PictureTaker {
     }
 }
 
-/// What the camera sees of a rod of some radius, m; `number` makes the noise another one each time.
-fn picture(camera: &Camera, rod: Option<(Vec<Vector3>, f64)>, number: u64) -> RgbImage {
+/// What the camera sees; `number` makes the noise another one each time.
+fn picture(camera: &Camera, scenery: Scenery, number: u64) -> RgbImage {
     let options = RenderOptions {
         seed: number,
         ..RenderOptions::default()
     };
-    let rods = rod.map(|(nodes, radius)| RenderedRod {
+    let rods = scenery.rod.map(|(nodes, radius)| RenderedRod {
         points: visible(camera, fine(&nodes, SPACING * radius)),
         radius,
         colour: ROD,
     });
     let rods: Vec<RenderedRod> = rods.into_iter().collect();
-    render(camera, &rods, |_| TABLE, &options)
+    let sheet = scenery
+        .sheet
+        .map(|sheet| SheetView::new(sheet, camera, options.light));
+    let ground = |point: Point| match &sheet {
+        Some(sheet) => sheet.colour(point, TABLE),
+        None => TABLE,
+    };
+    render(camera, &rods, ground, &options)
 }
 
 /// What is not too near, from the start of the rod on.
@@ -183,7 +200,11 @@ mod tests {
                 Vector3::new(x, 0.05 * libm::cos(15.0 * x), 0.0016)
             })
             .collect();
-        let picture = picture(&camera, Some((nodes.clone(), 0.0016)), 1);
+        let scenery = Scenery {
+            rod: Some((nodes.clone(), 0.0016)),
+            sheet: None,
+        };
+        let picture = picture(&camera, scenery, 1);
         let found = trace(&picture, &TraceOptions::default()).unwrap();
         assert_eq!(found.strands.len(), 1);
         for point in &found.strands[0].points {

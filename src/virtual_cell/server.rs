@@ -8,6 +8,7 @@ use super::message::{
     GoalName, Request, Verdict, complaint, opening, published, stamp, trajectory,
 };
 use super::rod::RodSupply;
+use super::sheet::SimulatedSheet;
 use super::simulated_cell::{Event, STEP, SimulatedCell};
 use super::topics::{CLOCK, Topics};
 use crate::cell::Cell;
@@ -43,6 +44,8 @@ pub struct Settings {
     pub response: Response,
     /// Rods for the grippers.
     pub supply: Option<RodSupply>,
+    /// A sheet on the table.
+    pub sheet: Option<SimulatedSheet>,
     /// What goes wrong.
     pub faults: Vec<Fault>,
 }
@@ -61,8 +64,8 @@ pub enum ServeError {
         /// Why.
         error: io::Error,
     },
-    /// The rod cannot be simulated any more.
-    #[error("the rod cannot be simulated any further: {0}")]
+    /// The rod or the sheet cannot be simulated any more.
+    #[error("what is on the table cannot be simulated any further: {0}")]
     Rod(#[from] SimulationError),
 }
 
@@ -86,7 +89,8 @@ pub struct VirtualCell {
     motions: Vec<Option<UnderWay>>,
     grips: Vec<Option<UnderWay>>,
     pictures: Option<PictureTaker>,
-    last_picture: f64,
+    /// When the last picture was begun, s, and for which clients: who comes later gets a later one.
+    last_picture: (f64, Vec<u64>),
     last_report: (f64, Instant),
 }
 
@@ -117,9 +121,15 @@ impl VirtualCell {
             motions: none().collect(),
             grips: none().collect(),
             pictures,
-            last_picture: f64::NEG_INFINITY,
+            last_picture: (f64::NEG_INFINITY, Vec::new()),
             last_report: (f64::NEG_INFINITY, Instant::now()),
-            cell: SimulatedCell::new(cell, settings.response, settings.supply, settings.faults),
+            cell: SimulatedCell::new(
+                cell,
+                settings.response,
+                settings.supply,
+                settings.sheet,
+                settings.faults,
+            ),
         })
     }
 
@@ -131,10 +141,15 @@ impl VirtualCell {
         self.listener.local_addr()
     }
 
+    /// The sheet on its table.
+    pub fn sheet(&self) -> Option<&SimulatedSheet> {
+        self.cell.sheet()
+    }
+
     /// Serves until somebody asks for the end.
     ///
     /// # Errors
-    /// The rod cannot be simulated any further.
+    /// What is on the table cannot be simulated any further.
     pub fn serve(&mut self, is_interrupted: &dyn Fn() -> bool) -> Result<(), ServeError> {
         let mut since = Instant::now();
         let mut began = self.cell.time();
@@ -368,16 +383,21 @@ impl VirtualCell {
         };
         let topic = &self.topics.camera;
         if let Some(picture) = pictures.finished() {
-            let watching = self.clients.iter_mut();
-            for client in watching.filter(|client| client.hears(topic) && !client.is_full()) {
-                client.send(&picture);
+            let (_, watchers) = &self.last_picture;
+            for client in &mut self.clients {
+                let is_his = watchers.contains(&client.id) && client.hears(topic);
+                if is_his && !client.is_full() {
+                    client.send(&picture);
+                }
             }
         }
-        let is_watched = self.clients.iter().any(|client| client.hears(topic));
+        let watching = self.clients.iter().filter(|client| client.hears(topic));
+        let watchers: Vec<u64> = watching.map(|client| client.id).collect();
         let now = self.cell.time();
-        if is_watched && !pictures.is_busy() && now - self.last_picture >= PICTURE {
-            self.last_picture = now;
-            pictures.begin(self.cell.rod(), topic, stamp(self.topics.version, now));
+        let is_due = now - self.last_picture.0 >= PICTURE && !pictures.is_busy();
+        if is_due && !watchers.is_empty() {
+            self.last_picture = (now, watchers);
+            pictures.begin(self.cell.scenery(), topic, stamp(self.topics.version, now));
         }
     }
 }

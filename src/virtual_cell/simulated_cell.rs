@@ -1,10 +1,11 @@
-//! Arms, grippers and the rod of a virtual cell, on one clock.
+//! Arms, grippers and the rod or the sheet of a virtual cell, on one clock.
 
 use super::arm::{Ended, Refusal, Response, SimulatedArm};
+use super::camera::Scenery;
 use super::fault::{Fault, FaultKind};
 use super::rod::{HANDING_OVER, RodSupply, SimulatedRod};
+use super::sheet::SimulatedSheet;
 use crate::cell::Cell;
-use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::SimulationError;
 use crate::robot::{PartTrajectory, Pose};
 
@@ -42,17 +43,20 @@ pub struct SimulatedCell {
     supply: Option<RodSupply>,
     /// The rod, and the arm that took it.
     rod: Option<(SimulatedRod, usize)>,
+    /// The sheet, and the arm that took it last.
+    sheet: Option<(SimulatedSheet, usize)>,
     /// Faults to come, and when the first motion began, s.
     faults: Vec<Fault>,
     moved: Option<f64>,
 }
 
 impl SimulatedCell {
-    /// The arms of a cell at home, with rods for their grippers, if there are any.
+    /// The arms of a cell at home, with rods for their grippers or a sheet on the table, if there are any.
     pub fn new(
         cell: &Cell,
         response: Response,
         supply: Option<RodSupply>,
+        sheet: Option<SimulatedSheet>,
         faults: Vec<Fault>,
     ) -> Self {
         let grippers = cell.arms.iter().map(|arm| arm.gripper.as_ref());
@@ -70,6 +74,7 @@ impl SimulatedCell {
             table: cell.table.map_or_else(Pose::identity, |table| table.top),
             supply,
             rod: None,
+            sheet: sheet.map(|sheet| (sheet, 0)),
             faults,
             moved: None,
         }
@@ -85,10 +90,19 @@ impl SimulatedCell {
         &self.arms
     }
 
-    /// Nodes of the rod in the cell, and its radius, m.
-    pub fn rod(&self) -> Option<(Vec<Vector3>, f64)> {
-        let (rod, _) = self.rod.as_ref()?;
-        Some((rod.nodes(), rod.radius()))
+    /// What a camera sees.
+    pub fn scenery(&self) -> Scenery {
+        let rod = self.rod.as_ref();
+        let sheet = self.sheet.as_ref();
+        Scenery {
+            rod: rod.map(|(rod, _)| (rod.nodes(), rod.radius())),
+            sheet: sheet.map(|(sheet, _)| sheet.seen()),
+        }
+    }
+
+    /// The sheet.
+    pub fn sheet(&self) -> Option<&SimulatedSheet> {
+        self.sheet.as_ref().map(|(sheet, _)| sheet)
     }
 
     /// Lets an arm follow a trajectory.
@@ -106,7 +120,8 @@ impl SimulatedCell {
         self.arms[arm].stop();
     }
 
-    /// Opens or closes the gripper of an arm. One that closes is handed the end of a rod, a new one where one lies already.
+    /// Opens or closes the gripper of an arm. One that closes takes the edge of the sheet, or is handed the end of a rod, a new one
+    /// where one lies already.
     ///
     /// # Errors
     /// In words.
@@ -114,6 +129,11 @@ impl SimulatedCell {
         let Some(opened) = self.opened[arm] else {
             return Err("this arm has no gripper".into());
         };
+        if self.sheet.is_some() {
+            self.grip_sheet(arm, opening >= opened)?;
+            self.grippers[arm].done = Some(self.time + OPENING);
+            return Ok(());
+        }
         let holder = self.rod.as_ref().filter(|(rod, _)| rod.is_held());
         let holder = holder.map(|(_, holder)| *holder);
         let takes = if opening >= opened {
@@ -141,9 +161,31 @@ impl SimulatedCell {
         Ok(())
     }
 
+    /// Takes the edge of the sheet, or lets it go.
+    fn grip_sheet(&mut self, arm: usize, opens: bool) -> Result<(), String> {
+        let Some((sheet, holder)) = &mut self.sheet else {
+            return Ok(());
+        };
+        match (opens, sheet.is_held(), *holder == arm) {
+            (true, true, true) => sheet.release().map_err(|error| error.to_string()),
+            (true, ..) | (false, true, true) => Ok(()),
+            (false, true, false) => Err(format!("{} holds the sheet", self.arms[*holder].name)),
+            (false, false, _) => {
+                if self.arms[arm].is_moving() {
+                    return Err("a sheet is taken by an arm that stands still".into());
+                }
+                *holder = arm;
+                sheet.take(&self.arms[arm].hand(), self.time)
+            }
+        }
+    }
+
     fn let_go(&mut self) -> Result<(), SimulationError> {
-        match &mut self.rod {
-            Some((rod, _)) => rod.release(),
+        if let Some((rod, _)) = &mut self.rod {
+            rod.release()?;
+        }
+        match &mut self.sheet {
+            Some((sheet, _)) => sheet.release(),
             None => Ok(()),
         }
     }
@@ -153,7 +195,7 @@ impl SimulatedCell {
     /// # Errors
     /// The rod finds no step.
     pub fn advance(&mut self) -> Result<Vec<Event>, SimulationError> {
-        if !self.lead_rod()? {
+        if !self.lead()? {
             return Ok(Vec::new());
         }
         let mut events = self.suffer()?;
@@ -163,7 +205,7 @@ impl SimulatedCell {
                 events.push(Event::Arm(index, ended));
             }
         }
-        self.lead_rod()?;
+        self.lead()?;
         for (index, gripper) in self.grippers.iter_mut().enumerate() {
             if gripper.done.take_if(|done| *done <= self.time).is_some() {
                 events.push(Event::Gripper(index));
@@ -172,10 +214,15 @@ impl SimulatedCell {
         Ok(events)
     }
 
-    /// Leads the rod on to now; whether it has come there.
-    fn lead_rod(&mut self) -> Result<bool, SimulationError> {
-        match &mut self.rod {
-            Some((rod, holder)) => rod.advance(&self.arms[*holder].hand(), self.time),
+    /// Leads rod and sheet on to now; whether they have come there.
+    fn lead(&mut self) -> Result<bool, SimulationError> {
+        if let Some((rod, holder)) = &mut self.rod
+            && !rod.advance(&self.arms[*holder].hand(), self.time)?
+        {
+            return Ok(false);
+        }
+        match &mut self.sheet {
+            Some((sheet, holder)) => sheet.advance(&self.arms[*holder].hand(), self.time),
             None => Ok(true),
         }
     }
@@ -187,8 +234,9 @@ impl SimulatedCell {
         };
         let now = self.time - moved;
         let moving = self.arms.iter().position(SimulatedArm::is_moving);
-        let holds = self.rod.as_ref().is_some_and(|(rod, _)| rod.is_held());
-        // A joint freezes in a motion, and a rod slips that is held.
+        let holds = self.rod.as_ref().is_some_and(|(rod, _)| rod.is_held())
+            || self.sheet().is_some_and(SimulatedSheet::is_held);
+        // A joint freezes in a motion, and what is held slips.
         let has_come = |fault: &Fault| {
             fault.time <= now
                 && match fault.kind {

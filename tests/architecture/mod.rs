@@ -27,7 +27,7 @@ const ROOMS: Table = &[
     ),
     ("sweep", &["experiment"]),
     ("verify", &["experiment"]),
-    ("reproduce", &["report"]),
+    ("reproduce", &["report", "task", "virtual_cell"]),
     ("report", &["experiment"]),
     ("experiment", &["run", "knot", "plan", "scenario", "figure"]),
     ("run", &["mechanics", "results"]),
