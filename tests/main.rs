@@ -12,6 +12,7 @@ mod cross_sections;
 mod deployment;
 mod exact_answers;
 mod explained;
+mod exploration;
 mod fold_in_cell;
 mod folding;
 mod fuzz;

@@ -75,6 +75,8 @@ impl Served {
     fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_rodlab"));
         command.args(arguments).current_dir(self.folder.path());
+        // Marks of tasks that did not come to their end are those of this test.
+        command.env("XDG_STATE_HOME", self.folder.path().join("state"));
         command
     }
 
@@ -84,17 +86,43 @@ impl Served {
 
     /// Lays the rod along a line of 20 cm.
     fn deploy(&self) -> Output {
-        self.run(&[
-            "deploy",
-            "--pattern",
-            "line:0.2",
-            "--rod",
-            "rod.toml",
-            "--cell",
-            "client.toml",
-            "--out",
-            "laid",
-        ])
+        self.run(&DEPLOY)
+    }
+
+    /// Waits until a task has begun to move the arm.
+    fn wait_for_motion(&self) {
+        let begin = Instant::now();
+        while !self.read("laid/approach/events.csv").contains("started") {
+            assert!(begin.elapsed() < Duration::from_secs(20));
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    /// Whether the arm stands half a second from now.
+    fn stands_soon(&self) -> bool {
+        std::thread::sleep(Duration::from_millis(500));
+        let (mut socket, _) = tungstenite::connect(format!("ws://{}", self.address)).unwrap();
+        let subscription = json!({ "op": "subscribe", "topic": "/joint_states" });
+        socket
+            .send(Message::text(subscription.to_string()))
+            .unwrap();
+        let mut joints = || {
+            let message = socket.read().unwrap();
+            let message: Value = serde_json::from_str(message.to_text().unwrap()).unwrap();
+            message["msg"]["position"].clone()
+        };
+        let first = joints();
+        (0..5).all(|_| joints() == first)
+    }
+
+    /// The next task is refused, until somebody says that the cell was looked at.
+    fn asks_for_a_look(&self) {
+        let mut again = DEPLOY;
+        again[DEPLOY.len() - 1] = "again";
+        let refused = self.run(&again);
+        assert_eq!(refused.status.code(), Some(2), "{}", said(&refused));
+        assert!(said(&refused).contains("--checked"), "{}", said(&refused));
+        assert!(!self.folder.path().join("again").exists());
     }
 
     pub fn read(&self, name: &str) -> String {
@@ -127,6 +155,44 @@ pub fn said(output: &Output) -> String {
     let [stdout, stderr] =
         [&output.stdout, &output.stderr].map(|said| String::from_utf8_lossy(said));
     format!("{stdout}{stderr}")
+}
+
+const DEPLOY: [&str; 9] = [
+    "deploy",
+    "--pattern",
+    "line:0.2",
+    "--rod",
+    "rod.toml",
+    "--cell",
+    "client.toml",
+    "--out",
+    "laid",
+];
+
+/// Ten moments spread over a time, s, three at a time: more would leave none of them the time that it needs.
+fn at_ten_moments(most: f64, check: impl Fn(f64) + Sync) {
+    let moments: Vec<f64> = (1..=10)
+        .map(|k| most * (f64::from(k) * 0.618_034).fract())
+        .collect();
+    for moments in moments.chunks(3) {
+        std::thread::scope(|scope| {
+            for moment in moments {
+                scope.spawn(|| check(*moment));
+            }
+        });
+    }
+}
+
+/// The log of a task that did not come to its end.
+fn log_is_whole(served: &Served, status: &str, moment: f64) {
+    let manifest: Value = serde_json::from_str(&served.read("laid/manifest.json")).unwrap();
+    assert_eq!(manifest["status"], status, "{moment}");
+    assert!(manifest["error"].is_string(), "{moment}");
+    assert!(served.read("laid/report.md").contains(status), "{moment}");
+    assert!(
+        !served.read("laid/approach/state.csv").is_empty(),
+        "{moment}"
+    );
 }
 
 const STREAM: [&str; 6] = [
@@ -201,6 +267,162 @@ fn faults_of_the_cell_end_a_deployment_with_exit_code_1_and_a_whole_log() {
             ["approach", "laying"].map(|part| served.read(&format!("laid/{part}/events.csv")));
         assert!(events.concat().contains(words), "{fault}: {events:?}");
     }
+}
+
+#[test]
+fn a_rod_that_is_longer_than_its_pattern_is_laid_to_its_end() {
+    let served = serve(&["--rate", "10"], "");
+    let mut arguments = DEPLOY;
+    arguments[2] = "line:0.12";
+    let output = served.run(&arguments);
+    assert!(output.status.success(), "{}", said(&output));
+    let record: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let error = |index: usize| record["score"][index]["largest_m"].as_f64().unwrap();
+    assert!(error(0) < 3e-3 && error(1) < 1.5e-3, "{record}");
+    // All but 2.5 gravito-bending lengths of 30 cm.
+    let pattern = served.read("laid/plan/pattern.csv");
+    let last = pattern.lines().last().unwrap().split(',').next().unwrap();
+    assert_eq!(last, "0.225000000");
+}
+
+#[test]
+fn a_rod_is_laid_anew_from_where_the_camera_sees_it() {
+    let served = serve(&["--rate", "10", "--jitter", "1 mm", "--seed", "3"], "");
+    let mut arguments = DEPLOY.to_vec();
+    arguments.push("--correct");
+    let output = served.run(&arguments);
+    assert!(output.status.success(), "{}", said(&output));
+    let record: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let error = record["score"][1]["largest_m"].as_f64().unwrap();
+    assert!(error < 3e-3, "{record}");
+    let looks = served.read("laid/corrections.csv");
+    let mut rows = looks.lines();
+    assert_eq!(
+        rows.next().unwrap(),
+        "laid_m,seen_m,x_m,y_m,angle_rad,gravito_bending_length_m,processor_time_s"
+    );
+    let seen: Vec<Vec<f64>> = rows
+        .filter_map(|row| row.split(',').map(|text| text.parse().ok()).collect())
+        .collect();
+    assert!(seen.len() >= 4, "{looks}");
+    for row in &seen {
+        // Half a gravito-bending length before the gripper's place nothing is believed; the line is along x.
+        assert!(
+            (row[0] - row[1] - 0.015).abs() < 1e-4 && (row[1] - row[2]).abs() < 2e-3,
+            "{looks}"
+        );
+        assert!(row[3].abs() < 3e-3 && row[4].abs() < 0.1, "{looks}");
+    }
+}
+
+#[test]
+fn a_link_that_drops_at_any_moment_leaves_the_arm_still_and_a_whole_log() {
+    at_ten_moments(10.0, |moment| {
+        let fault = format!("drop-link@{moment}s");
+        let served = serve(&["--rate", "10", "--fault", &fault], "");
+        let output = served.deploy();
+        assert_eq!(output.status.code(), Some(1), "{fault}: {}", said(&output));
+        assert!(served.stands_soon(), "{fault}");
+        log_is_whole(&served, "failed", moment);
+        served.asks_for_a_look();
+    });
+}
+
+#[test]
+fn a_joint_that_freezes_at_any_moment_leaves_the_arm_still_and_a_whole_log() {
+    at_ten_moments(10.0, |moment| {
+        let fault = format!("freeze-joint@{moment}s");
+        let served = serve(&["--rate", "10", "--fault", &fault], "");
+        served.change("tracking_tolerance = 0.1", "tracking_tolerance = 0.03");
+        let output = served.deploy();
+        assert_eq!(output.status.code(), Some(1), "{fault}: {}", said(&output));
+        assert!(served.stands_soon(), "{fault}");
+        log_is_whole(&served, "failed", moment);
+        served.asks_for_a_look();
+    });
+}
+
+#[test]
+fn a_task_that_is_interrupted_at_any_moment_holds_the_arm() {
+    at_ten_moments(1.0, |moment| {
+        let served = serve(&["--rate", "10"], "");
+        let mut task = served
+            .command(&DEPLOY)
+            .stdout(Stdio::null())
+            .spawn()
+            .unwrap();
+        served.wait_for_motion();
+        std::thread::sleep(Duration::from_secs_f64(moment));
+        let told = Command::new("kill")
+            .args(["-INT", &task.id().to_string()])
+            .status();
+        assert!(told.unwrap().success());
+        assert_eq!(task.wait().unwrap().code(), Some(130), "{moment}");
+        assert!(served.stands_soon(), "{moment}");
+        log_is_whole(&served, "interrupted", moment);
+        served.asks_for_a_look();
+    });
+}
+
+#[test]
+fn a_task_that_is_killed_at_any_moment_leaves_the_arm_still() {
+    at_ten_moments(1.0, |moment| {
+        let served = serve(&["--rate", "10"], "");
+        let mut task = served
+            .command(&DEPLOY)
+            .stdout(Stdio::null())
+            .spawn()
+            .unwrap();
+        served.wait_for_motion();
+        std::thread::sleep(Duration::from_secs_f64(moment));
+        // As kill -9 does.
+        task.kill().unwrap();
+        task.wait().unwrap();
+        assert!(served.stands_soon(), "{moment}");
+        assert!(
+            !served.read("laid/approach/state.csv").is_empty(),
+            "{moment}"
+        );
+        served.asks_for_a_look();
+    });
+}
+
+#[test]
+fn a_cell_that_is_killed_at_any_moment_ends_the_task() {
+    at_ten_moments(1.0, |moment| {
+        let mut served = serve(&["--rate", "10"], "");
+        let task = served
+            .command(&DEPLOY)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        served.wait_for_motion();
+        std::thread::sleep(Duration::from_secs_f64(moment));
+        served.child.kill().unwrap();
+        served.child.wait().unwrap();
+        let output = task.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(1), "{moment}: {}", said(&output));
+        log_is_whole(&served, "failed", moment);
+        served.asks_for_a_look();
+    });
+}
+
+#[test]
+fn a_task_goes_on_when_somebody_has_looked() {
+    let served = serve(&["--rate", "10", "--fault", "drop-link@2s"], "");
+    assert_eq!(served.deploy().status.code(), Some(1));
+    served.asks_for_a_look();
+    let mut again = DEPLOY.to_vec();
+    again.extend(["--checked"]);
+    again[DEPLOY.len() - 1] = "again";
+    let output = served.run(&again);
+    assert!(output.status.success(), "{}", said(&output));
+    // It came to its end: the next one is not asked.
+    again.pop();
+    again[DEPLOY.len() - 1] = "third";
+    let output = served.run(&again);
+    assert!(output.status.success(), "{}", said(&output));
 }
 
 #[test]

@@ -3,7 +3,8 @@
 use super::plan::PlanError;
 use super::resolved::{Cell, Driver};
 use crate::robot::{
-    GripperDriver, JointTrajectory, Limits, Ros1Gripper, RosVersion, RosbridgeGripper, parametrise,
+    Column, GripperDriver, JointTrajectory, Limits, Ros1Gripper, RosVersion, RosbridgeGripper,
+    SAMPLE, parametrise,
 };
 use std::time::{Duration, Instant};
 
@@ -25,24 +26,35 @@ impl Cell {
     /// In words: it has no driver, the driver does not report, or nothing is heard in time.
     pub fn stands(&self, arm: usize) -> Result<Vec<f64>, String> {
         let arm = &self.arms[arm];
-        let missing = || {
-            format!(
-                "{}: it has no driver in the cell file that could move it",
-                arm.name
-            )
-        };
-        let known = arm.driver.as_ref().ok_or_else(missing)?;
-        let mut driver = self.driver(known).ok_or_else(missing)?;
         let joints = arm.chain.joints.iter().map(|joint| joint.name.clone());
-        let joints: Vec<String> = joints.collect();
-        let in_words = |error: crate::robot::DriverError| format!("{}: {error}", arm.name);
+        self.positions(&arm.name, arm.driver.as_ref(), &joints.collect::<Vec<_>>())
+    }
+
+    /// Where an external axis is, rad, by its driver: a motor without a sensor says what it was told.
+    ///
+    /// # Errors
+    /// As [`Self::stands`].
+    pub fn axis_stands(&self, axis: usize) -> Result<f64, String> {
+        let axis = &self.axes[axis];
+        let joints = [axis.name.clone()];
+        let found = self.positions(&axis.name, axis.driver.as_ref(), &joints)?;
+        Ok(found[0])
+    }
+
+    fn positions(
+        &self,
+        name: &str,
+        driver: Option<&Driver>,
+        joints: &[String],
+    ) -> Result<Vec<f64>, String> {
+        let missing = || format!("{name}: it has no driver in the cell file that could move it");
+        let known = driver.ok_or_else(missing)?;
+        let mut driver = self.driver(known).ok_or_else(missing)?;
+        let in_words = |error: crate::robot::DriverError| format!("{name}: {error}");
         if !driver.reports_state() {
-            return Err(format!(
-                "{}: its driver does not say where it stands",
-                arm.name
-            ));
+            return Err(format!("{name}: its driver does not say where it stands"));
         }
-        driver.connect(&joints).map_err(in_words)?;
+        driver.connect(joints).map_err(in_words)?;
         let begin = Instant::now();
         while begin.elapsed() < PATIENCE {
             if let Some(state) = driver.state().map_err(in_words)? {
@@ -51,8 +63,7 @@ impl Cell {
             std::thread::sleep(Duration::from_millis(2));
         }
         Err(format!(
-            "{}: no report of all of its joints ({}) in {} s; compare the names in the cell file with the robot's",
-            arm.name,
+            "{name}: no report of all of its joints ({}) in {} s; compare the names in the cell file with the robot's",
             joints.join(", "),
             PATIENCE.as_secs()
         ))
@@ -91,7 +102,20 @@ impl Cell {
         let way: Vec<f64> = (0..=POINTS).map(|k| part(k) * whole).collect();
         let limits: Vec<Limits> = arm.chain.joints.iter().map(|joint| joint.limits).collect();
         let motion = parametrise(&joints, &way, &limits, speed)?;
-        Ok(Some(arm.sampled(&motion.samples, STRIDE)))
+        let columns = arm.chain.joints.iter().map(|joint| Column {
+            part: arm.name.clone(),
+            joint: Some(joint.name.clone()),
+            kind: joint.kind,
+        });
+        let last = motion.samples.len() - 1;
+        let count = last.div_ceil(STRIDE);
+        Ok(Some(JointTrajectory {
+            columns: columns.collect(),
+            times: (0..=count).map(|k| (k * STRIDE) as f64 * SAMPLE).collect(),
+            points: (0..=count)
+                .map(|k| motion.samples[(k * STRIDE).min(last)].clone())
+                .collect(),
+        }))
     }
 
     /// The gripper of an arm, with the openings in which it holds nothing and in which it holds, m.

@@ -10,22 +10,23 @@
 //! | `resolved` | the [`Cell`] |
 //! | `surroundings`, `plan` | collision checks; joint trajectories along a path of a hand |
 //! | `streaming` | a joint trajectory with the drivers that it moves |
-//! | `approach`, `onwards` | from where an arm stands to where a motion begins; along a path of its hand from there |
-//! | `sampled` | samples of a motion as a joint trajectory |
+//! | `approach` | from where an arm stands to where a motion begins |
+//! | `hand_path` | joints along poses of a hand that begin where it is, and motions along a part of them, with an axis |
+//! | `continuation` | from where an arm stands on along a path |
 //! | `camera` | the camera as one that locates what it sees |
 //! | `view` | the 3-D page of a cell |
 //! | `report` | what `rodlab check` says of it |
 
 mod approach;
 mod camera;
-mod onwards;
+mod continuation;
+mod hand_path;
 mod plan;
 mod report;
 mod resolve;
 mod resolve_chain;
 mod resolved;
 mod resolver;
-mod sampled;
 mod streaming;
 mod surroundings;
 #[cfg(test)]
@@ -33,8 +34,8 @@ mod tests;
 mod typed;
 mod view;
 
-pub use onwards::Onwards;
+pub use hand_path::{HandPath, HandPathRequest};
 pub use plan::{Place, Plan, PlanError, PlanReport, PlanRequest, read_poses};
 pub use report::CellReport;
-pub use resolved::{Arm, Axis, Camera, Cell, Driver, Gripper, Obstacle, Streaming, Table};
+pub use resolved::{Arm, Axis, Camera, Cell, Chuck, Driver, Gripper, Obstacle, Streaming, Table};
 pub use streaming::StreamReport;

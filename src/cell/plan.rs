@@ -2,8 +2,8 @@
 
 use super::resolved::Cell;
 use crate::robot::{
-    JointTrajectory, Obstruction, PathFailure, PathProblem, Pose, TimingError, Utilisation,
-    parametrise, parts, place, read_table, subdivide, utilisation,
+    Column, JointTrajectory, Obstruction, PathFailure, PathProblem, Pose, SAMPLE, TimingError,
+    Utilisation, parametrise, parts, place, read_table, subdivide, utilisation,
 };
 use crate::robot::{Limits, TableError, pose};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
@@ -11,7 +11,7 @@ use serde::Serialize;
 use std::path::Path;
 
 /// Distance of the points of a joint path, m, and a tenth of it in rad.
-const STEP: f64 = 1e-3;
+pub(super) const STEP: f64 = 1e-3;
 
 /// Where a path lies.
 #[derive(Clone, Copy, Debug)]
@@ -20,6 +20,17 @@ pub enum Place {
     At([f64; 4]),
     /// Where the arm stays farthest from singularities; z = 0 of the path is the top of the table.
     Auto,
+}
+
+impl Place {
+    /// The pose of the frame of the path in the cell, where it is given.
+    pub fn pose(self) -> Option<Pose> {
+        let Self::At([x, y, z, turn]) = self else {
+            return None;
+        };
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn);
+        Some(Pose::from_parts(Translation3::new(x, y, z), turn))
+    }
 }
 
 /// What is planned.
@@ -169,8 +180,7 @@ impl Cell {
         let limits: Vec<Limits> = arm.chain.joints.iter().map(|joint| joint.limits).collect();
         let motion = parametrise(&path.joints, &way, &limits, request.speed)?;
         let used: Utilisation = utilisation(&motion.samples, &limits);
-        let stride = (1000 / request.rate) as usize;
-        let trajectory = arm.sampled(&motion.samples, stride);
+        let trajectory = self.sampled(request.arm, request.rate, &motion.samples);
         let (place_position, place_quaternion) = parts(&frame);
         let to_limits = path.least_distance_to_limits;
         let report = PlanReport {
@@ -194,43 +204,33 @@ impl Cell {
     /// Pose of the path's frame in the cell.
     fn frame(&self, request: &PlanRequest, problem: &PathProblem<'_>) -> Result<Pose, PlanError> {
         let arm = &self.arms[request.arm];
-        match request.place {
-            Place::At([x, y, z, turn]) => Ok(Pose::from_parts(
-                Translation3::new(x, y, z),
-                UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn),
-            )),
-            Place::Auto => {
-                let table = self.table.ok_or_else(|| {
-                    PlanError::Input(
-                        "a place can be found only on a [table], and the cell has none".into(),
-                    )
-                })?;
-                let top = arm.base.inverse() * table.top;
-                let sides = [table.size[0], table.size[1]];
-                let found = place(problem, &request.path, &top, sides, STEP).map_err(|failure| {
-                    PlanError::Path(match failure {
-                        None => format!("nowhere on the table can arm {} reach all of the path", arm.name),
-                        Some(failure) => format!(
-                            "nowhere on the table can arm {} follow the path; where it comes nearest to it: {}",
-                            arm.name,
-                            failure.reason.in_words()
-                        ),
-                    })
-                })?;
-                Ok(arm.base * found.pose)
-            }
+        if let Some(pose) = request.place.pose() {
+            return Ok(pose);
         }
+        let table = self.table.ok_or_else(|| {
+            PlanError::Input("a place can be found only on a [table], and the cell has none".into())
+        })?;
+        let top = arm.base.inverse() * table.top;
+        let sides = [table.size[0], table.size[1]];
+        let found = place(problem, &request.path, &top, sides, STEP).map_err(|failure| {
+            PlanError::Path(match failure {
+                None => format!(
+                    "nowhere on the table can arm {} reach all of the path",
+                    arm.name
+                ),
+                Some(failure) => format!(
+                    "nowhere on the table can arm {} follow the path; where it comes nearest to it: {}",
+                    arm.name,
+                    failure.reason.in_words()
+                ),
+            })
+        })?;
+        Ok(arm.base * found.pose)
     }
 
     fn in_words(&self, request: &PlanRequest, failure: &PathFailure, given: usize) -> String {
         let arm = &self.arms[request.arm];
-        let frame_of_hand = match request.place {
-            Place::At([x, y, z, turn]) => Pose::from_parts(
-                Translation3::new(x, y, z),
-                UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn),
-            ),
-            Place::Auto => Pose::identity(),
-        };
+        let frame_of_hand = request.place.pose().unwrap_or_default();
         let nearest = frame_of_hand.inverse() * arm.base * failure.nearest;
         let ([x, y, z], [qw, qx, qy, qz]) = parts(&nearest);
         let what_next = match failure.reason {
@@ -245,5 +245,24 @@ impl Cell {
             given + 2,
             failure.reason.in_words()
         )
+    }
+
+    /// Every so many samples as a trajectory; the last point is one more step at rest where it falls between.
+    pub(super) fn sampled(&self, arm: usize, rate: u32, samples: &[Vec<f64>]) -> JointTrajectory {
+        let arm = &self.arms[arm];
+        let stride = (1000 / rate) as usize;
+        let count = (samples.len() - 1).div_ceil(stride);
+        let columns = arm.chain.joints.iter().map(|joint| Column {
+            part: arm.name.clone(),
+            joint: Some(joint.name.clone()),
+            kind: joint.kind,
+        });
+        JointTrajectory {
+            columns: columns.collect(),
+            times: (0..=count).map(|k| (k * stride) as f64 * SAMPLE).collect(),
+            points: (0..=count)
+                .map(|k| samples[(k * stride).min(samples.len() - 1)].clone())
+                .collect(),
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! From the cell file as typed to the cell in SI units.
 
 use super::resolve_chain::resolve_arm;
-use super::resolved::{Axis, Camera, Cell, Obstacle, Streaming, Table};
+use super::resolved::{Axis, Camera, Cell, Chuck, Obstacle, Streaming, Table};
 use super::resolver::Resolver;
 use super::typed::{self, CellFile};
 use crate::robot::Limits;
@@ -68,6 +68,7 @@ impl Resolver<'_> {
             axes,
             table: typed.table.as_ref().map(|table| self.table(table)),
             obstacles,
+            chuck: typed.chuck.as_ref().map(|chuck| self.chuck(chuck)),
             camera: typed.camera.as_ref().map(|camera| self.camera(camera)),
             streaming: self.streaming(),
             warnings: self.warnings.take(),
@@ -126,6 +127,37 @@ impl Resolver<'_> {
                 .driver
                 .as_ref()
                 .map(|driver| self.driver(&path.key("driver"), driver, true)),
+        }
+    }
+
+    fn chuck(&self, chuck: &typed::Chuck) -> Chuck {
+        let path = KeyPath::from("chuck");
+        let names: Vec<&str> = self
+            .file
+            .typed
+            .axes
+            .iter()
+            .map(|axis| axis.name.as_str())
+            .collect();
+        let axis = names.iter().position(|name| *name == chuck.axis);
+        Chuck {
+            axis: axis.unwrap_or_else(|| {
+                let known = match names.is_empty() {
+                    true => "the cell has no [[axes]]".to_owned(),
+                    false => format!("there are {}", names.join(", ")),
+                };
+                self.fault(
+                    &path.key("axis"),
+                    format!("no axis is called {:?}; {known}", chuck.axis),
+                );
+                0
+            }),
+            pose: self.pose(
+                &path,
+                chuck.position.as_ref(),
+                chuck.quaternion.as_ref(),
+                chuck.rpy.as_ref(),
+            ),
         }
     }
 

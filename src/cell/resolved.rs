@@ -13,6 +13,8 @@ pub struct Cell {
     pub arms: Vec<Arm>,
     /// External axes, with unique names.
     pub axes: Vec<Axis>,
+    /// The chuck that holds one end of a rod.
+    pub chuck: Option<Chuck>,
     /// The table.
     pub table: Option<Table>,
     /// Boxes that arms must not touch.
@@ -66,6 +68,15 @@ pub struct Axis {
     pub limits: Limits,
     /// What moves it.
     pub driver: Option<Driver>,
+}
+
+/// A chuck that holds one end of a rod and turns it.
+#[derive(Clone, Copy, Debug)]
+pub struct Chuck {
+    /// Index of the external axis that turns it.
+    pub axis: usize,
+    /// Pose in the cell of its end, where the rod begins, the axis at zero; x is the rod, out of the chuck, and what it turns about.
+    pub pose: Pose,
 }
 
 /// The table: a box.

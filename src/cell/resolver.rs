@@ -99,21 +99,13 @@ impl Resolver<'_> {
 
     pub fn driver(&self, path: &KeyPath, driver: &typed::Driver, is_axis: bool) -> Driver {
         let allowed = match driver {
-            typed::Driver::File(_) => true,
             typed::Driver::Stepper(_) => is_axis,
-            typed::Driver::Rosbridge(_) | typed::Driver::Ros1(_) | typed::Driver::Ros2(_) => {
-                !is_axis
-            }
+            _ => true,
         };
         if !allowed {
-            let allowed = if is_axis {
-                "file, stepper"
-            } else {
-                "file, rosbridge, ros1, ros2"
-            };
             self.fault(
                 &path.key("kind"),
-                format!("this kind does not fit here; allowed: {allowed}"),
+                "this kind does not fit here; allowed: file, rosbridge, ros1, ros2",
             );
         }
         match driver {

@@ -417,3 +417,20 @@ fn planned_within_limits(name: &str, what: &str, path: &[crate::robot::Pose]) {
     let fastest = hands.windows(2).map(|pair| (pair[1] - pair[0]).norm());
     assert!(fastest.fold(0.0, f64::max) < SPEED * 1e-3 * 1.001);
 }
+
+#[test]
+fn a_chuck_names_the_axis_that_turns_it() {
+    let cell = shipped("helix_gantry.toml");
+    let chuck = cell.chuck.unwrap();
+    assert_eq!(cell.axes[chuck.axis].name, "stepper");
+    assert!((chuck.pose.translation.z - 0.6).abs() < 1e-12);
+    assert!(matches!(
+        cell.axes[chuck.axis].driver,
+        Some(Driver::Rosbridge { .. })
+    ));
+    let error = read(&format!("{ONE_JOINT}\n[chuck]\naxis = \"twist\"\n")).unwrap_err();
+    assert!(
+        error.contains("no axis is called \"twist\"; there are twister"),
+        "{error}"
+    );
+}

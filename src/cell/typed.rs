@@ -19,6 +19,8 @@ pub struct CellFile {
     /// External axes.
     #[serde(default)]
     pub axes: Vec<Axis>,
+    /// The chuck that holds one end of a rod.
+    pub chuck: Option<Chuck>,
     /// The table.
     pub table: Option<Table>,
     /// Boxes that arms must not touch.
@@ -159,6 +161,15 @@ pub struct Axis {
     pub acceleration: f64,
     pub jerk: Option<f64>,
     pub driver: Option<Driver>,
+}
+
+/// The chuck: its x axis is that of the rod, out of the chuck.
+#[derive(Debug, Deserialize)]
+pub struct Chuck {
+    pub axis: String,
+    pub position: Option<Vector<Length>>,
+    pub quaternion: Option<[Quantity<Dimensionless>; 4]>,
+    pub rpy: Option<Vector<Angle>>,
 }
 
 /// The table: a box whose top is centred at `position`.

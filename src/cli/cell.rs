@@ -4,11 +4,12 @@ use super::failure::Failure;
 use super::folded_sheet::PaperFile;
 use super::interruption::watch_for_interruption;
 use super::output::print;
+use super::values::positive_length;
 use crate::cell::{Cell, Driver};
-use crate::experiment::Crease;
+use crate::experiment::{Crease, Jitter};
 use crate::robot::Pose;
 use crate::virtual_cell::{
-    Fault, Response, RodSupply, Settings, SheetPlace, SimulatedSheet, VirtualCell,
+    ChuckedSupply, Fault, Response, RodSupply, Settings, SheetPlace, SimulatedSheet, VirtualCell,
 };
 use clap::{Args, Subcommand};
 use std::net::{SocketAddr, ToSocketAddrs};
@@ -17,6 +18,8 @@ use std::sync::atomic::Ordering;
 
 /// Friction of the table where nobody says another.
 const FRICTION: f64 = 0.4;
+/// Period of the fastest trembling, s.
+const JITTER_PERIOD: f64 = 1.0;
 
 /// Arguments of `rodlab cell`.
 #[derive(Debug, Args)]
@@ -54,9 +57,14 @@ struct ServeArguments {
         default_value = "scenarios/cells/gantry.toml"
     )]
     cell: PathBuf,
-    /// The rod: TOML with gravito_bending_length, radius and length in [deployment.rod]; without one, grippers hold nothing
+    /// The rod: TOML with gravito_bending_length, radius and length in [deployment.rod], or where the cell has a [chuck] with
+    /// youngs_modulus, poissons_ratio and density in [material] and radius and length in [rod]; without one, grippers hold nothing
     #[arg(long, value_name = "FILE")]
     rod: Option<PathBuf>,
+    /// Where on the table a person lays the free end of a rod that is handed over: x,y in the cell, m [default: where the rod hangs by
+    /// itself]
+    #[arg(long, value_name = "X,Y", value_parser = place, requires = "rod", allow_hyphen_values = true)]
+    free_end: Option<[f64; 2]>,
     /// The sheet: TOML with [folding.paper], as in scenarios/papers
     #[arg(long, value_name = "FILE", conflicts_with = "rod")]
     paper: Option<PathBuf>,
@@ -86,6 +94,12 @@ struct ServeArguments {
     /// Time by which joints run behind, s
     #[arg(long, value_name = "SECONDS", default_value_t = Response::default().lag, value_parser = delay)]
     lag: f64,
+    /// Root mean square by which the hands tremble in each direction, unknown to the arms, with periods from 1 to 5 s
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
+    jitter: Option<f64>,
+    /// Number of the trembling: the same number, the same trembling
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "jitter")]
+    seed: u64,
     /// What goes wrong, and when, s after the first motion begins: FAULT@TIME; may be given more than once
     #[arg(long = "fault", value_name = "FAULT@TIME")]
     faults: Vec<Fault>,
@@ -98,7 +112,17 @@ pub fn cell(arguments: &CellArguments) -> Result<(), Failure> {
     let address = arguments.address(&cell)?;
     let rod = arguments.rod.as_deref();
     let friction = arguments.friction.unwrap_or(FRICTION);
-    let supply = rod.map(|rod| RodSupply::new(rod, friction));
+    let chucked = rod
+        .map(|rod| ChuckedSupply::new(rod, &cell))
+        .transpose()?
+        .flatten();
+    let supply = rod.filter(|_| cell.chuck.is_none()).map(|rod| {
+        let supply = RodSupply::new(rod, friction)?;
+        Ok::<_, Failure>(match arguments.free_end {
+            Some(place) => supply.with_free_end(place),
+            None => supply,
+        })
+    });
     let paper = arguments.paper.as_deref();
     let sheet = paper.map(|paper| arguments.sheet(paper, &cell));
     let settings = Settings {
@@ -111,6 +135,10 @@ pub fn cell(arguments: &CellArguments) -> Result<(), Failure> {
         },
         supply: supply.transpose()?,
         sheet: sheet.transpose()?,
+        chucked,
+        jitter: arguments
+            .jitter
+            .map(|rms| Jitter::new([rms, 0.0], JITTER_PERIOD, arguments.seed)),
         faults: arguments.faults.clone(),
     };
     let interrupted = watch_for_interruption()?;
@@ -174,6 +202,13 @@ fn number(text: &str, least: f64, most: f64) -> Result<f64, String> {
     let number = text.trim().trim_end_matches('s').parse::<f64>().ok();
     let number = number.filter(|number| (least..=most).contains(number));
     number.ok_or_else(|| format!("a number from {least} to {most} is needed"))
+}
+
+fn place(text: &str) -> Result<[f64; 2], String> {
+    let fault = || "two numbers from -100 to 100 m are needed, as in 0.2,-0.1".to_owned();
+    let (x, y) = text.split_once(',').ok_or_else(fault)?;
+    let number = |text: &str| number(text, -100.0, 100.0).map_err(|_| fault());
+    Ok([number(x)?, number(y)?])
 }
 
 fn friction(text: &str) -> Result<f64, String> {

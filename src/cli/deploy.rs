@@ -1,27 +1,27 @@
 //! `rodlab deploy`.
 
+use super::cell_task::{ended_early, note_end, refuse_unfinished, status_of};
 use super::common::Common;
 use super::failure::Failure;
 use super::interruption::watch_for_interruption;
 use super::log_directory::log_directory;
 use super::output::{print, print_json};
 use super::plan::{parse_place, positive};
-use super::plan_deployment::{DeploymentPlan, WrittenPlan};
+use super::plan_deployment::DeploymentPlan;
 use super::run::{prepare, summary};
 use super::solve_arm::arm_named;
 use crate::cell::{Cell, Place};
 use crate::experiment::case_set;
+use crate::plan::deployment::Spare;
 use crate::report::write_page;
 use crate::results::{PAGE, write_whole};
-use crate::robot::Pose;
 use crate::run::RunOptions;
 use crate::task::{
-    DeployError, DeployRecord, DeployTask, MotionRequest, Status, middle_of_table, write_manifest,
-    write_report,
+    Correction, DeployRecord, DeployTask, LayingMethod, MotionRequest, SETTLING, Status,
+    Unfinished, middle_of_table, write_manifest, write_report,
 };
-use crate::vision::{ColourRule, Point};
+use crate::vision::ColourRule;
 use clap::Args;
-use nalgebra::Translation3;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
@@ -74,12 +74,18 @@ pub struct DeployArguments {
     /// Which colours are rod, as of `rodlab trace`
     #[arg(long, value_name = "RULE", default_value = "auto")]
     colour: String,
+    /// Look at the rod each 0.8 gravito-bending lengths while it is laid, and plan the rest of its path anew from where it lies
+    #[arg(long, conflicts_with_all = ["simulate", "dry_run"])]
+    correct: bool,
     /// Plan everything, write the pages, and move nothing
     #[arg(long, conflicts_with = "simulate")]
     dry_run: bool,
     /// Lay the rod in plain simulation, without a cell
     #[arg(long)]
     simulate: bool,
+    /// The arm, and what it holds, were looked at after a task that did not come to its end
+    #[arg(long)]
+    checked: bool,
     /// Where everything goes [default: results/deploy-TIME]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -95,29 +101,32 @@ pub fn deploy(arguments: &DeployArguments, common: &Common) -> Result<(), Failur
     let colour = ColourRule::parse(&arguments.colour)?;
     let cell = Cell::read(&arguments.cell)?;
     let arm = arm_named(&cell, arguments.arm.as_deref(), &arguments.cell)?;
+    if !(arguments.dry_run || arguments.simulate || arguments.checked) {
+        refuse_unfinished(&cell, arm)?;
+    }
     let directory = log_directory("deploy", arguments.out.as_deref())?;
-    let plan = arguments.plan.write(&directory.join("plan"))?;
+    let unfinished = Unfinished::of(&cell, arm, &directory);
     if arguments.simulate {
+        arguments
+            .plan
+            .write(&directory.join("plan"), &Spare::HANGS)?;
         return simulate(&directory, common);
     }
-    let pattern = pattern_of(&plan);
-    let poses: Vec<Pose> = plan
-        .poses
-        .iter()
-        .map(|pose| Pose::from_parts(Translation3::from(pose.position), pose.rotation))
-        .collect();
+    let pattern = arguments.plan.outline()?;
     let place = arguments.place.or_else(|| middle_of_table(&cell, &pattern));
     let place =
         place.ok_or_else(|| Failure::Input("--place is needed: the cell has no [table]".into()))?;
     let motion = MotionRequest {
         cell: &cell,
         arm,
-        poses: &poses,
         place,
         speed: arguments.hand_speed,
         margin: arguments.margin,
     };
-    let motion = motion.plan()?;
+    let (rod, path, motion) = motion.plan(|spare| {
+        let plan = arguments.plan.write(&directory.join("plan"), spare)?;
+        Ok::<_, Failure>((plan.rod, plan.path))
+    })?;
     write_whole(
         &directory.join("joints.csv"),
         motion.laying.to_csv().as_bytes(),
@@ -146,16 +155,21 @@ pub fn deploy(arguments: &DeployArguments, common: &Common) -> Result<(), Failur
     record.status = Status::Running;
     write_manifest(&record, &directory)?;
     let interrupted = watch_for_interruption()?;
+    let correction = arguments
+        .correct
+        .then(|| Correction::usual(rod.gravito_bending_length, arguments.hand_speed));
     let task = DeployTask {
         cell: &cell,
         arm,
         motion: &motion,
         approach_speed: arguments.approach_speed,
         pattern: &pattern,
-        start: plan.points[0].position,
-        lead_in: plan.lead_in,
-        radius: plan.rod.radius,
+        path: &path,
+        rod: &rod,
         colour: &colour,
+        laying: correction.as_ref().map(|way| way as &dyn LayingMethod),
+        unfinished: Some(&unfinished),
+        settling: SETTLING,
         directory: &directory,
     };
     let end = task.run(&|| interrupted.load(Ordering::Relaxed));
@@ -165,15 +179,12 @@ pub fn deploy(arguments: &DeployArguments, common: &Common) -> Result<(), Failur
         Ok(score) => {
             record.score(&score);
             record.status = Status::Finished;
-            None
+            note_end(&unfinished).err()
         }
         Err(error) => {
-            record.status = match error {
-                DeployError::Interrupted => Status::Interrupted,
-                _ => Status::Failed,
-            };
+            record.status = status_of(&error);
             record.error = Some(error.to_string());
-            Some(failed(&error, &directory))
+            Some(ended_early(&error, &directory))
         }
     };
     write_manifest(&record, &directory)?;
@@ -182,27 +193,6 @@ pub fn deploy(arguments: &DeployArguments, common: &Common) -> Result<(), Failur
         Some(failure) => Err(failure),
         None => print_json(&record),
     }
-}
-
-fn failed(error: &DeployError, directory: &Path) -> Failure {
-    let message = format!("{error}; the log is in {}", directory.display());
-    match error {
-        DeployError::Interrupted => Failure::Cases {
-            exit_code: 130,
-            message,
-        },
-        _ => Failure::System(message),
-    }
-}
-
-/// The pattern without its lead-in, m.
-fn pattern_of(plan: &WrittenPlan) -> Vec<Point> {
-    let points = plan.points.iter();
-    // What is within rounding of its start is its start.
-    let behind = points.filter(|point| point.s >= plan.lead_in - 1e-9);
-    behind
-        .map(|point| Point::new(point.position.x, point.position.y))
-        .collect()
 }
 
 /// Lays it in plain simulation, and writes the page.

@@ -98,7 +98,7 @@ impl ExitCode for ReproduceError {
             Self::Run(error) => error.exit_code(),
             Self::Results(error) => error.exit_code(),
             Self::WouldReplace { .. } => 2,
-            Self::Threads(_) | Self::Cell(_) => 1,
+            Self::Threads(_) => 1,
             Self::NoTable { .. } | Self::NotRedrawn { .. } => 2,
         }
     }

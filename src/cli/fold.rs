@@ -77,6 +77,9 @@ pub struct FoldArguments {
     /// Plan everything, write the page, and move nothing
     #[arg(long, conflicts_with = "simulate")]
     pub(super) dry_run: bool,
+    /// The arm, and what it holds, were looked at after a task that did not come to its end
+    #[arg(long, conflicts_with = "simulate")]
+    pub(super) checked: bool,
     /// Fold in plain simulation, without a cell
     #[arg(long)]
     simulate: bool,

@@ -1,5 +1,6 @@
 //! `rodlab fold` in a robot cell.
 
+use super::cell_task::{ended_early, note_end, refuse_unfinished, status_of};
 use super::failure::Failure;
 use super::fold::FoldArguments;
 use super::folded_sheet::PaperFile;
@@ -12,11 +13,10 @@ use crate::experiment::AlgorithmName;
 use crate::results::write_whole;
 use crate::robot::Pose;
 use crate::task::{
-    FoldMotionRequest, FoldRecord, FoldRequest, FoldTask, FoldTaskError, FoldWay, Status, heading,
+    FoldMotionRequest, FoldRecord, FoldRequest, FoldTask, FoldWay, Status, Unfinished, heading,
 };
 use crate::vision::ColourRule;
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
-use std::path::Path;
 use std::sync::atomic::Ordering;
 
 /// Parts of a way that is not planned anew: after each the camera looks.
@@ -41,6 +41,9 @@ pub fn fold_in_cell(
     let cell = Cell::read(&arguments.cell)?;
     let arm = arm_named(&cell, arguments.arm.as_deref(), &arguments.cell)?;
     if !arguments.dry_run {
+        if !arguments.checked {
+            refuse_unfinished(&cell, arm)?;
+        }
         let missing = missing_part(&cell, arm);
         if let Some(what) = missing {
             let message = format!("{}: {what}", arguments.cell.display());
@@ -69,6 +72,7 @@ pub fn fold_in_cell(
     };
     let motion = planned.plan(&way)?;
     let directory = log_directory("fold", arguments.out.as_deref())?;
+    let unfinished = Unfinished::of(&cell, arm, &directory);
     let whole = motion.whole();
     write_whole(&directory.join("joints.csv"), whole.to_csv().as_bytes())?;
     let page = cell.page(Some(&whole), FRAMES);
@@ -112,6 +116,7 @@ pub fn fold_in_cell(
         speed: arguments.hand_speed,
         approach_speed: arguments.approach_speed,
         margin: arguments.margin,
+        unfinished: Some(&unfinished),
         directory: &directory,
     };
     let end = task.run(&|| interrupted.load(Ordering::Relaxed));
@@ -126,15 +131,12 @@ pub fn fold_in_cell(
         Ok(score) => {
             record.score = Some(score);
             record.status = Status::Finished;
-            None
+            note_end(&unfinished).err()
         }
         Err(error) => {
-            record.status = match error {
-                FoldTaskError::Interrupted => Status::Interrupted,
-                _ => Status::Failed,
-            };
+            record.status = status_of(&error);
             record.error = Some(error.to_string());
-            Some(failed(&error, &directory))
+            Some(ended_early(&error, &directory))
         }
     };
     record.write(&directory)?;
@@ -218,15 +220,4 @@ fn expected_frame(
         }
     }
     Ok(frame)
-}
-
-fn failed(error: &FoldTaskError, directory: &Path) -> Failure {
-    let message = format!("{error}; the log is in {}", directory.display());
-    match error {
-        FoldTaskError::Interrupted => Failure::Cases {
-            exit_code: 130,
-            message,
-        },
-        _ => Failure::System(message),
-    }
 }

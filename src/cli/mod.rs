@@ -16,6 +16,7 @@
 mod arguments;
 mod calibrate;
 mod cell;
+mod cell_task;
 mod check;
 mod common;
 mod completions;
@@ -28,6 +29,7 @@ mod drawn_pattern;
 mod evaluate;
 mod exit_code;
 mod explain;
+mod explore;
 mod failure;
 mod figure_arguments;
 mod fold;
@@ -48,6 +50,7 @@ mod measure_knot;
 mod measure_markers;
 mod measure_sheet;
 mod output;
+mod pattern_source;
 mod picture_source;
 mod plan;
 mod plan_deployment;
@@ -124,6 +127,7 @@ fn run_command(arguments: &Arguments) -> Result<(), Failure> {
         Command::View(command) => view::view(command, &arguments.common),
         Command::Stream(command) => stream::stream(command),
         Command::Deploy(command) => deploy::deploy(command, &arguments.common),
+        Command::Explore(command) => explore::explore(command),
         Command::Cell(command) => cell::cell(command),
         Command::Submit(command) => submit::submit(command),
         Command::Status(command) => status::status(command),

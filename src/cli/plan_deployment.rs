@@ -4,24 +4,21 @@ use super::deployed_rod::RodFile;
 use super::deployment_files::{
     DRAWING, Landing, drawing_csv, landing, pattern_csv, trajectory_csv, trajectory_json,
 };
-use super::drawn_pattern::drawn_points;
 use super::failure::Failure;
 use super::output::{print_json, write_file};
+use super::pattern_source::PatternArguments;
 use super::values::positive_length;
 use crate::plan::deployment::{
-    DeployedRod, DeploymentError, Feasibility, GripperPose, MOST_POSES, OptimalGrasps, Scheme,
-    deployment_figure, friction_demand, lead_in_length, long_enough, times, trajectory,
+    DeployedRod, DeploymentError, Feasibility, GripperPose, LaidPath, MOST_POSES, OptimalGrasps,
+    Scheme, Spare, deployment_figure, friction_demand, lead_in_length, long_enough, times,
+    trajectory, when_laid, with_spare_laid,
 };
 use crate::plan::grasp::NeuralGrasps;
-use crate::plan::pattern::{
-    Circle, Crossing, Drawing, Line, Pattern, PatternError, PatternPoint, PatternSource, Point,
-    Sine, crossings,
-};
+use crate::plan::pattern::{Crossing, Pattern, PatternSource, Point, crossings};
 use crate::plan::tying::{
     GripperPoses, Handling, LiftPath, Pass, Passage, Schedule, TiedRod, TyingTask, laid_length,
     passages,
 };
-use crate::scenario::metres;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::borrow::Cow;
@@ -40,10 +37,8 @@ pub struct DeploymentArguments {
 /// What is laid along what, and how.
 #[derive(Debug, Args)]
 pub struct DeploymentPlan {
-    /// The pattern: an SVG file; a CSV file with columns x_m and y_m; or line:LENGTH, circle:RADIUS,
-    /// sine:AMPLITUDE,WAVELENGTH,WAVES
-    #[arg(long, value_name = "PATTERN")]
-    pattern: String,
+    #[command(flatten)]
+    source: PatternArguments,
     /// The rod: TOML with gravito_bending_length, radius and length in [deployment.rod]
     #[arg(long, value_name = "FILE")]
     rod: PathBuf,
@@ -56,22 +51,15 @@ pub struct DeploymentPlan {
     /// The network of --solver neural, from `rodlab train` [default: the one in this program]
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
-    /// Length of the longer side of a drawn pattern [default: as drawn]
-    #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
-    size: Option<f64>,
-    /// Which stroke of an SVG, or strand of a CSV file, from 1
-    #[arg(long, value_name = "N")]
-    stroke: Option<usize>,
-    /// Lay it from the last point to the first
-    #[arg(long)]
-    reverse: bool,
-    /// How far the smooth curve may be from what was drawn
-    #[arg(long, value_name = "LENGTH", default_value = "0.25 mm", value_parser = positive_length)]
-    deviation: f64,
     /// Length of a straight start whose curvature grows to that of the pattern: `auto`, as the friction demand of 0.1
     /// needs it, `none`, or a length
-    #[arg(long, value_name = "LENGTH", default_value = "auto", value_parser = lead_in)]
-    lead_in: LeadInLength,
+    #[arg(long, value_name = "LENGTH", default_value = "auto", value_parser = lead)]
+    lead_in: LeadLength,
+    /// How far the rod is laid on behind the pattern: `auto`, where it is longer than that, all but 2.5 gravito-bending lengths of
+    /// it (behind the pattern as far as there is room on the table and in the picture of the camera, the rest straight in front of
+    /// it), `none`, or a length [default: auto where a cell is known, otherwise none]
+    #[arg(long, value_name = "LENGTH", value_parser = lead)]
+    lead_out: Option<LeadLength>,
     /// Distance of neighbouring poses along the pattern, at most
     #[arg(long, value_name = "LENGTH", default_value = "3 mm", value_parser = positive_length)]
     step: f64,
@@ -114,7 +102,7 @@ enum SolverName {
 }
 
 #[derive(Clone, Copy, Debug)]
-enum LeadInLength {
+enum LeadLength {
     Auto,
     Given(f64),
 }
@@ -128,6 +116,7 @@ pub struct Report {
     solver: SolverName,
     length_m: f64,
     lead_in_m: f64,
+    lead_out_m: f64,
     rod_length_m: f64,
     deviation_m: f64,
     least_radius_m: Option<f64>,
@@ -160,37 +149,44 @@ pub struct WrittenPlan {
     pub report: Report,
     /// The rod.
     pub rod: DeployedRod,
-    /// Poses of the gripper that lays it.
-    pub poses: Vec<GripperPose>,
-    /// The pattern with its lead-in.
-    pub points: Vec<PatternPoint>,
-    /// Length of that, m.
-    pub lead_in: f64,
+    /// The path along which it is laid.
+    pub path: LaidPath,
 }
 
 impl DeploymentArguments {
     /// Plans, writes trajectory, pattern and figure, and prints the numbers.
     pub fn plan(&self) -> Result<(), Failure> {
-        print_json(&self.what.write(&self.out)?.report)
+        let part = match self.what.lead_out {
+            Some(LeadLength::Auto) => 1.0,
+            _ => 0.0,
+        };
+        let spare = Spare {
+            part,
+            ..Spare::HANGS
+        };
+        print_json(&self.what.write(&self.out, &spare)?.report)
     }
 }
 
 impl DeploymentPlan {
-    /// Plans, and writes trajectory, pattern and figure into a directory.
+    /// Plans, and writes trajectory, pattern and figure into a directory. `spare` says what is done with a rod that is longer
+    /// than its pattern, unless the arguments do.
     ///
     /// # Errors
     /// The rod, the pattern or an argument is faulty, or a file cannot be written.
-    pub fn write(&self, out: &Path) -> Result<WrittenPlan, Failure> {
+    pub fn write(&self, out: &Path, spare: &Spare<'_>) -> Result<WrittenPlan, Failure> {
         let file = RodFile::read(&self.rod)?;
         let rod = file.rod;
         let friction = self.friction(&file)?;
-        let source = self.source()?;
+        let source = self.source.source()?;
         let pattern = self.pattern(&source, &rod)?;
         let knot = self.passages(&pattern, &rod)?;
+        let bent = pattern.lead_in();
         let pattern = match knot {
             Some(_) => pattern.shortened(laid_length(&rod)),
-            None => pattern,
+            None => self.with_lead_out(pattern, &rod, spare),
         };
+        let (lead_in, end) = (pattern.lead_in(), pattern.length() - pattern.lead_out());
         // Before anything is sampled: it may be very long.
         long_enough(&rod, &pattern).map_err(|error| self.refused(&error))?;
         if pattern.length() / self.step > MOST_POSES {
@@ -218,10 +214,11 @@ impl DeploymentPlan {
             .iter()
             .map(|point| friction_demand(&rod, point))
             .collect();
-        let title = format!("{} along {}", file.title, self.pattern);
+        let title = format!("{} along {}", file.title, self.source.name());
         let figure = deployment_figure(&title, &points, &poses, &demands, friction, &crossings);
         let times = times(&poses, self.speed);
         let laid_by = times.last().copied().unwrap_or(0.0);
+        let when = |s: f64| when_laid(&poses, &times, s);
         let tied = knot.as_ref().zip(poses.last());
         let tied = tied.map(|(passages, last)| self.tied(passages, &source, &rod, last));
         let tied = tied.transpose()?;
@@ -239,14 +236,14 @@ impl DeploymentPlan {
         }
         let simulated = Landing {
             file: &file,
-            name: &self.pattern,
+            name: self.source.name(),
             source: &source,
-            lead_in: pattern.lead_in(),
+            lead_in: bent,
             scheme,
             is_neural: network.is_some(),
             friction,
             knot: self.knot.iter().map(|pass| Pass::from(*pass)).collect(),
-            duration,
+            duration: when(end) - when(lead_in - bent) + (duration - laid_by),
         };
         let mut named = vec![
             (
@@ -255,7 +252,7 @@ impl DeploymentPlan {
             ),
             (
                 "trajectory.json".to_owned(),
-                trajectory_json(&followed, &followed_times, &self.pattern, &file)?,
+                trajectory_json(&followed, &followed_times, self.source.name(), &file)?,
             ),
             ("pattern.csv".to_owned(), pattern_csv(&points, &demands)),
             ("deployment.svg".to_owned(), figure),
@@ -293,12 +290,13 @@ impl DeploymentPlan {
             files.push(path);
         }
         let report = Report {
-            pattern: self.pattern.clone(),
+            pattern: self.source.name().to_owned(),
             rod: file.title,
             scheme: self.scheme,
             solver: self.solver,
-            length_m: pattern.length(),
-            lead_in_m: pattern.lead_in(),
+            length_m: end,
+            lead_in_m: lead_in,
+            lead_out_m: pattern.lead_out(),
             rod_length_m: rod.length,
             deviation_m: pattern.deviation,
             least_radius_m: Some(checks.least_radius_m).filter(|radius| radius.is_finite()),
@@ -318,10 +316,26 @@ impl DeploymentPlan {
         Ok(WrittenPlan {
             report,
             rod,
-            lead_in: pattern.lead_in(),
-            poses,
-            points,
+            path: LaidPath {
+                lays_spare: lead_in > bent || pattern.lead_out() > 0.0,
+                lead_in,
+                poses,
+                points,
+            },
         })
+    }
+
+    /// The pattern without lead-in and lead-out, m.
+    ///
+    /// # Errors
+    /// The pattern or an argument is faulty.
+    pub fn outline(&self) -> Result<Vec<Point>, Failure> {
+        let pattern = self.source.source()?.pattern();
+        let pattern = pattern.map_err(|error| self.source.no_pattern(&error))?;
+        // It may be very long.
+        let step = self.step.max(pattern.length() / MOST_POSES);
+        let points = pattern.sampled(step).into_iter();
+        Ok(points.map(|point| point.position).collect())
     }
 
     /// Whether a knot is tied.
@@ -331,7 +345,7 @@ impl DeploymentPlan {
 
     /// The pattern as it was given.
     pub fn pattern_name(&self) -> &str {
-        &self.pattern
+        self.source.name()
     }
 
     /// The crossings of a knot; `None` where none is tied.
@@ -351,7 +365,7 @@ impl DeploymentPlan {
         let passages = passages(&[tied], &words);
         passages
             .map(Some)
-            .map_err(|error| Failure::Input(format!("--knot: {}: {error}", self.pattern)))
+            .map_err(|error| Failure::Input(format!("--knot: {}: {error}", self.source.name())))
     }
 
     /// What the grippers do after the `last` pose of the laying.
@@ -379,7 +393,7 @@ impl DeploymentPlan {
     }
 
     fn refused(&self, error: &DeploymentError) -> Failure {
-        Failure::Input(format!("{}: {error}", self.pattern))
+        Failure::Input(format!("{}: {error}", self.source.name()))
     }
 
     fn friction(&self, file: &RodFile) -> Result<Option<f64>, Failure> {
@@ -426,95 +440,25 @@ impl DeploymentPlan {
         }
     }
 
-    /// What the pattern is made from.
-    fn source(&self) -> Result<PatternSource, Failure> {
-        let Some(formula) = self.analytic()? else {
-            return Ok(PatternSource::Drawn {
-                points: self.drawn()?,
-                deviation: self.deviation,
-            });
-        };
-        let given = [
-            ("--size", self.size.is_some()),
-            ("--stroke", self.stroke.is_some()),
-            ("--reverse", self.reverse),
-        ];
-        match given.iter().find(|(_, given)| *given) {
-            Some((flag, _)) => Err(Failure::Input(format!(
-                "{flag} is for drawn patterns; {} has its size and direction",
-                self.pattern
-            ))),
-            None => Ok(formula),
-        }
-    }
-
     /// The pattern with its lead-in.
     fn pattern(&self, source: &PatternSource, rod: &DeployedRod) -> Result<Pattern, Failure> {
-        let pattern = source.pattern().map_err(|error| self.no_pattern(&error))?;
+        let pattern = source
+            .pattern()
+            .map_err(|error| self.source.no_pattern(&error))?;
         let length = match self.lead_in {
-            LeadInLength::Given(length) => length,
-            LeadInLength::Auto => lead_in_length(rod, pattern.at(0.0).curvature),
+            LeadLength::Given(length) => length,
+            LeadLength::Auto => lead_in_length(rod, pattern.at(0.0).curvature),
         };
         Ok(pattern.with_lead_in(length))
     }
 
-    fn no_pattern(&self, error: &PatternError) -> Failure {
-        Failure::Input(format!("{}: {error}", self.pattern))
-    }
-
-    /// `line:…`, `circle:…` or `sine:…`.
-    fn analytic(&self) -> Result<Option<PatternSource>, Failure> {
-        let Some((kind, text)) = self.pattern.split_once(':') else {
-            return Ok(None);
-        };
-        let values: Vec<&str> = text.split(',').collect();
-        let fault = |needed: &str| Failure::Input(format!("--pattern {}: {needed}", self.pattern));
-        let length = |text: &str| positive_length(text).map_err(|error| fault(&error));
-        Ok(Some(match (kind, values.as_slice()) {
-            ("line", [end]) => PatternSource::Line(Line {
-                length: length(end)?,
-            }),
-            ("circle", [radius]) => {
-                // A negative radius turns to the right.
-                let radius = metres(radius).map_err(|error| fault(&error))?;
-                if radius == 0.0 || !radius.is_finite() {
-                    return Err(fault("a radius other than 0 is needed"));
-                }
-                PatternSource::Circle(Circle { radius })
-            }
-            ("sine", [amplitude, wavelength, waves]) => {
-                let waves: Option<f64> = waves.trim().parse().ok();
-                let waves = waves.filter(|waves| *waves > 0.0 && *waves <= 1000.0);
-                PatternSource::Sine(Sine {
-                    amplitude: length(amplitude)?,
-                    wavelength: length(wavelength)?,
-                    waves: waves
-                        .ok_or_else(|| fault("a number of waves from 0 to 1000 is needed"))?,
-                })
-            }
-            ("line" | "circle" | "sine", _) => {
-                return Err(fault(
-                    "line:LENGTH, circle:RADIUS or sine:AMPLITUDE,WAVELENGTH,WAVES is needed",
-                ));
-            }
-            _ => return Ok(None),
-        }))
-    }
-
-    /// Points of an SVG or CSV file, in its size and direction.
-    fn drawn(&self) -> Result<Vec<Point>, Failure> {
-        let points = drawn_points(Path::new(&self.pattern), self.stroke)?;
-        let points = points.ok_or_else(|| {
-            Failure::Input(format!(
-                "--pattern {}: an .svg file, a .csv file, line:…, circle:… or sine:… is needed",
-                self.pattern
-            ))
-        })?;
-        let drawing = Drawing {
-            size: self.size,
-            reverse: self.reverse,
-        };
-        drawing.of(points).map_err(|error| self.no_pattern(&error))
+    /// The pattern and, where it is wanted, what the rod is longer than it.
+    fn with_lead_out(&self, pattern: Pattern, rod: &DeployedRod, spare: &Spare<'_>) -> Pattern {
+        if let Some(LeadLength::Given(length)) = self.lead_out {
+            let last = pattern.at(pattern.length());
+            return pattern.with_lead_out(lead_in_length(rod, last.curvature), length);
+        }
+        with_spare_laid(pattern, rod, spare)
     }
 }
 
@@ -549,12 +493,12 @@ fn is_unstable(pose: &GripperPose) -> bool {
     pose.grasp.as_ref().is_some_and(|grasp| !grasp.is_stable())
 }
 
-fn lead_in(text: &str) -> Result<LeadInLength, String> {
+fn lead(text: &str) -> Result<LeadLength, String> {
     match text.trim() {
-        "auto" => Ok(LeadInLength::Auto),
-        "none" => Ok(LeadInLength::Given(0.0)),
+        "auto" => Ok(LeadLength::Auto),
+        "none" => Ok(LeadLength::Given(0.0)),
         text => positive_length(text)
-            .map(LeadInLength::Given)
+            .map(LeadLength::Given)
             .map_err(|error| format!("{error}; or `auto`, or `none`")),
     }
 }

@@ -47,6 +47,7 @@ pub use folding::{
     AlgorithmName, Crease, FoldedOutlines, FoldingOutcome, FoldingTables, Paper, TypedPaper,
     folded_outlines, planned_fold, resolve_paper,
 };
+pub use helix::manipulation::{ClampPoses, ClampedRod};
 pub use helix::stability::{
     HelixSearch, HelixStability, discrete_critical_distance, estimated_critical_distance,
 };
@@ -54,7 +55,7 @@ pub use kind::{FigureError, Kind, OwnNumbers, Page, SampleColumns};
 pub use knot::{
     KnotEnding, KnotMonitor, KnotObserver, KnotOutcome, KnotRow, KnotSample, read_knot_series,
 };
-pub use prepare::{place_obstacles, prepare, try_scene};
+pub use prepare::{Jitter, place_obstacles, prepare, try_scene};
 
 use crate::scenario::keys::ExperimentKeys;
 use crate::scenario::{self, CaseSet, Experiments, Loaded, ScenarioError};

@@ -58,6 +58,7 @@ pages! {
     figures
     robots
     cell
+    exploration
     vision
     theory
     accuracy

@@ -4,6 +4,7 @@ use super::applications::Application;
 use super::bundling::Bundling;
 use super::cases::{Case, Run, run_all};
 use super::cost::{self, Costly};
+use super::explored_helices::Explored;
 use super::folds::Folded;
 use super::grasp_grid::GraspGrid;
 use super::hanging_strips::Hanging;
@@ -13,17 +14,17 @@ use super::inversion::Inversion;
 use super::laying::Laying;
 use super::manipulated_helix::ManipulatedHelix;
 use super::page::{Heading, Page};
-use super::recipe::AnyRecipe;
 use super::sideways_push::SidewaysPush;
 use super::simplified_inversion::{self, Factor};
 use super::table::FiguresOfTable;
 use super::tightening::Tightening;
 use super::{
-    ReproduceError, ReproduceOptions, auto_steps, deployment_correction, deployment_errors,
-    drag_steps, figure_2_5, figure_2_6, figure_2_7, figure_2_8, figure_3_4, figure_3_9, figure_4_5,
-    figure_4_9, figure_4_10, figure_4_11, figure_4_11_cell, figure_5_4, figure_5_5, figure_5_6,
-    figure_5_8, figure_6_2, figure_6_5, inversion_factors, knot_convergence, laid_patterns,
-    table_2_1, table_2_2, table_4_1, table_5_2, table_5_3, table_5_4,
+    ReproduceError, ReproduceOptions, auto_steps, cell_correction, deployment_correction,
+    deployment_errors, drag_steps, figure_2_5, figure_2_6, figure_2_7, figure_2_8, figure_3_4,
+    figure_3_9, figure_4_5, figure_4_9, figure_4_10, figure_4_11, figure_5_4, figure_5_5,
+    figure_5_6, figure_5_8, figure_6_2, figure_6_5, figure_6_6_robot, inversion_factors,
+    knot_convergence, laid_patterns, table_2_1, table_2_2, table_4_1, table_5_2, table_5_2_cell,
+    table_5_3, table_5_4,
 };
 use std::fmt;
 use std::path::PathBuf;
@@ -36,7 +37,7 @@ pub struct Artifact {
 }
 
 /// All tables and figures.
-pub static ARTIFACTS: [Artifact; 37] = [
+pub static ARTIFACTS: [Artifact; 39] = [
     Artifact {
         name: "tab2.1",
         title: "Table 2.1: IMC and IPC, iterations and time of bundling flagella",
@@ -197,11 +198,6 @@ pub static ARTIFACTS: [Artifact; 37] = [
         },
     },
     Artifact {
-        name: "fig4.11-cell",
-        title: "Figure 4.11 by an arm: seven folds in the virtual cell",
-        recipe: &figure_4_11_cell::FoldsInCell,
-    },
-    Artifact {
         name: "tab4.1",
         title: "Table 4.1: how long plans of folds take",
         recipe: &Recipe {
@@ -274,6 +270,15 @@ pub static ARTIFACTS: [Artifact; 37] = [
         },
     },
     Artifact {
+        name: "tab5.2-cell",
+        title: "Table 5.2 in the virtual cell: through drivers and camera",
+        recipe: &Recipe {
+            runs: Laying::of_cell,
+            write: table_5_2_cell::write,
+            figures_of_table: None,
+        },
+    },
+    Artifact {
         name: "tab5.3",
         title: "Table 5.3: trajectories by exact grasps and by the network",
         recipe: &Recipe {
@@ -319,6 +324,15 @@ pub static ARTIFACTS: [Artifact; 37] = [
         },
     },
     Artifact {
+        name: "fig6.6-robot",
+        title: "Figure 6.6: the boundary of the stable helices, explored by the arm of a virtual cell",
+        recipe: &Recipe {
+            runs: |quick| vec![Explored::of_the_thesis(quick)],
+            write: figure_6_6_robot::write,
+            figures_of_table: Some(figure_6_6_robot::figures_of_table),
+        },
+    },
+    Artifact {
         name: "knot-convergence",
         title: "Overhand knots pulled tight: mesh, pull speed and contact tolerance",
         recipe: &Recipe {
@@ -343,6 +357,15 @@ pub static ARTIFACTS: [Artifact; 37] = [
             runs: Laying::of_correction,
             write: deployment_correction::write,
             figures_of_table: Some(deployment_correction::figures_of_table),
+        },
+    },
+    Artifact {
+        name: "cell-correction",
+        title: "Rods laid in the virtual cell: what correction makes up for",
+        recipe: &Recipe {
+            runs: Laying::of_cell_correction,
+            write: cell_correction::write,
+            figures_of_table: Some(cell_correction::figures_of_table),
         },
     },
     Artifact {
@@ -390,14 +413,6 @@ impl Artifact {
         self.title
     }
 
-    /// What its page is called.
-    pub(super) fn heading(&self) -> Heading {
-        Heading {
-            name: self.name,
-            title: self.title,
-        }
-    }
-
     /// Rough cost of all its runs on one core, s.
     pub fn cost(&self, quick: bool) -> f64 {
         self.recipe.cost(quick)
@@ -424,15 +439,50 @@ struct Recipe<R> {
     figures_of_table: Option<FiguresOfTable>,
 }
 
+/// A [`Recipe`] of whatever runs.
+pub(super) trait AnyRecipe: Sync {
+    /// Rough cost of all runs on one core, s.
+    fn cost(&self, quick: bool) -> f64;
+
+    /// The figures from the table alone.
+    fn figures_of_table(&self) -> Option<FiguresOfTable>;
+
+    /// Makes the runs and writes the page; returns the files written.
+    fn make(
+        &self,
+        artifact: &'static Artifact,
+        options: &ReproduceOptions,
+        report: &(dyn Fn(&str) + Sync),
+    ) -> Result<Vec<PathBuf>, ReproduceError>;
+
+    /// The same with a few steps of the first `count` runs.
+    #[cfg(test)]
+    fn make_shortened(
+        &self,
+        artifact: &'static Artifact,
+        count: usize,
+        options: &ReproduceOptions,
+        report: &(dyn Fn(&str) + Sync),
+    ) -> Result<Vec<PathBuf>, ReproduceError>;
+
+    /// The ids of the runs, each of which is prepared.
+    #[cfg(test)]
+    fn ids(&self, quick: bool) -> Vec<String>;
+}
+
 impl<R: Run> Recipe<R> {
     fn make_of(
         &self,
-        heading: Heading,
+        artifact: &'static Artifact,
         runs: &[R],
         options: &ReproduceOptions,
         report: &(dyn Fn(&str) + Sync),
     ) -> Result<Vec<PathBuf>, ReproduceError> {
         let cases = run_all(runs, options, report)?;
+        let heading = Heading {
+            name: artifact.name,
+            title: artifact.title,
+        };
         let mut page = Page::begin(heading, options, &cases)?;
         (self.write)(&mut page, &cases)?;
         Ok(page.finish()?)
@@ -450,24 +500,24 @@ impl<R: Run> AnyRecipe for Recipe<R> {
 
     fn make(
         &self,
-        heading: Heading,
+        artifact: &'static Artifact,
         options: &ReproduceOptions,
         report: &(dyn Fn(&str) + Sync),
     ) -> Result<Vec<PathBuf>, ReproduceError> {
-        self.make_of(heading, &(self.runs)(options.quick), options, report)
+        self.make_of(artifact, &(self.runs)(options.quick), options, report)
     }
 
     #[cfg(test)]
     fn make_shortened(
         &self,
-        heading: Heading,
+        artifact: &'static Artifact,
         count: usize,
         options: &ReproduceOptions,
         report: &(dyn Fn(&str) + Sync),
     ) -> Result<Vec<PathBuf>, ReproduceError> {
         let runs = (self.runs)(options.quick);
         let runs: Vec<R> = runs.iter().take(count).map(Run::shortened).collect();
-        self.make_of(heading, &runs, options, report)
+        self.make_of(artifact, &runs, options, report)
     }
 
     #[cfg(test)]

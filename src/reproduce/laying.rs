@@ -150,6 +150,13 @@ const CAMERA_NOISE: f64 = 0.5e-3;
 /// The patterns that are laid with errors: circle, U and L.
 const DISTURBED: [usize; 3] = [1, 3, 5];
 
+impl LaidRod {
+    /// Its file.
+    pub fn file(&self) -> &'static str {
+        self.scenario
+    }
+}
+
 impl Laying {
     /// All of Tab. 5.2; a quick look has the green rod at the medium friction.
     pub fn of_table_5_2(quick: bool) -> Vec<Self> {
@@ -182,6 +189,18 @@ impl Laying {
         let mut runs = Self::of_table_5_2(false);
         runs.retain(|run| {
             RODS[run.rod].substrates[run.friction] == Substrate::Fabric && (run.rod == 1 || !quick)
+        });
+        runs
+    }
+
+    /// The green rod on fabric by the optimal scheme, all patterns; a quick look has two.
+    pub fn of_cell(quick: bool) -> Vec<Self> {
+        let mut runs = Self::of_table_5_2(false);
+        runs.retain(|run| {
+            run.rod == 1
+                && run.is_optimal
+                && RODS[run.rod].substrates[run.friction] == Substrate::Fabric
+                && (run.pattern < 2 || !quick)
         });
         runs
     }
@@ -269,6 +288,17 @@ impl Laying {
             })
         };
         patterns.iter().flat_map(of).collect()
+    }
+
+    /// The same without noise of the camera; a quick look has one pattern with one jitter.
+    pub fn of_cell_correction(quick: bool) -> Vec<Self> {
+        let mut runs = Self::of_correction(quick);
+        runs.retain(|run| {
+            let disturbance = &run.disturbance;
+            disturbance.correction.is_none_or(|noise| noise == 0.0)
+                && (disturbance.seed == 1 || !quick)
+        });
+        runs
     }
 
     fn keys_of_the_pattern(&self) -> String {

@@ -11,9 +11,9 @@
 //! | `inversion` | a knot pulled until it inverts (thesis 3) |
 //! | `helices` | the search for the boundary of the stable helices (thesis 6.2) |
 //! | `manipulated_helix` | a helical rod manipulated in time (thesis 6.3) |
+//! | `explored_helices` | helical rods explored by the arm of a virtual cell (thesis 6.3, 6.4) |
 //! | `laying` | a rod laid along a pattern (thesis 5.5) |
 //! | `applications` | cables placed in clips, a knot tied on the table (thesis 5.5.5, 5.5.6) |
-//! | `recipe` | what is asked of each |
 //! | `cases` | running the runs |
 //! | `page` | CSV, Markdown and manifest of an artefact |
 //! | `table` | that CSV, read again |
@@ -24,7 +24,6 @@
 //! | `folds` | a sheet that is folded (thesis 4.6) |
 //! | `figure_4_5` | the force manifold of folding |
 //! | `figure_4_9`, `hanging_strips` | strips that hang down |
-//! | `figure_4_11_cell`, `folds_in_cell` | folds by the arm of a virtual cell |
 //! | `figure_4_10`, `figure_4_11`, `table_4_1` | folds by several ways, and what planning them takes |
 //! | `figure_5_4` | where a gripper may be above a straight line |
 //! | `figure_5_5`, `sideways_push` | optimal grasps that are pushed sideways |
@@ -32,12 +31,15 @@
 //! | `figure_5_8`, `heavy_loops` | rods folded over onto themselves |
 //! | `laid_patterns`, `laid_outlines` | rods laid along patterns, from above |
 //! | `table_5_2`, `measured_deployments` | how well rods are laid along patterns, simulated and measured |
+//! | `table_5_2_cell`, `virtual_laying` | the same through drivers and camera of the virtual cell |
 //! | `table_5_4` | how often cables are placed and knots tied |
 //! | `figure_6_2` | figures 6.2 and 6.6 |
 //! | `figure_6_5` | disturbances of a manipulated rod |
+//! | `figure_6_6_robot` | the boundary of the stable helices, explored by an arm |
 //! | `overhand_law` | knots pulled tight against Eq. 2.30, part by part |
 //! | `knot_convergence` | what mesh, pull speed and contact tolerance change |
 //! | `deployment_errors`, `deployment_correction` | what jitter and errors of the rod do to a laid rod, and their correction |
+//! | `cell_correction` | the same in the virtual cell, through drivers and camera |
 //! | `cost`, `drag_steps`, `auto_steps` | what steps cost, and what larger and automatic ones lose |
 //! | `difference` | distance of the nodes between two runs (thesis Eq. 2.28) |
 
@@ -46,11 +48,13 @@ mod artifact;
 mod auto_steps;
 mod bundling;
 mod cases;
+mod cell_correction;
 mod cost;
 mod deployment_correction;
 mod deployment_errors;
 mod difference;
 mod drag_steps;
+mod explored_helices;
 mod figure_2_5;
 mod figure_2_6;
 mod figure_2_7;
@@ -59,7 +63,6 @@ mod figure_3_4;
 mod figure_3_9;
 mod figure_4_10;
 mod figure_4_11;
-mod figure_4_11_cell;
 mod figure_4_5;
 mod figure_4_9;
 mod figure_5_4;
@@ -68,8 +71,8 @@ mod figure_5_6;
 mod figure_5_8;
 mod figure_6_2;
 mod figure_6_5;
+mod figure_6_6_robot;
 mod folds;
-mod folds_in_cell;
 mod grasp_grid;
 mod hanging_strips;
 mod heavy_loops;
@@ -86,7 +89,6 @@ mod manipulated_helix;
 mod measured_deployments;
 mod overhand_law;
 mod page;
-mod recipe;
 mod redraw;
 mod sideways_push;
 mod simplified_inversion;
@@ -95,9 +97,11 @@ mod table_2_1;
 mod table_2_2;
 mod table_4_1;
 mod table_5_2;
+mod table_5_2_cell;
 mod table_5_3;
 mod table_5_4;
 mod tightening;
+mod virtual_laying;
 
 pub use artifact::{ARTIFACTS, Artifact};
 pub use redraw::redraw;
@@ -143,9 +147,6 @@ pub enum ReproduceError {
     /// The system could not start the threads of a run.
     #[error("cannot start the threads of a run: {0}")]
     Threads(String),
-    /// A virtual cell did not do what a page is made of.
-    #[error("the virtual cell: {0}")]
-    Cell(String),
     /// There is no table to draw figures from.
     #[error("there is no `{}`; make it by `rodlab reproduce {artifact}`", table.display())]
     NoTable {
@@ -177,7 +178,7 @@ pub fn reproduce(
     if options.quick && page::is_whole(&page) {
         return Err(ReproduceError::WouldReplace { page });
     }
-    artifact.recipe.make(artifact.heading(), options, report)
+    artifact.recipe.make(artifact, options, report)
 }
 
 #[cfg(test)]
@@ -206,7 +207,7 @@ mod tests {
             let options = options(directory.path(), 2);
             let written = artifact
                 .recipe
-                .make_shortened(artifact.heading(), usize::MAX, &options, &|_| {})
+                .make_shortened(artifact, usize::MAX, &options, &|_| {})
                 .unwrap();
             let page = directory.path().join(artifact.name());
             assert!(written.iter().all(|file| file.starts_with(&page)));
@@ -216,7 +217,7 @@ mod tests {
                 "{text}"
             );
             assert!(
-                ["0.0", "60 d", "rods of", "one sheet"]
+                ["0.0", "60 d", "1 d", "rods of"]
                     .iter()
                     .any(|what| text.contains(&format!("**Quick: {what}"))),
                 "{text}"
@@ -246,7 +247,7 @@ mod tests {
         let shortened = |options: &ReproduceOptions| {
             let made = artifact
                 .recipe
-                .make_shortened(artifact.heading(), 2, options, &|_| {});
+                .make_shortened(artifact, 2, options, &|_| {});
             made.unwrap();
             fs::read_to_string(&page).unwrap()
         };
@@ -272,7 +273,7 @@ mod tests {
         let options = options(directory.path(), 1);
         let make = |count: usize| {
             let recipe = artifact.recipe;
-            let made = recipe.make_shortened(artifact.heading(), count, &options, &report);
+            let made = recipe.make_shortened(artifact, count, &options, &report);
             made.unwrap();
             fs::read(directory.path().join("fig2.6/fig2.6.csv")).unwrap()
         };

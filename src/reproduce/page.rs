@@ -107,12 +107,18 @@ pub(super) fn is_whole(page: &Path) -> bool {
 }
 
 impl Page {
-    /// Makes the directory and the head of the page of runs.
+    /// Makes the directory and the head of the page.
     pub fn begin<R: Run>(
         heading: Heading,
         options: &ReproduceOptions,
         cases: &[Case<R>],
     ) -> Result<Self, ResultsError> {
+        let directory = options.directory.join(heading.name);
+        std::fs::create_dir_all(&directory).map_err(|source| ResultsError::Io {
+            action: "create",
+            path: directory.clone(),
+            source,
+        })?;
         let note = |case: &Case<R>| CaseNote {
             case: case.run.id(),
             status: case.record.status,
@@ -123,39 +129,8 @@ impl Page {
             version: case.manifest.version.clone(),
             was_finished: case.was_finished,
         };
-        let longest = cases
-            .iter()
-            .max_by(|a, b| a.run.end().total_cmp(&b.run.end()));
-        let extent = longest.map_or_else(String::new, |longest| longest.run.extent());
-        let notes = cases.iter().map(note).collect();
-        let mut page = Self::new(heading, options, &extent, notes)?;
-        page.text(&timings(options, cases));
-        Ok(page)
-    }
-
-    /// The same of tasks in a virtual cell; `extent` is how much a quick look does.
-    pub fn begin_of_tasks(
-        heading: Heading,
-        options: &ReproduceOptions,
-        extent: &str,
-    ) -> Result<Self, ResultsError> {
-        Self::new(heading, options, extent, Vec::new())
-    }
-
-    fn new(
-        heading: Heading,
-        options: &ReproduceOptions,
-        extent: &str,
-        cases: Vec<CaseNote>,
-    ) -> Result<Self, ResultsError> {
-        let directory = options.directory.join(heading.name);
-        std::fs::create_dir_all(&directory).map_err(|source| ResultsError::Io {
-            action: "create",
-            path: directory.clone(),
-            source,
-        })?;
         Ok(Self {
-            markdown: head(heading, options, extent),
+            markdown: head(heading, options, cases),
             manifest: PageManifest {
                 artifact: heading.name,
                 title: heading.title,
@@ -165,7 +140,7 @@ impl Page {
                 written: jiff::Timestamp::now(),
                 quick: options.quick,
                 jobs: options.jobs,
-                cases,
+                cases: cases.iter().map(note).collect(),
             },
             heading,
             directory,
@@ -248,27 +223,28 @@ impl Page {
     }
 }
 
-/// Title, command, and how much of it a quick look did.
-fn head(heading: Heading, options: &ReproduceOptions, extent: &str) -> String {
+/// Title, command, and what a reader must know of times and timings.
+fn head<R: Run>(heading: Heading, options: &ReproduceOptions, cases: &[Case<R>]) -> String {
+    let mut text = format!("# {}\n\n", heading.title);
+    let mut add = |paragraph: String| {
+        // Writing to a string cannot fail.
+        let _ = write!(text, "{paragraph}\n\n");
+    };
     let quick = if options.quick { " --quick" } else { "" };
-    let mut text = format!(
-        "# {}\n\nMade by `rodlab reproduce {}{quick}`, version {}.\n\n",
-        heading.title,
+    add(format!(
+        "Made by `rodlab reproduce {}{quick}`, version {}.",
         heading.name,
         env!("CARGO_PKG_VERSION")
-    );
-    if options.quick && !extent.is_empty() {
-        // Writing to a string cannot fail.
-        let _ = write!(
-            text,
-            "**Quick: {extent}, which is not all. Totals and ends are those of this part.**\n\n"
-        );
+    ));
+    let longest = cases
+        .iter()
+        .max_by(|a, b| a.run.end().total_cmp(&b.run.end()));
+    if let Some(longest) = longest.filter(|_| options.quick) {
+        add(format!(
+            "**Quick: {}, which is not all. Totals and ends are those of this part.**",
+            longest.run.extent()
+        ));
     }
-    text
-}
-
-/// What a reader must know of times and timings.
-fn timings<R: Run>(options: &ReproduceOptions, cases: &[Case<R>]) -> String {
     let jobs = options.jobs.min(cases.len());
     let at_a_time = if jobs == 1 {
         "one at a time".to_owned()
@@ -290,7 +266,8 @@ fn timings<R: Run>(options: &ReproduceOptions, cases: &[Case<R>]) -> String {
             " All wall time over all processor time is {ratio:.2}; beyond 1 the machine was busy with other work."
         );
     }
-    timings
+    add(timings);
+    text
 }
 
 fn wall_time_over_cpu_time<R: Run>(cases: &[Case<R>]) -> Option<f64> {

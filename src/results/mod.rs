@@ -67,6 +67,6 @@ pub use stream::{CsvStream, WholeRows, read_whole_rows};
 pub use summary::{SummaryRow, write_summary, write_sweep_summary, write_timings};
 pub use sweep_directory::{CASES, SweepDirectory};
 pub use table::Table;
-pub use usage::{Usage, UsageMeter};
+pub use usage::{Usage, UsageMeter, thread_cpu_time};
 pub use value::{NamedValues, Value};
 pub use vtk::{Surface, write_surface};

@@ -97,7 +97,7 @@ fn cpu_time() -> Option<Duration> {
 }
 
 /// Time that this thread has spent on a processor, from `/proc/thread-self/schedstat`, in ns.
-fn thread_cpu_time() -> Option<Duration> {
+pub fn thread_cpu_time() -> Option<Duration> {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
     let nanoseconds = text.split_whitespace().next()?.parse().ok()?;
     Some(Duration::from_nanos(nanoseconds))

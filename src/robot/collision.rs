@@ -6,6 +6,7 @@
 use super::body::{Body, Shape};
 use super::chain::Chain;
 use super::pose::Pose;
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use parry3d_f64::math::{Pose3, Rot3, Vec3};
 use parry3d_f64::query;
 use parry3d_f64::shape::{ConvexPolyhedron, Cuboid, Segment};
@@ -171,6 +172,41 @@ impl Surroundings {
     pub fn clearance(&self, postures: &[Vec<f64>], moving: Option<usize>) -> f64 {
         self.nearest(postures, moving)
             .map_or(FAR, |approach| approach.distance)
+    }
+
+    /// What comes nearest to some balls, such as the points of a rod, with all arms in the given postures: its name and the
+    /// distance, m; `None` where nothing is nearer than [`FAR`].
+    pub fn nearest_to_balls(
+        &self,
+        postures: &[Vec<f64>],
+        centres: &[Vector3<f64>],
+        radius: f64,
+    ) -> Option<(String, f64)> {
+        let ball = Shape::Capsule {
+            half_length: 0.0,
+            radius,
+        };
+        let poses = self.poses(postures);
+        let bodies = self.members.iter().zip(&poses).enumerate();
+        let bodies = bodies.flat_map(|(arm, (member, poses))| {
+            let all = member.bodies.iter().zip(poses).enumerate();
+            all.map(move |(index, (body, pose))| (Some(arm), index, body.shape.clone(), *pose))
+        });
+        let boxes = self.boxes.iter().enumerate();
+        let boxes =
+            boxes.map(|(index, known)| (None, index, Shape::Box { half: known.half }, known.pose));
+        let mut nearest: Option<(f64, Option<usize>, usize)> = None;
+        for (arm, index, shape, pose) in bodies.chain(boxes) {
+            for centre in centres {
+                let place =
+                    Pose::from_parts(Translation3::from(*centre), UnitQuaternion::identity());
+                let away = distance((&shape, &pose), (&ball, &place));
+                if away < nearest.map_or(FAR, |(least, ..)| least) {
+                    nearest = Some((away, arm, index));
+                }
+            }
+        }
+        nearest.map(|(away, arm, index)| (self.name(arm, index), away))
     }
 
     fn name(&self, arm: Option<usize>, index: usize) -> String {
@@ -343,6 +379,22 @@ mod tests {
         assert!((between(&a, &b) - 0.04).abs() < 1e-12);
         let close = capsule([0.05, 0.0, 0.0], [1.2, 0.0, 0.0]);
         assert!((between(&a, &close) + 0.01).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_nearest_thing_to_some_balls_is_named() {
+        let boxes = [("near", 0.15), ("far", 0.5)].map(|(name, x)| StandingBox {
+            name: name.into(),
+            pose: pose_of_angles([x, 0.0, 0.0], [0.0; 3]),
+            half: [0.05; 3],
+        });
+        let surroundings = Surroundings::new(Vec::new(), boxes.into());
+        let balls = [[0.0, 0.0, 0.0], [0.0, 0.0, 0.3]].map(Vector3::from);
+        let (name, away) = surroundings.nearest_to_balls(&[], &balls, 0.02).unwrap();
+        assert_eq!(name, "near");
+        assert!((away - 0.08).abs() < 1e-12, "{away}");
+        let far = [Vector3::new(0.0, 2.0, 0.0)];
+        assert_eq!(surroundings.nearest_to_balls(&[], &far, 0.02), None);
     }
 
     proptest! {

@@ -1,22 +1,25 @@
 //! A rod laid along a pattern by an arm.
 
-use super::look::{lying_rod, next_picture, score_of};
+use super::error::{TaskError, TaskStage};
+use super::look::{Seen, next_picture, score_of};
 use super::motion::DeployMotion;
+use super::unfinished::Unfinished;
+use super::working_arm::{Grip, WorkingArm};
 use crate::cell::Cell;
 use crate::figure::Paper;
+use crate::plan::deployment::{DeployedRod, LaidPath};
 use crate::results::{ResultsError, write_whole};
-use crate::robot::{Ending, JointTrajectory, StreamLog, stream};
+use crate::robot::JointTrajectory;
 use crate::vision::{
-    ColourRule, Point, SCORE_POINTS, Score, centrelines_csv, encode_picture, overlay, pattern_csv,
-    score_figure,
+    ColourRule, Point, SCORE_POINTS, Score, VisionError, centrelines_csv, encode_picture, overlay,
+    pattern_csv, score_figure,
 };
+use image::RgbImage;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Longest wait for a gripper.
-const GRIPPER: Duration = Duration::from_secs(20);
-/// How long a rod that was let go is left to itself.
-const SETTLING: Duration = Duration::from_secs(3);
+/// How long a rod that was let go is usually left to itself.
+pub const SETTLING: Duration = Duration::from_secs(3);
 
 /// What is laid where.
 pub struct DeployTask<'a> {
@@ -28,18 +31,35 @@ pub struct DeployTask<'a> {
     pub motion: &'a DeployMotion,
     /// Greatest speed of the hand on the way to it, m/s.
     pub approach_speed: f64,
-    /// The pattern in its own frame, without lead-in, m, and where that begins.
+    /// The pattern in its own frame, without lead-in and lead-out, m.
     pub pattern: &'a [Point],
-    /// Where the rod begins: the start of the lead-in, m.
-    pub start: Point,
-    /// Length of the lead-in, m.
-    pub lead_in: f64,
-    /// Radius of the rod, m.
-    pub radius: f64,
+    /// The path along which the rod is laid: the pattern with lead-in and lead-out.
+    pub path: &'a LaidPath,
+    /// The rod, as it is believed to be.
+    pub rod: &'a DeployedRod,
     /// Which pixels are rod.
     pub colour: &'a ColourRule,
+    /// How it is laid where its path is not followed as it was planned.
+    pub laying: Option<&'a dyn LayingMethod>,
+    /// What says that it was begun, if it is to be said.
+    pub unfinished: Option<&'a Unfinished>,
+    /// How long a rod that was let go is left to itself.
+    pub settling: Duration,
     /// Where everything is written.
     pub directory: &'a Path,
+}
+
+/// A way to lay a rod whose path changes while it is laid.
+pub trait LayingMethod {
+    /// Lays the rod of a task, from the first pose of its path to the last one.
+    ///
+    /// # Errors
+    /// Something failed, or somebody asked for the end.
+    fn lay(
+        &self,
+        task: &DeployTask<'_>,
+        is_interrupted: &dyn Fn() -> bool,
+    ) -> Result<(), DeployError>;
 }
 
 /// What is done one after the other.
@@ -62,9 +82,8 @@ pub enum Stage {
     Score,
 }
 
-impl Stage {
-    /// In words.
-    pub fn in_words(self) -> &'static str {
+impl TaskStage for Stage {
+    fn in_words(self) -> &'static str {
         match self {
             Self::Approach => "going to the first point",
             Self::Take => "taking the rod",
@@ -77,24 +96,8 @@ impl Stage {
     }
 }
 
-/// Why a task ended early.
-#[derive(Debug, thiserror::Error)]
-pub enum DeployError {
-    /// Something failed.
-    #[error("{}: {reason}", stage.in_words())]
-    Failed {
-        /// While this was done.
-        stage: Stage,
-        /// In words.
-        reason: String,
-    },
-    /// Somebody asked for the end; the arm holds.
-    #[error("interrupted; the arm holds")]
-    Interrupted,
-    /// A file could not be written.
-    #[error(transparent)]
-    Results(#[from] ResultsError),
-}
+/// Why a deployment ended early.
+pub type DeployError = TaskError<Stage>;
 
 /// What a task came to.
 pub struct DeployEnd {
@@ -128,138 +131,85 @@ impl DeployTask<'_> {
                 .then_some(DeployError::Interrupted)
                 .map_or(Ok(()), Err)
         };
-        self.approach(is_interrupted)?;
+        let arm = self.arm(is_interrupted);
+        let first = &self.motion.laying.points[0];
+        let gone = arm.go("approach", first, self.approach_speed);
+        gone.map_err(DeployError::of_work(Stage::Approach))?;
         done(Stage::Approach);
         stopped()?;
-        self.grip(Stage::Take, is_interrupted)?;
+        let taken = arm.grip(Grip::Close);
+        taken.map_err(DeployError::of_work(Stage::Take))?;
         done(Stage::Take);
         stopped()?;
-        self.follow(Stage::Lay, &self.motion.laying, is_interrupted)?;
+        match self.laying {
+            None => self.lay("laying", &self.motion.laying, is_interrupted)?,
+            Some(laying) => laying.lay(self, is_interrupted)?,
+        }
         done(Stage::Lay);
         stopped()?;
-        self.grip(Stage::LetGo, is_interrupted)?;
-        std::thread::sleep(SETTLING);
+        let opened = arm.grip(Grip::Open);
+        opened.map_err(DeployError::of_work(Stage::LetGo))?;
+        std::thread::sleep(self.settling);
         done(Stage::LetGo);
         stopped()?;
-        self.retreat(is_interrupted)?;
+        let gone = arm.go_home("retreat", self.approach_speed);
+        gone.map_err(DeployError::of_work(Stage::Retreat))?;
         done(Stage::Retreat);
         stopped()?;
-        let failed = |stage: Stage, reason: String| DeployError::Failed { stage, reason };
-        let picture = next_picture(self.cell).map_err(|reason| failed(Stage::Look, reason))?;
+        let picture = next_picture(self.cell);
+        let picture = picture.map_err(|reason| DeployError::failed(Stage::Look, reason))?;
         self.write("picture.png", &encode_picture(&picture))?;
         done(Stage::Look);
-        let seen = |error: crate::vision::VisionError| failed(Stage::Score, error.to_string());
-        let frame = &self.motion.frame;
-        let (rod, found) = lying_rod(
-            &picture,
-            self.cell,
-            frame,
-            self.radius,
-            self.colour,
-            self.start,
-        )
-        .map_err(seen)?;
-        self.write("overlay.png", &encode_picture(&overlay(&picture, &found)))?;
-        let strands = centrelines_csv(&found.strands, None).map_err(seen)?;
+        let seen = |error: VisionError| DeployError::failed(Stage::Score, error);
+        let found = self.seen(&picture).map_err(seen)?;
+        let shown = overlay(&picture, &found.trace);
+        self.write("overlay.png", &encode_picture(&shown))?;
+        let strands = centrelines_csv(&found.trace.strands, None).map_err(seen)?;
         self.write("centrelines.csv", strands.as_bytes())?;
+        let rod = found.longest(self.start()).map_err(seen)?;
         self.write("rod.csv", pattern_csv(&rod).as_bytes())?;
-        let score = score_of(&rod, self.pattern, self.lead_in, SCORE_POINTS).map_err(seen)?;
+        let lead_in = self.path.lead_in;
+        let score = score_of(&rod, self.pattern, lead_in, SCORE_POINTS).map_err(seen)?;
         let figure = score_figure(&score, "the rod", "the pattern");
         self.write("score.svg", figure.svg(&Paper::default()).as_bytes())?;
         done(Stage::Score);
         Ok(score)
     }
 
-    fn approach(&self, is_interrupted: &dyn Fn() -> bool) -> Result<(), DeployError> {
-        let failed = |reason: String| DeployError::Failed {
-            stage: Stage::Approach,
-            reason,
-        };
-        let way = self
-            .straight(&self.motion.laying.points[0])
-            .map_err(failed)?;
-        way.map_or(Ok(()), |way| {
-            self.follow(Stage::Approach, &way, is_interrupted)
-        })
+    /// Where the rod begins, in the frame of the pattern, m.
+    pub(super) fn start(&self) -> Point {
+        self.path.points[0].position
     }
 
-    /// To the posture at rest, so that the camera sees the rod. Where something is in the way the arm stays: the rod lies already.
-    fn retreat(&self, is_interrupted: &dyn Fn() -> bool) -> Result<(), DeployError> {
-        let failed = |reason: String| DeployError::Failed {
-            stage: Stage::Retreat,
-            reason,
-        };
-        let home = &self.cell.arms[self.arm].home;
-        let Some(way) = self.straight(home).map_err(failed)? else {
-            return Ok(());
-        };
-        if let Err(reason) = self.cell.prepare_stream(std::slice::from_ref(&way)) {
-            tracing::warn!("the arm stays where it is, perhaps in the picture: {reason}");
-            return Ok(());
+    /// What a picture shows of the rod.
+    pub(super) fn seen(&self, picture: &RgbImage) -> Result<Seen, VisionError> {
+        let (frame, radius) = (&self.motion.frame, self.rod.radius);
+        Seen::of(picture, self.cell, frame, radius, self.colour)
+    }
+
+    /// The arm that does it.
+    fn arm<'a>(&'a self, is_interrupted: &'a dyn Fn() -> bool) -> WorkingArm<'a> {
+        WorkingArm {
+            cell: self.cell,
+            arm: self.arm,
+            directory: self.directory,
+            unfinished: self.unfinished,
+            is_interrupted,
         }
-        self.follow(Stage::Retreat, &way, is_interrupted)
     }
 
-    /// From where the arm stands to some joints, each straight; `None` where it is there already.
-    fn straight(&self, to: &[f64]) -> Result<Option<JointTrajectory>, String> {
-        let from = self.cell.stands(self.arm)?;
-        let way = self.cell.approach(self.arm, &from, to, self.approach_speed);
-        way.map_err(|error| error.to_string())
-    }
-
-    /// Streams a motion; its log is a folder of the results.
-    fn follow(
+    /// Lays the rod along a motion; its log is a folder of the results.
+    pub(super) fn lay(
         &self,
-        stage: Stage,
-        trajectory: &JointTrajectory,
+        folder: &str,
+        motion: &JointTrajectory,
         is_interrupted: &dyn Fn() -> bool,
     ) -> Result<(), DeployError> {
-        let failed = |reason: String| DeployError::Failed { stage, reason };
-        let name = match stage {
-            Stage::Approach => "approach",
-            Stage::Retreat => "retreat",
-            _ => "laying",
-        };
-        let folder = self.directory.join(name);
-        let made = std::fs::create_dir_all(&folder);
-        made.map_err(|error| failed(format!("{} cannot be made: {error}", folder.display())))?;
-        write_whole(
-            &folder.join("trajectory.csv"),
-            trajectory.to_csv().as_bytes(),
-        )?;
-        let prepared = self.cell.prepare_stream(std::slice::from_ref(trajectory));
-        let (mut parts, _) = prepared.map_err(failed)?;
-        let unwritable = |error: std::io::Error| {
-            failed(format!("{} cannot be written: {error}", folder.display()))
-        };
-        let mut log = StreamLog::open(&folder).map_err(unwritable)?;
-        let bounds = self.cell.stream_bounds();
-        let ending = stream(&mut parts, &bounds, is_interrupted, &mut log);
-        let logged = log.finish();
-        match ending {
-            Ending::Finished => logged.map_err(unwritable),
-            Ending::Interrupted => Err(DeployError::Interrupted),
-            Ending::Failed(reason) => Err(failed(reason)),
-        }
+        let laid = self.arm(is_interrupted).follow(folder, motion);
+        laid.map_err(DeployError::of_work(Stage::Lay))
     }
 
-    fn grip(&self, stage: Stage, is_interrupted: &dyn Fn() -> bool) -> Result<(), DeployError> {
-        let failed = |reason: String| DeployError::Failed { stage, reason };
-        let Some((gripper, [open, closed])) = self.cell.gripper(self.arm) else {
-            return Err(failed("the arm has no gripper in the cell file".into()));
-        };
-        let opening = if stage == Stage::Take { closed } else { open };
-        let moved = gripper.command(opening, GRIPPER, is_interrupted);
-        moved.map_err(|error| {
-            if is_interrupted() {
-                DeployError::Interrupted
-            } else {
-                failed(error.to_string())
-            }
-        })
-    }
-
-    fn write(&self, name: &str, bytes: &[u8]) -> Result<(), ResultsError> {
+    pub(super) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), ResultsError> {
         write_whole(&self.directory.join(name), bytes)
     }
 }

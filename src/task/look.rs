@@ -3,8 +3,8 @@
 use crate::cell::Cell;
 use crate::robot::{CameraPicture, Pose, open_camera};
 use crate::vision::{
-    ColourRule, Point, Score, Trace, TraceOptions, VisionError, decode_picture, part_of_curve,
-    score, trace,
+    Camera, ColourRule, Point, Score, Trace, TraceOptions, VisionError, decode_picture,
+    part_of_curve, score, trace, whole_rod,
 };
 use image::RgbImage;
 use std::time::Duration;
@@ -33,47 +33,102 @@ pub fn next_picture(cell: &Cell) -> Result<RgbImage, String> {
     }
 }
 
-/// The longest strand of a picture in the frame of the pattern, m, from the end that is nearer to `start`; with the strands.
-///
-/// # Errors
-/// No strand is seen, or the picture has another size than the camera.
-pub fn lying_rod(
-    picture: &RgbImage,
-    cell: &Cell,
-    frame: &Pose,
-    radius: f64,
-    colour: &ColourRule,
-    start: Point,
-) -> Result<(Vec<Point>, Trace), VisionError> {
-    let missing = VisionError::Undetermined {
-        problem: "the rod",
-        reason: "the cell has no [camera]".into(),
-    };
-    let camera = cell.camera.as_ref().ok_or(missing)?;
-    // The centreline lies a radius above the table.
-    let height = frame.translation.z + radius;
-    let camera = camera.seeing(height);
-    camera.check_size(picture.width(), picture.height())?;
-    let options = TraceOptions {
-        colour: colour.clone(),
-        ..TraceOptions::default()
-    };
-    let found = trace(picture, &options)?;
-    let strands = found.strands.iter();
-    let longest = strands.max_by(|a, b| a.length().total_cmp(&b.length()));
-    let longest = longest.expect("a trace has strands");
-    let back = frame.inverse();
-    let places = longest.points.iter().map(|pixel| {
-        let place = camera.on_table(*pixel)?;
-        let place = back * nalgebra::Point3::new(place.x, place.y, height);
-        Ok(Point::new(place.x, place.y))
-    });
-    let mut curve = places.collect::<Result<Vec<Point>, VisionError>>()?;
-    let away = |point: Option<&Point>| point.map_or(0.0, |point| (point - start).norm());
-    if away(curve.last()) < away(curve.first()) {
-        curve.reverse();
+/// The strands of a picture, and the camera that saw them.
+pub struct Seen {
+    /// The strands.
+    pub trace: Trace,
+    camera: Camera,
+    /// From the cell to the frame of the pattern, and the height of the centreline in the cell, m.
+    to_frame: Pose,
+    height: f64,
+}
+
+impl Seen {
+    /// What a picture shows of rods of some radius, m, that lie on the table, in a colour.
+    ///
+    /// # Errors
+    /// No strand is seen, or the picture has another size than the camera.
+    pub fn of(
+        picture: &RgbImage,
+        cell: &Cell,
+        frame: &Pose,
+        radius: f64,
+        colour: &ColourRule,
+    ) -> Result<Self, VisionError> {
+        let missing = VisionError::Undetermined {
+            problem: "the rod",
+            reason: "the cell has no [camera]".into(),
+        };
+        let camera = cell.camera.as_ref().ok_or(missing)?;
+        // The centreline lies a radius above the table.
+        let height = frame.translation.z + radius;
+        let camera = camera.seeing(height);
+        camera.check_size(picture.width(), picture.height())?;
+        let options = TraceOptions {
+            colour: colour.clone(),
+            ..TraceOptions::default()
+        };
+        Ok(Self {
+            trace: trace(picture, &options)?,
+            camera,
+            to_frame: frame.inverse(),
+            height,
+        })
     }
-    Ok((curve, found))
+
+    /// The longest strand in the frame of the pattern, m, from the end that is nearer to `start`, with the closed ones that it
+    /// crosses: there is one rod.
+    ///
+    /// # Errors
+    /// A pixel shows no point of the table.
+    pub fn longest(&self, start: Point) -> Result<Vec<Point>, VisionError> {
+        let strands = self.trace.strands.iter().enumerate();
+        // Where there is no open one, the rod closes upon itself.
+        let longest = strands.max_by(|(_, a), (_, b)| {
+            let openness = b.closed.cmp(&a.closed);
+            openness.then(a.length().total_cmp(&b.length()))
+        });
+        let (index, _) = longest.expect("a trace has strands");
+        self.curve(index, start)
+    }
+
+    /// The strand that begins nearest to `start` in the same frame, m, from there.
+    ///
+    /// # Errors
+    /// A pixel shows no point of the table.
+    pub fn from(&self, start: Point) -> Result<Vec<Point>, VisionError> {
+        let curves = (0..self.trace.strands.len()).map(|index| self.curve(index, start));
+        let curves = curves.collect::<Result<Vec<_>, _>>()?;
+        let away = |curve: &Vec<Point>| curve.first().map_or(0.0, |point| (point - start).norm());
+        let nearest = curves
+            .into_iter()
+            .min_by(|a, b| away(a).total_cmp(&away(b)));
+        Ok(nearest.unwrap_or_default())
+    }
+
+    /// A strand in the frame of the pattern, m, from the end that is nearer to `start`.
+    fn curve(&self, index: usize, start: Point) -> Result<Vec<Point>, VisionError> {
+        let Trace {
+            strands, crossings, ..
+        } = &self.trace;
+        let ends = [strands[index].points.first(), strands[index].points.last()];
+        let mut away = [0.0; 2];
+        for (away, end) in away.iter_mut().zip(ends) {
+            *away = match end {
+                Some(pixel) => (self.place(*pixel)? - start).norm(),
+                None => 0.0,
+            };
+        }
+        let points = whole_rod(strands, crossings, index, away[1] < away[0]);
+        points.into_iter().map(|pixel| self.place(pixel)).collect()
+    }
+
+    /// The place of a pixel in the frame of the pattern, m.
+    fn place(&self, pixel: Point) -> Result<Point, VisionError> {
+        let place = self.camera.on_table(pixel)?;
+        let place = self.to_frame * nalgebra::Point3::new(place.x, place.y, self.height);
+        Ok(Point::new(place.x, place.y))
+    }
 }
 
 /// How far a lying rod is from its pattern, whose start lies `lead_in` behind that of the rod, all in m, with `points` points.

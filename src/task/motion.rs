@@ -1,6 +1,8 @@
 //! The motions of a deployment, planned and checked before anything moves.
 
+use super::room::is_in_room;
 use crate::cell::{Cell, Place, PlanError, PlanReport, PlanRequest};
+use crate::plan::deployment::{GripperPose, LaidPath, Spare};
 use crate::robot::{JointTrajectory, Pose, pose};
 use crate::vision::Point;
 use nalgebra::Translation3;
@@ -14,15 +16,16 @@ pub struct MotionRequest<'a> {
     pub cell: &'a Cell,
     /// Index of the arm.
     pub arm: usize,
-    /// Poses of the gripper in the frame of the pattern.
-    pub poses: &'a [Pose],
-    /// Where that frame lies in the cell.
+    /// Where the frame of the pattern lies in the cell.
     pub place: Place,
     /// Greatest speed of the hand, m/s.
     pub speed: f64,
     /// Least distance to anything else, m.
     pub margin: f64,
 }
+
+/// Parts of a rod that is longer than its pattern, of which the first is laid that the arm can lay.
+const SPARE_PARTS: [f64; 3] = [1.0, 0.5, 0.0];
 
 /// A planned motion.
 pub struct DeployMotion {
@@ -35,14 +38,38 @@ pub struct DeployMotion {
 }
 
 impl MotionRequest<'_> {
-    /// Plans the laying.
+    /// Plans the laying along a path, which is made for the room that there is: of a rod that is longer than its pattern as much is
+    /// laid as the arm can. What else comes of the path is handed back with the motion.
     ///
     /// # Errors
-    /// The path cannot be followed.
-    pub fn plan(&self) -> Result<DeployMotion, PlanError> {
+    /// There is no path, or the arm cannot follow it.
+    pub fn plan<T, E: From<PlanError>>(
+        &self,
+        path: impl Fn(&Spare<'_>) -> Result<(T, LaidPath), E>,
+    ) -> Result<(T, LaidPath, DeployMotion), E> {
+        let frame = self.place.pose();
+        let mut parts = SPARE_PARTS.into_iter().peekable();
+        loop {
+            let spare = Spare {
+                part: parts.next().unwrap_or_default(),
+                is_free: &|place| frame.is_none_or(|frame| is_in_room(self.cell, &frame, place)),
+            };
+            let (rest, path) = path(&spare)?;
+            match self.along(&path.poses) {
+                Ok(motion) => return Ok((rest, path, motion)),
+                Err(PlanError::Path(_)) if path.lays_spare && parts.peek().is_some() => {}
+                Err(error) => return Err(error.into()),
+            }
+        }
+    }
+
+    fn along(&self, poses: &[GripperPose]) -> Result<DeployMotion, PlanError> {
+        let poses = poses.iter();
+        let poses =
+            poses.map(|pose| Pose::from_parts(Translation3::from(pose.position), pose.rotation));
         let plan = self.cell.plan(&PlanRequest {
             arm: self.arm,
-            path: self.poses.to_vec(),
+            path: poses.collect(),
             place: self.place,
             margin: self.margin,
             speed: self.speed,

@@ -106,6 +106,17 @@ impl SimulatedArm {
         self.goal.is_some()
     }
 
+    /// What is clamped or handed over needs an arm that stands still.
+    ///
+    /// # Errors
+    /// It moves.
+    pub fn must_stand(&self) -> Result<(), String> {
+        match self.is_moving() {
+            true => Err("the rod is handed over to an arm that stands still".into()),
+            false => Ok(()),
+        }
+    }
+
     /// Takes a trajectory, to be followed from `now`, s.
     ///
     /// # Errors

@@ -12,6 +12,9 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 /// Colour of the rod, and of the table.
 const ROD: [u8; 3] = [205, 60, 70];
 const TABLE: [f64; 3] = [40.0, 44.0, 48.0];
+/// Length and radius of a marker, m, and its colour.
+const MARKER: [f64; 2] = [7e-3, 3.5e-3];
+const MARKER_COLOUR: [u8; 3] = [50, 95, 235];
 /// Points of a rendered rod over its radius.
 const SPACING: f64 = 0.5;
 /// Most points of a rendered rod.
@@ -24,6 +27,8 @@ const NEAREST: f64 = 0.2;
 pub struct Scenery {
     /// Nodes of a rod, and its radius, m.
     pub rod: Option<(Vec<Vector3>, f64)>,
+    /// Where markers are along it, over its length.
+    pub markers: Vec<f64>,
     /// A sheet.
     pub sheet: Option<SeenSheet>,
 }
@@ -84,16 +89,30 @@ impl PictureTaker {
 
 /// What the camera sees; `number` makes the noise another one each time.
 fn picture(camera: &Camera, scenery: Scenery, number: u64) -> RgbImage {
-    let options = RenderOptions {
+    let mut options = RenderOptions {
         seed: number,
         ..RenderOptions::default()
     };
-    let rods = scenery.rod.map(|(nodes, radius)| RenderedRod {
-        points: visible(camera, fine(&nodes, SPACING * radius)),
-        radius,
-        colour: ROD,
-    });
-    let rods: Vec<RenderedRod> = rods.into_iter().collect();
+    let mut rods = Vec::new();
+    if let Some((nodes, radius)) = scenery.rod {
+        let points = fine(&nodes, SPACING * radius);
+        for place in &scenery.markers {
+            rods.push(RenderedRod {
+                points: visible(camera, marker(&points, *place)),
+                radius: MARKER[1],
+                colour: MARKER_COLOUR,
+            });
+        }
+        // What has markers hangs in the air: its shadow is all but gone.
+        if !scenery.markers.is_empty() {
+            options.shadow = 0.0;
+        }
+        rods.push(RenderedRod {
+            points: visible(camera, points),
+            radius,
+            colour: ROD,
+        });
+    }
     let sheet = scenery
         .sheet
         .map(|sheet| SheetView::new(sheet, camera, options.light));
@@ -102,6 +121,18 @@ fn picture(camera: &Camera, scenery: Scenery, number: u64) -> RgbImage {
         None => TABLE,
     };
     render(camera, &rods, ground, &options)
+}
+
+/// A sleeve about the point of a curve that lies `place` of its length from its start.
+fn marker(points: &[Vector3], place: f64) -> Vec<Vector3> {
+    let mut lengths = vec![0.0];
+    for pair in points.windows(2) {
+        lengths.push(lengths[lengths.len() - 1] + (pair[1] - pair[0]).norm());
+    }
+    let middle = place * lengths[lengths.len() - 1];
+    let within = points.iter().zip(&lengths);
+    let within = within.filter(|(_, length)| (*length - middle).abs() <= 0.5 * MARKER[0]);
+    within.map(|(point, _)| *point).collect()
 }
 
 /// What is not too near, from the start of the rod on.
@@ -202,7 +233,7 @@ mod tests {
             .collect();
         let scenery = Scenery {
             rod: Some((nodes.clone(), 0.0016)),
-            sheet: None,
+            ..Scenery::default()
         };
         let picture = picture(&camera, scenery, 1);
         let found = trace(&picture, &TraceOptions::default()).unwrap();

@@ -8,6 +8,8 @@
 //! |---|---|
 //! | `arm` | joints that follow trajectories with latency and lag, within their limits |
 //! | `rod` | the rod in simulation: handed over, led by the hand, let go |
+//! | `axis` | external axes, which move as arms do |
+//! | `chuck` | a rod clamped between a chuck and a hand, led and twisted |
 //! | `sheet`, `sheet_picture` | a sheet on the table in simulation: taken by its edge, folded, let go; what a camera sees of it |
 //! | `camera` | pictures of all that |
 //! | `simulated_cell` | all of them on one clock, and what goes wrong |
@@ -18,7 +20,9 @@
 //! | `server` | clients, goals, reports |
 
 mod arm;
+mod axis;
 mod camera;
+mod chuck;
 mod connection;
 mod fault;
 mod message;
@@ -32,6 +36,7 @@ mod tests;
 mod topics;
 
 pub use arm::Response;
+pub use chuck::ChuckedSupply;
 pub use fault::{Fault, FaultKind};
 pub use rod::{RodError, RodSupply};
 pub use server::{ServeError, Settings, VirtualCell};

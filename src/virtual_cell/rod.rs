@@ -36,6 +36,8 @@ pub struct RodSupply {
     rod: DeployedRod,
     /// Where the end hangs of a rod whose free end lies at the origin, along x.
     end: Pose,
+    /// Where in the cell a person lays the free end, m; else where the rod hangs by itself.
+    free_end: Option<[f64; 2]>,
 }
 
 /// Why there are no rods.
@@ -88,7 +90,18 @@ impl RodSupply {
         let poses = trajectory(&[start], &rod, Scheme::Optimal, OptimalGrasps::Exact);
         let poses = poses.map_err(|error| impossible(error.to_string()))?;
         let end = Pose::from_parts(Translation3::from(poses[0].position), poses[0].rotation);
-        Ok(Self { prepared, rod, end })
+        Ok(Self {
+            prepared,
+            rod,
+            end,
+            free_end: None,
+        })
+    }
+
+    /// Rods whose free end a person lays at a place in the cell, m.
+    pub fn with_free_end(mut self, place: [f64; 2]) -> Self {
+        self.free_end = Some(place);
+        self
     }
 
     /// The rod by what matters for laying it.
@@ -97,7 +110,8 @@ impl RodSupply {
     }
 
     /// A rod whose end is handed to a gripper, at the time `now`, s. `hand` and the top of the `table` are poses in the cell.
-    /// Its free end lies on the table, in the direction in which the gripper holds it, so that it hangs by itself.
+    /// Its free end lies on the table, in the direction in which the gripper holds it, so that it hangs by itself, or at the place of
+    /// [`RodSupply::with_free_end`].
     ///
     /// # Errors
     /// In words: no rod of this length hangs there, or it cannot be simulated.
@@ -113,7 +127,10 @@ impl RodSupply {
         let heading = libm::atan2(-across.x, across.y);
         let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), heading);
         let end = turn * self.end.translation.vector;
-        let place = held.translation.vector - end;
+        let place = match self.free_end {
+            Some([x, y]) => (table.inverse() * nalgebra::Point3::new(x, y, 0.0)).coords,
+            None => held.translation.vector - end,
+        };
         let frame = Pose::from_parts(Translation3::new(place.x, place.y, 0.0), turn);
         let held = frame.inverse() * held;
         let (distance, angle) = distance_and_angle(&self.end, &held);
@@ -358,6 +375,22 @@ mod tests {
         let nodes = rod.nodes();
         let moved = nodes.iter().zip(&first).map(|(a, b)| (a - b).norm());
         assert!(moved.fold(0.0, f64::max) < 0.02 * supply.rod().gravito_bending_length);
+    }
+
+    #[test]
+    fn a_free_end_lies_where_a_person_lays_it() {
+        let (_folder, file) = short_rod();
+        let supply = RodSupply::new(&file, 0.4).unwrap();
+        let hand = hand(&supply, 0.0);
+        let supply = supply.with_free_end([0.395, 0.104]);
+        let rod = supply.handed(&hand, &table(), 0.0).unwrap();
+        let expected = Vector3::new(0.395, 0.104, 0.05 + supply.rod().radius);
+        assert!((rod.nodes()[0] - expected).norm() < 1e-9);
+        // Too far from the hand for that.
+        let far = supply
+            .with_free_end([0.1, 0.1])
+            .handed(&hand, &table(), 0.0);
+        assert!(far.is_err());
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use super::arm::{Ended, Response};
 use super::camera::PictureTaker;
+use super::chuck::ChuckedSupply;
 use super::connection::Connection;
 use super::fault::{Fault, FaultKind};
 use super::message::{
@@ -12,6 +13,7 @@ use super::sheet::SimulatedSheet;
 use super::simulated_cell::{Event, STEP, SimulatedCell};
 use super::topics::{CLOCK, Topics};
 use crate::cell::Cell;
+use crate::experiment::Jitter;
 use crate::mechanics::dynamics::SimulationError;
 use serde_json::json;
 use std::io::{self, ErrorKind};
@@ -46,6 +48,10 @@ pub struct Settings {
     pub supply: Option<RodSupply>,
     /// A sheet on the table.
     pub sheet: Option<SimulatedSheet>,
+    /// Rods between the chuck and a hand.
+    pub chucked: Option<ChuckedSupply>,
+    /// How the hands tremble, which nobody is told.
+    pub jitter: Option<Jitter>,
     /// What goes wrong.
     pub faults: Vec<Fault>,
 }
@@ -89,8 +95,9 @@ pub struct VirtualCell {
     motions: Vec<Option<UnderWay>>,
     grips: Vec<Option<UnderWay>>,
     pictures: Option<PictureTaker>,
-    /// When the last picture was begun, s, and for which clients: who comes later gets a later one.
-    last_picture: (f64, Vec<u64>),
+    last_picture: f64,
+    /// Clients that watched when the picture under way was begun.
+    watchers: Vec<u64>,
     last_report: (f64, Instant),
 }
 
@@ -109,7 +116,8 @@ impl VirtualCell {
         };
         let listener = TcpListener::bind(settings.address).map_err(unusable)?;
         listener.set_nonblocking(true).map_err(unusable)?;
-        let none = || cell.arms.iter().map(|_| None);
+        let parts = topics.arms.len();
+        let none = || (0..parts).map(|_| None);
         Ok(Self {
             listener,
             token: settings.token,
@@ -117,17 +125,20 @@ impl VirtualCell {
             topics,
             clients: Vec::new(),
             next_client: 1,
-            leaders: cell.arms.iter().map(|_| None).collect(),
+            leaders: vec![None; parts],
             motions: none().collect(),
             grips: none().collect(),
             pictures,
-            last_picture: (f64::NEG_INFINITY, Vec::new()),
+            last_picture: f64::NEG_INFINITY,
+            watchers: Vec::new(),
             last_report: (f64::NEG_INFINITY, Instant::now()),
             cell: SimulatedCell::new(
                 cell,
                 settings.response,
                 settings.supply,
                 settings.sheet,
+                settings.chucked,
+                settings.jitter,
                 settings.faults,
             ),
         })
@@ -383,20 +394,21 @@ impl VirtualCell {
         };
         let topic = &self.topics.camera;
         if let Some(picture) = pictures.finished() {
-            let (_, watchers) = &self.last_picture;
-            for client in &mut self.clients {
-                let is_his = watchers.contains(&client.id) && client.hears(topic);
-                if is_his && !client.is_full() {
+            // Who came later waits for the next one: this shows what was before.
+            let watchers = std::mem::take(&mut self.watchers);
+            let watching = self.clients.iter_mut();
+            for client in watching.filter(|client| client.hears(topic) && !client.is_full()) {
+                if watchers.contains(&client.id) {
                     client.send(&picture);
                 }
             }
         }
         let watching = self.clients.iter().filter(|client| client.hears(topic));
-        let watchers: Vec<u64> = watching.map(|client| client.id).collect();
+        let watching: Vec<u64> = watching.map(|client| client.id).collect();
         let now = self.cell.time();
-        let is_due = now - self.last_picture.0 >= PICTURE && !pictures.is_busy();
-        if is_due && !watchers.is_empty() {
-            self.last_picture = (now, watchers);
+        if !watching.is_empty() && !pictures.is_busy() && now - self.last_picture >= PICTURE {
+            self.last_picture = now;
+            self.watchers = watching;
             pictures.begin(self.cell.scenery(), topic, stamp(self.topics.version, now));
         }
     }

@@ -1,13 +1,17 @@
-//! Arms, grippers and the rod or the sheet of a virtual cell, on one clock.
+//! Arms, axes, grippers and the rod or the sheet of a virtual cell, on one clock.
 
 use super::arm::{Ended, Refusal, Response, SimulatedArm};
+use super::axis::moving_parts;
 use super::camera::Scenery;
+use super::chuck::{Chuck, ChuckedSupply};
 use super::fault::{Fault, FaultKind};
 use super::rod::{HANDING_OVER, RodSupply, SimulatedRod};
 use super::sheet::SimulatedSheet;
 use crate::cell::Cell;
+use crate::experiment::Jitter;
 use crate::mechanics::dynamics::SimulationError;
 use crate::robot::{PartTrajectory, Pose};
+use nalgebra::Translation3;
 
 /// Time step of everything, s.
 pub const STEP: f64 = 5e-3;
@@ -41,10 +45,14 @@ pub struct SimulatedCell {
     opened: Vec<Option<f64>>,
     table: Pose,
     supply: Option<RodSupply>,
+    /// How the hands tremble, which the joints do not tell.
+    jitter: Option<Jitter>,
     /// The rod, and the arm that took it.
     rod: Option<(SimulatedRod, usize)>,
     /// The sheet, and the arm that took it last.
     sheet: Option<(SimulatedSheet, usize)>,
+    /// The chuck with its rod.
+    chuck: Option<Chuck>,
     /// Faults to come, and when the first motion began, s.
     faults: Vec<Fault>,
     moved: Option<f64>,
@@ -57,24 +65,28 @@ impl SimulatedCell {
         response: Response,
         supply: Option<RodSupply>,
         sheet: Option<SimulatedSheet>,
+        chucked: Option<ChuckedSupply>,
+        jitter: Option<Jitter>,
         faults: Vec<Fault>,
     ) -> Self {
-        let grippers = cell.arms.iter().map(|arm| arm.gripper.as_ref());
+        let parts = moving_parts(cell);
+        let grippers = parts.iter().map(|arm| arm.gripper.as_ref());
         // Half open is open.
         let opened = grippers.map(|known| known.map(|known| 0.5 * (known.open + known.closed)));
         Self {
             time: 0.0,
-            arms: cell
-                .arms
+            arms: parts
                 .iter()
                 .map(|arm| SimulatedArm::new(arm, response))
                 .collect(),
-            grippers: vec![Gripper::default(); cell.arms.len()],
+            grippers: vec![Gripper::default(); parts.len()],
             opened: opened.collect(),
             table: cell.table.map_or_else(Pose::identity, |table| table.top),
             supply,
+            jitter,
             rod: None,
             sheet: sheet.map(|sheet| (sheet, 0)),
+            chuck: chucked.map(Chuck::new),
             faults,
             moved: None,
         }
@@ -85,18 +97,26 @@ impl SimulatedCell {
         self.time
     }
 
-    /// The arms.
+    /// The arms, then the axes.
     pub fn arms(&self) -> &[SimulatedArm] {
         &self.arms
     }
 
     /// What a camera sees.
     pub fn scenery(&self) -> Scenery {
+        let sheet = self.sheet.as_ref().map(|(sheet, _)| sheet.seen());
+        if let Some(chuck) = &self.chuck {
+            return Scenery {
+                rod: chuck.nodes().map(|nodes| (nodes, chuck.rod().radius)),
+                markers: chuck.rod().marker_places(),
+                sheet,
+            };
+        }
         let rod = self.rod.as_ref();
-        let sheet = self.sheet.as_ref();
         Scenery {
             rod: rod.map(|(rod, _)| (rod.nodes(), rod.radius())),
-            sheet: sheet.map(|(sheet, _)| sheet.seen()),
+            markers: Vec::new(),
+            sheet,
         }
     }
 
@@ -134,8 +154,7 @@ impl SimulatedCell {
             self.grippers[arm].done = Some(self.time + OPENING);
             return Ok(());
         }
-        let holder = self.rod.as_ref().filter(|(rod, _)| rod.is_held());
-        let holder = holder.map(|(_, holder)| *holder);
+        let holder = self.holder();
         let takes = if opening >= opened {
             if holder == Some(arm) {
                 self.let_go().map_err(|error| error.to_string())?;
@@ -146,11 +165,13 @@ impl SimulatedCell {
                 (_, Some(holder)) if holder != arm => {
                     return Err(format!("{} holds the rod", self.arms[holder].name));
                 }
+                (_, None) if self.chuck.is_some() => {
+                    self.clamp(arm)?;
+                    HANDING_OVER
+                }
                 (Some(supply), None) => {
-                    if self.arms[arm].is_moving() {
-                        return Err("the rod is handed over to an arm that stands still".into());
-                    }
-                    let rod = supply.handed(&self.arms[arm].hand(), &self.table, self.time)?;
+                    self.arms[arm].must_stand()?;
+                    let rod = supply.handed(&self.hand(arm), &self.table, self.time)?;
                     self.rod = Some((rod, arm));
                     HANDING_OVER
                 }
@@ -163,29 +184,59 @@ impl SimulatedCell {
 
     /// Takes the edge of the sheet, or lets it go.
     fn grip_sheet(&mut self, arm: usize, opens: bool) -> Result<(), String> {
-        let Some((sheet, holder)) = &mut self.sheet else {
-            return Ok(());
-        };
-        match (opens, sheet.is_held(), *holder == arm) {
-            (true, true, true) => sheet.release().map_err(|error| error.to_string()),
-            (true, ..) | (false, true, true) => Ok(()),
-            (false, true, false) => Err(format!("{} holds the sheet", self.arms[*holder].name)),
-            (false, false, _) => {
-                if self.arms[arm].is_moving() {
-                    return Err("a sheet is taken by an arm that stands still".into());
-                }
+        let holder = self.holder();
+        match (opens, holder) {
+            (true, Some(holder)) if holder == arm => {
+                self.let_go().map_err(|error| error.to_string())
+            }
+            (false, Some(holder)) if holder != arm => {
+                Err(format!("{} holds the sheet", self.arms[holder].name))
+            }
+            (true, _) | (false, Some(_)) => Ok(()),
+            (false, None) => {
+                self.arms[arm].must_stand()?;
+                let (hand, now) = (self.hand(arm), self.time);
+                let Some((sheet, holder)) = &mut self.sheet else {
+                    return Ok(());
+                };
+                sheet.take(&hand, now)?;
                 *holder = arm;
-                sheet.take(&self.arms[arm].hand(), self.time)
+                Ok(())
             }
         }
     }
 
-    fn let_go(&mut self) -> Result<(), SimulationError> {
-        if let Some((rod, _)) = &mut self.rod {
-            rod.release()?;
+    /// The arm whose gripper holds the rod or the sheet.
+    fn holder(&self) -> Option<usize> {
+        if let Some(chuck) = &self.chuck {
+            return chuck.holder();
         }
-        match &mut self.sheet {
-            Some((sheet, _)) => sheet.release(),
+        let sheet = self.sheet.as_ref().filter(|(sheet, _)| sheet.is_held());
+        let rod = self.rod.as_ref().filter(|(rod, _)| rod.is_held());
+        sheet
+            .map(|(_, holder)| *holder)
+            .or(rod.map(|(_, holder)| *holder))
+    }
+
+    /// Clamps a rod between the chuck and the hand of an arm.
+    fn clamp(&mut self, arm: usize) -> Result<(), String> {
+        self.arms[arm].must_stand()?;
+        let Some(chuck) = &mut self.chuck else {
+            return Ok(());
+        };
+        let angle = self.arms[chuck.part()].joints()[0];
+        chuck.take(arm, &self.arms[arm].hand(), angle, self.time)
+    }
+
+    fn let_go(&mut self) -> Result<(), SimulationError> {
+        if let Some(chuck) = &mut self.chuck {
+            chuck.let_go()?;
+        }
+        if let Some((sheet, _)) = &mut self.sheet {
+            sheet.release()?;
+        }
+        match &mut self.rod {
+            Some((rod, _)) => rod.release(),
             None => Ok(()),
         }
     }
@@ -214,16 +265,30 @@ impl SimulatedCell {
         Ok(events)
     }
 
-    /// Leads rod and sheet on to now; whether they have come there.
-    fn lead(&mut self) -> Result<bool, SimulationError> {
-        if let Some((rod, holder)) = &mut self.rod
-            && !rod.advance(&self.arms[*holder].hand(), self.time)?
-        {
-            return Ok(false);
+    /// Where the hand of an arm is, trembling.
+    fn hand(&self, arm: usize) -> Pose {
+        let hand = self.arms[arm].hand();
+        match &self.jitter {
+            Some(jitter) => Translation3::from(jitter.at(self.time).0) * hand,
+            None => hand,
         }
-        match &mut self.sheet {
-            Some((sheet, holder)) => sheet.advance(&self.arms[*holder].hand(), self.time),
-            None => Ok(true),
+    }
+
+    /// Leads what is held on to now; whether it has come there.
+    fn lead(&mut self) -> Result<bool, SimulationError> {
+        if let Some(chuck) = &mut self.chuck {
+            let angle = self.arms[chuck.part()].joints()[0];
+            return chuck.lead(|arm| self.arms[arm].hand(), angle, self.time);
+        }
+        let held = self.sheet.as_ref().map(|(_, holder)| *holder);
+        let held = held.or(self.rod.as_ref().map(|(_, holder)| *holder));
+        let Some(hand) = held.map(|holder| self.hand(holder)) else {
+            return Ok(true);
+        };
+        match (&mut self.sheet, &mut self.rod) {
+            (Some((sheet, _)), _) => sheet.advance(&hand, self.time),
+            (None, Some((rod, _))) => rod.advance(&hand, self.time),
+            (None, None) => Ok(true),
         }
     }
 
@@ -234,8 +299,7 @@ impl SimulatedCell {
         };
         let now = self.time - moved;
         let moving = self.arms.iter().position(SimulatedArm::is_moving);
-        let holds = self.rod.as_ref().is_some_and(|(rod, _)| rod.is_held())
-            || self.sheet().is_some_and(SimulatedSheet::is_held);
+        let holds = self.holder().is_some();
         // A joint freezes in a motion, and what is held slips.
         let has_come = |fault: &Fault| {
             fault.time <= now

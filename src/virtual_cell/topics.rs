@@ -1,5 +1,6 @@
 //! What a virtual cell calls its actions and topics: as its cell file does, so that clients find them.
 
+use super::axis::moving_parts;
 use crate::cell::{Cell, Driver};
 use crate::robot::RosVersion;
 
@@ -10,7 +11,7 @@ const CAMERA: &str = "/camera/image_raw";
 /// Most pixels of the camera.
 const MOST_PIXELS: u64 = 4_000_000;
 
-/// Names of an arm.
+/// Names of an arm, or of an axis.
 pub struct ArmTopics {
     /// Its own.
     pub name: String,
@@ -26,7 +27,7 @@ pub struct ArmTopics {
 
 /// Names of all.
 pub struct Topics {
-    /// Those of the arms.
+    /// Those of the arms, then those of the axes.
     pub arms: Vec<ArmTopics>,
     /// Which ROS the clock and the camera speak: that of the first arm.
     pub version: RosVersion,
@@ -41,7 +42,7 @@ impl Topics {
     /// In words: an arm has another driver, two arms share an action, the camera is too large.
     pub fn of(cell: &Cell) -> Result<Self, String> {
         let mut arms: Vec<ArmTopics> = Vec::new();
-        for arm in &cell.arms {
+        for arm in moving_parts(cell) {
             let Some(Driver::Rosbridge {
                 ros,
                 action,

@@ -13,6 +13,7 @@
 //!    the strand, bridged where it meets others. An end that comes out beyond another strand is followed to its tip.
 //! 5. [`find_crossings`] intersects the centrelines. Which strand lies on top the picture tells where both overlap: it goes
 //!    on there with the cross-section that it has beside the crossing.
+//!    [`whole_rod`] puts closed strands into the open one that they are parts of, where all is known to be one rod.
 //! 6. [`paint_labels`] gives each pixel of the mask to a strand; [`instance_dice`] compares that with the truth.
 //!
 //! A [`Camera`] maps pixels to the table; [`calibrate`], [`board_pose`] and [`hand_eye()`] find it. [`pattern()`] makes a
@@ -93,6 +94,7 @@ mod trace;
 #[cfg(test)]
 mod trace_tests;
 mod way;
+mod whole_rod;
 
 pub use calibration::{Calibration, board_pose, calibrate};
 pub use camera::{Camera, Lens};
@@ -127,6 +129,7 @@ pub use score_figure::score_figure;
 pub use sheet::{EdgePose, Sheet, find_sheet, sliding};
 pub use straight_edge::{FoundEdge, find_edge};
 pub use trace::{Trace, TraceOptions, clean_mask, trace, trace_contrast};
+pub use whole_rod::whole_rod;
 
 /// A point of an image, pixels: u to the right, v down; (0, 0) is the centre of the first pixel.
 pub type Point = nalgebra::Vector2<f64>;

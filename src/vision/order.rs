@@ -78,7 +78,7 @@ impl Scale {
 }
 
 /// Pairs of passages at which strands intersect.
-fn intersections(strands: &[Strand]) -> Vec<[Passage; 2]> {
+pub(super) fn intersections(strands: &[Strand]) -> Vec<[Passage; 2]> {
     let scales: Vec<Scale> = strands.iter().map(Scale::new).collect();
     let longest_step = strands
         .iter()

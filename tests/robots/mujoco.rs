@@ -178,6 +178,7 @@ fn an_interruption_stops_the_arm_in_mujoco() {
     let mut child = Command::new(env!("CARGO_BIN_EXE_rodlab"))
         .args(["deploy", "--pattern", "line:0.35", "--rod", "rod.toml"])
         .args(["--cell", "cell.toml", "--out", "laid"])
+        .env("XDG_STATE_HOME", cell.folder.path())
         .current_dir(cell.folder.path())
         .stdout(Stdio::null())
         .stderr(Stdio::null())

@@ -19,8 +19,10 @@ use super::normal_response::NormalResponse;
 /// Force N h̄²/(k δ) in the middle of the barrier, x = 1/2: (1 + 2 ln 2)/2.
 const FORCE_IN_THE_MIDDLE: f64 = 0.5 + std::f64::consts::LN_2;
 
-/// Iterations that find the gap of a force.
+/// Iterations that find the gap of a force, at most.
 const GAP_ITERATIONS: usize = 5;
+/// Change of the logarithm of w after which its square is below rounding error.
+const GAP_CHANGE: f64 = 1e-9;
 
 /// The barrier at a surface gap `gap` (m) between bodies of mean radius h̄ = `scale` (m), for the stiffness
 /// k = `stiffness` (J) and the distance tolerance δ = `tolerance` (m).
@@ -72,7 +74,11 @@ pub(super) fn gap_of_force(force: f64, scale: f64, tolerance: f64, stiffness: f6
         let sum = nearness + 2.0 * libm::log1p(nearness);
         let found = nearness / (1.0 + nearness) * sum;
         let slope = (1.0 + nearness * (nearness + 3.0) / sum) / (1.0 + nearness);
-        nearness *= libm::exp(libm::log(relative / found) / slope);
+        let change = libm::log(relative / found) / slope;
+        nearness *= libm::exp(change);
+        if change.abs() < GAP_CHANGE {
+            break;
+        }
     }
     tolerance / (1.0 + nearness)
 }

@@ -40,14 +40,15 @@ impl ContactSystem {
             };
             let threshold = self.surface.threshold(pair.edges);
             let gap = nearest.distance() - self.surface.core(pair.edges) - threshold;
-            if gap < closing {
+            let normal = nearest.normal();
+            if gap < closing && !self.surface.is_at_reflex_edge(pair, &normal, &points) {
                 let friction = self.surface.friction_between(pair.edges);
                 let friction = friction.unwrap_or(self.parameters.friction);
                 self.constraints.push(ContactConstraint::new(
                     Bodies::Edges(candidate),
                     pair.nodes,
                     nearest.weights(),
-                    nearest.normal(),
+                    normal,
                     [gap, threshold, friction],
                 ));
             }

@@ -7,9 +7,10 @@ use super::contacts::{
     PlaneContact, PlaneJacobian,
 };
 use super::iterate::Iterate;
-use super::multipliers::{Multipliers, Slots};
+use super::multipliers::Multipliers;
 use super::parameters::ContactParameters;
 use super::placed_obstacles::PlacedObstacles;
+use super::slots::Slots;
 use super::surface::{ContactPlane, ContactSurface};
 use super::tractions::Tractions;
 use crate::mechanics::Vector3;

@@ -61,7 +61,25 @@ pub(super) fn contact_force(
 /// it leads astray: a force that is far too large makes the system indefinite. Without it the Jacobian of frictionless
 /// contact is positive. Where edges are nearly parallel it must be there, though, however far corrections still move them: the
 /// contact points run along them as they turn.
+///
+/// Only the part of the first edge is written where the second is of an obstacle, which is where it is put.
 pub(super) fn edge_jacobian(
+    nodes: &[Vector3; 4],
+    closest: &ClosestPoints,
+    response: &NormalResponse,
+    sliding: Option<(&Sliding, Vector3)>,
+    turns: bool,
+    is_at_obstacle: bool,
+) -> Linearised<EdgeJacobian> {
+    if is_at_obstacle {
+        jacobian_over::<6>(nodes, closest, response, sliding, turns)
+    } else {
+        jacobian_over::<12>(nodes, closest, response, sliding, turns)
+    }
+}
+
+/// [`edge_jacobian`] over the first `COORDINATES`.
+fn jacobian_over<const COORDINATES: usize>(
     nodes: &[Vector3; 4],
     closest: &ClosestPoints,
     response: &NormalResponse,
@@ -75,11 +93,11 @@ pub(super) fn edge_jacobian(
     }
     let gradient = distance.gradient();
     let (direction, direction_jacobian, rates) = match sliding {
-        Some((sliding, at)) => direction_with_friction(&distance, sliding, &at),
+        Some((sliding, at)) => direction_with_friction::<COORDINATES>(&distance, sliding, &at),
         None => (distance.normal, distance.normal_jacobian, [[0.0; 12]; 3]),
     };
     let mut jacobian = [[0.0; 12]; 12];
-    for node in 0..4 {
+    for node in 0..COORDINATES / 3 {
         let weight = distance.weights[node];
         let ratio_gradient = &distance.ratio_gradients[node / 2];
         let (along, across) = (
@@ -87,13 +105,13 @@ pub(super) fn edge_jacobian(
             response.force * WEIGHT_RATES[node],
         );
         // Derivative of N w_m.
-        let nodal: [f64; 12] = std::array::from_fn(|column| {
+        let nodal: [f64; COORDINATES] = std::array::from_fn(|column| {
             along * gradient[column] + across * ratio_gradient[column]
         });
         let weighted_force = response.force * weight;
         for axis in 0..3 {
             let row = &mut jacobian[3 * node + axis];
-            for column in 0..12 {
+            for column in 0..COORDINATES {
                 row[column] = nodal[column] * direction[axis]
                     + weighted_force * direction_jacobian[axis][column];
             }
@@ -106,8 +124,8 @@ pub(super) fn edge_jacobian(
     }
 }
 
-/// d = n + |n| t, ∂d and ∂t.
-fn direction_with_friction(
+/// d = n + |n| t, ∂d and ∂t, over the first `COORDINATES`.
+fn direction_with_friction<const COORDINATES: usize>(
     distance: &DistanceDerivatives,
     sliding: &Sliding,
     at: &Vector3,
@@ -126,27 +144,25 @@ fn direction_with_friction(
     let turn = &distance.normal_jacobian;
     let length = distance.normal.norm();
     // ∂|n|
-    let stretch: [f64; 12] = std::array::from_fn(|column| {
+    let stretch: [f64; COORDINATES] = std::array::from_fn(|column| {
         let along = (0..3).map(|axis| distance.normal[axis] * turn[axis][column]);
         along.sum::<f64>() / length
     });
-    let rates: [[f64; 12]; 3] = std::array::from_fn(|axis| {
-        std::array::from_fn(|column| {
+    let (mut rates, mut jacobian) = ([[0.0; 12]; 3], [[0.0; 12]; 3]);
+    for axis in 0..3 {
+        for column in 0..COORDINATES {
             let turned: f64 = (0..3)
                 .map(|other| traction.by_normal[(axis, other)] * turn[other][column])
                 .sum();
             let slid = by_ratio[0][axis] * distance.ratio_gradients[0][column]
                 + by_ratio[1][axis] * distance.ratio_gradients[1][column];
-            turned + slid + distance.weights[column / 3] * by_position[(axis, column % 3)]
-        })
-    });
-    let jacobian = std::array::from_fn(|axis| {
-        std::array::from_fn(|column| {
-            turn[axis][column]
-                + length * rates[axis][column]
-                + traction.value[axis] * stretch[column]
-        })
-    });
+            let rate =
+                turned + slid + distance.weights[column / 3] * by_position[(axis, column % 3)];
+            rates[axis][column] = rate;
+            jacobian[axis][column] =
+                turn[axis][column] + length * rate + traction.value[axis] * stretch[column];
+        }
+    }
     (distance.normal + traction.value * length, jacobian, rates)
 }
 
@@ -314,8 +330,15 @@ mod tests {
                 |x| printed_force(x.as_slice(), &[], &case.closest, case.radius, None),
                 &flat(&case.nodes),
             );
-            let found =
-                edge_jacobian(&case.nodes, &case.closest, &case.response(), None, true).jacobian;
+            let found = edge_jacobian(
+                &case.nodes,
+                &case.closest,
+                &case.response(),
+                None,
+                true,
+                false,
+            )
+            .jacobian;
             assert!(relative_error(found.as_flattened(), &rows(&expected)) < 1e-6);
             let transposed: EdgeJacobian =
                 std::array::from_fn(|r| std::array::from_fn(|c| found[c][r]));
@@ -349,6 +372,7 @@ mod tests {
                 &response,
                 Some((&sliding, case.slip())),
                 true,
+                false,
             )
             .jacobian;
             let error = relative_error(found.as_flattened(), &rows(&expected));

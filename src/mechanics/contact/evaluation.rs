@@ -129,16 +129,20 @@ impl ContactSystem {
         let parameters = self.parameters;
         let (tolerance, reach) = (parameters.distance_tolerance, parameters.reach());
         self.candidates.motion(motion.positions, &mut self.motion);
+        let farthest = 2.0 * self.motion.iter().copied().fold(0.0, f64::max);
         for candidate in 0..self.candidates.pairs().len() {
-            let (pair, earlier) = (
-                self.candidates.pairs()[candidate],
-                self.candidates.gaps()[candidate],
-            );
+            let earlier = self.candidates.gaps()[candidate];
             let loaded = with_jacobians && self.multipliers.is_loaded(candidate);
+            // Most candidates are out of reach wherever their nodes have moved.
+            if !loaded && earlier - farthest >= reach {
+                continue;
+            }
+            let pair = self.candidates.pairs()[candidate];
             if !loaded && earlier - approach(&pair, &self.motion) >= reach {
                 continue;
             }
-            let nodes = self.obstacles.points(motion.positions).of(pair.nodes);
+            let points = self.obstacles.points(motion.positions);
+            let nodes = points.of(pair.nodes);
             let threshold = self.surface.threshold(pair.edges);
             let smoothing = parameters.smoothing(threshold);
             let Some(nearest) = NearestPoints::of(&pair, &nodes, smoothing) else {
@@ -147,6 +151,10 @@ impl ContactSystem {
             let core = self.surface.core(pair.edges);
             let gap = nearest.distance() - core - threshold - self.standoff(&pair);
             if !loaded && gap >= reach {
+                continue;
+            }
+            let (weights, normal) = (nearest.weights(), nearest.normal());
+            if self.surface.is_at_reflex_edge(&pair, &normal, &points) {
                 continue;
             }
             let stiffness = self.stiffness_between(pair.nodes[0], pair.nodes[2]);
@@ -163,7 +171,6 @@ impl ContactSystem {
                 velocities: self.velocities(&pair, &nodes, &motion),
                 time_step: motion.time_step,
             });
-            let (weights, normal) = (nearest.weights(), nearest.normal());
             let slip = sliding.map_or_else(Vector3::zeros, |sliding| {
                 slip(&normal, &sliding.relative_velocity(&weights))
             });
@@ -238,6 +245,8 @@ impl ContactSystem {
         let carries = self.multipliers.in_use();
         let is_known = self.multipliers.is_known(slot, pressure.tangent.force);
         let turns = !carries || self.iterate.moved_slightly || is_known;
+        let second = self.candidates.pairs()[slot].edges[1];
+        let is_at_obstacle = self.surface.obstacle_of(second).is_some();
         let linearised = match &pair.nearest {
             NearestPoints::Edges(closest) => edge_jacobian(
                 &pair.nodes,
@@ -245,6 +254,7 @@ impl ContactSystem {
                 &pressure.tangent,
                 sliding.map(|sliding| (sliding, friction.slip)),
                 turns,
+                is_at_obstacle,
             ),
             NearestPoints::Face(_) => {
                 let sliding = sliding.map(|sliding| NodeSliding {
@@ -258,11 +268,7 @@ impl ContactSystem {
         };
         self.jacobians.push(linearised.jacobian);
         if carries {
-            let rods = 1 + usize::from(
-                self.surface
-                    .obstacle_of(self.candidates.pairs()[slot].edges[1])
-                    .is_none(),
-            );
+            let rods = if is_at_obstacle { 1 } else { 2 };
             self.compare_with_last(slot, rods, &pressure, &friction);
             self.multipliers
                 .keep(slot, &pressure, &linearised.gap_gradient);

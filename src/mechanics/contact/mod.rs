@@ -9,6 +9,7 @@
 //! | `broad_phase`, `candidates` | pairs of edges that may touch, kept over many steps |
 //! | `closest_points`, `distance` | centreline distance Δ of two edges and its derivatives (thesis Eqs. 2.3–2.6) |
 //! | `inside` | what lies within a closed obstacle |
+//! | `reflex_edge` | edges in valleys of a mesh, which are not felt |
 //! | `nearest_points` | the same of two edges, or of a node and a face |
 //! | `parameters` | the contact model and its numbers |
 //! | `normal_law`, `normal_response`, `potential`, `barrier` | contact energy of a gap: Eqs. 2.15, 2.16 or the barrier of Eq. 2.1 |
@@ -18,7 +19,7 @@
 //! | `constraints` | contacts as constraints, whose forces are found by complementarity (thesis 3.3) |
 //! | `friction` | Coulomb friction, smoothed near zero slip (Eqs. 2.7–2.14) |
 //! | `edge_contact`, `plane_contact` | force and Jacobian of one contact |
-//! | `multipliers`, `tractions`, `iterate` | normal forces and friction that Newton's method carries along |
+//! | `multipliers`, `tractions`, `slots`, `iterate` | normal forces and friction that Newton's method carries along |
 //! | `stiffness` | the adaptive contact stiffness (Eqs. 2.18, 2.19) |
 //! | `contacts` | what is known of a single contact |
 //! | `contact_system`, `evaluation` | all contacts of a scene |
@@ -56,7 +57,9 @@ mod placed_obstacles;
 mod plane_contact;
 mod potential;
 mod proximity;
+mod reflex_edge;
 mod rest_gap;
+mod slots;
 mod step_bound;
 mod stiffness;
 mod surface;

@@ -1,6 +1,6 @@
 //! Normal forces that Newton's method carries along as unknowns of their own.
 //!
-//! Every candidate pair of edges has a slot, and after them every node over every plane (see [`Slots`]).
+//! Every candidate pair of edges has a slot, and after them every node over every plane (see [`super::slots`]).
 //!
 //! The contact force falls to a third within δ/30 of gap, a distance that rods cross many times within one
 //! time step. Newton's method on the gap alone sees no force a little too far out, and one that is out
@@ -36,6 +36,7 @@ use super::candidates::carried_over;
 use super::contacts::CandidatePair;
 use super::normal_law::{LEAST_FORCE, NormalLaw};
 use super::normal_response::NormalResponse;
+use super::slots::{SlotValues, Slots};
 use crate::mechanics::Vector3;
 
 /// Part of its force that a contact keeps in the iteration in which it opens.
@@ -54,30 +55,6 @@ const TRUSTED_RATIO: f64 = 4.0;
 /// Where edges are nearly parallel, iterations without that go back and forth along them for ever, though the force has long
 /// been found. Chosen by trial: in piles of 60 and of 200 rods other steps fail with 1.1, 1.5 and 4, few with each.
 const KNOWN_RATIO: f64 = 1.1;
-
-/// Where the contacts of a scene keep what they carry from step to step: candidate pairs first, then every node over
-/// every plane.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Slots {
-    /// Candidate pairs.
-    pub candidates: usize,
-    /// Nodes of all rods.
-    pub nodes: usize,
-    /// Planes.
-    pub planes: usize,
-}
-
-impl Slots {
-    /// Number of slots.
-    pub fn count(&self) -> usize {
-        self.candidates + self.planes * self.nodes
-    }
-
-    /// Slot of a node over a plane.
-    pub fn over_plane(&self, plane: usize, node: usize) -> usize {
-        self.candidates + plane * self.nodes + node
-    }
-}
 
 /// How the nodes of a contact have moved since the last linearisation, m, and how they resist.
 #[derive(Clone, Copy, Debug)]
@@ -139,33 +116,36 @@ pub(super) struct Multipliers {
     in_use: bool,
     /// Forces at the end of the last accepted step, N, one per slot.
     committed: Vec<f64>,
-    /// Linear laws of the last linearisation.
-    tangents: Vec<Tangent>,
+    /// Linear laws of the last linearisation; those without are without force.
+    tangents: SlotValues<Tangent>,
 }
 
 impl Multipliers {
     /// Starts the iterations of a step from the committed forces.
     pub fn begin(&mut self, slots: Slots) {
         self.committed.resize(slots.count(), 0.0);
-        self.tangents.clear();
-        let constant = |force: &f64| Tangent::constant(*force);
-        self.tangents.extend(self.committed.iter().map(constant));
+        self.tangents.clear(slots.count());
+        for (slot, force) in self.committed.iter().enumerate() {
+            if *force > 0.0 {
+                self.tangents.set(slot, Tangent::constant(*force));
+            }
+        }
         self.in_use = true;
     }
 
     /// Force that iterations begin with at a slot, N.
     pub fn begun(&self, slot: usize) -> f64 {
-        self.tangents[slot].force
+        self.force(slot)
     }
 
     /// Lets iterations begin without any force.
     pub fn begin_without(&mut self) {
-        self.tangents.fill(Tangent::default());
+        self.tangents.forget();
     }
 
     /// Lets iterations begin with a force at a slot, N.
     pub fn begin_with(&mut self, slot: usize, force: f64) {
-        self.tangents[slot] = Tangent::constant(force);
+        self.tangents.set(slot, Tangent::constant(force));
     }
 
     /// Takes over the forces of an accepted step, slot by slot; those not given are zero.
@@ -181,7 +161,7 @@ impl Multipliers {
     /// Carries all forces over to a new list of candidates; both lists are sorted.
     pub fn carry_over(&mut self, old: &[CandidatePair], new: &[CandidatePair]) {
         self.committed = carried_over(old, &self.committed, new);
-        self.tangents = carried_over(old, &self.tangents, new);
+        self.tangents.carry_over(old, new);
     }
 
     /// Forces at the end of the last accepted step, N, one per slot.
@@ -205,20 +185,26 @@ impl Multipliers {
         self.in_use
     }
 
+    /// Force of the last linearisation of a slot, N.
+    fn force(&self, slot: usize) -> f64 {
+        self.tangents.get(slot).map_or(0.0, |tangent| tangent.force)
+    }
+
     /// Whether the contact of a slot bears force by its multiplier, wherever it is.
     pub fn is_loaded(&self, slot: usize) -> bool {
-        self.in_use && self.tangents[slot].force > 0.0
+        self.in_use && self.force(slot) > 0.0
     }
 
     /// Whether a force (N) at which a slot is to be linearised is about that of the last linearisation, or of those that
     /// iterations begin with.
     pub fn is_known(&self, slot: usize, force: f64) -> bool {
-        self.in_use && are_alike(force, self.tangents[slot].force, KNOWN_RATIO)
+        self.in_use && are_alike(force, self.force(slot), KNOWN_RATIO)
     }
 
     /// The law of a slot at `gap`, m.
     pub fn linear_law(&self, slot: usize, gap: f64, law: &NormalLaw, moved: &Moved) -> LinearLaw {
-        let tangent = &self.tangents[slot];
+        let without = Tangent::default();
+        let tangent = self.tangents.get(slot).unwrap_or(&without);
         let wanted = tangent.value + moved.along(&tangent.rates);
         let here = moved.predicted.then(|| law.response(gap).force);
         let (mut force, mut at) = match here.filter(|here| are_alike(*here, wanted, TRUSTED_RATIO))
@@ -243,11 +229,12 @@ impl Multipliers {
 
     /// Keeps the linear law of a slot, whose gap changes with the displacements by `gradient`.
     pub fn keep(&mut self, slot: usize, law: &LinearLaw, gradient: &[f64; 12]) {
-        self.tangents[slot] = Tangent {
+        let tangent = Tangent {
             value: law.force,
             rates: gradient.map(|rate| law.tangent.force_slope * rate),
             force: law.tangent.force,
         };
+        self.tangents.set(slot, tangent);
     }
 }
 

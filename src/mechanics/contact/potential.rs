@@ -25,8 +25,10 @@ const REACH: f64 = 1.5;
 /// Slope of the energy curve: K₁ δ/h̄ (Eq. 2.16).
 const SLOPE: f64 = 15.0;
 
-/// Iterations that find the gap of a force.
+/// Iterations that find the gap of a force, at most.
 const GAP_ITERATIONS: usize = 5;
+/// Change of the exponent after which its square is below rounding error.
+const GAP_CHANGE: f64 = 1e-9;
 
 /// The potential at a surface gap Δ − 2h̄ (m) between bodies of mean radius h̄ = `scale` (m), for the
 /// contact stiffness k = `stiffness` (J) and the distance tolerance δ = `tolerance` (m).
@@ -74,7 +76,11 @@ pub(super) fn gap_of_force(force: f64, scale: f64, tolerance: f64, stiffness: f6
         let softplus = exponent.max(0.0) + libm::log1p(decay);
         let logistic = if exponent > 0.0 { 1.0 } else { decay } / (1.0 + decay);
         let slope = logistic / softplus + 1.0 - logistic;
-        exponent += (logarithm - libm::log(softplus * logistic)) / slope;
+        let change = (logarithm - libm::log(softplus * logistic)) / slope;
+        exponent += change;
+        if change.abs() < GAP_CHANGE {
+            break;
+        }
     }
     -exponent / rate
 }

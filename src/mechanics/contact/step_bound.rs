@@ -79,6 +79,12 @@ impl ContactSystem {
         for (pair, earlier) in self.candidates.pairs().iter().zip(self.candidates.gaps()) {
             if earlier - approach(pair, &self.motion) < reach {
                 let nodes = points.of(pair.nodes);
+                if pair.side == EDGE
+                    && let direction = ClosestPoints::of(&nodes).separation
+                    && self.surface.is_at_reflex_edge(pair, &direction, &points)
+                {
+                    continue;
+                }
                 let of_node = |node: usize| displacements.get(node).copied();
                 let moves = pair.nodes.map(|node| of_node(node).unwrap_or_default());
                 let touch = self.surface.core(pair.edges) + self.surface.threshold(pair.edges);

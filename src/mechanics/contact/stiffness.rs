@@ -111,32 +111,34 @@ impl ContactSystem {
         forces: &[Vector3],
     ) -> Option<f64> {
         let near = 0.25 * self.candidates.margin();
+        // Obstacles have no forces of their own.
+        let of_node = |node: usize| forces.get(node).map_or(0.0, Vector3::norm_squared);
         let mut largest: Option<f64> = None;
-        let mut include = |node: usize| {
-            let Some(force) = forces.get(node).map(Vector3::norm) else {
-                return;
-            };
-            largest = Some(largest.map_or(force, |largest| largest.max(force)));
-        };
         self.candidates.motion(positions, &mut self.motion);
         let points = self.obstacles.points(positions);
         let pairs = self.candidates.pairs().iter();
         for (pair, earlier) in pairs.zip(self.candidates.gaps()) {
-            if earlier - approach(pair, &self.motion) < near
+            let force = pair.nodes.map(of_node).into_iter().fold(0.0, f64::max);
+            // Most pairs are of nodes whose forces count already, or are no larger.
+            if largest.is_none_or(|largest| force > largest)
+                && earlier - approach(pair, &self.motion) < near
                 && separation(&self.surface, pair, &points)
                     .is_some_and(|distance| distance < self.surface.threshold(pair.edges) + near)
             {
-                pair.nodes.into_iter().for_each(&mut include);
+                largest = Some(force);
             }
         }
         for plane in &self.planes {
             for surface in self.surface.nodes() {
-                if plane.distance(&positions[surface.node]) < surface.radius + near {
-                    include(surface.node);
+                let force = of_node(surface.node);
+                if largest.is_none_or(|largest| force > largest)
+                    && plane.distance(&positions[surface.node]) < surface.radius + near
+                {
+                    largest = Some(force);
                 }
             }
         }
-        largest
+        largest.map(f64::sqrt)
     }
 }
 

@@ -54,6 +54,9 @@ impl ContactFace {
 #[derive(Clone, Debug, Default)]
 pub struct ContactSurface {
     edges: Vec<ContactEdge>,
+    /// Of each edge of an obstacle the vertices opposite to it in its two faces, counted from the nodes of the rods on; none where it
+    /// has no two faces.
+    opposite: Vec<Option<[usize; 2]>>,
     faces: Vec<ContactFace>,
     /// Nodes of all rods.
     rod_nodes: usize,
@@ -239,7 +242,10 @@ impl ContactSurface {
         let first = self.rod_nodes + self.vertex_count();
         let any = &mut self.least_radii[1];
         *any = Some(any.map_or(obstacle.radius, |least| least.min(obstacle.radius)));
-        for segment in &obstacle.segments {
+        for (index, segment) in obstacle.segments.iter().enumerate() {
+            let opposite = obstacle.opposite.get(index).copied().flatten();
+            self.opposite
+                .push(opposite.map(|corners| corners.map(|vertex| first + vertex)));
             self.edges.push(ContactEdge {
                 nodes: segment.map(|vertex| first + vertex),
                 rod: self.closed_lengths.len(),
@@ -267,6 +273,12 @@ impl ContactSurface {
     /// Edges of the rods, which come first.
     pub fn rod_edges(&self) -> &[ContactEdge] {
         &self.edges[..self.rod_edges]
+    }
+
+    /// The vertices opposite to an edge of an obstacle in its two faces.
+    pub(super) fn opposite(&self, edge: usize) -> Option<[usize; 2]> {
+        let segment = edge.checked_sub(self.rod_edges)?;
+        self.opposite.get(segment).copied().flatten()
     }
 
     /// The faces of obstacles.
@@ -319,7 +331,7 @@ impl ContactSurface {
 
     /// Largest radius of the rods that move, m; zero without any. Obstacles do not use up any margin.
     pub fn largest_moving_radius(&self) -> f64 {
-        self.edges
+        self.rod_edges()
             .iter()
             .filter(|edge| !edge.held)
             .fold(0.0, |largest, edge| edge.radius.max(largest))

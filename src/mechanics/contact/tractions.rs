@@ -23,7 +23,8 @@
 use super::candidates::carried_over;
 use super::contacts::CandidatePair;
 use super::friction::{FrictionLaw, tangential};
-use super::multipliers::{Moved, Slots};
+use super::multipliers::Moved;
+use super::slots::{SlotValues, Slots};
 use crate::mechanics::Vector3;
 
 /// c of the first iterations in units of ρ h/λ, chosen by trial in a pile: less takes more iterations, more fails in some
@@ -89,27 +90,30 @@ pub(super) struct Tractions {
     /// At the end of the last accepted step, one per slot.
     committed: Vec<Option<Vector3>>,
     /// Linear laws of the last linearisation.
-    tangents: Vec<Option<Tangent>>,
+    tangents: SlotValues<Tangent>,
 }
 
 impl Tractions {
     /// Starts the iterations of a step from the committed tractions.
     pub fn begin(&mut self, slots: Slots) {
         self.committed.resize(slots.count(), None);
-        self.tangents.clear();
-        let known = self.committed.iter();
-        self.tangents
-            .extend(known.map(|known| known.map(Tangent::constant)));
+        self.tangents.clear(slots.count());
+        for (slot, known) in self.committed.iter().enumerate() {
+            if let Some(traction) = known {
+                self.tangents.set(slot, Tangent::constant(*traction));
+            }
+        }
     }
 
     /// Traction that iterations begin with at a slot.
     pub fn begun(&self, slot: usize) -> Vector3 {
-        self.tangents[slot].map_or_else(Vector3::zeros, |tangent| tangent.value)
+        let tangent = self.tangents.get(slot);
+        tangent.map_or_else(Vector3::zeros, |tangent| tangent.value)
     }
 
     /// Lets iterations begin with a traction at a slot.
     pub fn begin_with(&mut self, slot: usize, traction: Vector3) {
-        self.tangents[slot] = Some(Tangent::constant(traction));
+        self.tangents.set(slot, Tangent::constant(traction));
     }
 
     /// At the end of the last accepted step, one per slot.
@@ -134,7 +138,7 @@ impl Tractions {
     /// Carries all tractions over to a new list of candidates; both lists are sorted.
     pub fn carry_over(&mut self, old: &[CandidatePair], new: &[CandidatePair]) {
         self.committed = carried_over(old, &self.committed, new);
-        self.tangents = carried_over(old, &self.tangents, new);
+        self.tangents.carry_over(old, new);
     }
 
     /// The law of a slot at the slip `slip` (m/s) on surfaces with the unit normal `normal`; `resistance` is ρ h/λ, s/m.
@@ -149,7 +153,7 @@ impl Tractions {
     ) -> LinearTraction {
         let mut wanted = Vector3::zeros();
         let (mut before, mut reversals) = (Vector3::zeros(), 0);
-        if let Some(tangent) = &self.tangents[slot] {
+        if let Some(tangent) = self.tangents.get(slot) {
             let change = Vector3::from(tangent.rates.map(|rates| moved.along(&rates)));
             wanted = cut(
                 tangential(normal, &(tangent.value + change)),
@@ -171,12 +175,13 @@ impl Tractions {
 
     /// Keeps the linear law of a slot, whose traction changes with the displacements by `rates`, 1/m.
     pub fn keep(&mut self, slot: usize, law: &LinearTraction, rates: &[[f64; 12]; 3]) {
-        self.tangents[slot] = Some(Tangent {
+        let tangent = Tangent {
             value: law.present,
             rates: *rates,
             slip: law.slip,
             reversals: law.reversals,
-        });
+        };
+        self.tangents.set(slot, tangent);
     }
 }
 

@@ -2,9 +2,11 @@
 
 use super::*;
 use crate::mechanics::Vector3;
+use crate::mechanics::contact::{ContactModel, ContactParameters};
+use crate::mechanics::rigid_body::RigidBody;
 use crate::mechanics::scene::{
-    Clamp, Joint, JointKind, Load, LoadKind, Motion, NaturalShape, RodDescription, RodNode, Scene,
-    Stiffness,
+    Clamp, Joint, JointKind, Load, LoadKind, Motion, NaturalShape, Obstacle, RodDescription,
+    RodNode, Scene, Stiffness,
 };
 use std::f64::consts::PI;
 
@@ -388,4 +390,58 @@ fn a_ring_on_a_slack_rope_rests_where_both_halves_make_the_same_angle() {
     // From the other side it comes to the same place.
     let difference = (off(80, 0.25) - errors[1]).norm();
     assert!(difference < 1e-6, "{difference:e}");
+}
+
+/// A ball in the way of the shuttle of [`incline`], its centre at this place along the wire, m.
+const BALL: f64 = 0.5;
+const BALL_RADIUS: f64 = 0.02;
+
+#[test]
+fn a_bead_that_runs_against_an_obstacle_rests_on_it() {
+    let down = Vector3::new(SLOPE.cos(), 0.0, -SLOPE.sin());
+    let tolerance = 2e-5;
+    for model in [
+        ContactModel::ImplicitContact,
+        ContactModel::IncrementalPotential,
+    ] {
+        for scheme in [Scheme::ImplicitEuler, Scheme::BackwardDifferences] {
+            let mut scene = incline();
+            scene.obstacles.push(Obstacle {
+                name: "ball".into(),
+                body: RigidBody::sphere(down * BALL, BALL_RADIUS),
+                ..Obstacle::default()
+            });
+            scene.contact = Some(ContactParameters {
+                model,
+                distance_tolerance: tolerance,
+                ..ContactParameters::default()
+            });
+            scene.loads.push(Load {
+                kind: LoadKind::Drag {
+                    rod: Some(1),
+                    translation: 0.1,
+                    rotation: 0.0,
+                },
+                schedule: Vec::new(),
+            });
+            let mut simulation = Simulation::new(&scene, &parameters(scheme, 2e-3)).unwrap();
+            let gap = |simulation: &Simulation| {
+                let lead = simulation.positions()[42];
+                (lead - down * BALL).norm() - BALL_RADIUS - 2e-3
+            };
+            let mut least = f64::INFINITY;
+            while simulation.time() < 3.0 {
+                simulation.advance(3.0).unwrap();
+                least = least.min(gap(&simulation));
+            }
+            // It comes at half a metre a second, and sinks in by no more than a twentieth of its radius.
+            assert!(least > -1e-4, "{model:?} {scheme:?}: {least:e}");
+            let gap = gap(&simulation);
+            assert!(gap.abs() < 1.5 * tolerance, "{model:?} {scheme:?}: {gap:e}");
+            let borne: Vector3 = simulation.contact_forces().iter().sum();
+            let weight = 0.01 * 0.05 * GRAVITY * SLOPE.sin();
+            let error = borne.dot(&down) / -weight - 1.0;
+            assert!(error.abs() < 1e-3, "{model:?} {scheme:?}: {error:e}");
+        }
+    }
 }

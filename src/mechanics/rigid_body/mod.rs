@@ -20,6 +20,9 @@ pub struct RigidBody {
     pub vertices: Vec<Vector3>,
     /// Pairs of vertices; a vertex twice is a point.
     pub segments: Vec<[usize; 2]>,
+    /// Of the first segments, which are sides of triangles: the vertices opposite to them in their two triangles; none for a side
+    /// of one triangle alone.
+    pub opposite: Vec<Option<[usize; 2]>>,
     /// Triangles, anticlockwise as seen from outside.
     pub faces: Vec<[usize; 3]>,
     /// Whether the faces enclose the body, which is touched from outside alone; otherwise from both sides.
@@ -194,13 +197,15 @@ impl RigidBody {
                 sides.entry(ends).or_default().push((triangle, from < to));
             }
         }
-        let (mut segments, mut open, mut first_open) = (Vec::new(), 0, usize::MAX);
+        let (mut segments, mut opposite) = (Vec::new(), Vec::new());
+        let (mut open, mut first_open) = (0, usize::MAX);
         for (ends, around) in &sides {
             match around.as_slice() {
                 [(triangle, _)] => {
                     open += 1;
                     first_open = first_open.min(*triangle);
                     segments.push(*ends);
+                    opposite.push(None);
                 }
                 [(one, forwards), (other, too)] => {
                     if forwards == too {
@@ -208,6 +213,12 @@ impl RigidBody {
                     }
                     if normals[*one].cross(&normals[*other]).norm() > FLAT {
                         segments.push(*ends);
+                        // The sum of the corners less the two ends is the third.
+                        let third = |face: usize| {
+                            let corners = faces[face];
+                            corners.iter().sum::<usize>() - ends[0] - ends[1]
+                        };
+                        opposite.push(Some([third(*one), third(*other)]));
                     }
                 }
                 many => return Err(MeshFault::Branched(many.len(), many[0].0)),
@@ -229,6 +240,7 @@ impl RigidBody {
         Ok(Self {
             vertices,
             segments,
+            opposite,
             faces,
             closed,
             ..Self::default()

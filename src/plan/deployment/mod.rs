@@ -4,26 +4,35 @@
 //! |---|---|
 //! | `rod` | the rod by its gravito-bending length and radius |
 //! | `trajectory` | poses of the gripper |
+//! | `laid_path` | all of that for the path along which a rod is laid |
 //! | `timing` | when the gripper is where |
 //! | `feasibility` | friction, bending and length that the pattern needs |
+//! | `spare` | what of the rod is longer than its pattern, laid as well |
 //! | `landing` | the hanging rod at the start |
+//! | `corrected_path` | the gripper's path, planned anew while the rod is laid |
 //! | `correction` | what remains to be laid, from where the rod was seen to lie |
 //! | `figure` | pattern, path of the gripper and friction demand |
 
+mod corrected_path;
 mod correction;
 mod feasibility;
 mod figure;
+mod laid_path;
 mod landing;
 mod rod;
+mod spare;
 mod timing;
 mod trajectory;
 
+pub use corrected_path::CorrectedPath;
 pub use correction::{ObservedContact, corrected_length, return_curve};
 pub use feasibility::{Feasibility, friction_demand, lead_in_length, long_enough};
 pub use figure::deployment_figure;
+pub use laid_path::LaidPath;
 pub use landing::hanging_rod;
 pub use rod::DeployedRod;
-pub use timing::{laid_after, times};
+pub use spare::{Spare, with_spare_laid};
+pub use timing::{laid_after, times, when_laid};
 pub use trajectory::{GripperPose, OptimalGrasps, Scheme, trajectory};
 
 use crate::plan::grasp::GraspError;

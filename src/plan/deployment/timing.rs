@@ -40,6 +40,20 @@ pub fn laid_after(poses: &[GripperPose], times: &[f64], time: f64) -> f64 {
     }
 }
 
+/// When an arc length is laid (m), s: the inverse of [`laid_after`].
+pub fn when_laid(poses: &[GripperPose], times: &[f64], s: f64) -> f64 {
+    let after = poses.partition_point(|pose| pose.s < s);
+    match (after.checked_sub(1), times.get(after)) {
+        (Some(before), Some(next)) => {
+            let part = (s - poses[before].s) / (poses[after].s - poses[before].s);
+            times[before] + part * (next - times[before])
+        }
+        (None, Some(first)) => *first,
+        (Some(last), None) => times[last],
+        (None, None) => 0.0,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -73,6 +87,11 @@ mod tests {
         ] {
             let found = laid_after(&poses, &times, time);
             assert!((found - expected).abs() < 1e-12, "{time}: {found}");
+            let back = when_laid(&poses, &times, expected);
+            assert!(
+                (back - time.clamp(0.0, 6.0)).abs() < 1e-12,
+                "{time}: {back}"
+            );
         }
     }
 }

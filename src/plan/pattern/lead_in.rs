@@ -6,12 +6,14 @@ use crate::mechanics::kirchhoff::numerics::gauss_legendre;
 /// Points of the Gauss rule for places along the lead-in.
 const QUADRATURE: usize = 40;
 
-/// κ is the polynomial of the fifth degree that vanishes with two derivatives at the start, and goes over into the
-/// pattern with its value and two derivatives.
+/// First straight; then κ is the polynomial of the fifth degree that vanishes with two derivatives where it begins, and goes
+/// over into the pattern with its value and two derivatives.
 #[derive(Clone, Debug)]
 pub struct LeadIn {
-    /// Length, m.
-    pub length: f64,
+    /// Length of the straight part, m.
+    straight: f64,
+    /// Length over which the curvature grows, m.
+    bent: f64,
     /// Where the pattern begins.
     end: PatternPoint,
     /// Coefficients of (σ/ℓ)³, (σ/ℓ)⁴ and (σ/ℓ)⁵.
@@ -20,13 +22,14 @@ pub struct LeadIn {
 }
 
 impl LeadIn {
-    pub fn new(end: &PatternPoint, length: f64) -> Self {
+    pub fn new(end: &PatternPoint, straight: f64, bent: f64) -> Self {
         // Value a, slope b and bend c at x = 1 of c₃x³ + c₄x⁴ + c₅x⁵.
         let a = end.curvature;
-        let b = end.curvature_slope * length;
-        let c = end.curvature_bend * length * length;
+        let b = end.curvature_slope * bent;
+        let c = end.curvature_bend * bent * bent;
         Self {
-            length,
+            straight,
+            bent,
             end: *end,
             coefficients: [
                 10.0 * a - 4.0 * b + 0.5 * c,
@@ -37,31 +40,61 @@ impl LeadIn {
         }
     }
 
-    /// Direction of the tangent.
+    /// Length, m.
+    pub fn length(&self) -> f64 {
+        self.straight + self.bent
+    }
+
+    /// Direction of the tangent at the length s of the bent part.
     fn angle(&self, s: f64) -> f64 {
-        let x = s / self.length;
+        let x = s / self.bent;
         let [c3, c4, c5] = self.coefficients;
         let turned = |x: f64| x.powi(4) * (c3 / 4.0 + x * (c4 / 5.0 + x * c5 / 6.0));
-        self.end.angle - self.length * (turned(1.0) - turned(x))
+        self.end.angle - self.bent * (turned(1.0) - turned(x))
     }
 
     pub fn at(&self, s: f64) -> PatternPoint {
-        let rest = self.length - s;
+        let bent = s - self.straight;
+        if bent > 0.0 {
+            return PatternPoint {
+                s,
+                ..self.at_bent(bent)
+            };
+        }
+        let corner = if self.bent > 0.0 {
+            self.at_bent(0.0)
+        } else {
+            self.end
+        };
+        let (sine, cosine) = libm::sincos(corner.angle);
+        PatternPoint {
+            s,
+            position: corner.position + bent * Point::new(cosine, sine),
+            angle: corner.angle,
+            curvature: 0.0,
+            curvature_slope: 0.0,
+            curvature_bend: 0.0,
+        }
+    }
+
+    /// The point at the length s of the bent part.
+    fn at_bent(&self, s: f64) -> PatternPoint {
+        let rest = self.bent - s;
         let mut way = Point::zeros();
         for (part, weight) in &self.rule {
             let angle = self.angle(s + rest * part);
             way += rest * *weight * Point::new(libm::cos(angle), libm::sin(angle));
         }
-        let x = s / self.length;
+        let x = s / self.bent;
         let [c3, c4, c5] = self.coefficients;
         PatternPoint {
             s,
             position: self.end.position - way,
             angle: self.angle(s),
             curvature: x.powi(3) * (c3 + x * (c4 + x * c5)),
-            curvature_slope: x.powi(2) * (3.0 * c3 + x * (4.0 * c4 + x * 5.0 * c5)) / self.length,
+            curvature_slope: x.powi(2) * (3.0 * c3 + x * (4.0 * c4 + x * 5.0 * c5)) / self.bent,
             curvature_bend: x * (6.0 * c3 + x * (12.0 * c4 + x * 20.0 * c5))
-                / (self.length * self.length),
+                / (self.bent * self.bent),
         }
     }
 }

@@ -7,13 +7,14 @@
 //! | `analytic` | line, circle and sine |
 //! | `curve` | arc length, tangent, curvature and its derivatives |
 //! | `source` | a formula or a drawing, in its size and direction |
-//! | `lead_in` | a start whose curvature grows from zero |
+//! | `lead_in`, `lead_out` | a start whose curvature grows from zero, and an end where it goes back to zero |
 //! | `check` | what a pattern asks of a rod, and where it crosses itself |
 
 mod analytic;
 mod check;
 mod curve;
 mod lead_in;
+mod lead_out;
 mod path_data;
 mod source;
 mod spline;
@@ -28,6 +29,7 @@ pub use svg::{Stroke, read_svg};
 
 use curve::ArcLength;
 use lead_in::LeadIn;
+use lead_out::LeadOut;
 use thiserror::Error;
 
 /// A point of the plane, m.
@@ -82,12 +84,13 @@ pub enum PatternError {
     },
 }
 
-/// A curve by its arc length, with a lead-in where it has one.
+/// A curve by its arc length, with a lead-in and a lead-out where it has them.
 pub struct Pattern {
     curve: Box<dyn PlaneCurve>,
     arc_length: ArcLength,
     lead_in: Option<LeadIn>,
     end: Option<f64>,
+    lead_out: Option<LeadOut>,
     /// Largest distance of the curve from the points that were drawn, m; zero for analytic curves.
     pub deviation: f64,
 }
@@ -104,6 +107,7 @@ impl Pattern {
             arc_length,
             lead_in: None,
             end: None,
+            lead_out: None,
             deviation,
         })
     }
@@ -119,35 +123,58 @@ impl Pattern {
 
     /// Puts a lead-in in front, over whose length (m) the curvature grows from zero to that of the first point, and
     /// its first two derivatives with it (thesis 5.5.4.1).
-    pub fn with_lead_in(mut self, length: f64) -> Self {
-        self.lead_in = None;
+    pub fn with_lead_in(self, length: f64) -> Self {
+        self.with_straight_lead_in(0.0, length)
+    }
+
+    /// Puts a lead-in in front that is straight over a length, m, before its curvature grows over the length `bent`, m.
+    pub fn with_straight_lead_in(mut self, straight: f64, bent: f64) -> Self {
+        (self.lead_in, self.lead_out) = (None, None);
         let start = self.at(0.0);
-        self.lead_in = (length > 0.0).then(|| LeadIn::new(&start, length));
+        self.lead_in = (straight + bent > 0.0).then(|| LeadIn::new(&start, straight, bent));
         self
     }
 
     /// Length of the lead-in, m.
     pub fn lead_in(&self) -> f64 {
-        self.lead_in.as_ref().map_or(0.0, |lead_in| lead_in.length)
+        self.lead_in.as_ref().map_or(0.0, LeadIn::length)
     }
 
-    /// Ends the pattern at a length, m, the lead-in included, if it does not end before.
-    pub fn shortened(mut self, length: f64) -> Self {
-        self.end = Some(length);
+    /// Goes on behind the end over a length, m. The curvature goes to zero over the length `bent`, m, as that of a lead-in
+    /// grows; what is left is straight.
+    pub fn with_lead_out(mut self, bent: f64, length: f64) -> Self {
+        self.lead_out = None;
+        let last = self.at(self.length());
+        self.lead_out = (length > 0.0).then(|| LeadOut::new(&last, bent, length));
         self
     }
 
-    /// Length, the lead-in included, m.
+    /// Length of the lead-out, m.
+    pub fn lead_out(&self) -> f64 {
+        self.lead_out
+            .as_ref()
+            .map_or(0.0, |lead_out| lead_out.length)
+    }
+
+    /// Ends the pattern at a length, m, the lead-in included, if it does not end before; without a lead-out.
+    pub fn shortened(mut self, length: f64) -> Self {
+        self.end = Some(length);
+        self.lead_out = None;
+        self
+    }
+
+    /// Length, lead-in and lead-out included, m.
     pub fn length(&self) -> f64 {
         let whole = self.lead_in() + self.arc_length.total();
-        self.end.map_or(whole, |end| end.min(whole))
+        self.end.map_or(whole, |end| end.min(whole)) + self.lead_out()
     }
 
     /// The point at an arc length, m, from 0 to the length.
     pub fn at(&self, s: f64) -> PatternPoint {
         let lead = self.lead_in();
-        match &self.lead_in {
-            Some(lead_in) if s < lead => lead_in.at(s),
+        match (&self.lead_in, &self.lead_out) {
+            (_, Some(lead_out)) if s > self.length() - lead_out.length => lead_out.at(s),
+            (Some(lead_in), _) if s < lead => lead_in.at(s),
             _ => {
                 let mut point = self.arc_length.at(&*self.curve, s - lead);
                 point.s = s;

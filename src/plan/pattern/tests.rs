@@ -67,6 +67,60 @@ fn a_lead_in_starts_straight_and_goes_over_smoothly() {
 }
 
 #[test]
+fn a_straight_lead_in_goes_over_into_one_that_bends() {
+    let circle = || Pattern::new(Box::new(Circle { radius: 0.1 }), 0.0).unwrap();
+    let bent = circle().with_lead_in(0.12);
+    let pattern = circle().with_straight_lead_in(0.05, 0.12);
+    assert!((pattern.lead_in() - 0.17).abs() < 1e-15);
+    let first = bent.at(0.0);
+    let way = first.position - pattern.at(0.0).position;
+    assert!((way - 0.05 * Point::new(first.angle.cos(), first.angle.sin())).norm() < 1e-15);
+    for s in [0.0, 0.03, 0.12, 0.4] {
+        let (here, there) = (bent.at(s), pattern.at(s + 0.05));
+        assert!((here.position - there.position).norm() < 1e-12, "{s}");
+        assert!((here.curvature - there.curvature).abs() < 1e-9, "{s}");
+    }
+    // Without a bend it begins where the pattern does.
+    let line = Pattern::new(Box::new(Line { length: 0.3 }), 0.0).unwrap();
+    let start = line.with_straight_lead_in(0.1, 0.0).at(0.02).position;
+    assert!((start - Point::new(-0.08, 0.0)).norm() < 1e-15);
+}
+
+/// Where the lead-out begins and everywhere on it, by differences.
+#[test]
+fn a_lead_out_goes_on_smoothly_and_ends_straight() {
+    let sine = Sine {
+        amplitude: 0.04,
+        wavelength: 0.25,
+        waves: 1.8,
+    };
+    let pattern = Pattern::new(Box::new(sine), 0.0).unwrap();
+    let length = pattern.length();
+    let pattern = pattern.with_lead_out(0.1, 0.16);
+    assert!((pattern.length() - length - 0.16).abs() < 1e-12);
+    let [before, after] = [length - 1e-9, length + 1e-9].map(|s| pattern.at(s));
+    assert!((before.position - after.position).norm() < 1e-8);
+    let turn = after.angle - before.angle;
+    assert!((turn - TAU * (turn / TAU).round()).abs() < 1e-6);
+    assert!((before.curvature - after.curvature).abs() < 1e-5);
+    assert!((before.curvature_slope - after.curvature_slope).abs() < 1e-3);
+    let step = 1e-5;
+    for part in 1..32 {
+        let s = length + 0.16 * f64::from(part) / 32.0;
+        let [before, here, after] = [s - step, s, s + step].map(|s| pattern.at(s));
+        let tangent = (after.position - before.position) / (2.0 * step);
+        assert!((tangent - Point::new(here.angle.cos(), here.angle.sin())).norm() < 1e-6);
+        let turn = (after.angle - before.angle) / (2.0 * step);
+        assert!((here.curvature - turn).abs() < 1e-4, "{s}");
+        let slope = (after.curvature - before.curvature) / (2.0 * step);
+        assert!((here.curvature_slope - slope).abs() < 1e-2, "{s}");
+    }
+    for s in [0.1, 0.13, 0.16] {
+        assert!(pattern.at(length + s).curvature.abs() < 1e-12);
+    }
+}
+
+#[test]
 fn a_smoothed_circle_stays_within_the_deviation_and_keeps_its_curvature() {
     let points: Vec<Point> = (0..=180)
         .map(|index| f64::from(index) / 180.0 * 1.5 * PI)

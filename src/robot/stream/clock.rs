@@ -14,6 +14,8 @@ pub(super) struct MotionClock {
     start: Instant,
     /// The part whose clock counts, and its time at the start, s.
     robot: Option<(usize, f64)>,
+    /// See [`MotionClock::haste`].
+    haste: f64,
 }
 
 impl MotionClock {
@@ -32,6 +34,7 @@ impl MotionClock {
         Ok(Self {
             start: Instant::now(),
             robot: clocks.next(),
+            haste: 1.0,
         })
     }
 
@@ -41,11 +44,14 @@ impl MotionClock {
     }
 
     /// Time since the start, s.
-    pub(super) fn elapsed(&self, parts: &[Part]) -> f64 {
+    pub(super) fn elapsed(&mut self, parts: &[Part]) -> f64 {
+        let ours = self.start.elapsed().as_secs_f64();
         let robot = self
             .robot
             .and_then(|(part, began)| Some(parts[part].driver.clock()?.0 - began));
-        robot.unwrap_or_else(|| self.start.elapsed().as_secs_f64())
+        let elapsed = robot.unwrap_or(ours);
+        self.haste = self.haste.max(elapsed / ours.max(1e-3)).min(MOST_HASTE);
+        elapsed
     }
 
     /// When, s after the start, what a part said last was so; `silence` is how long ago that was on our clock.
@@ -58,9 +64,9 @@ impl MotionClock {
         }
     }
 
-    /// How many times as fast as ours the clock has been, at least 1: what takes us a moment is longer on a fast one.
-    pub(super) fn haste(&self, elapsed: f64) -> f64 {
-        let ours = self.start.elapsed().as_secs_f64();
-        (elapsed / ours.max(1e-3)).clamp(1.0, MOST_HASTE)
+    /// How many times as fast as ours the clock has been on the way, at most, and never below 1: what takes us a moment is
+    /// longer on a fast one. One that was fast at the start, when the robot was told to begin, may become slow later.
+    pub(super) fn haste(&self) -> f64 {
+        self.haste
     }
 }

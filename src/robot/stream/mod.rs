@@ -143,7 +143,7 @@ fn run(
             log.commanded(f64::INFINITY, parts);
             return Ending::Finished;
         }
-        if elapsed > longest + OVERTIME * clock.haste(elapsed) {
+        if elapsed > longest + OVERTIME * clock.haste() {
             let late: Vec<&str> = parts
                 .iter()
                 .zip(&done)
@@ -250,7 +250,7 @@ fn watch(
     if !part.driver.knows_position() {
         return Ok(());
     }
-    let lateness = LATENESS * clock.haste(heard);
+    let lateness = LATENESS * clock.haste();
     let farthest = farthest(&part.trajectory, &state.positions, heard, lateness);
     let Some((joint, distance)) = farthest else {
         return Ok(());

@@ -144,6 +144,77 @@ fn an_arm_that_leaves_the_path_stops_both() {
     assert!(notes.iter().all(|notes| notes.lock().unwrap().held));
 }
 
+/// An arm with a clock of its own, which runs at 50 times real time until the arm has heard the command, and at a tenth from then
+/// on, as that of a simulation on a busy machine. It then follows.
+struct Simulated {
+    trajectory: PartTrajectory,
+    start: Option<Instant>,
+    now: Instant,
+}
+
+impl Simulated {
+    /// When it hears a command, s on our clock.
+    const HEARS: f64 = 0.03;
+
+    fn time(&self) -> f64 {
+        let ours = self
+            .start
+            .map_or(0.0, |start| (self.now - start).as_secs_f64());
+        50.0 * ours.min(Self::HEARS) + 0.1 * (ours - Self::HEARS).max(0.0)
+    }
+}
+
+impl Driver for Simulated {
+    fn connect(&mut self, _: &[String]) -> Result<(), DriverError> {
+        Ok(())
+    }
+    fn reports_state(&self) -> bool {
+        true
+    }
+    fn state(&mut self) -> Result<Option<JointState>, DriverError> {
+        self.now = Instant::now();
+        let since = self.time() - 50.0 * Self::HEARS;
+        Ok(Some(JointState {
+            received: self.now,
+            positions: self.trajectory.at(since.max(0.0)),
+        }))
+    }
+    fn clock(&self) -> Option<(f64, Instant)> {
+        Some((self.time(), self.now))
+    }
+    fn start(&mut self, _: &PartTrajectory) -> Result<(), DriverError> {
+        self.start = Some(Instant::now());
+        self.now = Instant::now();
+        Ok(())
+    }
+    fn advance(&mut self, elapsed: f64) -> Result<Progress, DriverError> {
+        let end = self.trajectory.duration() + 50.0 * Self::HEARS;
+        Ok(match elapsed > end {
+            true => Progress::Done,
+            false => Progress::Running,
+        })
+    }
+    fn hold(&mut self) -> Result<(), DriverError> {
+        Ok(())
+    }
+}
+
+#[test]
+fn an_arm_that_began_late_on_a_fast_clock_is_not_late_for_good() {
+    let trajectory = ramp(0.1);
+    let mut parts = [Part {
+        name: "arm".into(),
+        driver: Box::new(Simulated {
+            trajectory: trajectory.clone(),
+            start: None,
+            now: Instant::now(),
+        }),
+        trajectory,
+    }];
+    let ending = stream(&mut parts, &BOUNDS, &|| false, &mut StreamLog::none());
+    assert_eq!(ending, Ending::Finished);
+}
+
 #[test]
 fn an_interruption_leaves_both_arms_still() {
     let calls = Cell::new(0);

@@ -7,11 +7,9 @@
 //! | `way` | the way of the edge in parts, planned anew where the sheet has slid |
 //! | `motion` | the motions of that, planned and checked before anything moves |
 //! | `sight` | the sheet as the camera sees it |
-//! | `arm` | an arm at work, with its logs |
 //! | `score` | what was seen, and what it came to |
 //! | `record` | what it leaves in a results directory |
 
-mod arm;
 mod motion;
 mod record;
 mod score;
@@ -20,7 +18,6 @@ mod stage;
 mod task;
 mod way;
 
-pub use arm::{WorkError, WorkingArm};
 pub use motion::{FoldMotion, FoldMotionRequest, heading};
 pub use record::FoldRecord;
 pub use score::{FoldScore, Look};

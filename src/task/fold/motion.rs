@@ -1,7 +1,7 @@
 //! The motions of a fold, planned and checked before anything moves.
 
 use super::way::FoldWay;
-use crate::cell::{Cell, Onwards, Place, PlanError, PlanReport, PlanRequest};
+use crate::cell::{Cell, Place, PlanError, PlanReport, PlanRequest};
 use crate::robot::{JointTrajectory, Pose};
 use nalgebra::{Translation3, Vector3};
 
@@ -84,13 +84,8 @@ impl FoldMotionRequest<'_> {
     /// It cannot be followed.
     pub fn onwards(&self, from: &[f64], hands: &[Pose]) -> Result<JointTrajectory, PlanError> {
         let path: Vec<Pose> = hands.iter().map(|hand| self.frame * hand).collect();
-        self.cell.onwards(&Onwards {
-            arm: self.arm,
-            from,
-            path: &path,
-            margin: self.margin,
-            speed: self.speed,
-        })
+        self.cell
+            .continuation(self.arm, &path, from, self.speed, RATE)
     }
 
     /// The motion by which the hand rises from where it let go.
@@ -100,13 +95,9 @@ impl FoldMotionRequest<'_> {
     pub fn rising(&self, from: &[f64]) -> Result<JointTrajectory, PlanError> {
         let arm = &self.cell.arms[self.arm];
         let hand = arm.base * arm.chain.hand(from);
-        self.cell.onwards(&Onwards {
-            arm: self.arm,
-            from,
-            path: &[hand, Translation3::new(0.0, 0.0, RISE) * hand],
-            margin: self.margin,
-            speed: self.speed,
-        })
+        let path = [hand, Translation3::new(0.0, 0.0, RISE) * hand];
+        self.cell
+            .continuation(self.arm, &path, from, self.speed, RATE)
     }
 }
 

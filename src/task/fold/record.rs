@@ -4,6 +4,7 @@ use super::score::{FoldScore, Look};
 use super::stage::FoldStage;
 use crate::cell::PlanReport;
 use crate::results::{ResultsError, write_whole};
+use crate::task::error::TaskStage;
 use crate::task::record::Status;
 use serde::Serialize;
 use std::fmt::Write;

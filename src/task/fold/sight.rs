@@ -35,6 +35,8 @@ pub struct Sight<'a> {
 pub struct SeenEnd {
     /// How far it has slid in the direction of the fold, m.
     pub slid: f64,
+    /// How far it has turned about the vertical, rad: a sheet that slides straight does not.
+    pub turned: f64,
     /// Where its edges are seen, pixels.
     pub edges: Vec<[Point; 2]>,
 }
@@ -139,20 +141,27 @@ impl<'a> Sight<'a> {
             Ok(Point::new(place.x, place.y))
         };
         let expected = self.free_end();
-        let mut found: Vec<(FoundEdge, Point)> = Vec::new();
+        let mut found: Vec<(FoundEdge, [Point; 2])> = Vec::new();
         for ends in expected {
             let ends = ends.map(|end| end + Point::new(near, 0.0));
             let pixels = self.in_picture(frame, ends)?;
             let edge = find_edge(picture, self.colour, pixels, REACH, locate)?;
-            found.push((edge, (ends[0] + ends[1]) * 0.5));
+            found.push((edge, ends));
         }
         // An edge n·x = d that moves by Δ along x moves by Δ n_x along its normal.
-        let ways = found
-            .iter()
-            .map(|(edge, middle)| near + (edge.offset - edge.normal.dot(middle)) / edge.normal.x);
-        let slid = ways.sum::<f64>() / found.len() as f64;
+        let slid = |(edge, [from, to]): &(FoundEdge, [Point; 2])| {
+            let middle = (from + to) * 0.5;
+            near + (edge.offset - edge.normal.dot(&middle)) / edge.normal.x
+        };
+        let turned = |(edge, [from, to]): &(FoundEdge, [Point; 2])| {
+            let along = to - from;
+            let across = Point::new(along.y, -along.x) * along.y.signum();
+            libm::atan2(across.perp(&edge.normal), across.dot(&edge.normal))
+        };
+        let count = found.len() as f64;
         Ok(SeenEnd {
-            slid,
+            slid: found.iter().map(slid).sum::<f64>() / count,
+            turned: found.iter().map(turned).sum::<f64>() / count,
             edges: found.iter().map(|(edge, _)| edge.pixels).collect(),
         })
     }
@@ -281,10 +290,14 @@ mod tests {
                 let moved = picture(&sight, &known, 0.2, slid);
                 let seen = sight.end(&moved, &known, 0.0).unwrap();
                 assert!(
-                    (seen.slid - slid).abs() < 2e-4,
+                    (seen.slid - slid).abs() < 2e-4 && seen.turned.abs() < 2e-3,
                     "{crease:?} {slid}: {seen:?}"
                 );
             }
+            let turned = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.04);
+            let askew = picture(&sight, &(known * turned), 0.2, 0.0);
+            let seen = sight.end(&askew, &known, 0.0).unwrap();
+            assert!((seen.turned - 0.04).abs() < 2e-3, "{crease:?} {seen:?}");
             // The same square seen from the other side is the same sheet the other way round.
             let turned = sight.find(&picture(&sight, &known, 0.2, 0.0), std::f64::consts::PI);
             let turned = known.inverse() * turned.unwrap().0;

@@ -1,7 +1,6 @@
 //! What is done one after the other when a sheet is folded, and why it ends early.
 
-use super::arm::WorkError;
-use crate::results::ResultsError;
+use crate::task::error::{TaskError, TaskStage};
 
 /// What is done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -25,9 +24,8 @@ pub enum FoldStage {
     LookAgain,
 }
 
-impl FoldStage {
-    /// In words.
-    pub fn in_words(self) -> &'static str {
+impl TaskStage for FoldStage {
+    fn in_words(self) -> &'static str {
         match self {
             Self::Look => "looking where the sheet lies",
             Self::Approach => "going to its edge",
@@ -42,37 +40,4 @@ impl FoldStage {
 }
 
 /// Why a fold ended early.
-#[derive(Debug, thiserror::Error)]
-pub enum FoldTaskError {
-    /// Something failed.
-    #[error("{}: {reason}", stage.in_words())]
-    Failed {
-        /// While this was done.
-        stage: FoldStage,
-        /// In words.
-        reason: String,
-    },
-    /// Somebody asked for the end; the arm holds.
-    #[error("interrupted; the arm holds")]
-    Interrupted,
-    /// A file could not be written.
-    #[error(transparent)]
-    Results(#[from] ResultsError),
-}
-
-impl FoldTaskError {
-    /// Something failed in a stage, for a reason in words.
-    pub fn failed(stage: FoldStage, reason: impl ToString) -> Self {
-        let reason = reason.to_string();
-        Self::Failed { stage, reason }
-    }
-
-    /// An arm did not do what it was to do in a stage.
-    pub fn of_work(stage: FoldStage, error: WorkError) -> Self {
-        match error {
-            WorkError::Failed(reason) => Self::Failed { stage, reason },
-            WorkError::Interrupted => Self::Interrupted,
-            WorkError::Results(error) => Self::Results(error),
-        }
-    }
-}
+pub type FoldTaskError = TaskError<FoldStage>;

@@ -1,6 +1,5 @@
 //! A sheet folded by an arm, looked at on the way and scored.
 
-use super::arm::WorkingArm;
 use super::motion::FoldMotionRequest;
 use super::score::{FoldScore, Look, looks_csv};
 use super::sight::Sight;
@@ -10,7 +9,10 @@ use crate::cell::Cell;
 use crate::experiment::{Crease, Paper};
 use crate::results::{ResultsError, write_whole};
 use crate::robot::{JointTrajectory, Pose};
+use crate::task::error::TaskStage;
 use crate::task::look::next_picture;
+use crate::task::unfinished::Unfinished;
+use crate::task::working_arm::{Grip, WorkingArm};
 use crate::vision::{ColourRule, edges_overlay, encode_picture, sheet_overlay};
 use image::RgbImage;
 use std::path::Path;
@@ -23,6 +25,8 @@ const SETTLING: Duration = Duration::from_secs(3);
 const LEAST_SLIDING: f64 = 3e-4;
 /// An edge that is down hides the free end where that seems to be as near as this to it, m, and it is no higher.
 const OVER: [f64; 2] = [5e-4, 5e-3];
+/// How far the free end may turn about the vertical, rad: at its ends a sheet of 21 cm has then slid by 5 mm.
+const MOST_ASKEW: f64 = 0.05;
 /// The edge must have come so far along the fold, m, before it shows that nothing lies where it lay.
 const CLEARLY_AWAY: f64 = 0.04;
 /// Where paper is looked for that should be gone, as a part of how far the edge has come: a sheet that does not stretch, is held
@@ -53,6 +57,8 @@ pub struct FoldTask<'a> {
     pub approach_speed: f64,
     /// Least distance to anything else, m.
     pub margin: f64,
+    /// What says that it was begun, if it is to be said.
+    pub unfinished: Option<&'a Unfinished>,
     /// Where everything is written.
     pub directory: &'a Path,
 }
@@ -101,6 +107,8 @@ impl FoldTask<'_> {
             cell: self.cell,
             arm: self.arm,
             directory: self.directory,
+            unfinished: self.unfinished,
+            is_interrupted,
         };
         let mut begin = Instant::now();
         let mut done = |stage: FoldStage, times: &mut Vec<(FoldStage, f64)>| {
@@ -127,16 +135,16 @@ impl FoldTask<'_> {
         let motion = motion.map_err(|error| FoldTaskError::failed(FoldStage::Look, error))?;
         done(FoldStage::Look, &mut end.times)?;
 
-        let work = |stage: FoldStage| move |error| FoldTaskError::of_work(stage, error);
+        let work = FoldTaskError::of_work;
         let speed = self.approach_speed;
         let first = &motion.reaching.points[0];
-        let went = arm.go("approach", first, speed, is_interrupted);
+        let went = arm.go("approach", first, speed);
         went.map_err(work(FoldStage::Approach))?;
         done(FoldStage::Approach, &mut end.times)?;
 
-        let reached = arm.follow("reaching", &motion.reaching, is_interrupted);
+        let reached = arm.follow("reaching", &motion.reaching);
         reached.map_err(work(FoldStage::Take))?;
-        let taken = arm.grip(true, is_interrupted);
+        let taken = arm.grip(Grip::Close);
         taken.map_err(work(FoldStage::Take))?;
         done(FoldStage::Take, &mut end.times)?;
 
@@ -146,7 +154,7 @@ impl FoldTask<'_> {
                 part_motion = self.next_part(&request, &mut way, part, &part_motion, end)?;
             }
             let name = format!("folding_{}", part + 1);
-            let followed = arm.follow(&name, &part_motion, is_interrupted);
+            let followed = arm.follow(&name, &part_motion);
             followed.map_err(work(FoldStage::Fold))?;
             std::thread::sleep(REST);
             let hand = arm.hand().map_err(work(FoldStage::Fold))?;
@@ -161,7 +169,7 @@ impl FoldTask<'_> {
         let score = score.ok_or_else(|| FoldTaskError::failed(FoldStage::Score, unseen))?;
         done(FoldStage::Score, &mut end.times)?;
 
-        let opened = arm.grip(false, is_interrupted);
+        let opened = arm.grip(Grip::Open);
         opened.map_err(work(FoldStage::LetGo))?;
         std::thread::sleep(SETTLING);
         done(FoldStage::LetGo, &mut end.times)?;
@@ -169,10 +177,9 @@ impl FoldTask<'_> {
         let last = &part_motion.points[part_motion.points.len() - 1];
         let rising = request.rising(last);
         let rising = rising.map_err(|error| FoldTaskError::failed(FoldStage::Retreat, error))?;
-        let risen = arm.follow("rising", &rising, is_interrupted);
+        let risen = arm.follow("rising", &rising);
         risen.map_err(work(FoldStage::Retreat))?;
-        let home = &self.cell.arms[self.arm].home;
-        let went = arm.go_if_free("retreat", home, speed, is_interrupted);
+        let went = arm.go_home("retreat", speed);
         went.map_err(work(FoldStage::Retreat))?;
         done(FoldStage::Retreat, &mut end.times)?;
 
@@ -246,6 +253,15 @@ impl FoldTask<'_> {
         }
         let expected = lying.zero + before;
         let seen = lying.sight.end(&picture, &lying.frame, expected).ok();
+        if let Some(turned) = seen.as_ref().map(|seen| seen.turned)
+            && turned.abs() > MOST_ASKEW
+        {
+            let reason = format!(
+                "the sheet lies askew: its free end has turned by {:.1}°",
+                turned.to_degrees()
+            );
+            return Err(FoldTaskError::failed(FoldStage::Fold, reason));
+        }
         let slid = seen.as_ref().map(|seen| seen.slid - lying.zero);
         let length = self.request.sheet.length;
         let [near, low] = OVER;

@@ -5,11 +5,17 @@
 //!
 //! | file | what |
 //! |---|---|
+//! | `clamped_rod` | the rod between a chuck and a hand, from its file |
+//! | `clamp_poses` | where chuck and hand hold a rod that should be a helix |
 //! | `end_path` | where the manipulated end is when, at a given speed and with jitter |
 //! | `buckling` | the error e, where it grows, and whether the rod snaps |
 
 mod buckling;
+mod clamp_poses;
+mod clamped_rod;
 mod end_path;
 
 pub use buckling::{Buckling, Observation, helix_error};
+pub use clamp_poses::ClampPoses;
+pub use clamped_rod::ClampedRod;
 pub use end_path::{EndPath, Manipulation};

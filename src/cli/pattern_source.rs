@@ -1,0 +1,210 @@
+//! Patterns as arguments: formulas and drawings.
+
+use super::drawn_pattern::drawn_points;
+use super::failure::Failure;
+use super::values::positive_length;
+use crate::plan::pattern::{Circle, Drawing, Line, PatternError, PatternSource, Point, Sine};
+use crate::scenario::metres;
+use crate::vision::{Camera, ColourRule, Metric, TraceOptions, pattern, read_picture, trace};
+use clap::Args;
+use std::path::{Path, PathBuf};
+
+/// Distance of the points of a photographed line, m, as of `rodlab trace --pattern`.
+const POINT_STEP: f64 = 1e-3;
+
+/// What a rod is laid along.
+#[derive(Debug, Args)]
+pub struct PatternArguments {
+    /// The pattern: an SVG file; a CSV file with columns x_m and y_m; a photographed drawing (PNG or JPEG, with --size or
+    /// --drawing-camera); or line:LENGTH, circle:RADIUS, sine:AMPLITUDE,WAVELENGTH,WAVES
+    #[arg(long, value_name = "PATTERN")]
+    pattern: String,
+    /// Length of the longer side of a drawn pattern [default: as drawn]
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
+    size: Option<f64>,
+    /// Which stroke of an SVG, strand of a CSV file or line of a photographed drawing, from 1 [default: the only one; in a
+    /// photograph the longest]
+    #[arg(long, value_name = "N")]
+    stroke: Option<usize>,
+    /// Lay it from the last point to the first
+    #[arg(long)]
+    reverse: bool,
+    /// Which colours of a photographed drawing are its line, as of `rodlab trace`
+    #[arg(long, value_name = "RULE", default_value = "auto")]
+    drawing_colour: String,
+    /// File whose [camera] took a photographed drawing that lies on its table; without it the picture is taken as if from straight above
+    #[arg(long, value_name = "FILE")]
+    drawing_camera: Option<PathBuf>,
+    /// Waves of a photographed line shorter than about six times this are smoothed away
+    #[arg(long, value_name = "LENGTH", default_value = "2 mm", value_parser = positive_length)]
+    drawing_smoothing: f64,
+    /// How far the smooth curve may be from what was drawn
+    #[arg(long, value_name = "LENGTH", default_value = "0.25 mm", value_parser = positive_length)]
+    deviation: f64,
+}
+
+impl PatternArguments {
+    /// The pattern as it was given.
+    pub fn name(&self) -> &str {
+        &self.pattern
+    }
+
+    /// What the pattern is made from.
+    ///
+    /// # Errors
+    /// The pattern or a flag is faulty, or a file cannot be read.
+    pub fn source(&self) -> Result<PatternSource, Failure> {
+        let Some(formula) = self.analytic()? else {
+            return Ok(PatternSource::Drawn {
+                points: self.drawn()?,
+                deviation: self.deviation,
+            });
+        };
+        let given = [
+            ("--size", self.size.is_some()),
+            ("--stroke", self.stroke.is_some()),
+            ("--reverse", self.reverse),
+            ("--drawing-camera", self.drawing_camera.is_some()),
+        ];
+        match given.iter().find(|(_, given)| *given) {
+            Some((flag, _)) => Err(Failure::Input(format!(
+                "{flag} is for drawn patterns; {} has its size and direction",
+                self.pattern
+            ))),
+            None => Ok(formula),
+        }
+    }
+
+    /// Why it is none.
+    pub fn no_pattern(&self, error: &PatternError) -> Failure {
+        Failure::Input(format!("{}: {error}", self.pattern))
+    }
+
+    /// `line:…`, `circle:…` or `sine:…`.
+    fn analytic(&self) -> Result<Option<PatternSource>, Failure> {
+        let Some((kind, text)) = self.pattern.split_once(':') else {
+            return Ok(None);
+        };
+        let values: Vec<&str> = text.split(',').collect();
+        let fault = |needed: &str| Failure::Input(format!("--pattern {}: {needed}", self.pattern));
+        let length = |text: &str| positive_length(text).map_err(|error| fault(&error));
+        Ok(Some(match (kind, values.as_slice()) {
+            ("line", [end]) => PatternSource::Line(Line {
+                length: length(end)?,
+            }),
+            ("circle", [radius]) => {
+                // A negative radius turns to the right.
+                let radius = metres(radius).map_err(|error| fault(&error))?;
+                if radius == 0.0 || !radius.is_finite() {
+                    return Err(fault("a radius other than 0 is needed"));
+                }
+                PatternSource::Circle(Circle { radius })
+            }
+            ("sine", [amplitude, wavelength, waves]) => {
+                let waves: Option<f64> = waves.trim().parse().ok();
+                let waves = waves.filter(|waves| *waves > 0.0 && *waves <= 1000.0);
+                PatternSource::Sine(Sine {
+                    amplitude: length(amplitude)?,
+                    wavelength: length(wavelength)?,
+                    waves: waves
+                        .ok_or_else(|| fault("a number of waves from 0 to 1000 is needed"))?,
+                })
+            }
+            ("line" | "circle" | "sine", _) => {
+                return Err(fault(
+                    "line:LENGTH, circle:RADIUS or sine:AMPLITUDE,WAVELENGTH,WAVES is needed",
+                ));
+            }
+            _ => return Ok(None),
+        }))
+    }
+
+    /// Points of a file, in its size and direction.
+    fn drawn(&self) -> Result<Vec<Point>, Failure> {
+        let path = Path::new(&self.pattern);
+        let points = if is_picture(path) {
+            Some(self.photographed(path)?)
+        } else if self.drawing_camera.is_some() {
+            return Err(Failure::Input(format!(
+                "--drawing-camera is for photographed drawings (PNG or JPEG), and {} is none",
+                self.pattern
+            )));
+        } else {
+            drawn_points(path, self.stroke)?
+        };
+        let points = points.ok_or_else(|| {
+            Failure::Input(format!(
+                "--pattern {}: an .svg file, a .csv file, a photograph (.png, .jpg), line:…, circle:… or sine:… is needed",
+                self.pattern
+            ))
+        })?;
+        let drawing = Drawing {
+            size: self.size,
+            reverse: self.reverse,
+        };
+        drawing.of(points).map_err(|error| self.no_pattern(&error))
+    }
+
+    /// The line of a photographed drawing, m.
+    fn photographed(&self, path: &Path) -> Result<Vec<Point>, Failure> {
+        let fault = |words: String| Failure::Input(format!("--pattern {}: {words}", self.pattern));
+        let picture = read_picture(path)?;
+        let options = TraceOptions {
+            colour: ColourRule::parse(&self.drawing_colour)?,
+            ..TraceOptions::default()
+        };
+        let strands = trace(&picture, &options)
+            .map_err(|error| fault(format!("{error}; --drawing-colour says what its line is")))?
+            .strands;
+        let strand = match self.stroke {
+            Some(number) => number.checked_sub(1).and_then(|index| strands.get(index)),
+            None => strands
+                .iter()
+                .max_by(|a, b| a.length().total_cmp(&b.length())),
+        };
+        let strand = strand.ok_or_else(|| {
+            fault(format!(
+                "--stroke: it has {} lines, counted from 1",
+                strands.len()
+            ))
+        })?;
+        let camera = self
+            .drawing_camera
+            .as_deref()
+            .map(Camera::read)
+            .transpose()?;
+        let metric = match (&camera, self.size) {
+            (Some(camera), _) => {
+                let size = camera.check_size(picture.width(), picture.height());
+                size.map_err(|error| fault(error.to_string()))?;
+                Metric::Camera(camera)
+            }
+            (None, Some(size)) => Metric::Scan {
+                pixel: size / longer_side(&strand.points),
+                height: picture.height(),
+            },
+            (None, None) => {
+                return Err(fault(
+                    "a photograph has no length: --size, that of the longer side of the drawing, or --drawing-camera is needed".into(),
+                ));
+            }
+        };
+        pattern(strand, metric, self.drawing_smoothing, POINT_STEP)
+            .map_err(|error| fault(error.to_string()))
+    }
+}
+
+fn is_picture(path: &Path) -> bool {
+    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+    ["png", "jpg", "jpeg"]
+        .iter()
+        .any(|known| extension == *known)
+}
+
+/// The longer side of the box around points.
+fn longer_side(points: &[Point]) -> f64 {
+    let first = points.first().copied().unwrap_or_default();
+    let low = points.iter().fold(first, |low, point| low.inf(point));
+    let high = points.iter().fold(first, |high, point| high.sup(point));
+    (high - low).max()
+}

@@ -1,0 +1,45 @@
+//! The path along which a rod is laid, and the gripper's poses for it.
+
+use super::{
+    DeployedRod, DeploymentError, GripperPose, OptimalGrasps, Scheme, Spare, trajectory,
+    with_spare_laid,
+};
+use crate::plan::pattern::{Pattern, PatternPoint};
+
+/// A path that is laid.
+#[derive(Clone, Debug)]
+pub struct LaidPath {
+    /// The pattern with lead-in and lead-out.
+    pub points: Vec<PatternPoint>,
+    /// The gripper at these points.
+    pub poses: Vec<GripperPose>,
+    /// Length of the lead-in, m.
+    pub lead_in: f64,
+    /// Whether more is laid than the pattern and its lead-in.
+    pub lays_spare: bool,
+}
+
+impl LaidPath {
+    /// The path along a pattern with its lead-in and, where `spare` says so, of the rest of the rod; its points are at most `step`
+    /// apart, m.
+    ///
+    /// # Errors
+    /// There is no grasp at some point.
+    pub fn new(
+        pattern: Pattern,
+        rod: &DeployedRod,
+        spare: &Spare<'_>,
+        step: f64,
+    ) -> Result<Self, DeploymentError> {
+        let length = pattern.length();
+        let pattern = with_spare_laid(pattern, rod, spare);
+        let points = pattern.sampled(step);
+        let poses = trajectory(&points, rod, Scheme::Optimal, OptimalGrasps::Exact)?;
+        Ok(Self {
+            lead_in: pattern.lead_in(),
+            lays_spare: pattern.length() > length,
+            points,
+            poses,
+        })
+    }
+}

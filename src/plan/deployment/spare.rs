@@ -1,0 +1,158 @@
+//! What of a rod is longer than its pattern: laid behind it and in front of it, so that it does not fall.
+
+use super::{DeployedRod, lead_in_length};
+use crate::plan::pattern::{Pattern, PatternPoint, Point};
+
+/// Suspended length, in gravito-bending lengths, at which the gripper lets go: it is 0.73 L_gb above the table then. A longer
+/// rest pulls at what lies when it falls, and with a shorter one the fingers come down to the table.
+const SUSPENDED: f64 = 2.5;
+/// Least length, in gravito-bending lengths, that is worth a lead-out or a straight start.
+const LEAST: f64 = 1.0;
+/// Distance of points that are looked at, and least distance of one part of the rod from another, in radii: between rods that
+/// touch, pictures show no gap.
+const SPACING: f64 = 2.0;
+const CLEARANCE: f64 = 6.0;
+
+/// Most points at which the rod is looked at.
+const MOST_POINTS: f64 = 1000.0;
+
+/// What is done with a rod that is longer than its pattern.
+#[derive(Clone, Copy)]
+pub struct Spare<'a> {
+    /// The part of what is longer, from 0 to 1, that is laid where there is room.
+    pub part: f64,
+    /// Whether there is room at a place in the frame of the pattern, m.
+    pub is_free: &'a dyn Fn(Point) -> bool,
+}
+
+impl Spare<'_> {
+    /// All of it hangs from the gripper to the end.
+    pub const HANGS: Spare<'static> = Spare {
+        part: 0.0,
+        is_free: &|_| true,
+    };
+}
+
+/// Lays a part of the rod that a pattern leaves over: behind its end, as far as there is room, and the rest in front of its
+/// lead-in. There is room where `spare` says so and no other part of the rod lies.
+pub fn with_spare_laid(pattern: Pattern, rod: &DeployedRod, spare: &Spare<'_>) -> Pattern {
+    let unit = rod.gravito_bending_length;
+    let (whole, bent) = (pattern.length(), pattern.lead_in());
+    let left = spare.part * (rod.length - SUSPENDED * unit - whole);
+    if left < LEAST * unit {
+        return pattern;
+    }
+    let spacing = (SPACING * rod.radius).max(rod.length / MOST_POINTS);
+    let room = Room {
+        clearance: CLEARANCE * rod.radius,
+        is_free: spare.is_free,
+    };
+    let back = lead_in_length(rod, pattern.at(whole).curvature);
+    let pattern = pattern.with_lead_out(back, left);
+    let points = pattern.sampled(spacing);
+    let laid = points.partition_point(|point| point.s <= whole);
+    let behind = room.along(&points[..laid], &points[laid..], whole);
+    let behind = if behind < LEAST * unit { 0.0 } else { behind };
+    let rest = left - behind;
+    let pattern = pattern
+        .with_straight_lead_in(rest, bent)
+        .with_lead_out(back, behind);
+    let mut points = pattern.sampled(spacing);
+    points.reverse();
+    let laid = points.partition_point(|point| point.s >= rest);
+    let front = room.along(&points[..laid], &points[laid..], rest);
+    let front = if front < LEAST * unit { 0.0 } else { front };
+    pattern
+        .with_straight_lead_in(front, bent)
+        .with_lead_out(back, behind)
+}
+
+/// Where a rod may lie.
+struct Room<'a> {
+    clearance: f64,
+    is_free: &'a dyn Fn(Point) -> bool,
+}
+
+impl Room<'_> {
+    /// How far a rod whose points `laid` lie already can be laid on along `next`, which begins at the arc length `from`, m.
+    fn along(&self, laid: &[PatternPoint], next: &[PatternPoint], from: f64) -> f64 {
+        // What is as near along the rod is near for this reason.
+        let apart = std::f64::consts::PI * self.clearance;
+        let mut far = 0.0;
+        for (index, point) in next.iter().enumerate() {
+            let mut before = laid.iter().chain(&next[..index]);
+            let is_close = before.any(|other| {
+                (other.s - point.s).abs() > apart
+                    && (other.position - point.position).norm() < self.clearance
+            });
+            if is_close || !(self.is_free)(point.position) {
+                break;
+            }
+            far = (point.s - from).abs();
+        }
+        far
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::pattern::{Circle, Line};
+
+    const GREEN: DeployedRod = DeployedRod {
+        gravito_bending_length: 0.032,
+        radius: 0.0016,
+        length: 0.885,
+    };
+
+    fn line() -> Pattern {
+        Pattern::new(Box::new(Line { length: 0.5 }), 0.0).unwrap()
+    }
+
+    /// All of a rod that there is room for.
+    fn laid(pattern: Pattern, rod: &DeployedRod, is_free: &dyn Fn(Point) -> bool) -> Pattern {
+        with_spare_laid(pattern, rod, &Spare { part: 1.0, is_free })
+    }
+
+    #[test]
+    fn all_but_the_end_in_the_gripper_is_laid_behind_the_pattern() {
+        let laid = laid(line(), &GREEN, &|_| true);
+        assert_eq!(laid.lead_in(), 0.0);
+        assert!((laid.length() - (0.885 - 2.5 * 0.032)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_does_not_lie_on_the_table_behind_is_laid_in_front() {
+        // A table whose edge is 10 cm beyond the end.
+        let wide = laid(line(), &GREEN, &|place| place.x < 0.6);
+        assert!(
+            (0.096..0.1).contains(&wide.lead_out()),
+            "{}",
+            wide.lead_out()
+        );
+        assert!((wide.length() - (0.885 - 2.5 * 0.032)).abs() < 1e-12);
+        // One that ends 1 cm beyond it, and 10 cm in front of the start.
+        let narrow = laid(line(), &GREEN, &|place| (-0.1..0.51).contains(&place.x));
+        assert_eq!(narrow.lead_out(), 0.0);
+        assert!((0.096..0.1).contains(&narrow.lead_in()));
+    }
+
+    #[test]
+    fn nothing_is_laid_on_what_lies() {
+        let circle = Pattern::new(Box::new(Circle { radius: 0.06 }), 0.0).unwrap();
+        let circle = circle.with_lead_in(lead_in_length(&GREEN, 1.0 / 0.06));
+        let laid = laid(circle, &GREEN, &|_| true);
+        assert_eq!(laid.lead_out(), 0.0);
+        assert!((laid.length() - (0.885 - 2.5 * 0.032)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_rod_that_is_not_longer_is_laid_as_it_was() {
+        let short = DeployedRod {
+            length: 0.6,
+            ..GREEN
+        };
+        let laid = laid(line(), &short, &|_| true);
+        assert_eq!((laid.length(), laid.lead_in()), (0.5, 0.0));
+    }
+}

@@ -1,0 +1,280 @@
+//! Helical rods explored by the arm of a virtual cell (thesis 6.3 and 6.4).
+
+use super::cases::{Run, prepared};
+use crate::cell::{Cell, Driver};
+use crate::experiment::ClampedRod;
+use crate::results::ResultsError;
+use crate::run::{PreparedRun, TableJob};
+use crate::task::{Exploration, ExplorationRow, SearchSteps, quarter_sphere};
+use crate::virtual_cell::{ChuckedSupply, Response, Settings, VirtualCell};
+use crate::vision::ColourRule;
+use std::net::SocketAddr;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+const CELL: &str = include_str!("../../scenarios/cells/helix_gantry.toml");
+const ROD: &str = include_str!("../../scenarios/rods/nitinol_wire.toml");
+/// What is said of the run beside its own numbers.
+const BASE: &str = include_str!("../../scenarios/helix_boundary.toml");
+/// Directions of the thesis.
+pub(super) const DIRECTIONS: usize = 328;
+/// Of these, a quick look takes one in so many.
+const QUICK: usize = 41;
+/// How many times as fast as real time the cells are at most.
+const RATE: f64 = 40.0;
+/// Processor time of a direction, s: measured, right to a factor of two.
+const SECONDS_PER_DIRECTION: f64 = 10.0;
+
+/// Directions of the thesis, explored by an arm each by itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Explored {
+    /// One direction in so many is explored.
+    pub every: usize,
+    /// Distance ‖(κ, τ, ω)‖ at which a search ends.
+    pub farthest: f64,
+}
+
+/// How they are searched.
+pub(super) const SEARCH: SearchSteps = SearchSteps {
+    step: 0.5,
+    precision: 0.05,
+    deviation: 0.015,
+    speed: 0.05,
+    return_speed: 0.1,
+};
+
+impl Explored {
+    /// All of them, or a few.
+    pub fn of_the_thesis(quick: bool) -> Self {
+        Self {
+            every: if quick { QUICK } else { 1 },
+            farthest: 14.0,
+        }
+    }
+
+    fn directions(&self) -> Vec<[f64; 3]> {
+        let all = quarter_sphere(DIRECTIONS).into_iter();
+        all.skip(self.every / 2).step_by(self.every).collect()
+    }
+}
+
+impl Run for Explored {
+    fn id(&self) -> String {
+        format!("explored_{}_{}", self.directions().len(), self.farthest)
+    }
+
+    fn prepare(&self) -> PreparedRun {
+        let mut run = prepared(&self.id(), BASE, &[]);
+        // The run is known by this text: another cell, rod or search is another run.
+        for (what, text) in [("cell", CELL), ("rod", ROD)] {
+            let hash = blake3::hash(text.as_bytes()).to_hex();
+            run.scenario_toml +=
+                &format!("# explored in a virtual cell; hash of its {what}: {hash}\n");
+        }
+        run.scenario_toml += &format!("# {self:?} {SEARCH:?}\n");
+        run.table = Some(Arc::new(*self));
+        run
+    }
+
+    fn end(&self) -> f64 {
+        0.0
+    }
+
+    fn extent(&self) -> String {
+        format!("{} directions were explored", self.directions().len())
+    }
+
+    fn cost(&self) -> f64 {
+        SECONDS_PER_DIRECTION * self.directions().len() as f64
+    }
+
+    #[cfg(test)]
+    fn shortened(&self) -> Self {
+        Self {
+            every: DIRECTIONS,
+            farthest: 0.5,
+        }
+    }
+}
+
+impl TableJob for Explored {
+    type Row = ExplorationRow;
+
+    const TABLE: &'static str = "exploration.csv";
+    const ROWS: &'static str = "directions";
+
+    fn count(&self) -> usize {
+        self.directions().len()
+    }
+
+    fn row(&self, index: usize, goes_on: &(dyn Fn() -> bool + Sync)) -> Option<ExplorationRow> {
+        let direction = self.directions()[index];
+        let explored = explore(direction, self.farthest, goes_on);
+        if !goes_on() {
+            return None;
+        }
+        let mut row = explored.unwrap_or_else(|words| {
+            tracing::warn!("direction {}: {words}", index + 1);
+            ExplorationRow::failed(direction, words)
+        });
+        row.direction = index + 1;
+        Some(row)
+    }
+
+    fn conclude(&self, _: &[ExplorationRow], _: &Path) -> Result<Vec<String>, ResultsError> {
+        Ok(Vec::new())
+    }
+}
+
+/// Explores a direction in a cell of its own.
+fn explore(
+    direction: [f64; 3],
+    farthest: f64,
+    goes_on: &(dyn Fn() -> bool + Sync),
+) -> Result<ExplorationRow, String> {
+    with_cell(|cell, rod, directory| {
+        let colour = ColourRule::parse("blue").map_err(|error| error.to_string())?;
+        let exploration = exploration(cell, rod, &colour, directory);
+        let exploration = Exploration {
+            directions: &[direction],
+            farthest,
+            ..exploration
+        };
+        let mut record = exploration.record(Vec::new());
+        let explored = exploration.run(&mut record, &|| !goes_on());
+        explored.map_err(|error| error.to_string())?;
+        let rows = exploration.rows().map_err(|error| error.to_string())?;
+        let row = rows.into_iter().next();
+        row.ok_or_else(|| "nothing was explored".to_owned())
+    })
+}
+
+/// An exploration of nothing yet.
+fn exploration<'a>(
+    cell: &'a Cell,
+    rod: &'a ClampedRod,
+    colour: &'a ColourRule,
+    directory: &'a Path,
+) -> Exploration<'a> {
+    Exploration {
+        cell,
+        arm: 0,
+        rod,
+        directions: &[],
+        farthest: 0.0,
+        margin: 5e-3,
+        search: SEARCH,
+        approach_speed: 0.1,
+        colour,
+        keeps_pictures: false,
+        directory,
+    }
+}
+
+/// Serves the cell in a thread, and gives the cell of its clients, the rod and an empty directory to what is done in it meanwhile.
+fn with_cell<T>(
+    task: impl FnOnce(&Cell, &ClampedRod, &Path) -> Result<T, String>,
+) -> Result<T, String> {
+    let in_words = |error: &dyn std::fmt::Display| error.to_string();
+    let folder = tempfile::tempdir().map_err(|error| in_words(&error))?;
+    let place = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        let written = std::fs::write(&path, text);
+        written.map(|()| path).map_err(|error| in_words(&error))
+    };
+    let mut cell = Cell::read(&place("cell.toml", CELL)?).map_err(|error| in_words(&error))?;
+    let file = place("rod.toml", ROD)?;
+    let rod = ClampedRod::read(&file).map_err(|error| in_words(&error))?;
+    let chucked = ChuckedSupply::new(&file, &cell).map_err(|error| in_words(&error))?;
+    let settings = Settings {
+        address: SocketAddr::from(([127, 0, 0, 1], 0)),
+        token: None,
+        rate: RATE,
+        response: Response::default(),
+        supply: None,
+        sheet: None,
+        chucked,
+        jitter: None,
+        faults: Vec::new(),
+    };
+    let mut served = VirtualCell::new(&cell, settings).map_err(|error| in_words(&error))?;
+    let address = served.address().map_err(|error| in_words(&error))?;
+    lead_to(&mut cell, &address.to_string());
+    let directory = folder.path().join("explored");
+    std::fs::create_dir_all(&directory).map_err(|error| in_words(&error))?;
+    let is_done = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        let server = scope.spawn(|| served.serve(&|| is_done.load(Ordering::Relaxed)));
+        let done = task(&cell, &rod, &directory);
+        is_done.store(true, Ordering::Relaxed);
+        let ended = server
+            .join()
+            .map_err(|_| "the virtual cell panicked".to_owned())?;
+        ended.map_err(|error| in_words(&error))?;
+        done
+    })
+}
+
+/// Makes the drivers and the camera of a cell those of a server.
+fn lead_to(cell: &mut Cell, server: &str) {
+    let arms = cell.arms.iter_mut().map(|arm| &mut arm.driver);
+    let axes = cell.axes.iter_mut().map(|axis| &mut axis.driver);
+    for driver in arms.chain(axes) {
+        if let Some(Driver::Rosbridge { address, .. }) = driver {
+            *address = server.to_owned();
+        }
+    }
+    if let Some(camera) = &mut cell.camera {
+        camera.source = Some(format!("rosbridge://{server}/camera/image_raw"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::task::ExploreError;
+    use std::time::{Duration, Instant};
+
+    /// Two directions that lose stability early.
+    const TWO: [[f64; 3]; 2] = [
+        [0.577_350_269, 0.577_350_269, -0.577_350_269],
+        [0.249, 0.498, -0.831],
+    ];
+
+    #[test]
+    fn an_interrupted_exploration_goes_on_at_its_direction_and_finds_what_theory_says() {
+        let rows = with_cell(|cell, rod, directory| {
+            let colour = ColourRule::parse("blue").unwrap();
+            let exploration = Exploration {
+                directions: &TWO,
+                farthest: 9.0,
+                ..exploration(cell, rod, &colour, directory)
+            };
+            let mut record = exploration.record(Vec::new());
+            // Some time after the first row is there, somewhere on the second ray.
+            let first = std::cell::Cell::new(None::<Instant>);
+            let is_interrupted = || {
+                let has_row = || exploration.rows().is_ok_and(|rows| rows.len() == 1);
+                if first.get().is_none() && has_row() {
+                    first.set(Some(Instant::now()));
+                }
+                let since = first.get().map(|since| since.elapsed());
+                since.is_some_and(|since| since > Duration::from_millis(700))
+            };
+            let ended = exploration.run(&mut record, &is_interrupted);
+            assert!(matches!(ended, Err(ExploreError::Interrupted)), "{ended:?}");
+            let before = exploration.rows().unwrap();
+            assert!(before.len() == 1 && record.is_clamped);
+            exploration.run(&mut record, &|| false).unwrap();
+            let rows = exploration.rows().unwrap();
+            assert_eq!(rows[0], before[0]);
+            Ok(rows)
+        });
+        let rows = rows.unwrap();
+        assert_eq!(rows.len(), 2);
+        for row in rows {
+            assert!(row.relative_difference.unwrap().abs() < 0.03, "{row:?}");
+        }
+    }
+}

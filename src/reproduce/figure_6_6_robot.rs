@@ -1,0 +1,148 @@
+//! Figure 6.6 by a robot: the boundary of the stable helices, explored by the arm of a virtual cell.
+
+use super::ReproduceError;
+use super::cases::Case;
+use super::explored_helices::{DIRECTIONS, Explored, SEARCH};
+use super::page::{Page, PageFigure, number};
+use super::table::rows_of;
+use crate::figure::{Curve, LinePlot, Look, line_plots};
+use crate::task::{
+    ExplorationRow, ExplorationSummary, found_and_theory, read_exploration, section_figure,
+};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Errors of the thesis' experiment: mean, standard deviation and largest.
+const MEASURED: [f64; 3] = [0.0272, 0.0238, 0.1298];
+/// |ω| of a unit direction below which it is drawn beside the section ω = 0.
+const NEAR: f64 = 0.15;
+
+/// Writes what was found beside theory and beside what the thesis measured.
+pub(super) fn write(page: &mut Page, cases: &[Case<Explored>]) -> Result<(), ReproduceError> {
+    for case in cases {
+        let rows = read_exploration(&case.directory)?;
+        page.csv(&rows)?;
+        page.text(&format!(
+            "A nitinol wire of 50 cm (E = 67.5 GPa, ν = 0.33, 6,450 kg/m³, diameter 1.5875 mm, that of the thesis) is clamped between the \
+             chuck of a stepper and the hand of a gantry, both simulated, behind the drivers of real ones, with the wire's weight and \
+             inertia, the arm's latency and lag, and a camera with noise. `rodlab explore` leads the clamps along each direction of \
+             (κ, τ, ω), looks at 15 markers every {} of ‖(κ, τ, ω)‖, takes the helix for lost where they are {} % of the wire's length \
+             from their places in the mean, goes back until it is a helix again, and finds the place by steps of {}. Theory is that of \
+             the smooth wire without weight (conjugate points).",
+            SEARCH.step,
+            1e2 * SEARCH.deviation,
+            SEARCH.precision
+        ));
+        page.text(&format!(
+            "The thesis explores {DIRECTIONS} directions with τ > 0 and does not say which; these are {DIRECTIONS} evenly spread over κ > 0, \
+             τ > 0, of which {} were explored here. Where the wire touches itself, or the arm, the hand or the chuck would be in the way \
+             before stability is lost, nothing can be found, as in the thesis, whose directions are those in which something was. The \
+             virtual wire has no contact with itself.",
+            rows.len()
+        ));
+        comparison(page, &rows);
+        limits(page, &rows);
+        for figure in figures(&rows) {
+            page.figure(&figure)?;
+        }
+    }
+    Ok(())
+}
+
+/// The figures from the table alone.
+pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
+    Ok(figures(&rows_of(table)?))
+}
+
+fn comparison(page: &mut Page, rows: &[ExplorationRow]) {
+    let summary = ExplorationSummary::of(rows);
+    let percent = |part: Option<f64>| number(part.map(|part| 1e2 * part), 2);
+    let [mean, deviation, largest] = MEASURED.map(Some);
+    let line = |what: &str, found: String, measured: String| vec![what.to_owned(), found, measured];
+    page.table(
+        &["", "here", "thesis, measured"],
+        &[
+            line(
+                "directions explored",
+                summary.directions.to_string(),
+                String::new(),
+            ),
+            line(
+                "stability lost in",
+                summary.buckled.to_string(),
+                DIRECTIONS.to_string(),
+            ),
+            line(
+                "lost by theory within reach, not seen",
+                summary.missed.to_string(),
+                String::new(),
+            ),
+            line(
+                "mean error, %",
+                percent(summary.mean_relative_error),
+                percent(mean),
+            ),
+            line(
+                "standard deviation, %",
+                percent(summary.deviation_of_relative_error),
+                percent(deviation),
+            ),
+            line(
+                "largest, %",
+                percent(summary.largest_relative_error),
+                percent(largest),
+            ),
+        ],
+    );
+}
+
+/// Why directions could not be led to where stability is lost.
+fn limits(page: &mut Page, rows: &[ExplorationRow]) {
+    let mut reasons: BTreeMap<&str, usize> = BTreeMap::new();
+    for row in rows.iter().filter(|row| row.found.is_none()) {
+        let reason = match row.limit.as_str() {
+            "" => "a helix up to the farthest distance",
+            limit => limit,
+        };
+        *reasons.entry(reason).or_default() += 1;
+    }
+    let lines = reasons
+        .iter()
+        .map(|(reason, count)| vec![(*reason).to_owned(), count.to_string()]);
+    let lines: Vec<Vec<String>> = lines.collect();
+    if !lines.is_empty() {
+        page.table(&["why nothing was found", "directions"], &lines);
+    }
+}
+
+/// The section near ω = 0, and where stability was found to be lost at all, how well.
+fn figures(rows: &[ExplorationRow]) -> Vec<PageFigure> {
+    let mut figures = vec![PageFigure::new(
+        "fig6.6-robot",
+        "Directions near ω = 0, in its plane: line, the boundary of the stable helices by theory; marks, where the arm found the \
+         wire to be a helix no longer, for |ω| below 0.15 of the direction",
+        section_figure(rows, NEAR),
+    )];
+    let errors = rows
+        .iter()
+        .filter_map(|row| Some((row.theory?, Some(1e2 * row.relative_difference?))));
+    let errors: Vec<(f64, Option<f64>)> = errors.collect();
+    if errors.is_empty() {
+        return figures;
+    }
+    let plot = LinePlot {
+        label: "Difference from theory in %".into(),
+        curves: vec![Curve::new("directions", errors).looking(Look::Marks)],
+    };
+    figures.push(PageFigure::new(
+        "fig6.6-robot_found",
+        "Distances found over those of theory, all directions",
+        found_and_theory(rows),
+    ));
+    figures.push(PageFigure::new(
+        "fig6.6-robot_difference",
+        "Difference from theory over the distance at which theory has stability lost",
+        line_plots([plot], "Distance ‖(κ, τ, ω)‖ of theory"),
+    ));
+    figures
+}

@@ -1,0 +1,31 @@
+//! The stability of helical rods, explored by an arm and a chuck (thesis 6.2 and 6.3).
+//!
+//! For each direction of (κ, τ, ω) the clamps of a rod are led outwards along its ray, on which the rod is a helix that turns ever
+//! farther; the camera looks at each step. Where the markers are not where those of the helix would be, the rod has lost its
+//! stability. The arm goes back along the ray until it is a helix again, finds the place by finer steps, and returns to the straight
+//! rod.
+//!
+//! | file | what |
+//! |---|---|
+//! | `directions` | lists of directions, read or spread |
+//! | `ray` | the joints along a ray, and how far it can be followed |
+//! | `walk` | motions along a ray, looks from there, and the search for the instability |
+//! | `explore` | one direction after the other, and what is resumed after an end |
+//! | `row` | a row for each direction, and what all of them come to |
+//! | `record` | manifest and page |
+//! | `figure` | what was found beside theory |
+
+mod directions;
+mod explore;
+mod figure;
+mod ray;
+mod record;
+mod row;
+mod walk;
+
+pub use directions::{quarter_sphere, read_directions, section};
+pub use explore::{Exploration, ExploreError};
+pub use figure::{found_and_theory, section_figure};
+pub use record::{ExplorationPlan, ExplorationRecord, write_page};
+pub use row::{ExplorationRow, ExplorationSummary, read_rows};
+pub use walk::SearchSteps;

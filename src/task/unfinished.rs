@@ -1,0 +1,66 @@
+//! Tasks that did not come to their end: the next one with the same arm is refused until somebody has looked at it.
+//!
+//! A mark in a file of the user's own tells, since a task that was killed can tell nothing more.
+
+use crate::cell::Cell;
+use std::env;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Digits of the hash that names a mark.
+const DIGITS: usize = 16;
+
+/// The mark of a task.
+pub struct Unfinished {
+    file: PathBuf,
+    directory: PathBuf,
+}
+
+impl Unfinished {
+    /// The mark of a task with an arm of a cell, whose results lie in a directory. It is known by what moves the arm.
+    pub fn of(cell: &Cell, arm: usize, directory: &Path) -> Self {
+        let moved_by = format!("{:?}", cell.arms[arm].driver);
+        let hash = blake3::hash(moved_by.as_bytes()).to_hex();
+        Self {
+            file: folder().join(&hash[..DIGITS]),
+            directory: std::path::absolute(directory).unwrap_or_else(|_| directory.to_owned()),
+        }
+    }
+
+    /// The results directory of the task that left a mark.
+    pub fn left(&self) -> Option<String> {
+        fs::read_to_string(&self.file).ok()
+    }
+
+    /// From now on the arm moves.
+    ///
+    /// # Errors
+    /// The mark cannot be written.
+    pub(super) fn mark(&self) -> io::Result<()> {
+        if let Some(folder) = self.file.parent() {
+            fs::create_dir_all(folder)?;
+        }
+        fs::write(&self.file, self.directory.display().to_string())
+    }
+
+    /// The task came to its end.
+    ///
+    /// # Errors
+    /// The mark cannot be removed.
+    pub fn clear(&self) -> io::Result<()> {
+        match fs::remove_file(&self.file) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Where marks lie: `$XDG_STATE_HOME/rodlab/unfinished`.
+fn folder() -> PathBuf {
+    let given = env::var_os("XDG_STATE_HOME").map(PathBuf::from);
+    let at_home = || env::var_os("HOME").map(|home| Path::new(&home).join(".local/state"));
+    let state = given.filter(|path| path.is_absolute()).or_else(at_home);
+    let state = state.unwrap_or_else(env::temp_dir);
+    state.join("rodlab").join("unfinished")
+}

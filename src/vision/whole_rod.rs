@@ -1,0 +1,134 @@
+//! A rod that lies on itself such that the picture shows a closed strand and an open one.
+//!
+//! Where a rod closes upon its own start, two of its parts lie along each other, and what enters there may leave in two ways: the one
+//! that bends least leaves out the loop. But a rod has two ends. So a closed strand which an open one crosses is a part of it.
+
+use super::Point;
+use super::centreline::Strand;
+use super::order::StrandCrossing;
+use super::passage::Passage;
+
+/// The open strand `index` as the rod runs from its first point, or from its last one: loops are run through where it first meets
+/// them.
+pub fn whole_rod(
+    strands: &[Strand],
+    crossings: &[StrandCrossing],
+    index: usize,
+    is_reversed: bool,
+) -> Vec<Point> {
+    let mut points = strands[index].points.clone();
+    let place = |passage: &Passage| {
+        if is_reversed {
+            (points.len() - 1) as f64 - passage.at
+        } else {
+            passage.at
+        }
+    };
+    // Closed strands with the first place of the open one at which it meets each, and their own place there.
+    let mut loops: Vec<(usize, f64, Passage)> = Vec::new();
+    for crossing in crossings {
+        for (own, other) in [
+            (&crossing.over, &crossing.under),
+            (&crossing.under, &crossing.over),
+        ] {
+            if own.strand != index || !strands[other.strand].closed {
+                continue;
+            }
+            let here = place(own);
+            match loops.iter_mut().find(|known| known.0 == other.strand) {
+                Some(known) if known.1 <= here => {}
+                Some(known) => *known = (other.strand, here, *other),
+                None => loops.push((other.strand, here, *other)),
+            }
+        }
+    }
+    if is_reversed {
+        points.reverse();
+    }
+    loops.sort_by(|a, b| b.1.total_cmp(&a.1));
+    for (closed, here, there) in loops {
+        let at = (here.floor() as usize + 1).min(points.len() - 1);
+        let way = points[at] - points[at - 1];
+        let part = round(&strands[closed].points, there.at as usize, way);
+        points.splice(at..at, part);
+    }
+    points
+}
+
+/// A closed strand once round from behind a segment of it, in the direction that agrees with `way`.
+fn round(points: &[Point], segment: usize, way: Point) -> Vec<Point> {
+    let count = points.len();
+    let (from, to) = (segment % count, (segment + 1) % count);
+    let along = (points[to] - points[from]).dot(&way) >= 0.0;
+    (0..count)
+        .map(|step| {
+            if along {
+                points[(to + step) % count]
+            } else {
+                points[(from + count - step) % count]
+            }
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vision::order::intersections;
+
+    fn strand(points: Vec<Point>, closed: bool) -> Strand {
+        Strand {
+            widths: vec![3.0; points.len()],
+            points,
+            closed,
+        }
+    }
+
+    /// A line along x from 0 to 200 that cuts a circle around (100, 40), and the crossings of both.
+    fn line_and_circle(turn: f64) -> (Vec<Strand>, Vec<StrandCrossing>) {
+        let line = (0..=200).map(|x| Point::new(f64::from(x), 10.0)).collect();
+        let circle = (0..400).map(|k| {
+            let angle = turn * std::f64::consts::TAU * f64::from(k) / 400.0;
+            Point::new(
+                100.0 + 40.0 * libm::sin(angle),
+                40.0 - 40.0 * libm::cos(angle),
+            )
+        });
+        let strands = vec![strand(line, false), strand(circle.collect(), true)];
+        let crossings = intersections(&strands).into_iter();
+        let crossings = crossings.map(|[over, under]| StrandCrossing {
+            position: Point::zeros(),
+            over,
+            under,
+            angle_degrees: 0.0,
+            confidence: 1.0,
+        });
+        let crossings = crossings.collect();
+        (strands, crossings)
+    }
+
+    #[test]
+    fn a_closed_strand_is_a_part_of_the_open_one_that_crosses_it() {
+        for (turn, is_reversed) in [(1.0, false), (-1.0, false), (1.0, true), (-1.0, true)] {
+            let (strands, crossings) = line_and_circle(turn);
+            assert_eq!(crossings.len(), 2);
+            let whole = whole_rod(&strands, &crossings, 0, is_reversed);
+            assert_eq!(whole.len(), 201 + 400);
+            // It comes from its end, and does not jump.
+            assert_eq!(whole[0].x, if is_reversed { 200.0 } else { 0.0 });
+            let steps = whole.windows(2).map(|pair| (pair[1] - pair[0]).norm());
+            assert!(steps.fold(0.0, f64::max) < 3.0);
+            // The loop is run through where it is first met: 73.5 or 126.5.
+            let first = whole.iter().position(|point| (point.y - 10.0).abs() > 0.2);
+            let first = whole[first.unwrap()].x;
+            let expected = if is_reversed { 126.5 } else { 73.5 };
+            assert!((first - expected).abs() < 3.0, "{first}");
+        }
+    }
+
+    #[test]
+    fn a_rod_without_a_loop_is_its_strand() {
+        let (strands, _) = line_and_circle(1.0);
+        assert_eq!(whole_rod(&strands, &[], 0, false), strands[0].points);
+    }
+}
