@@ -99,7 +99,7 @@ impl Served {
     }
 
     /// Whether the arm stands half a second from now.
-    fn stands_soon(&self) -> bool {
+    pub fn stands_soon(&self) -> bool {
         std::thread::sleep(Duration::from_millis(500));
         let (mut socket, _) = tungstenite::connect(format!("ws://{}", self.address)).unwrap();
         let subscription = json!({ "op": "subscribe", "topic": "/joint_states" });
@@ -115,11 +115,9 @@ impl Served {
         (0..5).all(|_| joints() == first)
     }
 
-    /// The next task is refused, until somebody says that the cell was looked at.
-    fn asks_for_a_look(&self) {
-        let mut again = DEPLOY;
-        again[DEPLOY.len() - 1] = "again";
-        let refused = self.run(&again);
+    /// The next task, here one whose results would go to `again`, is refused, until somebody says that the cell was looked at.
+    pub fn asks_for_a_look_before(&self, task: &[&str]) {
+        let refused = self.run(task);
         assert_eq!(refused.status.code(), Some(2), "{}", said(&refused));
         assert!(said(&refused).contains("--checked"), "{}", said(&refused));
         assert!(!self.folder.path().join("again").exists());
@@ -168,6 +166,13 @@ const DEPLOY: [&str; 9] = [
     "--out",
     "laid",
 ];
+
+/// The same into another directory.
+fn again() -> [&'static str; 9] {
+    let mut again = DEPLOY;
+    again[DEPLOY.len() - 1] = "again";
+    again
+}
 
 /// Ten moments spread over a time, s, three at a time: more would leave none of them the time that it needs.
 fn at_ten_moments(most: f64, check: impl Fn(f64) + Sync) {
@@ -324,7 +329,7 @@ fn a_link_that_drops_at_any_moment_leaves_the_arm_still_and_a_whole_log() {
         assert_eq!(output.status.code(), Some(1), "{fault}: {}", said(&output));
         assert!(served.stands_soon(), "{fault}");
         log_is_whole(&served, "failed", moment);
-        served.asks_for_a_look();
+        served.asks_for_a_look_before(&again());
     });
 }
 
@@ -338,7 +343,7 @@ fn a_joint_that_freezes_at_any_moment_leaves_the_arm_still_and_a_whole_log() {
         assert_eq!(output.status.code(), Some(1), "{fault}: {}", said(&output));
         assert!(served.stands_soon(), "{fault}");
         log_is_whole(&served, "failed", moment);
-        served.asks_for_a_look();
+        served.asks_for_a_look_before(&again());
     });
 }
 
@@ -360,7 +365,7 @@ fn a_task_that_is_interrupted_at_any_moment_holds_the_arm() {
         assert_eq!(task.wait().unwrap().code(), Some(130), "{moment}");
         assert!(served.stands_soon(), "{moment}");
         log_is_whole(&served, "interrupted", moment);
-        served.asks_for_a_look();
+        served.asks_for_a_look_before(&again());
     });
 }
 
@@ -383,7 +388,7 @@ fn a_task_that_is_killed_at_any_moment_leaves_the_arm_still() {
             !served.read("laid/approach/state.csv").is_empty(),
             "{moment}"
         );
-        served.asks_for_a_look();
+        served.asks_for_a_look_before(&again());
     });
 }
 
@@ -404,7 +409,7 @@ fn a_cell_that_is_killed_at_any_moment_ends_the_task() {
         let output = task.wait_with_output().unwrap();
         assert_eq!(output.status.code(), Some(1), "{moment}: {}", said(&output));
         log_is_whole(&served, "failed", moment);
-        served.asks_for_a_look();
+        served.asks_for_a_look_before(&again());
     });
 }
 
@@ -412,7 +417,7 @@ fn a_cell_that_is_killed_at_any_moment_ends_the_task() {
 fn a_task_goes_on_when_somebody_has_looked() {
     let served = serve(&["--rate", "10", "--fault", "drop-link@2s"], "");
     assert_eq!(served.deploy().status.code(), Some(1));
-    served.asks_for_a_look();
+    served.asks_for_a_look_before(&again());
     let mut again = DEPLOY.to_vec();
     again.extend(["--checked"]);
     again[DEPLOY.len() - 1] = "again";

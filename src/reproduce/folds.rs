@@ -44,7 +44,7 @@ pub(super) const SCENARIOS: [Scenario; 8] = [
     scenario("US letter, C = 0.27 m", "us_27", "0.27", US_LETTER, true),
 ];
 /// The one of Fig. 4.10; those before it are the thesis' seven.
-pub(super) const COMPARED: usize = 7;
+const COMPARED: usize = 7;
 
 const fn scenario(
     name: &'static str,
@@ -166,6 +166,20 @@ impl Folded {
         (0..COMPARED)
             .map(|scenario| Self::new(scenario, open, None))
             .collect()
+    }
+
+    /// The seven scenarios without jitter, held by a moment where one can, otherwise in closed loop; a quick look has the first.
+    pub fn of_cell(quick: bool) -> Vec<Self> {
+        let of = |scenario: usize| {
+            let id = if SCENARIOS[scenario].is_held {
+                "held"
+            } else {
+                "closed"
+            };
+            let way = WAYS.iter().position(|way| way.id == id);
+            Self::new(scenario, way.expect("the ways are those above"), None)
+        };
+        (0..if quick { 1 } else { COMPARED }).map(of).collect()
     }
 
     /// Three papers of the thesis, folded in half by the optimal way, without jitter.

@@ -280,25 +280,26 @@ mod tests {
         sheet.take(&hand, 1.0).unwrap();
         let first = sheet.strip.positions()[sheet.strip.positions().len() - 1];
         for step in 1..=200 {
-            let height = 2.5e-4 * f64::from(step);
+            let height = 5e-5 * f64::from(step);
             let lifted = Translation3::new(0.0, 0.0, height) * hand;
             advance(&mut sheet, &lifted, 1.0 + 5e-3 * f64::from(step));
         }
         let nodes = sheet.strip.positions();
         let last = nodes[nodes.len() - 1];
         assert!(
-            (last - first - Vector3::new(0.0, 0.0, 0.05)).norm() < 1e-6,
+            (last - first - Vector3::new(0.0, 0.0, 0.01)).norm() < 1e-6,
             "{last}"
         );
+        // What rises is longer than what it rises from: the sheet is pulled along.
         let held = sheet.last_held().unwrap();
-        assert!(held.largest_sliding < 1e-3, "{held:?}");
+        assert!((-1.5e-3..-1e-4).contains(&held.sliding), "{held:?}");
         assert!(sheet.take(&hand, 2.0).is_err(), "it is no longer there");
         sheet.release().unwrap();
         for step in 1..=600 {
             advance(&mut sheet, &hand, 2.0 + 5e-3 * f64::from(step));
         }
         let highest = sheet.strip.positions().iter().map(|node| node.z);
-        assert!(highest.fold(0.0, f64::max) < 1e-2);
+        assert!(highest.fold(0.0, f64::max) < 2e-3);
         // It is taken again where it lies now.
         let edge = sheet.frame * edge_pose(sheet.strip.positions());
         sheet.take(&edge, 6.0).unwrap();
@@ -333,7 +334,7 @@ mod tests {
         }
         assert!(sheet.strip.positions().iter().all(|node| node.y == 0.0));
         sheet.release().unwrap();
-        for step in 1..=4000 {
+        for step in 1..=2000 {
             advance(&mut sheet, &hand, 13.0 + 5e-3 * f64::from(step));
         }
         assert!(sheet.strip.positions().iter().all(|node| node.y == 0.0));
