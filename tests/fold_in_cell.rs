@@ -33,7 +33,7 @@ fn manifest(served: &Served) -> Value {
 
 #[test]
 fn a_sheet_is_folded_in_half_seen_and_scored() {
-    let served = serve(&["--rate", "20", "--place", "-0.1,0.03,10"]);
+    let served = serve(&["--rate", "5", "--place", "-0.1,0.03,10"]);
     let output = fold(&served, &[]);
     assert!(output.status.success(), "{}", said(&output));
     let record: Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -70,7 +70,7 @@ fn a_sheet_is_folded_in_half_seen_and_scored() {
 #[test]
 fn a_sheet_that_slides_is_seen_to_and_its_fold_is_corrected() {
     let error = |feedback: &[&str]| {
-        let served = serve(&["--rate", "20"]);
+        let served = serve(&["--rate", "5"]);
         let output = fold(&served, &[&["--algorithm", "optimal"], feedback].concat());
         assert!(output.status.success(), "{}", said(&output));
         let record: Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -83,36 +83,45 @@ fn a_sheet_that_slides_is_seen_to_and_its_fold_is_corrected() {
     assert!(open > 5e-3 && closed < 1.5e-3, "{open} {closed}");
 }
 
+/// A fold in a cell with a fault ends with exit code 1, a whole log and an arm that stands; the next task asks for a look.
+fn ends_early(fault: &str, words: &str) {
+    // The arm is at the sheet after 10 to 17 s, and folds for 72 s: the fault comes meanwhile on a slow machine, too.
+    let served = serve(&["--rate", "5", "--fault", &format!("{fault}@45s")]);
+    let slow = ["--approach-speed", "0.5", "--hand-speed", "0.01"];
+    let output = fold(&served, &[&slow[..], &["--feedback", "4"]].concat());
+    assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+    assert!(served.stands_soon());
+    let manifest = manifest(&served);
+    assert_eq!(manifest["status"], "failed");
+    let error = manifest["error"].as_str().unwrap();
+    assert!(error.starts_with("folding: "), "{error}");
+    assert!(error.contains(words), "{error}");
+    assert!(said(&output).contains(words), "{}", said(&output));
+    assert!(served.read("folded/report.md").contains("failed"));
+    let events = served.read("folded/folding_1/events.csv");
+    assert!(events.contains("started"), "{events}");
+    let again = ["fold", "--paper", "paper.toml", "--cell", "client.toml"];
+    served.asks_for_a_look_before(&[&again[..], &["--out", "again"]].concat());
+}
+
 #[test]
-fn faults_of_the_cell_end_a_fold_with_exit_code_1_a_whole_log_and_an_arm_that_stands() {
-    // The arm is at the sheet after 10 to 17 s, and folds for 72 s: the faults come meanwhile on a slow machine, too.
-    for (fault, words) in [
-        ("slip-grasp@45s", "slipped out of the gripper"),
-        ("lose-camera@45s", "is the camera started"),
-        ("drop-link@45s", "connection"),
-        ("freeze-joint@45s", "from where it should be"),
-    ] {
-        let served = serve(&["--rate", "5", "--fault", fault]);
-        if fault.starts_with("freeze") {
-            served.change("tracking_tolerance = 0.1", "tracking_tolerance = 0.03");
-        }
-        let slow = ["--approach-speed", "0.5", "--hand-speed", "0.01"];
-        let output = fold(&served, &[&slow[..], &["--feedback", "4"]].concat());
-        assert_eq!(output.status.code(), Some(1), "{fault}: {}", said(&output));
-        assert!(served.stands_soon(), "{fault}");
-        let manifest = manifest(&served);
-        assert_eq!(manifest["status"], "failed", "{fault}");
-        let error = manifest["error"].as_str().unwrap();
-        assert!(error.starts_with("folding: "), "{fault}: {error}");
-        assert!(error.contains(words), "{fault}: {error}");
-        assert!(said(&output).contains(words), "{fault}: {}", said(&output));
-        let report = served.read("folded/report.md");
-        assert!(report.contains("failed"), "{fault}");
-        let events = served.read("folded/folding_1/events.csv");
-        assert!(events.contains("started"), "{fault}: {events}");
-        let again = ["fold", "--paper", "paper.toml", "--cell", "client.toml"];
-        served.asks_for_a_look_before(&[&again[..], &["--out", "again"]].concat());
-    }
+fn a_sheet_that_slips_out_of_the_gripper_ends_a_fold() {
+    ends_early("slip-grasp", "slipped out of the gripper");
+}
+
+#[test]
+fn a_camera_that_is_lost_ends_a_fold() {
+    ends_early("lose-camera", "is the camera started");
+}
+
+#[test]
+fn a_link_that_drops_ends_a_fold() {
+    ends_early("drop-link", "connection");
+}
+
+#[test]
+fn a_joint_that_freezes_ends_a_fold() {
+    ends_early("freeze-joint", "from where it should be");
 }
 
 fn refused(cell: &str, arguments: &[&str]) -> (i32, String) {

@@ -2,14 +2,13 @@
 
 use super::cell_task::{ended_early, note_end, refuse_unfinished, status_of};
 use super::failure::Failure;
-use super::fold::FoldArguments;
+use super::fold_arguments::FoldArguments;
 use super::folded_sheet::PaperFile;
 use super::interruption::watch_for_interruption;
 use super::log_directory::log_directory;
 use super::output::print_json;
 use super::solve_arm::arm_named;
 use crate::cell::{Cell, Place};
-use crate::experiment::AlgorithmName;
 use crate::results::write_whole;
 use crate::robot::Pose;
 use crate::task::{
@@ -143,19 +142,6 @@ pub fn fold_in_cell(
     match failure {
         Some(failure) => Err(failure),
         None => print_json(&record),
-    }
-}
-
-impl FoldArguments {
-    /// The way of folding by its name.
-    fn algorithm(&self) -> AlgorithmName {
-        match self.algorithm.as_str() {
-            "optimal" => AlgorithmName::Optimal,
-            "least-friction" => AlgorithmName::LeastFriction,
-            "circle" => AlgorithmName::Circle,
-            "step-by-step" => AlgorithmName::StepByStep,
-            _ => AlgorithmName::Held,
-        }
     }
 }
 

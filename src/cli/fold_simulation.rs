@@ -2,7 +2,7 @@
 
 use super::common::Common;
 use super::failure::Failure;
-use super::fold::FoldArguments;
+use super::fold_arguments::FoldArguments;
 use super::output::print;
 use super::run::{prepare, summary};
 use super::view::show;

@@ -33,6 +33,7 @@ mod explore;
 mod failure;
 mod figure_arguments;
 mod fold;
+mod fold_arguments;
 mod fold_figures;
 mod fold_in_cell;
 mod fold_simulation;

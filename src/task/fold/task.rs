@@ -51,9 +51,9 @@ pub struct FoldTask<'a> {
     pub heading: f64,
     /// Which pixels are paper.
     pub colour: &'a ColourRule,
-    /// Greatest speed of the hand while it folds and on the way there, m/s.
+    /// Greatest speed of the hand while it folds, m/s.
     pub speed: f64,
-    /// On the way there.
+    /// The same on the way to the sheet.
     pub approach_speed: f64,
     /// Least distance to anything else, m.
     pub margin: f64,
