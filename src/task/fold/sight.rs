@@ -12,8 +12,10 @@ use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 
 /// How far its sides may differ from those of its file, as parts of its length.
 const SIDES: f64 = 0.03;
-/// How far from where it is expected the free end is looked for, pixels.
-const REACH: f64 = 20.0;
+/// How far from where it is expected the free end is looked for, m: farther than a sheet slides that is held.
+const REACH: f64 = 0.1;
+/// An edge that is seen as near as this to the free end may hide it, m: two pixels or so.
+const COVER: f64 = 1.5e-3;
 /// Which part of the sides beside a corner is looked at.
 const BESIDE_CORNER: [f64; 2] = [0.02, 0.45];
 /// Parts of a sheet's width at which it is looked for paper where there should be none.
@@ -145,7 +147,8 @@ impl<'a> Sight<'a> {
         for ends in expected {
             let ends = ends.map(|end| end + Point::new(near, 0.0));
             let pixels = self.in_picture(frame, ends)?;
-            let edge = find_edge(picture, self.colour, pixels, REACH, locate)?;
+            let scale = (pixels[1] - pixels[0]).norm() / (ends[1] - ends[0]).norm();
+            let edge = find_edge(picture, self.colour, pixels, scale * REACH, locate)?;
             found.push((edge, ends));
         }
         // An edge n·x = d that moves by Δ along x moves by Δ n_x along its normal.
@@ -164,6 +167,19 @@ impl<'a> Sight<'a> {
             turned: found.iter().map(turned).sum::<f64>() / count,
             edges: found.iter().map(|(edge, _)| edge.pixels).collect(),
         })
+    }
+
+    /// Whether an edge at a place in the frame of the sheet, m, may hide what is looked at of a free end that has slid by so much, m.
+    pub fn is_end_hidden(&self, frame: &Pose, edge: Vector3<f64>, slid: f64) -> bool {
+        let eye = frame.inverse() * Point3::from(self.camera.pose.translation.vector);
+        // Where the camera sees it on the table.
+        let seen = edge.x + (edge.x - eye.x) * edge.z / (eye.z - edge.z);
+        let length = self.paper.sheet(self.crease).length;
+        let beside = match self.crease {
+            Crease::Diagonal => 0.5 * BESIDE_CORNER[1] * length,
+            _ => 0.0,
+        };
+        seen > length + slid - beside - COVER
     }
 
     /// The edges at the free end of a sheet that has not slid, in its frame.
@@ -306,6 +322,25 @@ mod tests {
     }
 
     #[test]
+    fn an_edge_over_the_free_end_hides_it() {
+        let cell = gantry();
+        let colour = ColourRule::Background;
+        let known = frame(0.2);
+        let hidden = |crease: Crease, x: f64, z: f64| {
+            let sight = Sight::new(&cell, PAPER, crease, &colour).unwrap();
+            sight.is_end_hidden(&known, Vector3::new(x, 0.0, z), -0.01)
+        };
+        assert!(hidden(Crease::Half, 0.19, 2e-4) && !hidden(Crease::Half, 0.185, 2e-4));
+        // The camera is 1.6 m above the middle of the table, 0.1 m from the edge where it lay: what is 10 cm high is seen 5 mm
+        // farther away.
+        assert!(hidden(Crease::Half, 0.185, 0.1) && !hidden(Crease::Half, 0.18, 0.1));
+        // Along a diagonal the sides beside the corner are looked at, as far as 45 % of half of it.
+        let corner = 0.2 * std::f64::consts::SQRT_2 - 0.01;
+        assert!(hidden(Crease::Diagonal, corner - 0.06, 2e-4));
+        assert!(!hidden(Crease::Diagonal, corner - 0.07, 2e-4));
+    }
+
+    #[test]
     fn a_sheet_of_another_size_is_told_and_a_lifted_edge_leaves_the_table_bare() {
         let cell = gantry();
         let colour = ColourRule::Background;
@@ -319,7 +354,12 @@ mod tests {
         assert!(sight.is_paper_at(&flat, &known, 0.03).unwrap());
         let gone = picture(&sight, &known, 0.14, 0.06);
         assert!(!sight.is_paper_at(&gone, &known, 0.03).unwrap());
-        assert!(sight.end(&gone, &known, 0.0).is_ok());
-        assert!(sight.end(&gone, &known, 0.05).is_err());
+        // Its end is found where it is, unless that is far from where it should be.
+        for near in [0.0, 0.05] {
+            let seen = sight.end(&gone, &known, near).unwrap();
+            assert!(seen.slid.abs() < 2e-4, "{seen:?}");
+        }
+        let far = picture(&sight, &known, 0.2, -0.15);
+        assert!(sight.end(&far, &known, 0.0).is_err());
     }
 }

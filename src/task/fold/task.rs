@@ -2,7 +2,7 @@
 
 use super::motion::FoldMotionRequest;
 use super::score::{FoldScore, Look, looks_csv};
-use super::sight::Sight;
+use super::sight::{SeenEnd, Sight};
 use super::stage::{FoldStage, FoldTaskError};
 use super::way::{FoldRequest, FoldWay};
 use crate::cell::Cell;
@@ -15,6 +15,7 @@ use crate::task::unfinished::Unfinished;
 use crate::task::working_arm::{Grip, WorkingArm};
 use crate::vision::{ColourRule, edges_overlay, encode_picture, sheet_overlay};
 use image::RgbImage;
+use nalgebra::Vector3;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -23,8 +24,6 @@ const REST: Duration = Duration::from_millis(300);
 const SETTLING: Duration = Duration::from_secs(3);
 /// What a camera cannot tell from no sliding, m: less is no reason to plan anew.
 const LEAST_SLIDING: f64 = 3e-4;
-/// An edge that is down hides the free end where that seems to be as near as this to it, m, and it is no higher.
-const OVER: [f64; 2] = [5e-4, 5e-3];
 /// How far the free end may turn about the vertical, rad: at its ends a sheet of 21 cm has then slid by 5 mm.
 const MOST_ASKEW: f64 = 0.05;
 /// The edge must have come so far along the fold, m, before it shows that nothing lies where it lay.
@@ -251,26 +250,11 @@ impl FoldTask<'_> {
                 return Err(FoldTaskError::failed(FoldStage::Fold, slipped));
             }
         }
-        let expected = lying.zero + before;
-        let seen = lying.sight.end(&picture, &lying.frame, expected).ok();
-        if let Some(turned) = seen.as_ref().map(|seen| seen.turned)
-            && turned.abs() > MOST_ASKEW
-        {
-            let reason = format!(
-                "the sheet lies askew: its free end has turned by {:.1}°",
-                turned.to_degrees()
-            );
-            return Err(FoldTaskError::failed(FoldStage::Fold, reason));
-        }
-        let slid = seen.as_ref().map(|seen| seen.slid - lying.zero);
-        let length = self.request.sheet.length;
-        let [near, low] = OVER;
-        // What is seen there may be the edge that lies on the end.
-        let is_end = |slid: &f64| edge.z > low || (edge.x - length - slid).abs() > near;
+        let seen = self.see_end(lying, &picture, edge, before)?;
         end.looks.push(Look {
             part: number,
             edge_m: [edge.x, edge.z],
-            slid_m: slid.filter(is_end),
+            slid_m: seen.as_ref().map(|seen| seen.slid - lying.zero),
             is_planned_anew: false,
         });
         self.write("looks.csv", looks_csv(&end.looks).as_bytes())?;
@@ -280,6 +264,38 @@ impl FoldTask<'_> {
             self.write(&name, &encode_picture(&overlay))?;
         }
         Ok(())
+    }
+
+    /// The free end, which was seen to have slid by `before`, m; `None` where the edge lies over it.
+    fn see_end(
+        &self,
+        lying: &Lying<'_>,
+        picture: &RgbImage,
+        edge: Vector3<f64>,
+        before: f64,
+    ) -> Result<Option<SeenEnd>, FoldTaskError> {
+        let Lying { sight, frame, zero } = lying;
+        let failed = |reason: String| FoldTaskError::failed(FoldStage::Fold, reason);
+        if sight.is_end_hidden(frame, edge, before) {
+            return Ok(None);
+        }
+        let seen = sight.end(picture, frame, zero + before);
+        let seen = seen.map_err(|error| {
+            failed(format!(
+                "the free end of the sheet is not seen within 10 cm of where it was: {error}"
+            ))
+        })?;
+        if sight.is_end_hidden(frame, edge, seen.slid - zero) {
+            let hidden = "the edge lies over the free end of the sheet, which has slid there";
+            return Err(failed(hidden.into()));
+        }
+        if seen.turned.abs() > MOST_ASKEW {
+            return Err(failed(format!(
+                "the sheet lies askew: its free end has turned by {:.1}°",
+                seen.turned.to_degrees()
+            )));
+        }
+        Ok(Some(seen))
     }
 
     fn picture(&self, stage: FoldStage) -> Result<RgbImage, FoldTaskError> {
