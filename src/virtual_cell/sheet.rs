@@ -169,7 +169,7 @@ impl SimulatedSheet {
     /// Moves on towards the time `now`, s, its edge in the hand if that holds it; whether it has come there.
     ///
     /// # Errors
-    /// See [`SimulatedRod::advance`].
+    /// No step is found while it is held.
     pub fn advance(&mut self, hand: &Pose, now: f64) -> Result<bool, SimulationError> {
         let Some(held) = &self.held else {
             return self.strip.advance(hand, now);

@@ -35,8 +35,8 @@ pub struct FoundEdge {
     pub pixels: [Point; 2],
 }
 
-/// Looks for a straight edge within `reach` pixels of where it is expected: from pixel to pixel, with what the colour rule
-/// means on the right as seen in the picture. `locate` maps pixels to coordinates in which the edge is straight.
+/// Looks for the outermost straight edge within `reach` pixels of where it is expected: from pixel to pixel, with what the colour
+/// rule means on the right as seen in the picture. `locate` maps pixels to coordinates in which the edge is straight.
 ///
 /// # Errors
 /// No edge is seen there, or it is not straight; or `locate` fails.
@@ -79,7 +79,8 @@ fn outwards(along: Point) -> Option<Point> {
     Some(Point::new(unit.y, -unit.x))
 }
 
-/// Points within `reach` pixels at which the contrast passes its threshold on the way from inside to outside across an edge.
+/// Points within `reach` pixels at which the contrast passes its threshold on the way from inside to outside across an edge, the
+/// outermost ones: farther inside a shadow may begin.
 pub(super) fn edge_points(contrast: &Contrast, from: Point, to: Point, reach: f64) -> Vec<Point> {
     let along = to - from;
     let Some(outwards) = outwards(along) else {
@@ -95,7 +96,7 @@ pub(super) fn edge_points(contrast: &Contrast, from: Point, to: Point, reach: f6
             let point = base + outwards * t;
             contrast.at(point.x, point.y) - threshold
         };
-        let crossing = (-steps..steps).find_map(|k| {
+        let crossing = (-steps..steps).rev().find_map(|k| {
             let t = f64::from(k) * STEP;
             let (inside, outside) = (value(t), value(t + STEP));
             (inside >= 0.0 && outside < 0.0).then(|| t + STEP * inside / (inside - outside))
@@ -160,6 +161,18 @@ mod tests {
             }
             assert!(found.deviation < 0.1);
         }
+    }
+
+    #[test]
+    fn a_shadow_on_what_the_edge_bounds_is_not_taken_for_it() {
+        let mut picture = picture(0.0, 80.0);
+        for (u, v) in (0..200).flat_map(|u| (90..100).map(move |v| (u, v))) {
+            picture.put_pixel(u, v, Rgb([70; 3]));
+        }
+        let expected = [Point::new(20.0, 84.0), Point::new(180.0, 84.0)];
+        let found = find_edge(&picture, &ColourRule::Background, expected, 30.0, Ok).unwrap();
+        let away = found.pixels.map(|pixel| (pixel.y - 80.0).abs());
+        assert!(away[0].max(away[1]) < 0.6, "{found:?}");
     }
 
     #[test]
