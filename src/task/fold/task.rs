@@ -28,9 +28,8 @@ const LEAST_SLIDING: f64 = 3e-4;
 const MOST_ASKEW: f64 = 0.05;
 /// The edge must have come so far along the fold, m, before it shows that nothing lies where it lay.
 const CLEARLY_AWAY: f64 = 0.04;
-/// Where paper is looked for that should be gone, as a part of how far the edge has come: a sheet that does not stretch, is held
-/// and has not been pulled back lies beyond half of it.
-const GONE: f64 = 0.25;
+/// How far from where no paper can be it is looked for, m: as far as a loop may bulge in the picture.
+const BULGE: f64 = 0.015;
 
 /// What is folded, by whom and how.
 pub struct FoldTask<'a> {
@@ -243,10 +242,11 @@ impl FoldTask<'_> {
         let before = end.looks.iter().rev().find_map(|look| look.slid_m);
         let before = before.unwrap_or(0.0);
         if edge.x > CLEARLY_AWAY {
-            let place = before + GONE * edge.x;
+            // A sheet that is held turns back no farther than half way between its edge and where its edge would lie flat.
+            let place = 0.5 * (edge.x + before) - BULGE;
             let lies = lying.sight.is_paper_at(&picture, &lying.frame, place);
             if lies.map_err(|error| FoldTaskError::failed(FoldStage::Fold, error))? {
-                let slipped = "the sheet has slipped out of the gripper, or slid far: paper lies where its edge was lifted from";
+                let slipped = "the sheet has slipped out of the gripper, or slid far: paper lies where a held one does not reach";
                 return Err(FoldTaskError::failed(FoldStage::Fold, slipped));
             }
         }
