@@ -13,6 +13,7 @@ mod deployment;
 mod exact_answers;
 mod explained;
 mod exploration;
+mod fold_in_cell;
 mod folding;
 mod fuzz;
 mod guide;

@@ -13,10 +13,10 @@ use tungstenite::Message;
 const ROD: &str = "[deployment.rod]\ngravito_bending_length = \"3 cm\"\nradius = \"2 mm\"\nlength = \"30 cm\"\nedges = 30\n";
 
 /// A server that ends with the test.
-struct Served {
+pub struct Served {
     child: Child,
     address: String,
-    folder: tempfile::TempDir,
+    pub folder: tempfile::TempDir,
 }
 
 impl Drop for Served {
@@ -27,19 +27,24 @@ impl Drop for Served {
     }
 }
 
-fn gantry() -> String {
+pub fn gantry() -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/cells/gantry.toml");
     fs::read_to_string(path).unwrap()
 }
 
-/// Serves the gantry with a rod, with further arguments; `client.toml` in its folder is the cell file for its clients, who name a
-/// path where there is one.
+/// Serves the gantry with a rod, with further arguments.
 fn serve(arguments: &[&str], path: &str) -> Served {
+    serve_cell(&[&["--rod", "rod.toml"], arguments].concat(), path)
+}
+
+/// Serves the gantry with some arguments; `client.toml` in its folder is the cell file for its clients, who name a path where there is
+/// one.
+pub fn serve_cell(arguments: &[&str], path: &str) -> Served {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("rod.toml"), ROD).unwrap();
     fs::write(folder.path().join("cell.toml"), gantry()).unwrap();
     let mut child = Command::new(env!("CARGO_BIN_EXE_rodlab"))
-        .args(["cell", "serve", "--cell", "cell.toml", "--rod", "rod.toml"])
+        .args(["cell", "serve", "--cell", "cell.toml"])
         .args(["--listen", "127.0.0.1:0"])
         .args(arguments)
         .current_dir(folder.path())
@@ -75,7 +80,7 @@ impl Served {
         command
     }
 
-    fn run(&self, arguments: &[&str]) -> Output {
+    pub fn run(&self, arguments: &[&str]) -> Output {
         self.command(arguments).output().unwrap()
     }
 
@@ -94,7 +99,7 @@ impl Served {
     }
 
     /// Whether the arm stands half a second from now.
-    fn stands_soon(&self) -> bool {
+    pub fn stands_soon(&self) -> bool {
         std::thread::sleep(Duration::from_millis(500));
         let (mut socket, _) = tungstenite::connect(format!("ws://{}", self.address)).unwrap();
         let subscription = json!({ "op": "subscribe", "topic": "/joint_states" });
@@ -110,17 +115,15 @@ impl Served {
         (0..5).all(|_| joints() == first)
     }
 
-    /// The next task is refused, until somebody says that the cell was looked at.
-    fn asks_for_a_look(&self) {
-        let mut again = DEPLOY;
-        again[DEPLOY.len() - 1] = "again";
-        let refused = self.run(&again);
+    /// The next task, here one whose results would go to `again`, is refused, until somebody says that the cell was looked at.
+    pub fn asks_for_a_look_before(&self, task: &[&str]) {
+        let refused = self.run(task);
         assert_eq!(refused.status.code(), Some(2), "{}", said(&refused));
         assert!(said(&refused).contains("--checked"), "{}", said(&refused));
         assert!(!self.folder.path().join("again").exists());
     }
 
-    fn read(&self, name: &str) -> String {
+    pub fn read(&self, name: &str) -> String {
         fs::read_to_string(self.folder.path().join(name)).unwrap_or_default()
     }
 
@@ -138,7 +141,7 @@ impl Served {
     }
 
     /// Changes the cell file of the clients.
-    fn change(&self, from: &str, to: &str) {
+    pub fn change(&self, from: &str, to: &str) {
         let path = self.folder.path().join("client.toml");
         let text = fs::read_to_string(&path).unwrap();
         assert!(text.contains(from), "{from}");
@@ -146,7 +149,7 @@ impl Served {
     }
 }
 
-fn said(output: &Output) -> String {
+pub fn said(output: &Output) -> String {
     let [stdout, stderr] =
         [&output.stdout, &output.stderr].map(|said| String::from_utf8_lossy(said));
     format!("{stdout}{stderr}")
@@ -163,6 +166,13 @@ const DEPLOY: [&str; 9] = [
     "--out",
     "laid",
 ];
+
+/// The same into another directory.
+fn again() -> [&'static str; 9] {
+    let mut again = DEPLOY;
+    again[DEPLOY.len() - 1] = "again";
+    again
+}
 
 /// Ten moments spread over a time, s, three at a time: more would leave none of them the time that it needs.
 fn at_ten_moments(most: f64, check: impl Fn(f64) + Sync) {
@@ -319,7 +329,7 @@ fn a_link_that_drops_at_any_moment_leaves_the_arm_still_and_a_whole_log() {
         assert_eq!(output.status.code(), Some(1), "{fault}: {}", said(&output));
         assert!(served.stands_soon(), "{fault}");
         log_is_whole(&served, "failed", moment);
-        served.asks_for_a_look();
+        served.asks_for_a_look_before(&again());
     });
 }
 
@@ -333,7 +343,7 @@ fn a_joint_that_freezes_at_any_moment_leaves_the_arm_still_and_a_whole_log() {
         assert_eq!(output.status.code(), Some(1), "{fault}: {}", said(&output));
         assert!(served.stands_soon(), "{fault}");
         log_is_whole(&served, "failed", moment);
-        served.asks_for_a_look();
+        served.asks_for_a_look_before(&again());
     });
 }
 
@@ -355,7 +365,7 @@ fn a_task_that_is_interrupted_at_any_moment_holds_the_arm() {
         assert_eq!(task.wait().unwrap().code(), Some(130), "{moment}");
         assert!(served.stands_soon(), "{moment}");
         log_is_whole(&served, "interrupted", moment);
-        served.asks_for_a_look();
+        served.asks_for_a_look_before(&again());
     });
 }
 
@@ -378,7 +388,7 @@ fn a_task_that_is_killed_at_any_moment_leaves_the_arm_still() {
             !served.read("laid/approach/state.csv").is_empty(),
             "{moment}"
         );
-        served.asks_for_a_look();
+        served.asks_for_a_look_before(&again());
     });
 }
 
@@ -399,7 +409,7 @@ fn a_cell_that_is_killed_at_any_moment_ends_the_task() {
         let output = task.wait_with_output().unwrap();
         assert_eq!(output.status.code(), Some(1), "{moment}: {}", said(&output));
         log_is_whole(&served, "failed", moment);
-        served.asks_for_a_look();
+        served.asks_for_a_look_before(&again());
     });
 }
 
@@ -407,7 +417,7 @@ fn a_cell_that_is_killed_at_any_moment_ends_the_task() {
 fn a_task_goes_on_when_somebody_has_looked() {
     let served = serve(&["--rate", "10", "--fault", "drop-link@2s"], "");
     assert_eq!(served.deploy().status.code(), Some(1));
-    served.asks_for_a_look();
+    served.asks_for_a_look_before(&again());
     let mut again = DEPLOY.to_vec();
     again.extend(["--checked"]);
     again[DEPLOY.len() - 1] = "again";

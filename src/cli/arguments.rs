@@ -2,9 +2,9 @@
 
 use super::common::Common;
 use super::{
-    calibrate, cell, check, completions, dataset, deploy, evaluate, explain, explore, fold, gather,
-    guide, init, measure, plan, plot, reproduce, run, score, solve, status, stream, submit, trace,
-    train, verify, view,
+    calibrate, cell, check, completions, dataset, deploy, evaluate, explain, explore,
+    fold_arguments, gather, guide, init, measure, plan, plot, reproduce, run, score, solve, status,
+    stream, submit, trace, train, verify, view,
 };
 use clap::{Parser, Subcommand};
 
@@ -68,7 +68,7 @@ pub enum Command {
     /// Explore where helical rods lose stability, by an arm and a chuck: plan, lead, look, return
     Explore(explore::ExploreArguments),
     /// Fold a sheet: plan, simulate, show and score it
-    Fold(fold::FoldArguments),
+    Fold(fold_arguments::FoldArguments),
     /// Draw the figures of a results directory
     Plot(plot::PlotArguments),
     /// Write an interactive 3-D page of a results directory

@@ -1,17 +1,23 @@
 //! `rodlab cell`: the virtual robot cell.
 
 use super::failure::Failure;
+use super::folded_sheet::PaperFile;
 use super::interruption::watch_for_interruption;
 use super::output::print;
 use super::values::positive_length;
 use crate::cell::{Cell, Driver};
-use crate::experiment::Jitter;
-use crate::virtual_cell::{ChuckedSupply, Fault, Response, RodSupply, Settings, VirtualCell};
+use crate::experiment::{Crease, Jitter};
+use crate::robot::Pose;
+use crate::virtual_cell::{
+    ChuckedSupply, Fault, Response, RodSupply, Settings, SheetPlace, SimulatedSheet, VirtualCell,
+};
 use clap::{Args, Subcommand};
 use std::net::{SocketAddr, ToSocketAddrs};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
+/// Friction of the table where nobody says another.
+const FRICTION: f64 = 0.4;
 /// Period of the fastest trembling, s.
 const JITTER_PERIOD: f64 = 1.0;
 
@@ -29,10 +35,13 @@ enum What {
 Examples:
   rodlab cell serve --rod scenarios/rods/green_vps.toml
   rodlab cell serve --cell cell.toml --rod rod.toml --friction 0.2 --rate 5
+  rodlab cell serve --paper scenarios/papers/a4.toml
+  rodlab cell serve --paper scenarios/papers/origami.toml --diagonal --place 0.1,-0.05,20
   rodlab cell serve --rod scenarios/rods/green_vps.toml --fault drop-link@3s --fault lose-camera@0s
 
 Arms follow trajectories as `rodlab stream` sends them, late and a little behind. A gripper that closes is handed the end of a
-rod, which hangs from it with its free end on the table; one that opens lets it go. The camera shows the table and the rod; where
+rod, which hangs from it with its free end on the table; one that opens lets it go. A sheet, --paper,
+lies on the table; a gripper that closes at the middle of its edge takes it. The camera shows the table, rod and sheet; where
 the cell file names no other topic, on /camera/image_raw. What runs is printed: the address on which it listens.
 An arm is led by one client at a time. When that is gone, the arm stops. Times of faults count from the first motion of an arm;
 faults are drop-link, freeze-joint, slip-grasp and lose-camera.")]
@@ -56,9 +65,19 @@ struct ServeArguments {
     /// itself]
     #[arg(long, value_name = "X,Y", value_parser = place, requires = "rod", allow_hyphen_values = true)]
     free_end: Option<[f64; 2]>,
-    /// Friction of the table
-    #[arg(long, value_name = "FRICTION", default_value_t = 0.4, value_parser = friction)]
-    friction: f64,
+    /// The sheet: TOML with [folding.paper], as in scenarios/papers
+    #[arg(long, value_name = "FILE", conflicts_with = "rod")]
+    paper: Option<PathBuf>,
+    /// The sheet lies with a corner ahead, to be folded along its diagonal
+    #[arg(long, requires = "paper")]
+    diagonal: bool,
+    /// Where the middle of the edge of the sheet lies on the table, m, and the direction from there over the sheet, degrees from
+    /// the table's x axis [default: its middle in that of the table]
+    #[arg(long, value_name = "X,Y[,TURN]", requires = "paper", value_parser = sheet_place, allow_hyphen_values = true)]
+    place: Option<SheetPlace>,
+    /// Friction of the table [default: that in the sheet's file, otherwise 0.4]
+    #[arg(long, value_name = "FRICTION", value_parser = friction)]
+    friction: Option<f64>,
     /// How many times as fast as real time; a simulation that cannot keep up is slower
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = rate)]
     rate: f64,
@@ -92,17 +111,20 @@ pub fn cell(arguments: &CellArguments) -> Result<(), Failure> {
     let cell = Cell::read(&arguments.cell)?;
     let address = arguments.address(&cell)?;
     let rod = arguments.rod.as_deref();
+    let friction = arguments.friction.unwrap_or(FRICTION);
     let chucked = rod
         .map(|rod| ChuckedSupply::new(rod, &cell))
         .transpose()?
         .flatten();
     let supply = rod.filter(|_| cell.chuck.is_none()).map(|rod| {
-        let supply = RodSupply::new(rod, arguments.friction)?;
+        let supply = RodSupply::new(rod, friction)?;
         Ok::<_, Failure>(match arguments.free_end {
             Some(place) => supply.with_free_end(place),
             None => supply,
         })
     });
+    let paper = arguments.paper.as_deref();
+    let sheet = paper.map(|paper| arguments.sheet(paper, &cell));
     let settings = Settings {
         address,
         token: arguments.token.clone(),
@@ -112,6 +134,7 @@ pub fn cell(arguments: &CellArguments) -> Result<(), Failure> {
             lag: arguments.lag,
         },
         supply: supply.transpose()?,
+        sheet: sheet.transpose()?,
         chucked,
         jitter: arguments
             .jitter
@@ -127,6 +150,22 @@ pub fn cell(arguments: &CellArguments) -> Result<(), Failure> {
 }
 
 impl ServeArguments {
+    /// The sheet on the table.
+    fn sheet(&self, paper: &Path, cell: &Cell) -> Result<SimulatedSheet, Failure> {
+        let file = PaperFile::read(paper)?;
+        let crease = if self.diagonal {
+            Crease::Diagonal
+        } else {
+            Crease::Half
+        };
+        let target = file.paper.target(crease);
+        target.map_err(|error| Failure::Input(format!("--diagonal: {error}")))?;
+        let friction = self.friction.or(file.paper.friction).unwrap_or(FRICTION);
+        let table = cell.table.map_or_else(Pose::identity, |table| table.top);
+        let sheet = SimulatedSheet::new(paper, friction, self.diagonal, self.place, &table);
+        Ok(sheet?)
+    }
+
     /// Where to listen. What only this machine can reach needs no token.
     fn address(&self, cell: &Cell) -> Result<SocketAddr, Failure> {
         let (what, given) = match &self.listen {
@@ -174,6 +213,21 @@ fn place(text: &str) -> Result<[f64; 2], String> {
 
 fn friction(text: &str) -> Result<f64, String> {
     number(text, 0.0, 10.0)
+}
+
+fn sheet_place(text: &str) -> Result<SheetPlace, String> {
+    let parts = text.split(',').map(|part| part.trim().parse::<f64>().ok());
+    let numbers: Option<Vec<f64>> = parts.collect();
+    let is_near = |numbers: &Vec<f64>| numbers.iter().all(|number| number.abs() <= 1e3);
+    let (x, y, turn) = match numbers.filter(is_near).as_deref() {
+        Some([x, y]) => (*x, *y, 0.0),
+        Some([x, y, turn]) => (*x, *y, *turn),
+        _ => return Err("two or three numbers are needed, as in 0.1,-0.05,20".into()),
+    };
+    Ok(SheetPlace {
+        edge: [x, y],
+        heading: turn.to_radians(),
+    })
 }
 
 fn rate(text: &str) -> Result<f64, String> {

@@ -1,5 +1,6 @@
 //! `rodlab deploy`.
 
+use super::cell_task::{ended_early, note_end, refuse_unfinished, status_of};
 use super::common::Common;
 use super::failure::Failure;
 use super::interruption::watch_for_interruption;
@@ -16,8 +17,8 @@ use crate::report::write_page;
 use crate::results::{PAGE, write_whole};
 use crate::run::RunOptions;
 use crate::task::{
-    Correction, DeployError, DeployRecord, DeployTask, LayingMethod, MotionRequest, SETTLING,
-    Status, Unfinished, middle_of_table, write_manifest, write_report,
+    Correction, DeployRecord, DeployTask, LayingMethod, MotionRequest, SETTLING, Status,
+    Unfinished, middle_of_table, write_manifest, write_report,
 };
 use crate::vision::ColourRule;
 use clap::Args;
@@ -100,13 +101,8 @@ pub fn deploy(arguments: &DeployArguments, common: &Common) -> Result<(), Failur
     let colour = ColourRule::parse(&arguments.colour)?;
     let cell = Cell::read(&arguments.cell)?;
     let arm = arm_named(&cell, arguments.arm.as_deref(), &arguments.cell)?;
-    let moves = !(arguments.dry_run || arguments.simulate || arguments.checked);
-    let before = Unfinished::of(&cell, arm, Path::new("")).left();
-    if let Some(left) = before.filter(|_| moves) {
-        return Err(Failure::Input(format!(
-            "the last task with arm {} did not come to its end ({left}): look at the arm and at what it holds, and then say --checked",
-            cell.arms[arm].name
-        )));
+    if !(arguments.dry_run || arguments.simulate || arguments.checked) {
+        refuse_unfinished(&cell, arm)?;
     }
     let directory = log_directory("deploy", arguments.out.as_deref())?;
     let unfinished = Unfinished::of(&cell, arm, &directory);
@@ -183,18 +179,12 @@ pub fn deploy(arguments: &DeployArguments, common: &Common) -> Result<(), Failur
         Ok(score) => {
             record.score(&score);
             record.status = Status::Finished;
-            let cleared = unfinished.clear();
-            cleared.err().map(|error| {
-                Failure::System(format!("the end of the task cannot be noted: {error}"))
-            })
+            note_end(&unfinished).err()
         }
         Err(error) => {
-            record.status = match error {
-                DeployError::Interrupted => Status::Interrupted,
-                _ => Status::Failed,
-            };
+            record.status = status_of(&error);
             record.error = Some(error.to_string());
-            Some(failed(&error, &directory))
+            Some(ended_early(&error, &directory))
         }
     };
     write_manifest(&record, &directory)?;
@@ -202,17 +192,6 @@ pub fn deploy(arguments: &DeployArguments, common: &Common) -> Result<(), Failur
     match failure {
         Some(failure) => Err(failure),
         None => print_json(&record),
-    }
-}
-
-fn failed(error: &DeployError, directory: &Path) -> Failure {
-    let message = format!("{error}; the log is in {}", directory.display());
-    match error {
-        DeployError::Interrupted => Failure::Cases {
-            exit_code: 130,
-            message,
-        },
-        _ => Failure::System(message),
     }
 }
 

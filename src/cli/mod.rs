@@ -16,6 +16,7 @@
 mod arguments;
 mod calibrate;
 mod cell;
+mod cell_task;
 mod check;
 mod common;
 mod completions;
@@ -32,7 +33,10 @@ mod explore;
 mod failure;
 mod figure_arguments;
 mod fold;
+mod fold_arguments;
 mod fold_figures;
+mod fold_in_cell;
+mod fold_simulation;
 mod folded_sheet;
 mod gather;
 mod guide;

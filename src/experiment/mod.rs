@@ -44,8 +44,8 @@ pub use deployment::{
 pub use derived::{DerivedNumbers, DerivedRod, derived_numbers};
 pub use described::{Described, describe, described_files, files_with_column};
 pub use folding::{
-    AlgorithmName, Crease, FoldedOutlines, FoldingOutcome, Paper, TypedPaper, folded_outlines,
-    planned_fold, resolve_paper,
+    AlgorithmName, Crease, FoldedOutlines, FoldingOutcome, FoldingTables, Paper, TypedPaper,
+    folded_outlines, planned_fold, resolve_paper,
 };
 pub use helix::manipulation::{ClampPoses, ClampedRod};
 pub use helix::stability::{

@@ -1,17 +1,16 @@
 //! Helical rods explored by the arm of a virtual cell (thesis 6.3 and 6.4).
 
 use super::cases::{Run, prepared};
-use crate::cell::{Cell, Driver};
+use super::served_cell;
+use crate::cell::Cell;
 use crate::experiment::ClampedRod;
 use crate::results::ResultsError;
 use crate::run::{PreparedRun, TableJob};
 use crate::task::{Exploration, ExplorationRow, SearchSteps, quarter_sphere};
-use crate::virtual_cell::{ChuckedSupply, Response, Settings, VirtualCell};
+use crate::virtual_cell::{ChuckedSupply, Response, Settings};
 use crate::vision::ColourRule;
-use std::net::SocketAddr;
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 const CELL: &str = include_str!("../../scenarios/cells/helix_gantry.toml");
 const ROD: &str = include_str!("../../scenarios/rods/nitinol_wire.toml");
@@ -183,50 +182,25 @@ fn with_cell<T>(
         let written = std::fs::write(&path, text);
         written.map(|()| path).map_err(|error| in_words(&error))
     };
-    let mut cell = Cell::read(&place("cell.toml", CELL)?).map_err(|error| in_words(&error))?;
+    let cell = Cell::read(&place("cell.toml", CELL)?).map_err(|error| in_words(&error))?;
     let file = place("rod.toml", ROD)?;
     let rod = ClampedRod::read(&file).map_err(|error| in_words(&error))?;
     let chucked = ChuckedSupply::new(&file, &cell).map_err(|error| in_words(&error))?;
     let settings = Settings {
-        address: SocketAddr::from(([127, 0, 0, 1], 0)),
+        address: served_cell::ANY_PORT.into(),
         token: None,
         rate: RATE,
         response: Response::default(),
         supply: None,
+        sheet: None,
         chucked,
         jitter: None,
         faults: Vec::new(),
     };
-    let mut served = VirtualCell::new(&cell, settings).map_err(|error| in_words(&error))?;
-    let address = served.address().map_err(|error| in_words(&error))?;
-    lead_to(&mut cell, &address.to_string());
     let directory = folder.path().join("explored");
     std::fs::create_dir_all(&directory).map_err(|error| in_words(&error))?;
-    let is_done = AtomicBool::new(false);
-    std::thread::scope(|scope| {
-        let server = scope.spawn(|| served.serve(&|| is_done.load(Ordering::Relaxed)));
-        let done = task(&cell, &rod, &directory);
-        is_done.store(true, Ordering::Relaxed);
-        let ended = server
-            .join()
-            .map_err(|_| "the virtual cell panicked".to_owned())?;
-        ended.map_err(|error| in_words(&error))?;
-        done
-    })
-}
-
-/// Makes the drivers and the camera of a cell those of a server.
-fn lead_to(cell: &mut Cell, server: &str) {
-    let arms = cell.arms.iter_mut().map(|arm| &mut arm.driver);
-    let axes = cell.axes.iter_mut().map(|axis| &mut axis.driver);
-    for driver in arms.chain(axes) {
-        if let Some(Driver::Rosbridge { address, .. }) = driver {
-            *address = server.to_owned();
-        }
-    }
-    if let Some(camera) = &mut cell.camera {
-        camera.source = Some(format!("rosbridge://{server}/camera/image_raw"));
-    }
+    let done = served_cell::with_cell(&cell, settings, |cell| task(cell, &rod, &directory));
+    done.map_err(|error| in_words(&error))?.0
 }
 
 #[cfg(test)]

@@ -12,8 +12,9 @@ pub(super) struct Scenario {
     /// The same for files.
     pub id: &'static str,
     /// How far the edge goes, m, as its key is typed.
-    crease: &'static str,
-    paper: &'static str,
+    pub crease: &'static str,
+    /// The file of the sheet.
+    pub paper: &'static str,
     /// Whether a moment at the gripper keeps the sheet from sliding on a table of friction 0.12.
     pub is_held: bool,
 }
@@ -42,7 +43,7 @@ pub(super) const SCENARIOS: [Scenario; 8] = [
     ),
     scenario("US letter, C = 0.27 m", "us_27", "0.27", US_LETTER, true),
 ];
-/// The one of Fig. 4.10.
+/// The one of Fig. 4.10; those before it are the thesis' seven.
 const COMPARED: usize = 7;
 
 const fn scenario(
@@ -58,6 +59,17 @@ const fn scenario(
         crease,
         paper,
         is_held,
+    }
+}
+
+impl Scenario {
+    /// The scenario with its paper in it.
+    pub fn text(&self) -> String {
+        let lines = SCENARIO.lines().filter(|line| !line.starts_with("extends"));
+        let lines: Vec<&str> = lines.collect();
+        let table = self.paper.find("[folding.paper]");
+        let table = table.expect("a table of the sheet");
+        format!("{}\n{}", lines.join("\n"), &self.paper[table..])
     }
 }
 
@@ -156,20 +168,25 @@ impl Folded {
             .collect()
     }
 
+    /// The seven scenarios without jitter, held by a moment where one can, otherwise in closed loop; a quick look has the first.
+    pub fn of_cell(quick: bool) -> Vec<Self> {
+        let of = |scenario: usize| {
+            let id = if SCENARIOS[scenario].is_held {
+                "held"
+            } else {
+                "closed"
+            };
+            let way = WAYS.iter().position(|way| way.id == id);
+            Self::new(scenario, way.expect("the ways are those above"), None)
+        };
+        (0..if quick { 1 } else { COMPARED }).map(of).collect()
+    }
+
     /// Three papers of the thesis, folded in half by the optimal way, without jitter.
     pub fn of_figure_4_5(quick: bool) -> Vec<Self> {
         let mut runs = Self::of_table_4_1(quick);
         runs.retain(|run| ["a4_half", "us_half", "ca_half"].contains(&SCENARIOS[run.scenario].id));
         runs
-    }
-
-    /// The scenario with its paper in it.
-    fn text(&self) -> String {
-        let lines = SCENARIO.lines().filter(|line| !line.starts_with("extends"));
-        let lines: Vec<&str> = lines.collect();
-        let paper = SCENARIOS[self.scenario].paper;
-        let table = paper.find("[folding.paper]").expect("a table of the sheet");
-        format!("{}\n{}", lines.join("\n"), &paper[table..])
     }
 
     fn overrides(&self) -> Vec<String> {
@@ -198,7 +215,8 @@ impl Folded {
 
     /// The run, ready to start.
     pub fn prepared(&self) -> PreparedRun {
-        prepared(&self.id(), &self.text(), &self.overrides())
+        let text = SCENARIOS[self.scenario].text();
+        prepared(&self.id(), &text, &self.overrides())
     }
 }
 

@@ -14,6 +14,7 @@
 //! | `explored_helices` | helical rods explored by the arm of a virtual cell (thesis 6.3, 6.4) |
 //! | `laying` | a rod laid along a pattern (thesis 5.5) |
 //! | `applications` | cables placed in clips, a knot tied on the table (thesis 5.5.5, 5.5.6) |
+//! | `served_cell` | a virtual cell that is served beside what is done in it |
 //! | `cases` | running the runs |
 //! | `page` | CSV, Markdown and manifest of an artefact |
 //! | `table` | that CSV, read again |
@@ -25,6 +26,7 @@
 //! | `figure_4_5` | the force manifold of folding |
 //! | `figure_4_9`, `hanging_strips` | strips that hang down |
 //! | `figure_4_10`, `figure_4_11`, `table_4_1` | folds by several ways, and what planning them takes |
+//! | `figure_4_11_cell`, `folds_in_cell` | the same folds through drivers and camera of the virtual cell |
 //! | `figure_5_4` | where a gripper may be above a straight line |
 //! | `figure_5_5`, `sideways_push` | optimal grasps that are pushed sideways |
 //! | `figure_5_6`, `grasp_grid` | optimal grasps over curvature, length and stiffness |
@@ -63,6 +65,7 @@ mod figure_3_4;
 mod figure_3_9;
 mod figure_4_10;
 mod figure_4_11;
+mod figure_4_11_cell;
 mod figure_4_5;
 mod figure_4_9;
 mod figure_5_4;
@@ -73,6 +76,7 @@ mod figure_6_2;
 mod figure_6_5;
 mod figure_6_6_robot;
 mod folds;
+mod folds_in_cell;
 mod grasp_grid;
 mod hanging_strips;
 mod heavy_loops;
@@ -90,6 +94,7 @@ mod measured_deployments;
 mod overhand_law;
 mod page;
 mod redraw;
+mod served_cell;
 mod sideways_push;
 mod simplified_inversion;
 mod table;

@@ -3,7 +3,8 @@
 use super::ReproduceError;
 use super::cases::Case;
 use super::laying::{FRICTIONS, Laying, RODS};
-use crate::cell::{Cell, Driver, PlanError};
+use super::served_cell::{ANY_PORT, with_cell};
+use crate::cell::{Cell, PlanError};
 use crate::experiment::{DeploymentTables, Jitter, from_text};
 use crate::plan::deployment::{DeployedRod, DeploymentError, LaidPath};
 use crate::plan::pattern::{PatternError, PatternSource};
@@ -12,12 +13,10 @@ use crate::task::{
     Correction, DeployError, DeployMotion, DeployTask, LayingMethod, MotionRequest, SETTLING,
     middle_of_table,
 };
-use crate::virtual_cell::{Response, RodError, RodSupply, ServeError, Settings, VirtualCell};
+use crate::virtual_cell::{Response, RodError, RodSupply, ServeError, Settings};
 use crate::vision::{ColourRule, Point, Score, VisionError};
 use std::fs;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::channel;
 
 /// The cell.
 const CELL: &str = include_str!("../../scenarios/cells/gantry.toml");
@@ -84,7 +83,7 @@ pub(super) fn lay_in_cell(
     for (name, text) in files {
         write_whole(&directory.join(name), text.as_bytes())?;
     }
-    let mut cell = Cell::read(&directory.join("cell.toml")).expect("a cell of this program");
+    let cell = Cell::read(&directory.join("cell.toml")).expect("a cell of this program");
     let supply = RodSupply::new(&directory.join("rod.toml"), FRICTIONS[case.run.friction]);
     let disturbance = case.run.disturbance;
     let rod = deployment.rod.deployed();
@@ -106,61 +105,21 @@ pub(super) fn lay_in_cell(
         let start = planned.path.points[0].position;
         let start = planned.motion.frame * nalgebra::Point3::new(start.x, start.y, 0.0);
         let settings = Settings {
-            address: ([127, 0, 0, 1], 0).into(),
+            address: ANY_PORT.into(),
             token: None,
             rate: RATE,
             response: Response::default(),
             // As in the laboratory: a person lays the free end where the rod is to begin.
             supply: Some(supply?.with_free_end([start.x, start.y])),
+            sheet: None,
             chucked: None,
             jitter,
             faults: Vec::new(),
         };
-        with_cell(&mut cell, settings, |cell| laying.lay(cell, &planned))
+        let (laid, _) = with_cell(&cell, settings, |cell| laying.lay(cell, &planned))?;
+        laid
     };
     Ok(served())
-}
-
-/// Does something with a cell that is served meanwhile.
-fn with_cell<T>(
-    cell: &mut Cell,
-    settings: Settings,
-    work: impl FnOnce(&Cell) -> Result<T, LayingError>,
-) -> Result<T, LayingError> {
-    let is_over = AtomicBool::new(false);
-    let served = cell.clone();
-    std::thread::scope(|scope| {
-        let (sender, receiver) = channel();
-        let is_over = &is_over;
-        let server = scope.spawn(move || -> Result<(), ServeError> {
-            let mut served = VirtualCell::new(&served, settings)?;
-            // Nobody waits where the other thread has panicked.
-            let _ = sender.send(served.address());
-            served.serve(&|| is_over.load(Ordering::Relaxed))
-        });
-        let worked = match receiver.recv() {
-            Ok(Ok(address)) => {
-                point_to(cell, &address.to_string());
-                Some(work(cell))
-            }
-            _ => None,
-        };
-        is_over.store(true, Ordering::Relaxed);
-        server.join().expect("the server does not panic")?;
-        worked.expect("a server that ended well had an address")
-    })
-}
-
-/// Lets the drivers of a cell find its server.
-fn point_to(cell: &mut Cell, server: &str) {
-    for arm in &mut cell.arms {
-        if let Some(Driver::Rosbridge { address, .. }) = &mut arm.driver {
-            server.clone_into(address);
-        }
-    }
-    if let Some(camera) = &mut cell.camera {
-        camera.source = Some(format!("rosbridge://{server}/camera/image_raw"));
-    }
 }
 
 /// What is laid.

@@ -58,10 +58,7 @@ impl Correction {
         let way = task
             .cell
             .continuation(task.arm, &poses, joints, self.speed, RATE);
-        way.map_err(|error| DeployError::Failed {
-            stage: Stage::Lay,
-            reason: error.to_string(),
-        })
+        way.map_err(|error| DeployError::failed(Stage::Lay, error))
     }
 }
 
@@ -86,17 +83,14 @@ impl LayingMethod for Correction {
             let next = path.after(here).min(last);
             let way = self.way(task, &path, [here, next], &joints)?;
             let folder = format!("laying/{number:03}");
-            task.follow(Stage::Lay, &folder, &way, is_interrupted)?;
+            task.lay(&folder, &way, is_interrupted)?;
             joints.clone_from(&way.points[way.points.len() - 1]);
             here = next;
             if here == last {
                 break;
             }
-            let failed = |reason| DeployError::Failed {
-                stage: Stage::Lay,
-                reason,
-            };
-            let picture = next_picture(task.cell).map_err(failed)?;
+            let picture = next_picture(task.cell);
+            let picture = picture.map_err(|reason| DeployError::failed(Stage::Lay, reason))?;
             let begin = thread_cpu_time();
             let contact = end_of_the_lying(task, &path, here, &picture);
             if let Some(contact) = &contact {

@@ -1,13 +1,15 @@
 //! A rod laid along a pattern by an arm.
 
+use super::error::{TaskError, TaskStage};
 use super::look::{Seen, next_picture, score_of};
 use super::motion::DeployMotion;
 use super::unfinished::Unfinished;
+use super::working_arm::{Grip, WorkingArm};
 use crate::cell::Cell;
 use crate::figure::Paper;
 use crate::plan::deployment::{DeployedRod, LaidPath};
 use crate::results::{ResultsError, write_whole};
-use crate::robot::{Ending, JointTrajectory, StreamLog, stream};
+use crate::robot::JointTrajectory;
 use crate::vision::{
     ColourRule, Point, SCORE_POINTS, Score, VisionError, centrelines_csv, encode_picture, overlay,
     pattern_csv, score_figure,
@@ -16,8 +18,6 @@ use image::RgbImage;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Longest wait for a gripper.
-const GRIPPER: Duration = Duration::from_secs(20);
 /// How long a rod that was let go is usually left to itself.
 pub const SETTLING: Duration = Duration::from_secs(3);
 
@@ -82,9 +82,8 @@ pub enum Stage {
     Score,
 }
 
-impl Stage {
-    /// In words.
-    pub fn in_words(self) -> &'static str {
+impl TaskStage for Stage {
+    fn in_words(self) -> &'static str {
         match self {
             Self::Approach => "going to the first point",
             Self::Take => "taking the rod",
@@ -97,24 +96,8 @@ impl Stage {
     }
 }
 
-/// Why a task ended early.
-#[derive(Debug, thiserror::Error)]
-pub enum DeployError {
-    /// Something failed.
-    #[error("{}: {reason}", stage.in_words())]
-    Failed {
-        /// While this was done.
-        stage: Stage,
-        /// In words.
-        reason: String,
-    },
-    /// Somebody asked for the end; the arm holds.
-    #[error("interrupted; the arm holds")]
-    Interrupted,
-    /// A file could not be written.
-    #[error(transparent)]
-    Results(#[from] ResultsError),
-}
+/// Why a deployment ended early.
+pub type DeployError = TaskError<Stage>;
 
 /// What a task came to.
 pub struct DeployEnd {
@@ -148,30 +131,36 @@ impl DeployTask<'_> {
                 .then_some(DeployError::Interrupted)
                 .map_or(Ok(()), Err)
         };
-        self.approach(is_interrupted)?;
+        let arm = self.arm(is_interrupted);
+        let first = &self.motion.laying.points[0];
+        let gone = arm.go("approach", first, self.approach_speed);
+        gone.map_err(DeployError::of_work(Stage::Approach))?;
         done(Stage::Approach);
         stopped()?;
-        self.grip(Stage::Take, is_interrupted)?;
+        let taken = arm.grip(Grip::Close);
+        taken.map_err(DeployError::of_work(Stage::Take))?;
         done(Stage::Take);
         stopped()?;
         match self.laying {
-            None => self.follow(Stage::Lay, "laying", &self.motion.laying, is_interrupted)?,
+            None => self.lay("laying", &self.motion.laying, is_interrupted)?,
             Some(laying) => laying.lay(self, is_interrupted)?,
         }
         done(Stage::Lay);
         stopped()?;
-        self.grip(Stage::LetGo, is_interrupted)?;
+        let opened = arm.grip(Grip::Open);
+        opened.map_err(DeployError::of_work(Stage::LetGo))?;
         std::thread::sleep(self.settling);
         done(Stage::LetGo);
         stopped()?;
-        self.retreat(is_interrupted)?;
+        let gone = arm.go_home("retreat", self.approach_speed);
+        gone.map_err(DeployError::of_work(Stage::Retreat))?;
         done(Stage::Retreat);
         stopped()?;
-        let failed = |stage: Stage, reason: String| DeployError::Failed { stage, reason };
-        let picture = next_picture(self.cell).map_err(|reason| failed(Stage::Look, reason))?;
+        let picture = next_picture(self.cell);
+        let picture = picture.map_err(|reason| DeployError::failed(Stage::Look, reason))?;
         self.write("picture.png", &encode_picture(&picture))?;
         done(Stage::Look);
-        let seen = |error: VisionError| failed(Stage::Score, error.to_string());
+        let seen = |error: VisionError| DeployError::failed(Stage::Score, error);
         let found = self.seen(&picture).map_err(seen)?;
         let shown = overlay(&picture, &found.trace);
         self.write("overlay.png", &encode_picture(&shown))?;
@@ -198,94 +187,26 @@ impl DeployTask<'_> {
         Seen::of(picture, self.cell, frame, radius, self.colour)
     }
 
-    fn approach(&self, is_interrupted: &dyn Fn() -> bool) -> Result<(), DeployError> {
-        let failed = |reason: String| DeployError::Failed {
-            stage: Stage::Approach,
-            reason,
-        };
-        let way = self
-            .straight(&self.motion.laying.points[0])
-            .map_err(failed)?;
-        way.map_or(Ok(()), |way| {
-            self.follow(Stage::Approach, "approach", &way, is_interrupted)
-        })
-    }
-
-    /// To the posture at rest, so that the camera sees the rod. Where something is in the way the arm stays: the rod lies already.
-    fn retreat(&self, is_interrupted: &dyn Fn() -> bool) -> Result<(), DeployError> {
-        let failed = |reason: String| DeployError::Failed {
-            stage: Stage::Retreat,
-            reason,
-        };
-        let home = &self.cell.arms[self.arm].home;
-        let Some(way) = self.straight(home).map_err(failed)? else {
-            return Ok(());
-        };
-        if let Err(reason) = self.cell.prepare_stream(std::slice::from_ref(&way)) {
-            tracing::warn!("the arm stays where it is, perhaps in the picture: {reason}");
-            return Ok(());
+    /// The arm that does it.
+    fn arm<'a>(&'a self, is_interrupted: &'a dyn Fn() -> bool) -> WorkingArm<'a> {
+        WorkingArm {
+            cell: self.cell,
+            arm: self.arm,
+            directory: self.directory,
+            unfinished: self.unfinished,
+            is_interrupted,
         }
-        self.follow(Stage::Retreat, "retreat", &way, is_interrupted)
     }
 
-    /// From where the arm stands to some joints, each straight; `None` where it is there already.
-    fn straight(&self, to: &[f64]) -> Result<Option<JointTrajectory>, String> {
-        let from = self.cell.stands(self.arm)?;
-        let way = self.cell.approach(self.arm, &from, to, self.approach_speed);
-        way.map_err(|error| error.to_string())
-    }
-
-    /// Streams a motion; its log is a folder of the results.
-    pub(super) fn follow(
+    /// Lays the rod along a motion; its log is a folder of the results.
+    pub(super) fn lay(
         &self,
-        stage: Stage,
         folder: &str,
-        trajectory: &JointTrajectory,
+        motion: &JointTrajectory,
         is_interrupted: &dyn Fn() -> bool,
     ) -> Result<(), DeployError> {
-        let failed = |reason: String| DeployError::Failed { stage, reason };
-        let folder = self.directory.join(folder);
-        let made = std::fs::create_dir_all(&folder);
-        made.map_err(|error| failed(format!("{} cannot be made: {error}", folder.display())))?;
-        write_whole(
-            &folder.join("trajectory.csv"),
-            trajectory.to_csv().as_bytes(),
-        )?;
-        let prepared = self.cell.prepare_stream(std::slice::from_ref(trajectory));
-        let (mut parts, _) = prepared.map_err(failed)?;
-        let unwritable = |error: std::io::Error| {
-            failed(format!("{} cannot be written: {error}", folder.display()))
-        };
-        let mut log = StreamLog::open(&folder).map_err(unwritable)?;
-        if let Some(unfinished) = self.unfinished {
-            let marked = unfinished.mark();
-            marked
-                .map_err(|error| failed(format!("the task cannot be marked as begun: {error}")))?;
-        }
-        let bounds = self.cell.stream_bounds();
-        let ending = stream(&mut parts, &bounds, is_interrupted, &mut log);
-        let logged = log.finish();
-        match ending {
-            Ending::Finished => logged.map_err(unwritable),
-            Ending::Interrupted => Err(DeployError::Interrupted),
-            Ending::Failed(reason) => Err(failed(reason)),
-        }
-    }
-
-    fn grip(&self, stage: Stage, is_interrupted: &dyn Fn() -> bool) -> Result<(), DeployError> {
-        let failed = |reason: String| DeployError::Failed { stage, reason };
-        let Some((gripper, [open, closed])) = self.cell.gripper(self.arm) else {
-            return Err(failed("the arm has no gripper in the cell file".into()));
-        };
-        let opening = if stage == Stage::Take { closed } else { open };
-        let moved = gripper.command(opening, GRIPPER, is_interrupted);
-        moved.map_err(|error| {
-            if is_interrupted() {
-                DeployError::Interrupted
-            } else {
-                failed(error.to_string())
-            }
-        })
+        let laid = self.arm(is_interrupted).follow(folder, motion);
+        laid.map_err(DeployError::of_work(Stage::Lay))
     }
 
     pub(super) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), ResultsError> {

@@ -3,29 +3,40 @@
 //! | file | what |
 //! |---|---|
 //! | `deploy` | a rod laid along a pattern by an arm: approach, take, lay, let go, look, score |
+//! | `fold` | a sheet folded by an arm, with the camera |
 //! | `exploration` | the stability of helical rods, explored along a list of directions |
-//! | `motion` | the motions of that, planned and checked before anything moves |
+//! | `motion` | the motions of a deployment, planned and checked before anything moves |
 //! | `room` | where a rod may lie |
 //! | `correction` | its path, planned anew from what the camera sees while it is laid |
 //! | `look` | the camera's picture as a curve in the frame of the pattern |
+//! | `working_arm` | motions and grips of an arm, with the log of each |
+//! | `error` | why a task ends early |
 //! | `unfinished` | whether the last task came to its end |
 //! | `record` | what it leaves in a results directory |
 
 mod correction;
 mod deploy;
+mod error;
 mod exploration;
+mod fold;
 mod look;
 mod motion;
 mod record;
 mod room;
 mod unfinished;
+mod working_arm;
 
 pub use correction::Correction;
 pub use deploy::{DeployEnd, DeployError, DeployTask, LayingMethod, SETTLING, Stage};
+pub use error::{TaskError, TaskStage};
 pub use exploration::{
     Exploration, ExplorationPlan, ExplorationRecord, ExplorationRow, ExplorationSummary,
     ExploreError, SearchSteps, found_and_theory, quarter_sphere, read_directions,
     read_rows as read_exploration, section, section_figure, write_page as write_exploration,
+};
+pub use fold::{
+    FoldEnd, FoldMotion, FoldMotionRequest, FoldRecord, FoldRequest, FoldScore, FoldStage,
+    FoldTask, FoldTaskError, FoldWay, Look, heading,
 };
 pub use motion::{DeployMotion, MotionRequest, middle_of_table};
 pub use record::{DeployRecord, Status, write_manifest, write_report};

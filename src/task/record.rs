@@ -1,6 +1,7 @@
 //! What a deployment leaves in a results directory for programs and people.
 
 use super::deploy::Stage;
+use super::error::TaskStage;
 use crate::cell::PlanReport;
 use crate::results::{ResultsError, write_whole};
 use crate::vision::{CurveError, Score};

@@ -1,7 +1,8 @@
-//! The camera of a virtual cell: pictures of the rod on the table, made beside everything else.
+//! The camera of a virtual cell: pictures of what lies on the table, made beside everything else.
 
+use super::sheet_picture::{SeenSheet, SheetView};
 use crate::mechanics::Vector3;
-use crate::vision::{Camera, RenderOptions, RenderedRod, render};
+use crate::vision::{Camera, Point, RenderOptions, RenderedRod, render};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use image::RgbImage;
@@ -20,6 +21,17 @@ const SPACING: f64 = 0.5;
 const MOST_POINTS: usize = 50_000;
 /// What is nearer to the camera than this is out of focus, m.
 const NEAREST: f64 = 0.2;
+
+/// What there is to see.
+#[derive(Default)]
+pub struct Scenery {
+    /// Nodes of a rod, and its radius, m.
+    pub rod: Option<(Vec<Vector3>, f64)>,
+    /// Where markers are along it, over its length.
+    pub markers: Vec<f64>,
+    /// A sheet.
+    pub sheet: Option<SeenSheet>,
+}
 
 /// Takes pictures, one at a time, in a thread of their own.
 pub struct PictureTaker {
@@ -43,15 +55,8 @@ impl PictureTaker {
         self.under_way.is_some()
     }
 
-    /// Begins a picture of a rod, for a topic, at the time `now`, s.
-    /// `markers` says where it has markers, over its length.
-    pub fn begin(
-        &mut self,
-        rod: Option<(Vec<Vector3>, f64)>,
-        markers: Vec<f64>,
-        topic: &str,
-        stamp: Value,
-    ) {
+    /// Begins a picture for a topic, with a stamp.
+    pub fn begin(&mut self, scenery: Scenery, topic: &str, stamp: Value) {
         let camera = self.camera;
         self.taken += 1;
         let number = self.taken;
@@ -59,7 +64,7 @@ impl PictureTaker {
         let (sender, receiver) = channel();
         self.under_way = Some(receiver);
         std::thread::spawn(move || {
-            let picture = picture(&camera, rod, &markers, number);
+            let picture = picture(&camera, scenery, number);
             // Nobody waits for it any more where this fails.
             let _ = sender.send(message(&picture, &topic, number, &stamp));
         });
@@ -82,21 +87,16 @@ impl PictureTaker {
     }
 }
 
-/// What the camera sees of a rod of some radius, m; `number` makes the noise another one each time.
-fn picture(
-    camera: &Camera,
-    rod: Option<(Vec<Vector3>, f64)>,
-    markers: &[f64],
-    number: u64,
-) -> RgbImage {
+/// What the camera sees; `number` makes the noise another one each time.
+fn picture(camera: &Camera, scenery: Scenery, number: u64) -> RgbImage {
     let mut options = RenderOptions {
         seed: number,
         ..RenderOptions::default()
     };
     let mut rods = Vec::new();
-    if let Some((nodes, radius)) = rod {
+    if let Some((nodes, radius)) = scenery.rod {
         let points = fine(&nodes, SPACING * radius);
-        for place in markers {
+        for place in &scenery.markers {
             rods.push(RenderedRod {
                 points: visible(camera, marker(&points, *place)),
                 radius: MARKER[1],
@@ -104,7 +104,7 @@ fn picture(
             });
         }
         // What has markers hangs in the air: its shadow is all but gone.
-        if !markers.is_empty() {
+        if !scenery.markers.is_empty() {
             options.shadow = 0.0;
         }
         rods.push(RenderedRod {
@@ -113,7 +113,14 @@ fn picture(
             colour: ROD,
         });
     }
-    render(camera, &rods, |_| TABLE, &options)
+    let sheet = scenery
+        .sheet
+        .map(|sheet| SheetView::new(sheet, camera, options.light));
+    let ground = |point: Point| match &sheet {
+        Some(sheet) => sheet.colour(point, TABLE),
+        None => TABLE,
+    };
+    render(camera, &rods, ground, &options)
 }
 
 /// A sleeve about the point of a curve that lies `place` of its length from its start.
@@ -224,7 +231,11 @@ mod tests {
                 Vector3::new(x, 0.05 * libm::cos(15.0 * x), 0.0016)
             })
             .collect();
-        let picture = picture(&camera, Some((nodes.clone(), 0.0016)), &[], 1);
+        let scenery = Scenery {
+            rod: Some((nodes.clone(), 0.0016)),
+            ..Scenery::default()
+        };
+        let picture = picture(&camera, scenery, 1);
         let found = trace(&picture, &TraceOptions::default()).unwrap();
         assert_eq!(found.strands.len(), 1);
         for point in &found.strands[0].points {

@@ -10,7 +10,7 @@ pub enum FaultKind {
     DropLink,
     /// The joint that moves fastest at that moment stops, and moves no more.
     FreezeJoint,
-    /// The gripper loses the rod.
+    /// The gripper loses the rod or the sheet.
     SlipGrasp,
     /// The camera sends no pictures any more.
     LoseCamera,

@@ -2,7 +2,7 @@
 //!
 //! A client cannot tell the difference: arms follow `control_msgs/FollowJointTrajectory` late and a little behind, grippers
 //! `control_msgs/GripperCommand`; a rod that is handed to a gripper hangs from it, is laid on a table with friction and let go;
-//! a camera shows it. The clock of the cell, `/clock`, is real time or faster, and waits where the simulation cannot keep up.
+//! a camera shows it. Or a sheet lies there, which a gripper takes by its edge and folds. The clock of the cell, `/clock`, is real time or faster, and waits where the simulation cannot keep up.
 //!
 //! | file | what |
 //! |---|---|
@@ -10,7 +10,8 @@
 //! | `rod` | the rod in simulation: handed over, led by the hand, let go |
 //! | `axis` | external axes, which move as arms do |
 //! | `chuck` | a rod clamped between a chuck and a hand, led and twisted |
-//! | `camera` | pictures of the rod |
+//! | `sheet`, `sheet_picture` | a sheet on the table in simulation: taken by its edge, folded, let go; what a camera sees of it |
+//! | `camera` | pictures of all that |
 //! | `simulated_cell` | all of them on one clock, and what goes wrong |
 //! | `fault` | faults that a cell is told to have |
 //! | `topics` | names of actions and topics |
@@ -27,6 +28,8 @@ mod fault;
 mod message;
 mod rod;
 mod server;
+mod sheet;
+mod sheet_picture;
 mod simulated_cell;
 #[cfg(test)]
 mod tests;
@@ -37,3 +40,4 @@ pub use chuck::ChuckedSupply;
 pub use fault::{Fault, FaultKind};
 pub use rod::{RodError, RodSupply};
 pub use server::{ServeError, Settings, VirtualCell};
+pub use sheet::{HeldSheet, SheetPlace, SimulatedSheet};

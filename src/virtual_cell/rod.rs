@@ -3,6 +3,7 @@
 use crate::experiment::{self, DeploymentTables};
 use crate::mechanics::dynamics::{Simulation, SimulationError};
 use crate::mechanics::scene::Motion;
+use crate::mechanics::system::Grasp;
 use crate::mechanics::{UnitQuaternion, Vector3};
 use crate::plan::deployment::{DeployedRod, OptimalGrasps, Scheme, trajectory};
 use crate::plan::pattern::{Line, PatternSource};
@@ -143,19 +144,24 @@ impl RodSupply {
             ));
         }
         let simulation = Simulation::new(&self.prepared.scene, &self.prepared.integration);
-        Ok(SimulatedRod {
-            simulation: simulation.map_err(|error| error.to_string())?,
+        let simulation = simulation.map_err(|error| error.to_string())?;
+        let placed = Placed {
             frame: table * frame,
             end: self.end,
-            last: self.end,
-            led_until: 0.0,
-            begin: now,
-            falling: Duration::ZERO,
             radius: self.rod.radius,
-            is_held: true,
-            rests: false,
-        })
+        };
+        Ok(SimulatedRod::held(simulation, placed, now))
     }
+}
+
+/// Where a rod begins that a gripper holds by its end.
+pub struct Placed {
+    /// The frame of its simulation in the cell.
+    pub frame: Pose,
+    /// Its end in that frame, which clamp 0 of the scene holds.
+    pub end: Pose,
+    /// Its radius, m.
+    pub radius: f64,
 }
 
 /// A rod in simulation.
@@ -168,8 +174,11 @@ pub struct SimulatedRod {
     last: Pose,
     /// Until when the hand leads it, s of the simulation.
     led_until: f64,
-    /// When it was handed over, s.
+    /// When it was handed over, s, and the time in which its end comes into the fingers, s.
     begin: f64,
+    handing: f64,
+    /// The clamp that leads its end.
+    clamp: usize,
     radius: f64,
     /// Time that its fall has taken to simulate.
     falling: Duration,
@@ -178,6 +187,43 @@ pub struct SimulatedRod {
 }
 
 impl SimulatedRod {
+    /// A rod whose end is held by clamp 0 of its scene, from the time `now`, s, on.
+    pub fn held(simulation: Simulation, placed: Placed, now: f64) -> Self {
+        Self {
+            simulation,
+            frame: placed.frame,
+            end: placed.end,
+            last: placed.end,
+            led_until: 0.0,
+            begin: now,
+            handing: HANDING_OVER,
+            clamp: 0,
+            radius: placed.radius,
+            falling: Duration::ZERO,
+            is_held: true,
+            rests: false,
+        }
+    }
+
+    /// A gripper takes the end again where it is, at `end` in the frame of the simulation, at the time `now`, s.
+    ///
+    /// # Errors
+    /// The simulation refuses.
+    pub fn take_again(&mut self, node: usize, end: Pose, now: f64) -> Result<(), SimulationError> {
+        let grasp = Grasp {
+            position: true,
+            frame: true,
+        };
+        self.clamp = self.simulation.grasp(node, grasp)?;
+        (self.end, self.last) = (end, end);
+        self.led_until = self.simulation.time();
+        self.begin = now - self.simulation.time();
+        self.handing = 0.0;
+        self.falling = Duration::ZERO;
+        (self.is_held, self.rests) = (true, false);
+        Ok(())
+    }
+
     /// Moves on towards the time `now`, s, its end in the hand; whether it has come there. Hard steps take long: then it must be
     /// called again, with the same hand, so that others need not wait.
     ///
@@ -189,10 +235,15 @@ impl SimulatedRod {
             return Ok(true);
         }
         if self.is_held && until > self.led_until {
-            let part = (until / HANDING_OVER).clamp(0.0, 1.0);
+            let part = if until < self.handing {
+                until / self.handing
+            } else {
+                1.0
+            };
             let part = part * part * (3.0 - 2.0 * part);
             let next = between(&self.end, &(self.frame.inverse() * hand), part);
-            self.simulation.move_clamp(0, self.motion(&next, until));
+            self.simulation
+                .move_clamp(self.clamp, self.motion(&next, until));
             (self.last, self.led_until) = (next, until);
         }
         let work = Instant::now();
@@ -256,7 +307,7 @@ impl SimulatedRod {
     pub fn release(&mut self) -> Result<(), SimulationError> {
         if self.is_held {
             self.is_held = false;
-            self.simulation.release(0)?;
+            self.simulation.release(self.clamp)?;
         }
         Ok(())
     }
@@ -264,6 +315,19 @@ impl SimulatedRod {
     /// Whether a gripper holds it.
     pub fn is_held(&self) -> bool {
         self.is_held
+    }
+
+    /// Multiplies a load of its scene by a factor, see [`Simulation::set_load_factor`].
+    ///
+    /// # Errors
+    /// There is no such load.
+    pub fn set_load(&mut self, load: usize, factor: f64) -> Result<(), SimulationError> {
+        self.simulation.set_load_factor(load, factor)
+    }
+
+    /// Its nodes in the frame of its simulation, m.
+    pub fn positions(&self) -> &[Vector3] {
+        self.simulation.positions()
     }
 
     /// Its nodes in the cell, m.

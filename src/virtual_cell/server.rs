@@ -9,6 +9,7 @@ use super::message::{
     GoalName, Request, Verdict, complaint, opening, published, stamp, trajectory,
 };
 use super::rod::RodSupply;
+use super::sheet::SimulatedSheet;
 use super::simulated_cell::{Event, STEP, SimulatedCell};
 use super::topics::{CLOCK, Topics};
 use crate::cell::Cell;
@@ -45,6 +46,8 @@ pub struct Settings {
     pub response: Response,
     /// Rods for the grippers.
     pub supply: Option<RodSupply>,
+    /// A sheet on the table.
+    pub sheet: Option<SimulatedSheet>,
     /// Rods between the chuck and a hand.
     pub chucked: Option<ChuckedSupply>,
     /// How the hands tremble, which nobody is told.
@@ -67,8 +70,8 @@ pub enum ServeError {
         /// Why.
         error: io::Error,
     },
-    /// The rod cannot be simulated any more.
-    #[error("the rod cannot be simulated any further: {0}")]
+    /// The rod or the sheet cannot be simulated any more.
+    #[error("what is on the table cannot be simulated any further: {0}")]
     Rod(#[from] SimulationError),
 }
 
@@ -133,6 +136,7 @@ impl VirtualCell {
                 cell,
                 settings.response,
                 settings.supply,
+                settings.sheet,
                 settings.chucked,
                 settings.jitter,
                 settings.faults,
@@ -148,10 +152,15 @@ impl VirtualCell {
         self.listener.local_addr()
     }
 
+    /// The sheet on its table.
+    pub fn sheet(&self) -> Option<&SimulatedSheet> {
+        self.cell.sheet()
+    }
+
     /// Serves until somebody asks for the end.
     ///
     /// # Errors
-    /// The rod cannot be simulated any further.
+    /// What is on the table cannot be simulated any further.
     pub fn serve(&mut self, is_interrupted: &dyn Fn() -> bool) -> Result<(), ServeError> {
         let mut since = Instant::now();
         let mut began = self.cell.time();
@@ -400,12 +409,7 @@ impl VirtualCell {
         if !watching.is_empty() && !pictures.is_busy() && now - self.last_picture >= PICTURE {
             self.last_picture = now;
             self.watchers = watching;
-            pictures.begin(
-                self.cell.rod(),
-                self.cell.markers(),
-                topic,
-                stamp(self.topics.version, now),
-            );
+            pictures.begin(self.cell.scenery(), topic, stamp(self.topics.version, now));
         }
     }
 }

@@ -1,13 +1,14 @@
-//! Arms, axes, grippers and the rod of a virtual cell, on one clock.
+//! Arms, axes, grippers and the rod or the sheet of a virtual cell, on one clock.
 
 use super::arm::{Ended, Refusal, Response, SimulatedArm};
 use super::axis::moving_parts;
+use super::camera::Scenery;
 use super::chuck::{Chuck, ChuckedSupply};
 use super::fault::{Fault, FaultKind};
 use super::rod::{HANDING_OVER, RodSupply, SimulatedRod};
+use super::sheet::SimulatedSheet;
 use crate::cell::Cell;
 use crate::experiment::Jitter;
-use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::SimulationError;
 use crate::robot::{PartTrajectory, Pose};
 use nalgebra::Translation3;
@@ -48,6 +49,8 @@ pub struct SimulatedCell {
     jitter: Option<Jitter>,
     /// The rod, and the arm that took it.
     rod: Option<(SimulatedRod, usize)>,
+    /// The sheet, and the arm that took it last.
+    sheet: Option<(SimulatedSheet, usize)>,
     /// The chuck with its rod.
     chuck: Option<Chuck>,
     /// Faults to come, and when the first motion began, s.
@@ -56,11 +59,12 @@ pub struct SimulatedCell {
 }
 
 impl SimulatedCell {
-    /// The arms of a cell at home, with rods for their grippers, if there are any.
+    /// The arms of a cell at home, with rods for their grippers or a sheet on the table, if there are any.
     pub fn new(
         cell: &Cell,
         response: Response,
         supply: Option<RodSupply>,
+        sheet: Option<SimulatedSheet>,
         chucked: Option<ChuckedSupply>,
         jitter: Option<Jitter>,
         faults: Vec<Fault>,
@@ -81,6 +85,7 @@ impl SimulatedCell {
             supply,
             jitter,
             rod: None,
+            sheet: sheet.map(|sheet| (sheet, 0)),
             chuck: chucked.map(Chuck::new),
             faults,
             moved: None,
@@ -97,19 +102,27 @@ impl SimulatedCell {
         &self.arms
     }
 
-    /// Nodes of the rod in the cell, and its radius, m.
-    pub fn rod(&self) -> Option<(Vec<Vector3>, f64)> {
+    /// What a camera sees.
+    pub fn scenery(&self) -> Scenery {
+        let sheet = self.sheet.as_ref().map(|(sheet, _)| sheet.seen());
         if let Some(chuck) = &self.chuck {
-            return Some((chuck.nodes()?, chuck.rod().radius));
+            return Scenery {
+                rod: chuck.nodes().map(|nodes| (nodes, chuck.rod().radius)),
+                markers: chuck.rod().marker_places(),
+                sheet,
+            };
         }
-        let (rod, _) = self.rod.as_ref()?;
-        Some((rod.nodes(), rod.radius()))
+        let rod = self.rod.as_ref();
+        Scenery {
+            rod: rod.map(|(rod, _)| (rod.nodes(), rod.radius())),
+            markers: Vec::new(),
+            sheet,
+        }
     }
 
-    /// Where markers are along it, over its length.
-    pub fn markers(&self) -> Vec<f64> {
-        let chuck = self.chuck.as_ref();
-        chuck.map_or_else(Vec::new, |chuck| chuck.rod().marker_places())
+    /// The sheet.
+    pub fn sheet(&self) -> Option<&SimulatedSheet> {
+        self.sheet.as_ref().map(|(sheet, _)| sheet)
     }
 
     /// Lets an arm follow a trajectory.
@@ -127,7 +140,8 @@ impl SimulatedCell {
         self.arms[arm].stop();
     }
 
-    /// Opens or closes the gripper of an arm. One that closes is handed the end of a rod, a new one where one lies already.
+    /// Opens or closes the gripper of an arm. One that closes takes the edge of the sheet, or is handed the end of a rod, a new one
+    /// where one lies already.
     ///
     /// # Errors
     /// In words.
@@ -135,6 +149,11 @@ impl SimulatedCell {
         let Some(opened) = self.opened[arm] else {
             return Err("this arm has no gripper".into());
         };
+        if self.sheet.is_some() {
+            self.grip_sheet(arm, opening >= opened)?;
+            self.grippers[arm].done = Some(self.time + OPENING);
+            return Ok(());
+        }
         let holder = self.holder();
         let takes = if opening >= opened {
             if holder == Some(arm) {
@@ -163,13 +182,40 @@ impl SimulatedCell {
         Ok(())
     }
 
-    /// The arm whose gripper holds the rod.
+    /// Takes the edge of the sheet, or lets it go.
+    fn grip_sheet(&mut self, arm: usize, opens: bool) -> Result<(), String> {
+        let holder = self.holder();
+        match (opens, holder) {
+            (true, Some(holder)) if holder == arm => {
+                self.let_go().map_err(|error| error.to_string())
+            }
+            (false, Some(holder)) if holder != arm => {
+                Err(format!("{} holds the sheet", self.arms[holder].name))
+            }
+            (true, _) | (false, Some(_)) => Ok(()),
+            (false, None) => {
+                self.arms[arm].must_stand()?;
+                let (hand, now) = (self.hand(arm), self.time);
+                let Some((sheet, holder)) = &mut self.sheet else {
+                    return Ok(());
+                };
+                sheet.take(&hand, now)?;
+                *holder = arm;
+                Ok(())
+            }
+        }
+    }
+
+    /// The arm whose gripper holds the rod or the sheet.
     fn holder(&self) -> Option<usize> {
         if let Some(chuck) = &self.chuck {
             return chuck.holder();
         }
-        let held = self.rod.as_ref().filter(|(rod, _)| rod.is_held());
-        held.map(|(_, holder)| *holder)
+        let sheet = self.sheet.as_ref().filter(|(sheet, _)| sheet.is_held());
+        let rod = self.rod.as_ref().filter(|(rod, _)| rod.is_held());
+        sheet
+            .map(|(_, holder)| *holder)
+            .or(rod.map(|(_, holder)| *holder))
     }
 
     /// Clamps a rod between the chuck and the hand of an arm.
@@ -184,7 +230,10 @@ impl SimulatedCell {
 
     fn let_go(&mut self) -> Result<(), SimulationError> {
         if let Some(chuck) = &mut self.chuck {
-            return chuck.let_go();
+            chuck.let_go()?;
+        }
+        if let Some((sheet, _)) = &mut self.sheet {
+            sheet.release()?;
         }
         match &mut self.rod {
             Some((rod, _)) => rod.release(),
@@ -197,7 +246,7 @@ impl SimulatedCell {
     /// # Errors
     /// The rod finds no step.
     pub fn advance(&mut self) -> Result<Vec<Event>, SimulationError> {
-        if !self.lead_rod()? {
+        if !self.lead()? {
             return Ok(Vec::new());
         }
         let mut events = self.suffer()?;
@@ -207,7 +256,7 @@ impl SimulatedCell {
                 events.push(Event::Arm(index, ended));
             }
         }
-        self.lead_rod()?;
+        self.lead()?;
         for (index, gripper) in self.grippers.iter_mut().enumerate() {
             if gripper.done.take_if(|done| *done <= self.time).is_some() {
                 events.push(Event::Gripper(index));
@@ -225,17 +274,21 @@ impl SimulatedCell {
         }
     }
 
-    /// Leads the rod on to now; whether it has come there.
-    fn lead_rod(&mut self) -> Result<bool, SimulationError> {
+    /// Leads what is held on to now; whether it has come there.
+    fn lead(&mut self) -> Result<bool, SimulationError> {
         if let Some(chuck) = &mut self.chuck {
             let angle = self.arms[chuck.part()].joints()[0];
             return chuck.lead(|arm| self.arms[arm].hand(), angle, self.time);
         }
-        let holder = self.rod.as_ref().map(|(_, holder)| *holder);
-        let hand = holder.map(|holder| self.hand(holder));
-        match (&mut self.rod, hand) {
-            (Some((rod, _)), Some(hand)) => rod.advance(&hand, self.time),
-            _ => Ok(true),
+        let held = self.sheet.as_ref().map(|(_, holder)| *holder);
+        let held = held.or(self.rod.as_ref().map(|(_, holder)| *holder));
+        let Some(hand) = held.map(|holder| self.hand(holder)) else {
+            return Ok(true);
+        };
+        match (&mut self.sheet, &mut self.rod) {
+            (Some((sheet, _)), _) => sheet.advance(&hand, self.time),
+            (None, Some((rod, _))) => rod.advance(&hand, self.time),
+            (None, None) => Ok(true),
         }
     }
 
@@ -247,7 +300,7 @@ impl SimulatedCell {
         let now = self.time - moved;
         let moving = self.arms.iter().position(SimulatedArm::is_moving);
         let holds = self.holder().is_some();
-        // A joint freezes in a motion, and a rod slips that is held.
+        // A joint freezes in a motion, and what is held slips.
         let has_come = |fault: &Fault| {
             fault.time <= now
                 && match fault.kind {

@@ -17,7 +17,7 @@
 //! 6. [`paint_labels`] gives each pixel of the mask to a strand; [`instance_dice`] compares that with the truth.
 //!
 //! A [`Camera`] maps pixels to the table; [`calibrate`], [`board_pose`] and [`hand_eye()`] find it. [`pattern()`] makes a
-//! drawn line a pattern, [`score()`] compares a deployed curve with one, [`find_sheet`] finds a sheet of paper,
+//! drawn line a pattern, [`score()`] compares a deployed curve with one, [`find_sheet`] finds a sheet of paper, [`find_edge`] one of its edges,
 //! [`find_markers`], [`compare_markers`] and [`InstabilityWatch`] say when a rod with markers stops being a helix.
 //! [`render()`] makes pictures to test all this with.
 //!
@@ -86,6 +86,7 @@ mod score_figure;
 mod sheet;
 mod skeleton;
 mod smoothing;
+mod straight_edge;
 mod strand;
 mod strand_end;
 mod thinning;
@@ -112,8 +113,8 @@ pub use marker::{
 pub use mask::Mask;
 pub use order::{StrandCrossing, find_crossings};
 pub use overlay::{
-    centrelines_csv, centrelines_svg, encode_labels, encode_picture, marker_overlay, mask_overlay,
-    overlay, sheet_overlay, strand_colour,
+    centrelines_csv, centrelines_svg, edges_overlay, encode_labels, encode_picture, marker_overlay,
+    mask_overlay, overlay, sheet_overlay, strand_colour,
 };
 pub use passage::Passage;
 pub use pattern::{Metric, pattern, pattern_csv};
@@ -126,6 +127,7 @@ pub use render::{RenderOptions, RenderedRod, render};
 pub use score::{CurveError, SCORE_POINTS, Score, part_of_curve, rigid_alignment, score};
 pub use score_figure::score_figure;
 pub use sheet::{EdgePose, Sheet, find_sheet, sliding};
+pub use straight_edge::{FoundEdge, find_edge};
 pub use trace::{Trace, TraceOptions, clean_mask, trace, trace_contrast};
 pub use whole_rod::whole_rod;
 

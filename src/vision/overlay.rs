@@ -99,6 +99,17 @@ pub fn sheet_overlay(picture: &RgbImage, sheet: &Sheet) -> RgbImage {
     image
 }
 
+/// The picture, dimmed, with straight edges on it, from pixel to pixel.
+pub fn edges_overlay(picture: &RgbImage, edges: &[[Point; 2]]) -> RgbImage {
+    let mut image = dimmed(picture);
+    let stroke = stroke_of(&image);
+    for (number, ends) in edges.iter().enumerate() {
+        let depth = |distance: f64| 0.5 * stroke - distance;
+        paint(&mut image, *ends, stroke, depth, strand_colour(number));
+    }
+    image
+}
+
 /// The picture, dimmed, with rings about the spots that were found, discs where markers are expected, and a line from each
 /// to the spot that was taken for it.
 pub fn marker_overlay(picture: &RgbImage, spots: &[Point], errors: &MarkerErrors) -> RgbImage {

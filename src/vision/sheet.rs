@@ -5,6 +5,7 @@
 
 use super::contrast::Contrast;
 use super::mask::Mask;
+use super::straight_edge::{Line, edge_points, fit_line};
 use super::{ColourRule, Point, VisionError};
 use image::RgbImage;
 
@@ -78,10 +79,8 @@ pub fn sliding(before: &EdgePose, after: &EdgePose, direction: Point) -> f64 {
     (after.middle - before.middle).dot(&unit)
 }
 
-/// Points that are looked for along an edge.
-const EDGE_POINTS: usize = 120;
-/// Part of an edge near each corner that is not used.
-const CORNER_PART: f64 = 0.08;
+/// How far from the lines between its corners edges of a sheet are looked for, pixels.
+const REACH: f64 = 8.0;
 
 /// Finds the largest sheet that a colour rule tells from the rest. `locate` maps pixels to coordinates in which
 /// edges are straight: [`Camera::on_table`](super::Camera::on_table), or the identity for a lens without distortion.
@@ -110,7 +109,7 @@ pub fn find_sheet(
     let mut lines = Vec::new();
     for edge in 0..4 {
         let mut points = Vec::new();
-        for pixel in edge_points(&contrast, corners[edge], corners[(edge + 1) % 4]) {
+        for pixel in edge_points(&contrast, corners[edge], corners[(edge + 1) % 4], REACH) {
             points.push(locate(pixel)?);
         }
         lines.push(
@@ -205,69 +204,6 @@ fn largest_quadrilateral(hull: &[Point]) -> Option<[Point; 4]> {
     }
     let corners: [Point; 4] = polygon.try_into().ok()?;
     (area(&corners) > 0.9 * area(hull)).then_some(corners)
-}
-
-/// Points at which the contrast passes its threshold on the way from inside to outside across an edge.
-fn edge_points(contrast: &Contrast, from: Point, to: Point) -> Vec<Point> {
-    let along = to - from;
-    let Some(unit) = along.try_normalize(1e-9) else {
-        return Vec::new();
-    };
-    let outwards = Point::new(unit.y, -unit.x);
-    let threshold = f64::from(contrast.threshold);
-    let mut points = Vec::new();
-    for index in 0..EDGE_POINTS {
-        let part =
-            CORNER_PART + (1.0 - 2.0 * CORNER_PART) * (index as f64 + 0.5) / EDGE_POINTS as f64;
-        let base = from + along * part;
-        let value = |t: f64| {
-            let point = base + outwards * t;
-            contrast.at(point.x, point.y) - threshold
-        };
-        const STEP: f64 = 0.5;
-        const REACH: i32 = 16;
-        let crossing = (-REACH..REACH).find_map(|k| {
-            let t = f64::from(k) * STEP;
-            let (inside, outside) = (value(t), value(t + STEP));
-            (inside >= 0.0 && outside < 0.0).then(|| t + STEP * inside / (inside - outside))
-        });
-        points.extend(crossing.map(|t| base + outwards * t));
-    }
-    points
-}
-
-/// A line n·x = d and the scatter of its points.
-struct Line {
-    normal: Point,
-    offset: f64,
-    deviation: f64,
-}
-
-/// Line with the least squared distances; points far off are left out in three rounds.
-fn fit_line(mut points: Vec<Point>) -> Option<Line> {
-    let wanted = points.len();
-    let mut line = None;
-    for _ in 0..3 {
-        if points.len() < EDGE_POINTS / 3 || points.len() * 2 < wanted {
-            return None;
-        }
-        let middle = points.iter().sum::<Point>() / points.len() as f64;
-        let mut covariance = nalgebra::Matrix2::zeros();
-        for point in &points {
-            covariance += (point - middle) * (point - middle).transpose();
-        }
-        let eigen = covariance.symmetric_eigen();
-        let least = eigen.eigenvalues.imin();
-        let normal: Point = eigen.eigenvectors.column(least).into();
-        let deviation = (eigen.eigenvalues[least].max(0.0) / points.len() as f64).sqrt();
-        points.retain(|point| (point - middle).dot(&normal).abs() <= 2.5 * deviation + 1e-12);
-        line = Some(Line {
-            normal,
-            offset: normal.dot(&middle),
-            deviation,
-        });
-    }
-    line
 }
 
 fn meet(a: &Line, b: &Line) -> Option<Point> {

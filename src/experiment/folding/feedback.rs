@@ -76,22 +76,15 @@ impl VisualFeedback {
             index.min(self.path.times.len() - 1)
         };
         let [from, to] = [end, end + 1].map(|end| index_of(self.ends[end].0));
-        let FoldPose { gripper, angle } = self.path.poses[from];
-        let believed = self.path.slid[from];
-        let held = FoldPose {
-            gripper: [gripper[0] + (believed - slid) / self.path.unit, gripper[1]],
-            angle,
-        };
-        let sheet_end = self.sheet.length;
-        let is_off = held.gripper[0] > sheet_end;
-        match planner.onwards(held, self.ends[end + 1].1) {
-            Ok(poses) if !is_off => {
-                // The pose itself is the same place, seen from a sheet that has slid.
-                self.path.poses[from] = held;
+        let farther = (slid - self.path.slid[from]) / self.path.unit;
+        match planner.next_part(self.path.poses[from], farther, self.ends[end + 1].1) {
+            Ok(poses) => {
+                // The first is the same place, seen from a sheet that has slid.
+                self.path.poses[from] = poses[0];
                 self.path.slid[from] = slid;
                 self.path.replace([from, to], &poses, slid);
             }
-            _ => {
+            Err(_) => {
                 self.path.lift_from(from, RISE * self.path.unit);
                 self.next = self.ends.len();
             }

@@ -9,8 +9,6 @@ use serde::{Deserialize, Serialize};
 
 /// Parts of the time of a run in which the gripper rests, before the fold and after it.
 const REST: f64 = 0.03;
-/// Way of the gripper, in L_gb, that takes as long as a turn by 1 rad.
-const TURN: f64 = 1.0;
 
 /// Where the gripper is when.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -47,10 +45,7 @@ impl GripperPath {
     ) -> Result<Self, FoldError> {
         let unit = folding.believed().gravito_bending_length;
         let target = folding.target();
-        let flat = FoldPose {
-            gripper: [0.0; 2],
-            angle: 0.0,
-        };
+        let flat = FoldPose::FLAT;
         let mut poses = vec![flat; 2];
         let planned = planner.poses(target / unit)?.into_iter();
         poses.extend(planned.filter(|pose| *pose != flat));
@@ -184,9 +179,7 @@ impl GripperPath {
 fn timed(poses: &[FoldPose], [begin, end]: [f64; 2]) -> Vec<f64> {
     let mut sum = 0.0;
     let ways = poses.windows(2).map(|pair| {
-        let [dx, dz] = [0, 1].map(|k| pair[1].gripper[k] - pair[0].gripper[k]);
-        let turn = (pair[1].angle - pair[0].angle).abs();
-        sum += libm::hypot(dx, dz).max(TURN * turn).max(1e-9);
+        sum += pair[0].way_to(&pair[1]).max(1e-9);
         sum
     });
     let ways: Vec<f64> = [0.0].into_iter().chain(ways).collect();

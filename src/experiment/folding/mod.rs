@@ -24,4 +24,4 @@ pub use folded_figure::{FoldedOutlines, folded_outlines};
 pub use keys::{AlgorithmName, Crease, Paper, TypedPaper, resolve_paper};
 pub use kind::FoldingKind;
 pub use outcome::FoldingOutcome;
-pub use tables::planned_fold;
+pub use tables::{FoldingTables, planned_fold};

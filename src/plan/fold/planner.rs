@@ -99,6 +99,27 @@ impl FoldPlanner {
         Ok(folds?.folds.iter().map(FoldPose::of).collect())
     }
 
+    /// The next part of a way, of a sheet that has slid (thesis Algorithm 5): the gripper is at a planned pose; on the sheet, which has
+    /// slid by `farther`, L_gb, since that was planned, it is behind, and goes on to where it was to go. Poses are those on the sheet.
+    ///
+    /// # Errors
+    /// No way leads there, or the gripper is beyond the end of the sheet.
+    pub fn next_part(
+        &self,
+        at: FoldPose,
+        farther: f64,
+        to: FoldPose,
+    ) -> Result<Vec<FoldPose>, FoldError> {
+        let held = FoldPose {
+            gripper: [at.gripper[0] - farther, at.gripper[1]],
+            ..at
+        };
+        if held.gripper[0] > self.sheet.length {
+            return Err(FoldError::NoPath(to.gripper[0]));
+        }
+        self.onwards(held, to)
+    }
+
     /// Poses from one that is held to another, as a part of a way that is planned anew (thesis Eq. 4.15): the best over the manifold, whose
     /// angles differ at first by what the held one differs from that of the manifold, and less and less on the way:
     ///

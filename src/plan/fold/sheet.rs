@@ -2,9 +2,9 @@
 
 use super::equilibrium::Fold;
 use super::path::Sheet;
-use crate::mechanics::{UnitQuaternion, Vector3, rotation};
+use super::pose::FoldPose;
+use crate::mechanics::Vector3;
 use crate::plan::deployment::GripperPose;
-use std::f64::consts::PI;
 
 /// What of a sheet matters for folding it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,17 +52,12 @@ impl FoldedSheet {
             GripperPose {
                 s: way,
                 position,
-                rotation: orientation(fold.angle),
+                rotation: FoldPose::of(fold).orientation(),
                 grasp: None,
             }
         });
         poses.collect()
     }
-}
-
-/// Turned by α about y from the flat sheet, whose tangent towards its edge is −x.
-fn orientation(angle: f64) -> UnitQuaternion {
-    rotation::from_vector(angle * Vector3::y()) * rotation::from_vector(PI * Vector3::z())
 }
 
 #[cfg(test)]

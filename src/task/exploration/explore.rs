@@ -3,20 +3,20 @@
 use super::ray::{Ray, RayRequest};
 use super::record::{ExplorationPlan, ExplorationRecord};
 use super::row::{ExplorationRow, ExplorationSummary, Found, TABLE, read_rows};
-use super::walk::{Picture, SearchSteps, Searched, WalkError, Walker, follow};
+use super::walk::{LOG, Picture, SearchSteps, Searched, Walker};
 use crate::cell::{Cell, HandPathRequest};
 use crate::experiment::ClampedRod;
 use crate::mechanics::kirchhoff::{Helix, critical_distance};
 use crate::results::{CsvStream, ResultsError, read_whole_rows, write_whole};
 use crate::robot::{JointTrajectory, Pose};
+use crate::task::error::WorkError;
 use crate::task::record::Status;
+use crate::task::working_arm::{Grip, WorkingArm};
 use crate::vision::{ColourRule, encode_picture, marker_overlay};
 use serde::Serialize;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-/// Longest wait for the gripper.
-const GRIPPER: Duration = Duration::from_secs(20);
 /// Points of a straight way of the joints.
 const POINTS: usize = 100;
 /// Joints nearer than this, rad or m, are there.
@@ -237,15 +237,17 @@ impl Exploration<'_> {
         if rows.len() >= self.directions.len() {
             return Ok(());
         }
-        let log = self.directory.join("motion");
         let walker = Walker {
-            cell: self.cell,
-            arm: self.arm,
+            arm: WorkingArm {
+                cell: self.cell,
+                arm: self.arm,
+                directory: self.directory,
+                unfinished: None,
+                is_interrupted,
+            },
             rod: self.rod,
             colour: self.colour,
             steps: self.search,
-            log: &log,
-            is_interrupted,
         };
         self.straighten(&walker, record, &start, rows.len())?;
         for index in rows.len()..self.directions.len() {
@@ -330,21 +332,12 @@ impl Exploration<'_> {
         let mut straight = start.to_vec();
         straight.push(0.0);
         if let Some(way) = self.straight_way(&joints, &straight)? {
-            let gone = follow(self.cell, &way, walker.log, walker.is_interrupted);
+            let gone = walker.arm.follow(LOG, &way);
             gone.map_err(|error| in_words(error, doing))?;
         }
         let doing = "clamping the rod";
-        let Some((gripper, [_, closed])) = self.cell.gripper(self.arm) else {
-            return Err(failed(
-                doing,
-                "the arm has no gripper in the cell file".into(),
-            ));
-        };
-        let moved = gripper.command(closed, GRIPPER, walker.is_interrupted);
-        moved.map_err(|error| match (walker.is_interrupted)() {
-            true => ExploreError::Interrupted,
-            false => failed(doing, error.to_string()),
-        })?;
+        let clamped = walker.arm.grip(Grip::Close);
+        clamped.map_err(|error| in_words(error, doing))?;
         record.is_clamped = true;
         Ok(record.write(self.directory)?)
     }
@@ -421,10 +414,10 @@ impl Exploration<'_> {
     }
 }
 
-fn in_words(error: WalkError, doing: &str) -> ExploreError {
+fn in_words(error: WorkError, doing: &str) -> ExploreError {
     match error {
-        WalkError::Interrupted => ExploreError::Interrupted,
-        WalkError::Failed(reason) => ExploreError::Failed {
+        WorkError::Interrupted => ExploreError::Interrupted,
+        WorkError::Failed(reason) => ExploreError::Failed {
             doing: doing.into(),
             reason,
         },

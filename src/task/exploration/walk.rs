@@ -1,14 +1,13 @@
 //! Motions along a ray, looks from there, and the search for the instability.
 
 use super::ray::{Ray, SPACING};
-use crate::cell::Cell;
 use crate::experiment::ClampedRod;
-use crate::robot::{Ending, JointTrajectory, StreamLog, stream};
+use crate::task::error::WorkError;
 use crate::task::look::next_picture;
+use crate::task::working_arm::WorkingArm;
 use crate::vision::{ColourRule, MarkerErrors, Point, compare_markers, find_markers};
 use image::RgbImage;
 use serde::Serialize;
-use std::path::Path;
 
 /// Fewest and most pixels of a marker.
 const MARKER_AREA: [usize; 2] = [6, 2000];
@@ -20,6 +19,8 @@ const FOUND: f64 = 0.5;
 const THERE: f64 = 1e-4;
 /// How long the arm rests after a step before the camera looks, s.
 const REST: f64 = 0.3;
+/// The folder of the newest motion.
+pub const LOG: &str = "motion";
 
 /// How the instability is sought.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -34,15 +35,6 @@ pub struct SearchSteps {
     pub speed: f64,
     /// The same on the way back.
     pub return_speed: f64,
-}
-
-/// Why a walk ended early.
-#[derive(Debug)]
-pub enum WalkError {
-    /// Something failed.
-    Failed(String),
-    /// Somebody asked for the end; all holds.
-    Interrupted,
 }
 
 /// What was seen.
@@ -86,20 +78,14 @@ pub struct Picture {
 
 /// An arm and a chuck on a ray.
 pub struct Walker<'a> {
-    /// The cell.
-    pub cell: &'a Cell,
-    /// Index of the arm.
-    pub arm: usize,
+    /// The arm. Its motions are logged, each over the one before.
+    pub arm: WorkingArm<'a>,
     /// The rod.
     pub rod: &'a ClampedRod,
     /// Which pixels are markers.
     pub colour: &'a ColourRule,
     /// How it goes on.
     pub steps: SearchSteps,
-    /// Where motions are logged: overwritten by each next one.
-    pub log: &'a Path,
-    /// Whether somebody asks for the end.
-    pub is_interrupted: &'a dyn Fn() -> bool,
 }
 
 impl Walker<'_> {
@@ -107,7 +93,7 @@ impl Walker<'_> {
     ///
     /// # Errors
     /// Something fails on the way: all was told to hold. Or the rod does not become straight again.
-    pub fn search(&self, ray: &Ray) -> Result<Searched, WalkError> {
+    pub fn search(&self, ray: &Ray) -> Result<Searched, WorkError> {
         let mut walk = Walk {
             walker: self,
             ray,
@@ -122,7 +108,7 @@ impl Walker<'_> {
         };
         walk.go(0)?;
         if !walk.look()? {
-            return Err(WalkError::Failed(
+            return Err(WorkError::Failed(
                 "the rod does not become straight again; look at it, and begin a new exploration with another one".into(),
             ));
         }
@@ -139,7 +125,7 @@ impl Walker<'_> {
     ///
     /// # Errors
     /// Something fails on the way.
-    pub fn return_from(&self, ray: &Ray, joints: Vec<f64>) -> Result<(), WalkError> {
+    pub fn return_from(&self, ray: &Ray, joints: Vec<f64>) -> Result<(), WorkError> {
         let (index, away) = ray.nearest(&joints);
         if index == 0 && away < THERE {
             return Ok(());
@@ -153,40 +139,12 @@ impl Walker<'_> {
         self.stream(&points, self.steps.return_speed)
     }
 
-    fn stream(&self, points: &[Vec<f64>], speed: f64) -> Result<(), WalkError> {
-        let failed = |reason: String| WalkError::Failed(reason);
-        let chuck = self.cell.chuck.expect("the cell has a chuck");
-        let motion = self
-            .cell
-            .motion_along(self.arm, chuck.axis, points, speed, REST);
-        let motion = motion.map_err(|error| failed(error.to_string()))?;
-        follow(self.cell, &motion, self.log, self.is_interrupted)
-    }
-}
-
-/// Streams a motion, with its log in a folder.
-///
-/// # Errors
-/// Something fails, or somebody asks for the end: all was told to hold.
-pub fn follow(
-    cell: &Cell,
-    motion: &JointTrajectory,
-    folder: &Path,
-    is_interrupted: &dyn Fn() -> bool,
-) -> Result<(), WalkError> {
-    let failed = |reason: String| WalkError::Failed(reason);
-    let prepared = cell.prepare_stream(std::slice::from_ref(motion));
-    let (mut parts, _) = prepared.map_err(failed)?;
-    let unwritable =
-        |error: std::io::Error| failed(format!("{} cannot be written: {error}", folder.display()));
-    std::fs::create_dir_all(folder).map_err(unwritable)?;
-    let mut log = StreamLog::open(folder).map_err(unwritable)?;
-    let ending = stream(&mut parts, &cell.stream_bounds(), is_interrupted, &mut log);
-    let logged = log.finish();
-    match ending {
-        Ending::Finished => logged.map_err(unwritable),
-        Ending::Interrupted => Err(WalkError::Interrupted),
-        Ending::Failed(reason) => Err(failed(reason)),
+    fn stream(&self, points: &[Vec<f64>], speed: f64) -> Result<(), WorkError> {
+        let WorkingArm { cell, arm, .. } = self.arm;
+        let chuck = cell.chuck.expect("the cell has a chuck");
+        let motion = cell.motion_along(arm, chuck.axis, points, speed, REST);
+        let motion = motion.map_err(|error| WorkError::Failed(error.to_string()))?;
+        self.arm.follow(LOG, &motion)
     }
 }
 
@@ -203,7 +161,7 @@ struct Walk<'a> {
 
 impl Walk<'_> {
     /// The last point of the ray at which the rod is the helix, and the next one, at which it is none any more.
-    fn outwards(&mut self) -> Result<(usize, Option<usize>), WalkError> {
+    fn outwards(&mut self) -> Result<(usize, Option<usize>), WorkError> {
         let SearchSteps {
             step, precision, ..
         } = self.walker.steps;
@@ -219,7 +177,7 @@ impl Walk<'_> {
         self.go(back)?;
         while !self.look()? {
             if back == 0 {
-                return Err(WalkError::Failed(
+                return Err(WorkError::Failed(
                     "the rod does not become straight again; look at it, and begin a new exploration with another one".into(),
                 ));
             }
@@ -238,7 +196,7 @@ impl Walk<'_> {
     }
 
     /// Goes on by so many points until the rod is no helix, or the ray ends; returns the point before it was none.
-    fn advance(&mut self, points: usize) -> Result<Option<usize>, WalkError> {
+    fn advance(&mut self, points: usize) -> Result<Option<usize>, WorkError> {
         let last = self.ray.points.len() - 1;
         while self.at < last {
             let before = self.at;
@@ -250,7 +208,7 @@ impl Walk<'_> {
         Ok(None)
     }
 
-    fn go(&mut self, to: usize) -> Result<(), WalkError> {
+    fn go(&mut self, to: usize) -> Result<(), WorkError> {
         if to == self.at {
             return Ok(());
         }
@@ -271,13 +229,13 @@ impl Walk<'_> {
     }
 
     /// Whether the rod is the helix that it should be.
-    fn look(&mut self) -> Result<bool, WalkError> {
-        let failed = |reason: String| WalkError::Failed(format!("looking: {reason}"));
+    fn look(&mut self) -> Result<bool, WorkError> {
+        let failed = |reason: String| WorkError::Failed(format!("looking: {reason}"));
         let walker = self.walker;
-        if (walker.is_interrupted)() {
-            return Err(WalkError::Interrupted);
+        if (walker.arm.is_interrupted)() {
+            return Err(WorkError::Interrupted);
         }
-        let pixels = next_picture(walker.cell).map_err(failed)?;
+        let pixels = next_picture(walker.arm.cell).map_err(failed)?;
         let seen = compare(walker, self.ray, self.at, pixels);
         let picture = seen.map_err(|error| failed(error.to_string()))?;
         let deviation = deviation(&picture.errors, walker.rod.length);
@@ -310,13 +268,14 @@ fn compare(
     index: usize,
     pixels: RgbImage,
 ) -> Result<Picture, crate::vision::VisionError> {
-    let camera = walker.cell.camera.as_ref().expect("the cell has a camera");
-    let camera = camera.seeing(walker.cell.table_height());
+    let cell = walker.arm.cell;
+    let camera = cell.camera.as_ref().expect("the cell has a camera");
+    let camera = camera.seeing(cell.table_height());
     camera.check_size(pixels.width(), pixels.height())?;
     let [least, most] = MARKER_AREA;
     let spots = find_markers(&pixels, walker.colour, least, most)?;
     let length = walker.rod.length;
-    let expected = ray.places(walker.cell, length, index, &walker.rod.marker_places());
+    let expected = ray.places(cell, length, index, &walker.rod.marker_places());
     let depths = expected.iter();
     let depth =
         |place: &nalgebra::Vector3<f64>| camera.pose.inverse_transform_point(&(*place).into()).z;

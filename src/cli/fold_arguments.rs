@@ -1,0 +1,118 @@
+//! Arguments of `rodlab fold`.
+
+use super::plan::{parse_place, positive};
+use super::plan_fold::{crease, friction};
+use super::values::positive_length;
+use crate::cell::Place;
+use crate::experiment::{AlgorithmName, Crease};
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+use std::path::PathBuf;
+
+/// Arguments of `rodlab fold`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  rodlab fold --paper scenarios/papers/a4.toml --dry-run
+  rodlab fold --paper scenarios/papers/a4.toml --feedback 5
+  rodlab fold --paper scenarios/papers/a4.toml --crease half --simulate --open
+  rodlab fold --paper scenarios/papers/us_letter.toml --crease half --algorithm optimal --feedback 5 --simulate
+  rodlab fold --paper scenarios/papers/a4.toml --crease \"25 cm\" --algorithm circle --simulate --out results/circle
+
+In a cell the camera looks where the sheet lies; the arm takes its edge and folds it in parts. After each the camera looks how far
+the sheet has slid, and with --feedback the next is planned anew. What was seen is scored, then the gripper lets go. Nothing moves with
+--dry-run: look at its page first. Everything is in one directory: manifest.json, report.md, joints.csv, cell.html, looks.csv, the
+pictures, and a folder with commanded.csv, state.csv and events.csv for each motion. Exit code 1: something failed on the way;
+the message and report.md say what. `rodlab cell serve --paper FILE` is a cell to try it with.
+With --simulate the sheet is folded in plain simulation, without an arm; the results directory is that of any run, and its
+scenario can be taken on with `rodlab run`.")]
+pub struct FoldArguments {
+    /// The sheet: TOML with [folding.paper], as in scenarios/papers
+    #[arg(long, value_name = "FILE")]
+    pub paper: PathBuf,
+    /// Where the edge goes: `half`, onto the opposite edge; `diagonal`, a corner of a square sheet onto the opposite one; or how far
+    #[arg(long, value_name = "half|diagonal|LENGTH", value_parser = crease, default_value = "half")]
+    pub crease: Crease,
+    /// How the way of the gripper is planned; `held` holds the edge with as little moment as the friction needs
+    #[arg(long, default_value = "held", value_parser = PossibleValuesParser::new(ALGORITHMS))]
+    pub algorithm: String,
+    /// Plan each of N parts of the way but the first anew from how far the sheet is seen to have slid; at most 20 in a cell
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=1000))]
+    pub feedback: Option<u16>,
+    /// Friction of the table [default: that in the sheet's file]
+    #[arg(long, value_name = "FRICTION", value_parser = friction)]
+    pub friction: Option<f64>,
+    /// The cell file
+    #[arg(
+        long,
+        value_name = "FILE",
+        default_value = "scenarios/cells/gantry.toml"
+    )]
+    pub cell: PathBuf,
+    /// Name of the arm; not needed where the cell has only one
+    #[arg(long, value_name = "NAME")]
+    pub arm: Option<String>,
+    /// Where the middle of the edge lies in the cell: x,y,z in metres, and the direction over the sheet, degrees about z. The
+    /// camera sees it more exactly; of the directions of the sheet that it sees the nearest is taken [default: the sheet in the
+    /// middle of the table, along x]
+    #[arg(long, value_name = "X,Y,Z[,TURN]", value_parser = parse_place, allow_hyphen_values = true)]
+    pub place: Option<Place>,
+    /// Greatest speed of the hand while it folds, m/s
+    #[arg(long, value_name = "SPEED", default_value_t = 0.05, value_parser = positive)]
+    pub hand_speed: f64,
+    /// Greatest speed of the hand on the way to the sheet, m/s
+    #[arg(long, value_name = "SPEED", default_value_t = 0.1, value_parser = positive)]
+    pub approach_speed: f64,
+    /// Least distance to anything else, m
+    #[arg(long, value_name = "DISTANCE", default_value_t = 0.01, value_parser = positive)]
+    pub margin: f64,
+    /// Which colours are paper, as of `rodlab trace`
+    #[arg(long, value_name = "RULE", default_value = "auto")]
+    pub colour: String,
+    /// Plan everything, write the page, and move nothing
+    #[arg(long, conflicts_with = "simulate")]
+    pub dry_run: bool,
+    /// The arm, and what it holds, were looked at after a task that did not come to its end
+    #[arg(long, conflicts_with = "simulate")]
+    pub checked: bool,
+    /// Fold in plain simulation, without a cell
+    #[arg(long)]
+    pub simulate: bool,
+    /// Root mean square of a trembling of the gripper in each direction
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length, requires = "simulate")]
+    pub jitter: Option<f64>,
+    /// Seed of that
+    #[arg(long, value_name = "N", default_value_t = 0, requires = "simulate")]
+    pub seed: u32,
+    /// Where the results go [default: results/fold-TIME, with --simulate results/fold_<name of the sheet's file>]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Start over and discard earlier results
+    #[arg(long, requires = "simulate")]
+    pub force: bool,
+    /// Open the page in the browser
+    #[arg(long, requires = "simulate")]
+    pub open: bool,
+}
+
+/// Names of algorithms in scenario files.
+const ALGORITHMS: [&str; 5] = [
+    "held",
+    "optimal",
+    "least-friction",
+    "circle",
+    "step-by-step",
+];
+
+impl FoldArguments {
+    /// The way of folding by its name.
+    pub fn algorithm(&self) -> AlgorithmName {
+        match self.algorithm.as_str() {
+            "optimal" => AlgorithmName::Optimal,
+            "least-friction" => AlgorithmName::LeastFriction,
+            "circle" => AlgorithmName::Circle,
+            "step-by-step" => AlgorithmName::StepByStep,
+            _ => AlgorithmName::Held,
+        }
+    }
+}

@@ -1,0 +1,209 @@
+//! `rodlab fold` in a robot cell.
+
+use super::cell_task::{ended_early, note_end, refuse_unfinished, status_of};
+use super::failure::Failure;
+use super::fold_arguments::FoldArguments;
+use super::folded_sheet::PaperFile;
+use super::interruption::watch_for_interruption;
+use super::log_directory::log_directory;
+use super::output::print_json;
+use super::solve_arm::arm_named;
+use crate::cell::{Cell, Place};
+use crate::results::write_whole;
+use crate::robot::Pose;
+use crate::task::{
+    FoldMotionRequest, FoldRecord, FoldRequest, FoldTask, FoldWay, Status, Unfinished, heading,
+};
+use crate::vision::ColourRule;
+use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
+use std::sync::atomic::Ordering;
+
+/// Parts of a way that is not planned anew: after each the camera looks.
+const WATCHED_PARTS: u16 = 5;
+/// Most parts of a way: in each the arm starts and stops.
+const MOST_PARTS: u16 = 20;
+/// Frames of the page of the arm in motion.
+const FRAMES: usize = 400;
+
+/// Folds a sheet with an arm, or shows how it would.
+pub fn fold_in_cell(
+    arguments: &FoldArguments,
+    file: &PaperFile,
+    target: f64,
+    friction: f64,
+) -> Result<(), Failure> {
+    let parts = arguments.feedback.unwrap_or(WATCHED_PARTS);
+    if parts > MOST_PARTS {
+        let message = format!("--feedback: {parts}; allowed in a cell: 2 to {MOST_PARTS}");
+        return Err(Failure::Input(message));
+    }
+    let cell = Cell::read(&arguments.cell)?;
+    let arm = arm_named(&cell, arguments.arm.as_deref(), &arguments.cell)?;
+    if !arguments.dry_run {
+        if !arguments.checked {
+            refuse_unfinished(&cell, arm)?;
+        }
+        let missing = missing_part(&cell, arm);
+        if let Some(what) = missing {
+            let message = format!("{}: {what}", arguments.cell.display());
+            return Err(Failure::Input(message));
+        }
+    }
+    let colour = ColourRule::parse(&arguments.colour)?;
+    let request = FoldRequest {
+        sheet: file.paper.sheet(arguments.crease),
+        thickness: file.paper.thickness,
+        target,
+        algorithm: arguments.algorithm().on(friction),
+        parts: usize::from(parts),
+    };
+    let way = FoldWay::new(request).map_err(|error| {
+        let length = request.sheet.length;
+        Failure::Input(format!("{}, {length:.4} m long: {error}", file.title))
+    })?;
+    let frame = expected_frame(arguments, &cell, &request)?;
+    let planned = FoldMotionRequest {
+        cell: &cell,
+        arm,
+        frame,
+        speed: arguments.hand_speed,
+        margin: arguments.margin,
+    };
+    let motion = planned.plan(&way)?;
+    let directory = log_directory("fold", arguments.out.as_deref())?;
+    let unfinished = Unfinished::of(&cell, arm, &directory);
+    let whole = motion.whole();
+    write_whole(&directory.join("joints.csv"), whole.to_csv().as_bytes())?;
+    let page = cell.page(Some(&whole), FRAMES);
+    write_whole(&directory.join("cell.html"), page.as_bytes())?;
+    let mut record = FoldRecord {
+        version: env!("CARGO_PKG_VERSION"),
+        command_line: std::env::args().collect(),
+        start: jiff::Timestamp::now(),
+        end: None,
+        status: Status::Planned,
+        error: None,
+        cell: cell.title.clone(),
+        arm: cell.arms[arm].name.clone(),
+        paper: file.title.clone(),
+        target_m: target,
+        algorithm: arguments.algorithm.clone(),
+        parts: request.parts,
+        closed_loop: arguments.feedback.is_some(),
+        motion: motion.report,
+        sheet_place: None,
+        times_s: Vec::new(),
+        looks: Vec::new(),
+        score: None,
+    };
+    if arguments.dry_run {
+        record.write(&directory)?;
+        return print_json(&record);
+    }
+    record.status = Status::Running;
+    record.write(&directory)?;
+    let interrupted = watch_for_interruption()?;
+    let task = FoldTask {
+        cell: &cell,
+        arm,
+        paper: file.paper,
+        crease: arguments.crease,
+        request,
+        is_closed_loop: arguments.feedback.is_some(),
+        heading: heading(&frame),
+        colour: &colour,
+        speed: arguments.hand_speed,
+        approach_speed: arguments.approach_speed,
+        margin: arguments.margin,
+        unfinished: Some(&unfinished),
+        directory: &directory,
+    };
+    let end = task.run(&|| interrupted.load(Ordering::Relaxed));
+    record.end = Some(jiff::Timestamp::now());
+    record.times_s = end.times;
+    record.looks = end.looks;
+    record.sheet_place = end.frame.map(|frame| {
+        let place = frame.translation.vector;
+        [place.x, place.y, heading(&frame).to_degrees()]
+    });
+    let failure = match end.score {
+        Ok(score) => {
+            record.score = Some(score);
+            record.status = Status::Finished;
+            note_end(&unfinished).err()
+        }
+        Err(error) => {
+            record.status = status_of(&error);
+            record.error = Some(error.to_string());
+            Some(ended_early(&error, &directory))
+        }
+    };
+    record.write(&directory)?;
+    match failure {
+        Some(failure) => Err(failure),
+        None => print_json(&record),
+    }
+}
+
+/// What a fold with an arm needs and the cell file lacks, in words.
+fn missing_part(cell: &Cell, arm: usize) -> Option<String> {
+    let known = &cell.arms[arm];
+    let name = &known.name;
+    let camera = cell.camera.as_ref();
+    if camera.is_none_or(|camera| camera.source.is_none()) {
+        let needed =
+            "a [camera] with a `source`: it looks where the sheet lies and how far it slides";
+        return Some(needed.into());
+    }
+    if known.driver.is_none() {
+        return Some(format!("arm {name} needs a `driver`"));
+    }
+    if cell.gripper(arm).is_none() {
+        let needed = "needs a `gripper`, and a driver of kind \"rosbridge\" or \"ros1\" for it";
+        return Some(format!("arm {name} {needed}"));
+    }
+    None
+}
+
+/// Where the sheet is expected: its middle in that of the table where nobody says.
+fn expected_frame(
+    arguments: &FoldArguments,
+    cell: &Cell,
+    request: &FoldRequest,
+) -> Result<Pose, Failure> {
+    let rise = 0.5 * request.thickness;
+    let length = request.sheet.length;
+    let [x, y, z, turn] = match (arguments.place, cell.table) {
+        (Some(Place::At(place)), _) => place,
+        (Some(Place::Auto), _) => {
+            let message = "--place auto: a sheet is folded where it lies; needed: x,y,z and a turn about z in degrees";
+            return Err(Failure::Input(message.into()));
+        }
+        (None, Some(table)) => {
+            let top = table.top.translation.vector;
+            [top.x - 0.5 * length, top.y, top.z, 0.0]
+        }
+        (None, None) => {
+            let message = "--place is needed: the cell has no [table]";
+            return Err(Failure::Input(message.into()));
+        }
+    };
+    let frame = Pose::from_parts(
+        Translation3::new(x, y, z + rise),
+        UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn),
+    );
+    if let Some(table) = cell.table {
+        let [long, wide, _] = table.size.map(|side| 0.5 * side);
+        let is_on = |along: f64| {
+            let place = table.top.inverse() * frame * Point3::new(along, 0.0, 0.0);
+            place.x.abs() <= long && place.y.abs() <= wide
+        };
+        if !(is_on(0.0) && is_on(length)) {
+            return Err(Failure::Input(format!(
+                "--place: the sheet, {length:.3} m long, does not lie on the table, {:.3} m by {:.3} m",
+                table.size[0], table.size[1]
+            )));
+        }
+    }
+    Ok(frame)
+}

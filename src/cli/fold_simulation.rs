@@ -1,0 +1,80 @@
+//! `rodlab fold --simulate`.
+
+use super::common::Common;
+use super::failure::Failure;
+use super::fold_arguments::FoldArguments;
+use super::output::print;
+use super::run::{prepare, summary};
+use super::view::show;
+use super::watchdog;
+use crate::experiment::{Crease, case_set_from_text};
+use crate::report::write_page;
+use crate::results::PAGE;
+use crate::run::RunOptions;
+use std::fmt::Write;
+use std::path::Path;
+
+/// Outputs that the page shows at most.
+const OUTPUTS: usize = 2500;
+/// Time of a fold, s.
+const TIME: f64 = 15.0;
+
+/// Folds a sheet in simulation, writes the page and prints the score.
+pub fn fold_in_simulation(
+    arguments: &FoldArguments,
+    title: &str,
+    friction: f64,
+    common: &Common,
+) -> Result<(), Failure> {
+    watchdog::watch(None);
+    let stem = arguments.paper.file_stem().unwrap_or_default();
+    let name = format!("fold_{}", stem.to_string_lossy());
+    let text = scenario(arguments, title, friction)?;
+    let cases = case_set_from_text(&name, &text, Path::new(""))?;
+    let prepared = prepare(&cases)?;
+    let directory = arguments.out.clone();
+    let directory = directory.unwrap_or_else(|| Path::new("results").join(&name));
+    let options = RunOptions {
+        force: arguments.force,
+        progress: !common.quiet,
+        ..RunOptions::new(directory)
+    };
+    let outcome = crate::run::run(&prepared, &options)?;
+    let page = outcome.directory.join(PAGE);
+    write_page(&outcome.directory, &page, OUTPUTS, &|_, _| {})?;
+    print(&summary(&outcome))?;
+    print(&format!("{:<24}{}\n", "page", page.display()))?;
+    if arguments.open { show(&page) } else { Ok(()) }
+}
+
+/// The scenario of a fold.
+fn scenario(arguments: &FoldArguments, title: &str, friction: f64) -> Result<String, Failure> {
+    let paper = std::path::absolute(&arguments.paper);
+    let paper = paper.map_err(|error| Failure::System(error.to_string()))?;
+    let quoted = |text: &str| toml::Value::from(text).to_string();
+    let crease = match arguments.crease {
+        Crease::Half => quoted("half"),
+        Crease::Diagonal => quoted("diagonal"),
+        Crease::At(target) => format!("{target:?}"),
+    };
+    let mut text = format!(
+        "extends = {}\nexperiment = \"folding\"\ntitle = {}\n\n[folding]\ncrease = {crease}\nalgorithm = {}\nseed = {}\n",
+        quoted(&paper.to_string_lossy()),
+        quoted(title),
+        quoted(&arguments.algorithm),
+        arguments.seed
+    );
+    // Writing to a string cannot fail.
+    if let Some(parts) = arguments.feedback {
+        let _ = writeln!(text, "feedback = {{ parts = {parts} }}");
+    }
+    if let Some(jitter) = arguments.jitter {
+        let _ = writeln!(text, "jitter = {jitter:?}");
+    }
+    let _ = write!(
+        text,
+        "\n[contact]\nfriction = {friction:?}\ndistance_tolerance = \"20 µm\"\nslip_tolerance = \"0.02 mm/s\"\n\n\
+         [time]\nstep = \"5 ms\"\nend = {TIME:?}\n\n[output]\ninterval = \"0.1 s\"\n"
+    );
+    Ok(text)
+}

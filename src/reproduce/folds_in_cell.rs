@@ -1,0 +1,147 @@
+//! A sheet folded in the virtual cell, through drivers and camera, by the task of `rodlab fold`.
+
+use super::ReproduceError;
+use super::cases::Case;
+use super::folds::{Folded, SCENARIOS};
+use super::served_cell::{ANY_PORT, with_cell};
+use crate::cell::Cell;
+use crate::experiment::{FoldingTables, from_text};
+use crate::plan::fold::{Algorithm, Objective};
+use crate::results::{ResultsError, SCENARIO, write_whole};
+use crate::task::{FoldEnd, FoldRequest, FoldTask};
+use crate::virtual_cell::{HeldSheet, Response, RodError, ServeError, Settings, SimulatedSheet};
+use crate::vision::ColourRule;
+use std::fs;
+use std::path::Path;
+
+/// The cell.
+const CELL: &str = include_str!("../../scenarios/cells/gantry.toml");
+/// Friction of the table.
+pub(super) const FRICTION: f64 = 0.12;
+/// Parts of a way, after each of which the camera looks (thesis sec. 4.6.5).
+pub(super) const PARTS: usize = 5;
+/// How many times as fast as real time the cell is, if it can.
+const RATE: f64 = 10.0;
+/// Speeds of the hand while it folds and on its way, m/s, and least distance of the arm to anything, m: those of `rodlab fold`.
+const SPEEDS: [f64; 2] = [0.05, 0.1];
+const MARGIN: f64 = 0.01;
+
+/// Why a sheet was not folded.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum FoldingError {
+    /// The cell cannot be served, or not to the end.
+    #[error(transparent)]
+    Served(#[from] ServeError),
+    /// It has no sheet.
+    #[error(transparent)]
+    Sheet(#[from] RodError),
+    /// No hand took it.
+    #[error("the sheet was not taken: {0}")]
+    NotTaken(String),
+}
+
+/// A sheet that was folded, or was to be.
+pub(super) struct FoldedInCell {
+    /// Stages, looks and score of the task, by camera and joints.
+    pub end: FoldEnd,
+    /// What the simulated sheet came to while it was held.
+    pub held: HeldSheet,
+    /// How far its edge was to go, m.
+    pub target: f64,
+}
+
+/// Folds the sheet of a run that was simulated in the virtual cell, in closed loop. Pictures and logs go into a folder beside the run.
+pub(super) fn fold_in_cell(
+    case: &Case<Folded>,
+) -> Result<Result<FoldedInCell, FoldingError>, ReproduceError> {
+    let text = fs::read_to_string(case.directory.join(SCENARIO))
+        .map_err(ResultsError::io("read", &case.directory))?;
+    let loaded = from_text("scenario", &text, Path::new(""), &[]);
+    let loaded = loaded.expect("the scenario of a run");
+    let tables: Option<&FoldingTables> = loaded.scenario.experiment.tables();
+    let mut name = case.directory.file_name().unwrap_or_default().to_owned();
+    name.push("-cell");
+    let directory = case.directory.with_file_name(name);
+    fs::create_dir_all(&directory).map_err(ResultsError::io("create", &directory))?;
+    let scenario = &SCENARIOS[case.run.scenario];
+    for (name, text) in [("cell.toml", CELL), ("paper.toml", scenario.paper)] {
+        write_whole(&directory.join(name), text.as_bytes())?;
+    }
+    let cell = Cell::read(&directory.join("cell.toml")).expect("a cell of this program");
+    let is_diagonal = scenario.crease == "diagonal";
+    let fold = FoldInCell {
+        tables: tables.expect("a sheet that is folded"),
+        algorithm: if scenario.is_held {
+            Algorithm::Held { friction: FRICTION }
+        } else {
+            Algorithm::Optimal(Objective::Sum)
+        },
+        is_diagonal,
+        directory: &directory,
+    };
+    Ok(fold.in_cell(&cell))
+}
+
+/// What is folded.
+struct FoldInCell<'a> {
+    tables: &'a FoldingTables,
+    algorithm: Algorithm,
+    is_diagonal: bool,
+    directory: &'a Path,
+}
+
+impl FoldInCell<'_> {
+    fn in_cell(&self, cell: &Cell) -> Result<FoldedInCell, FoldingError> {
+        let table = cell.table.expect("the gantry has a table").top;
+        let file = self.directory.join("paper.toml");
+        let sheet = SimulatedSheet::new(&file, FRICTION, self.is_diagonal, None, &table)?;
+        let settings = Settings {
+            address: ANY_PORT.into(),
+            token: None,
+            rate: RATE,
+            response: Response::default(),
+            supply: None,
+            sheet: Some(sheet),
+            chucked: None,
+            jitter: None,
+            faults: Vec::new(),
+        };
+        let (end, served) = with_cell(cell, settings, |cell| self.fold(cell))?;
+        let held = served.sheet().and_then(SimulatedSheet::last_held);
+        match (held, &end.score) {
+            (Some(held), _) => Ok(FoldedInCell {
+                end,
+                held,
+                target: self.tables.folding.target(),
+            }),
+            (None, Err(error)) => Err(FoldingError::NotTaken(error.to_string())),
+            (None, Ok(_)) => Err(FoldingError::NotTaken("nothing was held".into())),
+        }
+    }
+
+    fn fold(&self, cell: &Cell) -> FoldEnd {
+        let folding = &self.tables.folding;
+        let task = FoldTask {
+            cell,
+            arm: 0,
+            paper: folding.paper,
+            crease: folding.crease,
+            request: FoldRequest {
+                sheet: folding.sheet(),
+                thickness: folding.paper.thickness,
+                target: folding.target(),
+                algorithm: self.algorithm,
+                parts: PARTS,
+            },
+            is_closed_loop: true,
+            heading: 0.0,
+            colour: &ColourRule::Background,
+            speed: SPEEDS[0],
+            approach_speed: SPEEDS[1],
+            margin: MARGIN,
+            unfinished: None,
+            directory: self.directory,
+        };
+        task.run(&|| false)
+    }
+}

@@ -1,0 +1,100 @@
+//! What the camera saw of a sheet while it was folded, and what the fold came to.
+
+use serde::Serialize;
+use std::fmt::Write;
+
+/// A look at the sheet after a part of its way.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Look {
+    /// The part, from 1.
+    pub part: usize,
+    /// Where the edge is, by the joints of the arm, in the frame of the sheet, m: along the fold and up.
+    pub edge_m: [f64; 2],
+    /// How far the free end has slid in the direction of the fold, m, where it is seen.
+    pub slid_m: Option<f64>,
+    /// Whether the next part is planned anew.
+    pub is_planned_anew: bool,
+}
+
+/// What a fold came to, before the gripper let go.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FoldScore {
+    /// How far the free end had slid in the direction of the fold when it was seen last, m.
+    pub sliding_m: f64,
+    /// The farthest that it was seen to have slid, m.
+    pub largest_sliding_m: f64,
+    /// Whether at the end the edge lay on the free end, so that this was seen no more.
+    pub is_end_hidden: bool,
+    /// How far the edge had come along the fold, by the joints of the arm, m.
+    pub edge_m: f64,
+    /// From the edge to a crease that is pressed half a crease target back from it, along the sheet, m.
+    pub fold_length_m: f64,
+    /// What that is more than half the crease target, m.
+    pub fold_length_error_m: f64,
+}
+
+impl FoldScore {
+    /// The score of looks at a sheet whose edge was to go so far, m; `None` where its end was never seen.
+    pub fn of(looks: &[Look], target: f64) -> Option<Self> {
+        let last = looks.last()?;
+        let seen = looks.iter().filter_map(|look| look.slid_m);
+        let sliding_m = seen.clone().next_back()?;
+        let [edge_m, _] = last.edge_m;
+        let fold_length_m = edge_m - 0.5 * target - sliding_m;
+        Some(Self {
+            sliding_m,
+            largest_sliding_m: seen.map(f64::abs).fold(0.0, f64::max),
+            is_end_hidden: last.slid_m.is_none(),
+            edge_m,
+            fold_length_m,
+            fold_length_error_m: fold_length_m - 0.5 * target,
+        })
+    }
+}
+
+/// Looks as a table.
+pub fn looks_csv(looks: &[Look]) -> String {
+    let mut text = String::from("part,edge_x_m,edge_z_m,slid_m,planned_anew\n");
+    for look in looks {
+        let [x, z] = look.edge_m;
+        let slid = look
+            .slid_m
+            .map_or_else(String::new, |slid| format!("{slid:.6}"));
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "{},{x:.6},{z:.6},{slid},{}",
+            look.part, look.is_planned_anew
+        );
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn look(part: usize, x: f64, slid: Option<f64>) -> Look {
+        Look {
+            part,
+            edge_m: [x, 0.0],
+            slid_m: slid,
+            is_planned_anew: false,
+        }
+    }
+
+    #[test]
+    fn the_crease_is_half_a_target_back_from_the_edge_on_a_sheet_that_has_slid() {
+        let looks = [
+            look(1, 0.1, Some(-1e-3)),
+            look(2, 0.2, Some(3e-3)),
+            look(3, 0.298, None),
+        ];
+        let score = FoldScore::of(&looks, 0.296).unwrap();
+        assert_eq!((score.sliding_m, score.largest_sliding_m), (3e-3, 3e-3));
+        assert!(score.is_end_hidden);
+        assert!((score.fold_length_m - 0.147).abs() < 1e-12);
+        assert!((score.fold_length_error_m + 1e-3).abs() < 1e-12);
+        assert_eq!(FoldScore::of(&looks[2..], 0.296), None);
+    }
+}

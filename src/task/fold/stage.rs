@@ -1,0 +1,43 @@
+//! What is done one after the other when a sheet is folded, and why it ends early.
+
+use crate::task::error::{TaskError, TaskStage};
+
+/// What is done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FoldStage {
+    /// The camera looks where the sheet lies.
+    Look,
+    /// The arm goes in front of its edge.
+    Approach,
+    /// The hand goes to the edge, and the gripper takes it.
+    Take,
+    /// The sheet is folded.
+    Fold,
+    /// The camera looks how far it has slid.
+    Score,
+    /// The gripper lets go.
+    LetGo,
+    /// The arm goes out of the picture.
+    Retreat,
+    /// The camera looks what is left of the fold.
+    LookAgain,
+}
+
+impl TaskStage for FoldStage {
+    fn in_words(self) -> &'static str {
+        match self {
+            Self::Look => "looking where the sheet lies",
+            Self::Approach => "going to its edge",
+            Self::Take => "taking the edge",
+            Self::Fold => "folding",
+            Self::Score => "scoring",
+            Self::LetGo => "letting the edge go",
+            Self::Retreat => "going out of the picture",
+            Self::LookAgain => "looking again",
+        }
+    }
+}
+
+/// Why a fold ended early.
+pub type FoldTaskError = TaskError<FoldStage>;
