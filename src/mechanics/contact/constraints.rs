@@ -10,29 +10,40 @@
 
 use super::candidates::approach;
 use super::contact_system::ContactSystem;
-use super::contacts::{ActiveContact, Bodies, ContactConstraint, EdgeJacobian, PlaneContact};
+use super::contacts::{
+    ActiveContact, Bodies, CandidatePair, ContactConstraint, EdgeJacobian, PlaneContact,
+};
 use super::distance::{DistanceDerivatives, WEIGHT_RATES};
 use super::nearest_points::{NearestPoints, separation};
 use super::normal_law::{LEAST_FORCE, NormalLaw};
 use crate::mechanics::Vector3;
 
 impl ContactSystem {
-    /// Lists the contacts that the unhindered motion from `positions`, of at most `reaches` (m) per node, may close, with
-    /// the forces that they had among `earlier` ones, or else along their normals in the last step, to begin with.
+    /// Lists the contacts that `motions` of the nodes from `positions` may close, m, or bring to within `margin` (m) of that, and
+    /// those among `earlier` ones wherever they are, with the forces that they had there, or else in the last step, to begin with.
     pub fn list_constraints(
         &mut self,
         positions: &[Vector3],
-        reaches: &[f64],
+        motions: &[Vector3],
+        margin: f64,
         earlier: &[ContactConstraint],
     ) {
-        let slack = self.parameters().reach();
+        let slack = self.parameters().reach() + margin;
+        let is_known = |place: (bool, usize, usize)| {
+            let found = earlier.binary_search_by_key(&place, ContactConstraint::order);
+            found.is_ok()
+        };
         self.constraints.clear();
         self.candidates.motion(positions, &mut self.motion);
         let points = self.obstacles.points(positions);
         let pairs = self.candidates.pairs().iter().zip(self.candidates.gaps());
-        for (candidate, (pair, earlier)) in pairs.enumerate() {
-            let closing = approach(pair, reaches) + slack;
-            if earlier - approach(pair, &self.motion) >= closing {
+        for (candidate, (pair, last_gap)) in pairs.enumerate() {
+            let closing = if is_known((false, candidate, 0)) {
+                f64::INFINITY
+            } else {
+                largest_relative_motion(pair, motions) + slack
+            };
+            if last_gap - approach(pair, &self.motion) >= closing {
                 continue;
             }
             let Some(nearest) = NearestPoints::of(pair, &points.of(pair.nodes), 0.0) else {
@@ -57,7 +68,8 @@ impl ContactSystem {
             for surface in self.surface.nodes() {
                 let (node, radius) = (surface.node, surface.radius);
                 let gap = plane.distance(&positions[node]) - radius;
-                if gap < reaches[node] + slack {
+                let closing = slack - plane.normal.dot(&motions[node]);
+                if gap < closing || is_known((true, index, node)) {
                     self.constraints.push(ContactConstraint::new(
                         Bodies::Plane(index),
                         [node; 4],
@@ -83,16 +95,31 @@ impl ContactSystem {
             {}
             let same = known.next_if(|other| other.order() == constraint.order());
             constraint.force = match (same, earlier.is_empty()) {
-                (Some(other), _) => other.force,
+                (Some(other), _) => {
+                    constraint.touched = other.touched;
+                    other.force
+                }
                 (None, true) => {
                     let slot = self.slot_of(constraint);
-                    let committed = self.multipliers.committed().get(slot);
-                    constraint.normal * committed.copied().unwrap_or(0.0)
+                    let force = self.multipliers.committed().get(slot);
+                    let traction = self.carried_tractions.committed().get(slot);
+                    let traction = traction.copied().flatten().unwrap_or_default();
+                    let normal = constraint.normal;
+                    let along = traction - normal * normal.dot(&traction);
+                    (normal + along) * force.copied().unwrap_or(0.0)
                 }
                 (None, false) => Vector3::zeros(),
             };
         }
         self.constraints = constraints;
+    }
+
+    /// Largest motion of rods that are candidates relative to each other, for motions of all nodes, m.
+    pub fn largest_relative_motion(&self, motions: &[Vector3]) -> f64 {
+        let pairs = self.candidates.pairs().iter();
+        pairs
+            .map(|pair| largest_relative_motion(pair, motions))
+            .fold(0.0, f64::max)
     }
 
     /// Where a constraint keeps what it carries from step to step.
@@ -181,13 +208,14 @@ impl ContactSystem {
         &self.constraints
     }
 
-    /// Gives the listed contacts their forces, N, and drops those without.
+    /// Gives the listed contacts their forces, N, and drops those that never had any in this step. One that had stays: left out
+    /// where it has opened, it would be found overlapping and listed again, to and fro.
     pub fn load_constraints(&mut self, forces: &[Vector3]) {
         for (constraint, force) in self.constraints.iter_mut().zip(forces) {
             constraint.force = *force;
+            constraint.touched |= *force != Vector3::zeros();
         }
-        self.constraints
-            .retain(|constraint| constraint.force != Vector3::zeros());
+        self.constraints.retain(|constraint| constraint.touched);
     }
 
     /// Drops all constraints with their forces, and returns them.
@@ -197,7 +225,8 @@ impl ContactSystem {
 
     /// Writes the forces of the loaded constraints as contacts, with the gaps at `positions`.
     pub(super) fn evaluate_constraints(&mut self, positions: &[Vector3]) {
-        for constraint in &self.constraints {
+        let loaded = |one: &&ContactConstraint| one.force != Vector3::zeros();
+        for constraint in self.constraints.iter().filter(loaded) {
             let ContactConstraint {
                 nodes,
                 weights,
@@ -206,6 +235,12 @@ impl ContactSystem {
                 ..
             } = *constraint;
             let normal_force = force.dot(&constraint.normal);
+            let traction = force / normal_force - constraint.normal;
+            let tractions = match constraint.bodies {
+                Bodies::Edges(_) => &mut self.tractions,
+                Bodies::Plane(_) => &mut self.plane_tractions,
+            };
+            tractions.push(traction);
             match constraint.bodies {
                 Bodies::Edges(candidate) => self.contacts.push(ActiveContact {
                     candidate,
@@ -232,6 +267,16 @@ impl ContactSystem {
                 }),
             }
         }
-        self.contact_count = self.constraints.len();
+        self.contact_count = self.contacts.len() + self.plane_contacts.len();
     }
+}
+
+/// Largest motion of a point of the one edge relative to one of the other, m. Vertices of obstacles stay.
+fn largest_relative_motion(pair: &CandidatePair, motions: &[Vector3]) -> f64 {
+    let [a, b, c, d] = pair
+        .nodes
+        .map(|node| motions.get(node).copied().unwrap_or_default());
+    // It is convex in the places of both points.
+    let corners = [a - c, a - d, b - c, b - d].map(|motion| motion.norm_squared());
+    corners.into_iter().fold(0.0, f64::max).sqrt()
 }
