@@ -245,8 +245,11 @@ impl Workspace {
                 if !balanced && (passes == CONTACT_PASSES || unsolved == UNSOLVED_PASSES) {
                     return Err(Failure::NoContactForces { iterations });
                 }
-                if !balanced && passes <= COMMON_PASSES {
+                // The last one, too: what it would stop, or else goes on as predicted, step after step.
+                if balanced || passes <= COMMON_PASSES {
                     system.take_correction(trial, FARTHEST_CORRECTION * stopping.radius);
+                }
+                if !balanced && passes <= COMMON_PASSES {
                     if !system.candidates_are_complete(trial) {
                         system.update_candidates(trial);
                     }
