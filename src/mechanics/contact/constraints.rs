@@ -18,6 +18,9 @@ use super::nearest_points::{NearestPoints, separation};
 use super::normal_law::{LEAST_FORCE, NormalLaw};
 use crate::mechanics::Vector3;
 
+/// What motions along each other may close of a gap, as a part of them: normals turn. What this misses is found overlapping.
+const SIDEWAYS: f64 = 0.1;
+
 impl ContactSystem {
     /// Lists the contacts that `motions` of the nodes from `positions` may close, m, or bring to within `margin` (m) of that, and
     /// those among `earlier` ones wherever they are, with the forces that they had there, or else in the last step, to begin with.
@@ -38,12 +41,9 @@ impl ContactSystem {
         let points = self.obstacles.points(positions);
         let pairs = self.candidates.pairs().iter().zip(self.candidates.gaps());
         for (candidate, (pair, last_gap)) in pairs.enumerate() {
-            let closing = if is_known((false, candidate, 0)) {
-                f64::INFINITY
-            } else {
-                largest_relative_motion(pair, motions) + slack
-            };
-            if last_gap - approach(pair, &self.motion) >= closing {
+            let is_known = is_known((false, candidate, 0));
+            let farthest = largest_relative_motion(pair, motions);
+            if !is_known && last_gap - approach(pair, &self.motion) >= farthest + slack {
                 continue;
             }
             let Some(nearest) = NearestPoints::of(pair, &points.of(pair.nodes), 0.0) else {
@@ -52,7 +52,9 @@ impl ContactSystem {
             let threshold = self.surface.threshold(pair.edges);
             let gap = nearest.distance() - self.surface.core(pair.edges) - threshold;
             let normal = nearest.normal();
-            if gap < closing && !self.surface.is_at_reflex_edge(pair, &normal, &points) {
+            let closing = largest_approach(pair, motions, &normal) + SIDEWAYS * farthest;
+            let may_touch = is_known || gap < closing + slack;
+            if may_touch && !self.surface.is_at_reflex_edge(pair, &normal, &points) {
                 let friction = self.surface.friction_between(pair.edges);
                 let friction = friction.unwrap_or(self.parameters.friction);
                 self.constraints.push(ContactConstraint::new(
@@ -271,12 +273,23 @@ impl ContactSystem {
     }
 }
 
-/// Largest motion of a point of the one edge relative to one of the other, m. Vertices of obstacles stay.
+/// Largest motion of a point of the one edge relative to one of the other, m.
 fn largest_relative_motion(pair: &CandidatePair, motions: &[Vector3]) -> f64 {
+    let corners = relative_motions(pair, motions).map(|motion| motion.norm_squared());
+    corners.into_iter().fold(0.0, f64::max).sqrt()
+}
+
+/// The same against the normal, m: what the gap closes by at most.
+fn largest_approach(pair: &CandidatePair, motions: &[Vector3], normal: &Vector3) -> f64 {
+    let corners = relative_motions(pair, motions).map(|motion| -motion.dot(normal));
+    corners.into_iter().fold(0.0, f64::max)
+}
+
+/// Motions of the ends of the one edge relative to those of the other, m; that of a point of the one relative to a point of the
+/// other lies between them. Vertices of obstacles stay.
+fn relative_motions(pair: &CandidatePair, motions: &[Vector3]) -> [Vector3; 4] {
     let [a, b, c, d] = pair
         .nodes
         .map(|node| motions.get(node).copied().unwrap_or_default());
-    // It is convex in the places of both points.
-    let corners = [a - c, a - d, b - c, b - d].map(|motion| motion.norm_squared());
-    corners.into_iter().fold(0.0, f64::max).sqrt()
+    [a - c, a - d, b - c, b - d]
 }
