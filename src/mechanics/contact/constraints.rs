@@ -10,29 +10,40 @@
 
 use super::candidates::approach;
 use super::contact_system::ContactSystem;
-use super::contacts::{ActiveContact, Bodies, ContactConstraint, EdgeJacobian, PlaneContact};
+use super::contacts::{
+    ActiveContact, Bodies, CandidatePair, ContactConstraint, EdgeJacobian, PlaneContact,
+};
 use super::distance::{DistanceDerivatives, WEIGHT_RATES};
 use super::nearest_points::{NearestPoints, separation};
 use super::normal_law::{LEAST_FORCE, NormalLaw};
 use crate::mechanics::Vector3;
 
+/// What motions along each other may close of a gap, as a part of them: normals turn. What this misses is found overlapping.
+const SIDEWAYS: f64 = 0.1;
+
 impl ContactSystem {
-    /// Lists the contacts that the unhindered motion from `positions`, of at most `reaches` (m) per node, may close, with
-    /// the forces that they had among `earlier` ones, or else along their normals in the last step, to begin with.
+    /// Lists the contacts that `motions` of the nodes from `positions` may close, m, or bring to within `margin` (m) of that, and
+    /// those among `earlier` ones wherever they are, with the forces that they had there, or else in the last step, to begin with.
     pub fn list_constraints(
         &mut self,
         positions: &[Vector3],
-        reaches: &[f64],
+        motions: &[Vector3],
+        margin: f64,
         earlier: &[ContactConstraint],
     ) {
-        let slack = self.parameters().reach();
+        let slack = self.parameters().reach() + margin;
+        let is_known = |place: (bool, usize, usize)| {
+            let found = earlier.binary_search_by_key(&place, ContactConstraint::order);
+            found.is_ok()
+        };
         self.constraints.clear();
         self.candidates.motion(positions, &mut self.motion);
         let points = self.obstacles.points(positions);
         let pairs = self.candidates.pairs().iter().zip(self.candidates.gaps());
-        for (candidate, (pair, earlier)) in pairs.enumerate() {
-            let closing = approach(pair, reaches) + slack;
-            if earlier - approach(pair, &self.motion) >= closing {
+        for (candidate, (pair, last_gap)) in pairs.enumerate() {
+            let is_known = is_known((false, candidate, 0));
+            let farthest = largest_relative_motion(pair, motions);
+            if !is_known && last_gap - approach(pair, &self.motion) >= farthest + slack {
                 continue;
             }
             let Some(nearest) = NearestPoints::of(pair, &points.of(pair.nodes), 0.0) else {
@@ -41,7 +52,9 @@ impl ContactSystem {
             let threshold = self.surface.threshold(pair.edges);
             let gap = nearest.distance() - self.surface.core(pair.edges) - threshold;
             let normal = nearest.normal();
-            if gap < closing && !self.surface.is_at_reflex_edge(pair, &normal, &points) {
+            let closing = largest_approach(pair, motions, &normal) + SIDEWAYS * farthest;
+            let may_touch = is_known || gap < closing + slack;
+            if may_touch && !self.surface.is_at_reflex_edge(pair, &normal, &points) {
                 let friction = self.surface.friction_between(pair.edges);
                 let friction = friction.unwrap_or(self.parameters.friction);
                 self.constraints.push(ContactConstraint::new(
@@ -57,7 +70,8 @@ impl ContactSystem {
             for surface in self.surface.nodes() {
                 let (node, radius) = (surface.node, surface.radius);
                 let gap = plane.distance(&positions[node]) - radius;
-                if gap < reaches[node] + slack {
+                let closing = slack - plane.normal.dot(&motions[node]);
+                if gap < closing || is_known((true, index, node)) {
                     self.constraints.push(ContactConstraint::new(
                         Bodies::Plane(index),
                         [node; 4],
@@ -83,16 +97,31 @@ impl ContactSystem {
             {}
             let same = known.next_if(|other| other.order() == constraint.order());
             constraint.force = match (same, earlier.is_empty()) {
-                (Some(other), _) => other.force,
+                (Some(other), _) => {
+                    constraint.touched = other.touched;
+                    other.force
+                }
                 (None, true) => {
                     let slot = self.slot_of(constraint);
-                    let committed = self.multipliers.committed().get(slot);
-                    constraint.normal * committed.copied().unwrap_or(0.0)
+                    let force = self.multipliers.committed().get(slot);
+                    let traction = self.carried_tractions.committed().get(slot);
+                    let traction = traction.copied().flatten().unwrap_or_default();
+                    let normal = constraint.normal;
+                    let along = traction - normal * normal.dot(&traction);
+                    (normal + along) * force.copied().unwrap_or(0.0)
                 }
                 (None, false) => Vector3::zeros(),
             };
         }
         self.constraints = constraints;
+    }
+
+    /// Largest motion of rods that are candidates relative to each other, for motions of all nodes, m.
+    pub fn largest_relative_motion(&self, motions: &[Vector3]) -> f64 {
+        let pairs = self.candidates.pairs().iter();
+        pairs
+            .map(|pair| largest_relative_motion(pair, motions))
+            .fold(0.0, f64::max)
     }
 
     /// Where a constraint keeps what it carries from step to step.
@@ -181,13 +210,14 @@ impl ContactSystem {
         &self.constraints
     }
 
-    /// Gives the listed contacts their forces, N, and drops those without.
+    /// Gives the listed contacts their forces, N, and drops those that never had any in this step. One that had stays: left out
+    /// where it has opened, it would be found overlapping and listed again, to and fro.
     pub fn load_constraints(&mut self, forces: &[Vector3]) {
         for (constraint, force) in self.constraints.iter_mut().zip(forces) {
             constraint.force = *force;
+            constraint.touched |= *force != Vector3::zeros();
         }
-        self.constraints
-            .retain(|constraint| constraint.force != Vector3::zeros());
+        self.constraints.retain(|constraint| constraint.touched);
     }
 
     /// Drops all constraints with their forces, and returns them.
@@ -197,7 +227,8 @@ impl ContactSystem {
 
     /// Writes the forces of the loaded constraints as contacts, with the gaps at `positions`.
     pub(super) fn evaluate_constraints(&mut self, positions: &[Vector3]) {
-        for constraint in &self.constraints {
+        let loaded = |one: &&ContactConstraint| one.force != Vector3::zeros();
+        for constraint in self.constraints.iter().filter(loaded) {
             let ContactConstraint {
                 nodes,
                 weights,
@@ -206,6 +237,12 @@ impl ContactSystem {
                 ..
             } = *constraint;
             let normal_force = force.dot(&constraint.normal);
+            let traction = force / normal_force - constraint.normal;
+            let tractions = match constraint.bodies {
+                Bodies::Edges(_) => &mut self.tractions,
+                Bodies::Plane(_) => &mut self.plane_tractions,
+            };
+            tractions.push(traction);
             match constraint.bodies {
                 Bodies::Edges(candidate) => self.contacts.push(ActiveContact {
                     candidate,
@@ -232,6 +269,27 @@ impl ContactSystem {
                 }),
             }
         }
-        self.contact_count = self.constraints.len();
+        self.contact_count = self.contacts.len() + self.plane_contacts.len();
     }
+}
+
+/// Largest motion of a point of the one edge relative to one of the other, m.
+fn largest_relative_motion(pair: &CandidatePair, motions: &[Vector3]) -> f64 {
+    let corners = relative_motions(pair, motions).map(|motion| motion.norm_squared());
+    corners.into_iter().fold(0.0, f64::max).sqrt()
+}
+
+/// The same against the normal, m: what the gap closes by at most.
+fn largest_approach(pair: &CandidatePair, motions: &[Vector3], normal: &Vector3) -> f64 {
+    let corners = relative_motions(pair, motions).map(|motion| -motion.dot(normal));
+    corners.into_iter().fold(0.0, f64::max)
+}
+
+/// Motions of the ends of the one edge relative to those of the other, m; that of a point of the one relative to a point of the
+/// other lies between them. Vertices of obstacles stay.
+fn relative_motions(pair: &CandidatePair, motions: &[Vector3]) -> [Vector3; 4] {
+    let [a, b, c, d] = pair
+        .nodes
+        .map(|node| motions.get(node).copied().unwrap_or_default());
+    [a - c, a - d, b - c, b - d]
 }

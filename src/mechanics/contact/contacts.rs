@@ -140,6 +140,8 @@ pub struct ContactConstraint {
     pub(super) threshold: f64,
     /// Force on the first body, N.
     pub force: Vector3,
+    /// Whether it has borne a force since the step began.
+    pub(super) touched: bool,
 }
 
 impl ContactConstraint {
@@ -176,6 +178,7 @@ impl ContactConstraint {
             friction,
             threshold,
             force: Vector3::zeros(),
+            touched: false,
         }
     }
 

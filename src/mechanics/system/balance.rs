@@ -23,10 +23,6 @@ use crate::mechanics::rod::{RodRange, STRIDE};
 /// Last digits of the unknowns to which a residual must vanish.
 const ROUNDINGS: f64 = 8.0;
 
-/// What residual contact by complementarity leaves of its forces: some millionths, for the compliance by which contacts
-/// that do the same work share them. A rod that sticks must not creep by it.
-const RIGID_CONTACT: f64 = 1e-5;
-
 /// Work of what is left of the residual that counts as none, of the energy of a rod: such works of many steps add up.
 const NEGLIGIBLE_WORK: f64 = 1e-5;
 
@@ -284,11 +280,6 @@ impl System {
     ) -> bool {
         let per_length = 1.0 / self.assembly.scales[rod].shortest_edge;
         let weights = [1.0, 1.0, 1.0, per_length];
-        let tolerance = if self.has_constraints() {
-            self.relative_tolerance.max(RIGID_CONTACT)
-        } else {
-            self.relative_tolerance
-        };
         let unknowns = STRIDE * range.first_node..STRIDE * (range.first_node + range.nodes);
         let rounding = self.tolerances[rod].rounding;
         let (mut largest, mut reactions) = (0.0_f64, 0.0_f64);
@@ -311,7 +302,7 @@ impl System {
             } else if load > 0.0 && !in_contact[k / STRIDE] {
                 self.relative_tolerance * load
             } else {
-                tolerance * largest
+                self.relative_tolerance * largest
             };
             weight * self.residual[k].abs() <= allowed
         })

@@ -13,7 +13,11 @@
 //! are linear, and one factorisation of the sparse matrix A + Hᵀ K H solves them all, K being the stiffness of contacts
 //! that hardly yield and whose forces of the last iteration count as well (proximal point: what they yield vanishes).
 //! Beginning with the forces of the step before, this takes as many iterations as it takes to find the states; where they
-//! cycle, sweeps with soft contacts lead out.
+//! cycle, smoothed laws lead to the solution (`rigid_contact::search`).
+//!
+//! What can touch is told by the motion that follows from the forces known so far, those of the last step at first: rods that fall
+//! or bear a load together do not approach each other. A contact that this misses is found overlapping the next time. From
+//! then on it belongs to the step, with a force or without.
 //!
 //! Contacts turn with the rods. Where edges are nearly parallel the contact points run along them as they do, and rods and forces
 //! found in turn would go to and fro; from the second time on A has, therefore, how the forces found last change as
@@ -32,7 +36,7 @@
 //! several solutions, or none; a step whose contact problem is not solved counts as failed and is halved, too.
 //! How contacts that do the same work share their force is left to where the iteration begins.
 
-use super::rigid_contact::{RigidContact, State, find_forces};
+use super::rigid_contact::{ForceSearch, Moves, RigidContact, State};
 use super::{Stage, System, copy_positions};
 use crate::linalg::{ElementMatrix, SingularMatrix};
 use crate::mechanics::Vector3;
@@ -66,7 +70,18 @@ impl System {
         contact.is_some_and(|contact| contact.parameters().is_complementarity())
     }
 
-    /// Finds the contact forces of the step `stage` linearised at `unknowns`; they act until the next call.
+    /// Whether rods near each other move by more than `far` (m) relative to each other in a step that ends at `unknowns`.
+    pub fn meets_fast(&self, unknowns: &[f64], stage: &Stage, far: f64) -> bool {
+        let starts = stage.positions.iter().enumerate();
+        let motions: Vec<Vector3> = starts
+            .map(|(node, start)| position(unknowns, node) - start)
+            .collect();
+        let contact = self.contact.as_ref();
+        contact.is_some_and(|contact| contact.largest_relative_motion(&motions) > far)
+    }
+
+    /// Finds the contact forces of the step `stage` linearised at `unknowns`; they act until the next call. `search`
+    /// goes with all calls of an attempt at a step, `radius` is that of the thinnest rod, m.
     /// Returns the largest move of a node that they and the other forces would cause, m: small where `unknowns`
     /// are the solution already, infinite where the forces do not obey the laws yet.
     ///
@@ -76,6 +91,8 @@ impl System {
         &mut self,
         unknowns: &[f64],
         stage: &Stage,
+        search: &mut ForceSearch,
+        radius: f64,
     ) -> Result<f64, NoContactForces> {
         let Some(mut contact) = self.contact.take() else {
             return Ok(0.0);
@@ -84,7 +101,7 @@ impl System {
         let found = if contact.candidates().is_empty() && !self.has_planes {
             Ok(0.0)
         } else {
-            self.load_constraints(&mut contact, &earlier, unknowns, stage)
+            self.load_constraints(&mut contact, &earlier, unknowns, stage, search, radius)
         };
         self.contact = Some(contact);
         found
@@ -107,19 +124,25 @@ impl System {
         earlier: &[ContactConstraint],
         unknowns: &[f64],
         stage: &Stage,
+        search: &mut ForceSearch,
+        radius: f64,
     ) -> Result<f64, NoContactForces> {
         self.linearize(unknowns, Some(stage));
         self.matrix.expect_contacts(contact);
         self.factor()?;
         let mut correction = std::mem::take(&mut self.correction);
         correction.resize(unknowns.len(), 0.0);
-        self.direction(&mut correction)?;
-        let nodes = 0..self.positions.len();
-        let reaches: Vec<f64> = nodes
-            .map(|node| position(&correction, node).norm())
-            .collect();
         copy_positions(unknowns, &mut self.positions);
-        contact.list_constraints(&self.positions, &reaches, earlier);
+        // What moves towards each other under the forces that are known may touch; what else touches, the next pass will see.
+        let mut motions = vec![Vector3::zeros(); self.positions.len()];
+        contact.list_constraints(&self.positions, &motions, 0.0, earlier);
+        self.free_forces(&mut correction);
+        for constraint in contact.constraints() {
+            self.push(constraint, &constraint.force, &mut correction);
+        }
+        self.matrix.solve(&mut correction)?;
+        copy_positions(&correction, &mut motions);
+        contact.list_constraints(&self.positions, &motions, 0.0, earlier);
         if contact.couple_constraints() {
             self.matrix.expect_other_candidates();
         }
@@ -128,7 +151,7 @@ impl System {
             // Forces of the last step belong to other contact points and directions.
             let turns = !earlier.is_empty();
             let (forces, solved) =
-                self.solve_constraints(contact, stage, &mut correction, turns)?;
+                self.solve_constraints(contact, stage, &mut correction, turns, search, radius)?;
             contact.load_constraints(&forces);
             if !solved {
                 moved = f64::INFINITY;
@@ -147,6 +170,8 @@ impl System {
         stage: &Stage,
         correction: &mut [f64],
         turns: bool,
+        search: &mut ForceSearch,
+        radius: f64,
     ) -> Result<(Vec<Vector3>, bool), NoContactForces> {
         let mut contacts: Vec<RigidContact> = contact
             .constraints()
@@ -164,20 +189,18 @@ impl System {
             Vec::new()
         };
         let negligible = NEGLIGIBLE_PART * self.least_tolerance();
-        let solved = find_forces(&mut contacts, negligible, |states, stiffness_changed| {
-            if stiffness_changed {
-                let laws = constraints.iter().zip(states).enumerate();
-                let matrices = laws.map(|(index, (constraint, state))| {
-                    let mut matrix = state.matrix(constraint);
-                    let turning = turning.get(index).map_or(&[][..], |one| one.as_flattened());
-                    for (entry, turn) in matrix.as_flattened_mut().iter_mut().zip(turning) {
-                        *entry -= turn;
-                    }
-                    (constraint.place(), matrix)
-                });
-                self.matrix.set_constraints(contact, matrices);
-                self.factor()?;
-            }
+        let solved = search.find(&mut contacts, negligible, |states| {
+            let laws = constraints.iter().zip(states).enumerate();
+            let matrices = laws.map(|(index, (constraint, state))| {
+                let mut matrix = state.matrix(constraint);
+                let turning = turning.get(index).map_or(&[][..], |one| one.as_flattened());
+                for (entry, turn) in matrix.as_flattened_mut().iter_mut().zip(turning) {
+                    *entry -= turn;
+                }
+                (constraint.place(), matrix)
+            });
+            self.matrix.set_constraints(contact, matrices);
+            self.factor()?;
             self.correct_by(constraints, states, correction);
             self.matrix.solve(correction)?;
             if correction.iter().any(|entry| !entry.is_finite()) {
@@ -186,7 +209,10 @@ impl System {
             let moved = |constraint: &ContactConstraint| {
                 constraint.relative_motion(|node| motion_of(correction, node))
             };
-            Ok(constraints.iter().map(moved).collect())
+            Ok(Moves {
+                contacts: constraints.iter().map(moved).collect(),
+                farthest: largest_move(correction) / radius,
+            })
         })?;
         let forces = contacts.iter().map(RigidContact::force).collect();
         Ok((forces, solved))
@@ -217,19 +243,26 @@ impl System {
         states: &[State],
         correction: &mut [f64],
     ) {
-        for ((entry, residual), held) in correction
-            .iter_mut()
-            .zip(&self.residual)
-            .zip(&self.assembly.held)
-        {
-            *entry = if *held { 0.0 } else { -residual };
-        }
+        self.free_forces(correction);
         for (constraint, state) in constraints.iter().zip(states) {
-            for (&node, weight) in constraint.nodes.iter().zip(constraint.weights) {
-                if self.assembly.is_free(node) {
-                    for axis in 0..3 {
-                        correction[STRIDE * node + axis] += weight * state.force[axis];
-                    }
+            self.push(constraint, &state.force, correction);
+        }
+    }
+
+    /// Writes −R.
+    fn free_forces(&self, forces: &mut [f64]) {
+        let entries = self.residual.iter().zip(&self.assembly.held);
+        for (force, (residual, held)) in forces.iter_mut().zip(entries) {
+            *force = if *held { 0.0 } else { -residual };
+        }
+    }
+
+    /// Adds a force (N) at a contact to the forces on the unknowns.
+    fn push(&self, constraint: &ContactConstraint, force: &Vector3, forces: &mut [f64]) {
+        for (&node, weight) in constraint.nodes.iter().zip(constraint.weights) {
+            if self.assembly.is_free(node) {
+                for axis in 0..3 {
+                    forces[STRIDE * node + axis] += weight * force[axis];
                 }
             }
         }

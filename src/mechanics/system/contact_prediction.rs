@@ -131,9 +131,9 @@ impl System {
     ) -> Option<f64> {
         let mut responses = Responses::new(self.matrix.rod_factor(), &self.assembly);
         let mut correction = responses.free_motion(&self.residual);
-        let reach = |node: usize| position(&correction, node).norm() + MARGIN * radius;
-        let reaches: Vec<f64> = (0..self.positions.len()).map(reach).collect();
-        contact.list_constraints(&self.positions, &reaches, &[]);
+        let nodes = 0..self.positions.len();
+        let motions: Vec<Vector3> = nodes.map(|node| position(&correction, node)).collect();
+        contact.list_constraints(&self.positions, &motions, 2.0 * MARGIN * radius, &[]);
         contact.load_begun_forces();
         let constraints = contact.constraints();
         if constraints.is_empty() {

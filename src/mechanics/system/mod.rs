@@ -60,6 +60,7 @@ use obstacles::MovingObstacle;
 pub use obstacles::obstacle_poses;
 pub use residual::TERMS;
 pub use resultants::Resultants;
+pub use rigid_contact::ForceSearch;
 use springs::Springs;
 pub use strain::{LargestStrains, SectionScale, Strain};
 use touching::contact_of;

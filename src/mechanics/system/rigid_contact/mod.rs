@@ -12,15 +12,19 @@
 //! points: λ = λ* − K w with a stiffness far above all others in the directions that are shut, and friction that turns with
 //! the slip while its size follows the normal force where they slide.
 //!
-//! [`find_forces`] goes from law to law until all projections are solutions at once. This is Newton's method for a function
+//! [`ForceSearch`] goes from law to law until all projections are solutions at once. This is Newton's method for a function
 //! with corners, and may cycle, as it does where contacts beside each other on nearly parallel edges bear nearly the same
-//! load; then sweeps of the alternating direction method of multipliers take over, each time for longer. They go on from
-//! where they ended and not from where Newton's method has led since. Where the matrix of the rods is indefinite, sweeps lead
-//! away from any solution, and end.
+//! load; then it follows smoothed laws to the solution.
 
 use crate::linalg::ElementMatrix;
 use crate::mechanics::contact::{ContactConstraint, cut};
 use crate::mechanics::{Matrix3, Vector3};
+
+mod search;
+mod smoothed;
+
+pub use search::ForceSearch;
+pub(super) use search::Moves;
 
 /// Stiffness of directions that are shut, in units of ρ: contacts that do the same work, as at the joint of two edges,
 /// share their force, and rounding leaves ten digits of it.
@@ -38,22 +42,6 @@ const PART_AFTER_REVERSAL: f64 = 0.25;
 const FREE_CHANGES: i32 = 3;
 const MOST_GOINGS: i32 = 6;
 
-/// Stiffness of sweeps in units of ρ: contacts of a pile yield less than by their inertia alone.
-const SOFT: f64 = 16.0;
-/// Over-relaxation of sweeps (Boyd et al. 2011, section 3.4.3): half as many as without; from 2 on they lead nowhere.
-const OVER_RELAXATION: f64 = 1.6;
-
-/// Iterations before they count as cycling.
-const ITERATIONS: usize = 12;
-/// Times that sweeps with soft contacts follow then, before the contact problem counts as unsolved, and how many at first; each
-/// time twice as many as before. In a pile of 50 rods the hardest of those that Newton's method leaves take 1,000 of them.
-const RELAXATIONS: usize = 5;
-const SWEEPS: usize = 40;
-/// Growth of the violation over so many sweeps by which they are known to lead away from any solution.
-const DIVERGENCE: f64 = 1e3;
-/// Largest violation of the laws of a solution, relative to the largest force.
-const TOLERANCE: f64 = 1e-9;
-
 /// A contact between iterations.
 pub(super) struct RigidContact {
     normal: Vector3,
@@ -61,16 +49,14 @@ pub(super) struct RigidContact {
     /// Gap and slip where the motion is zero, m.
     start: Vector3,
     inertia: f64,
+    /// Force to begin with, N.
+    begun: Vector3,
     /// Force of the last linear law, N.
     wanted: Vector3,
     /// Gap and slip w, m.
     apart: Vector3,
     /// Its projection λ*, N.
     projected: Vector3,
-    /// Force of sweeps, N, gap and slip that go with it, m, and those of the motion under it, m.
-    relaxed: Vector3,
-    admitted: Vector3,
-    swept: Vector3,
     /// Whether it kept a part of its force when it opened.
     kept: bool,
     slid: Vector3,
@@ -84,71 +70,6 @@ pub(super) struct RigidContact {
 pub(super) struct State {
     pub force: Vector3,
     stiffness: Matrix3,
-}
-
-/// Finds forces that obey the laws of all contacts; says whether they do, or iterations ran out. `move_by` solves for the
-/// motion under the linear laws that it is given, one per contact, and returns what moves the points of each, m; it is told
-/// whether their stiffness may have changed since it was last asked. Laws count as obeyed where they are broken by no more
-/// than a part of the largest force, or by `negligible`, N.
-pub(super) fn find_forces<E>(
-    contacts: &mut [RigidContact],
-    negligible: f64,
-    mut move_by: impl FnMut(&[State], bool) -> Result<Vec<Vector3>, E>,
-) -> Result<bool, E> {
-    for relaxation in 0..=RELAXATIONS {
-        for _ in 0..ITERATIONS {
-            let states: Vec<State> = contacts.iter_mut().map(RigidContact::advance).collect();
-            let moves = move_by(&states, true)?;
-            if largest_violation(contacts, &states, &moves, negligible) == 0.0 {
-                return Ok(true);
-            }
-        }
-        if relaxation == RELAXATIONS {
-            break;
-        }
-        let goes_on = relaxation > 0;
-        for contact in contacts.iter_mut() {
-            contact.begin_sweeps(goes_on);
-        }
-        let mut first = None;
-        for sweep in 0..SWEEPS << relaxation {
-            let states: Vec<State> = contacts.iter_mut().map(RigidContact::relax).collect();
-            let moves = move_by(&states, sweep == 0)?;
-            let violation = largest_violation(contacts, &states, &moves, negligible);
-            if violation == 0.0 {
-                return Ok(true);
-            }
-            if violation > DIVERGENCE * *first.get_or_insert(violation) {
-                return Ok(false);
-            }
-        }
-        contacts.iter_mut().for_each(RigidContact::end_sweeps);
-    }
-    Ok(false)
-}
-
-/// Takes over the motions under linear laws, m; returns by how much the contacts break their laws now, N: zero where that
-/// counts as obeyed, infinite where a number is not finite.
-fn largest_violation(
-    contacts: &mut [RigidContact],
-    states: &[State],
-    moves: &[Vector3],
-    negligible: f64,
-) -> f64 {
-    let (mut largest, mut violation) = (0.0_f64, 0.0_f64);
-    for (contact, (state, moved)) in contacts.iter_mut().zip(states.iter().zip(moves)) {
-        largest = largest.max(contact.follow(state, moved).norm());
-        let own = contact.violation();
-        if !own.is_finite() {
-            return f64::INFINITY;
-        }
-        violation = violation.max(own);
-    }
-    if violation <= (TOLERANCE * largest).max(negligible) {
-        0.0
-    } else {
-        violation
-    }
 }
 
 impl RigidContact {
@@ -178,12 +99,10 @@ impl RigidContact {
             friction,
             start,
             inertia,
+            begun: force,
             wanted: force,
             apart: start,
             projected: force,
-            relaxed: force,
-            admitted: start,
-            swept: start,
             kept: false,
             slid: Vector3::zeros(),
             reversals: 0,
@@ -279,36 +198,31 @@ impl RigidContact {
         }
     }
 
-    /// Forgets how often it has changed its mind, and begins sweeps with its force, or goes on with those before.
-    fn begin_sweeps(&mut self, goes_on: bool) {
+    /// The force that moves its points by gap and slip, N.
+    fn size_of_gap(&self) -> f64 {
+        self.inertia * self.apart.norm()
+    }
+
+    /// Begins again with the force of the beginning.
+    fn begin_again(&mut self) {
+        (self.wanted, self.apart) = (self.begun, self.start);
+        self.forget_changes();
+    }
+
+    /// Forgets how often it has changed its mind.
+    fn forget_changes(&mut self) {
         (self.reversals, self.changes, self.kept) = (0, 0, false);
-        if goes_on {
-            self.apart = self.swept;
-        } else {
-            (self.relaxed, self.admitted) = (self.projected, self.apart);
-        }
     }
 
-    /// Remembers where sweeps have led.
-    fn end_sweeps(&mut self) {
-        self.swept = self.apart;
+    /// Force of the last linear law, N, and gap and slip, m.
+    fn iterate(&self) -> [Vector3; 2] {
+        [self.wanted, self.apart]
     }
 
-    /// The law of an iteration of the alternating direction method of multipliers (Boyd et al. 2011, Eq. 3.5): the same
-    /// stiffness for open and for closed contacts. It is slow, and does not cycle.
-    fn relax(&mut self) -> State {
-        let stiffness = SOFT * self.inertia;
-        let before = self.relaxed;
-        let apart = self.apart * OVER_RELAXATION + self.admitted * (1.0 - OVER_RELAXATION);
-        let towards = before - apart * stiffness;
-        let pressure = self.normal.dot(&towards).max(0.0);
-        let along = towards - self.normal * self.normal.dot(&towards);
-        self.relaxed = self.normal * pressure + cut(along, self.friction * pressure);
-        self.admitted = apart + (self.relaxed - before) / stiffness;
-        State {
-            force: self.relaxed + (self.admitted - self.start) * stiffness,
-            stiffness: Matrix3::identity() * stiffness,
-        }
+    /// Goes a part of the way between two iterates.
+    fn go_between(&mut self, from: &[Vector3; 2], to: &[Vector3; 2], part: f64) {
+        let between = |k: usize| from[k] + (to[k] - from[k]) * part;
+        (self.wanted, self.apart) = (between(0), between(1));
     }
 
     /// Takes over what the solution of all linear laws moves the contact points by, m; returns the force of its law, N.

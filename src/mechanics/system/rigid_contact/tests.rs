@@ -21,6 +21,14 @@ struct Solution {
     iterations: usize,
 }
 
+/// Moves of contact points of rods that otherwise hardly move.
+fn at_rest(contacts: Vec<Vector3>) -> Moves {
+    Moves {
+        contacts,
+        farthest: 0.0,
+    }
+}
+
 const AXES: [usize; 3] = [2, 0, 1];
 
 impl Problem {
@@ -95,7 +103,7 @@ impl Problem {
         let mut iterations = 0;
         let all: Vec<DMatrix<f64>> = (0..contacts.len()).map(|k| self.of_contact(k)).collect();
         let mut motions = Vec::new();
-        let found = find_forces(&mut contacts, 0.0, |states, _| {
+        let found = ForceSearch::default().find(&mut contacts, 0.0, |states| {
             iterations += 1;
             let motion = self.motion(states);
             motions = all
@@ -105,7 +113,7 @@ impl Problem {
                     Vector3::new(moved[0], moved[1], moved[2])
                 })
                 .collect();
-            Ok::<_, Infallible>(motions.clone())
+            Ok::<_, Infallible>(at_rest(motions.clone()))
         });
         found.unwrap().then(|| Solution {
             forces: contacts.iter().map(RigidContact::force).collect(),
@@ -174,8 +182,9 @@ fn forces_that_no_contact_presses_for_vanish() {
 fn motions_that_are_not_finite_are_no_solution() {
     for wrong in [f64::NAN, f64::INFINITY] {
         let mut contacts = Problem::random(0, 2, 6).contacts(|_| Vector3::z());
-        let moved = |_: &[State], _| Ok::<_, Infallible>(vec![Vector3::repeat(wrong); 2]);
-        assert_eq!(find_forces(&mut contacts, 0.0, moved), Ok(false));
+        let moved = |_: &[State]| Ok::<_, Infallible>(at_rest(vec![Vector3::repeat(wrong); 2]));
+        let found = ForceSearch::default().find(&mut contacts, 0.0, moved);
+        assert_eq!(found, Ok(false));
     }
 }
 
@@ -259,14 +268,41 @@ fn contacts_that_do_the_same_share_the_force() {
     assert!((forces[0].z - 0.5).abs() < 1e-5 && (forces[0] - forces[1]).norm() < 1e-9);
 }
 
-/// Newton's method cycles in these; in the last one short sweeps, begun again where it had led, found no solution.
+/// Many heaps of contacts beside each other, in which iterations from state to state cycle: sweeps by the alternating direction
+/// method of multipliers left some of them unsolved.
 #[test]
 fn neighbours_that_bear_nearly_the_same_load_find_their_forces() {
-    for (seed, contacts, rank) in [(33, 20, 30), (10, 40, 60), (30, 40, 90)] {
-        let problem = Problem::paired(seed, contacts, rank, 1e-2);
-        let solution = problem.solve();
-        let solution = solution.unwrap_or_else(|| panic!("{seed} {contacts} {rank}"));
-        let violation = problem.violation(&solution);
-        assert!(violation < 1e-8, "{seed} {contacts} {rank}: {violation:e}");
+    for (contacts, rank) in [(20, 30), (40, 60), (40, 90)] {
+        for seed in 0..40 {
+            let problem = Problem::paired(seed, contacts, rank, 1e-2);
+            let solution = problem.solve();
+            let solution = solution.unwrap_or_else(|| panic!("{seed} {contacts} {rank}"));
+            let violation = problem.violation(&solution);
+            assert!(violation < 1e-7, "{seed} {contacts} {rank}: {violation:e}");
+        }
     }
+}
+
+/// Where rods still move far, forces are asked for no better than directions of contacts are known.
+#[test]
+fn rods_that_move_far_take_fewer_iterations() {
+    let problem = Problem::paired(10, 40, 60, 1e-2);
+    let iterations = |farthest: f64| {
+        let (mut contacts, mut count) = (problem.contacts(|_| Vector3::zeros()), 0);
+        let found = ForceSearch::default().find(&mut contacts, 0.0, |states| {
+            count += 1;
+            let motion = problem.motion(states);
+            let moved = |contact| {
+                let moved = problem.of_contact(contact) * &motion;
+                Vector3::new(moved[0], moved[1], moved[2])
+            };
+            Ok::<_, Infallible>(Moves {
+                contacts: (0..states.len()).map(moved).collect(),
+                farthest,
+            })
+        });
+        assert_eq!(found, Ok(true), "{farthest}");
+        count
+    };
+    assert!(iterations(1.0) < iterations(0.0));
 }

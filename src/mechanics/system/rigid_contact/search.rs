@@ -1,0 +1,280 @@
+//! The search for forces that obey the laws of many contacts at once.
+//!
+//! Going from the states of all contacts to the forces that they ask for, and from these to the next states, is Newton's method
+//! for a function with corners. Where few states change it ends within a few iterations; where many do, it may cycle. Then the laws
+//! are smoothed ([`super::smoothed`]), and the width of the smoothing falls as iterations follow it down to nothing. Every
+//! iterate solves the equations of the rods, and so does what lies between two of them: a step that makes the smoothed laws worse
+//! is shortened without another solution of a linear system.
+//!
+//! The rods are linearised again as they move, and forces are asked for no better than that: smoothed laws are followed to a width
+//! in proportion to the motion, and from there on after the next linearisation. Where they are followed no farther, wider ones are
+//! obeyed, and the rods linearised where these lead. Near the end, the states of narrow laws are those of the exact ones but for a few.
+
+use super::{RigidContact, State};
+use crate::mechanics::Vector3;
+
+/// Iterations from state to state; where they do not cycle, they take three or four.
+const ITERATIONS: usize = 12;
+/// Growth of the violation by which they count as cycling, and the part of the first one that may be left after so many.
+const CYCLING_GROWTH: f64 = 10.0;
+const PATIENCE: usize = 6;
+const LEFT_OVER: f64 = 1e-2;
+/// Iterations with smoothed laws before the contact problem counts as unsolved; they take about fifteen.
+const SMOOTHED_ITERATIONS: usize = 60;
+
+/// Width ν of smoothed laws at first, in units of the typical force, and by what it falls.
+const FIRST_WIDTH: f64 = 1.0;
+const REDUCTION: f64 = 0.1;
+/// Width from which down the exact laws are tried, mostly with success, and the least.
+const NARROW_WIDTH: f64 = 1e-4;
+const LEAST_WIDTH: f64 = 1e-6;
+/// Iterations at a width, which mostly takes two to five, after which wider laws are obeyed first, and the rods linearised anew if
+/// they still move.
+const STUCK_ITERATIONS: usize = 10;
+/// Violation of smoothed laws, in units of their width, up to which they count as obeyed.
+const FOLLOWED: f64 = 2.0;
+/// Times that a step is halved that makes the smoothed laws worse.
+const HALVINGS: usize = 6;
+
+/// Largest violation of the laws of a solution, relative to the largest force.
+const TOLERANCE: f64 = 1e-9;
+/// Largest violation while rods still move, or width of the smoothed laws that are obeyed, relative to the typical force, and the same
+/// per move in radii: normals turn as much. From the second move on, in radii, forces are found to the end.
+const LOOSEST: f64 = 0.1;
+const LOOSENESS: f64 = 0.1;
+const SLIGHT_MOVE: f64 = 1e-3;
+
+/// What the solution of all linear laws moves.
+pub(in crate::mechanics::system) struct Moves {
+    /// The contact points, m.
+    pub contacts: Vec<Vector3>,
+    /// The node that moves farthest, in radii.
+    pub farthest: f64,
+}
+
+/// A search within a step; it remembers between linearisations of the rods how narrow smoothed laws have become.
+#[derive(Clone, Debug, Default)]
+pub struct ForceSearch {
+    /// Width of smoothed laws, N, while they lead.
+    width: Option<f64>,
+}
+
+/// What forces are measured by.
+struct Sizes {
+    /// That of a contact, N.
+    typical: f64,
+    /// What counts as obeyed in any case, N.
+    negligible: f64,
+    /// The least motion of the node that moves farthest, in radii, of all iterations: wide laws move rods that lie still.
+    farthest: f64,
+}
+
+impl ForceSearch {
+    /// Finds forces that obey the laws of all contacts; says whether they do, or iterations ran out. `move_by` solves for the
+    /// motion under the linear laws that it is given, one per contact. Laws count as obeyed where they are broken by no more
+    /// than a part of the largest force, or by `negligible`, N; more is left while rods move far.
+    pub(in crate::mechanics::system) fn find<E>(
+        &mut self,
+        contacts: &mut [RigidContact],
+        negligible: f64,
+        mut move_by: impl FnMut(&[State]) -> Result<Moves, E>,
+    ) -> Result<bool, E> {
+        let mut sizes = Sizes {
+            typical: typical_force(contacts),
+            negligible,
+            farthest: f64::INFINITY,
+        };
+        if self.width.is_none() {
+            if from_state_to_state(contacts, &mut sizes, &mut move_by)? {
+                return Ok(true);
+            }
+            sizes.typical = typical_force(contacts);
+            contacts.iter_mut().for_each(RigidContact::begin_again);
+        }
+        self.follow_smoothed_laws(contacts, &mut sizes, &mut move_by)
+    }
+
+    /// Follows smoothed laws to narrower ones: as far as the motion of the rods asks for, or to the exact ones.
+    fn follow_smoothed_laws<E>(
+        &mut self,
+        contacts: &mut [RigidContact],
+        sizes: &mut Sizes,
+        move_by: &mut impl FnMut(&[State]) -> Result<Moves, E>,
+    ) -> Result<bool, E> {
+        let first = FIRST_WIDTH * sizes.typical;
+        let mut width = self.width.take().map_or(first, |width| width.min(first));
+        let (mut at_width, mut is_widened, mut before) = (0, false, f64::INFINITY);
+        for _ in 0..SMOOTHED_ITERATIONS {
+            let left = iterates(contacts);
+            let states: Vec<State> = contacts.iter_mut().map(|c| c.smooth(width)).collect();
+            let moves = move_by(&states)?;
+            let violation = follow(contacts, &states, &moves, sizes);
+            if violation.is_infinite() {
+                return Ok(false);
+            }
+            let part = shorten(contacts, &left, width, &mut before);
+            let violations = contacts.iter().map(|one| one.smoothed_violation(width));
+            let is_obeyed = violations.fold(0.0, f64::max) <= FOLLOWED * width;
+            let allowed = sizes.allowed();
+            let is_narrow = width <= allowed || is_widened && allowed > 0.0;
+            if violation == 0.0 || is_obeyed && is_narrow && part == 1.0 {
+                self.width = Some(width);
+                return Ok(true);
+            }
+            at_width += 1;
+            if is_obeyed && !is_narrow {
+                if width <= NARROW_WIDTH * sizes.typical
+                    && is_solved_near(contacts, sizes, move_by)?
+                {
+                    return Ok(true);
+                }
+                if width <= LEAST_WIDTH * sizes.typical {
+                    return Ok(false);
+                }
+                width = (REDUCTION * width).max(allowed);
+                (at_width, before) = (0, squared_violation(contacts, width));
+            } else if at_width >= STUCK_ITERATIONS && width < first {
+                width = (width / REDUCTION).min(first);
+                (at_width, is_widened, before) = (0, true, f64::INFINITY);
+            }
+        }
+        Ok(false)
+    }
+}
+
+impl Sizes {
+    /// Error of forces that is allowed where the rods still move, N.
+    fn allowed(&self) -> f64 {
+        if self.farthest > SLIGHT_MOVE {
+            (LOOSENESS * self.farthest).min(LOOSEST) * self.typical
+        } else {
+            0.0
+        }
+    }
+}
+
+/// Shortens a step from `left` that has made the squared violation of smoothed laws larger than `before`, N², which becomes what it is
+/// then; returns the part of the step that is left.
+fn shorten(
+    contacts: &mut [RigidContact],
+    left: &[[Vector3; 2]],
+    width: f64,
+    before: &mut f64,
+) -> f64 {
+    let mut now = squared_violation(contacts, width);
+    let reached = iterates(contacts);
+    let mut part = 1.0;
+    for _ in 0..HALVINGS {
+        if now < *before {
+            break;
+        }
+        part *= 0.5;
+        go_between(contacts, left, &reached, part);
+        now = squared_violation(contacts, width);
+    }
+    *before = now;
+    part
+}
+
+/// Forces and motions that the contacts have come to.
+fn iterates(contacts: &[RigidContact]) -> Vec<[Vector3; 2]> {
+    contacts.iter().map(RigidContact::iterate).collect()
+}
+
+/// Lets all contacts go a part of the way between two iterates.
+fn go_between(
+    contacts: &mut [RigidContact],
+    from: &[[Vector3; 2]],
+    to: &[[Vector3; 2]],
+    part: f64,
+) {
+    for (contact, (from, to)) in contacts.iter_mut().zip(from.iter().zip(to)) {
+        contact.go_between(from, to, part);
+    }
+}
+
+/// Whether iterations from the states of all contacts lead from a solution of narrow laws to one of the exact laws; if not, they are
+/// undone.
+fn is_solved_near<E>(
+    contacts: &mut [RigidContact],
+    sizes: &mut Sizes,
+    move_by: &mut impl FnMut(&[State]) -> Result<Moves, E>,
+) -> Result<bool, E> {
+    let narrow = iterates(contacts);
+    contacts.iter_mut().for_each(RigidContact::forget_changes);
+    let solved = from_state_to_state(contacts, sizes, move_by)?;
+    if !solved {
+        go_between(contacts, &narrow, &narrow, 1.0);
+    }
+    Ok(solved)
+}
+
+/// Iterations from the states of all contacts to the next ones; says whether they have led to the solution, or cycle.
+fn from_state_to_state<E>(
+    contacts: &mut [RigidContact],
+    sizes: &mut Sizes,
+    move_by: &mut impl FnMut(&[State]) -> Result<Moves, E>,
+) -> Result<bool, E> {
+    let mut first = None;
+    for iteration in 1..=ITERATIONS {
+        let states: Vec<State> = contacts.iter_mut().map(RigidContact::advance).collect();
+        let moves = move_by(&states)?;
+        let violation = follow(contacts, &states, &moves, sizes);
+        if violation == 0.0 || violation.is_infinite() {
+            return Ok(violation == 0.0);
+        }
+        let first = *first.get_or_insert(violation);
+        let is_slow = iteration >= PATIENCE && violation > LEFT_OVER * first;
+        if is_slow || violation > CYCLING_GROWTH * first {
+            break;
+        }
+    }
+    Ok(false)
+}
+
+/// Median of the forces of contacts that bear any, N: where iterations cycle some are far too large. Where none does, the force of
+/// the inertia that closes or opens the largest gap.
+fn typical_force(contacts: &[RigidContact]) -> f64 {
+    let sizes = contacts.iter().map(|contact| contact.force().norm());
+    let mut sizes: Vec<f64> = sizes.filter(|size| *size > 0.0).collect();
+    sizes.sort_by(f64::total_cmp);
+    let found = sizes.get(sizes.len() / 2).copied();
+    found.unwrap_or_else(|| {
+        let sizes = contacts.iter().map(RigidContact::size_of_gap);
+        sizes.fold(0.0, f64::max)
+    })
+}
+
+/// Takes over the motions under linear laws; returns by how much the contacts break their laws now, N: zero where that
+/// counts as obeyed, infinite where a number is not finite.
+fn follow(
+    contacts: &mut [RigidContact],
+    states: &[State],
+    moves: &Moves,
+    sizes: &mut Sizes,
+) -> f64 {
+    let (mut largest, mut violation) = (0.0_f64, 0.0_f64);
+    for (contact, (state, moved)) in contacts.iter_mut().zip(states.iter().zip(&moves.contacts)) {
+        largest = largest.max(contact.follow(state, moved).norm());
+        let own = contact.violation();
+        if !own.is_finite() {
+            return f64::INFINITY;
+        }
+        violation = violation.max(own);
+    }
+    sizes.farthest = sizes.farthest.min(moves.farthest);
+    let loose = sizes.allowed();
+    if violation <= (TOLERANCE * largest).max(sizes.negligible).max(loose) {
+        0.0
+    } else {
+        violation
+    }
+}
+
+/// Sum of the squares by which smoothed laws of width `width` (N) are broken, N².
+fn squared_violation(contacts: &[RigidContact], width: f64) -> f64 {
+    let squares = contacts
+        .iter()
+        .map(|contact| contact.smoothed_violation(width).powi(2));
+    squares.sum()
+}
