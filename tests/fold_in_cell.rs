@@ -19,8 +19,6 @@ fn serve(arguments: &[&str]) -> Served {
     let paper = paper.to_str().unwrap();
     let served = serve_cell(&[&["--paper", paper], arguments].concat(), "");
     fs::copy(paper, served.folder.path().join("paper.toml")).unwrap();
-    // Where other tests run beside this one, hard steps of the sheet take long.
-    served.change("start_tolerance", "watchdog = \"5 s\"\nstart_tolerance");
     served
 }
 
