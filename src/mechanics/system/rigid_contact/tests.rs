@@ -21,14 +21,6 @@ struct Solution {
     iterations: usize,
 }
 
-/// Moves of contact points of rods that otherwise hardly move.
-fn at_rest(contacts: Vec<Vector3>) -> Moves {
-    Moves {
-        contacts,
-        farthest: 0.0,
-    }
-}
-
 const AXES: [usize; 3] = [2, 0, 1];
 
 impl Problem {
@@ -99,6 +91,15 @@ impl Problem {
 
     /// The solution from the given forces; `None` where there is none, or none was found.
     fn solve_from(&self, start: impl Fn(usize) -> Vector3) -> Option<Solution> {
+        self.solve_moving(start, |_| 0.0)
+    }
+
+    /// The same for rods that move by so many radii in the iteration of a number.
+    fn solve_moving(
+        &self,
+        start: impl Fn(usize) -> Vector3,
+        farthest: impl Fn(usize) -> f64,
+    ) -> Option<Solution> {
         let mut contacts = self.contacts(start);
         let mut iterations = 0;
         let all: Vec<DMatrix<f64>> = (0..contacts.len()).map(|k| self.of_contact(k)).collect();
@@ -113,7 +114,10 @@ impl Problem {
                     Vector3::new(moved[0], moved[1], moved[2])
                 })
                 .collect();
-            Ok::<_, Infallible>(at_rest(motions.clone()))
+            Ok::<_, Infallible>(Moves {
+                contacts: motions.clone(),
+                farthest: farthest(iterations),
+            })
         });
         found.unwrap().then(|| Solution {
             forces: contacts.iter().map(RigidContact::force).collect(),
@@ -182,7 +186,12 @@ fn forces_that_no_contact_presses_for_vanish() {
 fn motions_that_are_not_finite_are_no_solution() {
     for wrong in [f64::NAN, f64::INFINITY] {
         let mut contacts = Problem::random(0, 2, 6).contacts(|_| Vector3::z());
-        let moved = |_: &[State]| Ok::<_, Infallible>(at_rest(vec![Vector3::repeat(wrong); 2]));
+        let moved = |_: &[State]| {
+            Ok::<_, Infallible>(Moves {
+                contacts: vec![Vector3::repeat(wrong); 2],
+                farthest: 0.0,
+            })
+        };
         let found = ForceSearch::default().find(&mut contacts, 0.0, moved);
         assert_eq!(found, Ok(false));
     }
@@ -288,21 +297,20 @@ fn neighbours_that_bear_nearly_the_same_load_find_their_forces() {
 fn rods_that_move_far_take_fewer_iterations() {
     let problem = Problem::paired(10, 40, 60, 1e-2);
     let iterations = |farthest: f64| {
-        let (mut contacts, mut count) = (problem.contacts(|_| Vector3::zeros()), 0);
-        let found = ForceSearch::default().find(&mut contacts, 0.0, |states| {
-            count += 1;
-            let motion = problem.motion(states);
-            let moved = |contact| {
-                let moved = problem.of_contact(contact) * &motion;
-                Vector3::new(moved[0], moved[1], moved[2])
-            };
-            Ok::<_, Infallible>(Moves {
-                contacts: (0..states.len()).map(moved).collect(),
-                farthest,
-            })
-        });
-        assert_eq!(found, Ok(true), "{farthest}");
-        count
+        let solution = problem.solve_moving(|_| Vector3::zeros(), |_| farthest);
+        solution.unwrap().iterations
     };
     assert!(iterations(1.0) < iterations(0.0));
+}
+
+/// Found in a step of a heap that took wide laws, which move rods by themselves, for the solution, and so began again and again.
+#[test]
+fn what_wide_laws_move_does_not_count_as_motion_of_the_rods() {
+    for seed in 0..10 {
+        let problem = Problem::paired(seed, 40, 60, 1e-2);
+        let farthest = |iteration| if iteration == 1 { 1e-6 } else { 0.3 };
+        let solution = problem.solve_moving(|_| Vector3::zeros(), farthest);
+        let violation = problem.violation(&solution.unwrap());
+        assert!(violation < 1e-7, "{seed}: {violation:e}");
+    }
 }
