@@ -21,8 +21,6 @@ const STEEL: Material = Material {
     poissons_ratio: 0.3,
     density: 7850.0,
     viscosity: 0.0,
-    relaxing_modulus: 0.0,
-    relaxation_time: 0.0,
 };
 /// Points of a pattern seen from above.
 const OUTLINE: usize = 2000;

@@ -113,7 +113,6 @@ impl Workspace {
         system.drive(time, &mut self.trial.unknowns);
         system.damp(
             self.stage.step,
-            step,
             scheme.earlier_weights(step, state, turning),
         );
         if scheme.predicts_drag() {
