@@ -202,7 +202,7 @@ mod tests {
     fn a_change_of_the_vector_turns_by_its_jacobian() {
         let change = Vector3::new(0.3, 0.5, -0.2);
         let moment = Vector3::new(-0.7, 0.4, 1.1);
-        for size in [0.0, 1e-3, 0.0999, 0.1001, 0.7, 2.5, 3.14] {
+        for size in [0.0, 1e-3, 0.0999, 0.1001, 0.7, 2.5, 3.1] {
             let vector = Vector3::new(0.48, 0.6, -0.64) * size;
             let step = 1e-5;
             let ends = [step, -step].map(|step| from_vector(vector + change * step));
