@@ -1,6 +1,6 @@
 //! Bodies whose centre of mass is off the node that bears them, from scenario files, against closed forms.
 
-use super::joints::frequencies;
+use super::frequencies::frequencies;
 use super::scenario::simulation;
 use super::{Check, Expectation, GroupError};
 use nalgebra::Matrix2;

@@ -2,6 +2,7 @@
 //! a net and a gridshell against their symmetry; slides, and bodies whose centre is off
 //! their node, are files of their own.
 
+use super::frequencies::frequencies;
 use super::{Check, Expectation, GroupError, bodies, slides};
 use crate::experiment;
 use crate::mechanics::dynamics::Simulation;
@@ -225,22 +226,6 @@ fn cross_deflection(edges: usize) -> Result<f64, GroupError> {
     let text = scene_of(&rods, edges, &rest);
     let simulation = at_rest(&text)?;
     Ok(moved(&simulation, &prepared(&text)?.scene, 1, edges).z)
-}
-
-/// Angular frequencies, ascending: K v = ω² M v has 1/ω² as the eigenvalues of L⁻¹ M L⁻ᵀ with K = L Lᵀ, where joints need no
-/// mass.
-pub(super) fn frequencies(simulation: &mut Simulation) -> Result<Vec<f64>, GroupError> {
-    let (stiffness, masses) = (simulation.stiffness_matrix(), simulation.mass_matrix());
-    let factor = stiffness.cholesky().ok_or("not stable")?.unpack();
-    let half: Option<DMatrix<f64>> = factor.solve_lower_triangular(&masses);
-    let matrix = factor.solve_lower_triangular(&half.ok_or("not stable")?.transpose());
-    let eigenvalues = matrix.ok_or("not stable")?.symmetric_eigenvalues();
-    let mut all: Vec<f64> = eigenvalues
-        .iter()
-        .map(|inverse| 1.0 / inverse.max(0.0).sqrt())
-        .collect();
-    all.sort_by(f64::total_cmp);
-    Ok(all)
 }
 
 /// Two stiff rods that hang from a hinge and from each other: frequencies, and energy in a wide swing.

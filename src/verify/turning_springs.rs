@@ -1,6 +1,6 @@
 //! Springs that turn the frames of rods towards each other, from scenario files, against closed forms.
 
-use super::joints::frequencies;
+use super::frequencies::frequencies;
 use super::scenario::simulation;
 use super::{Check, Expectation, GroupError};
 use std::f64::consts::PI;

@@ -21,8 +21,10 @@ pub mod frame;
 mod masses;
 mod plan;
 pub mod slide;
+mod span;
 mod spring_ends;
 mod track;
+mod turned;
 
 use super::System;
 use crate::linalg::{Element, SharedUnknown, UNUSED};
@@ -35,9 +37,9 @@ pub(super) use frame::{EccentricMass, TurningFrame};
 pub use plan::joint_unknowns;
 pub(super) use plan::{JointPlan, PlannedSlide};
 pub(super) use slide::Slide;
-pub(super) use spring_ends::TurnedEnd;
 pub use spring_ends::check_joints;
 pub(super) use track::Track;
+pub(super) use turned::TurnedEnd;
 
 /// Joints and bodies of a scene, with its unknowns numbered.
 #[derive(Clone, Debug, Default)]

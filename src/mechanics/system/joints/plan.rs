@@ -3,14 +3,12 @@
 
 use super::Joints;
 use super::frame::TurningFrame;
-use super::spring_ends::turned_nodes;
+use super::span::span;
+use super::turned::turned_nodes;
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::scene::{HingeSpring, Joint, JointKind, RodNode, Scene};
 use crate::mechanics::{JointError, SceneError, Vector3};
 use std::collections::BTreeMap;
-
-/// Farthest that the nodes of a joint may be apart, over the shorter of the edges there.
-const SAME_POINT: f64 = 1e-6;
 
 /// A frame that turns freely, with rods clamped to it.
 #[derive(Clone, Debug, Default)]
@@ -316,20 +314,6 @@ fn is_alone(scene: &Scene, joint: &Joint) -> bool {
     scene.joints.iter().filter(touches).count() == 1
 }
 
-/// How far two nodes are apart as placed.
-pub(super) struct Span {
-    /// m.
-    pub distance: f64,
-    /// The shorter of the edges of their rods, m.
-    edge: f64,
-}
-
-impl Span {
-    pub fn is_a_point(&self) -> bool {
-        self.distance <= SAME_POINT * self.edge
-    }
-}
-
 /// Whether the nodes of a joint exist, are two, and lie at one point.
 fn check_places(scene: &Scene, nodes: &[RodNode; 2]) -> Result<(), JointError> {
     let span = span(scene, nodes)?;
@@ -339,32 +323,6 @@ fn check_places(scene: &Scene, nodes: &[RodNode; 2]) -> Result<(), JointError> {
     Err(JointError::Apart {
         distance: span.distance,
     })
-}
-
-/// How far the nodes of a joint are apart, where they exist and are two.
-pub(super) fn span(scene: &Scene, nodes: &[RodNode; 2]) -> Result<Span, JointError> {
-    if nodes[0] == nodes[1] {
-        return Err(JointError::SameNode);
-    }
-    let mut places = [Vector3::zeros(); 2];
-    let mut edge = f64::INFINITY;
-    for (place, at) in places.iter_mut().zip(nodes) {
-        let points = scene
-            .rods
-            .get(at.rod)
-            .map_or(&[][..], |rod| &rod.centreline);
-        let Some(point) = points.get(at.node) else {
-            return Err(JointError::NoSuchNode {
-                node: at.node,
-                nodes: points.len(),
-            });
-        };
-        *place = *point;
-        let lengths = points.windows(2).map(|ends| (ends[1] - ends[0]).norm());
-        edge = lengths.fold(edge, f64::min);
-    }
-    let distance = (places[1] - places[0]).norm();
-    Ok(Span { distance, edge })
 }
 
 /// Sets of nodes that grow together.

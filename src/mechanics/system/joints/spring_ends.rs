@@ -1,19 +1,10 @@
 //! What springs tie: how far apart, and what turns with their ends.
 
-use super::plan::{JointPlan, span};
-use crate::mechanics::scene::{RodNode, Scene, Spring};
+use super::plan::JointPlan;
+use super::span::span;
+use super::turned::{TurnedEnd, wall_at, wrong};
+use crate::mechanics::scene::{Scene, Spring};
 use crate::mechanics::{JointError, SceneError};
-
-/// What one end of a spring turns with that turns material frames.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::mechanics::system) enum TurnedEnd {
-    /// A frame to which the rod is clamped there, by its number.
-    Frame(usize),
-    /// The clamp that holds the frame of the rod there.
-    Clamped(RodNode),
-    /// A rod that stands still.
-    Held,
-}
 
 /// Whether the joints, springs and bodies of a scene can be, as far as that does not depend on its clamps.
 ///
@@ -28,44 +19,6 @@ pub fn check_joints(scene: &Scene) -> Result<(), SceneError> {
         }
     }
     Ok(())
-}
-
-/// What turns with a node but a frame that is free.
-fn wall_at(scene: &Scene, at: RodNode) -> Option<TurnedEnd> {
-    let mut clamps = scene.clamps.iter().filter(|clamp| clamp.holds_frame);
-    if scene.rods[at.rod].held {
-        Some(TurnedEnd::Held)
-    } else if clamps.any(|clamp| (clamp.rod, clamp.node) == (at.rod, at.node)) {
-        Some(TurnedEnd::Clamped(at))
-    } else {
-        None
-    }
-}
-
-/// Nodes at which rods are clamped to frames that springs turn.
-///
-/// # Errors
-/// [`SceneError::Joint`] where there is no such node.
-pub(super) fn turned_nodes(scene: &Scene) -> Result<Vec<RodNode>, SceneError> {
-    let mut nodes = Vec::new();
-    for spring in scene
-        .springs
-        .iter()
-        .filter(|spring| spring.turning.is_some())
-    {
-        span(scene, &spring.nodes).map_err(|reason| wrong(spring, reason))?;
-        let ends = spring.nodes.into_iter();
-        nodes.extend(ends.filter(|at| wall_at(scene, *at).is_none()));
-    }
-    Ok(nodes)
-}
-
-/// What is wrong with a spring.
-fn wrong(spring: &Spring, reason: JointError) -> SceneError {
-    SceneError::Joint {
-        name: spring.name.clone(),
-        reason,
-    }
 }
 
 impl JointPlan {
