@@ -9,6 +9,9 @@ use std::time::{Duration, Instant};
 /// Most that a clock is taken to hasten: beyond it, it jumps.
 const MOST_HASTE: f64 = 100.0;
 
+/// Time of ours over which its haste is told at least, s: less would tell that of single messages.
+const HASTE_OVER: f64 = 0.1;
+
 /// Time since the start of a motion.
 pub(super) struct MotionClock {
     start: Instant,
@@ -68,7 +71,7 @@ impl MotionClock {
     /// Notes how fast the clock has been until it was so late, s after the start.
     fn hasten(&mut self, time: f64) {
         let ours = self.start.elapsed().as_secs_f64();
-        self.haste = self.haste.max(time / ours.max(1e-3)).min(MOST_HASTE);
+        self.haste = self.haste.max(time / ours.max(HASTE_OVER)).min(MOST_HASTE);
     }
 
     /// How many times as fast as ours the clock has been on the way, at most, and never below 1: what takes us a moment is
