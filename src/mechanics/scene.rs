@@ -95,12 +95,23 @@ pub struct RodDescription {
     pub inertia: Inertia,
     /// Retardation time T of Kelvin–Voigt damping, s: viscosity of the material over its modulus; 0 without damping.
     pub retardation_time: f64,
+    /// What of its stiffness relaxes, if any does.
+    pub relaxation: Option<Relaxation>,
     /// Velocity of every node at time zero, m/s.
     pub velocity: Vector3,
     /// Angular velocity about the rod's centroid at time zero, rad/s (nodes' velocities only).
     pub angular_velocity: Vector3,
     /// A rigid obstacle: every node and edge stays where it was placed.
     pub held: bool,
+}
+
+/// The spring and the dashpot in a row that lie beside the spring of a standard linear solid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Relaxation {
+    /// Modulus of that spring over Young's modulus, r = E₁/E; the same for stretching, bending and twisting.
+    pub ratio: f64,
+    /// Relaxation time τ, s: in it, what the two bear at constant strain falls to 1/e.
+    pub time: f64,
 }
 
 impl RodDescription {
@@ -138,6 +149,7 @@ impl RodDescription {
             rotational_inertia_per_length: 0.5 * mass_per_length * radius * radius,
             inertia: Inertia::Lumped,
             retardation_time: 0.0,
+            relaxation: None,
             velocity: Vector3::zeros(),
             angular_velocity: Vector3::zeros(),
             held: false,

@@ -172,6 +172,7 @@ fn cantilever(integration: IntegrationParameters) -> PreparedRun {
         rotational_inertia_per_length: 2.0 * density * second_moment,
         inertia: Inertia::Consistent,
         retardation_time: 0.0,
+        relaxation: None,
         velocity: Vector3::zeros(),
         angular_velocity: Vector3::zeros(),
         held: false,

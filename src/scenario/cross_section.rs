@@ -110,6 +110,8 @@ mod tests {
             poissons_ratio: 0.5,
             density: 1.0,
             viscosity: 0.0,
+            relaxing_modulus: 0.0,
+            relaxation_time: 0.0,
         };
         let stiffness = strip.stiffness(f64::NAN, &material);
         assert_eq!(stiffness.stretching, 12.0);

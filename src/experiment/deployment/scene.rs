@@ -57,6 +57,8 @@ fn described(name: &str, rod: &Rod, path: &GripperPath) -> RodDescription {
         poissons_ratio: 0.5,
         density: rod.density,
         viscosity: 0.0,
+        relaxing_modulus: 0.0,
+        relaxation_time: 0.0,
     };
     let section = BuilderRod {
         radius: rod.radius,

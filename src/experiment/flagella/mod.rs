@@ -187,6 +187,8 @@ mod tests {
         poissons_ratio: 0.5,
         density: 1000.0,
         viscosity: 0.0,
+        relaxing_modulus: 0.0,
+        relaxation_time: 0.0,
     };
     const ROD: BuilderRod = BuilderRod {
         radius: 1e-3,

@@ -174,6 +174,8 @@ fn add(scene: &mut Scene, folding: &Folding, path: &GripperPath, friction: f64) 
         poissons_ratio: 0.5,
         density: paper.density,
         viscosity: 0.0,
+        relaxing_modulus: 0.0,
+        relaxation_time: 0.0,
     };
     let section = BuilderRod {
         radius,

@@ -2,6 +2,7 @@
 
 use super::curve::{SampledCurve, sample};
 use super::gripper_motion::gripper_motion;
+use super::round_rod::relaxation;
 use crate::mechanics::Vector3;
 use crate::mechanics::scene as mechanics;
 use crate::scenario::{
@@ -53,6 +54,7 @@ pub(super) fn place_rod(rod: &Rod, path: &KeyPath) -> Result<mechanics::RodDescr
             Inertia::Consistent => mechanics::Inertia::Consistent,
         },
         retardation_time: rod.material.retardation_time(),
+        relaxation: relaxation(&rod.material),
         velocity: Vector3::from(rod.velocity),
         angular_velocity: Vector3::from(rod.angular_velocity),
         held: rod.held,

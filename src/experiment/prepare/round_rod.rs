@@ -1,7 +1,7 @@
 //! The round rods that kinds of experiments build.
 
 use crate::mechanics::Vector3;
-use crate::mechanics::scene::{RodDescription, Stiffness};
+use crate::mechanics::scene::{Relaxation, RodDescription, Stiffness};
 use crate::scenario::{BuilderRod, CrossSection, Material};
 
 /// A round, naturally straight rod of a material along a polyline, at rest.
@@ -23,6 +23,15 @@ pub fn round_rod(
     RodDescription {
         rotational_inertia_per_length: material.density * (second_moment_1 + second_moment_2),
         retardation_time: material.retardation_time(),
+        relaxation: relaxation(material),
         ..RodDescription::uniform(name, centreline, stiffness, rod.radius, mass_per_length)
     }
+}
+
+/// What of the stiffness of a material relaxes, if any does.
+pub fn relaxation(material: &Material) -> Option<Relaxation> {
+    (material.relaxing_modulus > 0.0).then(|| Relaxation {
+        ratio: material.relaxing_modulus / material.youngs_modulus,
+        time: material.relaxation_time,
+    })
 }

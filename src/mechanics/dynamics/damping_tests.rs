@@ -4,9 +4,9 @@ use super::*;
 use crate::mechanics::Vector3;
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::scene::{
-    Clamp, Load, LoadKind, Motion, NaturalShape, RodDescription, Scene, Stiffness,
+    Clamp, Load, LoadKind, Motion, NaturalShape, Relaxation, RodDescription, Scene, Stiffness,
 };
-use crate::mechanics::system::System;
+use crate::mechanics::system::{Stage, System};
 
 const LENGTH: f64 = 0.4;
 
@@ -82,10 +82,10 @@ fn moved(unknowns: &[f64], held: &[bool], seed: f64) -> Vec<f64> {
 }
 
 /// Without inertia, only the forces of springs and dashpots count.
-fn stage(system: &System, start: &[f64], step: f64) -> crate::mechanics::system::Stage {
+fn stage(system: &System, start: &[f64], step: f64) -> Stage {
     let mut positions = vec![Vector3::zeros(); system.assembly.rods.nodes];
     crate::mechanics::system::copy_positions(start, &mut positions);
-    crate::mechanics::system::Stage {
+    Stage {
         step,
         acceleration_step: f64::INFINITY,
         start: start.to_vec(),
@@ -113,16 +113,16 @@ fn forces_are_those_of_dashpots_and_the_jacobian_is_their_derivative() {
             [0.0, 1.0, 2.0, 3.0].map(|seed| moved(&placed, &held, seed));
         for unknowns in [&earliest, &last] {
             system.begin_damping(unknowns);
-            system.damping.accept();
+            system.keep_damping();
         }
         system.begin_damping(&start);
         let step = 0.02;
-        system.damp(step, [-0.3, 0.1]);
+        system.damp(step, step, [-0.3, 0.1]);
         let stage = stage(&system, &start, step);
         // T/H: the dashpots hold ½ T/H K (ε − ε̂)², of which `viscous_loss` is twice where ε̂ = εₙ.
         let mut other = System::new(&scene).unwrap();
         other.begin_damping(&start);
-        other.damp(step, [0.0; 2]);
+        other.damp(step, step, [0.0; 2]);
         let energy = |system: &mut System, unknowns: &[f64]| {
             system.evaluate(unknowns, Some(&stage));
             system.elastic_energy().total() + 0.5 * system.viscous_loss()
@@ -139,21 +139,112 @@ fn forces_are_those_of_dashpots_and_the_jacobian_is_their_derivative() {
             let expected = (ahead - behind) / (2.0 * shift);
             assert!((forces[k] - expected).abs() < 1e-6 * largest, "{k}");
         }
-        system.linearize(&end, Some(&stage));
-        let matrix = system.dense_matrix();
-        assert!((&matrix - matrix.transpose()).amax() < 1e-9 * matrix.amax());
-        for column in (0..end.len()).filter(|&k| !held[k]) {
-            let mut ends = [end.clone(), end.clone()];
-            ends[0][column] += shift;
-            ends[1][column] -= shift;
-            let [ahead, behind] = ends.map(|unknowns| {
-                system.evaluate(&unknowns, Some(&stage));
-                system.residual.clone()
-            });
-            for row in (0..end.len()).filter(|&k| !held[k]) {
-                let expected = (ahead[row] - behind[row]) / (2.0 * shift);
-                let error = (matrix[(row, column)] - expected).abs();
-                assert!(error < 1e-6 * matrix.amax(), "{row} {column}");
+        compare_jacobian(&mut system, &end, &stage);
+    }
+}
+
+/// Holds the Jacobian of a stage against differences of the residual.
+fn compare_jacobian(system: &mut System, end: &[f64], stage: &Stage) {
+    let held = system.assembly.held.clone();
+    let shift = 1e-6;
+    system.linearize(end, Some(stage));
+    let matrix = system.dense_matrix();
+    assert!((&matrix - matrix.transpose()).amax() < 1e-9 * matrix.amax());
+    for column in (0..end.len()).filter(|&k| !held[k]) {
+        let mut ends = [end.to_vec(), end.to_vec()];
+        ends[0][column] += shift;
+        ends[1][column] -= shift;
+        let [ahead, behind] = ends.map(|unknowns| {
+            system.evaluate(&unknowns, Some(stage));
+            system.residual.clone()
+        });
+        for row in (0..end.len()).filter(|&k| !held[k]) {
+            let expected = (ahead[row] - behind[row]) / (2.0 * shift);
+            let error = (matrix[(row, column)] - expected).abs();
+            assert!(error < 1e-6 * matrix.amax(), "{row} {column}");
+        }
+    }
+}
+
+/// A standard linear solid instead of the dashpots beside the springs.
+const RELAXATION: Relaxation = Relaxation {
+    ratio: 0.8,
+    time: 0.03,
+};
+
+fn relaxing(closed: bool) -> RodDescription {
+    RodDescription {
+        retardation_time: 0.0,
+        relaxation: Some(RELAXATION),
+        ..rod(closed)
+    }
+}
+
+#[test]
+fn the_jacobian_of_what_relaxes_is_symmetric_and_the_derivative_of_its_forces() {
+    for closed in [false, true] {
+        let mut scene = scene();
+        scene.rods = vec![relaxing(closed)];
+        scene.loads.clear();
+        if closed {
+            scene.clamps.clear();
+        }
+        let mut system = System::new(&scene).unwrap();
+        let placed = system.assembly.unknowns.clone();
+        let held = system.assembly.held.clone();
+        let [earlier, start, end] = [1.0, 2.0, 3.0].map(|seed| moved(&placed, &held, seed));
+        let step = 0.02;
+        // What it bears after a first step counts in the second.
+        for (from, to) in [(&placed, &earlier), (&earlier, &start)] {
+            system.begin_damping(from);
+            system.damp(step, step, [0.0; 2]);
+            let stage = stage(&system, from, step);
+            system.evaluate(to, Some(&stage));
+            system.accept();
+        }
+        system.begin_damping(&start);
+        system.damp(step, step, [0.0; 2]);
+        let stage = stage(&system, &start, step);
+        compare_jacobian(&mut system, &end, &stage);
+    }
+}
+
+/// A straight rod that is stretched by clamps within 0.1 s, and held.
+fn stretched() -> Scene {
+    let mut scene = scene();
+    scene.loads.clear();
+    scene.rods[0] = RodDescription {
+        centreline: (0..=10)
+            .map(|k| Vector3::x() * (0.1 * f64::from(k) * LENGTH))
+            .collect(),
+        natural_shape: NaturalShape::Straight,
+        // So light that waves along it, which backward differences let ring, bear nothing.
+        mass_per_length: 1e-8,
+        rotational_inertia_per_length: 1e-14,
+        ..relaxing(false)
+    };
+    let mut end = clamp(10);
+    let way = Vector3::x() * (0.01 * LENGTH);
+    end.motion.translation = vec![(0.0, Vector3::zeros()), (0.1, way), (1.0, way)].into();
+    scene.clamps.push(end);
+    scene
+}
+
+#[test]
+fn tension_relaxes_as_that_of_the_standard_linear_solid() {
+    let (scene, Relaxation { ratio, time }) = (stretched(), RELAXATION);
+    for scheme in [Scheme::ImplicitEuler, Scheme::BackwardDifferences] {
+        let mut simulation = Simulation::new(&scene, &parameters(scheme)).unwrap();
+        while simulation.time() < 0.3 {
+            simulation.advance(0.3).unwrap();
+            let now = simulation.time();
+            if (0.2..0.2021).contains(&now) || now > 0.299 {
+                // Under a strain that grows evenly for 0.1 s, and then no more.
+                let grown = ratio * time / 0.1 * -(-0.1 / time).exp_m1();
+                let borne = 1.0 + grown * (-(now - 0.1) / time).exp();
+                let expected = scene.rods[0].stiffness.stretching * 0.01 * borne;
+                let found = simulation.reaction(10).x;
+                assert!((found / expected - 1.0).abs() < 1e-5, "{found} {expected}");
             }
         }
     }
@@ -168,7 +259,7 @@ fn a_rigid_turn_meets_no_resistance() {
     let mut system = System::new(&scene).unwrap();
     let start = system.assembly.unknowns.clone();
     system.begin_damping(&start);
-    system.damp(1e-3, [0.0; 2]);
+    system.damp(1e-3, 1e-3, [0.0; 2]);
     let turn = nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), 1.0);
     let mut end = start.clone();
     for place in end.chunks_exact_mut(STRIDE) {
@@ -181,38 +272,64 @@ fn a_rigid_turn_meets_no_resistance() {
     assert!(turned < 1e-20 * system.viscous_loss(), "{turned}");
 }
 
+/// Energy that a rod in motion has lost after 0.4 s, and what of it dashpots took, J.
+fn losses(rod: RodDescription, scheme: Scheme, step: f64) -> [f64; 2] {
+    let scene = Scene {
+        rods: vec![rod],
+        ..scene()
+    };
+    let fine = IntegrationParameters {
+        step: StepSize::Fixed(step),
+        ..parameters(scheme)
+    };
+    let mut simulation = Simulation::new(&scene, &fine).unwrap();
+    let start = simulation.energies().total();
+    let (mut before, mut lost) = (start, 0.0);
+    while simulation.time() < 0.4 {
+        let loss = simulation.advance(0.4).unwrap().exchange.drag_loss;
+        let now = simulation.energies().total();
+        lost += loss;
+        if scheme == Scheme::ImplicitEuler {
+            assert!(loss >= 0.0 && now <= before, "{loss} {now} {before}");
+        }
+        before = now;
+    }
+    [start - before, lost]
+}
+
 #[test]
 fn energy_falls_by_what_dashpots_take_and_the_scheme_damps() {
-    for scheme in [Scheme::ImplicitEuler, Scheme::BackwardDifferences] {
-        let fine = IntegrationParameters {
-            step: StepSize::Fixed(2e-4),
-            ..parameters(scheme)
-        };
-        let mut simulation = Simulation::new(&scene(), &fine).unwrap();
-        let start = simulation.energies().total();
-        let (mut before, mut lost) = (start, 0.0);
-        while simulation.time() < 0.4 {
-            let loss = simulation.advance(0.4).unwrap().exchange.drag_loss;
-            let now = simulation.energies().total();
-            lost += loss;
-            if scheme == Scheme::ImplicitEuler {
-                assert!(loss >= 0.0 && now <= before, "{loss} {now} {before}");
-            }
-            before = now;
-        }
-        let fallen = start - before;
-        println!("{scheme:?}: {fallen:e} {lost:e}");
+    for (rod, scheme) in [
+        (rod(false), Scheme::ImplicitEuler),
+        (rod(false), Scheme::BackwardDifferences),
+        (relaxing(false), Scheme::BackwardDifferences),
+    ] {
+        let [fallen, lost] = losses(rod, scheme, 2e-4);
         assert!(
             (lost / fallen - 1.0).abs() < 1e-2,
             "{scheme:?}: {lost} of {fallen}"
         );
     }
+    // Fast modes, which relax little, are damped by implicit Euler, in proportion to the step.
+    let [coarse, fine] = [2e-4, 1e-4].map(|step| {
+        let [fallen, lost] = losses(relaxing(false), Scheme::ImplicitEuler, step);
+        1.0 - lost / fallen
+    });
+    assert!((1.6..2.2).contains(&(coarse / fine)), "{coarse} {fine}");
 }
 
 #[test]
 fn a_checkpoint_of_a_damped_motion_is_exact() {
-    for scheme in [Scheme::ImplicitEuler, Scheme::BackwardDifferences] {
-        let scene = scene();
+    let damped = [rod(false), relaxing(false)];
+    let schemes = [Scheme::ImplicitEuler, Scheme::BackwardDifferences];
+    for (rod, scheme) in damped
+        .into_iter()
+        .flat_map(|rod| schemes.map(|scheme| (rod.clone(), scheme)))
+    {
+        let scene = Scene {
+            rods: vec![rod],
+            ..scene()
+        };
         let run = |simulation: &mut Simulation, until: f64| {
             while simulation.time() < until {
                 simulation.advance(until).unwrap();
@@ -232,9 +349,10 @@ fn a_checkpoint_of_a_damped_motion_is_exact() {
 
 #[test]
 fn at_rest_there_is_no_damping() {
-    let at_rest = |retardation_time: f64, moves: bool| {
+    let at_rest = |retardation_time: f64, relaxation: Option<Relaxation>, moves: bool| {
         let mut scene = scene();
         scene.rods[0].retardation_time = retardation_time;
+        scene.rods[0].relaxation = relaxation;
         let mut simulation = Simulation::new(&scene, &parameters(Scheme::ImplicitEuler)).unwrap();
         while moves && simulation.time() < 0.02 {
             simulation.advance(0.02).unwrap();
@@ -242,9 +360,13 @@ fn at_rest_there_is_no_damping() {
         simulation.find_equilibrium().unwrap();
         (simulation.positions()[10], simulation.reaction_moment(0))
     };
-    let (place, moment) = at_rest(0.0, false);
-    for moves in [false, true] {
-        let damped = at_rest(0.05, moves);
+    let (place, moment) = at_rest(0.0, None, false);
+    for (time, relaxation, moves) in [
+        (0.05, None, false),
+        (0.05, None, true),
+        (0.0, Some(RELAXATION), true),
+    ] {
+        let damped = at_rest(time, relaxation, moves);
         assert!((damped.0 - place).norm() < 1e-7 && (damped.1 - moment).norm() < 1e-7);
     }
 }

@@ -113,6 +113,7 @@ impl Workspace {
         system.drive(time, &mut self.trial.unknowns);
         system.damp(
             self.stage.step,
+            step,
             scheme.earlier_weights(step, state, turning),
         );
         if scheme.predicts_drag() {

@@ -11,6 +11,7 @@ use super::vertex_lanes::{self, GradientLanes, HessianLanes, VERTEX_UNKNOWNS, Ve
 use crate::linalg::BandedSymmetric;
 use crate::linalg::instruction_set::LANES;
 use crate::mechanics::Vector3;
+use std::ops::Add;
 
 /// Elastic energies, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -21,6 +22,18 @@ pub struct ElasticEnergy {
     pub bending: f64,
     /// E_t.
     pub twisting: f64,
+}
+
+impl Add for ElasticEnergy {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            stretching: self.stretching + other.stretching,
+            bending: self.bending + other.bending,
+            twisting: self.twisting + other.twisting,
+        }
+    }
 }
 
 impl ElasticEnergy {

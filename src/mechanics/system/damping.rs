@@ -1,4 +1,4 @@
-//! Kelvin–Voigt damping: stresses E (ε + T ε̇) with the retardation time T = η/E of the material of a rod.
+//! Damping by the material: Kelvin–Voigt, stresses E (ε + T ε̇) with the retardation time T = η/E, and the standard linear solid.
 //!
 //! A dashpot lies beside every spring of the discrete rod, K T ε̇ beside K (ε − ε̃), for the strains of the vertices and the
 //! lengths of the edges. They turn with the rod, so that a motion as a rigid body meets no resistance, however large. In an
@@ -8,39 +8,55 @@
 //! ε̇ = (ε − ε̂)/H,     ε̂ = εₙ + α₁ (εₙ₋₁ − εₙ) + α₂ (εₙ₋₂ − εₙ)
 //! ```
 //!
-//! with α = 0 for implicit Euler and the weights of backward differences otherwise. What both bear is then the gradient of
-//! a square again,
+//! with α = 0 for implicit Euler and the weights of backward differences otherwise. In the standard linear solid (Zener) a spring
+//! and a dashpot in a row lie beside the spring, of the stiffness rK and the relaxation time τ. What they bear, K q, follows
+//! q̇ = r ε̇ − q/τ, and where strains are linear in a step of the size Δt it is at its end exactly
 //!
 //! ```text
-//! ½ K (ε − ε̃)² + ½ K T/H (ε − ε̂)² = ½ K (1 + T/H) (ε − ε*)² + const,     ε* = (ε̃ + T/H ε̂)/(1 + T/H)
+//! q = e^(−x) qₙ + r γ (ε − εₙ),     x = Δt/τ,     γ = (1 − e^(−x))/x
+//! ```
+//!
+//! (Simo and Hughes 1998, Eq. 10.3.12). What all bear is then the gradient of a square again,
+//!
+//! ```text
+//! ½ K (ε − ε̃)² + ½ K T/H (ε − ε̂)² + ½ K r γ (ε − εₙ)² + K e^(−x) qₙ ε = ½ K (1 + T/H + r γ) (ε − ε*)² + const,
+//! ε* = (ε̃ + T/H ε̂ + r γ εₙ − e^(−x) qₙ)/(1 + T/H + r γ)
 //! ```
 //!
 //! so that a damped rod is in each stage an elastic one of another stiffness and other natural strains: gradient and Hessian are
-//! those of [`crate::mechanics::rod`], exact, symmetric and banded. For an edge, whose strain is l/l̃ − 1, the stiffness is
-//! EA (1 + T/H)(1 + ε*) and the natural length l̃ (1 + ε*).
+//! those of [`crate::mechanics::rod`], exact, symmetric and banded. For an edge, whose strain is its length l, K is EA/l̃, the
+//! natural length l* and the stiffness of stretching EA (1 + T/H + r γ) l*/l̃.
 //!
-//! Each step of implicit Euler loses T/H K (εₙ₊₁ − εₙ)² ≥ 0. The midpoint rule would need the rate in the middle of the step,
-//! which is no such difference where strains are not linear in the unknowns: it is refused.
+//! Each step of implicit Euler loses T/H K (εₙ₊₁ − εₙ)² ≥ 0 in the dashpots beside the springs. The midpoint rule would need the
+//! rate in the middle of the step, which is no such difference where strains are not linear in the unknowns: it is refused.
 
 use super::System;
 use super::build::Assembly;
-use crate::mechanics::rod::ElasticRods;
-use crate::mechanics::scene::Scene;
+use crate::mechanics::rod::{ElasticEnergy, ElasticRods, Vertex};
+use crate::mechanics::scene::{Relaxation, Scene};
 
 /// Strains that are kept of a vertex.
 const OF_VERTEX: usize = 5;
+/// A step over the relaxation time below which (1 − γ)/x is ½ − x/6 to all digits that matter.
+const SHORT: f64 = 1e-6;
 
 /// Dashpots of all rods.
 #[derive(Clone, Debug, Default)]
 pub struct Damping {
-    /// Retardation time of each rod, s; empty where none is damped.
-    times: Vec<f64>,
+    /// Retardation time of each rod, s, and what relaxes in it; empty where no rod is damped.
+    rods: Vec<(f64, Option<Relaxation>)>,
     /// Strains of the vertices, then lengths of the edges (m), at the starts of the last steps, the latest first.
     history: [Vec<f64>; 3],
+    /// q of all strains, at the start of the present step; empty where nothing relaxes.
+    relaxing: Vec<f64>,
+    /// Where the vertices are to which q belongs: their nodes, and which of their edges are those of clamps.
+    places: Vec<(usize, [bool; 2])>,
     /// The stage that the rods are in; `None` at rest.
     stage: Option<Difference>,
     /// The rods as elastic ones of that stage.
     acting: ElasticRods,
+    /// Room for the strains of the last evaluation.
+    strains: Vec<f64>,
 }
 
 /// How a stage takes rates.
@@ -50,40 +66,101 @@ struct Difference {
     step: f64,
     /// α₁ and α₂.
     weights: [f64; 2],
+    /// Δt, s.
+    size: f64,
+}
+
+/// What lies beside the springs of a rod in a stage.
+#[derive(Clone, Copy, Debug, Default)]
+struct Beside {
+    /// T/H.
+    dashpot: f64,
+    /// r γ.
+    relaxing: f64,
+    /// e^(−x).
+    kept: f64,
+    /// r.
+    ratio: f64,
+    /// x.
+    steps: f64,
+}
+
+impl Beside {
+    /// Stiffness beside that of the springs, over it.
+    fn stiffness(&self) -> f64 {
+        self.dashpot + self.relaxing
+    }
+
+    /// q at the end of a step in which a strain changes by so much, from that at its start.
+    fn relaxed(&self, start: f64, change: f64) -> f64 {
+        self.kept * start + self.relaxing * change
+    }
+
+    /// Mean of q in that step, γ qₙ + r (1 − γ)/x Δε.
+    fn mean(&self, start: f64, change: f64) -> f64 {
+        let (slope, x) = (self.relaxing / self.ratio, self.steps);
+        let grown = match x < SHORT {
+            true => 0.5 - x / 6.0,
+            false => (1.0 - slope) / x,
+        };
+        slope * start + self.ratio * grown * change
+    }
 }
 
 impl Damping {
     /// Of the rods of a scene.
     pub fn new(scene: &Scene) -> Self {
-        let times = scene.rods.iter().map(|rod| rod.retardation_time);
-        let times: Vec<f64> = times.collect();
-        let is_damped = times.iter().any(|time| *time > 0.0);
+        let rods = scene.rods.iter();
+        let rods: Vec<_> = rods
+            .map(|rod| (rod.retardation_time, rod.relaxation))
+            .collect();
+        let is_damped = |rod: &(f64, Option<Relaxation>)| rod.0 > 0.0 || rod.1.is_some();
         Self {
-            times: if is_damped { times } else { Vec::new() },
+            rods: match rods.iter().any(is_damped) {
+                true => rods,
+                false => Vec::new(),
+            },
             ..Self::default()
         }
     }
 
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
-        self.times.is_empty()
+        self.rods.is_empty()
     }
 
-    /// Strains at the starts of the steps before the present one; what a checkpoint holds.
+    /// Whether a spring and a dashpot in a row lie in any rod.
+    fn relaxes(&self) -> bool {
+        self.rods.iter().any(|rod| rod.1.is_some())
+    }
+
+    /// Strains at the starts of the steps before the present one, and what relaxes; what a checkpoint holds.
     pub fn memory(&self) -> Vec<Vec<f64>> {
-        match self.is_empty() {
-            true => Vec::new(),
-            false => self.history[1..].to_vec(),
+        if self.is_empty() {
+            return Vec::new();
         }
+        let mut memory = self.history[1..].to_vec();
+        if self.relaxes() {
+            memory.push(self.relaxing.clone());
+        }
+        memory
     }
 
     /// Goes on from a checkpoint.
     ///
     /// # Errors
     /// What of it does not fit.
-    pub fn restore(&mut self, memory: Vec<Vec<f64>>) -> Result<(), &'static str> {
-        if self.is_empty() != memory.is_empty() {
+    pub fn restore(&mut self, mut memory: Vec<Vec<f64>>) -> Result<(), &'static str> {
+        let expected = match self.is_empty() {
+            true => 0,
+            false => 2 + usize::from(self.relaxes()),
+        };
+        if memory.len() != expected {
             return Err("damping");
+        }
+        if self.relaxes() {
+            self.relaxing = memory.pop().unwrap_or_default();
+            self.places.clear();
         }
         for (kept, strains) in self.history[1..].iter_mut().zip(memory) {
             *kept = strains;
@@ -92,25 +169,36 @@ impl Damping {
         Ok(())
     }
 
-    /// A step was accepted: the strains at its start are those of the step before.
-    pub fn accept(&mut self) {
-        self.history.rotate_right(1);
-    }
-
     /// The rods without their dashpots are in no stage.
     pub fn rest(&mut self) {
         self.stage = None;
     }
 
-    /// How many times as stiff a rod is in the present stage as at rest, 1 + T/H.
+    /// How many times as stiff a rod is in the present stage as at rest, 1 + T/H + r γ.
     pub fn stiffening(&self, rod: usize) -> f64 {
-        1.0 + self.ratio(rod)
+        1.0 + self.beside(rod).stiffness()
     }
 
-    /// T/H of a rod.
-    fn ratio(&self, rod: usize) -> f64 {
-        let time = self.times.get(rod).copied().unwrap_or(0.0);
-        self.stage.map_or(0.0, |stage| time / stage.step)
+    /// What lies beside the springs of a rod.
+    fn beside(&self, rod: usize) -> Beside {
+        let (Some(stage), Some(&(time, relaxation))) = (self.stage, self.rods.get(rod)) else {
+            return Beside::default();
+        };
+        let dashpot = time / stage.step;
+        let Some(Relaxation { ratio, time }) = relaxation else {
+            return Beside {
+                dashpot,
+                ..Beside::default()
+            };
+        };
+        let steps = stage.size / time;
+        Beside {
+            dashpot,
+            relaxing: -ratio * libm::expm1(-steps) / steps,
+            kept: libm::exp(-steps),
+            ratio,
+            steps,
+        }
     }
 
     /// ε̂ of one of the strains.
@@ -128,6 +216,16 @@ impl Damping {
         start + change(last, weights[0]) + change(earlier, weights[1])
     }
 
+    /// ε* of one of the strains.
+    fn natural(&self, beside: &Beside, natural: f64, strain: usize) -> f64 {
+        let relaxing = match beside.ratio {
+            0.0 => 0.0,
+            _ => beside.relaxing * self.history[0][strain] - beside.kept * self.relaxing[strain],
+        };
+        let pulled = natural + beside.dashpot * self.before(strain) + relaxing;
+        pulled / (1.0 + beside.stiffness())
+    }
+
     /// Makes the rods elastic ones of the present stage.
     fn stiffen(&mut self, assembly: &Assembly) {
         let rods = &assembly.rods;
@@ -135,25 +233,23 @@ impl Damping {
         acting.vertices.clone_from(&rods.vertices);
         acting.edges.clone_from(&rods.edges);
         for (index, vertex) in acting.vertices.iter_mut().enumerate() {
-            let ratio = self.ratio(rod_of(assembly, vertex.before.min(vertex.after)));
-            let between = |natural: f64, strain: usize| {
-                (natural + ratio * self.before(OF_VERTEX * index + strain)) / (1.0 + ratio)
-            };
+            let beside = self.beside(rod_of(assembly, vertex.before.min(vertex.after)));
+            let first = OF_VERTEX * index;
             let natural = &mut vertex.natural;
             for (strain, own) in natural.curvature.iter_mut().enumerate() {
-                *own = between(*own, strain);
+                *own = self.natural(&beside, *own, first + strain);
             }
-            natural.twist = between(natural.twist, OF_VERTEX - 1);
-            vertex.stiffness.bending = vertex.stiffness.bending.map(|own| own * (1.0 + ratio));
-            vertex.stiffness.twisting *= 1.0 + ratio;
+            natural.twist = self.natural(&beside, natural.twist, first + OF_VERTEX - 1);
+            let factor = 1.0 + beside.stiffness();
+            vertex.stiffness.bending = vertex.stiffness.bending.map(|own| own * factor);
+            vertex.stiffness.twisting *= factor;
         }
         let first = OF_VERTEX * acting.vertices.len();
         for (index, edge) in acting.edges.iter_mut().enumerate() {
-            let ratio = self.ratio(rod_of(assembly, edge.start));
-            let before = self.before(first + index) / edge.natural_length - 1.0;
-            let natural = 1.0 + ratio * before / (1.0 + ratio);
-            edge.stretching *= (1.0 + ratio) * natural;
-            edge.natural_length *= natural;
+            let beside = self.beside(rod_of(assembly, edge.start));
+            let natural = self.natural(&beside, edge.natural_length, first + index);
+            edge.stretching *= (1.0 + beside.stiffness()) * natural / edge.natural_length;
+            edge.natural_length = natural;
         }
         self.acting = acting;
     }
@@ -162,6 +258,31 @@ impl Damping {
 /// Rod of an edge.
 fn rod_of(assembly: &Assembly, edge: usize) -> usize {
     assembly.locate(edge).0
+}
+
+/// Kind of a strain, by which its energy counts.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Stretching,
+    Bending,
+    Twisting,
+}
+
+/// Kind, rod and stiffness K of each strain, in the order in which they are kept.
+fn all_strains(assembly: &Assembly) -> impl Iterator<Item = (Kind, usize, f64)> {
+    let rods = &assembly.rods;
+    let of_vertices = rods.vertices.iter().flat_map(|vertex| {
+        let rod = rod_of(assembly, vertex.before.min(vertex.after));
+        (0..OF_VERTEX).map(move |strain| match strain {
+            0..4 => (Kind::Bending, rod, vertex.stiffness.bending[strain % 2]),
+            _ => (Kind::Twisting, rod, vertex.stiffness.twisting),
+        })
+    });
+    let of_edges = rods.edges.iter().map(|edge| {
+        let stiffness = edge.stretching / edge.natural_length;
+        (Kind::Stretching, rod_of(assembly, edge.start), stiffness)
+    });
+    of_vertices.chain(of_edges)
 }
 
 impl System {
@@ -178,17 +299,79 @@ impl System {
         self.update_geometry(unknowns);
         let mut strains = std::mem::take(&mut self.damping.history[0]);
         self.write_strains(&mut strains);
+        if self.damping.relaxes() {
+            if self.damping.places.is_empty() {
+                self.place_relaxing();
+            }
+            self.damping.relaxing.resize(strains.len(), 0.0);
+        }
         self.damping.history[0] = strains;
     }
 
-    /// Sets up the dashpots of a stage of the size `step` (s), whose differences weigh earlier strains with `weights`.
-    pub fn damp(&mut self, step: f64, weights: [f64; 2]) {
+    /// Gives each vertex its q where clamps have come or gone; that of a new one is relaxed.
+    pub(super) fn place_relaxing(&mut self) {
+        if !self.damping.relaxes() {
+            return;
+        }
+        let rods = &self.assembly.rods;
+        let is_of_clamp = |edge: usize| edge >= rods.nodes;
+        let place = |vertex: &Vertex| {
+            let edges = [vertex.before, vertex.after];
+            (self.node_of(vertex), edges.map(is_of_clamp))
+        };
+        let places = rods.vertices.iter().map(place).collect();
+        let before = std::mem::replace(&mut self.damping.places, places);
+        if before.is_empty() || self.damping.relaxing.is_empty() {
+            return;
+        }
+        let old = std::mem::take(&mut self.damping.relaxing);
+        let mut relaxing = Vec::with_capacity(old.len());
+        for place in &self.damping.places {
+            let own = before.iter().position(|earlier| earlier == place);
+            match own.map(|own| OF_VERTEX * own) {
+                Some(first) => relaxing.extend_from_slice(&old[first..first + OF_VERTEX]),
+                None => relaxing.extend([0.0; OF_VERTEX]),
+            }
+        }
+        relaxing.extend_from_slice(&old[OF_VERTEX * before.len()..]);
+        self.damping.relaxing = relaxing;
+    }
+
+    /// Sets up the dashpots of a stage `step` (s) long in a step of a `size` (s), whose differences weigh earlier strains with
+    /// `weights`.
+    pub fn damp(&mut self, step: f64, size: f64, weights: [f64; 2]) {
         if self.damping.is_empty() {
             return;
         }
-        self.damping.stage = Some(Difference { step, weights });
+        self.damping.stage = Some(Difference {
+            step,
+            weights,
+            size,
+        });
         self.damping.stiffen(&self.assembly);
         self.geometry.take_natural_strains(&self.damping.acting);
+    }
+
+    /// A step was accepted: the strains at its start are those of the step before, and what relaxes has done so until the last
+    /// evaluation, altogether where that was of no stage.
+    pub fn keep_damping(&mut self) {
+        if self.damping.relaxes() {
+            let mut relaxing = std::mem::take(&mut self.damping.relaxing);
+            let mut strains = std::mem::take(&mut self.damping.strains);
+            self.write_strains(&mut strains);
+            let start = &self.damping.history[0];
+            for (index, (_, rod, _)) in all_strains(&self.assembly).enumerate() {
+                if let (Some(own), Some(start)) = (relaxing.get_mut(index), start.get(index)) {
+                    *own = self
+                        .damping
+                        .beside(rod)
+                        .relaxed(*own, strains[index] - start);
+                }
+            }
+            self.damping.strains = strains;
+            self.damping.relaxing = relaxing;
+        }
+        self.damping.history.rotate_right(1);
     }
 
     /// Without a stage dashpots bear nothing.
@@ -213,29 +396,45 @@ impl System {
         }
         let mut strains = Vec::new();
         self.write_strains(&mut strains);
-        // (ε − ε̂)(ε − εₙ) of one of them.
-        let product = |strain: usize| {
-            let end = strains[strain];
-            (end - self.damping.before(strain)) * (end - self.damping.history[0][strain])
-        };
-        let rods = &self.assembly.rods;
-        let mut sum = 0.0;
-        for (index, vertex) in rods.vertices.iter().enumerate() {
-            let ratio = self
-                .damping
-                .ratio(rod_of(&self.assembly, vertex.before.min(vertex.after)));
-            let first = OF_VERTEX * index;
-            for axis in 0..4 {
-                sum += ratio * vertex.stiffness.bending[axis % 2] * product(first + axis);
+        let loss = |(index, (_, rod, stiffness)): (usize, (Kind, usize, f64))| {
+            let beside = self.damping.beside(rod);
+            let end = strains[index];
+            let change = end - self.damping.history[0][index];
+            let mut loss = beside.dashpot * (end - self.damping.before(index)) * change;
+            if beside.ratio > 0.0 {
+                // Of the work of its mean, the spring in the row keeps some.
+                let start = self.damping.relaxing[index];
+                let end = beside.relaxed(start, change);
+                let kept = 0.5 * (end * end - start * start) / beside.ratio;
+                loss += beside.mean(start, change) * change - kept;
             }
-            sum += ratio * vertex.stiffness.twisting * product(first + OF_VERTEX - 1);
+            stiffness * loss
+        };
+        all_strains(&self.assembly).enumerate().map(loss).sum()
+    }
+
+    /// Energy of the springs that lie in a row with a dashpot, of one rod or of all, ½ K q²/r, at the end of the last step, J.
+    pub(super) fn relaxing_energy(&self, of: Option<usize>) -> ElasticEnergy {
+        let mut energy = ElasticEnergy::default();
+        let own = self
+            .damping
+            .relaxing
+            .iter()
+            .zip(all_strains(&self.assembly));
+        for (relaxing, (kind, rod, stiffness)) in own {
+            let Some(Relaxation { ratio, .. }) = self.damping.rods[rod].1 else {
+                continue;
+            };
+            if of.is_none_or(|of| of == rod) {
+                let sum = match kind {
+                    Kind::Stretching => &mut energy.stretching,
+                    Kind::Bending => &mut energy.bending,
+                    Kind::Twisting => &mut energy.twisting,
+                };
+                *sum += 0.5 * stiffness * relaxing * relaxing / ratio;
+            }
         }
-        let first = OF_VERTEX * rods.vertices.len();
-        for (index, edge) in rods.edges.iter().enumerate() {
-            let ratio = self.damping.ratio(rod_of(&self.assembly, edge.start));
-            sum += ratio * edge.stretching / edge.natural_length * product(first + index);
-        }
-        sum
+        energy
     }
 
     /// Strains of the vertices and lengths of the edges at the last evaluation.

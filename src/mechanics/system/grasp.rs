@@ -232,6 +232,7 @@ impl System {
     fn rebuild(&mut self, unknowns: &[f64]) {
         self.switched = true;
         self.damping.rest();
+        self.place_relaxing();
         self.assembly.consistent.share(&self.assembly.rods);
         self.actuators.resolve(&self.assembly);
         self.geometry = RodGeometry::new(&self.assembly.rods);

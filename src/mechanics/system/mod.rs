@@ -317,24 +317,17 @@ impl System {
 
     /// Keeps frames and contact forces of the last evaluation as those of an accepted step.
     pub fn accept(&mut self) {
+        self.keep_damping();
         self.commit_frames();
-        self.damping.accept();
         if let Some(contact) = &mut self.contact {
             contact.commit_multipliers();
         }
     }
 
-    /// Elastic energy of the last evaluation, that of springs included.
+    /// Elastic energy of the last evaluation, that of springs and of what relaxes included.
     pub fn elastic_energy(&self) -> ElasticEnergy {
-        let (rods, springs) = (
-            self.assembly.rods.energy(&self.geometry),
-            self.springs.energy(),
-        );
-        ElasticEnergy {
-            stretching: rods.stretching + springs.stretching,
-            bending: rods.bending + springs.bending,
-            twisting: rods.twisting + springs.twisting,
-        }
+        let rods = self.assembly.rods.energy(&self.geometry);
+        rods + self.springs.energy() + self.relaxing_energy(None)
     }
 
     /// Potential of the last evaluation, at `unknowns`, J: elastic and contact energy less the work of the dead

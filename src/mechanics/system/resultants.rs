@@ -88,7 +88,7 @@ impl System {
     pub fn elastic_energy_of(&self, rod: usize) -> ElasticEnergy {
         let rods = &self.assembly.rods;
         let nodes = rods.rods[rod].node_indices();
-        let mut energy = ElasticEnergy::default();
+        let mut energy = self.relaxing_energy(Some(rod));
         for edge in rods.edges.iter().filter(|edge| nodes.contains(&edge.start)) {
             let length = self.geometry.edges[edge.start].length;
             let strain = length / edge.natural_length - 1.0;

@@ -45,6 +45,7 @@ fn prepared(mode: Mode) -> PreparedRun {
         rotational_inertia_per_length: 1.0,
         inertia: Inertia::Lumped,
         retardation_time: 0.0,
+        relaxation: None,
         velocity: Vector3::zeros(),
         angular_velocity: Vector3::zeros(),
         held: false,

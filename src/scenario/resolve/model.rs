@@ -256,10 +256,11 @@ fn is_midpoint(time: &Time) -> bool {
 
 /// Refuses the midpoint rule for viscous rods: in the middle of a step it knows no rate of a strain.
 pub fn refuse_viscous_midpoint(top: &Section<'_>, rods: &[Rod], time: &Time) {
-    if is_midpoint(time) && rods.iter().any(|rod| rod.material.viscosity > 0.0) {
+    let is_damped = |rod: &Rod| rod.material.viscosity > 0.0 || rod.material.relaxing_modulus > 0.0;
+    if is_midpoint(time) && rods.iter().any(is_damped) {
         top.below("time").fault(
             "scheme",
-            "\"implicit-midpoint\" does not fit rods with a viscosity; allowed with them: \"implicit-euler\" and \"backward-differences\"",
+            "\"implicit-midpoint\" does not fit rods with a viscosity or a modulus that relaxes; allowed with them: \"implicit-euler\" and \"backward-differences\"",
         );
     }
 }

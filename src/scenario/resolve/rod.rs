@@ -254,6 +254,12 @@ fn own_material(
     }
     let youngs_modulus = choose!(youngs_modulus, POSITIVE);
     let of_common = |typed| viscosity(&common.section, typed, youngs_modulus);
+    let relaxing = relaxation(section, own).or_else(|| {
+        common
+            .typed
+            .and_then(|typed| relaxation(&common.section, typed))
+    });
+    let [relaxing_modulus, relaxation_time] = relaxing.unwrap_or_default();
     Material {
         youngs_modulus,
         poissons_ratio: choose!(poissons_ratio, POISSONS_RATIO),
@@ -261,7 +267,27 @@ fn own_material(
         viscosity: viscosity(section, own, youngs_modulus)
             .or_else(|| common.typed.and_then(of_common))
             .unwrap_or(0.0),
+        relaxing_modulus,
+        relaxation_time,
     }
+}
+
+/// Modulus that relaxes, Pa, and relaxation time, s, if a material is given them.
+fn relaxation(section: &Section<'_>, typed: &typed::Material) -> Option<[f64; 2]> {
+    let modulus = section.optional("relaxing_modulus", &typed.relaxing_modulus, POSITIVE);
+    let time = section.optional("relaxation_time", &typed.relaxation_time, POSITIVE);
+    match (modulus, time) {
+        (Some(modulus), Some(time)) => return Some([modulus, time]),
+        (None, None) => {}
+        (None, Some(_)) => section.missing("relaxing_modulus", "the modulus that relaxes"),
+        (Some(_), None) => {
+            section.missing(
+                "relaxation_time",
+                "the time in which `relaxing_modulus` relaxes",
+            );
+        }
+    }
+    None
 }
 
 /// The viscosity that a material is given, Pa s, by itself or by its loss factor.
@@ -291,11 +317,14 @@ fn viscosity(section: &Section<'_>, typed: &typed::Material, youngs_modulus: f64
 /// Resolves the material that holds for all rods.
 pub fn material(section: &Section<'_>, typed: &typed::Material) -> Material {
     let youngs_modulus = section.required("youngs_modulus", &typed.youngs_modulus, POSITIVE);
+    let [relaxing_modulus, relaxation_time] = relaxation(section, typed).unwrap_or_default();
     Material {
         youngs_modulus,
         poissons_ratio: section.required("poissons_ratio", &typed.poissons_ratio, POISSONS_RATIO),
         density: section.required("density", &typed.density, POSITIVE),
         viscosity: viscosity(section, typed, youngs_modulus).unwrap_or(0.0),
+        relaxing_modulus,
+        relaxation_time,
     }
 }
 

@@ -65,6 +65,12 @@ pub struct Material {
     /// Viscosity η of stretching, Pa s.
     #[serde(skip_serializing_if = "is_zero")]
     pub viscosity: f64,
+    /// Modulus that relaxes, Pa.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub relaxing_modulus: f64,
+    /// Relaxation time, s; 0 where nothing relaxes.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub relaxation_time: f64,
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]

@@ -295,7 +295,7 @@ proptest! {
 }
 
 #[test]
-fn the_viscosity_of_a_material_is_given_once() {
+fn the_viscosity_of_a_material_is_given_once_and_what_relaxes_with_its_time() {
     let fault = |keys: &str| {
         let with =
             |text: &str| text.replacen("density = 1000.0", &format!("density = 1000.0\n{keys}"), 1);
@@ -305,6 +305,20 @@ fn the_viscosity_of_a_material_is_given_once() {
     insta::assert_snapshot!(fault("loss_factor = 0.1"), @"beam.toml:4:1: `material`: missing key `loss_frequency` (the frequency at which that is the loss factor)");
     insta::assert_snapshot!(fault("loss_frequency = 10"), @"beam.toml:4:1: `material`: missing key `loss_factor` (the loss factor at `loss_frequency`)");
     insta::assert_snapshot!(fault("viscosity = 1\nloss_factor = 0.1\nloss_frequency = 10"), @"beam.toml:9:15: `material.loss_factor`: give `viscosity` or `loss_factor`, not both");
+    insta::assert_snapshot!(fault("relaxing_modulus = 0.0\nrelaxation_time = 1"), @"beam.toml:8:20: `material.relaxing_modulus`: 0.0 is out of range; allowed: greater than 0");
+    insta::assert_snapshot!(fault("relaxing_modulus = 1e6"), @"beam.toml:4:1: `material`: missing key `relaxation_time` (the time in which `relaxing_modulus` relaxes)");
+    insta::assert_snapshot!(fault("relaxation_time = 1"), @"beam.toml:4:1: `material`: missing key `relaxing_modulus` (the modulus that relaxes)");
+    let relaxing = BEAM.replace(
+        "density = 1000.0",
+        "density = 1000.0\nrelaxing_modulus = \"2 MPa\"\nrelaxation_time = \"0.1 s\"",
+    );
+    let scenario = read(&relaxing).unwrap();
+    let material = scenario.rods[0].material;
+    assert_eq!(
+        (material.relaxing_modulus, material.relaxation_time),
+        (2e6, 0.1)
+    );
+    assert_eq!(read(&scenario.to_toml()).unwrap(), scenario);
     let viscous = BEAM.replace(
         "density = 1000.0",
         "density = 1000.0\nloss_factor = 0.1\nloss_frequency = \"10 Hz\"",

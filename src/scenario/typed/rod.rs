@@ -5,7 +5,7 @@ use super::quantity::{Quantity, Vector};
 use super::shape::{NaturalShape, Shape};
 use crate::scenario::units::{
     Angle, AngularVelocity, Curvature, Density, Dimensionless, Force, Frequency, Length, Pressure,
-    Rigidity, Twist, Velocity, Viscosity,
+    Rigidity, Time, Twist, Velocity, Viscosity,
 };
 use schemars::{JsonSchema, Schema};
 use serde::Deserialize;
@@ -27,6 +27,12 @@ pub struct Material {
     pub loss_factor: Option<Quantity<Dimensionless>>,
     /// Frequency f at which the material has its `loss_factor`.
     pub loss_frequency: Option<Quantity<Frequency>>,
+    /// Modulus E₁ that relaxes, of a standard linear solid: strained at once the material has the modulus E + E₁, and after a while
+    /// E; bending and twisting relax in the same proportion. Needs `relaxation_time`; not with the scheme "implicit-midpoint".
+    /// Default: 0.
+    pub relaxing_modulus: Option<Quantity<Pressure>>,
+    /// Relaxation time τ in which the stress of `relaxing_modulus` falls to 1/e at constant strain, greater than 0.
+    pub relaxation_time: Option<Quantity<Time>>,
 }
 
 /// One rod of a scene.
