@@ -215,6 +215,26 @@ mod tests {
         [0.249, 0.498, -0.831],
     ];
 
+    /// The 21st of the 328 directions: on the second approach the wire snaps long before the place at which it was a helix at first.
+    const SNAPS_EARLIER: [[f64; 3]; 1] = [[0.9375, 0.299_694_16, 0.176_853_497]];
+
+    #[test]
+    fn where_a_rod_snaps_earlier_the_second_time_the_first_time_counts() {
+        let rows = with_cell(|cell, rod, directory| {
+            let colour = ColourRule::parse("blue").unwrap();
+            let exploration = Exploration {
+                directions: &SNAPS_EARLIER,
+                farthest: 9.0,
+                ..exploration(cell, rod, &colour, directory)
+            };
+            let mut record = exploration.record(Vec::new());
+            exploration.run(&mut record, &|| false).unwrap();
+            Ok(exploration.rows().unwrap())
+        });
+        let row = &rows.unwrap()[0];
+        assert!(row.relative_difference.unwrap().abs() < 0.05, "{row:?}");
+    }
+
     #[test]
     fn an_interrupted_exploration_goes_on_at_its_direction_and_finds_what_theory_says() {
         let rows = with_cell(|cell, rod, directory| {

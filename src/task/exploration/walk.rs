@@ -169,8 +169,9 @@ impl Walk<'_> {
         let Some(passed) = self.advance(points(step))? else {
             return Ok((self.at, None));
         };
+        let lost = self.at;
         if points(precision) >= points(step) {
-            return Ok((passed, Some(self.at)));
+            return Ok((passed, Some(lost)));
         }
         // Back to where it is a helix again: what has snapped may stay so for a while.
         let mut back = passed;
@@ -184,10 +185,10 @@ impl Walk<'_> {
             back = back.saturating_sub(points(step));
             self.go(back)?;
         }
-        // What was passed once was a helix there; if it snaps earlier this time, that counts.
+        // What has snapped and come back may snap earlier this time, as it is no longer what it was: then the first time counts.
         self.go(passed)?;
         if !self.look()? {
-            return Ok((back, Some(passed)));
+            return Ok((passed, Some(lost)));
         }
         Ok(match self.advance(points(precision))? {
             Some(stable) => (stable, Some(self.at)),

@@ -150,6 +150,8 @@ impl ClampedRod {
              [[loads]]\n\
              kind = \"gravity\"\n\
              acceleration = [{x:?}, {y:?}, {z:?}]\n\
+             [contact]\n\
+             friction = {FRICTION:?}\n\
              [time]\n\
              scheme = \"implicit-euler\"\n\
              step = {STEP:?}\n\
@@ -158,6 +160,8 @@ impl ClampedRod {
     }
 }
 
+/// Friction of the rod on itself, which it touches once it has left the helix: of metals.
+const FRICTION: f64 = 0.2;
 /// Acceleration of free fall, m/s².
 const GRAVITY: f64 = 9.81;
 
