@@ -294,6 +294,59 @@ fn a_rod_that_is_longer_than_its_pattern_is_laid_to_its_end() {
 }
 
 #[test]
+fn a_cable_is_placed_between_its_pegs_by_the_optimal_grasps_and_not_by_the_intuitive_ones() {
+    let scenario = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/cable_placement_u.toml");
+    let scenario = scenario.to_str().unwrap();
+    let served = serve_cell(&["--scene", scenario, "--rate", "20"], "");
+    for (scheme, is_placed) in [("optimal", true), ("intuitive", false)] {
+        let scheme_key = format!("deployment.scheme={scheme}");
+        let set = ["--set", &scheme_key, "--out", scheme];
+        let cell = ["--cell", "client.toml", "--approach-speed", "0.4"];
+        let placed = served.run(&[&["place", scenario], &cell[..], &set[..]].concat());
+        assert!(placed.status.success(), "{}", said(&placed));
+        let manifest = served.read(&format!("{scheme}/manifest.json"));
+        let manifest: Value = serde_json::from_str(&manifest).unwrap();
+        assert_eq!(manifest["pegs"]["count"], 22, "{manifest}");
+        let passed = manifest["pegs"]["passed"].as_u64().unwrap();
+        assert_eq!(passed == 22, is_placed, "{manifest}");
+        let report = served.read(&format!("{scheme}/report.md"));
+        assert!(report.contains(&format!("{passed} of 22")), "{report}");
+        assert!(
+            served
+                .read(&format!("{scheme}/pegs.svg"))
+                .contains("</svg>")
+        );
+    }
+}
+
+#[test]
+fn what_is_no_placement_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for (scenario, word) in [
+        ("deployment.toml", "deployment.clips"),
+        ("trefoil.toml", "deployment"),
+        ("nothing.toml", "nothing.toml"),
+    ] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("scenarios")
+            .join(scenario);
+        for command in [&["place"][..], &["cell", "serve", "--scene"]] {
+            let refused = Command::new(env!("CARGO_BIN_EXE_rodlab"))
+                .args(command)
+                .arg(&path)
+                .arg("--cell")
+                .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/cells/gantry.toml"))
+                .current_dir(folder.path())
+                .output()
+                .unwrap();
+            assert_eq!(refused.status.code(), Some(2), "{}", said(&refused));
+            assert!(said(&refused).contains(word), "{}", said(&refused));
+        }
+    }
+    assert!(fs::read_dir(folder.path()).unwrap().next().is_none());
+}
+
+#[test]
 fn a_rod_is_laid_anew_from_where_the_camera_sees_it() {
     let served = serve(&["--rate", "10", "--jitter", "1 mm", "--seed", "3"], "");
     let mut arguments = DEPLOY.to_vec();
@@ -344,6 +397,36 @@ fn a_joint_that_freezes_at_any_moment_leaves_the_arm_still_and_a_whole_log() {
         served.change("tracking_tolerance = 0.1", "tracking_tolerance = 0.03");
         let output = served.deploy();
         assert_eq!(output.status.code(), Some(1), "{fault}: {}", said(&output));
+        assert!(served.stands_soon(), "{fault}");
+        log_is_whole(&served, "failed", moment);
+        served.asks_for_a_look_before(&again());
+    });
+}
+
+#[test]
+fn a_rod_that_slips_out_of_the_gripper_at_any_moment_ends_the_task() {
+    at_ten_moments(14.0, |moment| {
+        let fault = format!("slip-grasp@{moment}s");
+        let served = serve(&["--rate", "10", "--fault", &fault], "");
+        let output = served.deploy();
+        assert_eq!(output.status.code(), Some(1), "{fault}: {}", said(&output));
+        let words = "slipped out of the gripper";
+        assert!(said(&output).contains(words), "{fault}: {}", said(&output));
+        assert!(served.stands_soon(), "{fault}");
+        log_is_whole(&served, "failed", moment);
+        served.asks_for_a_look_before(&again());
+    });
+}
+
+#[test]
+fn a_camera_that_is_lost_at_any_moment_ends_the_task() {
+    at_ten_moments(14.0, |moment| {
+        let fault = format!("lose-camera@{moment}s");
+        let served = serve(&["--rate", "10", "--fault", &fault], "");
+        let output = served.deploy();
+        assert_eq!(output.status.code(), Some(1), "{fault}: {}", said(&output));
+        let words = "is the camera started";
+        assert!(said(&output).contains(words), "{fault}: {}", said(&output));
         assert!(served.stands_soon(), "{fault}");
         log_is_whole(&served, "failed", moment);
         served.asks_for_a_look_before(&again());

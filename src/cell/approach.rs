@@ -47,6 +47,16 @@ impl Cell {
         driver: Option<&Driver>,
         joints: &[String],
     ) -> Result<Vec<f64>, String> {
+        Ok(self.heard(name, driver, joints)?.1)
+    }
+
+    /// A driver that was connected for joints, and where they are.
+    pub(super) fn heard(
+        &self,
+        name: &str,
+        driver: Option<&Driver>,
+        joints: &[String],
+    ) -> Result<(Box<dyn crate::robot::Driver>, Vec<f64>), String> {
         let missing = || format!("{name}: it has no driver in the cell file that could move it");
         let known = driver.ok_or_else(missing)?;
         let mut driver = self.driver(known).ok_or_else(missing)?;
@@ -58,7 +68,7 @@ impl Cell {
         let begin = Instant::now();
         while begin.elapsed() < PATIENCE {
             if let Some(state) = driver.state().map_err(in_words)? {
-                return Ok(state.positions);
+                return Ok((driver, state.positions));
             }
             std::thread::sleep(Duration::from_millis(2));
         }

@@ -12,6 +12,7 @@
 //! | `streaming` | a joint trajectory with the drivers that it moves |
 //! | `approach` | from where an arm stands to where a motion begins |
 //! | `hand_path` | joints along poses of a hand that begin where it is, and motions along a part of them, with an axis |
+//! | `fingers` | whether a gripper still holds what it held |
 //! | `continuation` | from where an arm stands on along a path |
 //! | `camera` | the camera as one that locates what it sees |
 //! | `view` | the 3-D page of a cell |
@@ -20,6 +21,7 @@
 mod approach;
 mod camera;
 mod continuation;
+mod fingers;
 mod hand_path;
 mod plan;
 mod report;
@@ -34,6 +36,7 @@ mod tests;
 mod typed;
 mod view;
 
+pub use fingers::Fingers;
 pub use hand_path::{HandPath, HandPathRequest};
 pub use plan::{Place, Plan, PlanError, PlanReport, PlanRequest, read_poses};
 pub use report::CellReport;

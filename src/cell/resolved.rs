@@ -57,6 +57,8 @@ pub struct Gripper {
     pub open: f64,
     /// How far it closes them, m.
     pub closed: f64,
+    /// Name of the joint by which the reports of the arm say how far its fingers are apart, if they do.
+    pub joint: Option<String>,
 }
 
 /// An external axis, such as the motor that twists a rod's end.

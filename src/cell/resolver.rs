@@ -208,6 +208,7 @@ impl Resolver<'_> {
             action: gripper.action.clone(),
             open: opening("open", &gripper.open, OPEN),
             closed: opening("closed", &gripper.closed, 0.0),
+            joint: gripper.joint.clone(),
         }
     }
 

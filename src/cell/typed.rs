@@ -66,6 +66,7 @@ pub struct Gripper {
     pub action: String,
     pub open: Option<Quantity<Length>>,
     pub closed: Option<Quantity<Length>>,
+    pub joint: Option<String>,
 }
 
 /// A number for all joints, or one for each.

@@ -4,10 +4,13 @@ use super::failure::Failure;
 use super::folded_sheet::PaperFile;
 use super::interruption::watch_for_interruption;
 use super::output::print;
+use super::place::Scene;
+use super::plan::parse_place;
 use super::values::positive_length;
-use crate::cell::{Cell, Driver};
+use crate::cell::{Cell, Driver, Place};
 use crate::experiment::{Crease, Jitter};
 use crate::robot::Pose;
+use crate::task::middle_of_table;
 use crate::virtual_cell::{
     ChuckedSupply, Fault, Response, RodSupply, Settings, SheetPlace, SimulatedSheet, VirtualCell,
 };
@@ -35,13 +38,14 @@ enum What {
 Examples:
   rodlab cell serve --rod scenarios/rods/green_vps.toml
   rodlab cell serve --cell cell.toml --rod rod.toml --friction 0.2 --rate 5
+  rodlab cell serve --scene scenarios/cable_placement_u.toml
   rodlab cell serve --paper scenarios/papers/a4.toml
   rodlab cell serve --paper scenarios/papers/origami.toml --diagonal --place 0.1,-0.05,20
   rodlab cell serve --rod scenarios/rods/green_vps.toml --fault drop-link@3s --fault lose-camera@0s
 
 Arms follow trajectories as `rodlab stream` sends them, late and a little behind. A gripper that closes is handed the end of a
 rod, which hangs from it with its free end on the table; one that opens lets it go. A sheet, --paper,
-lies on the table; a gripper that closes at the middle of its edge takes it. The camera shows the table, rod and sheet; where
+lies on the table; a gripper that closes at the middle of its edge takes it. A scene, --scene, has a rod and pegs on the table. The camera shows the table, rod and sheet; where
 the cell file names no other topic, on /camera/image_raw. What runs is printed: the address on which it listens.
 An arm is led by one client at a time. When that is gone, the arm stops. Times of faults count from the first motion of an arm;
 faults are drop-link, freeze-joint, slip-grasp and lose-camera.")]
@@ -61,9 +65,16 @@ struct ServeArguments {
     /// youngs_modulus, poissons_ratio and density in [material] and radius and length in [rod]; without one, grippers hold nothing
     #[arg(long, value_name = "FILE")]
     rod: Option<PathBuf>,
+    /// Rod, pegs and friction of the table: a scenario as for `rodlab place`
+    #[arg(long, value_name = "SCENARIO", conflicts_with_all = ["rod", "paper"])]
+    scene: Option<PathBuf>,
+    /// Where the frame of its pattern lies in the cell: x,y,z in metres and a turn about z in degrees [default: the middle of the pattern
+    /// in that of the table]
+    #[arg(long, value_name = "X,Y,Z[,TURN]", value_parser = parse_place, requires = "scene", allow_hyphen_values = true)]
+    scene_place: Option<Place>,
     /// Where on the table a person lays the free end of a rod that is handed over: x,y in the cell, m [default: where the rod hangs by
     /// itself]
-    #[arg(long, value_name = "X,Y", value_parser = place, requires = "rod", allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y", value_parser = place, conflicts_with = "paper", allow_hyphen_values = true)]
     free_end: Option<[f64; 2]>,
     /// The sheet: TOML with [folding.paper], as in scenarios/papers
     #[arg(long, value_name = "FILE", conflicts_with = "rod")]
@@ -75,7 +86,7 @@ struct ServeArguments {
     /// the table's x axis [default: its middle in that of the table]
     #[arg(long, value_name = "X,Y[,TURN]", requires = "paper", value_parser = sheet_place, allow_hyphen_values = true)]
     place: Option<SheetPlace>,
-    /// Friction of the table [default: that in the sheet's file, otherwise 0.4]
+    /// Friction of the table [default: that in the file of the sheet or the scene, otherwise 0.4]
     #[arg(long, value_name = "FRICTION", value_parser = friction)]
     friction: Option<f64>,
     /// How many times as fast as real time; a simulation that cannot keep up is slower
@@ -116,13 +127,14 @@ pub fn cell(arguments: &CellArguments) -> Result<(), Failure> {
         .map(|rod| ChuckedSupply::new(rod, &cell))
         .transpose()?
         .flatten();
-    let supply = rod.filter(|_| cell.chuck.is_none()).map(|rod| {
-        let supply = RodSupply::new(rod, friction)?;
-        Ok::<_, Failure>(match arguments.free_end {
-            Some(place) => supply.with_free_end(place),
-            None => supply,
-        })
-    });
+    let supply = match rod.filter(|_| cell.chuck.is_none()) {
+        Some(rod) => Some(RodSupply::new(rod, friction)?),
+        None => arguments.scene(&cell)?,
+    };
+    let supply = match (supply, arguments.free_end) {
+        (Some(supply), Some(place)) => Some(supply.with_free_end(place)),
+        (supply, _) => supply,
+    };
     let paper = arguments.paper.as_deref();
     let sheet = paper.map(|paper| arguments.sheet(paper, &cell));
     let settings = Settings {
@@ -133,7 +145,7 @@ pub fn cell(arguments: &CellArguments) -> Result<(), Failure> {
             latency: arguments.latency,
             lag: arguments.lag,
         },
-        supply: supply.transpose()?,
+        supply,
         sheet: sheet.transpose()?,
         chucked,
         jitter: arguments
@@ -150,6 +162,22 @@ pub fn cell(arguments: &CellArguments) -> Result<(), Failure> {
 }
 
 impl ServeArguments {
+    /// The rods of a scene and its pegs, if there is one.
+    fn scene(&self, cell: &Cell) -> Result<Option<RodSupply>, Failure> {
+        let Some(file) = &self.scene else {
+            return Ok(None);
+        };
+        let scene = Scene::read(file, &[])?;
+        let place = self
+            .scene_place
+            .or_else(|| middle_of_table(cell, &scene.fixtures.outline()));
+        let frame = place.and_then(Place::pose).ok_or_else(|| {
+            Failure::Input("--scene-place: x,y,z is needed, or a cell with a [table]".into())
+        })?;
+        let friction = self.friction.unwrap_or(scene.friction);
+        Ok(Some(RodSupply::of(&scene.deployment, friction, frame)?))
+    }
+
     /// The sheet on the table.
     fn sheet(&self, paper: &Path, cell: &Cell) -> Result<SimulatedSheet, Failure> {
         let file = PaperFile::read(paper)?;

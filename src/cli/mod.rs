@@ -43,6 +43,7 @@ mod guide;
 mod helix_file;
 mod init;
 mod interruption;
+mod laying;
 mod log_directory;
 mod logging;
 mod markdown;
@@ -53,6 +54,7 @@ mod measure_sheet;
 mod output;
 mod pattern_source;
 mod picture_source;
+mod place;
 mod plan;
 mod plan_deployment;
 mod plan_fold;
@@ -128,6 +130,7 @@ fn run_command(arguments: &Arguments) -> Result<(), Failure> {
         Command::View(command) => view::view(command, &arguments.common),
         Command::Stream(command) => stream::stream(command),
         Command::Deploy(command) => deploy::deploy(command, &arguments.common),
+        Command::Place(command) => place::place(command),
         Command::Explore(command) => explore::explore(command),
         Command::Cell(command) => cell::cell(command),
         Command::Submit(command) => submit::submit(command),

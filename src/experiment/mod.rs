@@ -38,8 +38,8 @@ mod scene;
 mod tests;
 
 pub use deployment::{
-    Deployment, DeploymentMonitor, DeploymentOutcome, DeploymentTables, GripperTask, GripperWork,
-    LaidOutlines, Outline, PassedPegs, TiedKnot, laid_outlines,
+    Deployment, DeploymentMonitor, DeploymentOutcome, DeploymentTables, Fixtures, GripperTask,
+    GripperWork, LaidOutlines, Outline, PassedPegs, TiedKnot, laid_outlines,
 };
 pub use derived::{DerivedNumbers, DerivedRod, derived_numbers};
 pub use described::{Described, describe, described_files, files_with_column};

@@ -102,6 +102,22 @@ impl Application {
         tasks.flat_map(both).collect()
     }
 
+    /// Those trials in which a cable is placed.
+    pub fn of_table_5_4_in_cell(quick: bool) -> Vec<Self> {
+        let mut trials = Self::of_table_5_4(quick);
+        trials.retain(|trial| TASKS[trial.task].scenario.contains("[deployment.clips]"));
+        trials
+    }
+
+    /// The scheme by its name.
+    pub fn scheme(&self) -> &'static str {
+        if self.is_optimal {
+            "optimal"
+        } else {
+            "intuitive"
+        }
+    }
+
     /// The scenario of the task, its rod and its pattern in it.
     fn scenario(&self) -> String {
         let Task {
@@ -140,13 +156,8 @@ impl Application {
     }
 
     fn overrides(&self) -> Vec<String> {
-        let scheme = if self.is_optimal {
-            "optimal"
-        } else {
-            "intuitive"
-        };
         let mut overrides = vec![
-            format!("deployment.scheme={scheme}"),
+            format!("deployment.scheme={}", self.scheme()),
             format!("deployment.seed={}", self.seed),
         ];
         if let Some(end) = self.shortened {
@@ -191,16 +202,7 @@ impl Case<Application> {
 
 impl Run for Application {
     fn id(&self) -> String {
-        format!(
-            "{}-{}-{}",
-            TASKS[self.task].id,
-            if self.is_optimal {
-                "optimal"
-            } else {
-                "intuitive"
-            },
-            self.seed
-        )
+        format!("{}-{}-{}", TASKS[self.task].id, self.scheme(), self.seed)
     }
 
     fn prepare(&self) -> PreparedRun {

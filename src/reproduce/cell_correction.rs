@@ -30,7 +30,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Laying>]) -> Result<(), Repro
     let mut laid = Vec::new();
     for case in cases {
         let error = match lay_in_cell(case)? {
-            Ok(laid) => Some(1e2 * laid.score.by_arc_length.mean_m),
+            Ok(laid) => Some(1e2 * laid.laid.score.by_arc_length.mean_m),
             Err(error) => {
                 tracing::warn!("{}: {error}", case.directory.display());
                 None

@@ -71,7 +71,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Laying>]) -> Result<(), Repro
 }
 
 fn row(case: &Case<Laying>, laid: &Result<LaidInCell, LayingError>) -> Row {
-    let score = laid.as_ref().ok().map(|laid| &laid.score);
+    let score = laid.as_ref().ok().map(|laid| &laid.laid.score);
     let (thesis_mean_cm, thesis_deviation_cm) = measured(&case.run, Substrate::Fabric);
     let cm = |metres: f64| 1e2 * metres;
     Row {
@@ -123,12 +123,19 @@ fn figure(
     let mut left = 0.0;
     for (_, laid) in cases.iter().zip(laid) {
         let Ok(laid) = laid else { continue };
-        let outlines: [&[Point]; 2] = [&laid.score.result, &laid.score.pattern];
+        let outlines: [&[Point]; 2] = [&laid.laid.score.result, &laid.laid.score.pattern];
         let all = || outlines.iter().flat_map(|outline| outline.iter());
         let least = all().map(|point| point.x).fold(f64::INFINITY, f64::min);
         let most = all().map(|point| point.x).fold(f64::NEG_INFINITY, f64::max);
-        let count = laid.score.pattern.len() as f64;
-        let middle = laid.score.pattern.iter().map(|point| point.y).sum::<f64>() / count;
+        let count = laid.laid.score.pattern.len() as f64;
+        let middle = laid
+            .laid
+            .score
+            .pattern
+            .iter()
+            .map(|point| point.y)
+            .sum::<f64>()
+            / count;
         for ((_, list), outline) in curves.iter_mut().zip(outlines) {
             let placed = outline.iter();
             list.extend(placed.map(|point| (left + point.x - least, Some(point.y - middle))));

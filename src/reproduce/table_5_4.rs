@@ -100,11 +100,7 @@ fn row(case: &Case<Application>) -> Row {
     let cm = |metres: f64| 1e2 * metres;
     Row {
         task: TASKS[run.task].id,
-        scheme: if run.is_optimal {
-            "optimal"
-        } else {
-            "intuitive"
-        },
+        scheme: run.scheme(),
         seed: run.seed,
         status: case.status().into(),
         succeeded: case.has_succeeded(),

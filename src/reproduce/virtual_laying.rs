@@ -1,22 +1,24 @@
 //! A rod laid along a pattern in the virtual cell, through drivers and camera, by the task of `rodlab deploy`.
 
 use super::ReproduceError;
+use super::applications::Application;
 use super::cases::Case;
 use super::laying::{FRICTIONS, Laying, RODS};
 use super::served_cell::{ANY_PORT, with_cell};
 use crate::cell::{Cell, PlanError};
-use crate::experiment::{DeploymentTables, Jitter, from_text};
-use crate::plan::deployment::{DeployedRod, DeploymentError, LaidPath};
+use crate::experiment::{Deployment, DeploymentTables, Fixtures, Jitter, from_text};
+use crate::plan::deployment::{DeployedRod, DeploymentError, LaidPath, OptimalGrasps, Scheme};
 use crate::plan::pattern::{PatternError, PatternSource};
 use crate::results::{ResultsError, SCENARIO, write_whole};
+use crate::robot::Pose;
 use crate::task::{
-    Correction, DeployError, DeployMotion, DeployTask, LayingMethod, MotionRequest, SETTLING,
+    Correction, DeployError, DeployMotion, DeployTask, Laid, LayingMethod, MotionRequest, SETTLING,
     middle_of_table,
 };
 use crate::virtual_cell::{Response, RodError, RodSupply, ServeError, Settings};
-use crate::vision::{ColourRule, Point, Score, VisionError};
+use crate::vision::{ColourRule, Point, VisionError};
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The cell.
 const CELL: &str = include_str!("../../scenarios/cells/gantry.toml");
@@ -58,8 +60,8 @@ pub(super) enum LayingError {
 
 /// A rod that was laid.
 pub(super) struct LaidInCell {
-    /// How far it lies from its pattern, by the camera.
-    pub score: Score,
+    /// How far it lies from its pattern, and which pegs it passes, by the camera.
+    pub laid: Laid,
     /// How long the arm laid it, s.
     pub duration: f64,
 }
@@ -69,70 +71,121 @@ pub(super) struct LaidInCell {
 pub(super) fn lay_in_cell(
     case: &Case<Laying>,
 ) -> Result<Result<LaidInCell, LayingError>, ReproduceError> {
-    let scenario = fs::read_to_string(case.directory.join(SCENARIO))
-        .map_err(ResultsError::io("read", &case.directory))?;
-    let loaded = from_text("scenario", &scenario, Path::new(""), &[]);
-    let loaded = loaded.expect("the scenario of a run");
-    let tables: Option<&DeploymentTables> = loaded.scenario.experiment.tables();
-    let deployment = &tables.expect("a rod that is laid").deployment;
-    let mut name = case.directory.file_name().unwrap_or_default().to_owned();
-    name.push("-cell");
-    let directory = case.directory.with_file_name(name);
-    fs::create_dir_all(&directory).map_err(ResultsError::io("create", &directory))?;
-    let files = [("cell.toml", CELL), ("rod.toml", RODS[case.run.rod].file())];
-    for (name, text) in files {
-        write_whole(&directory.join(name), text.as_bytes())?;
-    }
-    let cell = Cell::read(&directory.join("cell.toml")).expect("a cell of this program");
-    let supply = RodSupply::new(&directory.join("rod.toml"), FRICTIONS[case.run.friction]);
     let disturbance = case.run.disturbance;
+    let (deployment, _) = deployment_of(&case.directory)?;
+    let files = [("rod.toml", RODS[case.run.rod].file())];
+    let (cell, directory) = cell_beside(&case.directory, &files)?;
     let rod = deployment.rod.deployed();
-    let believed = DeployedRod {
-        gravito_bending_length: rod.gravito_bending_length * (1.0 + disturbance.length_error),
-        ..rod
-    };
-    let laying = Laid {
+    let laying = LayingInCell {
         source: &deployment.pattern.source(),
         lead_in: deployment.lead_in,
-        rod: &believed,
+        // As it is believed to be.
+        rod: &DeployedRod {
+            gravito_bending_length: rod.gravito_bending_length * (1.0 + disturbance.length_error),
+            ..rod
+        },
+        way: (Scheme::Optimal, OptimalGrasps::Exact),
+        fixtures: None,
         is_corrected: disturbance.correction.is_some(),
         directory: &directory,
     };
     let jitter = (disturbance.jitter > 0.0)
         .then(|| Jitter::new([disturbance.jitter, 0.0], JITTER_PERIOD, disturbance.seed));
-    let served = || -> Result<LaidInCell, LayingError> {
-        let planned = laying.plan(&cell)?;
+    let file = directory.join("rod.toml");
+    let friction = FRICTIONS[case.run.friction];
+    Ok(laying.in_cell(&cell, jitter, |_| Ok(RodSupply::new(&file, friction)?)))
+}
+
+/// Lays the cable of a run that was simulated between its pegs, with the trembling of its seed, in the virtual cell.
+pub(super) fn place_in_cell(
+    case: &Case<Application>,
+) -> Result<Result<LaidInCell, LayingError>, ReproduceError> {
+    let (deployment, friction) = deployment_of(&case.directory)?;
+    let (cell, directory) = cell_beside(&case.directory, &[])?;
+    let fixtures = Fixtures::of(&deployment).expect("a pattern that was laid");
+    let laying = LayingInCell {
+        source: &deployment.pattern.source(),
+        lead_in: deployment.lead_in,
+        rod: &deployment.rod.deployed(),
+        way: (deployment.scheme.into(), deployment.solver.into()),
+        fixtures: Some(&fixtures),
+        is_corrected: false,
+        directory: &directory,
+    };
+    let jitter = Jitter::new(
+        [deployment.jitter, deployment.jitter_angle],
+        deployment.jitter_period,
+        deployment.seed,
+    );
+    Ok(laying.in_cell(&cell, Some(jitter), |frame| {
+        Ok(RodSupply::of(&deployment, friction, *frame)?)
+    }))
+}
+
+/// What a run that was simulated laid, and the friction of its table.
+fn deployment_of(run: &Path) -> Result<(Deployment, f64), ReproduceError> {
+    let scenario = fs::read_to_string(run.join(SCENARIO)).map_err(ResultsError::io("read", run))?;
+    let loaded = from_text("scenario", &scenario, Path::new(""), &[]);
+    let loaded = loaded.expect("the scenario of a run");
+    let tables: Option<&DeploymentTables> = loaded.scenario.experiment.tables();
+    let deployment = tables.expect("a rod that is laid").deployment.clone();
+    Ok((deployment, loaded.scenario.contact.friction()))
+}
+
+/// The cell, from its file in a folder beside a run, where other files are written, too.
+fn cell_beside(run: &Path, files: &[(&str, &str)]) -> Result<(Cell, PathBuf), ReproduceError> {
+    let mut name = run.file_name().unwrap_or_default().to_owned();
+    name.push("-cell");
+    let directory = run.with_file_name(name);
+    fs::create_dir_all(&directory).map_err(ResultsError::io("create", &directory))?;
+    for (name, text) in [("cell.toml", CELL)].iter().chain(files) {
+        write_whole(&directory.join(name), text.as_bytes())?;
+    }
+    let cell = Cell::read(&directory.join("cell.toml")).expect("a cell of this program");
+    Ok((cell, directory))
+}
+
+/// What is laid.
+struct LayingInCell<'a> {
+    source: &'a PatternSource,
+    lead_in: f64,
+    /// The rod as it is believed to be.
+    rod: &'a DeployedRod,
+    /// How the gripper leads it, and who finds the grasps.
+    way: (Scheme, OptimalGrasps<'a>),
+    fixtures: Option<&'a Fixtures>,
+    is_corrected: bool,
+    directory: &'a Path,
+}
+
+impl LayingInCell<'_> {
+    /// Lays it in a cell that is served meanwhile, whose hands tremble; its rods are made for the frame of the pattern.
+    fn in_cell(
+        &self,
+        cell: &Cell,
+        jitter: Option<Jitter>,
+        supply: impl Fn(&Pose) -> Result<RodSupply, LayingError>,
+    ) -> Result<LaidInCell, LayingError> {
+        let planned = self.plan(cell)?;
         let start = planned.path.points[0].position;
         let start = planned.motion.frame * nalgebra::Point3::new(start.x, start.y, 0.0);
+        let supply = supply(&planned.motion.frame)?;
         let settings = Settings {
             address: ANY_PORT.into(),
             token: None,
             rate: RATE,
             response: Response::default(),
             // As in the laboratory: a person lays the free end where the rod is to begin.
-            supply: Some(supply?.with_free_end([start.x, start.y])),
+            supply: Some(supply.with_free_end([start.x, start.y])),
             sheet: None,
             chucked: None,
             jitter,
             faults: Vec::new(),
         };
-        let (laid, _) = with_cell(&cell, settings, |cell| laying.lay(cell, &planned))?;
+        let (laid, _) = with_cell(cell, settings, |cell| self.lay(cell, &planned))?;
         laid
-    };
-    Ok(served())
-}
+    }
 
-/// What is laid.
-struct Laid<'a> {
-    source: &'a PatternSource,
-    lead_in: f64,
-    /// The rod as it is believed to be.
-    rod: &'a DeployedRod,
-    is_corrected: bool,
-    directory: &'a Path,
-}
-
-impl Laid<'_> {
     fn plan(&self, cell: &Cell) -> Result<Planned, LayingError> {
         let drawn = self.source.pattern()?.sampled(STEP);
         let outline: Vec<Point> = drawn.iter().map(|point| point.position).collect();
@@ -146,7 +199,8 @@ impl Laid<'_> {
         };
         let ((), path, motion) = request.plan(|spare| {
             let pattern = self.source.pattern()?.with_lead_in(self.lead_in);
-            Ok::<_, LayingError>(((), LaidPath::new(pattern, self.rod, spare, STEP)?))
+            let path = LaidPath::new(pattern, self.rod, spare, STEP, self.way)?;
+            Ok::<_, LayingError>(((), path))
         })?;
         Ok(Planned {
             outline,
@@ -169,12 +223,13 @@ impl Laid<'_> {
             rod: self.rod,
             colour: &ColourRule::parse("auto")?,
             laying: correction.as_ref().map(|way| way as &dyn LayingMethod),
+            fixtures: self.fixtures,
             unfinished: None,
             settling: SETTLING.div_f64(RATE),
             directory: self.directory,
         };
         Ok(LaidInCell {
-            score: task.run(&|| false).score?,
+            laid: task.run(&|| false).laid?,
             duration: planned.motion.report.duration_s,
         })
     }

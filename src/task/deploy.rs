@@ -1,18 +1,19 @@
 //! A rod laid along a pattern by an arm.
 
 use super::error::{TaskError, TaskStage};
-use super::look::{Seen, next_picture, score_of};
+use super::look::{Seen, next_picture};
 use super::motion::DeployMotion;
 use super::unfinished::Unfinished;
 use super::working_arm::{Grip, WorkingArm};
 use crate::cell::Cell;
-use crate::figure::Paper;
+use crate::experiment::{Fixtures, PassedPegs};
+use crate::figure::{Curve, Figure, LinePlot, Look, Paper, plot_to_scale};
 use crate::plan::deployment::{DeployedRod, LaidPath};
 use crate::results::{ResultsError, write_whole};
 use crate::robot::JointTrajectory;
 use crate::vision::{
     ColourRule, Point, SCORE_POINTS, Score, VisionError, centrelines_csv, encode_picture, overlay,
-    pattern_csv, score_figure,
+    part_of_curve, pattern_csv, score, score_figure,
 };
 use image::RgbImage;
 use std::path::Path;
@@ -41,6 +42,8 @@ pub struct DeployTask<'a> {
     pub colour: &'a ColourRule,
     /// How it is laid where its path is not followed as it was planned.
     pub laying: Option<&'a dyn LayingMethod>,
+    /// Pegs between which it is laid, in the frame of the pattern, if there are any.
+    pub fixtures: Option<&'a Fixtures>,
     /// What says that it was begun, if it is to be said.
     pub unfinished: Option<&'a Unfinished>,
     /// How long a rod that was let go is left to itself.
@@ -99,27 +102,35 @@ impl TaskStage for Stage {
 /// Why a deployment ended early.
 pub type DeployError = TaskError<Stage>;
 
+/// How a rod lies.
+pub struct Laid {
+    /// How far from its pattern.
+    pub score: Score,
+    /// The pegs that it passes as its pattern does, where there are pegs.
+    pub pegs: Option<PassedPegs>,
+}
+
 /// What a task came to.
 pub struct DeployEnd {
     /// Stages that were done, with the time that each took, s.
     pub times: Vec<(Stage, f64)>,
-    /// The score, or why there is none.
-    pub score: Result<Score, DeployError>,
+    /// How the rod lies, or why that is not known.
+    pub laid: Result<Laid, DeployError>,
 }
 
 impl DeployTask<'_> {
     /// Does all of it; what was done until something fails is in the directory.
     pub fn run(&self, is_interrupted: &dyn Fn() -> bool) -> DeployEnd {
         let mut times = Vec::new();
-        let score = self.stages(is_interrupted, &mut times);
-        DeployEnd { times, score }
+        let laid = self.stages(is_interrupted, &mut times);
+        DeployEnd { times, laid }
     }
 
     fn stages(
         &self,
         is_interrupted: &dyn Fn() -> bool,
         times: &mut Vec<(Stage, f64)>,
-    ) -> Result<Score, DeployError> {
+    ) -> Result<Laid, DeployError> {
         let mut begin = Instant::now();
         let mut done = |stage: Stage| {
             tracing::info!("done: {}", stage.in_words());
@@ -168,12 +179,17 @@ impl DeployTask<'_> {
         self.write("centrelines.csv", strands.as_bytes())?;
         let rod = found.longest(self.start()).map_err(seen)?;
         self.write("rod.csv", pattern_csv(&rod).as_bytes())?;
-        let lead_in = self.path.lead_in;
-        let score = score_of(&rod, self.pattern, lead_in, SCORE_POINTS).map_err(seen)?;
+        let part = part_of_curve(&rod, self.path.lead_in, self.pattern).map_err(seen)?;
+        let score = score(&part, self.pattern, SCORE_POINTS, false).map_err(seen)?;
         let figure = score_figure(&score, "the rod", "the pattern");
         self.write("score.svg", figure.svg(&Paper::default()).as_bytes())?;
+        let pegs = self.fixtures.map(|fixtures| fixtures.passed(&part));
+        if let Some(fixtures) = self.fixtures {
+            let figure = peg_figure(&rod, fixtures);
+            self.write("pegs.svg", figure.svg(&Paper::default()).as_bytes())?;
+        }
         done(Stage::Score);
-        Ok(score)
+        Ok(Laid { score, pegs })
     }
 
     /// Where the rod begins, in the frame of the pattern, m.
@@ -205,11 +221,30 @@ impl DeployTask<'_> {
         motion: &JointTrajectory,
         is_interrupted: &dyn Fn() -> bool,
     ) -> Result<(), DeployError> {
-        let laid = self.arm(is_interrupted).follow(folder, motion);
+        let laid = self.arm(is_interrupted).carry(folder, motion);
         laid.map_err(DeployError::of_work(Stage::Lay))
     }
 
     pub(super) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), ResultsError> {
         write_whole(&self.directory.join(name), bytes)
     }
+}
+
+/// The rod between its pegs, from above.
+fn peg_figure(rod: &[Point], fixtures: &Fixtures) -> Figure {
+    let outline = |points: &[Point]| {
+        points
+            .iter()
+            .map(|point| (point.x, Some(point.y)))
+            .collect()
+    };
+    let plot = LinePlot {
+        label: "y in m".into(),
+        curves: vec![
+            Curve::new("the rod", outline(rod)),
+            Curve::new("the pattern", outline(&fixtures.outline())).looking(Look::Dashed),
+            Curve::new("pegs", fixtures.circles()).looking(Look::Bare),
+        ],
+    };
+    plot_to_scale(plot, "x in m")
 }

@@ -3,8 +3,7 @@
 use crate::cell::Cell;
 use crate::robot::{CameraPicture, Pose, open_camera};
 use crate::vision::{
-    Camera, ColourRule, Point, Score, Trace, TraceOptions, VisionError, decode_picture,
-    part_of_curve, score, trace, whole_rod,
+    Camera, ColourRule, Point, Trace, TraceOptions, VisionError, decode_picture, trace, whole_rod,
 };
 use image::RgbImage;
 use std::time::Duration;
@@ -129,18 +128,4 @@ impl Seen {
         let place = self.to_frame * nalgebra::Point3::new(place.x, place.y, self.height);
         Ok(Point::new(place.x, place.y))
     }
-}
-
-/// How far a lying rod is from its pattern, whose start lies `lead_in` behind that of the rod, all in m, with `points` points.
-///
-/// # Errors
-/// What is seen of it is shorter than the pattern.
-pub fn score_of(
-    rod: &[Point],
-    pattern: &[Point],
-    lead_in: f64,
-    points: usize,
-) -> Result<Score, VisionError> {
-    let part = part_of_curve(rod, lead_in, pattern)?;
-    score(&part, pattern, points, false)
 }

@@ -27,7 +27,7 @@ mod unfinished;
 mod working_arm;
 
 pub use correction::Correction;
-pub use deploy::{DeployEnd, DeployError, DeployTask, LayingMethod, SETTLING, Stage};
+pub use deploy::{DeployEnd, DeployError, DeployTask, Laid, LayingMethod, SETTLING, Stage};
 pub use error::{TaskError, TaskStage};
 pub use exploration::{
     Exploration, ExplorationPlan, ExplorationRecord, ExplorationRow, ExplorationSummary,

@@ -1,10 +1,11 @@
 //! What a deployment leaves in a results directory for programs and people.
 
-use super::deploy::Stage;
+use super::deploy::{Laid, Stage};
 use super::error::TaskStage;
 use crate::cell::PlanReport;
+use crate::experiment::PassedPegs;
 use crate::results::{ResultsError, write_whole};
-use crate::vision::{CurveError, Score};
+use crate::vision::CurveError;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
@@ -65,12 +66,16 @@ pub struct DeployRecord {
     pub times_s: Vec<(Stage, f64)>,
     /// Distances by arc length and to the nearest point.
     pub score: Option<[CurveError; 2]>,
+    /// The pegs that the rod passes as its pattern does; `None` where there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pegs: Option<PassedPegs>,
 }
 
 impl DeployRecord {
-    /// Takes over a score.
-    pub fn score(&mut self, score: &Score) {
-        self.score = Some([score.by_arc_length, score.by_nearest_point]);
+    /// Takes over how the rod lies.
+    pub fn take(&mut self, laid: &Laid) {
+        self.score = Some([laid.score.by_arc_length, laid.score.by_nearest_point]);
+        self.pegs = laid.pegs;
     }
 }
 
@@ -122,8 +127,16 @@ pub fn write_report(record: &DeployRecord, directory: &Path) -> Result<(), Resul
             );
         }
     }
+    if let Some(pegs) = &record.pegs {
+        let word = if pegs.are_all() { "" } else { "not " };
+        row(
+            "pegs passed as the pattern does",
+            format!("{} of {}: {word}placed", pegs.passed, pegs.count),
+        );
+    }
     for (name, words) in [
         ("score.svg", "The rod and its pattern"),
+        ("pegs.svg", "The rod between its pegs"),
         (
             "overlay.png",
             "What the camera saw, with the rod that was found",

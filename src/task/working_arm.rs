@@ -2,7 +2,7 @@
 
 use super::error::WorkError;
 use super::unfinished::Unfinished;
-use crate::cell::Cell;
+use crate::cell::{Cell, Fingers};
 use crate::results::write_whole;
 use crate::robot::{Ending, JointTrajectory, Pose, StreamLog, stream};
 use std::path::Path;
@@ -41,6 +41,29 @@ impl WorkingArm<'_> {
     /// # Errors
     /// It cannot be done, or was not: all was told to hold.
     pub fn follow(&self, name: &str, motion: &JointTrajectory) -> Result<(), WorkError> {
+        self.stream(name, motion, None)
+    }
+
+    /// The same with something in the gripper, which must not slip out where the cell file names the joint of its fingers.
+    ///
+    /// # Errors
+    /// As [`Self::follow`], or it slipped out.
+    pub fn carry(&self, name: &str, motion: &JointTrajectory) -> Result<(), WorkError> {
+        let fingers = self.cell.fingers(self.arm).map_err(WorkError::Failed)?;
+        if fingers.as_ref().is_some_and(|fingers| !fingers.hold()) {
+            return Err(WorkError::Failed(
+                "its fingers hold nothing: what they took slipped out of the gripper, or they took nothing".into(),
+            ));
+        }
+        self.stream(name, motion, fingers.as_ref())
+    }
+
+    fn stream(
+        &self,
+        name: &str,
+        motion: &JointTrajectory,
+        fingers: Option<&Fingers>,
+    ) -> Result<(), WorkError> {
         let folder = self.directory.join(name);
         let unwritable = |error: std::io::Error| {
             WorkError::Failed(format!("{} cannot be written: {error}", folder.display()))
@@ -57,11 +80,13 @@ impl WorkingArm<'_> {
             WorkError::Failed(format!("the task cannot be marked as begun: {error}"))
         })?;
         let bounds = self.cell.stream_bounds();
-        let ending = stream(&mut parts, &bounds, self.is_interrupted, &mut log);
+        let slipped = || fingers.and_then(Fingers::slipped);
+        let must_end = || (self.is_interrupted)() || slipped().is_some();
+        let ending = stream(&mut parts, &bounds, &must_end, &mut log);
         let logged = log.finish();
         match ending {
             Ending::Finished => logged.map_err(unwritable),
-            Ending::Interrupted => Err(WorkError::Interrupted),
+            Ending::Interrupted => Err(slipped().map_or(WorkError::Interrupted, WorkError::Failed)),
             Ending::Failed(reason) => Err(WorkError::Failed(reason)),
         }
     }

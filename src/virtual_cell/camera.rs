@@ -12,6 +12,8 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 /// Colour of the rod, and of the table.
 const ROD: [u8; 3] = [205, 60, 70];
 const TABLE: [f64; 3] = [40.0, 44.0, 48.0];
+/// Colour of pegs.
+const PEG: [f64; 3] = [120.0, 122.0, 126.0];
 /// Length and radius of a marker, m, and its colour.
 const MARKER: [f64; 2] = [7e-3, 3.5e-3];
 const MARKER_COLOUR: [u8; 3] = [50, 95, 235];
@@ -31,6 +33,8 @@ pub struct Scenery {
     pub markers: Vec<f64>,
     /// A sheet.
     pub sheet: Option<SeenSheet>,
+    /// Axes of pegs, up to the middle of their round tops, and their radii, m.
+    pub pegs: Vec<([Vector3; 2], f64)>,
 }
 
 /// Takes pictures, one at a time, in a thread of their own.
@@ -113,14 +117,30 @@ fn picture(camera: &Camera, scenery: Scenery, number: u64) -> RgbImage {
             colour: ROD,
         });
     }
+    let tops = peg_tops(camera, &scenery.pegs);
     let sheet = scenery
         .sheet
         .map(|sheet| SheetView::new(sheet, camera, options.light));
+    let is_peg = |point: &Point| {
+        let mut tops = tops.iter();
+        tops.any(|(middle, radius)| (point - middle).norm() < *radius)
+    };
     let ground = |point: Point| match &sheet {
         Some(sheet) => sheet.colour(point, TABLE),
+        None if is_peg(&point) => PEG,
         None => TABLE,
     };
     render(camera, &rods, ground, &options)
+}
+
+/// Where on the table the round tops of pegs are seen, and how wide there, m.
+fn peg_tops(camera: &Camera, pegs: &[([Vector3; 2], f64)]) -> Vec<(Point, f64)> {
+    let tops = pegs.iter().filter_map(|([_, top], radius)| {
+        let side = top + camera.pose.rotation * (Vector3::x() * *radius);
+        let [middle, side] = [*top, side].map(|place| camera.on_table(camera.project(place)?).ok());
+        Some((middle?, (side? - middle?).norm()))
+    });
+    tops.collect()
 }
 
 /// A sleeve about the point of a curve that lies `place` of its length from its start.

@@ -1,6 +1,6 @@
 //! The rod of a virtual cell: handed to a gripper, laid down on the table, let go.
 
-use crate::experiment::{self, DeploymentTables};
+use crate::experiment::{self, Deployment, DeploymentTables, Fixtures};
 use crate::mechanics::dynamics::{Simulation, SimulationError};
 use crate::mechanics::scene::Motion;
 use crate::mechanics::system::Grasp;
@@ -38,6 +38,8 @@ pub struct RodSupply {
     end: Pose,
     /// Where in the cell a person lays the free end, m; else where the rod hangs by itself.
     free_end: Option<[f64; 2]>,
+    /// Pegs on the table, and the pose of their frame in the cell.
+    fixtures: Option<(Fixtures, Pose)>,
 }
 
 /// Why there are no rods.
@@ -57,15 +59,40 @@ impl RodSupply {
     /// # Errors
     /// The file cannot be read, or is wrong.
     pub fn new(file: &Path, friction: f64) -> Result<Self, RodError> {
+        let whole = std::path::absolute(file);
+        let whole = whole.map_err(|error| RodError::Impossible(error.to_string()))?;
+        let extended = toml::Value::from(whole.to_string_lossy().as_ref());
+        Self::described(&format!("extends = {extended}\n"), "", friction)
+    }
+
+    /// Rods of a deployment, on its table with its pegs; `frame` is the pose of its pattern in the cell.
+    ///
+    /// # Errors
+    /// The rod cannot hang.
+    pub fn of(deployment: &Deployment, friction: f64, frame: Pose) -> Result<Self, RodError> {
+        let rod = &deployment.rod;
+        let rod = format!(
+            "[deployment.rod]\ngravito_bending_length = {:?}\nradius = {:?}\nlength = {:?}\ndensity = {:?}\nedges = {}\n",
+            rod.gravito_bending_length, rod.radius, rod.length, rod.density, rod.edges
+        );
+        let fixtures = Fixtures::of(deployment);
+        let fixtures = fixtures.map_err(|error| RodError::Impossible(error.to_string()))?;
+        let supply = Self::described("", &rod, friction)?;
+        Ok(Self {
+            fixtures: Some((fixtures, frame)),
+            ..supply
+        })
+    }
+
+    /// Rods by the first and the last lines of a scenario.
+    fn described(first: &str, last: &str, friction: f64) -> Result<Self, RodError> {
         let impossible = |error: String| RodError::Impossible(error);
-        let whole = std::path::absolute(file).map_err(|error| impossible(error.to_string()))?;
-        let extended = toml::Value::from(whole.to_string_lossy().as_ref()).to_string();
         let text = |length: f64| {
             format!(
-                "extends = {extended}\nexperiment = \"deployment\"\n\
+                "{first}experiment = \"deployment\"\n\
                  [deployment]\npattern = {{ kind = \"line\", length = {length:?} }}\nlead_in = 0.0\n\
                  [contact]\nfriction = {friction:?}\ndistance_tolerance = \"50 µm\"\nslip_tolerance = \"0.01 mm/s\"\n\
-                 [time]\nstep = \"5 ms\"\nend = 10.0\n"
+                 [time]\nstep = \"5 ms\"\nend = 10.0\n{last}"
             )
         };
         let load = |length: f64| {
@@ -95,6 +122,7 @@ impl RodSupply {
             rod,
             end,
             free_end: None,
+            fixtures: None,
         })
     }
 
@@ -102,6 +130,19 @@ impl RodSupply {
     pub fn with_free_end(mut self, place: [f64; 2]) -> Self {
         self.free_end = Some(place);
         self
+    }
+
+    /// The pegs on the table: where their axes begin and where their round tops are centred in the cell, m, and their radii, m.
+    pub fn pegs(&self) -> Vec<([Vector3; 2], f64)> {
+        let standing = self.fixtures.iter().flat_map(|(fixtures, frame)| {
+            fixtures.pegs().iter().map(move |peg| {
+                let [x, y] = peg.position;
+                let axis = [0.0, peg.height - peg.radius];
+                let axis = axis.map(|z| (frame * nalgebra::Point3::new(x, y, z)).coords);
+                (axis, peg.radius)
+            })
+        });
+        standing.collect()
     }
 
     /// The rod by what matters for laying it.
@@ -143,13 +184,22 @@ impl RodSupply {
                 self.rod.length, self.end.translation.z
             ));
         }
-        let simulation = Simulation::new(&self.prepared.scene, &self.prepared.integration);
-        let simulation = simulation.map_err(|error| error.to_string())?;
         let placed = Placed {
             frame: table * frame,
             end: self.end,
             radius: self.rod.radius,
+            nodes: self.prepared.scene.rods[0].centreline.len(),
         };
+        let mut scene = self.prepared.scene.clone();
+        if let Some((fixtures, pegs)) = &self.fixtures {
+            let pegs = placed.frame.inverse() * pegs;
+            scene.rods.extend(fixtures.posts(|[x, y]| {
+                let place = pegs * nalgebra::Point3::new(x, y, 0.0);
+                [place.x, place.y]
+            }));
+        }
+        let simulation = Simulation::new(&scene, &self.prepared.integration);
+        let simulation = simulation.map_err(|error| error.to_string())?;
         Ok(SimulatedRod::held(simulation, placed, now))
     }
 }
@@ -162,6 +212,8 @@ pub struct Placed {
     pub end: Pose,
     /// Its radius, m.
     pub radius: f64,
+    /// Its nodes, the first of the scene.
+    pub nodes: usize,
 }
 
 /// A rod in simulation.
@@ -180,7 +232,9 @@ pub struct SimulatedRod {
     /// The clamp that leads its end.
     clamp: usize,
     radius: f64,
-    /// Time that its fall has taken to simulate.
+    nodes: usize,
+    /// When it was let go, s of the simulation, and the time that its fall has taken to simulate.
+    released: f64,
     falling: Duration,
     is_held: bool,
     rests: bool,
@@ -199,6 +253,8 @@ impl SimulatedRod {
             handing: HANDING_OVER,
             clamp: 0,
             radius: placed.radius,
+            nodes: placed.nodes,
+            released: 0.0,
             falling: Duration::ZERO,
             is_held: true,
             rests: false,
@@ -262,7 +318,8 @@ impl SimulatedRod {
 
     /// Notes whether a rod that was let go rests, or falls in a way that takes too long to simulate.
     fn settled(&mut self, work: Instant) {
-        if self.is_held {
+        // One that was held still rests until its first step.
+        if self.is_held || self.simulation.time() <= self.released {
             return;
         }
         let velocities = self.simulation.velocities().iter();
@@ -307,6 +364,7 @@ impl SimulatedRod {
     pub fn release(&mut self) -> Result<(), SimulationError> {
         if self.is_held {
             self.is_held = false;
+            self.released = self.simulation.time();
             self.simulation.release(self.clamp)?;
         }
         Ok(())
@@ -327,12 +385,12 @@ impl SimulatedRod {
 
     /// Its nodes in the frame of its simulation, m.
     pub fn positions(&self) -> &[Vector3] {
-        self.simulation.positions()
+        &self.simulation.positions()[..self.nodes]
     }
 
     /// Its nodes in the cell, m.
     pub fn nodes(&self) -> Vec<Vector3> {
-        let nodes = self.simulation.positions().iter();
+        let nodes = self.positions().iter();
         nodes
             .map(|node| (self.frame * nalgebra::Point3::from(*node)).coords)
             .collect()
@@ -406,6 +464,46 @@ mod tests {
         let top = rod.nodes().iter().map(|node| node.z).fold(0.0, f64::max);
         assert!(top - 0.05 < 0.3 * supply.rod().length, "{top}");
         assert!(!rod.is_held());
+    }
+
+    #[test]
+    fn a_rod_that_is_held_still_falls_when_it_is_let_go() {
+        let (_folder, file) = short_rod();
+        let supply = RodSupply::new(&file, 0.4).unwrap();
+        let hand = hand(&supply, 0.0);
+        let mut rod = supply.handed(&hand, &table(), 0.0).unwrap();
+        rod.release().unwrap();
+        // Nothing has moved yet.
+        assert!(rod.advance(&hand, 0.0).unwrap());
+        let height = |rod: &SimulatedRod| rod.nodes().last().map_or(0.0, |node| node.z);
+        let first = height(&rod);
+        while !rod.advance(&hand, 0.05).unwrap() {}
+        assert!(height(&rod) < first - 5e-3);
+    }
+
+    #[test]
+    fn pegs_stand_where_the_frame_of_their_pattern_lies() {
+        let text = "experiment = \"deployment\"\n[deployment]\npattern = { kind = \"line\", length = 0.2 }\n\
+                    [deployment.rod]\ngravito_bending_length = 0.03\nradius = 0.002\nlength = 0.3\nedges = 30\n\
+                    [deployment.clips]\nat = [0.1]\nwidth = 0.008\nradius = 0.004\nheight = 0.006\n\
+                    [contact]\nfriction = 0.2\n[time]\nstep = 0.005\nend = 10.0\n";
+        let loaded = experiment::from_text("clips", text, Path::new(""), &[]).unwrap();
+        let tables: Option<&DeploymentTables> = loaded.scenario.experiment.tables();
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.5);
+        let frame = table() * Pose::from_parts(Translation3::new(0.02, 0.03, 0.0), turn);
+        let supply = RodSupply::of(&tables.unwrap().deployment, 0.2, frame).unwrap();
+        for (index, ([foot, top], radius)) in supply.pegs().into_iter().enumerate() {
+            let side = if index == 0 { 1.0 } else { -1.0 };
+            let along = frame.inverse() * nalgebra::Point3::from(foot);
+            let expected = Vector3::new(0.1, side * 0.008, 0.0);
+            assert!((along.coords - expected).norm() < 1e-9, "{along}");
+            assert!((top - foot - Vector3::z() * 0.002).norm() < 1e-12);
+            assert_eq!(radius, 0.004);
+        }
+        // The rod that is handed over is all that is seen as rod.
+        let rod = supply.handed(&hand(&supply, 0.0), &table(), 0.0).unwrap();
+        assert_eq!(rod.nodes().len(), 31);
+        assert_eq!(rod.simulation.positions().len(), 35);
     }
 
     #[test]

@@ -363,10 +363,16 @@ impl VirtualCell {
         let version = self.topics.version;
         let clock = published(CLOCK, json!({ "clock": stamp(version, now) }));
         let mut reports = vec![(CLOCK.to_owned(), clock)];
-        for (known, arm) in self.topics.arms.iter().zip(self.cell.arms()) {
+        for (index, (known, arm)) in self.topics.arms.iter().zip(self.cell.arms()).enumerate() {
+            let names = arm.names().into_iter().map(str::to_owned);
+            let (mut names, mut joints) = (names.collect::<Vec<_>>(), arm.joints().to_vec());
+            if let Some((name, apart)) = known.fingers.clone().zip(self.cell.fingers(index)) {
+                names.push(name);
+                joints.push(apart);
+            }
             let message = json!({
                 "header": { "stamp": stamp(known.version, now), "frame_id": "" },
-                "name": arm.names(), "position": arm.joints(), "velocity": [], "effort": [],
+                "name": names, "position": joints, "velocity": [], "effort": [],
             });
             let topic = known.joint_states.clone();
             let text = published(&topic, message);

@@ -115,6 +115,7 @@ impl SimulatedSheet {
             frame: Pose::identity(),
             end: edge_pose(simulation.positions()),
             radius: 0.5 * paper.thickness,
+            nodes: simulation.positions().len(),
         };
         let mut strip = SimulatedRod::held(simulation, placed, 0.0);
         let released = strip.release();
@@ -200,6 +201,11 @@ impl SimulatedSheet {
     /// Whether a gripper holds it.
     pub fn is_held(&self) -> bool {
         self.held.is_some()
+    }
+
+    /// How thick it is, m.
+    pub fn thickness(&self) -> f64 {
+        self.thickness
     }
 
     /// What a camera sees of it.

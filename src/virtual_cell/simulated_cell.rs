@@ -10,6 +10,7 @@ use super::sheet::SimulatedSheet;
 use crate::cell::Cell;
 use crate::experiment::Jitter;
 use crate::mechanics::dynamics::SimulationError;
+use crate::mechanics::rotation;
 use crate::robot::{PartTrajectory, Pose};
 use nalgebra::Translation3;
 
@@ -41,8 +42,9 @@ pub struct SimulatedCell {
     time: f64,
     arms: Vec<SimulatedArm>,
     grippers: Vec<Gripper>,
-    /// Openings at and above which each gripper lets go, m.
+    /// Openings at and above which each gripper lets go, m, and to which it was told to go last.
     opened: Vec<Option<f64>>,
+    told: Vec<Option<f64>>,
     table: Pose,
     supply: Option<RodSupply>,
     /// How the hands tremble, which the joints do not tell.
@@ -81,6 +83,10 @@ impl SimulatedCell {
                 .collect(),
             grippers: vec![Gripper::default(); parts.len()],
             opened: opened.collect(),
+            told: parts
+                .iter()
+                .map(|arm| arm.gripper.as_ref().map(|known| known.open))
+                .collect(),
             table: cell.table.map_or_else(Pose::identity, |table| table.top),
             supply,
             jitter,
@@ -110,6 +116,7 @@ impl SimulatedCell {
                 rod: chuck.nodes().map(|nodes| (nodes, chuck.rod().radius)),
                 markers: chuck.rod().marker_places(),
                 sheet,
+                pegs: Vec::new(),
             };
         }
         let rod = self.rod.as_ref();
@@ -117,7 +124,20 @@ impl SimulatedCell {
             rod: rod.map(|(rod, _)| (rod.nodes(), rod.radius())),
             markers: Vec::new(),
             sheet,
+            pegs: self.supply.as_ref().map_or(Vec::new(), RodSupply::pegs),
         }
+    }
+
+    /// How far the fingers of an arm are apart, m: as what they hold is thick, or as they were told; `None` without a gripper.
+    pub fn fingers(&self, arm: usize) -> Option<f64> {
+        let told = self.told[arm]?;
+        if self.holder() != Some(arm) {
+            return Some(told);
+        }
+        let chucked = self.chuck.as_ref().map(|chuck| 2.0 * chuck.rod().radius);
+        let sheet = self.sheet.as_ref().map(|(sheet, _)| sheet.thickness());
+        let rod = self.rod.as_ref().map(|(rod, _)| 2.0 * rod.radius());
+        Some(told.max(chucked.or(sheet).or(rod).unwrap_or(0.0)))
     }
 
     /// The sheet.
@@ -151,6 +171,7 @@ impl SimulatedCell {
         };
         if self.sheet.is_some() {
             self.grip_sheet(arm, opening >= opened)?;
+            self.told[arm] = Some(opening);
             self.grippers[arm].done = Some(self.time + OPENING);
             return Ok(());
         }
@@ -178,6 +199,7 @@ impl SimulatedCell {
                 (None, None) | (_, Some(_)) => OPENING,
             }
         };
+        self.told[arm] = Some(opening);
         self.grippers[arm].done = Some(self.time + takes);
         Ok(())
     }
@@ -269,7 +291,11 @@ impl SimulatedCell {
     fn hand(&self, arm: usize) -> Pose {
         let hand = self.arms[arm].hand();
         match &self.jitter {
-            Some(jitter) => Translation3::from(jitter.at(self.time).0) * hand,
+            Some(jitter) => {
+                let (way, turn) = jitter.at(self.time);
+                let place = Translation3::from(hand.translation.vector + way);
+                Pose::from_parts(place, rotation::from_vector(turn) * hand.rotation)
+            }
             None => hand,
         }
     }

@@ -23,6 +23,8 @@ pub struct ArmTopics {
     pub joint_states: String,
     /// The action of its gripper.
     pub gripper: Option<String>,
+    /// The joint of its fingers.
+    pub fingers: Option<String>,
 }
 
 /// Names of all.
@@ -70,6 +72,10 @@ impl Topics {
                 action: action.clone(),
                 joint_states: joint_states.clone(),
                 gripper: arm.gripper.as_ref().map(|gripper| gripper.action.clone()),
+                fingers: arm
+                    .gripper
+                    .as_ref()
+                    .and_then(|gripper| gripper.joint.clone()),
             });
         }
         let version = arms.first().ok_or("a virtual cell needs an arm")?.version;

@@ -13,12 +13,14 @@
 //! | `tables` | that table with what is planned of it |
 //! | `laid_rod` | distances of the laid rod from its pattern |
 //! | `pegs` | posts on the table, and whether the rod passes them as its pattern does |
+//! | `fixtures` | the same on the table of a robot cell |
 //! | `hand`, `release` | a gripper takes hold of strands and ends; one that laid a rod lets go |
 //! | `knot_proof` | which knot rods on the table are tied into |
 //! | `monitor`, `outcome` | what is measured, and what it came to |
 //! | `files`, `laid_figure` | what it leaves in a results directory |
 
 mod files;
+mod fixtures;
 mod gripper_path;
 mod hand;
 mod keys;
@@ -37,6 +39,7 @@ mod scene;
 mod tables;
 mod tying;
 
+pub use fixtures::Fixtures;
 pub use keys::Deployment;
 pub use kind::DeploymentKind;
 pub use laid_figure::{LaidOutlines, Outline, laid_outlines};

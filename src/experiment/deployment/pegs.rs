@@ -21,6 +21,8 @@ const STEEL: Material = Material {
     poissons_ratio: 0.3,
     density: 7850.0,
     viscosity: 0.0,
+    relaxing_modulus: 0.0,
+    relaxation_time: 0.0,
 };
 /// Points of a pattern seen from above.
 const OUTLINE: usize = 2000;
@@ -75,9 +77,40 @@ pub fn first_part(nodes: &[Vector3], part: f64) -> Vec<Vector3> {
 /// Whether a rod leaves a peg on the side on which its pattern does, and lies below its top beside it.
 pub fn passes(rod: &[Vector3], pattern: &[[f64; 2]], peg: &Peg) -> bool {
     let axis = Vector2::from(peg.position);
+    let from_above = rod.iter().map(|node| node.xy());
+    is_on_its_side(from_above, pattern, &axis) && height_beside(rod, &axis) < peg.height
+}
+
+/// Whether a rod that was seen from above leaves a peg on the side on which its pattern does, and nowhere lies on it: its
+/// centreline is farther from the axis than the radius of the peg.
+pub fn passes_beside(rod: &[Vector2<f64>], pattern: &[[f64; 2]], peg: &Peg) -> bool {
+    let axis = Vector2::from(peg.position);
+    let is_beside = rod.windows(2).all(|edge| {
+        let along = edge[1] - edge[0];
+        (edge[0] + part_nearest(&edge[0], &along, &axis) * along - axis).norm() > peg.radius
+    });
+    is_beside && is_on_its_side(rod.iter().copied(), pattern, &axis)
+}
+
+/// Whether a rod and its pattern, seen from above, do not go around an axis together.
+fn is_on_its_side(
+    rod: impl Iterator<Item = Vector2<f64>>,
+    pattern: &[[f64; 2]],
+    axis: &Vector2<f64>,
+) -> bool {
     let back = pattern.iter().rev().map(|&point| Vector2::from(point));
-    let between: Vec<Vector2<f64>> = rod.iter().map(|node| node.xy()).chain(back).collect();
-    winding_number(&between, &axis) == 0 && height_beside(rod, &axis) < peg.height
+    let between: Vec<Vector2<f64>> = rod.chain(back).collect();
+    winding_number(&between, axis) == 0
+}
+
+/// Where along an edge, from 0 to 1, it is nearest to a place.
+fn part_nearest(from: &Vector2<f64>, along: &Vector2<f64>, place: &Vector2<f64>) -> f64 {
+    let length = along.norm_squared();
+    if length > 0.0 {
+        ((place - from).dot(along) / length).clamp(0.0, 1.0)
+    } else {
+        0.0
+    }
 }
 
 /// How often a closed polygon goes around a point, counter-clockwise.
@@ -99,13 +132,7 @@ fn winding_number(polygon: &[Vector2<f64>], point: &Vector2<f64>) -> i64 {
 fn height_beside(rod: &[Vector3], axis: &Vector2<f64>) -> f64 {
     let nearest = rod.windows(2).map(|edge| {
         let (from, along) = (edge[0].xy(), (edge[1] - edge[0]).xy());
-        let length = along.norm_squared();
-        let part = if length > 0.0 {
-            ((axis - from).dot(&along) / length).clamp(0.0, 1.0)
-        } else {
-            0.0
-        };
-        let place = edge[0].lerp(&edge[1], part);
+        let place = edge[0].lerp(&edge[1], part_nearest(&from, &along, axis));
         ((place.xy() - axis).norm(), place.z)
     });
     let nearest = nearest.min_by(|one, other| one.0.total_cmp(&other.0));
@@ -185,6 +212,18 @@ mod tests {
             node.z = 0.0061;
         }
         assert!(!passes(&lying, &line(), &peg(0.1, 0.014)));
+    }
+
+    #[test]
+    fn a_rod_that_is_seen_on_a_peg_is_not_placed() {
+        let seen = |offset: f64| -> Vec<Vector2<f64>> {
+            rod(offset, 0.0).iter().map(|node| node.xy()).collect()
+        };
+        let stands = peg(0.1, 0.014);
+        assert!(passes_beside(&seen(0.008), &line(), &stands));
+        // From there on its centreline is within the radius of the peg, and beyond it on the other side of it.
+        assert!(!passes_beside(&seen(0.011), &line(), &stands));
+        assert!(!passes_beside(&seen(0.0201), &line(), &stands));
     }
 
     #[test]

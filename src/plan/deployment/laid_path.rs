@@ -21,7 +21,7 @@ pub struct LaidPath {
 
 impl LaidPath {
     /// The path along a pattern with its lead-in and, where `spare` says so, of the rest of the rod; its points are at most `step`
-    /// apart, m.
+    /// apart, m, and `way` says how the gripper leads the rod, and who finds its grasps.
     ///
     /// # Errors
     /// There is no grasp at some point.
@@ -30,11 +30,12 @@ impl LaidPath {
         rod: &DeployedRod,
         spare: &Spare<'_>,
         step: f64,
+        way: (Scheme, OptimalGrasps<'_>),
     ) -> Result<Self, DeploymentError> {
         let length = pattern.length();
         let pattern = with_spare_laid(pattern, rod, spare);
         let points = pattern.sampled(step);
-        let poses = trajectory(&points, rod, Scheme::Optimal, OptimalGrasps::Exact)?;
+        let poses = trajectory(&points, rod, way.0, way.1)?;
         Ok(Self {
             lead_in: pattern.lead_in(),
             lays_spare: pattern.length() > length,

@@ -152,7 +152,7 @@ impl FoldTask<'_> {
                 part_motion = self.next_part(&request, &mut way, part, &part_motion, end)?;
             }
             let name = format!("folding_{}", part + 1);
-            let followed = arm.follow(&name, &part_motion);
+            let followed = arm.carry(&name, &part_motion);
             followed.map_err(work(FoldStage::Fold))?;
             std::thread::sleep(REST);
             let hand = arm.hand().map_err(work(FoldStage::Fold))?;

@@ -1,0 +1,182 @@
+//! How an arm of a cell lays a rod: what `rodlab deploy` and `rodlab place` have in common.
+
+use super::cell_task::{ended_early, note_end, refuse_unfinished, status_of};
+use super::failure::Failure;
+use super::interruption::watch_for_interruption;
+use super::log_directory::log_directory;
+use super::output::print_json;
+use super::plan::{parse_place, positive};
+use super::solve_arm::arm_named;
+use crate::cell::{Cell, Place};
+use crate::experiment::Fixtures;
+use crate::plan::deployment::{DeployedRod, LaidPath, Spare};
+use crate::results::write_whole;
+use crate::task::{
+    Correction, DeployRecord, DeployTask, LayingMethod, MotionRequest, SETTLING, Status,
+    Unfinished, middle_of_table, write_manifest, write_report,
+};
+use crate::vision::{ColourRule, Point};
+use clap::Args;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+
+/// Frames of the page of the arm in motion.
+const FRAMES: usize = 400;
+
+/// Cell, arm, and how it moves.
+#[derive(Debug, Args)]
+pub struct LayingArguments {
+    /// The cell file
+    #[arg(
+        long,
+        value_name = "FILE",
+        default_value = "scenarios/cells/gantry.toml"
+    )]
+    cell: PathBuf,
+    /// Name of the arm; not needed where the cell has only one
+    #[arg(long, value_name = "NAME")]
+    arm: Option<String>,
+    /// Where the pattern lies in the cell: x,y,z in metres and a turn about z in degrees, or `auto`: the best place on the
+    /// table [default: its middle in that of the table]
+    #[arg(long, value_name = "X,Y,Z[,TURN]|auto", value_parser = parse_place, allow_hyphen_values = true)]
+    place: Option<Place>,
+    /// Greatest speed of the hand while it lays, m/s
+    #[arg(long, value_name = "SPEED", default_value_t = 0.03, value_parser = positive)]
+    hand_speed: f64,
+    /// Greatest speed of the hand on the way to the first point, m/s
+    #[arg(long, value_name = "SPEED", default_value_t = 0.1, value_parser = positive)]
+    approach_speed: f64,
+    /// Least distance to anything else, m
+    #[arg(long, value_name = "DISTANCE", default_value_t = 0.01, value_parser = positive)]
+    margin: f64,
+    /// Which colours are rod, as of `rodlab trace`
+    #[arg(long, value_name = "RULE", default_value = "auto")]
+    colour: String,
+    /// Plan everything, write the pages, and move nothing
+    #[arg(long)]
+    dry_run: bool,
+    /// The arm, and what it holds, were looked at after a task that did not come to its end
+    #[arg(long)]
+    checked: bool,
+    /// Where everything goes [default: results/TASK-TIME]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// What is laid.
+pub struct Laying<'a> {
+    /// The subcommand.
+    pub task: &'a str,
+    /// The pattern, for people.
+    pub pattern: &'a str,
+    /// The pattern without lead-in and lead-out, m.
+    pub outline: &'a [Point],
+    /// Pegs between which it is laid.
+    pub fixtures: Option<&'a Fixtures>,
+    /// Whether its path is planned anew from where it is seen to lie.
+    pub is_corrected: bool,
+}
+
+impl LayingArguments {
+    /// The directory of a task, empty.
+    pub fn directory(&self, task: &str) -> Result<PathBuf, Failure> {
+        log_directory(task, self.out.as_deref())
+    }
+
+    /// Lays a rod along the path that `plan` gives for the room that there is and writes into a directory.
+    pub fn lay(
+        &self,
+        laying: &Laying<'_>,
+        plan: impl Fn(&Spare<'_>, &Path) -> Result<(DeployedRod, LaidPath), Failure>,
+    ) -> Result<(), Failure> {
+        let colour = ColourRule::parse(&self.colour)?;
+        let cell = Cell::read(&self.cell)?;
+        let arm = arm_named(&cell, self.arm.as_deref(), &self.cell)?;
+        if !(self.dry_run || self.checked) {
+            refuse_unfinished(&cell, arm)?;
+        }
+        let directory = self.directory(laying.task)?;
+        let unfinished = Unfinished::of(&cell, arm, &directory);
+        let place = self
+            .place
+            .or_else(|| middle_of_table(&cell, laying.outline));
+        let place = place
+            .ok_or_else(|| Failure::Input("--place is needed: the cell has no [table]".into()))?;
+        let motion = MotionRequest {
+            cell: &cell,
+            arm,
+            place,
+            speed: self.hand_speed,
+            margin: self.margin,
+        };
+        let (rod, path, motion) = motion.plan(|spare| plan(spare, &directory.join("plan")))?;
+        write_whole(
+            &directory.join("joints.csv"),
+            motion.laying.to_csv().as_bytes(),
+        )?;
+        let page = cell.page(Some(&motion.laying), FRAMES);
+        write_whole(&directory.join("cell.html"), page.as_bytes())?;
+        let mut record = DeployRecord {
+            version: env!("CARGO_PKG_VERSION"),
+            command_line: std::env::args().collect(),
+            start: jiff::Timestamp::now(),
+            end: None,
+            status: Status::Planned,
+            error: None,
+            cell: cell.title.clone(),
+            arm: cell.arms[arm].name.clone(),
+            pattern: laying.pattern.to_owned(),
+            motion: motion.report.clone(),
+            times_s: Vec::new(),
+            score: None,
+            pegs: None,
+        };
+        if self.dry_run {
+            write_manifest(&record, &directory)?;
+            write_report(&record, &directory)?;
+            return print_json(&record);
+        }
+        record.status = Status::Running;
+        write_manifest(&record, &directory)?;
+        let interrupted = watch_for_interruption()?;
+        let correction = laying
+            .is_corrected
+            .then(|| Correction::usual(rod.gravito_bending_length, self.hand_speed));
+        let task = DeployTask {
+            cell: &cell,
+            arm,
+            motion: &motion,
+            approach_speed: self.approach_speed,
+            pattern: laying.outline,
+            path: &path,
+            rod: &rod,
+            colour: &colour,
+            laying: correction.as_ref().map(|way| way as &dyn LayingMethod),
+            fixtures: laying.fixtures,
+            unfinished: Some(&unfinished),
+            settling: SETTLING,
+            directory: &directory,
+        };
+        let end = task.run(&|| interrupted.load(Ordering::Relaxed));
+        record.end = Some(jiff::Timestamp::now());
+        record.times_s = end.times;
+        let failure = match end.laid {
+            Ok(laid) => {
+                record.take(&laid);
+                record.status = Status::Finished;
+                note_end(&unfinished).err()
+            }
+            Err(error) => {
+                record.status = status_of(&error);
+                record.error = Some(error.to_string());
+                Some(ended_early(&error, &directory))
+            }
+        };
+        write_manifest(&record, &directory)?;
+        write_report(&record, &directory)?;
+        match failure {
+            Some(failure) => Err(failure),
+            None => print_json(&record),
+        }
+    }
+}
