@@ -4,7 +4,7 @@ use super::common::Common;
 use super::{
     calibrate, cell, check, completions, dataset, deploy, evaluate, explain, explore,
     fold_arguments, gather, guide, init, measure, plan, plot, reproduce, run, score, solve, status,
-    stream, submit, trace, train, verify, view,
+    stream, submit, tie, trace, train, verify, view,
 };
 use clap::{Parser, Subcommand};
 
@@ -65,6 +65,8 @@ pub enum Command {
     Plan(plan::PlanArguments),
     /// Lay a rod along a pattern by an arm: plan, show, stream, look and score
     Deploy(Box<deploy::DeployArguments>),
+    /// Tie a knot in a rod by two arms: plan, show, stream, look and score
+    Tie(Box<tie::TieArguments>),
     /// Explore where helical rods lose stability, by an arm and a chuck: plan, lead, look, return
     Explore(explore::ExploreArguments),
     /// Fold a sheet: plan, simulate, show and score it

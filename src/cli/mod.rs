@@ -73,6 +73,7 @@ mod status;
 mod stream;
 mod submit;
 mod sweep;
+mod tie;
 mod trace;
 mod trace_answer;
 mod train;
@@ -128,6 +129,7 @@ fn run_command(arguments: &Arguments) -> Result<(), Failure> {
         Command::View(command) => view::view(command, &arguments.common),
         Command::Stream(command) => stream::stream(command),
         Command::Deploy(command) => deploy::deploy(command, &arguments.common),
+        Command::Tie(command) => tie::tie(command),
         Command::Explore(command) => explore::explore(command),
         Command::Cell(command) => cell::cell(command),
         Command::Submit(command) => submit::submit(command),

@@ -3,6 +3,7 @@
 //! | file | what |
 //! |---|---|
 //! | `deploy` | a rod laid along a pattern by an arm: approach, take, lay, let go, look, score |
+//! | `tie` | a knot tied by two arms |
 //! | `fold` | a sheet folded by an arm, with the camera |
 //! | `exploration` | the stability of helical rods, explored along a list of directions |
 //! | `motion` | the motions of a deployment, planned and checked before anything moves |
@@ -23,6 +24,7 @@ mod look;
 mod motion;
 mod record;
 mod room;
+mod tie;
 mod unfinished;
 mod working_arm;
 
@@ -40,4 +42,7 @@ pub use fold::{
 };
 pub use motion::{DeployMotion, MotionRequest, middle_of_table};
 pub use record::{DeployRecord, Status, write_manifest, write_report};
+pub use tie::{
+    KnotPlan, TieEnd, TieError, TieMotion, TieMotionRequest, TieRecord, TieScore, TieStage, TieTask,
+};
 pub use unfinished::Unfinished;

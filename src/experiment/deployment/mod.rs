@@ -39,6 +39,7 @@ mod tying;
 
 pub use keys::Deployment;
 pub use kind::DeploymentKind;
+pub use knot_proof::{knot_of_patterns, knot_on_table};
 pub use laid_figure::{LaidOutlines, Outline, laid_outlines};
 pub use monitor::DeploymentMonitor;
 pub use outcome::{DeploymentOutcome, PassedPegs, TiedKnot};
