@@ -474,6 +474,7 @@ mod tests {
         let supply = RodSupply::new(&file, 0.4).unwrap();
         let first = hand(&supply, 0.7);
         let mut rod = supply.handed(0, &first, &table(), 0.0).unwrap();
+        while !rod.advance(&first, 5e-3).unwrap() {}
         let free = rod.nodes()[0];
         // A little beside the free end, and turned in some way.
         let second = Pose::from_parts(
@@ -489,7 +490,6 @@ mod tests {
                 .unwrap()
             {}
         };
-        lead(&mut rod, &hands, 1);
         rod.take(1, node, &second, 5e-3).unwrap();
         assert_eq!(rod.holders().collect::<Vec<_>>(), [0, 1]);
         for step in 2..=240 {
