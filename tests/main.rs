@@ -32,6 +32,7 @@ mod random_scenes;
 mod reference_trajectory;
 mod robots;
 mod sweep;
+mod tie_in_cell;
 mod view;
 mod virtual_cell;
 mod vision;

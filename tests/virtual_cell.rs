@@ -37,12 +37,17 @@ fn serve(arguments: &[&str], path: &str) -> Served {
     serve_cell(&[&["--rod", "rod.toml"], arguments].concat(), path)
 }
 
-/// Serves the gantry with some arguments; `client.toml` in its folder is the cell file for its clients, who name a path where there is
-/// one.
+/// Serves the gantry with some arguments.
 pub fn serve_cell(arguments: &[&str], path: &str) -> Served {
+    serve_file(&gantry(), arguments, path)
+}
+
+/// Serves a cell by its file with some arguments; `client.toml` in its folder is the cell file for its clients, who name a path where
+/// there is one.
+pub fn serve_file(cell: &str, arguments: &[&str], path: &str) -> Served {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("rod.toml"), ROD).unwrap();
-    fs::write(folder.path().join("cell.toml"), gantry()).unwrap();
+    fs::write(folder.path().join("cell.toml"), cell).unwrap();
     let mut child = Command::new(env!("CARGO_BIN_EXE_rodlab"))
         .args(["cell", "serve", "--cell", "cell.toml"])
         .args(["--listen", "127.0.0.1:0"])
@@ -60,7 +65,7 @@ pub fn serve_cell(arguments: &[&str], path: &str) -> Served {
         .expect("an address");
     let address = address.to_owned();
     let of_driver = format!("address = \"{address}{path}\"");
-    let client = gantry()
+    let client = cell
         .replace("address = \"127.0.0.1:9090\"", &of_driver)
         .replace("127.0.0.1:9090", &address)
         // A machine that is busy with other tests may be silent for longer than an arm.
@@ -74,7 +79,7 @@ pub fn serve_cell(arguments: &[&str], path: &str) -> Served {
 }
 
 impl Served {
-    fn command(&self, arguments: &[&str]) -> Command {
+    pub fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_rodlab"));
         command.args(arguments).current_dir(self.folder.path());
         // Marks of tasks that did not come to their end are those of this test.
@@ -103,8 +108,13 @@ impl Served {
     /// Whether the arm stands half a second from now.
     pub fn stands_soon(&self) -> bool {
         std::thread::sleep(Duration::from_millis(500));
+        self.stands("/joint_states")
+    }
+
+    /// Whether the arm whose joints are told on a topic stands.
+    pub fn stands(&self, topic: &str) -> bool {
         let (mut socket, _) = tungstenite::connect(format!("ws://{}", self.address)).unwrap();
-        let subscription = json!({ "op": "subscribe", "topic": "/joint_states" });
+        let subscription = json!({ "op": "subscribe", "topic": topic });
         socket
             .send(Message::text(subscription.to_string()))
             .unwrap();

@@ -4,7 +4,7 @@ use super::common::Common;
 use super::{
     calibrate, cell, check, completions, dataset, deploy, evaluate, explain, explore,
     fold_arguments, gather, guide, init, measure, place, plan, plot, reproduce, run, score, solve,
-    status, stream, submit, trace, train, verify, view,
+    status, stream, submit, tie, trace, train, verify, view,
 };
 use clap::{Parser, Subcommand};
 
@@ -67,6 +67,8 @@ pub enum Command {
     Deploy(Box<deploy::DeployArguments>),
     /// Lay a cable between pegs by an arm: plan, show, stream, look and score
     Place(Box<place::PlaceArguments>),
+    /// Tie a knot in a rod by two arms: plan, show, stream, look and score
+    Tie(Box<tie::TieArguments>),
     /// Explore where helical rods lose stability, by an arm and a chuck: plan, lead, look, return
     Explore(explore::ExploreArguments),
     /// Fold a sheet: plan, simulate, show and score it

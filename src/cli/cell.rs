@@ -39,14 +39,16 @@ Examples:
   rodlab cell serve --rod scenarios/rods/green_vps.toml
   rodlab cell serve --cell cell.toml --rod rod.toml --friction 0.2 --rate 5
   rodlab cell serve --scene scenarios/cable_placement_u.toml
+  rodlab cell serve --cell scenarios/cells/two_gantries.toml --rod scenarios/rods/thick_pink_vps.toml
   rodlab cell serve --paper scenarios/papers/a4.toml
   rodlab cell serve --paper scenarios/papers/origami.toml --diagonal --place 0.1,-0.05,20
   rodlab cell serve --rod scenarios/rods/green_vps.toml --fault drop-link@3s --fault lose-camera@0s
 
 Arms follow trajectories as `rodlab stream` sends them, late and a little behind. A gripper that closes is handed the end of a
-rod, which hangs from it with its free end on the table; one that opens lets it go. A sheet, --paper,
-lies on the table; a gripper that closes at the middle of its edge takes it. A scene, --scene, has a rod and pegs on the table. The camera shows the table, rod and sheet; where
-the cell file names no other topic, on /camera/image_raw. What runs is printed: the address on which it listens.
+rod, which hangs from it with its free end on the table, or takes hold of the rod that lies within its reach, also while another one
+holds that; one that opens lets it go. A scene, --scene, has a rod and pegs on the table. A sheet, --paper, lies on the table; a
+gripper that closes at the middle of its edge takes it. The camera shows the table with all of them; where the cell file names no
+other topic, on /camera/image_raw. What runs is printed: the address on which it listens.
 An arm is led by one client at a time. When that is gone, the arm stops. Times of faults count from the first motion of an arm;
 faults are drop-link, freeze-joint, slip-grasp and lose-camera.")]
     Serve(ServeArguments),

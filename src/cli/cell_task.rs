@@ -1,8 +1,9 @@
 //! What the tasks of a robot cell have in common on the command line: whether they may begin, and how they end.
 
 use super::failure::Failure;
+use super::output::print_json;
 use crate::cell::Cell;
-use crate::task::{Status, TaskError, TaskStage, Unfinished};
+use crate::task::{TaskError, TaskRecord, TaskStage, Unfinished};
 use std::path::Path;
 
 /// Refuses to move an arm whose last task did not come to its end, until somebody has looked at it and says so.
@@ -16,23 +17,37 @@ pub fn refuse_unfinished(cell: &Cell, arm: usize) -> Result<(), Failure> {
     )))
 }
 
-/// Notes that a task came to its end.
-pub fn note_end(unfinished: &Unfinished) -> Result<(), Failure> {
-    let cleared = unfinished.clear();
-    cleared
-        .map_err(|error| Failure::System(format!("the end of the task cannot be noted: {error}")))
-}
-
-/// How far a task came that ended early.
-pub fn status_of<S: TaskStage>(error: &TaskError<S>) -> Status {
-    match error {
-        TaskError::Interrupted => Status::Interrupted,
-        _ => Status::Failed,
+/// Ends a task: takes over what it came to, writes its record, clears its marks where it came to its end, and prints the record.
+///
+/// # Errors
+/// It ended early, or something cannot be written.
+pub fn finish<R: TaskRecord, T, S: TaskStage>(
+    mut record: R,
+    came_to: Result<T, TaskError<S>>,
+    take: impl FnOnce(&mut R, T),
+    unfinished: &[Unfinished],
+    directory: &Path,
+) -> Result<(), Failure> {
+    record.head().ended(came_to.as_ref().err());
+    let failure = match came_to {
+        Ok(came_to) => {
+            take(&mut record, came_to);
+            let cleared = unfinished.iter().try_for_each(Unfinished::clear);
+            let unclear =
+                |error| Failure::System(format!("the end of the task cannot be noted: {error}"));
+            cleared.err().map(unclear)
+        }
+        Err(error) => Some(ended_early(&error, directory)),
+    };
+    record.write(directory)?;
+    match failure {
+        Some(failure) => Err(failure),
+        None => print_json(&record),
     }
 }
 
 /// A task that ended early, with its log in a directory.
-pub fn ended_early<S: TaskStage>(error: &TaskError<S>, directory: &Path) -> Failure {
+fn ended_early<S: TaskStage>(error: &TaskError<S>, directory: &Path) -> Failure {
     let message = format!("{error}; the log is in {}", directory.display());
     match error {
         TaskError::Interrupted => Failure::Cases {

@@ -186,10 +186,10 @@ pub fn explore(arguments: &ExploreArguments) -> Result<(), Failure> {
         return finish(&mut record, &exploration, None);
     }
     let interrupted = watch_for_interruption()?;
-    record.status = Status::Running;
+    record.head.status = Status::Running;
     record.write(&directory)?;
     let ended = exploration.run(&mut record, &|| interrupted.load(Ordering::Relaxed));
-    record.end = Some(jiff::Timestamp::now());
+    record.head.end = Some(jiff::Timestamp::now());
     finish(&mut record, &exploration, ended.err())?;
     Ok(())
 }
@@ -200,14 +200,14 @@ fn finish(
     exploration: &Exploration<'_>,
     error: Option<ExploreError>,
 ) -> Result<(), Failure> {
-    if record.status == Status::Running {
-        record.status = match &error {
+    if record.head.status == Status::Running {
+        record.head.status = match &error {
             None => Status::Finished,
             Some(ExploreError::Interrupted) => Status::Interrupted,
             Some(_) => Status::Failed,
         };
     }
-    record.error = error.as_ref().map(ToString::to_string);
+    record.head.error = error.as_ref().map(ToString::to_string);
     record.write(exploration.directory)?;
     write_exploration(record, &exploration.rows()?, exploration.directory)?;
     match error {

@@ -1,6 +1,6 @@
 //! `rodlab fold` in a robot cell.
 
-use super::cell_task::{ended_early, note_end, refuse_unfinished, status_of};
+use super::cell_task::{finish, refuse_unfinished};
 use super::failure::Failure;
 use super::fold_arguments::FoldArguments;
 use super::folded_sheet::PaperFile;
@@ -12,7 +12,8 @@ use crate::cell::{Cell, Place};
 use crate::results::write_whole;
 use crate::robot::Pose;
 use crate::task::{
-    FoldMotionRequest, FoldRecord, FoldRequest, FoldTask, FoldWay, Status, Unfinished, heading,
+    FoldMotionRequest, FoldRecord, FoldRequest, FoldTask, FoldWay, Status, TaskHead, TaskRecord,
+    Unfinished, heading,
 };
 use crate::vision::ColourRule;
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
@@ -77,12 +78,7 @@ pub fn fold_in_cell(
     let page = cell.page(Some(&whole), FRAMES);
     write_whole(&directory.join("cell.html"), page.as_bytes())?;
     let mut record = FoldRecord {
-        version: env!("CARGO_PKG_VERSION"),
-        command_line: std::env::args().collect(),
-        start: jiff::Timestamp::now(),
-        end: None,
-        status: Status::Planned,
-        error: None,
+        head: TaskHead::planned(std::env::args().collect()),
         cell: cell.title.clone(),
         arm: cell.arms[arm].name.clone(),
         paper: file.title.clone(),
@@ -100,7 +96,7 @@ pub fn fold_in_cell(
         record.write(&directory)?;
         return print_json(&record);
     }
-    record.status = Status::Running;
+    record.head.status = Status::Running;
     record.write(&directory)?;
     let interrupted = watch_for_interruption()?;
     let task = FoldTask {
@@ -119,30 +115,19 @@ pub fn fold_in_cell(
         directory: &directory,
     };
     let end = task.run(&|| interrupted.load(Ordering::Relaxed));
-    record.end = Some(jiff::Timestamp::now());
     record.times_s = end.times;
     record.looks = end.looks;
     record.sheet_place = end.frame.map(|frame| {
         let place = frame.translation.vector;
         [place.x, place.y, heading(&frame).to_degrees()]
     });
-    let failure = match end.score {
-        Ok(score) => {
-            record.score = Some(score);
-            record.status = Status::Finished;
-            note_end(&unfinished).err()
-        }
-        Err(error) => {
-            record.status = status_of(&error);
-            record.error = Some(error.to_string());
-            Some(ended_early(&error, &directory))
-        }
-    };
-    record.write(&directory)?;
-    match failure {
-        Some(failure) => Err(failure),
-        None => print_json(&record),
-    }
+    finish(
+        record,
+        end.score,
+        |record, score| record.score = Some(score),
+        &[unfinished],
+        &directory,
+    )
 }
 
 /// What a fold with an arm needs and the cell file lacks, in words.

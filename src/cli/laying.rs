@@ -1,6 +1,6 @@
 //! How an arm of a cell lays a rod: what `rodlab deploy` and `rodlab place` have in common.
 
-use super::cell_task::{ended_early, note_end, refuse_unfinished, status_of};
+use super::cell_task::{finish, refuse_unfinished};
 use super::failure::Failure;
 use super::interruption::watch_for_interruption;
 use super::log_directory::log_directory;
@@ -12,8 +12,8 @@ use crate::experiment::Fixtures;
 use crate::plan::deployment::{DeployedRod, LaidPath, Spare};
 use crate::results::write_whole;
 use crate::task::{
-    Correction, DeployRecord, DeployTask, LayingMethod, MotionRequest, SETTLING, Status,
-    Unfinished, middle_of_table, write_manifest, write_report,
+    Correction, DeployRecord, DeployTask, LayingMethod, MotionRequest, SETTLING, Status, TaskHead,
+    TaskRecord, Unfinished, middle_of_table,
 };
 use crate::vision::{ColourRule, Point};
 use clap::Args;
@@ -117,12 +117,7 @@ impl LayingArguments {
         let page = cell.page(Some(&motion.laying), FRAMES);
         write_whole(&directory.join("cell.html"), page.as_bytes())?;
         let mut record = DeployRecord {
-            version: env!("CARGO_PKG_VERSION"),
-            command_line: std::env::args().collect(),
-            start: jiff::Timestamp::now(),
-            end: None,
-            status: Status::Planned,
-            error: None,
+            head: TaskHead::planned(std::env::args().collect()),
             cell: cell.title.clone(),
             arm: cell.arms[arm].name.clone(),
             pattern: laying.pattern.to_owned(),
@@ -132,12 +127,11 @@ impl LayingArguments {
             pegs: None,
         };
         if self.dry_run {
-            write_manifest(&record, &directory)?;
-            write_report(&record, &directory)?;
+            record.write(&directory)?;
             return print_json(&record);
         }
-        record.status = Status::Running;
-        write_manifest(&record, &directory)?;
+        record.head.status = Status::Running;
+        record.write(&directory)?;
         let interrupted = watch_for_interruption()?;
         let correction = laying
             .is_corrected
@@ -158,25 +152,13 @@ impl LayingArguments {
             directory: &directory,
         };
         let end = task.run(&|| interrupted.load(Ordering::Relaxed));
-        record.end = Some(jiff::Timestamp::now());
         record.times_s = end.times;
-        let failure = match end.laid {
-            Ok(laid) => {
-                record.take(&laid);
-                record.status = Status::Finished;
-                note_end(&unfinished).err()
-            }
-            Err(error) => {
-                record.status = status_of(&error);
-                record.error = Some(error.to_string());
-                Some(ended_early(&error, &directory))
-            }
-        };
-        write_manifest(&record, &directory)?;
-        write_report(&record, &directory)?;
-        match failure {
-            Some(failure) => Err(failure),
-            None => print_json(&record),
-        }
+        finish(
+            record,
+            end.laid,
+            |record, laid| record.take(&laid),
+            &[unfinished],
+            &directory,
+        )
     }
 }

@@ -75,6 +75,7 @@ mod status;
 mod stream;
 mod submit;
 mod sweep;
+mod tie;
 mod trace;
 mod trace_answer;
 mod train;
@@ -131,6 +132,7 @@ fn run_command(arguments: &Arguments) -> Result<(), Failure> {
         Command::Stream(command) => stream::stream(command),
         Command::Deploy(command) => deploy::deploy(command, &arguments.common),
         Command::Place(command) => place::place(command),
+        Command::Tie(command) => tie::tie(command),
         Command::Explore(command) => explore::explore(command),
         Command::Cell(command) => cell::cell(command),
         Command::Submit(command) => submit::submit(command),

@@ -15,10 +15,8 @@ use crate::plan::deployment::{
 };
 use crate::plan::grasp::NeuralGrasps;
 use crate::plan::pattern::{Crossing, Pattern, PatternSource, Point, crossings};
-use crate::plan::tying::{
-    GripperPoses, Handling, LiftPath, Pass, Passage, Schedule, TiedRod, TyingTask, laid_length,
-    passages,
-};
+use crate::plan::tying::{Pass, Passage, TiedRod, laid_length, passages};
+use crate::task::KnotPlan;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::borrow::Cow;
@@ -151,6 +149,8 @@ pub struct WrittenPlan {
     pub rod: DeployedRod,
     /// The path along which it is laid.
     pub path: LaidPath,
+    /// What follows where a knot is tied.
+    pub knot: Option<KnotPlan>,
 }
 
 impl DeploymentArguments {
@@ -180,9 +180,9 @@ impl DeploymentPlan {
         let friction = self.friction(&file)?;
         let source = self.source.source()?;
         let pattern = self.pattern(&source, &rod)?;
-        let knot = self.passages(&pattern, &rod)?;
+        let passages = self.passages(&pattern, &rod)?;
         let bent = pattern.lead_in();
-        let pattern = match knot {
+        let pattern = match passages {
             Some(_) => pattern.shortened(laid_length(&rod)),
             None => self.with_lead_out(pattern, &rod, spare),
         };
@@ -219,13 +219,17 @@ impl DeploymentPlan {
         let times = times(&poses, self.speed);
         let laid_by = times.last().copied().unwrap_or(0.0);
         let when = |s: f64| when_laid(&poses, &times, s);
-        let tied = knot.as_ref().zip(poses.last());
-        let tied = tied.map(|(passages, last)| self.tied(passages, &source, &rod, last));
-        let tied = tied.transpose()?;
-        let duration = laid_by + tied.as_ref().map_or(0.0, |tied| tied.duration);
+        let tied = passages.zip(poses.last());
+        let tied = tied.map(|(passages, last)| {
+            let whole = self.pattern(&source, &rod)?;
+            Ok::<_, Failure>(KnotPlan::new(&rod, whole, passages, last))
+        });
+        let knot = tied.transpose()?;
+        let tying = knot.as_ref().map_or(0.0, |knot| knot.schedule.duration());
+        let duration = laid_by + tying;
         let mut followed = poses.clone();
         let mut followed_times = times.clone();
-        for (time, position, rotation) in tied.iter().flat_map(|tied| tied.end.iter().skip(1)) {
+        for (time, position, rotation) in knot.iter().flat_map(|knot| knot.end.iter().skip(1)) {
             followed.push(GripperPose {
                 s: rod.length,
                 position: *position,
@@ -257,7 +261,7 @@ impl DeploymentPlan {
             ("pattern.csv".to_owned(), pattern_csv(&points, &demands)),
             ("deployment.svg".to_owned(), figure),
         ];
-        for (index, lift) in tied.iter().flat_map(|tied| &tied.lifts).enumerate() {
+        for (index, lift) in knot.iter().flat_map(|knot| &knot.lifts).enumerate() {
             let poses = lift.poses.iter();
             let (times, poses): (Vec<f64>, Vec<GripperPose>) = poses
                 .map(|&(time, position, rotation)| {
@@ -322,7 +326,18 @@ impl DeploymentPlan {
                 poses,
                 points,
             },
+            knot,
         })
+    }
+
+    /// Refuses a knot that cannot be tied so.
+    ///
+    /// # Errors
+    /// The rod, the pattern or an argument is faulty, or they do not go together.
+    pub fn check_knot(&self) -> Result<(), Failure> {
+        let rod = RodFile::read(&self.rod)?.rod;
+        let pattern = self.pattern(&self.source.source()?, &rod)?;
+        self.passages(&pattern, &rod).map(|_| ())
     }
 
     /// The pattern without lead-in and lead-out, m.
@@ -366,30 +381,6 @@ impl DeploymentPlan {
         passages
             .map(Some)
             .map_err(|error| Failure::Input(format!("--knot: {}: {error}", self.source.name())))
-    }
-
-    /// What the grippers do after the `last` pose of the laying.
-    fn tied(
-        &self,
-        passages: &[Passage],
-        source: &PatternSource,
-        rod: &DeployedRod,
-        last: &GripperPose,
-    ) -> Result<Tied, Failure> {
-        let whole = self.pattern(source, rod)?;
-        let handling = Handling::usual([rod]);
-        let tied = TiedRod { rod, curve: &whole };
-        let schedule = Schedule::new(0, &tied, passages, &handling);
-        let task = TyingTask {
-            rods: &[*rod],
-            passages,
-            pattern: &|place| whole.at(place.s),
-        };
-        Ok(Tied {
-            duration: schedule.duration(),
-            end: task.end_path(&schedule, (last.position, last.rotation)),
-            lifts: task.lift_paths(&schedule, &handling),
-        })
     }
 
     fn refused(&self, error: &DeploymentError) -> Failure {
@@ -460,13 +451,6 @@ impl DeploymentPlan {
         }
         with_spare_laid(pattern, rod, spare)
     }
-}
-
-/// What follows the laying where a knot is tied; times from its end, s.
-struct Tied {
-    duration: f64,
-    end: GripperPoses,
-    lifts: Vec<LiftPath>,
 }
 
 impl From<PassName> for Pass {

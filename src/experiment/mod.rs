@@ -39,7 +39,8 @@ mod tests;
 
 pub use deployment::{
     Deployment, DeploymentMonitor, DeploymentOutcome, DeploymentTables, Fixtures, GripperTask,
-    GripperWork, LaidOutlines, Outline, PassedPegs, TiedKnot, laid_outlines,
+    GripperWork, LaidOutlines, Outline, PassedPegs, TiedKnot, knot_of_patterns, knot_on_table,
+    laid_outlines,
 };
 pub use derived::{DerivedNumbers, DerivedRod, derived_numbers};
 pub use described::{Described, describe, described_files, files_with_column};

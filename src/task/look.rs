@@ -81,6 +81,20 @@ impl Seen {
     /// # Errors
     /// A pixel shows no point of the table.
     pub fn longest(&self, start: Point) -> Result<Vec<Point>, VisionError> {
+        self.curve(self.longest_index(), start)
+    }
+
+    /// The same in the picture, pixels, with its width, pixels.
+    ///
+    /// # Errors
+    /// A pixel shows no point of the table.
+    pub fn longest_in_picture(&self, start: Point) -> Result<(Vec<Point>, f64), VisionError> {
+        let index = self.longest_index();
+        let width = self.trace.strands[index].width();
+        Ok((self.pixels(index, start)?, width))
+    }
+
+    fn longest_index(&self) -> usize {
         let strands = self.trace.strands.iter().enumerate();
         // Where there is no open one, the rod closes upon itself.
         let longest = strands.max_by(|(_, a), (_, b)| {
@@ -88,7 +102,7 @@ impl Seen {
             openness.then(a.length().total_cmp(&b.length()))
         });
         let (index, _) = longest.expect("a trace has strands");
-        self.curve(index, start)
+        index
     }
 
     /// The strand that begins nearest to `start` in the same frame, m, from there.
@@ -107,6 +121,12 @@ impl Seen {
 
     /// A strand in the frame of the pattern, m, from the end that is nearer to `start`.
     fn curve(&self, index: usize, start: Point) -> Result<Vec<Point>, VisionError> {
+        let pixels = self.pixels(index, start)?.into_iter();
+        pixels.map(|pixel| self.place(pixel)).collect()
+    }
+
+    /// The same, pixels.
+    fn pixels(&self, index: usize, start: Point) -> Result<Vec<Point>, VisionError> {
         let Trace {
             strands, crossings, ..
         } = &self.trace;
@@ -118,12 +138,11 @@ impl Seen {
                 None => 0.0,
             };
         }
-        let points = whole_rod(strands, crossings, index, away[1] < away[0]);
-        points.into_iter().map(|pixel| self.place(pixel)).collect()
+        Ok(whole_rod(strands, crossings, index, away[1] < away[0]))
     }
 
     /// The place of a pixel in the frame of the pattern, m.
-    fn place(&self, pixel: Point) -> Result<Point, VisionError> {
+    pub fn place(&self, pixel: Point) -> Result<Point, VisionError> {
         let place = self.camera.on_table(pixel)?;
         let place = self.to_frame * nalgebra::Point3::new(place.x, place.y, self.height);
         Ok(Point::new(place.x, place.y))

@@ -3,6 +3,7 @@
 //! | file | what |
 //! |---|---|
 //! | `deploy` | a rod laid along a pattern by an arm: approach, take, lay, let go, look, score |
+//! | `tie` | a knot tied by two arms |
 //! | `fold` | a sheet folded by an arm, with the camera |
 //! | `exploration` | the stability of helical rods, explored along a list of directions |
 //! | `motion` | the motions of a deployment, planned and checked before anything moves |
@@ -12,10 +13,12 @@
 //! | `working_arm` | motions and grips of an arm, with the log of each |
 //! | `error` | why a task ends early |
 //! | `unfinished` | whether the last task came to its end |
-//! | `record` | what it leaves in a results directory |
+//! | `record` | what any task leaves in a results directory |
+//! | `deploy_record` | what a deployment does |
 
 mod correction;
 mod deploy;
+mod deploy_record;
 mod error;
 mod exploration;
 mod fold;
@@ -23,11 +26,13 @@ mod look;
 mod motion;
 mod record;
 mod room;
+mod tie;
 mod unfinished;
 mod working_arm;
 
 pub use correction::Correction;
 pub use deploy::{DeployEnd, DeployError, DeployTask, Laid, LayingMethod, SETTLING, Stage};
+pub use deploy_record::DeployRecord;
 pub use error::{TaskError, TaskStage};
 pub use exploration::{
     Exploration, ExplorationPlan, ExplorationRecord, ExplorationRow, ExplorationSummary,
@@ -39,5 +44,8 @@ pub use fold::{
     FoldTask, FoldTaskError, FoldWay, Look, heading,
 };
 pub use motion::{DeployMotion, MotionRequest, middle_of_table};
-pub use record::{DeployRecord, Status, write_manifest, write_report};
+pub use record::{Status, TaskHead, TaskRecord};
+pub use tie::{
+    KnotPlan, TieEnd, TieError, TieMotion, TieMotionRequest, TieRecord, TieScore, TieStage, TieTask,
+};
 pub use unfinished::Unfinished;

@@ -1,13 +1,8 @@
-//! What a deployment leaves in a results directory for programs and people.
+//! What all tasks leave in a results directory: `manifest.json` for programs and `report.md` for people.
 
-use super::deploy::{Laid, Stage};
-use super::error::TaskStage;
-use crate::cell::PlanReport;
-use crate::experiment::PassedPegs;
-use crate::results::{ResultsError, write_whole};
-use crate::vision::CurveError;
+use super::error::{TaskError, TaskStage};
+use crate::results::{MANIFEST, ResultsError, write_whole};
 use serde::Serialize;
-use std::fmt::Write;
 use std::path::Path;
 
 /// How far a task has come.
@@ -39,9 +34,9 @@ impl Status {
     }
 }
 
-/// What `manifest.json` holds, and `report.md` says.
+/// What is known of any task: how `manifest.json` begins.
 #[derive(Clone, Debug, Serialize)]
-pub struct DeployRecord {
+pub struct TaskHead {
     /// Version of the program.
     pub version: &'static str,
     /// As it was called.
@@ -54,28 +49,59 @@ pub struct DeployRecord {
     pub status: Status,
     /// Why no further.
     pub error: Option<String>,
-    /// Title of the cell, name of the arm.
-    pub cell: String,
-    /// Name of the arm.
-    pub arm: String,
-    /// The pattern, as given.
-    pub pattern: String,
-    /// Numbers of the motion.
-    pub motion: PlanReport,
-    /// Time that the stages took, s.
-    pub times_s: Vec<(Stage, f64)>,
-    /// Distances by arc length and to the nearest point.
-    pub score: Option<[CurveError; 2]>,
-    /// The pegs that the rod passes as its pattern does; `None` where there are none.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub pegs: Option<PassedPegs>,
 }
 
-impl DeployRecord {
-    /// Takes over how the rod lies.
-    pub fn take(&mut self, laid: &Laid) {
-        self.score = Some([laid.score.by_arc_length, laid.score.by_nearest_point]);
-        self.pegs = laid.pegs;
+impl TaskHead {
+    /// Of a task that is planned now, by a command line.
+    pub fn planned(command_line: Vec<String>) -> Self {
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            command_line,
+            start: jiff::Timestamp::now(),
+            end: None,
+            status: Status::Planned,
+            error: None,
+        }
+    }
+
+    /// It ended now, early where there is an error.
+    pub fn ended<S: TaskStage>(&mut self, error: Option<&TaskError<S>>) {
+        self.end = Some(jiff::Timestamp::now());
+        self.error = error.map(ToString::to_string);
+        self.status = match error {
+            None => Status::Finished,
+            Some(TaskError::Interrupted) => Status::Interrupted,
+            Some(_) => Status::Failed,
+        };
+    }
+
+    /// Rows of a report: how far it came, and why no further.
+    pub fn rows(&self) -> Vec<(&'static str, String)> {
+        let because = self.error.iter();
+        let because = because.map(|error| ("because", error.replace(['|', '\n'], " ")));
+        let status = ("status", self.status.in_words().to_owned());
+        std::iter::once(status).chain(because).collect()
+    }
+}
+
+/// What a task leaves.
+pub trait TaskRecord: Serialize {
+    /// What is known of any task.
+    fn head(&mut self) -> &mut TaskHead;
+
+    /// The text of `report.md`, with the pictures that are in a directory.
+    fn report(&self, directory: &Path) -> String;
+
+    /// Writes `manifest.json` and `report.md`.
+    ///
+    /// # Errors
+    /// They cannot be written.
+    fn write(&self, directory: &Path) -> Result<(), ResultsError> {
+        write_manifest(self, directory)?;
+        write_whole(
+            &directory.join("report.md"),
+            self.report(directory).as_bytes(),
+        )
     }
 }
 
@@ -83,70 +109,24 @@ impl DeployRecord {
 ///
 /// # Errors
 /// It cannot be written.
-pub fn write_manifest(record: &DeployRecord, directory: &Path) -> Result<(), ResultsError> {
+pub fn write_manifest<R: Serialize + ?Sized>(
+    record: &R,
+    directory: &Path,
+) -> Result<(), ResultsError> {
     let mut text = serde_json::to_vec_pretty(record).expect("names and numbers are JSON values");
     text.push(b'\n');
-    write_whole(&directory.join("manifest.json"), &text)
+    write_whole(&directory.join(MANIFEST), &text)
 }
 
-/// Writes `report.md`, with the pictures that are there.
-///
-/// # Errors
-/// It cannot be written.
-pub fn write_report(record: &DeployRecord, directory: &Path) -> Result<(), ResultsError> {
-    let mut text = format!(
-        "# A rod laid along {}\n\n| | |\n|---|---|\n| cell | {} |\n| arm | {} |\n",
-        record.pattern, record.cell, record.arm
-    );
-    let mut row = |name: &str, value: String| {
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "| {name} | {value} |");
-    };
-    row("status", record.status.in_words().into());
-    if let Some(error) = &record.error {
-        row("because", error.replace(['|', '\n'], " "));
-    }
-    row("motion", format!("{:.1} s", record.motion.duration_s));
-    row(
-        "least distance to anything else",
-        format!("{:.0} mm", 1e3 * record.motion.least_clearance_m),
-    );
-    for (stage, time) in &record.times_s {
-        row(stage.in_words(), format!("{time:.1} s"));
-    }
-    if let Some(errors) = &record.score {
-        for (name, error) in ["by arc length", "by nearest point"].iter().zip(errors) {
-            row(
-                &format!("distance from the pattern {name}"),
-                format!(
-                    "{:.2} ± {:.2} mm, largest {:.2} mm",
-                    1e3 * error.mean_m,
-                    1e3 * error.deviation_m,
-                    1e3 * error.largest_m
-                ),
-            );
-        }
-    }
-    if let Some(pegs) = &record.pegs {
-        let word = if pegs.are_all() { "" } else { "not " };
-        row(
-            "pegs passed as the pattern does",
-            format!("{} of {}: {word}placed", pegs.passed, pegs.count),
-        );
-    }
-    for (name, words) in [
-        ("score.svg", "The rod and its pattern"),
-        ("pegs.svg", "The rod between its pegs"),
-        (
-            "overlay.png",
-            "What the camera saw, with the rod that was found",
-        ),
-        ("plan/deployment.svg", "The plan"),
-    ] {
+/// Adds the pictures that are in a directory to a report.
+pub fn add_pictures<'a>(
+    text: &mut String,
+    directory: &Path,
+    pictures: impl IntoIterator<Item = (&'a str, &'a str)>,
+) {
+    for (name, words) in pictures {
         if directory.join(name).is_file() {
-            let _ = write!(text, "\n![{words}]({name})\n");
+            *text += &format!("\n![{words}]({name})\n");
         }
     }
-    text += "\n[The arm in motion](cell.html)\n";
-    write_whole(&directory.join("report.md"), text.as_bytes())
 }

@@ -8,6 +8,7 @@
 //! |---|---|
 //! | `arm` | joints that follow trajectories with latency and lag, within their limits |
 //! | `rod` | the rod in simulation: handed over, led by the hand, let go |
+//! | `grip` | a gripper's hold on that rod, of which there may be several |
 //! | `axis` | external axes, which move as arms do |
 //! | `chuck` | a rod clamped between a chuck and a hand, led and twisted |
 //! | `sheet`, `sheet_picture` | a sheet on the table in simulation: taken by its edge, folded, let go; what a camera sees of it |
@@ -25,6 +26,7 @@ mod camera;
 mod chuck;
 mod connection;
 mod fault;
+mod grip;
 mod message;
 mod rod;
 mod server;

@@ -1,13 +1,13 @@
 //! The rod of a virtual cell: handed to a gripper, laid down on the table, let go.
 
+use super::grip::{Grip, within_reach};
 use crate::experiment::{self, Deployment, DeploymentTables, Fixtures};
 use crate::mechanics::dynamics::{Simulation, SimulationError};
-use crate::mechanics::scene::Motion;
 use crate::mechanics::system::Grasp;
 use crate::mechanics::{UnitQuaternion, Vector3};
 use crate::plan::deployment::{DeployedRod, OptimalGrasps, Scheme, trajectory};
 use crate::plan::pattern::{Line, PatternSource};
-use crate::robot::{Pose, between, distance_and_angle};
+use crate::robot::{Pose, distance_and_angle};
 use crate::run::PreparedRun;
 use crate::scenario::ScenarioError;
 use nalgebra::Translation3;
@@ -27,6 +27,8 @@ const REST: f64 = 1e-4;
 const AT_A_TIME: Duration = Duration::from_millis(20);
 /// Longest time for the simulation of a fall: a heap of rod is hard, and the rod along the pattern lies already.
 const LONGEST_FALL: Duration = Duration::from_secs(2);
+/// Height of a rod's end at which the table stops the hand that leads it, in radii.
+const FLOOR: f64 = 1.05;
 /// Length of the line on which a rod begins, over that of the rod.
 const FIRST_LINE: f64 = 0.05;
 
@@ -150,13 +152,19 @@ impl RodSupply {
         &self.rod
     }
 
-    /// A rod whose end is handed to a gripper, at the time `now`, s. `hand` and the top of the `table` are poses in the cell.
+    /// A rod whose end is handed to the gripper of an arm, at the time `now`, s. `hand` and the top of the `table` are poses in the cell.
     /// Its free end lies on the table, in the direction in which the gripper holds it, so that it hangs by itself, or at the place of
     /// [`RodSupply::with_free_end`].
     ///
     /// # Errors
     /// In words: no rod of this length hangs there, or it cannot be simulated.
-    pub fn handed(&self, hand: &Pose, table: &Pose, now: f64) -> Result<SimulatedRod, String> {
+    pub fn handed(
+        &self,
+        arm: usize,
+        hand: &Pose,
+        table: &Pose,
+        now: f64,
+    ) -> Result<SimulatedRod, String> {
         let held = table.inverse() * hand;
         let across = held.rotation * Vector3::y();
         if libm::hypot(across.x, across.y) < LEVEL {
@@ -200,7 +208,7 @@ impl RodSupply {
         }
         let simulation = Simulation::new(&scene, &self.prepared.integration);
         let simulation = simulation.map_err(|error| error.to_string())?;
-        Ok(SimulatedRod::held(simulation, placed, now))
+        Ok(SimulatedRod::held_by(arm, simulation, placed, now).stopped_by_table())
     }
 }
 
@@ -221,44 +229,49 @@ pub struct SimulatedRod {
     simulation: Simulation,
     /// The frame of the simulation in the cell.
     frame: Pose,
-    /// Where its end was first, and where it was last, in that frame.
-    end: Pose,
-    last: Pose,
-    /// Until when the hand leads it, s of the simulation.
+    /// The grippers that hold it, in the order in which they took hold.
+    grips: Vec<Grip>,
+    /// Until when their hands lead it, s of the simulation.
     led_until: f64,
-    /// When it was handed over, s, and the time in which its end comes into the fingers, s.
+    /// When the simulation began, s.
     begin: f64,
-    handing: f64,
-    /// The clamp that leads its end.
-    clamp: usize,
     radius: f64,
     nodes: usize,
     /// When it was let go, s of the simulation, and the time that its fall has taken to simulate.
     released: f64,
     falling: Duration,
-    is_held: bool,
     rests: bool,
 }
 
 impl SimulatedRod {
     /// A rod whose end is held by clamp 0 of its scene, from the time `now`, s, on.
     pub fn held(simulation: Simulation, placed: Placed, now: f64) -> Self {
+        Self::held_by(0, simulation, placed, now)
+    }
+
+    /// The same, where it is the gripper of an arm that holds it.
+    fn held_by(arm: usize, simulation: Simulation, placed: Placed, now: f64) -> Self {
+        let grip = Grip::new(arm, placed.nodes - 1, 0, placed.end).handed_by(HANDING_OVER);
         Self {
             simulation,
             frame: placed.frame,
-            end: placed.end,
-            last: placed.end,
+            grips: vec![grip],
             led_until: 0.0,
             begin: now,
-            handing: HANDING_OVER,
-            clamp: 0,
             radius: placed.radius,
             nodes: placed.nodes,
             released: 0.0,
             falling: Duration::ZERO,
-            is_held: true,
             rests: false,
         }
+    }
+
+    /// The same on a table, z = 0 in the frame of the simulation, which stops hands.
+    fn stopped_by_table(mut self) -> Self {
+        let floor = FLOOR * self.radius;
+        let grips = self.grips.into_iter();
+        self.grips = grips.map(|grip| grip.stopped_at(floor)).collect();
+        self
     }
 
     /// A gripper takes the end again where it is, at `end` in the frame of the simulation, at the time `now`, s.
@@ -266,41 +279,84 @@ impl SimulatedRod {
     /// # Errors
     /// The simulation refuses.
     pub fn take_again(&mut self, node: usize, end: Pose, now: f64) -> Result<(), SimulationError> {
+        let clamp = self.clamped(node, now)?;
+        self.grips.push(Grip::new(0, node, clamp, end));
+        Ok(())
+    }
+
+    /// The node that a hand in the cell reaches: the nearest within 1.5 cm seen from above, if the hand is as low as it, and nobody
+    /// holds the rod there.
+    pub fn within_reach(&self, hand: &Pose) -> Option<usize> {
+        let hand = self.frame.inverse() * hand;
+        within_reach(&hand.translation.vector, self.positions(), &self.grips)
+    }
+
+    /// The gripper of an arm, whose hand is somewhere in the cell, takes hold of a node at the time `now`, s. From then on the node
+    /// moves with the hand, which does not press it into what lies under it.
+    ///
+    /// # Errors
+    /// The simulation refuses.
+    pub fn take(
+        &mut self,
+        arm: usize,
+        node: usize,
+        hand: &Pose,
+        now: f64,
+    ) -> Result<(), SimulationError> {
+        let clamp = self.clamped(node, now)?;
+        let hand = self.frame.inverse() * hand;
+        let lowest = hand.translation.z;
+        self.grips
+            .push(Grip::new(arm, node, clamp, hand).stopped_at(lowest));
+        Ok(())
+    }
+
+    /// A new clamp of a node at the time `now`, s. A rod that lay goes on from there.
+    fn clamped(&mut self, node: usize, now: f64) -> Result<usize, SimulationError> {
         let grasp = Grasp {
             position: true,
             frame: true,
         };
-        self.clamp = self.simulation.grasp(node, grasp)?;
-        (self.end, self.last) = (end, end);
-        self.led_until = self.simulation.time();
-        self.begin = now - self.simulation.time();
-        self.handing = 0.0;
-        self.falling = Duration::ZERO;
-        (self.is_held, self.rests) = (true, false);
-        Ok(())
+        let clamp = self.simulation.grasp(node, grasp)?;
+        if self.grips.is_empty() {
+            self.led_until = self.simulation.time();
+            self.begin = now - self.simulation.time();
+            self.falling = Duration::ZERO;
+            self.rests = false;
+        }
+        Ok(clamp)
     }
 
-    /// Moves on towards the time `now`, s, its end in the hand; whether it has come there. Hard steps take long: then it must be
-    /// called again, with the same hand, so that others need not wait.
+    /// Moves on towards the time `now`, s, what is held of it in the hand; whether it has come there. Hard steps take long: then it
+    /// must be called again, with the same hand, so that others need not wait.
     ///
     /// # Errors
     /// No step is found, or the rod is torn, while it is held. One that was let go stays as it is then.
     pub fn advance(&mut self, hand: &Pose, now: f64) -> Result<bool, SimulationError> {
+        self.advance_in(|_| *hand, now)
+    }
+
+    /// The same with the hand of each arm that holds it.
+    ///
+    /// # Errors
+    /// As [`Self::advance`].
+    pub fn advance_in(
+        &mut self,
+        hand: impl Fn(usize) -> Pose,
+        now: f64,
+    ) -> Result<bool, SimulationError> {
         let until = now - self.begin;
         if self.rests {
             return Ok(true);
         }
-        if self.is_held && until > self.led_until {
-            let part = if until < self.handing {
-                until / self.handing
-            } else {
-                1.0
-            };
-            let part = part * part * (3.0 - 2.0 * part);
-            let next = between(&self.end, &(self.frame.inverse() * hand), part);
-            self.simulation
-                .move_clamp(self.clamp, self.motion(&next, until));
-            (self.last, self.led_until) = (next, until);
+        if self.is_held() && until > self.led_until {
+            let times = [self.simulation.time(), until];
+            for grip in &mut self.grips {
+                let hand = self.frame.inverse() * hand(grip.holder);
+                let motion = grip.lead(&hand, times);
+                self.simulation.move_clamp(grip.clamp, motion);
+            }
+            self.led_until = until;
         }
         let work = Instant::now();
         while self.simulation.time() < until {
@@ -319,7 +375,7 @@ impl SimulatedRod {
     /// Notes whether a rod that was let go rests, or falls in a way that takes too long to simulate.
     fn settled(&mut self, work: Instant) {
         // One that was held still rests until its first step.
-        if self.is_held || self.simulation.time() <= self.released {
+        if self.is_held() || self.simulation.time() <= self.released {
             return;
         }
         let velocities = self.simulation.velocities().iter();
@@ -336,7 +392,7 @@ impl SimulatedRod {
 
     /// A rod that was let go stays as it is where no step is found.
     fn given_up(&mut self, error: SimulationError) -> Result<(), SimulationError> {
-        if self.is_held {
+        if self.is_held() {
             return Err(error);
         }
         tracing::warn!("the rod that was let go stays as it is: {error}");
@@ -344,35 +400,38 @@ impl SimulatedRod {
         Ok(())
     }
 
-    /// From the last place of the end to the next, at a time of the simulation, s.
-    fn motion(&self, next: &Pose, until: f64) -> Motion {
-        let knots = [(self.simulation.time(), &self.last), (until, next)];
-        let way = |pose: &Pose| pose.translation.vector - self.end.translation.vector;
-        let turn = |pose: &Pose| pose.rotation * self.end.rotation.inverse();
-        Motion {
-            translation: knots.map(|(time, pose)| (time, way(pose))).into(),
-            orientation: knots.map(|(time, pose)| (time, turn(pose))).into(),
-            pivot: Some(self.end.translation.vector),
-            ..Motion::default()
-        }
-    }
-
-    /// The gripper lets go.
+    /// All grippers let go.
     ///
     /// # Errors
     /// The simulation refuses.
     pub fn release(&mut self) -> Result<(), SimulationError> {
-        if self.is_held {
-            self.is_held = false;
+        self.released = self.simulation.time();
+        for grip in self.grips.drain(..) {
+            self.simulation.release(grip.clamp)?;
+        }
+        Ok(())
+    }
+
+    /// The gripper of an arm lets go, if it holds the rod.
+    ///
+    /// # Errors
+    /// The simulation refuses.
+    pub fn release_by(&mut self, arm: usize) -> Result<(), SimulationError> {
+        for grip in self.grips.extract_if(.., |grip| grip.holder == arm) {
             self.released = self.simulation.time();
-            self.simulation.release(self.clamp)?;
+            self.simulation.release(grip.clamp)?;
         }
         Ok(())
     }
 
     /// Whether a gripper holds it.
     pub fn is_held(&self) -> bool {
-        self.is_held
+        !self.grips.is_empty()
+    }
+
+    /// The arms whose grippers hold it, in the order in which they took hold.
+    pub fn holders(&self) -> impl DoubleEndedIterator<Item = usize> {
+        self.grips.iter().map(|grip| grip.holder)
     }
 
     /// Multiplies a load of its scene by a factor, see [`Simulation::set_load_factor`].
@@ -422,7 +481,7 @@ mod tests {
         let (_folder, file) = short_rod();
         let supply = RodSupply::new(&file, 0.4).unwrap();
         let hand = hand(&supply, 0.7);
-        let mut rod = supply.handed(&hand, &table(), 3.0).unwrap();
+        let mut rod = supply.handed(0, &hand, &table(), 3.0).unwrap();
         let first = rod.nodes();
         assert!((first[first.len() - 1] - hand.translation.vector).norm() < 1e-6);
         let free = table() * nalgebra::Point3::new(0.1, 0.2, supply.rod().radius);
@@ -441,13 +500,13 @@ mod tests {
         let supply = RodSupply::new(&file, 0.4).unwrap();
         let hand = hand(&supply, 0.0);
         let supply = supply.with_free_end([0.395, 0.104]);
-        let rod = supply.handed(&hand, &table(), 0.0).unwrap();
+        let rod = supply.handed(0, &hand, &table(), 0.0).unwrap();
         let expected = Vector3::new(0.395, 0.104, 0.05 + supply.rod().radius);
         assert!((rod.nodes()[0] - expected).norm() < 1e-9);
         // Too far from the hand for that.
         let far = supply
             .with_free_end([0.1, 0.1])
-            .handed(&hand, &table(), 0.0);
+            .handed(0, &hand, &table(), 0.0);
         assert!(far.is_err());
     }
 
@@ -456,7 +515,7 @@ mod tests {
         let (_folder, file) = short_rod();
         let supply = RodSupply::new(&file, 0.4).unwrap();
         let hand = hand(&supply, 0.0);
-        let mut rod = supply.handed(&hand, &table(), 0.0).unwrap();
+        let mut rod = supply.handed(0, &hand, &table(), 0.0).unwrap();
         rod.release().unwrap();
         for step in 1..=300 {
             while !rod.advance(&hand, 5e-3 * f64::from(step)).unwrap() {}
@@ -471,7 +530,7 @@ mod tests {
         let (_folder, file) = short_rod();
         let supply = RodSupply::new(&file, 0.4).unwrap();
         let hand = hand(&supply, 0.0);
-        let mut rod = supply.handed(&hand, &table(), 0.0).unwrap();
+        let mut rod = supply.handed(0, &hand, &table(), 0.0).unwrap();
         rod.release().unwrap();
         // Nothing has moved yet.
         assert!(rod.advance(&hand, 0.0).unwrap());
@@ -501,9 +560,84 @@ mod tests {
             assert_eq!(radius, 0.004);
         }
         // The rod that is handed over is all that is seen as rod.
-        let rod = supply.handed(&hand(&supply, 0.0), &table(), 0.0).unwrap();
+        let rod = supply
+            .handed(0, &hand(&supply, 0.0), &table(), 0.0)
+            .unwrap();
         assert_eq!(rod.nodes().len(), 31);
         assert_eq!(rod.simulation.positions().len(), 35);
+    }
+
+    #[test]
+    fn two_hands_on_one_rod_lead_what_each_holds() {
+        let (_folder, file) = short_rod();
+        let supply = RodSupply::new(&file, 0.4).unwrap();
+        let first = hand(&supply, 0.7);
+        let mut rod = supply.handed(0, &first, &table(), 0.0).unwrap();
+        while !rod.advance(&first, 5e-3).unwrap() {}
+        let free = rod.nodes()[0];
+        // A little beside the free end, and turned in some way.
+        let second = Pose::from_parts(
+            Translation3::from(free + Vector3::new(4e-3, -3e-3, 2e-3)),
+            UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.4),
+        );
+        let node = rod.within_reach(&second).unwrap();
+        assert_eq!(node, 0);
+        let mut hands = [first, second];
+        let lead = |rod: &mut SimulatedRod, hands: &[Pose; 2], step: i32| {
+            while !rod
+                .advance_in(|arm| hands[arm], 5e-3 * f64::from(step))
+                .unwrap()
+            {}
+        };
+        rod.take(1, node, &second, 5e-3).unwrap();
+        assert_eq!(rod.holders().collect::<Vec<_>>(), [0, 1]);
+        for step in 2..=240 {
+            let part = f64::from(step) / 240.0;
+            hands[0] = Translation3::new(0.0, 0.0, -0.02 * part) * first;
+            hands[1] = Translation3::new(0.0, 0.01 * part, 0.03 * part) * second;
+            lead(&mut rod, &hands, step);
+        }
+        let nodes = rod.nodes();
+        let end = nodes[nodes.len() - 1];
+        assert!((end - hands[0].translation.vector).norm() < 1e-6, "{end}");
+        let led = nodes[0] - free;
+        assert!((led - Vector3::new(0.0, 0.01, 0.03)).norm() < 1e-6, "{led}");
+        // One that goes down to the table is stopped where the rod lay; one that lets go loses its end only.
+        for step in 241..=340 {
+            let down = f64::from(step - 240) / 100.0;
+            hands[1] = Translation3::new(0.0, 0.01, 0.03 - 0.05 * down) * second;
+            lead(&mut rod, &hands, step);
+        }
+        let height = rod.nodes()[0].z - free.z;
+        assert!(height.abs() < 1e-6, "{height}");
+        rod.release_by(1).unwrap();
+        assert_eq!(rod.holders().collect::<Vec<_>>(), [0]);
+        hands[0] = Translation3::new(0.0, 0.0, -0.03) * first;
+        lead(&mut rod, &hands, 400);
+        let end = rod.nodes()[nodes.len() - 1];
+        assert!((end - hands[0].translation.vector).norm() < 1e-6, "{end}");
+    }
+
+    #[test]
+    fn a_hand_beyond_reach_takes_nothing() {
+        let (_folder, file) = short_rod();
+        let supply = RodSupply::new(&file, 0.4).unwrap();
+        let hand = hand(&supply, 0.0);
+        let mut rod = supply.handed(0, &hand, &table(), 0.0).unwrap();
+        let free = rod.nodes()[0];
+        let at = |x: f64, y: f64, z: f64| {
+            Pose::from_parts(
+                Translation3::from(free + Vector3::new(x, y, z)),
+                UnitQuaternion::identity(),
+            )
+        };
+        assert_eq!(rod.within_reach(&at(0.0, 0.014, 0.0)), Some(0));
+        assert_eq!(rod.within_reach(&at(0.0, 0.016, 0.0)), None);
+        assert_eq!(rod.within_reach(&at(0.0, 0.0, 0.016)), None);
+        // A gripper holds the end already.
+        assert_eq!(rod.within_reach(&hand), None);
+        rod.take(1, 0, &at(0.0, 0.0, 0.0), 0.0).unwrap();
+        assert_eq!(rod.within_reach(&at(0.0, 0.0, 0.0)), None);
     }
 
     #[test]
@@ -511,13 +645,13 @@ mod tests {
         let (_folder, file) = short_rod();
         let supply = RodSupply::new(&file, 0.4).unwrap();
         let far = Pose::translation(0.0, 0.0, 0.3) * hand(&supply, 0.0);
-        let Err(words) = supply.handed(&far, &table(), 0.0) else {
+        let Err(words) = supply.handed(0, &far, &table(), 0.0) else {
             panic!("it is too high");
         };
         assert!(words.contains("above the table"), "{words}");
         let tipped =
             hand(&supply, 0.0) * Pose::rotation(Vector3::z() * std::f64::consts::FRAC_PI_2);
-        let Err(words) = supply.handed(&tipped, &table(), 0.0) else {
+        let Err(words) = supply.handed(0, &tipped, &table(), 0.0) else {
             panic!("its y axis points up");
         };
         assert!(words.contains("not level"), "{words}");

@@ -18,6 +18,8 @@ use nalgebra::Translation3;
 pub const STEP: f64 = 5e-3;
 /// Time in which a gripper opens, s.
 const OPENING: f64 = 0.2;
+/// Time between the trembling of one arm and that of the next, which is the same, s: much more than a task takes.
+const APART: f64 = 1e5;
 
 /// What has happened in a step.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,8 +51,8 @@ pub struct SimulatedCell {
     supply: Option<RodSupply>,
     /// How the hands tremble, which the joints do not tell.
     jitter: Option<Jitter>,
-    /// The rod, and the arm that took it.
-    rod: Option<(SimulatedRod, usize)>,
+    /// The rod.
+    rod: Option<SimulatedRod>,
     /// The sheet, and the arm that took it last.
     sheet: Option<(SimulatedSheet, usize)>,
     /// The chuck with its rod.
@@ -121,7 +123,7 @@ impl SimulatedCell {
         }
         let rod = self.rod.as_ref();
         Scenery {
-            rod: rod.map(|(rod, _)| (rod.nodes(), rod.radius())),
+            rod: rod.map(|rod| (rod.nodes(), rod.radius())),
             markers: Vec::new(),
             sheet,
             pegs: self.supply.as_ref().map_or(Vec::new(), RodSupply::pegs),
@@ -131,12 +133,14 @@ impl SimulatedCell {
     /// How far the fingers of an arm are apart, m: as what they hold is thick, or as they were told; `None` without a gripper.
     pub fn fingers(&self, arm: usize) -> Option<f64> {
         let told = self.told[arm]?;
-        if self.holder() != Some(arm) {
+        let rod = self.rod.as_ref();
+        let is_among = rod.is_some_and(|rod| rod.holders().any(|holder| holder == arm));
+        if !is_among && self.holder() != Some(arm) {
             return Some(told);
         }
         let chucked = self.chuck.as_ref().map(|chuck| 2.0 * chuck.rod().radius);
         let sheet = self.sheet.as_ref().map(|(sheet, _)| sheet.thickness());
-        let rod = self.rod.as_ref().map(|(rod, _)| 2.0 * rod.radius());
+        let rod = rod.map(|rod| 2.0 * rod.radius());
         Some(told.max(chucked.or(sheet).or(rod).unwrap_or(0.0)))
     }
 
@@ -160,8 +164,8 @@ impl SimulatedCell {
         self.arms[arm].stop();
     }
 
-    /// Opens or closes the gripper of an arm. One that closes takes the edge of the sheet, or is handed the end of a rod, a new one
-    /// where one lies already.
+    /// Opens or closes the gripper of an arm. One that closes takes the edge of the sheet, or takes hold of the rod where it lies within
+    /// its reach, or is handed the end of a rod, a new one where one lies elsewhere.
     ///
     /// # Errors
     /// In words.
@@ -169,39 +173,52 @@ impl SimulatedCell {
         let Some(opened) = self.opened[arm] else {
             return Err("this arm has no gripper".into());
         };
-        if self.sheet.is_some() {
-            self.grip_sheet(arm, opening >= opened)?;
-            self.told[arm] = Some(opening);
-            self.grippers[arm].done = Some(self.time + OPENING);
-            return Ok(());
-        }
-        let holder = self.holder();
-        let takes = if opening >= opened {
-            if holder == Some(arm) {
-                self.let_go().map_err(|error| error.to_string())?;
-            }
-            OPENING
-        } else {
-            match (&self.supply, holder) {
-                (_, Some(holder)) if holder != arm => {
-                    return Err(format!("{} holds the rod", self.arms[holder].name));
-                }
-                (_, None) if self.chuck.is_some() => {
-                    self.clamp(arm)?;
-                    HANDING_OVER
-                }
-                (Some(supply), None) => {
-                    self.arms[arm].must_stand()?;
-                    let rod = supply.handed(&self.hand(arm), &self.table, self.time)?;
-                    self.rod = Some((rod, arm));
-                    HANDING_OVER
-                }
-                (None, None) | (_, Some(_)) => OPENING,
-            }
+        let takes = match (self.sheet.is_some(), opening >= opened) {
+            (true, opens) => self.grip_sheet(arm, opens).map(|()| OPENING),
+            (false, true) => self.open(arm).map(|()| OPENING),
+            (false, false) if self.chuck.is_some() => self.clamp(arm),
+            (false, false) => self.close(arm),
         };
+        self.grippers[arm].done = Some(self.time + takes?);
         self.told[arm] = Some(opening);
-        self.grippers[arm].done = Some(self.time + takes);
         Ok(())
+    }
+
+    /// Lets go what an arm holds.
+    fn open(&mut self, arm: usize) -> Result<(), String> {
+        let opened = match (&mut self.chuck, &mut self.rod) {
+            (Some(chuck), _) if chuck.holder() == Some(arm) => chuck.let_go(),
+            (None, Some(rod)) => rod.release_by(arm),
+            _ => Ok(()),
+        };
+        opened.map_err(|error| error.to_string())
+    }
+
+    /// Takes hold of a rod, or is handed one; the time that it takes, s.
+    fn close(&mut self, arm: usize) -> Result<f64, String> {
+        let hand = self.hand(arm);
+        let Some(supply) = &self.supply else {
+            return Ok(OPENING);
+        };
+        if let Some(rod) = &mut self.rod {
+            if rod.holders().any(|holder| holder == arm) {
+                return Ok(OPENING);
+            }
+            if let Some(node) = rod.within_reach(&hand) {
+                self.arms[arm].must_stand()?;
+                let taken = rod.take(arm, node, &hand, self.time);
+                return taken.map(|()| OPENING).map_err(|error| error.to_string());
+            }
+            if let Some(holder) = rod.holders().next() {
+                return Err(format!(
+                    "{} holds the rod, and {} does not reach it: none of it is within 1.5 cm of the hand",
+                    self.arms[holder].name, self.arms[arm].name
+                ));
+            }
+        }
+        self.arms[arm].must_stand()?;
+        self.rod = Some(supply.handed(arm, &hand, &self.table, self.time)?);
+        Ok(HANDING_OVER)
     }
 
     /// Takes the edge of the sheet, or lets it go.
@@ -234,22 +251,29 @@ impl SimulatedCell {
             return chuck.holder();
         }
         let sheet = self.sheet.as_ref().filter(|(sheet, _)| sheet.is_held());
-        let rod = self.rod.as_ref().filter(|(rod, _)| rod.is_held());
-        sheet
-            .map(|(_, holder)| *holder)
-            .or(rod.map(|(_, holder)| *holder))
+        let rod = self.rod.as_ref().and_then(|rod| rod.holders().next());
+        sheet.map(|(_, holder)| *holder).or(rod)
     }
 
-    /// Clamps a rod between the chuck and the hand of an arm.
-    fn clamp(&mut self, arm: usize) -> Result<(), String> {
-        self.arms[arm].must_stand()?;
+    /// Clamps a rod between the chuck and the hand of an arm; the time that it takes, s.
+    fn clamp(&mut self, arm: usize) -> Result<f64, String> {
         let Some(chuck) = &mut self.chuck else {
-            return Ok(());
+            return Ok(OPENING);
         };
+        match chuck.holder() {
+            Some(holder) if holder != arm => {
+                return Err(format!("{} holds the rod", self.arms[holder].name));
+            }
+            Some(_) => return Ok(OPENING),
+            None => {}
+        }
+        self.arms[arm].must_stand()?;
         let angle = self.arms[chuck.part()].joints()[0];
-        chuck.take(arm, &self.arms[arm].hand(), angle, self.time)
+        let taken = chuck.take(arm, &self.arms[arm].hand(), angle, self.time);
+        taken.map(|()| HANDING_OVER)
     }
 
+    /// What is held slips; of several grippers that hold one rod, out of that which took hold last.
     fn let_go(&mut self) -> Result<(), SimulationError> {
         if let Some(chuck) = &mut self.chuck {
             chuck.let_go()?;
@@ -257,10 +281,11 @@ impl SimulatedCell {
         if let Some((sheet, _)) = &mut self.sheet {
             sheet.release()?;
         }
-        match &mut self.rod {
-            Some((rod, _)) => rod.release(),
-            None => Ok(()),
-        }
+        let Some(rod) = &mut self.rod else {
+            return Ok(());
+        };
+        let last = rod.holders().next_back();
+        last.map_or(Ok(()), |arm| rod.release_by(arm))
     }
 
     /// Moves on by a step, or a rod that takes long to simulate towards the end of the last one.
@@ -292,7 +317,7 @@ impl SimulatedCell {
         let hand = self.arms[arm].hand();
         match &self.jitter {
             Some(jitter) => {
-                let (way, turn) = jitter.at(self.time);
+                let (way, turn) = jitter.at(self.time + APART * arm as f64);
                 let place = Translation3::from(hand.translation.vector + way);
                 Pose::from_parts(place, rotation::from_vector(turn) * hand.rotation)
             }
@@ -306,16 +331,19 @@ impl SimulatedCell {
             let angle = self.arms[chuck.part()].joints()[0];
             return chuck.lead(|arm| self.arms[arm].hand(), angle, self.time);
         }
-        let held = self.sheet.as_ref().map(|(_, holder)| *holder);
-        let held = held.or(self.rod.as_ref().map(|(_, holder)| *holder));
-        let Some(hand) = held.map(|holder| self.hand(holder)) else {
+        if let Some(holder) = self.sheet.as_ref().map(|(_, holder)| *holder) {
+            let hand = self.hand(holder);
+            if let Some((sheet, _)) = &mut self.sheet {
+                return sheet.advance(&hand, self.time);
+            }
+        }
+        // Hands are where they are: only the rod moves.
+        let Some(mut rod) = self.rod.take() else {
             return Ok(true);
         };
-        match (&mut self.sheet, &mut self.rod) {
-            (Some((sheet, _)), _) => sheet.advance(&hand, self.time),
-            (None, Some((rod, _))) => rod.advance(&hand, self.time),
-            (None, None) => Ok(true),
-        }
+        let has_come = rod.advance_in(|arm| self.hand(arm), self.time);
+        self.rod = Some(rod);
+        has_come
     }
 
     /// Lets the faults come whose time it is.

@@ -42,6 +42,7 @@ mod tying;
 pub use fixtures::Fixtures;
 pub use keys::Deployment;
 pub use kind::DeploymentKind;
+pub use knot_proof::{knot_of_patterns, knot_on_table};
 pub use laid_figure::{LaidOutlines, Outline, laid_outlines};
 pub use monitor::DeploymentMonitor;
 pub use outcome::{DeploymentOutcome, PassedPegs, TiedKnot};

@@ -311,7 +311,7 @@ fn energy_falls_by_what_dashpots_take_and_the_scheme_damps() {
         );
     }
     // Fast modes, which relax little, are damped by implicit Euler, in proportion to the step.
-    let [coarse, fine] = [2e-4, 1e-4].map(|step| {
+    let [coarse, fine] = [4e-5, 2e-5].map(|step| {
         let [fallen, lost] = losses(relaxing(false), Scheme::ImplicitEuler, step);
         1.0 - lost / fallen
     });

@@ -10,7 +10,7 @@ use crate::mechanics::kirchhoff::{Helix, critical_distance};
 use crate::results::{CsvStream, ResultsError, read_whole_rows, write_whole};
 use crate::robot::{JointTrajectory, Pose};
 use crate::task::error::WorkError;
-use crate::task::record::Status;
+use crate::task::record::TaskHead;
 use crate::task::working_arm::{Grip, WorkingArm};
 use crate::vision::{ColourRule, encode_picture, marker_overlay};
 use serde::Serialize;
@@ -103,12 +103,7 @@ impl Exploration<'_> {
     /// The manifest of one that is about to begin, with no rod clamped.
     pub fn record(&self, command_line: Vec<String>) -> ExplorationRecord {
         ExplorationRecord {
-            version: env!("CARGO_PKG_VERSION"),
-            command_line,
-            start: jiff::Timestamp::now(),
-            end: None,
-            status: Status::Planned,
-            error: None,
+            head: TaskHead::planned(command_line),
             is_clamped: false,
             plan: self.plan(),
             summary: ExplorationSummary::default(),

@@ -4,8 +4,8 @@ use super::figure::{found_and_theory, is_section, section_figure};
 use super::row::{ExplorationRow, ExplorationSummary};
 use super::walk::SearchSteps;
 use crate::figure::{Figure, Paper};
-use crate::results::{MANIFEST, ResultsError, write_whole};
-use crate::task::record::Status;
+use crate::results::{ResultsError, write_whole};
+use crate::task::record::{TaskHead, write_manifest};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
@@ -32,18 +32,9 @@ pub struct ExplorationPlan {
 /// What `manifest.json` holds.
 #[derive(Clone, Debug, Serialize)]
 pub struct ExplorationRecord {
-    /// Version of the program.
-    pub version: &'static str,
-    /// As it was called last.
-    pub command_line: Vec<String>,
-    /// When that began.
-    pub start: jiff::Timestamp,
-    /// When it ended.
-    pub end: Option<jiff::Timestamp>,
-    /// How far it came.
-    pub status: Status,
-    /// Why no further.
-    pub error: Option<String>,
+    /// What is known of any task; as it was called last.
+    #[serde(flatten)]
+    pub head: TaskHead,
     /// Whether a rod is clamped between chuck and hand.
     pub is_clamped: bool,
     /// What is explored.
@@ -58,9 +49,7 @@ impl ExplorationRecord {
     /// # Errors
     /// It cannot be written.
     pub fn write(&self, directory: &Path) -> Result<(), ResultsError> {
-        let mut text = serde_json::to_vec_pretty(self).expect("names and numbers are JSON values");
-        text.push(b'\n');
-        write_whole(&directory.join(MANIFEST), &text)
+        write_manifest(self, directory)
     }
 }
 
@@ -82,9 +71,8 @@ pub fn write_page(
     row("cell", plan.cell.clone());
     row("arm", plan.arm.clone());
     row("rod", plan.rod.0.clone());
-    row("status", record.status.in_words().into());
-    if let Some(error) = &record.error {
-        row("because", error.clone());
+    for (name, value) in record.head.rows() {
+        row(name, value);
     }
     let summary = &record.summary;
     row(

@@ -3,9 +3,8 @@
 use super::score::{FoldScore, Look};
 use super::stage::FoldStage;
 use crate::cell::PlanReport;
-use crate::results::{ResultsError, write_whole};
 use crate::task::error::TaskStage;
-use crate::task::record::Status;
+use crate::task::record::{TaskHead, TaskRecord, add_pictures};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
@@ -13,18 +12,9 @@ use std::path::Path;
 /// What `manifest.json` holds, and `report.md` says.
 #[derive(Clone, Debug, Serialize)]
 pub struct FoldRecord {
-    /// Version of the program.
-    pub version: &'static str,
-    /// As it was called.
-    pub command_line: Vec<String>,
-    /// When it began.
-    pub start: jiff::Timestamp,
-    /// When it ended.
-    pub end: Option<jiff::Timestamp>,
-    /// How far it came.
-    pub status: Status,
-    /// Why no further.
-    pub error: Option<String>,
+    /// What is known of any task.
+    #[serde(flatten)]
+    pub head: TaskHead,
     /// Title of the cell.
     pub cell: String,
     /// Name of the arm.
@@ -51,17 +41,9 @@ pub struct FoldRecord {
     pub score: Option<FoldScore>,
 }
 
-impl FoldRecord {
-    /// Writes `manifest.json` and `report.md`, with the pictures that are there.
-    ///
-    /// # Errors
-    /// They cannot be written.
-    pub fn write(&self, directory: &Path) -> Result<(), ResultsError> {
-        let mut text = serde_json::to_vec_pretty(self).expect("names and numbers are JSON values");
-        text.push(b'\n');
-        write_whole(&directory.join("manifest.json"), &text)?;
-        let report = self.report(directory);
-        write_whole(&directory.join("report.md"), report.as_bytes())
+impl TaskRecord for FoldRecord {
+    fn head(&mut self) -> &mut TaskHead {
+        &mut self.head
     }
 
     fn report(&self, directory: &Path) -> String {
@@ -81,9 +63,8 @@ impl FoldRecord {
         };
         let plan = format!("{}, in {} parts, {how}", self.algorithm, self.parts);
         row("plan", plan);
-        row("status", self.status.in_words().into());
-        if let Some(error) = &self.error {
-            row("because", error.replace(['|', '\n'], " "));
+        for (name, value) in self.head.rows() {
+            row(name, value);
         }
         row(
             "motion as planned",
@@ -127,11 +108,9 @@ impl FoldRecord {
         let first = ("overlay_0.png".into(), "The sheet before".into());
         let last = ("left.png".into(), "After it was let go".into());
         let pictures = std::iter::once(first).chain(parts).chain([last]);
-        for (name, words) in pictures {
-            if directory.join(&name).is_file() {
-                let _ = write!(text, "\n![{words}]({name})\n");
-            }
-        }
+        let pictures: Vec<(String, String)> = pictures.collect();
+        let pictures = pictures.iter().map(|(name, words)| (&name[..], &words[..]));
+        add_pictures(&mut text, directory, pictures);
         text += "\n[The arm in motion](cell.html)\n";
         text
     }

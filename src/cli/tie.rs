@@ -1,0 +1,241 @@
+//! `rodlab tie`.
+
+use super::cell_task::{finish, refuse_unfinished};
+use super::failure::Failure;
+use super::interruption::watch_for_interruption;
+use super::log_directory::log_directory;
+use super::output::print_json;
+use super::plan::{parse_place, positive};
+use super::plan_deployment::DeploymentPlan;
+use super::solve_arm::arm_named;
+use crate::cell::{Cell, Place};
+use crate::plan::deployment::Spare;
+use crate::results::write_whole;
+use crate::task::{
+    SETTLING, Status, TaskHead, TaskRecord, TieMotionRequest, TieRecord, TieTask, Unfinished,
+    middle_of_table,
+};
+use crate::vision::ColourRule;
+use clap::Args;
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
+
+/// Frames of the page of the arms in motion.
+const FRAMES: usize = 600;
+
+/// Arguments of `rodlab tie`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  rodlab tie --pattern scenarios/patterns/trefoil.svg --rod scenarios/rods/thick_pink_vps.toml --knot over,under,over --dry-run
+  rodlab tie --pattern scenarios/patterns/trefoil.svg --rod scenarios/rods/thick_pink_vps.toml --knot over,under,over
+  rodlab tie --pattern knot.svg --size \"30 cm\" --rod rod.toml --knot over,under,over --cell cell.toml --arm right --lifter left
+
+Two arms tie a knot in one rod. The pattern crosses itself and is longer than the rod: one arm lays the rod along it, and leads its
+end along the rest, under the strands that the other arm lifts meanwhile, and over others. --knot says how it passes each crossing
+when it comes there again; the first ones, which are laid, go over. Then both let go, the camera of the cell file looks, and the
+knot of the rod that it sees, by its determinant and signature, is compared with that of the pattern: `score.tied` is true or
+false, or null where the picture does not decide, and `score.undecided` says why. Nothing moves with --dry-run: look at its page
+first. Everything is in one directory: manifest.json, report.md, plan/, joints.csv, cell.html, approach/, laying/ and tying/
+(commanded.csv, state.csv, events.csv), picture.png, overlay.png, rod.csv. Exit code 1: something failed on the way; the message and
+report.md say what. A cell to try it with:
+  rodlab cell serve --cell scenarios/cells/two_gantries.toml --rod scenarios/rods/thick_pink_vps.toml")]
+pub struct TieArguments {
+    #[command(flatten)]
+    plan: DeploymentPlan,
+    /// The cell file, with two arms
+    #[arg(
+        long,
+        value_name = "FILE",
+        default_value = "scenarios/cells/two_gantries.toml"
+    )]
+    cell: PathBuf,
+    /// Name of the arm that lays the rod and leads its end [default: the first]
+    #[arg(long, value_name = "NAME")]
+    arm: Option<String>,
+    /// Name of the arm that lifts strands [default: the first of the others]
+    #[arg(long, value_name = "NAME")]
+    lifter: Option<String>,
+    /// Where the pattern lies in the cell: x,y,z in metres and a turn about z in degrees, or `auto`: the best place on the
+    /// table for the arm that lays [default: its middle in that of the table]
+    #[arg(long, value_name = "X,Y,Z[,TURN]|auto", value_parser = parse_place, allow_hyphen_values = true)]
+    place: Option<Place>,
+    /// Greatest speed of a hand that holds the rod, m/s
+    #[arg(long, value_name = "SPEED", default_value_t = 0.03, value_parser = positive)]
+    hand_speed: f64,
+    /// Greatest speed of a hand that holds nothing, m/s
+    #[arg(long, value_name = "SPEED", default_value_t = 0.1, value_parser = positive)]
+    approach_speed: f64,
+    /// Least distance of the arms to each other and to anything else, m
+    #[arg(long, value_name = "DISTANCE", default_value_t = 0.01, value_parser = positive)]
+    margin: f64,
+    /// Which colours are rod, as of `rodlab trace`
+    #[arg(long, value_name = "RULE", default_value = "auto")]
+    colour: String,
+    /// Plan everything, write the pages, and move nothing
+    #[arg(long)]
+    dry_run: bool,
+    /// The arms, and what they hold, were looked at after a task that did not come to its end
+    #[arg(long)]
+    checked: bool,
+    /// Where everything goes [default: results/tie-TIME]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// Ties a knot.
+pub fn tie(arguments: &TieArguments) -> Result<(), Failure> {
+    let colour = ColourRule::parse(&arguments.colour)?;
+    if !arguments.plan.ties_knot() {
+        return Err(Failure::Input(
+            "--knot is needed: over or under for each crossing, in the order in which the pattern comes there again, as in \
+             --knot over,under,over"
+                .into(),
+        ));
+    }
+    let cell = Cell::read(&arguments.cell)?;
+    let arms = arguments.arms(&cell)?;
+    if !arguments.dry_run {
+        for arm in arms {
+            if !arguments.checked {
+                refuse_unfinished(&cell, arm)?;
+            }
+            if let Some(what) = missing_part(&cell, arm) {
+                let message = format!("{}: {what}", arguments.cell.display());
+                return Err(Failure::Input(message));
+            }
+        }
+    }
+    let outline = arguments.plan.outline()?;
+    let place = arguments.place.or_else(|| middle_of_table(&cell, &outline));
+    let place =
+        place.ok_or_else(|| Failure::Input("--place is needed: the cell has no [table]".into()))?;
+    // Before a directory is made.
+    arguments.plan.check_knot()?;
+    let directory = log_directory("tie", arguments.out.as_deref())?;
+    let unfinished = arms.map(|arm| Unfinished::of(&cell, arm, &directory));
+    let plan = arguments
+        .plan
+        .write(&directory.join("plan"), &Spare::HANGS)?;
+    let knot = plan.knot.expect("a plan with --knot");
+    let request = TieMotionRequest {
+        cell: &cell,
+        arms,
+        place,
+        speed: arguments.hand_speed,
+        free_speed: arguments.approach_speed,
+        margin: arguments.margin,
+    };
+    let motion = request.plan(&plan.path.poses, &knot)?;
+    let whole = &motion.whole;
+    write_whole(&directory.join("joints.csv"), whole.to_csv().as_bytes())?;
+    let page = cell.page(Some(whole), FRAMES);
+    write_whole(&directory.join("cell.html"), page.as_bytes())?;
+    let mut record = TieRecord {
+        head: TaskHead::planned(std::env::args().collect()),
+        cell: cell.title.clone(),
+        arms: arms.map(|arm| cell.arms[arm].name.clone()),
+        pattern: arguments.plan.pattern_name().to_owned(),
+        passes: knot.passages.iter().map(|passage| passage.pass).collect(),
+        drawn: knot.drawn,
+        lifts: knot.lifts.len(),
+        motion: motion.report.clone(),
+        duration_s: whole.duration(),
+        least_clearance_m: motion.least_clearance,
+        times_s: Vec::new(),
+        score: None,
+    };
+    if arguments.dry_run {
+        record.write(&directory)?;
+        return print_json(&record);
+    }
+    record.head.status = Status::Running;
+    record.write(&directory)?;
+    let interrupted = watch_for_interruption()?;
+    let task = TieTask {
+        cell: &cell,
+        arms,
+        motion: &motion,
+        knot: &knot,
+        free_speed: arguments.approach_speed,
+        rod: &plan.rod,
+        colour: &colour,
+        unfinished: [&unfinished[0], &unfinished[1]],
+        settling: SETTLING,
+        directory: &directory,
+    };
+    let end = task.run(&|| interrupted.load(Ordering::Relaxed));
+    record.times_s = end.times;
+    finish(
+        record,
+        end.score,
+        |record, score| record.score = Some(score),
+        &unfinished,
+        &directory,
+    )
+}
+
+impl TieArguments {
+    /// Indices of the arm that lays and of the one that lifts.
+    fn arms(&self, cell: &Cell) -> Result<[usize; 2], Failure> {
+        let file = &self.cell;
+        let names: Vec<&str> = cell.arms.iter().map(|arm| arm.name.as_str()).collect();
+        if names.len() < 2 {
+            return Err(Failure::Input(format!(
+                "{}: a knot takes two arms, one that leads the end and one that lifts strands; it has {}",
+                file.display(),
+                if names.is_empty() {
+                    "none".to_owned()
+                } else {
+                    format!("one: {}", names.join(", "))
+                }
+            )));
+        }
+        let named = |flag: &str, name: &str| {
+            let found = arm_named(cell, Some(name), file);
+            found.map_err(|_| {
+                Failure::Input(format!(
+                    "{flag}: there is no arm {name:?}; arms of {}: {}",
+                    file.display(),
+                    names.join(", ")
+                ))
+            })
+        };
+        let given = [
+            self.arm.as_deref().map(|name| named("--arm", name)),
+            self.lifter.as_deref().map(|name| named("--lifter", name)),
+        ];
+        let [layer, lifter] = given.map(Option::transpose);
+        let (layer, lifter) = (layer?, lifter?);
+        let other = |known: Option<usize>| usize::from(known == Some(0));
+        let layer = layer.unwrap_or_else(|| other(lifter));
+        let lifter = lifter.unwrap_or_else(|| other(Some(layer)));
+        if layer == lifter {
+            return Err(Failure::Input(format!(
+                "--lifter: {} lays the rod and leads its end; another arm must lift strands",
+                names[layer]
+            )));
+        }
+        Ok([layer, lifter])
+    }
+}
+
+/// What an arm that ties needs and the cell file lacks, in words.
+fn missing_part(cell: &Cell, arm: usize) -> Option<String> {
+    let known = &cell.arms[arm];
+    let name = &known.name;
+    let camera = cell.camera.as_ref();
+    if camera.is_none_or(|camera| camera.source.is_none()) {
+        let needed =
+            "a [camera] with a `source` is needed: its picture shows whether the knot is tied";
+        return Some(needed.into());
+    }
+    if known.driver.is_none() {
+        return Some(format!("arm {name} needs a `driver`"));
+    }
+    if cell.gripper(arm).is_none() {
+        let needed = "needs a `gripper`, and a driver of kind \"rosbridge\" or \"ros1\" for it";
+        return Some(format!("arm {name} {needed}"));
+    }
+    None
+}

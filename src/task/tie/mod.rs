@@ -1,0 +1,28 @@
+//! A knot tied by two arms (thesis 5.5.6): one lays a rod and leads its end, the other one lifts the strands under which it goes.
+//!
+//! | file | what |
+//! |---|---|
+//! | `task` | approach, take, lay, tie, let go, retreat, look, score |
+//! | `stage` | names of these, and why a knot is not tied to its end |
+//! | `plan` | what the grippers do when the rod is laid |
+//! | `motion` | the motions of both arms, planned and checked before anything moves |
+//! | `two_arms` | motions of two arms on one clock |
+//! | `sight` | the rod as the camera sees it, with what lies over what |
+//! | `score` | the knot of that, compared with the one that was drawn |
+//! | `record` | what it leaves in a results directory |
+
+mod motion;
+mod plan;
+mod record;
+mod score;
+mod sight;
+mod stage;
+mod task;
+mod two_arms;
+
+pub use motion::{TieMotion, TieMotionRequest};
+pub use plan::KnotPlan;
+pub use record::TieRecord;
+pub use score::TieScore;
+pub use stage::{TieError, TieStage};
+pub use task::{TieEnd, TieTask};

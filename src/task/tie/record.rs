@@ -1,0 +1,111 @@
+//! What a knot leaves in a results directory for programs and people.
+
+use super::score::{TieScore, knot_in_words};
+use super::stage::TieStage;
+use crate::cell::PlanReport;
+use crate::knot::KnotInvariants;
+use crate::plan::tying::Pass;
+use crate::task::error::TaskStage;
+use crate::task::record::{TaskHead, TaskRecord, add_pictures};
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::Path;
+
+/// What `manifest.json` holds, and `report.md` says.
+#[derive(Clone, Debug, Serialize)]
+pub struct TieRecord {
+    /// What is known of any task.
+    #[serde(flatten)]
+    pub head: TaskHead,
+    /// Title of the cell.
+    pub cell: String,
+    /// Names of the arm that lays and leads, and of the one that lifts.
+    pub arms: [String; 2],
+    /// The pattern, as given.
+    pub pattern: String,
+    /// How the rod passes its crossings when it comes to them again.
+    pub passes: Vec<Pass>,
+    /// The knot that was drawn; `null` where it depends on how ends are joined.
+    pub drawn: Option<KnotInvariants>,
+    /// Strands that are lifted.
+    pub lifts: usize,
+    /// Numbers of the path of the arm that lays and leads.
+    pub motion: PlanReport,
+    /// Duration of the laying and of the tying, grips left out, s.
+    pub duration_s: f64,
+    /// Least distance of both arms to each other and to anything else when the rod is laid, m; 0.2 stands for that and more.
+    pub least_clearance_m: f64,
+    /// Time that the stages took, s.
+    pub times_s: Vec<(TieStage, f64)>,
+    /// What it came to.
+    pub score: Option<TieScore>,
+}
+
+impl TaskRecord for TieRecord {
+    fn head(&mut self) -> &mut TaskHead {
+        &mut self.head
+    }
+
+    fn report(&self, directory: &Path) -> String {
+        let mut text = format!("# A knot tied along {}\n\n| | |\n|---|---|\n", self.pattern);
+        let mut row = |name: &str, value: String| {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "| {name} | {value} |");
+        };
+        let [layer, lifter] = &self.arms;
+        row("cell", self.cell.clone());
+        row("lays and leads", layer.clone());
+        row("lifts", lifter.clone());
+        let passes = self.passes.iter().map(|pass| match pass {
+            Pass::Over => "over",
+            Pass::Under => "under",
+        });
+        row("crossings", passes.collect::<Vec<_>>().join(", "));
+        row("knot as drawn", knot_in_words(self.drawn));
+        for (name, value) in self.head.rows() {
+            row(name, value);
+        }
+        row("motion", format!("{:.1} s", self.duration_s));
+        row(
+            "least distance to anything else",
+            format!(
+                "{:.0} mm",
+                1e3 * self.least_clearance_m.min(self.motion.least_clearance_m)
+            ),
+        );
+        for (stage, time) in &self.times_s {
+            row(stage.in_words(), format!("{time:.1} s"));
+        }
+        if let Some(score) = &self.score {
+            row("knot as seen", knot_in_words(score.seen));
+            row("  that is", score.in_words());
+            row(
+                "length as seen",
+                format!("{:.1} mm", 1e3 * score.seen_length_m),
+            );
+            if !score.crossings.is_empty() {
+                text += "\n| crossing | along the rod | comes there again | sure |\n|---|---|---|---|\n";
+            }
+            for (number, crossing) in score.crossings.iter().enumerate() {
+                let [first, second] = crossing.at_m.map(|at| 1e3 * at);
+                let how = if crossing.over { "over" } else { "under" };
+                let _ = writeln!(
+                    text,
+                    "| {} | {first:.0} mm, {second:.0} mm | {how} | {:.2} |",
+                    number + 1,
+                    crossing.confidence
+                );
+            }
+        }
+        let pictures = [
+            (
+                "overlay.png",
+                "What the camera saw, with the rod that was found",
+            ),
+            ("plan/deployment.svg", "The plan of the laying"),
+        ];
+        add_pictures(&mut text, directory, pictures);
+        text += "\n[Both arms in motion](cell.html)\n";
+        text
+    }
+}
