@@ -160,7 +160,7 @@ pub fn tie(arguments: &TieArguments) -> Result<(), Failure> {
         free_speed: arguments.approach_speed,
         rod: &plan.rod,
         colour: &colour,
-        unfinished: [&unfinished[0], &unfinished[1]],
+        unfinished: Some([&unfinished[0], &unfinished[1]]),
         settling: SETTLING,
         directory: &directory,
     };

@@ -307,7 +307,7 @@ pub static ARTIFACTS: [Artifact; 41] = [
     },
     Artifact {
         name: "tab5.4-cell",
-        title: "Table 5.4 in the virtual cell: cables placed in clips through drivers and camera",
+        title: "Table 5.4 in the virtual cell: cables placed and knots tied through drivers and camera",
         recipe: &Recipe {
             runs: Application::of_table_5_4_in_cell,
             write: table_5_4_cell::write,

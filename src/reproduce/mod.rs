@@ -35,7 +35,7 @@
 //! | `table_5_2`, `measured_deployments` | how well rods are laid along patterns, simulated and measured |
 //! | `table_5_2_cell`, `virtual_laying` | the same through drivers and camera of the virtual cell |
 //! | `table_5_4`, `applications` | how often cables are placed and knots tied |
-//! | `table_5_4_cell` | the first of it through drivers and camera of the virtual cell |
+//! | `table_5_4_cell`, `virtual_tying` | the same through drivers and camera of the virtual cell |
 //! | `figure_6_2` | figures 6.2 and 6.6 |
 //! | `figure_6_5` | disturbances of a manipulated rod |
 //! | `figure_6_6_robot` | the boundary of the stable helices, explored by an arm |
@@ -109,6 +109,7 @@ mod table_5_4;
 mod table_5_4_cell;
 mod tightening;
 mod virtual_laying;
+mod virtual_tying;
 
 pub use artifact::{ARTIFACTS, Artifact};
 pub use redraw::redraw;

@@ -1,13 +1,20 @@
-//! Table 5.4 in the virtual cell: how often cables are placed in clips through drivers and camera, beside the plain simulation.
+//! Table 5.4 in the virtual cell: how often cables are placed in clips, and knots tied, through drivers and camera, beside the plain
+//! simulation.
 
 use super::ReproduceError;
 use super::applications::{Application, TASKS, TRIALS};
 use super::cases::Case;
 use super::page::{Page, PageFigure, number};
-use super::virtual_laying::{LaidInCell, LayingError, place_in_cell};
+use super::virtual_laying::{LaidInCell, place_in_cell};
+use super::virtual_tying::tie_in_cell;
 use crate::experiment::laid_outlines;
 use crate::figure::{Curve, LinePlot, Look, plot_to_scale};
+use crate::task::TieScore;
 use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Status of a trial that came to its end and was seen.
+const DONE: &str = "done and seen";
 
 /// A row of the CSV file; lengths in cm.
 #[derive(Serialize)]
@@ -17,27 +24,52 @@ struct Row {
     seed: u64,
     /// Whether it was laid and seen, or why not.
     status: String,
-    pegs: Option<usize>,
     /// By the camera.
+    succeeded: bool,
+    pegs: Option<usize>,
     pegs_passed: Option<usize>,
+    rod_determinant: Option<u64>,
+    rod_signature: Option<i64>,
     mean_cm: Option<f64>,
     /// The plain simulation.
+    simulated_success: bool,
     simulated_pegs_passed: Option<usize>,
     simulated_mean_cm: Option<f64>,
 }
 
+/// What came of a trial in the cell; of one that failed, why, in words.
+enum Trial {
+    Placed(LaidInCell),
+    Tied(TieScore),
+    Failed(String),
+}
+
+impl Trial {
+    fn of(case: &Case<Application>) -> Result<Self, ReproduceError> {
+        let is_knot = case.outcome().is_some_and(|laid| laid.knot.is_some());
+        Ok(match is_knot {
+            true => tie_in_cell(case)?.map_or_else(Self::Failed, Self::Tied),
+            false => match place_in_cell(case)? {
+                Ok(placed) => Self::Placed(placed),
+                Err(error) => Self::Failed(error.to_string()),
+            },
+        })
+    }
+}
+
 /// Places the cable in all trials, and writes table and figures.
 pub(super) fn write(page: &mut Page, cases: &[Case<Application>]) -> Result<(), ReproduceError> {
-    let placed = cases.iter().map(place_in_cell);
-    let placed: Vec<Result<LaidInCell, LayingError>> = placed.collect::<Result<_, _>>()?;
-    let trials = || cases.iter().zip(&placed);
-    let rows: Vec<Row> = trials().map(|(case, placed)| row(case, placed)).collect();
+    let done = cases.iter().map(Trial::of);
+    let done: Vec<Trial> = done.collect::<Result<_, _>>()?;
+    let trials = || cases.iter().zip(&done);
+    let rows: Vec<Row> = trials().map(|(case, trial)| row(case, trial)).collect();
     page.text(
-        "The trials of `tab5.4` in the virtual cell, with the same cable, clips and friction: planned, laid by the gantry through its \
-         drivers, let go, seen by the camera and judged by its picture, as by `rodlab place scenarios/cable_placement_u.toml`. The hand \
-         trembles without the arm knowing, as in the plain simulation beside: 1 mm and 0.5° root mean square in each direction. A \
-         person lays the free end where the pattern begins. A trial succeeds when the cable, from above, leaves each peg on the side on \
-         which its pattern does, and lies on none of them.",
+        "The trials of `tab5.4` in the virtual cell, with the same rods, clips and friction: planned, done by gantries through their \
+         drivers, let go, seen by the camera and judged by its picture, as by `rodlab place scenarios/cable_placement_u.toml` and \
+         `rodlab tie`. Hands tremble without the arms knowing, as in the plain simulation beside: 1 mm and 0.5° root mean square in each \
+         direction. A person lays the free end where the pattern begins. A cable is placed when, from above, it leaves each peg on the \
+         side on which its pattern does, and lies on none of them; a knot is tied when the rod has the determinant and the signature \
+         of the knot that was drawn, by which strand is seen to lie over which. The reef knot of two rods is tied in plain simulation only.",
     );
     let lines = TASKS.iter().enumerate().flat_map(|(task, _)| {
         let of = |is_optimal| {
@@ -54,12 +86,12 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Application>]) -> Result<(), 
         "successes, cell",
         "plain simulation",
         "measured",
-        "pegs passed, least to most",
+        "pegs passed, least to most; determinants and signatures",
         "off the pattern, cm",
         "plain simulation, cm",
     ];
     page.table(&header, &lines.flatten().collect::<Vec<_>>());
-    for row in rows.iter().filter(|row| row.pegs_passed.is_none()) {
+    for row in rows.iter().filter(|row| row.status != DONE) {
         page.text(&format!(
             "{}, {}, seed {}: {}.",
             row.task, row.scheme, row.seed, row.status
@@ -75,22 +107,36 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Application>]) -> Result<(), 
     Ok(())
 }
 
-fn row(case: &Case<Application>, placed: &Result<LaidInCell, LayingError>) -> Row {
-    let laid = placed.as_ref().ok().map(|placed| &placed.laid);
+fn row(case: &Case<Application>, trial: &Trial) -> Row {
+    let placed = match trial {
+        Trial::Placed(placed) => Some(&placed.laid),
+        _ => None,
+    };
+    let tied = match trial {
+        Trial::Tied(score) => Some(score),
+        _ => None,
+    };
     let simulated = case.outcome();
     let cm = |metres: f64| 1e2 * metres;
-    let pegs = laid.and_then(|laid| laid.pegs);
+    let pegs = placed.and_then(|laid| laid.pegs);
+    let knot = tied.and_then(|score| score.seen);
+    let undecided = tied.and_then(|score| score.undecided.as_ref());
     Row {
         task: TASKS[case.run.task].id,
         scheme: case.run.scheme(),
         seed: case.run.seed,
-        status: match placed {
-            Ok(_) => "placed and seen".into(),
-            Err(error) => error.to_string(),
+        status: match (trial, undecided) {
+            (Trial::Failed(words), _) | (_, Some(words)) => words.clone(),
+            _ => DONE.into(),
         },
+        succeeded: pegs.is_some_and(|pegs| pegs.are_all())
+            || tied.is_some_and(|score| score.tied == Some(true)),
         pegs: pegs.map(|pegs| pegs.count),
         pegs_passed: pegs.map(|pegs| pegs.passed),
-        mean_cm: laid.map(|laid| cm(laid.score.by_arc_length.mean_m)),
+        rod_determinant: knot.map(|knot| knot.determinant),
+        rod_signature: knot.map(|knot| knot.signature),
+        mean_cm: placed.map(|laid| cm(laid.score.by_arc_length.mean_m)),
+        simulated_success: case.has_succeeded(),
         simulated_pegs_passed: simulated.and_then(|laid| laid.pegs).map(|pegs| pegs.passed),
         simulated_mean_cm: simulated.and_then(|laid| laid.mean_error_m).map(cm),
     }
@@ -98,12 +144,19 @@ fn row(case: &Case<Application>, placed: &Result<LaidInCell, LayingError>) -> Ro
 
 /// The trials of a task by a scheme; `None` where there are none.
 fn line(task: usize, is_optimal: bool, rows: &[&Row]) -> Option<Vec<String>> {
-    let pegs = rows.iter().find_map(|row| row.pegs)?;
-    let all = |passed: fn(&Row) -> Option<usize>| {
-        let all = rows.iter().filter(|row| passed(row) == Some(pegs)).count();
-        format!("{all} of {}", rows.len())
+    let first = rows.first()?;
+    let of = |succeeded: fn(&Row) -> bool| {
+        let count = rows.iter().filter(|row| succeeded(row)).count();
+        format!("{count} of {}", rows.len())
     };
     let passed = || rows.iter().filter_map(|row| row.pegs_passed);
+    let found = match (passed().min(), passed().max()) {
+        (Some(least), Some(most)) => {
+            let pegs = rows.iter().find_map(|row| row.pegs).unwrap_or(0);
+            format!("{least} to {most} of {pegs}")
+        }
+        _ => knots(rows),
+    };
     let mean = |error: fn(&Row) -> Option<f64>| {
         let errors: Vec<f64> = rows.iter().filter_map(|row| error(row)).collect();
         let mean = errors.iter().sum::<f64>() / errors.len() as f64;
@@ -111,31 +164,43 @@ fn line(task: usize, is_optimal: bool, rows: &[&Row]) -> Option<Vec<String>> {
     };
     Some(vec![
         TASKS[task].name.to_owned(),
-        rows.first()?.scheme.to_owned(),
-        all(|row| row.pegs_passed),
-        all(|row| row.simulated_pegs_passed),
+        first.scheme.to_owned(),
+        of(|row| row.succeeded),
+        of(|row| row.simulated_success),
         format!(
             "{} of {TRIALS}",
             TASKS[task].measured[usize::from(is_optimal)]
         ),
-        format!(
-            "{} to {} of {pegs}",
-            passed().min().unwrap_or(0),
-            passed().max().unwrap_or(0)
-        ),
+        found,
         mean(|row| row.mean_cm),
         mean(|row| row.simulated_mean_cm),
     ])
 }
 
+/// Knots by determinant and signature, and how often each was seen.
+fn knots(rows: &[&Row]) -> String {
+    let mut counts: BTreeMap<Option<(u64, i64)>, usize> = BTreeMap::new();
+    for row in rows {
+        let knot = row.rod_determinant.zip(row.rod_signature);
+        *counts.entry(knot).or_default() += 1;
+    }
+    let words = counts.iter().map(|(knot, count)| match knot {
+        Some((determinant, signature)) => format!("{determinant}, {signature} in {count}"),
+        None => format!("undecided in {count}"),
+    });
+    words.collect::<Vec<_>>().join("; ")
+}
+
 /// What the camera saw of all trials of a task, from above.
 fn figure(
     task: usize,
-    trials: &[(&Case<Application>, &Result<LaidInCell, LayingError>)],
+    trials: &[(&Case<Application>, &Trial)],
 ) -> Result<Option<PageFigure>, ReproduceError> {
     let mut curves = [(true, "optimal"), (false, "intuitive")].map(|(_, name)| (name, Vec::new()));
-    for (case, placed) in trials {
-        let Ok(placed) = placed else { continue };
+    for (case, trial) in trials {
+        let Trial::Placed(placed) = trial else {
+            continue;
+        };
         let lies = placed.laid.score.result.iter();
         let list = &mut curves[usize::from(!case.run.is_optimal)].1;
         list.extend(lies.map(|point| (point.x, Some(point.y))));
@@ -147,6 +212,10 @@ fn figure(
     let Ok(Some(outlines)) = laid_outlines(&first.directory) else {
         return Ok(None);
     };
+    // Ten knots above each other are no picture.
+    if curves.iter().all(|(_, points)| points.is_empty()) {
+        return Ok(None);
+    }
     let mut curves: Vec<Curve> = curves
         .into_iter()
         .map(|(name, points)| Curve::new(name, points))

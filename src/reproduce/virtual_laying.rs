@@ -23,14 +23,14 @@ use std::path::{Path, PathBuf};
 /// The cell.
 const CELL: &str = include_str!("../../scenarios/cells/gantry.toml");
 /// How many times as fast as real time it is.
-const RATE: f64 = 10.0;
+pub(super) const RATE: f64 = 10.0;
 /// Period of the fastest jitter, s: that of the plain simulation.
 const JITTER_PERIOD: f64 = 1.0;
 /// Distance of poses along the pattern, m.
-const STEP: f64 = 3e-3;
+pub(super) const STEP: f64 = 3e-3;
 /// Speeds of the hand while it lays and on its way, m/s, and least distance of the arm to anything, m: those of `rodlab deploy`.
-const SPEEDS: [f64; 2] = [0.03, 0.1];
-const MARGIN: f64 = 0.01;
+pub(super) const SPEEDS: [f64; 2] = [0.03, 0.1];
+pub(super) const MARGIN: f64 = 0.01;
 
 /// Why a rod was not laid.
 #[derive(Debug, thiserror::Error)]
@@ -74,7 +74,7 @@ pub(super) fn lay_in_cell(
     let disturbance = case.run.disturbance;
     let (deployment, _) = deployment_of(&case.directory)?;
     let files = [("rod.toml", RODS[case.run.rod].file())];
-    let (cell, directory) = cell_beside(&case.directory, &files)?;
+    let (cell, directory) = cell_beside(&case.directory, CELL, &files)?;
     let rod = deployment.rod.deployed();
     let laying = LayingInCell {
         source: &deployment.pattern.source(),
@@ -101,7 +101,7 @@ pub(super) fn place_in_cell(
     case: &Case<Application>,
 ) -> Result<Result<LaidInCell, LayingError>, ReproduceError> {
     let (deployment, friction) = deployment_of(&case.directory)?;
-    let (cell, directory) = cell_beside(&case.directory, &[])?;
+    let (cell, directory) = cell_beside(&case.directory, CELL, &[])?;
     let fixtures = Fixtures::of(&deployment).expect("a pattern that was laid");
     let laying = LayingInCell {
         source: &deployment.pattern.source(),
@@ -123,7 +123,7 @@ pub(super) fn place_in_cell(
 }
 
 /// What a run that was simulated laid, and the friction of its table.
-fn deployment_of(run: &Path) -> Result<(Deployment, f64), ReproduceError> {
+pub(super) fn deployment_of(run: &Path) -> Result<(Deployment, f64), ReproduceError> {
     let scenario = fs::read_to_string(run.join(SCENARIO)).map_err(ResultsError::io("read", run))?;
     let loaded = from_text("scenario", &scenario, Path::new(""), &[]);
     let loaded = loaded.expect("the scenario of a run");
@@ -132,13 +132,17 @@ fn deployment_of(run: &Path) -> Result<(Deployment, f64), ReproduceError> {
     Ok((deployment, loaded.scenario.contact.friction()))
 }
 
-/// The cell, from its file in a folder beside a run, where other files are written, too.
-fn cell_beside(run: &Path, files: &[(&str, &str)]) -> Result<(Cell, PathBuf), ReproduceError> {
+/// A cell, from its file in a folder beside a run, where other files are written, too.
+pub(super) fn cell_beside(
+    run: &Path,
+    file: &str,
+    files: &[(&str, &str)],
+) -> Result<(Cell, PathBuf), ReproduceError> {
     let mut name = run.file_name().unwrap_or_default().to_owned();
     name.push("-cell");
     let directory = run.with_file_name(name);
     fs::create_dir_all(&directory).map_err(ResultsError::io("create", &directory))?;
-    for (name, text) in [("cell.toml", CELL)].iter().chain(files) {
+    for (name, text) in [("cell.toml", file)].iter().chain(files) {
         write_whole(&directory.join(name), text.as_bytes())?;
     }
     let cell = Cell::read(&directory.join("cell.toml")).expect("a cell of this program");

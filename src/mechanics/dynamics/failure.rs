@@ -3,7 +3,7 @@
 use super::report::SimulationError;
 use crate::mechanics::Overlap;
 use crate::mechanics::rod::STRIDE;
-use crate::mechanics::system::{Divergence, Stage, System};
+use crate::mechanics::system::{Divergence, Stage, System, Turn};
 use std::fmt;
 
 /// Why one attempt at a step fails.
@@ -26,6 +26,8 @@ pub(super) enum Failure {
         iterations: usize,
         crossing: Crossing,
     },
+    /// An edge turns so far that whole turns of twist may be lost.
+    Turn { iterations: usize, turn: Turn },
 }
 
 /// What forces would bring energy.
@@ -75,6 +77,7 @@ impl Failure {
             Self::Penetration { iterations, .. }
             | Self::NoContactForces { iterations }
             | Self::Work { iterations, .. }
+            | Self::Turn { iterations, .. }
             | Self::Crossing { iterations, .. } => *iterations,
         }
     }
@@ -86,6 +89,7 @@ impl Failure {
             Self::Penetration { iterations, .. }
             | Self::NoContactForces { iterations }
             | Self::Work { iterations, .. }
+            | Self::Turn { iterations, .. }
             | Self::Crossing { iterations, .. } => *iterations += vain,
         }
         self
@@ -104,6 +108,9 @@ impl Failure {
                 ..
             } => {
                 "rods that turn need steps in which they turn by a tenth of a radian; step = \"auto\" finds them"
+            }
+            Self::Turn { .. } => {
+                "rods that snap need steps in which no edge turns by more than 2 rad; step = \"auto\" finds them"
             }
             Self::Work { .. } | Self::Crossing { .. } => {
                 "impacts need steps in which nodes move by about a radius; step = \"auto\" finds them"
@@ -132,7 +139,10 @@ impl Failure {
                 }
             }
             Self::NoContactForces { .. } => SimulationError::NoContactForces { time, step },
-            Self::Penetration { .. } | Self::Work { .. } | Self::Crossing { .. } => {
+            Self::Penetration { .. }
+            | Self::Work { .. }
+            | Self::Turn { .. }
+            | Self::Crossing { .. } => {
                 SimulationError::Unphysical(format!("at t = {time:.6e} s {self}"))
             }
         }
@@ -162,6 +172,12 @@ impl fmt::Display for Failure {
                 ),
             },
             Self::Crossing { crossing, .. } => crossing.fmt(formatter),
+            Self::Turn { turn, .. } => write!(
+                formatter,
+                "{} turns by {:.0}° within a step: whole turns of twist may be lost",
+                turn.edge,
+                turn.angle.to_degrees()
+            ),
         }
     }
 }

@@ -307,7 +307,7 @@ impl Workspace {
         Ok(())
     }
 
-    /// Certifies the step that ends at the trial: no surfaces overlap there beyond the bound, none have passed through
+    /// Certifies the step that ends at the trial: no turns of a rod are lost, no surfaces overlap there beyond the bound, none have passed through
     /// each other on the way, and neither contacts nor, with implicit Euler, elastic forces have brought energy.
     fn certify(
         &self,
@@ -317,6 +317,9 @@ impl Workspace {
         iterations: usize,
     ) -> Result<(), Failure> {
         let trial = &self.trial.unknowns;
+        if let Some(turn) = system.excessive_turn() {
+            return Err(Failure::Turn { iterations, turn });
+        }
         // Where contact forces are functions of the gaps at the end, these have been looked at.
         let is_evaluated =
             !setting.parameters.scheme.rules().extrapolates() && !system.has_constraints();

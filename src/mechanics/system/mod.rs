@@ -39,6 +39,7 @@ mod springs;
 mod start;
 mod strain;
 mod touching;
+mod turning;
 mod work;
 
 use actuation::Actuators;
@@ -65,6 +66,7 @@ use springs::Springs;
 pub use strain::{LargestStrains, SectionScale, Strain};
 use touching::contact_of;
 pub use touching::name_overlap;
+pub use turning::Turn;
 
 use super::contact::{ContactModel, ContactSystem};
 use super::rod::{

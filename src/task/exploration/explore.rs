@@ -321,6 +321,8 @@ impl Exploration<'_> {
                 ));
             }
             let back = walker.return_from(&ray, joints);
+            // Nobody knows whether it has snapped meanwhile, or was about to be taken anew.
+            let back = back.and_then(|()| walker.take_anew());
             return back.map_err(|error| in_words(error, "going back to the straight rod"));
         }
         let doing = "going to the end of the straight rod";

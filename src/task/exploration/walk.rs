@@ -4,7 +4,7 @@ use super::ray::{Ray, SPACING};
 use crate::experiment::ClampedRod;
 use crate::task::error::WorkError;
 use crate::task::look::next_picture;
-use crate::task::working_arm::WorkingArm;
+use crate::task::working_arm::{Grip, WorkingArm};
 use crate::vision::{ColourRule, MarkerErrors, Point, compare_markers, find_markers};
 use image::RgbImage;
 use serde::Serialize;
@@ -106,12 +106,7 @@ impl Walker<'_> {
             Some(_) => walk.pictures(),
             None => Vec::new(),
         };
-        walk.go(0)?;
-        if !walk.look()? {
-            return Err(WorkError::Failed(
-                "the rod does not become straight again; look at it, and begin a new exploration with another one".into(),
-            ));
-        }
+        walk.straighten(found.1.is_some())?;
         let distance = |index: usize| index as f64 * SPACING;
         Ok(Searched {
             stable: distance(found.0),
@@ -137,6 +132,15 @@ impl Walker<'_> {
             points.push(ray.points[0].clone());
         }
         self.stream(&points, self.steps.return_speed)
+    }
+
+    /// The hand lets the straight rod go, which turns out of its twist, and takes it again.
+    ///
+    /// # Errors
+    /// The gripper does not move.
+    pub fn take_anew(&self) -> Result<(), WorkError> {
+        self.arm.grip(Grip::Open)?;
+        self.arm.grip(Grip::Close)
     }
 
     fn stream(&self, points: &[Vec<f64>], speed: f64) -> Result<(), WorkError> {
@@ -173,19 +177,7 @@ impl Walk<'_> {
         if points(precision) >= points(step) {
             return Ok((passed, Some(lost)));
         }
-        // Back to where it is a helix again: what has snapped may stay so for a while.
-        let mut back = passed;
-        self.go(back)?;
-        while !self.look()? {
-            if back == 0 {
-                return Err(WorkError::Failed(
-                    "the rod does not become straight again; look at it, and begin a new exploration with another one".into(),
-                ));
-            }
-            back = back.saturating_sub(points(step));
-            self.go(back)?;
-        }
-        // What has snapped and come back may snap earlier this time, as it is no longer what it was: then the first time counts.
+        self.straighten(true)?;
         self.go(passed)?;
         if !self.look()? {
             return Ok((passed, Some(lost)));
@@ -194,6 +186,20 @@ impl Walk<'_> {
             Some(stable) => (stable, Some(self.at)),
             None => (self.at, None),
         })
+    }
+
+    /// Goes back to the straight rod. One that snapped is taken anew there: it has swung around its ends, and may have gained turns.
+    fn straighten(&mut self, has_snapped: bool) -> Result<(), WorkError> {
+        self.go(0)?;
+        if !self.look()? {
+            return Err(WorkError::Failed(
+                "the rod does not become straight again; look at it, and begin a new exploration with another one".into(),
+            ));
+        }
+        match has_snapped {
+            true => self.walker.take_anew(),
+            false => Ok(()),
+        }
     }
 
     /// Goes on by so many points until the rod is no helix, or the ray ends; returns the point before it was none.

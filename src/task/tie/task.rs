@@ -35,8 +35,8 @@ pub struct TieTask<'a> {
     pub rod: &'a DeployedRod,
     /// Which pixels are rod.
     pub colour: &'a ColourRule,
-    /// What says of each arm that the task was begun.
-    pub unfinished: [&'a Unfinished; 2],
+    /// What says of each arm that the task was begun, if it is to be said.
+    pub unfinished: Option<[&'a Unfinished; 2]>,
     /// How long a rod that was let go is left to itself.
     pub settling: Duration,
     /// Where everything is written.
@@ -78,7 +78,7 @@ impl TieTask<'_> {
             cell: self.cell,
             arm: self.arms[which],
             directory: self.directory,
-            unfinished: Some(self.unfinished[which]),
+            unfinished: self.unfinished.map(|marks| marks[which]),
             is_interrupted,
         });
         let work = TieError::of_work;
@@ -118,7 +118,8 @@ impl TieTask<'_> {
     fn tie(&self, layer: &WorkingArm<'_>, lifter: &WorkingArm<'_>) -> Result<(), WorkError> {
         for stretch in &self.motion.stretches {
             // Both move, and the log is that of one.
-            self.unfinished[1].mark().map_err(|error| {
+            let marked = self.unfinished.map_or(Ok(()), |marks| marks[1].mark());
+            marked.map_err(|error| {
                 WorkError::Failed(format!("the task cannot be marked as begun: {error}"))
             })?;
             layer.carry(&stretch.name, &stretch.motion)?;
