@@ -73,8 +73,8 @@ pub struct TieMotion {
     pub frame: Pose,
 }
 
-/// What both arms do between two grips, as poses of hands in the cell and times of the schedule.
-struct Bound<'a> {
+/// The tying while it is put together, stretch by stretch.
+struct Tying<'a> {
     request: &'a TieMotionRequest<'a>,
     frame: Pose,
     both: TwoArms<'a>,
@@ -103,14 +103,14 @@ impl TieMotionRequest<'_> {
         let cell = self.cell;
         let laid = cell.continuation(layer, &to_lay, &first, self.speed, RATE)?;
         let there = laid.points[laid.points.len() - 1].clone();
-        let mut bound = Bound {
+        let mut tying = Tying {
             request: self,
             frame,
             both: TwoArms::from(cell, self.arms, [there, home.clone()]),
         };
-        let stretches = bound.stretches(knot)?;
-        let last = bound.both.joints(0).to_vec();
-        let rising = bound.raised(0, &last)?;
+        let stretches = tying.stretches(knot)?;
+        let last = tying.both.joints(0).to_vec();
+        let rising = tying.raised(0, &last)?;
         let mut beside = TwoArms::from(cell, self.arms, [first, home.clone()]);
         beside.go([std::slice::from_ref(&laid), &[]]);
         let before = beside.trajectory();
@@ -191,7 +191,7 @@ impl TieMotionRequest<'_> {
     }
 }
 
-impl Bound<'_> {
+impl Tying<'_> {
     /// All motions from the end of the laying on.
     fn stretches(&mut self, knot: &KnotPlan) -> Result<Vec<Stretch>, PlanError> {
         let mut stretches = Vec::new();
