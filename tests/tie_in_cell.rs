@@ -81,9 +81,9 @@ fn a_trefoil_is_tied_by_two_arms_and_seen() {
         "cell.html",
         "approach/state.csv",
         "laying/commanded.csv",
-        "tying/1_leading/state.csv",
-        "tying/1_lifting/trajectory.csv",
-        "tying/end/events.csv",
+        "tying/01_leading/state.csv",
+        "tying/02_lifting/trajectory.csv",
+        "tying/03_end/events.csv",
         "rod.csv",
         "report.md",
     ] {
@@ -100,7 +100,7 @@ fn a_trefoil_is_tied_by_two_arms_and_seen() {
         "{header}"
     );
     // Both moved in one motion.
-    let state = served.read("tied/tying/1_leading/state.csv");
+    let state = served.read("tied/tying/01_leading/state.csv");
     assert!(state.contains(",left,") && state.contains(",right,"));
     assert!(served.read("tied/report.md").contains("tied as drawn"));
 }
@@ -134,7 +134,7 @@ fn two_arms_that_are_interrupted_while_both_move_hold() {
         .spawn()
         .unwrap();
     let begin = Instant::now();
-    let events = "tied/tying/1_leading/events.csv";
+    let events = "tied/tying/01_leading/events.csv";
     while !served.read(events).contains("started") {
         assert!(begin.elapsed() < Duration::from_secs(300));
         std::thread::sleep(Duration::from_millis(5));
@@ -248,7 +248,7 @@ fn what_cannot_be_tied_is_refused_before_anything_moves() {
     refused(
         &cell,
         "another arm must lift",
-        &and(&["--arm", "left", "--lifter", "left"]),
+        &and(&["--arm", "left", "--second-arm", "left"]),
     );
     refused(
         &cell,

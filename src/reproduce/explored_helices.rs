@@ -192,6 +192,7 @@ fn with_cell<T>(
         rate: RATE,
         response: Response::default(),
         supply: None,
+        second_supply: None,
         sheet: None,
         chucked,
         jitter: None,

@@ -43,6 +43,7 @@ pub use fold::{
 pub use motion::{DeployMotion, MotionRequest, middle_of_table};
 pub use record::{DeployRecord, Status, write_manifest, write_report};
 pub use tie::{
-    KnotPlan, TieEnd, TieError, TieMotion, TieMotionRequest, TieRecord, TieScore, TieStage, TieTask,
+    KnotPlan, PlannedRod, TieEnd, TieError, TieMotion, TieMotionRequest, TieRecord, TieScore,
+    TieStage, TieTask,
 };
 pub use unfinished::Unfinished;

@@ -3,6 +3,7 @@
 use super::grip::{Grip, within_reach};
 use crate::experiment::{self, DeploymentTables};
 use crate::mechanics::dynamics::{Simulation, SimulationError};
+use crate::mechanics::scene::Motion;
 use crate::mechanics::system::Grasp;
 use crate::mechanics::{UnitQuaternion, Vector3};
 use crate::plan::deployment::{DeployedRod, OptimalGrasps, Scheme, trajectory};
@@ -11,6 +12,7 @@ use crate::robot::{Pose, distance_and_angle};
 use crate::run::PreparedRun;
 use crate::scenario::ScenarioError;
 use nalgebra::Translation3;
+use std::ops::Range;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -124,6 +126,20 @@ impl RodSupply {
         table: &Pose,
         now: f64,
     ) -> Result<SimulatedRod, String> {
+        let frame = self.frame(hand, table)?;
+        let simulation = Simulation::new(&self.prepared.scene, &self.prepared.integration);
+        let simulation = simulation.map_err(|error| error.to_string())?;
+        let placed = Placed {
+            frame: table * frame,
+            end: self.end,
+            radius: self.rod.radius,
+        };
+        let rod = SimulatedRod::held_by(arm, simulation, placed, now);
+        Ok(rod.stopped_by_table(self.rod.radius))
+    }
+
+    /// The frame, on the table, of the simulation of a rod that hangs from a hand.
+    fn frame(&self, hand: &Pose, table: &Pose) -> Result<Pose, String> {
         let held = table.inverse() * hand;
         let across = held.rotation * Vector3::y();
         if libm::hypot(across.x, across.y) < LEVEL {
@@ -151,14 +167,55 @@ impl RodSupply {
                 self.rod.length, self.end.translation.z
             ));
         }
-        let simulation = Simulation::new(&self.prepared.scene, &self.prepared.integration);
+        Ok(frame)
+    }
+
+    /// The same beside a rod, of another kind, that lies there and that nobody holds.
+    ///
+    /// # Errors
+    /// As [`Self::handed`].
+    pub fn handed_beside(
+        &self,
+        (lying, kind): (&SimulatedRod, &Self),
+        arm: usize,
+        hand: &Pose,
+        table: &Pose,
+        now: f64,
+    ) -> Result<SimulatedRod, String> {
+        let moved = lying.frame.inverse() * table * self.frame(hand, table)?;
+        let mut scene = self.prepared.scene.clone();
+        let mut first = kind.prepared.scene.rods[0].clone();
+        first.name = "lying".into();
+        first.centreline = lying.simulation.positions()[lying.pieces[0].nodes.clone()].to_vec();
+        first.end_tangents = [None; 2];
+        let new = &mut scene.rods[0];
+        for node in &mut new.centreline {
+            *node = (moved * nalgebra::Point3::from(*node)).coords;
+        }
+        for tangent in new.end_tangents.iter_mut().flatten() {
+            *tangent = moved.rotation * *tangent;
+        }
+        let pieces = Piece::beside_each_other([
+            (lying.pieces[0].arm, first.centreline.len(), first.radius),
+            (arm, new.centreline.len(), new.radius),
+        ]);
+        scene.rods.insert(0, first);
+        for clamp in &mut scene.clamps {
+            clamp.rod += 1;
+            clamp.motion = Motion::default();
+        }
+        let simulation = Simulation::new(&scene, &self.prepared.integration);
         let simulation = simulation.map_err(|error| error.to_string())?;
         let placed = Placed {
-            frame: table * frame,
-            end: self.end,
+            frame: lying.frame,
+            end: moved * self.end,
             radius: self.rod.radius,
         };
-        Ok(SimulatedRod::held_by(arm, simulation, placed, now).stopped_by_table())
+        let end = pieces[1].nodes.end - 1;
+        let mut rods = SimulatedRod::held_by(arm, simulation, placed, now);
+        rods.pieces = pieces;
+        rods.grips = vec![Grip::new(arm, end, 0, moved * self.end).handed_by(HANDING_OVER)];
+        Ok(rods.stopped_by_table(self.rod.radius))
     }
 }
 
@@ -172,7 +229,29 @@ pub struct Placed {
     pub radius: f64,
 }
 
-/// A rod in simulation.
+/// A rod of those in a simulation.
+struct Piece {
+    /// The arm to which it was handed.
+    arm: usize,
+    nodes: Range<usize>,
+    /// Its radius, m.
+    radius: f64,
+}
+
+impl Piece {
+    /// Rods by their arms, numbers of nodes and radii, m.
+    fn beside_each_other<const N: usize>(rods: [(usize, usize, f64); N]) -> Vec<Self> {
+        let mut begin = 0;
+        let pieces = rods.map(|(arm, count, radius)| {
+            let nodes = begin..begin + count;
+            begin = nodes.end;
+            Self { arm, nodes, radius }
+        });
+        pieces.into()
+    }
+}
+
+/// A rod in simulation, or two that touch each other.
 pub struct SimulatedRod {
     simulation: Simulation,
     /// The frame of the simulation in the cell.
@@ -183,7 +262,8 @@ pub struct SimulatedRod {
     led_until: f64,
     /// When the simulation began, s.
     begin: f64,
-    radius: f64,
+    /// Which of its nodes are which rod.
+    pieces: Vec<Piece>,
     /// Time that its fall has taken to simulate.
     falling: Duration,
     rests: bool,
@@ -205,15 +285,15 @@ impl SimulatedRod {
             grips: vec![grip],
             led_until: 0.0,
             begin: now,
-            radius: placed.radius,
+            pieces: Piece::beside_each_other([(arm, end + 1, placed.radius)]),
             falling: Duration::ZERO,
             rests: false,
         }
     }
 
-    /// The same on a table, z = 0 in the frame of the simulation, which stops hands.
-    fn stopped_by_table(mut self) -> Self {
-        let floor = FLOOR * self.radius;
+    /// The same on a table, z = 0 in the frame of the simulation, which stops hands that lead an end of some radius, m.
+    fn stopped_by_table(mut self, radius: f64) -> Self {
+        let floor = FLOOR * radius;
         let grips = self.grips.into_iter();
         self.grips = grips.map(|grip| grip.stopped_at(floor)).collect();
         self
@@ -398,9 +478,21 @@ impl SimulatedRod {
             .collect()
     }
 
-    /// Its radius, m.
-    pub fn radius(&self) -> f64 {
-        self.radius
+    /// Nodes in the cell, m, and radius, m, of each rod.
+    pub fn seen(&self) -> Vec<(Vec<Vector3>, f64)> {
+        let nodes = self.nodes();
+        let pieces = self.pieces.iter();
+        pieces
+            .map(|piece| (nodes[piece.nodes.clone()].to_vec(), piece.radius))
+            .collect()
+    }
+
+    /// The only rod's arm, to which it was handed; `None` where there are two.
+    pub fn only_arm(&self) -> Option<usize> {
+        match self.pieces.as_slice() {
+            [only] => Some(only.arm),
+            _ => None,
+        }
     }
 }
 
@@ -539,6 +631,54 @@ mod tests {
         assert_eq!(rod.within_reach(&hand), None);
         rod.take(1, 0, &at(0.0, 0.0, 0.0), 0.0).unwrap();
         assert_eq!(rod.within_reach(&at(0.0, 0.0, 0.0)), None);
+    }
+
+    #[test]
+    fn a_second_rod_is_handed_beside_one_that_lies() {
+        let (_folder, file) = short_rod();
+        let supply = RodSupply::new(&file, 0.4).unwrap();
+        let first = hand(&supply, 0.7);
+        let mut rod = supply.handed(0, &first, &table(), 0.0).unwrap();
+        rod.release().unwrap();
+        for step in 1..=300 {
+            while !rod.advance(&first, 5e-3 * f64::from(step)).unwrap() {}
+        }
+        let lay = rod.nodes();
+        let second = Pose::translation(0.0, 0.2, 0.0) * hand(&supply, -0.4);
+        let both = supply.handed_beside((&rod, &supply), 1, &second, &table(), 1.5);
+        let mut both = both.unwrap();
+        let seen = both.seen();
+        assert_eq!(seen.len(), 2);
+        assert!(
+            seen[0]
+                .0
+                .iter()
+                .zip(&lay)
+                .all(|(a, b)| (a - b).norm() < 1e-9)
+        );
+        let end = seen[1].0[30];
+        assert!((end - second.translation.vector).norm() < 1e-6, "{end}");
+        // The one lies, and the other follows its hand.
+        let lifted = Translation3::new(0.0, 0.0, 0.05) * second;
+        for step in 1..=100 {
+            let part = f64::from(step) / 100.0;
+            let hand = Translation3::new(0.0, 0.0, 0.05 * part) * second;
+            while !both
+                .advance_in(|_| hand, 1.5 + 5e-3 * f64::from(step))
+                .unwrap()
+            {}
+        }
+        for step in 101..=240 {
+            while !both
+                .advance_in(|_| lifted, 1.5 + 5e-3 * f64::from(step))
+                .unwrap()
+            {}
+        }
+        let seen = both.seen();
+        let moved = seen[0].0.iter().zip(&lay).map(|(a, b)| (a - b).norm());
+        assert!(moved.fold(0.0, f64::max) < 1e-3);
+        let end = seen[1].0[30];
+        assert!((end - lifted.translation.vector).norm() < 1e-6, "{end}");
     }
 
     #[test]

@@ -47,6 +47,8 @@ pub struct SimulatedCell {
     opened: Vec<Option<f64>>,
     table: Pose,
     supply: Option<RodSupply>,
+    /// Rods of another kind, for the arms after the first.
+    second_supply: Option<RodSupply>,
     /// How the hands tremble, which the joints do not tell.
     jitter: Option<Jitter>,
     /// The rod.
@@ -65,7 +67,7 @@ impl SimulatedCell {
     pub fn new(
         cell: &Cell,
         response: Response,
-        supply: Option<RodSupply>,
+        [supply, second_supply]: [Option<RodSupply>; 2],
         sheet: Option<SimulatedSheet>,
         chucked: Option<ChuckedSupply>,
         jitter: Option<Jitter>,
@@ -85,6 +87,7 @@ impl SimulatedCell {
             opened: opened.collect(),
             table: cell.table.map_or_else(Pose::identity, |table| table.top),
             supply,
+            second_supply,
             jitter,
             rod: None,
             sheet: sheet.map(|sheet| (sheet, 0)),
@@ -109,14 +112,17 @@ impl SimulatedCell {
         let sheet = self.sheet.as_ref().map(|(sheet, _)| sheet.seen());
         if let Some(chuck) = &self.chuck {
             return Scenery {
+                second_rod: None,
                 rod: chuck.nodes().map(|nodes| (nodes, chuck.rod().radius)),
                 markers: chuck.rod().marker_places(),
                 sheet,
             };
         }
-        let rod = self.rod.as_ref();
+        let rods = self.rod.as_ref().map(SimulatedRod::seen);
+        let mut rods = rods.unwrap_or_default().into_iter();
         Scenery {
-            rod: rod.map(|rod| (rod.nodes(), rod.radius())),
+            rod: rods.next(),
+            second_rod: rods.next(),
             markers: Vec::new(),
             sheet,
         }
@@ -174,17 +180,16 @@ impl SimulatedCell {
     /// Takes hold of a rod, or is handed one; the time that it takes, s.
     fn close(&mut self, arm: usize) -> Result<f64, String> {
         let hand = self.hand(arm);
-        let Some(supply) = &self.supply else {
+        let Some(supply) = self.supply_of(arm) else {
             return Ok(OPENING);
         };
-        if let Some(rod) = &mut self.rod {
+        if let Some(rod) = &self.rod {
             if rod.holders().any(|holder| holder == arm) {
                 return Ok(OPENING);
             }
             if let Some(node) = rod.within_reach(&hand) {
                 self.arms[arm].must_stand()?;
-                let taken = rod.take(arm, node, &hand, self.time);
-                return taken.map(|()| OPENING).map_err(|error| error.to_string());
+                return self.take(arm, node, &hand);
             }
             if let Some(holder) = rod.holders().next() {
                 return Err(format!(
@@ -194,8 +199,34 @@ impl SimulatedCell {
             }
         }
         self.arms[arm].must_stand()?;
-        self.rod = Some(supply.handed(arm, &hand, &self.table, self.time)?);
+        // A rod of another kind stays where it lies.
+        let other = self.rod.as_ref().zip(self.second_supply.as_ref());
+        let other = other.and_then(|(rod, _)| {
+            let first = rod.only_arm()?;
+            let kind = self.supply_of(first)?;
+            (!std::ptr::eq(kind, supply)).then_some((rod, kind))
+        });
+        let handed = match other {
+            Some(lying) => supply.handed_beside(lying, arm, &hand, &self.table, self.time),
+            None => supply.handed(arm, &hand, &self.table, self.time),
+        };
+        self.rod = Some(handed?);
         Ok(HANDING_OVER)
+    }
+
+    /// Takes hold of a node of the rod; the time that it takes, s.
+    fn take(&mut self, arm: usize, node: usize, hand: &Pose) -> Result<f64, String> {
+        if let Some(rod) = &mut self.rod {
+            let taken = rod.take(arm, node, hand, self.time);
+            taken.map_err(|error| error.to_string())?;
+        }
+        Ok(OPENING)
+    }
+
+    /// The rods for an arm.
+    fn supply_of(&self, arm: usize) -> Option<&RodSupply> {
+        let second = self.second_supply.as_ref().filter(|_| arm > 0);
+        second.or(self.supply.as_ref())
     }
 
     /// Takes the edge of the sheet, or lets it go.

@@ -1,13 +1,14 @@
-//! A knot tied by two arms (thesis 5.5.6): one lays a rod and leads its end, the other one lifts the strands under which it goes.
+//! A knot tied by two arms (thesis 5.5.6): one lays a rod and leads its end, the other one lifts the strands under which it goes. Of
+//! two rods each arm lays one and leads its end, while the other one lifts strands.
 //!
 //! | file | what |
 //! |---|---|
 //! | `task` | approach, take, lay, tie, let go, retreat, look, score |
 //! | `stage` | names of these, and why a knot is not tied to its end |
-//! | `plan` | what the grippers do when the rod is laid |
+//! | `plan` | what the grippers do with one rod, or with two |
 //! | `motion` | the motions of both arms, planned and checked before anything moves |
 //! | `two_arms` | motions of two arms on one clock |
-//! | `sight` | the rod as the camera sees it, with what lies over what |
+//! | `sight` | rods as the camera sees them, with what lies over what |
 //! | `score` | the knot of that, compared with the one that was drawn |
 //! | `record` | what it leaves in a results directory |
 
@@ -21,7 +22,7 @@ mod task;
 mod two_arms;
 
 pub use motion::{TieMotion, TieMotionRequest};
-pub use plan::KnotPlan;
+pub use plan::{KnotPlan, PlannedRod};
 pub use record::TieRecord;
 pub use score::TieScore;
 pub use stage::{TieError, TieStage};

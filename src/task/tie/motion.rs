@@ -4,10 +4,9 @@
 //! arm comes from above to the strand there; it lifts the strand, waits until the end has passed, and puts it down; it rises,
 //! and goes to the next strand or home.
 
-use super::plan::KnotPlan;
+use super::plan::{KnotPlan, Lead, PlannedRod};
 use super::two_arms::{TwoArms, joined};
 use crate::cell::{Cell, Place, PlanError, PlanReport, PlanRequest};
-use crate::plan::deployment::GripperPose;
 use crate::plan::tying::GripperPoses;
 use crate::robot::{JointTrajectory, Pose, pose, subdivide};
 use crate::task::room::is_in_room;
@@ -33,9 +32,9 @@ const STRIDE: usize = 5;
 pub struct TieMotionRequest<'a> {
     /// The cell.
     pub cell: &'a Cell,
-    /// Indices of the arm that lays and leads, and of the one that lifts.
+    /// Indices of the arm that lays the first rod, and of the other one.
     pub arms: [usize; 2],
-    /// Where the frame of the pattern lies in the cell.
+    /// Where the frame of the patterns lies in the cell.
     pub place: Place,
     /// Greatest speed of a hand that holds the rod, m/s.
     pub speed: f64,
@@ -45,100 +44,105 @@ pub struct TieMotionRequest<'a> {
     pub margin: f64,
 }
 
+/// How a rod is laid.
+pub struct Laying {
+    /// Both arms, while the one that lays comes from home; `None` for the first rod, to which it comes from where it stands.
+    pub approach: Option<JointTrajectory>,
+    /// The arm that lays, while it does.
+    pub motion: JointTrajectory,
+    /// Both arms, while that one goes home, having let go; `None` for the last rod, whose end it leads then.
+    pub parting: Option<JointTrajectory>,
+}
+
 /// A motion of both arms between two grips.
 pub struct Stretch {
     /// Name of its folder.
     pub name: String,
     /// The motion.
     pub motion: JointTrajectory,
-    /// What the gripper of the arm that lifts does then.
-    pub then: Option<Grip>,
+    /// Which gripper, of the first arm or the second, does what then.
+    pub then: Option<(usize, Grip)>,
 }
 
 /// The planned motions.
 pub struct TieMotion {
-    /// The rod is laid.
-    pub laying: JointTrajectory,
-    /// What comes then.
+    /// The rods are laid, one after the other, the first by the first arm.
+    pub layings: Vec<Laying>,
+    /// Ends are led and strands lifted.
     pub stretches: Vec<Stretch>,
-    /// The hand that has let go of the end rises.
-    pub rising: JointTrajectory,
-    /// Laying and what comes then as one motion of both arms, for people to see.
+    /// Which arm holds an end then, and both arms, while it goes home, having let go.
+    pub last: usize,
+    /// See `last`.
+    pub retreat: JointTrajectory,
+    /// All of that as one motion of both arms, for people to see.
     pub whole: JointTrajectory,
-    /// Numbers of the path of the arm that lays and leads.
+    /// Numbers of the path of the first arm.
     pub report: PlanReport,
-    /// Least distance of both to each other and to anything else when the rod is laid, m; 0.2 stands for that and more.
+    /// Least distance of both to each other and to anything else, m; 0.2 stands for that and more.
     pub least_clearance: f64,
-    /// The frame of the pattern in the cell.
+    /// The frame of the patterns in the cell.
     pub frame: Pose,
 }
 
-/// The tying while it is put together, stretch by stretch.
-struct Tying<'a> {
+/// Motions of both arms while they are put together.
+struct Choreography<'a> {
     request: &'a TieMotionRequest<'a>,
     frame: Pose,
     both: TwoArms<'a>,
+    /// All that was put together.
+    done: Vec<JointTrajectory>,
 }
 
 impl TieMotionRequest<'_> {
-    /// Plans the laying along poses, and the tying then.
+    /// Plans all motions.
     ///
     /// # Errors
-    /// The pattern leaves table or picture, an arm cannot follow its path, or something comes too near to something else.
-    pub fn plan(&self, laying: &[GripperPose], knot: &KnotPlan) -> Result<TieMotion, PlanError> {
-        let [layer, lifter] = self.arms;
-        let to_lay = laying.iter();
-        let to_lay: Vec<Pose> = to_lay
-            .map(|pose| Pose::from_parts(Translation3::from(pose.position), pose.rotation))
-            .collect();
-        let end: Vec<Pose> = poses(&knot.end).collect();
-        let path = to_lay.iter().chain(&end).copied().collect();
-        let report = self.best(layer, path, self.place)?;
-        let (first, report) = report;
+    /// A pattern leaves table or picture, an arm cannot follow its path, or something comes too near to something else.
+    pub fn plan(&self, knot: &KnotPlan) -> Result<TieMotion, PlanError> {
+        let (first, report) = self.best(0, held(knot, 0), self.place)?;
         let frame = pose(report.place_position, report.place_quaternion);
         let frame = frame.expect("the pose of a plan");
         self.in_room(&frame, knot)?;
-        let home = &self.cell.arms[lifter].home;
-        let to_lay: Vec<Pose> = to_lay.iter().map(|pose| frame * pose).collect();
-        let cell = self.cell;
-        let laid = cell.continuation(layer, &to_lay, &first, self.speed, RATE)?;
-        let there = laid.points[laid.points.len() - 1].clone();
-        let mut tying = Tying {
+        let mut choreography = Choreography {
             request: self,
             frame,
-            both: TwoArms::from(cell, self.arms, [there, home.clone()]),
+            both: TwoArms::from(self.cell, self.arms, [first, self.home(1).clone()]),
+            done: Vec::new(),
         };
-        let stretches = tying.stretches(knot)?;
-        let last = tying.both.joints(0).to_vec();
-        let rising = tying.raised(0, &last)?;
-        let mut beside = TwoArms::from(cell, self.arms, [first, home.clone()]);
-        beside.go([std::slice::from_ref(&laid), &[]]);
-        let before = beside.trajectory();
-        let tied = || stretches.iter().map(|stretch| &stretch.motion);
-        let least_clearance = tied()
-            .map(|motion| self.clearance(motion))
-            .try_fold(f64::INFINITY, |least, found| Ok(least.min(found?)))
+        let layings = choreography.layings(knot)?;
+        let (last, stretches) = choreography.stretches(knot)?;
+        choreography.homewards(last)?;
+        let retreat = choreography.ended();
+        let done = &choreography.done;
+        let found = done.iter().map(|motion| self.clearance(motion));
+        let least_clearance = found
+            .collect::<Result<Vec<f64>, String>>()
             .map_err(PlanError::Path)?;
         Ok(TieMotion {
-            whole: joined(std::iter::once(&before).chain(tied())),
-            laying: laid,
+            whole: joined(done),
+            layings,
             stretches,
-            rising,
+            last,
+            retreat,
             report,
-            least_clearance,
+            least_clearance: least_clearance.into_iter().fold(f64::INFINITY, f64::min),
             frame,
         })
     }
 
-    /// The best joints at the first pose of a path that an arm is to follow, and its numbers.
+    fn home(&self, which: usize) -> &Vec<f64> {
+        &self.cell.arms[self.arms[which]].home
+    }
+
+    /// The best joints at the first pose of a path that one of the arms is to follow, and its numbers.
     fn best(
         &self,
-        arm: usize,
+        which: usize,
         path: Vec<Pose>,
         place: Place,
     ) -> Result<(Vec<f64>, PlanReport), PlanError> {
         let plan = self.cell.plan(&PlanRequest {
-            arm,
+            arm: self.arms[which],
             path,
             place,
             margin: self.margin,
@@ -148,10 +152,10 @@ impl TieMotionRequest<'_> {
         Ok((plan.trajectory.points[0].clone(), plan.report))
     }
 
-    /// The rod must lie on the table, and be seen.
+    /// Rods must lie on the table, and be seen.
     fn in_room(&self, frame: &Pose, knot: &KnotPlan) -> Result<(), PlanError> {
-        let mut points = knot.points.iter();
-        let outside = points.find(|point| !is_in_room(self.cell, frame, **point));
+        let mut points = knot.rods.iter().flat_map(|planned| planned.points());
+        let outside = points.find(|point| !is_in_room(self.cell, frame, *point));
         outside.map_or(Ok(()), |point| {
             Err(PlanError::Input(format!(
                 "at {:.3},{:.3} the pattern leaves the table, or the picture of the camera, in which its knot is to be seen: \
@@ -179,7 +183,7 @@ impl TieMotionRequest<'_> {
             if near.distance < self.margin {
                 let [one, other] = &near.between;
                 return Err(format!(
-                    "{one} comes within {:.3} m of {other} when both arms tie, {time:.1} s after one of their motions has begun; \
+                    "{one} comes within {:.3} m of {other} {time:.1} s after one of their motions has begun; \
                      allowed: {} m, --margin says how much",
                     near.distance.max(0.0),
                     self.margin
@@ -191,61 +195,155 @@ impl TieMotionRequest<'_> {
     }
 }
 
-impl Tying<'_> {
-    /// All motions from the end of the laying on.
-    fn stretches(&mut self, knot: &KnotPlan) -> Result<Vec<Stretch>, PlanError> {
-        let mut stretches = Vec::new();
-        let mut time = 0.0;
-        let mut above: Option<Vec<f64>> = None;
-        let lifts = knot.lifts.iter().zip(&knot.schedule.lifts);
-        for (number, (lift, (_, corners))) in (1..).zip(lifts) {
-            let [begin, lifted, lower, end] = *corners;
-            let strand: Vec<Pose> = self.in_cell(&lift.poses);
-            let over = Translation3::new(0.0, 0.0, RISE) * strand[0];
-            let path = std::iter::once(over).chain(strand.iter().copied());
-            let (there, _) =
-                self.request
-                    .best(self.request.arms[1], path.collect(), Place::At([0.0; 4]))?;
-            let leading = self.led(knot, [time, begin])?;
-            let mut coming = self.parting(above.take())?;
-            let from = coming.last().map_or(self.both.joints(1), last_of).to_vec();
-            coming.extend(self.straight(&from, &there)?);
-            let lowering = [over, strand[0]];
-            coming.extend(self.way(1, &lowering, &there, self.request.speed)?);
-            self.both.go([&leading, &coming]);
-            stretches.push(self.ended(format!("tying/{number}_leading"), Some(Grip::Close)));
-            for times in [[begin, lifted], [lifted, lower], [lower, end]] {
-                let led = self.led(knot, times)?;
-                let part = between(&lift.poses, times);
-                let from = self.both.joints(1).to_vec();
-                let moved = self.timed(1, &part, &from, times)?;
-                self.both.go([&led, &moved]);
-                self.both.rest(REST);
-            }
-            stretches.push(self.ended(format!("tying/{number}_lifting"), Some(Grip::Open)));
-            above = Some(self.both.joints(1).to_vec());
-            time = end;
+impl Choreography<'_> {
+    /// The rods are laid.
+    fn layings(&mut self, knot: &KnotPlan) -> Result<Vec<Laying>, PlanError> {
+        let mut layings = Vec::new();
+        for (number, planned) in knot.rods.iter().enumerate() {
+            let which = number % 2;
+            let approach = if number == 0 {
+                None
+            } else {
+                let path = held(knot, number)
+                    .iter()
+                    .map(|pose| self.frame * pose)
+                    .collect();
+                let (first, _) = self.request.best(which, path, Place::At([0.0; 4]))?;
+                let coming = self.straight(which, self.both.joints(which), &first)?;
+                self.go(which, coming.as_slice());
+                Some(self.ended())
+            };
+            let path = laying(planned).map(|pose| self.frame * pose);
+            let path: Vec<Pose> = path.collect();
+            let from = self.both.joints(which).to_vec();
+            let motion = self.way(which, &path, &from, self.request.speed)?;
+            self.go(which, motion.as_slice());
+            self.ended();
+            let motion = motion.ok_or_else(|| {
+                PlanError::Input("the pattern is too short to be laid along".into())
+            })?;
+            let parting = if number + 1 == knot.rods.len() {
+                None
+            } else {
+                self.homewards(which)?;
+                Some(self.ended())
+            };
+            layings.push(Laying {
+                approach,
+                motion,
+                parting,
+            });
         }
-        let leading = self.led(knot, [time, knot.schedule.duration()])?;
-        let mut home = self.parting(above)?;
-        let from = home.last().map_or(self.both.joints(1), last_of).to_vec();
-        home.extend(self.straight(&from, &self.home())?);
-        self.both.go([&leading, &home]);
-        stretches.push(self.ended("tying/end".into(), None));
-        Ok(stretches)
+        Ok(layings)
+    }
+
+    /// Ends are led and strands lifted; the arm that holds an end at last.
+    fn stretches(&mut self, knot: &KnotPlan) -> Result<(usize, Vec<Stretch>), PlanError> {
+        let mut stretches = Vec::new();
+        let mut last = 0;
+        for (index, lead) in knot.leads.iter().enumerate() {
+            let [leader, lifter] = [0, 1].map(|other| (lead.schedule.rod + other) % 2);
+            if index > 0 {
+                let end = self.in_cell(&lead.end);
+                let coming = self.to_what_lies(leader, &end, Vec::new())?;
+                self.go(leader, &coming);
+                let taken = Some((leader, Grip::Close));
+                stretches.push(self.stretch(stretches.len(), "taking", taken));
+            }
+            let mut time = 0.0;
+            let mut rising = Vec::new();
+            for (lift, (_, corners)) in lead.lifts.iter().zip(&lead.schedule.lifts) {
+                let [begin, lifted, lower, end] = *corners;
+                let strand = self.in_cell(&lift.poses);
+                let leading = self.led(leader, lead, [time, begin])?;
+                let coming = self.to_what_lies(lifter, &strand, rising)?;
+                self.go_both(leader, [&leading, &coming]);
+                let taken = Some((lifter, Grip::Close));
+                stretches.push(self.stretch(stretches.len(), "leading", taken));
+                for times in [[begin, lifted], [lifted, lower], [lower, end]] {
+                    let leading = self.led(leader, lead, times)?;
+                    let part = between(&lift.poses, times);
+                    let moved = self.timed(lifter, &part, times)?;
+                    self.go_both(leader, [&leading, &moved]);
+                    self.both.rest(REST);
+                }
+                let let_go = Some((lifter, Grip::Open));
+                stretches.push(self.stretch(stretches.len(), "lifting", let_go));
+                rising = vec![self.raised(lifter)?];
+                time = end;
+            }
+            let leading = self.led(leader, lead, [time, lead.schedule.duration()])?;
+            let from = rising.last().map_or(self.both.joints(lifter), last_of);
+            let home = self.straight(lifter, from, self.request.home(lifter))?;
+            rising.extend(home);
+            self.go_both(leader, [&leading, &rising]);
+            let is_last = index + 1 == knot.leads.len();
+            let let_go = (!is_last).then_some((leader, Grip::Open));
+            stretches.push(self.stretch(stretches.len(), "end", let_go));
+            if !is_last {
+                self.homewards(leader)?;
+                stretches.push(self.stretch(stretches.len(), "parting", None));
+            }
+            last = leader;
+        }
+        Ok((last, stretches))
     }
 
     /// What has been put together so far as a motion of its own; the next one begins where it ends.
-    fn ended(&mut self, name: String, then: Option<Grip>) -> Stretch {
+    fn ended(&mut self) -> JointTrajectory {
         self.both.rest(REST);
         let joints = [0, 1].map(|which| self.both.joints(which).to_vec());
         let next = TwoArms::from(self.request.cell, self.request.arms, joints);
         let motion = std::mem::replace(&mut self.both, next).trajectory();
-        Stretch { name, motion, then }
+        self.done.push(motion.clone());
+        motion
     }
 
-    fn home(&self) -> Vec<f64> {
-        self.request.cell.arms[self.request.arms[1]].home.clone()
+    fn stretch(&mut self, before: usize, what: &str, then: Option<(usize, Grip)>) -> Stretch {
+        Stretch {
+            name: format!("tying/{:02}_{what}", before + 1),
+            motion: self.ended(),
+            then,
+        }
+    }
+
+    /// One arm goes on, and the other one rests.
+    fn go(&mut self, which: usize, ways: &[JointTrajectory]) {
+        self.go_both(which, [ways, &[]]);
+    }
+
+    /// An arm and the other one go on.
+    fn go_both(&mut self, which: usize, [ways, others]: [&[JointTrajectory]; 2]) {
+        self.both.go(match which {
+            0 => [ways, others],
+            _ => [others, ways],
+        });
+    }
+
+    /// An arm that goes along some ways first comes from above to the first of some poses of its hand, in the cell.
+    fn to_what_lies(
+        &self,
+        which: usize,
+        poses: &[Pose],
+        mut before: Vec<JointTrajectory>,
+    ) -> Result<Vec<JointTrajectory>, PlanError> {
+        let over = Translation3::new(0.0, 0.0, RISE) * poses[0];
+        let path = std::iter::once(over).chain(poses.iter().copied()).collect();
+        let (there, _) = self.request.best(which, path, Place::At([0.0; 4]))?;
+        let from = before.last().map_or(self.both.joints(which), last_of);
+        let coming = self.straight(which, from, &there)?;
+        before.extend(coming);
+        before.extend(self.way(which, &[over, poses[0]], &there, self.request.speed)?);
+        Ok(before)
+    }
+
+    /// An arm that has let go rises and goes home.
+    fn homewards(&mut self, which: usize) -> Result<(), PlanError> {
+        let mut ways = vec![self.raised(which)?];
+        let home = self.straight(which, last_of(&ways[0]), self.request.home(which))?;
+        ways.extend(home);
+        self.go(which, &ways);
+        Ok(())
     }
 
     fn in_cell(&self, poses: &GripperPoses) -> Vec<Pose> {
@@ -253,16 +351,20 @@ impl Tying<'_> {
     }
 
     /// The end led between two times of the schedule, from where the arm is.
-    fn led(&self, knot: &KnotPlan, times: [f64; 2]) -> Result<Vec<JointTrajectory>, PlanError> {
-        self.timed(0, &between(&knot.end, times), self.both.joints(0), times)
+    fn led(
+        &self,
+        which: usize,
+        lead: &Lead,
+        times: [f64; 2],
+    ) -> Result<Vec<JointTrajectory>, PlanError> {
+        self.timed(which, &between(&lead.end, times), times)
     }
 
-    /// A way along poses that takes as long as it should, or longer where that would be too fast.
+    /// A way along poses from where the arm is that takes as long as it should, or longer where that would be too fast.
     fn timed(
         &self,
         which: usize,
         poses: &GripperPoses,
-        from: &[f64],
         [begin, end]: [f64; 2],
     ) -> Result<Vec<JointTrajectory>, PlanError> {
         let path = self.in_cell(poses);
@@ -271,29 +373,29 @@ impl Tying<'_> {
             return Ok(Vec::new());
         }
         let speed = (length / (end - begin)).min(self.request.speed);
-        Ok(self.way(which, &path, from, speed)?.into_iter().collect())
+        let way = self.way(which, &path, self.both.joints(which), speed)?;
+        Ok(way.into_iter().collect())
     }
 
-    /// The arm that lifts rises from the strand that it has let go, if it has.
-    fn parting(&self, from: Option<Vec<f64>>) -> Result<Vec<JointTrajectory>, PlanError> {
-        let risen = from.map(|from| self.raised(1, &from)).transpose()?;
-        Ok(risen.into_iter().collect())
-    }
-
-    fn raised(&self, which: usize, from: &[f64]) -> Result<JointTrajectory, PlanError> {
+    /// The hand of an arm rises from where it is.
+    fn raised(&self, which: usize) -> Result<JointTrajectory, PlanError> {
         let arm = &self.request.cell.arms[self.request.arms[which]];
+        let from = self.both.joints(which);
         let hand = arm.base * arm.chain.hand(from);
         let path = [hand, Translation3::new(0.0, 0.0, RISE) * hand];
         let way = self.way(which, &path, from, self.request.speed)?;
         Ok(way.expect("a way of some length"))
     }
 
-    /// The arm that lifts goes from joints to joints, each straight.
-    fn straight(&self, from: &[f64], to: &[f64]) -> Result<Option<JointTrajectory>, PlanError> {
-        let arm = self.request.arms[1];
-        self.request
-            .cell
-            .approach(arm, from, to, self.request.free_speed)
+    /// An arm that holds nothing goes from joints to joints, each straight.
+    fn straight(
+        &self,
+        which: usize,
+        from: &[f64],
+        to: &[f64],
+    ) -> Result<Option<JointTrajectory>, PlanError> {
+        let (cell, arm) = (self.request.cell, self.request.arms[which]);
+        cell.approach(arm, from, to, self.request.free_speed)
     }
 
     fn way(
@@ -319,6 +421,20 @@ fn last_of(way: &JointTrajectory) -> &[f64] {
 fn poses(poses: &GripperPoses) -> impl Iterator<Item = Pose> {
     let poses = poses.iter();
     poses.map(|(_, position, rotation)| Pose::from_parts(Translation3::from(*position), *rotation))
+}
+
+/// Poses of the gripper that lays a rod, in the frame of the pattern.
+fn laying(planned: &PlannedRod) -> impl Iterator<Item = Pose> {
+    let poses = planned.laying.iter();
+    poses.map(|pose| Pose::from_parts(Translation3::from(pose.position), pose.rotation))
+}
+
+/// All poses of the gripper that lays a rod while it holds it.
+fn held(knot: &KnotPlan, number: usize) -> Vec<Pose> {
+    let is_held_on = number + 1 == knot.rods.len();
+    let lead = knot.leads.first().filter(|_| is_held_on);
+    let led = lead.into_iter().flat_map(|lead| poses(&lead.end));
+    laying(&knot.rods[number]).chain(led).collect()
 }
 
 /// The poses between two times.
