@@ -105,6 +105,43 @@ fn a_trefoil_is_tied_by_two_arms_and_seen() {
     assert!(served.read("tied/report.md").contains("tied as drawn"));
 }
 
+/// What ties a reef knot in two rods, everything in a folder.
+fn reef(folder: &str) -> Vec<String> {
+    let mut arguments = task("over,over,under,over,over,under", folder);
+    arguments[2] = scenarios("patterns/reef.svg").to_str().unwrap().to_owned();
+    let rod = scenarios("rods/green_vps.toml");
+    let more = ["--stroke", "1", "--second-stroke", "2", "--second-rod"];
+    arguments.extend(more.map(str::to_owned));
+    arguments.push(rod.to_str().unwrap().to_owned());
+    arguments
+}
+
+#[test]
+fn a_reef_knot_is_tied_in_two_rods_and_seen() {
+    let rod = scenarios("rods/green_vps.toml");
+    let served = serve(&["--rate", "20", "--second-rod", rod.to_str().unwrap()]);
+    let arguments = reef("tied");
+    let output = served.run(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
+    let record = record(&output);
+    let score = &record["score"];
+    assert_eq!(score["seen"]["determinant"], 9, "{record}");
+    assert_eq!(score["seen"]["signature"], 0, "{record}");
+    assert_eq!(score["tied"], true, "{record}");
+    assert_eq!(score["crossings"].as_array().unwrap().len(), 6, "{record}");
+    for name in [
+        "laying_1/state.csv",
+        "parting_1/state.csv",
+        "approach_2/state.csv",
+        "laying_2/state.csv",
+        "tying/05_taking/state.csv",
+        "tying/07_lifting/state.csv",
+        "rod_1.csv",
+        "rod_2.csv",
+    ] {
+        assert!(!served.read(&format!("tied/{name}")).is_empty(), "{name}");
+    }
+}
+
 #[test]
 fn a_rod_that_is_led_over_everything_is_not_tied() {
     let served = serve(&["--rate", "20"]);
@@ -270,6 +307,29 @@ fn what_cannot_be_tied_is_refused_before_anything_moves() {
         &cell.replace("[arms.gripper]", "[arms.nothing]"),
         "gripper",
         &|_| {},
+    );
+}
+
+#[test]
+fn a_dry_run_of_two_rods_shows_how_both_are_laid_and_led() {
+    let (code, said, folder) = alone(&two_gantries(), |arguments| {
+        *arguments = reef("shown");
+        arguments.push("--dry-run".into());
+    });
+    assert_eq!(code, Some(0), "{said}");
+    let manifest = fs::read_to_string(folder.path().join("shown/manifest.json")).unwrap();
+    let record: Value = serde_json::from_str(&manifest).unwrap();
+    assert_eq!(record["drawn"]["determinant"], 9);
+    assert_eq!(record["lifts"], 2);
+    // Six crossings of two rods, three of which are no knot.
+    let (code, said, _) = alone(&two_gantries(), |arguments| {
+        *arguments = reef("shown");
+        arguments[10] = "over,over,over".into();
+    });
+    assert_eq!(code, Some(2), "{said}");
+    assert!(
+        said.contains("crossings that the rods come to again: 6"),
+        "{said}"
     );
 }
 

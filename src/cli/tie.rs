@@ -12,7 +12,8 @@ use crate::cell::{Cell, Place};
 use crate::plan::deployment::Spare;
 use crate::results::write_whole;
 use crate::task::{
-    KnotPlan, SETTLING, Status, TieMotionRequest, TieRecord, TieTask, Unfinished, middle_of_table,
+    KnotPlan, SETTLING, Status, TieMotion, TieMotionRequest, TieRecord, TieTask, Unfinished,
+    middle_of_table,
 };
 use crate::vision::ColourRule;
 use clap::Args;
@@ -146,7 +147,7 @@ pub fn tie(arguments: &TieArguments) -> Result<(), Failure> {
         free_speed: arguments.approach_speed,
         margin: arguments.margin,
     };
-    let motion = request.plan(&knot)?;
+    let motion = TieMotion::plan(&request, &knot)?;
     let whole = &motion.whole;
     write_whole(&directory.join("joints.csv"), whole.to_csv().as_bytes())?;
     let page = cell.page(Some(whole), FRAMES);
@@ -226,7 +227,11 @@ impl TieArguments {
         let first = self.plan.pattern_name().to_owned();
         let second = self.second_rod.as_ref().map(|_| {
             let file = self.second_pattern.as_ref();
-            file.map_or_else(|| first.clone(), |file| file.display().to_string())
+            let file = file.map_or_else(|| first.clone(), |file| file.display().to_string());
+            match self.second_stroke {
+                Some(number) => format!("stroke {number} of {file}"),
+                None => file,
+            }
         });
         std::iter::once(first.clone()).chain(second).collect()
     }

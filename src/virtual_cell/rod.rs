@@ -1,10 +1,9 @@
-//! The rod of a virtual cell: handed to a gripper, laid down on the table, let go.
+//! Rods for the grippers of a virtual cell, which are handed over so that they hang on the table.
 
-use super::grip::{Grip, within_reach};
+use super::simulated_rod::{HandedRod, Placed, SimulatedRod};
 use crate::experiment::{self, DeploymentTables};
-use crate::mechanics::dynamics::{Simulation, SimulationError};
-use crate::mechanics::scene::Motion;
-use crate::mechanics::system::Grasp;
+use crate::mechanics::dynamics::Simulation;
+use crate::mechanics::scene::{Motion, Scene};
 use crate::mechanics::{UnitQuaternion, Vector3};
 use crate::plan::deployment::{DeployedRod, OptimalGrasps, Scheme, trajectory};
 use crate::plan::pattern::{Line, PatternSource};
@@ -12,25 +11,13 @@ use crate::robot::{Pose, distance_and_angle};
 use crate::run::PreparedRun;
 use crate::scenario::ScenarioError;
 use nalgebra::Translation3;
-use std::ops::Range;
 use std::path::Path;
-use std::time::{Duration, Instant};
 
-/// Time in which a rod that is handed over comes into the fingers, s.
-pub const HANDING_OVER: f64 = 1.0;
 /// How far the hand may be from where the rod hangs by itself, in gravito-bending lengths, and how far turned, rad: a person
 /// bends it by so much.
 const REACH: [f64; 2] = [2.0, 0.6];
 /// Least part of the hand's y axis that must be level for the rod to have a direction on the table.
 const LEVEL: f64 = 0.5;
-/// Speed of every node below which a rod that was let go rests, m/s.
-const REST: f64 = 1e-4;
-/// Longest time of simulation without a look at anything else.
-const AT_A_TIME: Duration = Duration::from_millis(20);
-/// Longest time for the simulation of a fall: a heap of rod is hard, and the rod along the pattern lies already.
-const LONGEST_FALL: Duration = Duration::from_secs(2);
-/// Height of a rod's end at which the table stops the hand that leads it, in radii.
-const FLOOR: f64 = 1.05;
 /// Length of the line on which a rod begins, over that of the rod.
 const FIRST_LINE: f64 = 0.05;
 
@@ -127,15 +114,32 @@ impl RodSupply {
         now: f64,
     ) -> Result<SimulatedRod, String> {
         let frame = self.frame(hand, table)?;
-        let simulation = Simulation::new(&self.prepared.scene, &self.prepared.integration);
-        let simulation = simulation.map_err(|error| error.to_string())?;
         let placed = Placed {
             frame: table * frame,
             end: self.end,
             radius: self.rod.radius,
         };
-        let rod = SimulatedRod::held_by(arm, simulation, placed, now);
-        Ok(rod.stopped_by_table(self.rod.radius))
+        self.simulated(&self.prepared.scene, placed, &[], arm, now)
+    }
+
+    /// Rods of a scene, of which the last one, of this kind, is handed to an arm beside `others`.
+    fn simulated(
+        &self,
+        scene: &Scene,
+        placed: Placed,
+        others: &[HandedRod],
+        arm: usize,
+        now: f64,
+    ) -> Result<SimulatedRod, String> {
+        let simulation = Simulation::new(scene, &self.prepared.integration);
+        let simulation = simulation.map_err(|error| error.to_string())?;
+        let handed = HandedRod {
+            arm,
+            nodes: self.prepared.scene.rods[0].centreline.len(),
+            radius: self.rod.radius,
+        };
+        let rods = [others, &[handed]].concat();
+        Ok(SimulatedRod::handed(simulation, placed, &rods, now))
     }
 
     /// The frame, on the table, of the simulation of a rod that hangs from a hand.
@@ -170,7 +174,7 @@ impl RodSupply {
         Ok(frame)
     }
 
-    /// The same beside a rod, of another kind, that lies there and that nobody holds.
+    /// The same beside a rod, of another `kind`, that lies there and that nobody holds.
     ///
     /// # Errors
     /// As [`Self::handed`].
@@ -182,317 +186,32 @@ impl RodSupply {
         table: &Pose,
         now: f64,
     ) -> Result<SimulatedRod, String> {
-        let moved = lying.frame.inverse() * table * self.frame(hand, table)?;
+        let frame = lying.frame();
+        let moved = frame.inverse() * table * self.frame(hand, table)?;
         let mut scene = self.prepared.scene.clone();
-        let mut first = kind.prepared.scene.rods[0].clone();
-        first.name = "lying".into();
-        first.centreline = lying.simulation.positions()[lying.pieces[0].nodes.clone()].to_vec();
-        first.end_tangents = [None; 2];
-        let new = &mut scene.rods[0];
-        for node in &mut new.centreline {
+        let handed = &mut scene.rods[0];
+        for node in &mut handed.centreline {
             *node = (moved * nalgebra::Point3::from(*node)).coords;
         }
-        for tangent in new.end_tangents.iter_mut().flatten() {
+        for tangent in handed.end_tangents.iter_mut().flatten() {
             *tangent = moved.rotation * *tangent;
         }
-        let pieces = Piece::beside_each_other([
-            (lying.pieces[0].arm, first.centreline.len(), first.radius),
-            (arm, new.centreline.len(), new.radius),
-        ]);
+        // What lies there goes on from rest, its twist forgotten.
+        let mut first = kind.prepared.scene.rods[0].clone();
+        first.name = "lying".into();
+        first.centreline = lying.positions().to_vec();
+        first.end_tangents = [None; 2];
         scene.rods.insert(0, first);
         for clamp in &mut scene.clamps {
             clamp.rod += 1;
             clamp.motion = Motion::default();
         }
-        let simulation = Simulation::new(&scene, &self.prepared.integration);
-        let simulation = simulation.map_err(|error| error.to_string())?;
         let placed = Placed {
-            frame: lying.frame,
+            frame,
             end: moved * self.end,
             radius: self.rod.radius,
         };
-        let end = pieces[1].nodes.end - 1;
-        let mut rods = SimulatedRod::held_by(arm, simulation, placed, now);
-        rods.pieces = pieces;
-        rods.grips = vec![Grip::new(arm, end, 0, moved * self.end).handed_by(HANDING_OVER)];
-        Ok(rods.stopped_by_table(self.rod.radius))
-    }
-}
-
-/// Where a rod begins that a gripper holds by its end.
-pub struct Placed {
-    /// The frame of its simulation in the cell.
-    pub frame: Pose,
-    /// Its end in that frame, which clamp 0 of the scene holds.
-    pub end: Pose,
-    /// Its radius, m.
-    pub radius: f64,
-}
-
-/// A rod of those in a simulation.
-struct Piece {
-    /// The arm to which it was handed.
-    arm: usize,
-    nodes: Range<usize>,
-    /// Its radius, m.
-    radius: f64,
-}
-
-impl Piece {
-    /// Rods by their arms, numbers of nodes and radii, m.
-    fn beside_each_other<const N: usize>(rods: [(usize, usize, f64); N]) -> Vec<Self> {
-        let mut begin = 0;
-        let pieces = rods.map(|(arm, count, radius)| {
-            let nodes = begin..begin + count;
-            begin = nodes.end;
-            Self { arm, nodes, radius }
-        });
-        pieces.into()
-    }
-}
-
-/// A rod in simulation, or two that touch each other.
-pub struct SimulatedRod {
-    simulation: Simulation,
-    /// The frame of the simulation in the cell.
-    frame: Pose,
-    /// The grippers that hold it, in the order in which they took hold.
-    grips: Vec<Grip>,
-    /// Until when their hands lead it, s of the simulation.
-    led_until: f64,
-    /// When the simulation began, s.
-    begin: f64,
-    /// Which of its nodes are which rod.
-    pieces: Vec<Piece>,
-    /// Time that its fall has taken to simulate.
-    falling: Duration,
-    rests: bool,
-}
-
-impl SimulatedRod {
-    /// A rod whose end is held by clamp 0 of its scene, from the time `now`, s, on.
-    pub fn held(simulation: Simulation, placed: Placed, now: f64) -> Self {
-        Self::held_by(0, simulation, placed, now)
-    }
-
-    /// The same, where it is the gripper of an arm that holds it.
-    fn held_by(arm: usize, simulation: Simulation, placed: Placed, now: f64) -> Self {
-        let end = simulation.positions().len() - 1;
-        let grip = Grip::new(arm, end, 0, placed.end).handed_by(HANDING_OVER);
-        Self {
-            simulation,
-            frame: placed.frame,
-            grips: vec![grip],
-            led_until: 0.0,
-            begin: now,
-            pieces: Piece::beside_each_other([(arm, end + 1, placed.radius)]),
-            falling: Duration::ZERO,
-            rests: false,
-        }
-    }
-
-    /// The same on a table, z = 0 in the frame of the simulation, which stops hands that lead an end of some radius, m.
-    fn stopped_by_table(mut self, radius: f64) -> Self {
-        let floor = FLOOR * radius;
-        let grips = self.grips.into_iter();
-        self.grips = grips.map(|grip| grip.stopped_at(floor)).collect();
-        self
-    }
-
-    /// A gripper takes the end again where it is, at `end` in the frame of the simulation, at the time `now`, s.
-    ///
-    /// # Errors
-    /// The simulation refuses.
-    pub fn take_again(&mut self, node: usize, end: Pose, now: f64) -> Result<(), SimulationError> {
-        let clamp = self.clamped(node, now)?;
-        self.grips.push(Grip::new(0, node, clamp, end));
-        Ok(())
-    }
-
-    /// The node that a hand in the cell reaches: the nearest within 1.5 cm seen from above, if the hand is as low as it, and nobody
-    /// holds the rod there.
-    pub fn within_reach(&self, hand: &Pose) -> Option<usize> {
-        let hand = self.frame.inverse() * hand;
-        let nodes = self.simulation.positions();
-        within_reach(&hand.translation.vector, nodes, &self.grips)
-    }
-
-    /// The gripper of an arm, whose hand is somewhere in the cell, takes hold of a node at the time `now`, s. From then on the node
-    /// moves with the hand, which does not press it into what lies under it.
-    ///
-    /// # Errors
-    /// The simulation refuses.
-    pub fn take(
-        &mut self,
-        arm: usize,
-        node: usize,
-        hand: &Pose,
-        now: f64,
-    ) -> Result<(), SimulationError> {
-        let clamp = self.clamped(node, now)?;
-        let hand = self.frame.inverse() * hand;
-        let lowest = hand.translation.z;
-        self.grips
-            .push(Grip::new(arm, node, clamp, hand).stopped_at(lowest));
-        Ok(())
-    }
-
-    /// A new clamp of a node at the time `now`, s. A rod that lay goes on from there.
-    fn clamped(&mut self, node: usize, now: f64) -> Result<usize, SimulationError> {
-        let grasp = Grasp {
-            position: true,
-            frame: true,
-        };
-        let clamp = self.simulation.grasp(node, grasp)?;
-        if self.grips.is_empty() {
-            self.led_until = self.simulation.time();
-            self.begin = now - self.simulation.time();
-            self.falling = Duration::ZERO;
-            self.rests = false;
-        }
-        Ok(clamp)
-    }
-
-    /// Moves on towards the time `now`, s, what is held of it in the hand; whether it has come there. Hard steps take long: then it
-    /// must be called again, with the same hand, so that others need not wait.
-    ///
-    /// # Errors
-    /// No step is found, or the rod is torn, while it is held. One that was let go stays as it is then.
-    pub fn advance(&mut self, hand: &Pose, now: f64) -> Result<bool, SimulationError> {
-        self.advance_in(|_| *hand, now)
-    }
-
-    /// The same with the hand of each arm that holds it.
-    ///
-    /// # Errors
-    /// As [`Self::advance`].
-    pub fn advance_in(
-        &mut self,
-        hand: impl Fn(usize) -> Pose,
-        now: f64,
-    ) -> Result<bool, SimulationError> {
-        let until = now - self.begin;
-        if self.rests {
-            return Ok(true);
-        }
-        if self.is_held() && until > self.led_until {
-            let times = [self.simulation.time(), until];
-            for grip in &mut self.grips {
-                let hand = self.frame.inverse() * hand(grip.holder);
-                let motion = grip.lead(&hand, times);
-                self.simulation.move_clamp(grip.clamp, motion);
-            }
-            self.led_until = until;
-        }
-        let work = Instant::now();
-        while self.simulation.time() < until {
-            if work.elapsed() > AT_A_TIME {
-                self.settled(work);
-                return Ok(self.rests);
-            }
-            if let Err(error) = self.simulation.advance(until) {
-                return self.given_up(error).map(|()| true);
-            }
-        }
-        self.settled(work);
-        Ok(true)
-    }
-
-    /// Notes whether a rod that was let go rests, or falls in a way that takes too long to simulate.
-    fn settled(&mut self, work: Instant) {
-        if self.is_held() {
-            return;
-        }
-        let velocities = self.simulation.velocities().iter();
-        let fastest = velocities.map(|v| v.norm()).fold(0.0, f64::max);
-        self.falling += work.elapsed();
-        self.rests = fastest < REST;
-        if !self.rests && self.falling > LONGEST_FALL {
-            tracing::warn!(
-                "the rod that was let go takes long to simulate: it stays as it is, its fastest node at {fastest:.3} m/s"
-            );
-            self.rests = true;
-        }
-    }
-
-    /// A rod that was let go stays as it is where no step is found.
-    fn given_up(&mut self, error: SimulationError) -> Result<(), SimulationError> {
-        if self.is_held() {
-            return Err(error);
-        }
-        tracing::warn!("the rod that was let go stays as it is: {error}");
-        self.rests = true;
-        Ok(())
-    }
-
-    /// All grippers let go.
-    ///
-    /// # Errors
-    /// The simulation refuses.
-    pub fn release(&mut self) -> Result<(), SimulationError> {
-        for grip in self.grips.drain(..) {
-            self.simulation.release(grip.clamp)?;
-        }
-        Ok(())
-    }
-
-    /// The gripper of an arm lets go, if it holds the rod.
-    ///
-    /// # Errors
-    /// The simulation refuses.
-    pub fn release_by(&mut self, arm: usize) -> Result<(), SimulationError> {
-        for grip in self.grips.extract_if(.., |grip| grip.holder == arm) {
-            self.simulation.release(grip.clamp)?;
-        }
-        Ok(())
-    }
-
-    /// Whether a gripper holds it.
-    pub fn is_held(&self) -> bool {
-        !self.grips.is_empty()
-    }
-
-    /// The arms whose grippers hold it, in the order in which they took hold.
-    pub fn holders(&self) -> impl DoubleEndedIterator<Item = usize> {
-        self.grips.iter().map(|grip| grip.holder)
-    }
-
-    /// Multiplies a load of its scene by a factor, see [`Simulation::set_load_factor`].
-    ///
-    /// # Errors
-    /// There is no such load.
-    pub fn set_load(&mut self, load: usize, factor: f64) -> Result<(), SimulationError> {
-        self.simulation.set_load_factor(load, factor)
-    }
-
-    /// Its nodes in the frame of its simulation, m.
-    pub fn positions(&self) -> &[Vector3] {
-        self.simulation.positions()
-    }
-
-    /// Its nodes in the cell, m.
-    pub fn nodes(&self) -> Vec<Vector3> {
-        let nodes = self.simulation.positions().iter();
-        nodes
-            .map(|node| (self.frame * nalgebra::Point3::from(*node)).coords)
-            .collect()
-    }
-
-    /// Nodes in the cell, m, and radius, m, of each rod.
-    pub fn seen(&self) -> Vec<(Vec<Vector3>, f64)> {
-        let nodes = self.nodes();
-        let pieces = self.pieces.iter();
-        pieces
-            .map(|piece| (nodes[piece.nodes.clone()].to_vec(), piece.radius))
-            .collect()
-    }
-
-    /// The only rod's arm, to which it was handed; `None` where there are two.
-    pub fn only_arm(&self) -> Option<usize> {
-        match self.pieces.as_slice() {
-            [only] => Some(only.arm),
-            _ => None,
-        }
+        self.simulated(&scene, placed, lying.rods(), arm, now)
     }
 }
 

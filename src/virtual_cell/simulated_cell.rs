@@ -5,8 +5,9 @@ use super::axis::moving_parts;
 use super::camera::Scenery;
 use super::chuck::{Chuck, ChuckedSupply};
 use super::fault::{Fault, FaultKind};
-use super::rod::{HANDING_OVER, RodSupply, SimulatedRod};
+use super::rod::RodSupply;
 use super::sheet::SimulatedSheet;
+use super::simulated_rod::{HANDING_OVER, SimulatedRod};
 use crate::cell::Cell;
 use crate::experiment::Jitter;
 use crate::mechanics::dynamics::SimulationError;
@@ -202,8 +203,10 @@ impl SimulatedCell {
         // A rod of another kind stays where it lies.
         let other = self.rod.as_ref().zip(self.second_supply.as_ref());
         let other = other.and_then(|(rod, _)| {
-            let first = rod.only_arm()?;
-            let kind = self.supply_of(first)?;
+            let [only] = rod.rods() else {
+                return None;
+            };
+            let kind = self.supply_of(only.arm)?;
             (!std::ptr::eq(kind, supply)).then_some((rod, kind))
         });
         let handed = match other {
@@ -385,5 +388,63 @@ impl SimulatedCell {
             events.push(Event::Fault(fault.kind));
         }
         Ok(events)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{cell, short_rod};
+    use super::*;
+
+    /// Moves an arm to joints within so many seconds.
+    fn go(cell: &mut SimulatedCell, arm: usize, joints: [f64; 6], seconds: f64) {
+        let names = cell.arms()[arm].names().into_iter();
+        let trajectory = PartTrajectory {
+            joints: names.map(str::to_owned).collect(),
+            times: vec![0.0, seconds],
+            points: vec![cell.arms()[arm].joints().to_vec(), joints.to_vec()],
+        };
+        cell.follow(arm, trajectory).unwrap();
+        while cell.arms()[arm].is_moving() {
+            cell.advance().unwrap();
+        }
+    }
+
+    fn wait(cell: &mut SimulatedCell, seconds: f64) {
+        let until = cell.time() + seconds;
+        while cell.time() < until {
+            cell.advance().unwrap();
+        }
+    }
+
+    #[test]
+    fn a_gripper_takes_hold_of_a_rod_that_another_one_holds_where_it_reaches_it() {
+        let (_folder, file) = short_rod();
+        let supply = RodSupply::new(&file, 0.4).unwrap();
+        let served = cell("two_gantries");
+        let (response, rods) = (Response::default(), [Some(supply), None]);
+        let mut cell = SimulatedCell::new(&served, response, rods, None, None, None, Vec::new());
+        go(&mut cell, 0, [-0.4, 0.0, 0.27, 0.0, 0.0, 0.0], 2.0);
+        cell.grip(0, 0.0).unwrap();
+        wait(&mut cell, 1.5);
+        let words = cell.grip(1, 0.0).unwrap_err();
+        assert!(words.contains("right does not reach it"), "{words}");
+        let free = cell.scenery().rod.unwrap().0[0];
+        let [x, y, z] = [free.x, free.y, free.z + 5e-3];
+        go(&mut cell, 1, [x, y, z, 0.0, 0.0, 0.0], 4.0);
+        cell.grip(1, 0.0).unwrap();
+        wait(&mut cell, 0.3);
+        go(&mut cell, 1, [x, y, z + 0.03, 0.0, 0.0, 0.0], 1.0);
+        let nodes = cell.scenery().rod.unwrap().0;
+        assert!((nodes[0].z - free.z - 0.03).abs() < 3e-3);
+        assert!((nodes[30].z - 0.27).abs() < 1e-3);
+        // What slips is what was taken last; the other one holds on.
+        cell.let_go().unwrap();
+        wait(&mut cell, 0.5);
+        let nodes = cell.scenery().rod.unwrap().0;
+        assert!((nodes[30].z - 0.27).abs() < 1e-3);
+        assert!(nodes[0].z < free.z + 0.02, "{}", nodes[0]);
+        cell.grip(0, 0.04).unwrap();
+        assert_eq!(cell.holder(), None);
     }
 }
