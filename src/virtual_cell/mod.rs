@@ -1,8 +1,9 @@
 //! A virtual robot cell: what a cell file describes, simulated, behind the rosbridge protocol of real ones.
 //!
 //! A client cannot tell the difference: arms follow `control_msgs/FollowJointTrajectory` late and a little behind, grippers
-//! `control_msgs/GripperCommand`; a rod that is handed to a gripper hangs from it, is laid on a table with friction, taken hold of by other grippers, and
-//! let go; a camera shows it. Or a sheet lies there, which a gripper takes by its edge and folds. The clock of the cell, `/clock`, is real time or faster, and waits where the simulation cannot keep up.
+//! `control_msgs/GripperCommand`; a rod that is handed to a gripper hangs from it, is laid on a table with friction, taken hold of by
+//! other grippers, and let go; a camera shows it. Or a sheet lies there, which a gripper takes by its edge and folds. The clock of the
+//! cell, `/clock`, is real time or faster, and waits where the simulation cannot keep up.
 //!
 //! | file | what |
 //! |---|---|
