@@ -81,9 +81,9 @@ fn a_trefoil_is_tied_by_two_arms_and_seen() {
         "cell.html",
         "approach/state.csv",
         "laying/commanded.csv",
-        "tying/1_leading/state.csv",
-        "tying/1_lifting/trajectory.csv",
-        "tying/end/events.csv",
+        "tying/01_leading/state.csv",
+        "tying/02_lifting/trajectory.csv",
+        "tying/03_end/events.csv",
         "rod.csv",
         "report.md",
     ] {
@@ -100,9 +100,46 @@ fn a_trefoil_is_tied_by_two_arms_and_seen() {
         "{header}"
     );
     // Both moved in one motion.
-    let state = served.read("tied/tying/1_leading/state.csv");
+    let state = served.read("tied/tying/01_leading/state.csv");
     assert!(state.contains(",left,") && state.contains(",right,"));
     assert!(served.read("tied/report.md").contains("tied as drawn"));
+}
+
+/// What ties a reef knot in two rods, everything in a folder.
+fn reef(folder: &str) -> Vec<String> {
+    let mut arguments = task("over,over,under,over,over,under", folder);
+    arguments[2] = scenarios("patterns/reef.svg").to_str().unwrap().to_owned();
+    let rod = scenarios("rods/green_vps.toml");
+    let more = ["--stroke", "1", "--second-stroke", "2", "--second-rod"];
+    arguments.extend(more.map(str::to_owned));
+    arguments.push(rod.to_str().unwrap().to_owned());
+    arguments
+}
+
+#[test]
+fn a_reef_knot_is_tied_in_two_rods_and_seen() {
+    let rod = scenarios("rods/green_vps.toml");
+    let served = serve(&["--rate", "20", "--second-rod", rod.to_str().unwrap()]);
+    let arguments = reef("tied");
+    let output = served.run(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
+    let record = record(&output);
+    let score = &record["score"];
+    assert_eq!(score["seen"]["determinant"], 9, "{record}");
+    assert_eq!(score["seen"]["signature"], 0, "{record}");
+    assert_eq!(score["tied"], true, "{record}");
+    assert_eq!(score["crossings"].as_array().unwrap().len(), 6, "{record}");
+    for name in [
+        "laying_1/state.csv",
+        "parting_1/state.csv",
+        "approach_2/state.csv",
+        "laying_2/state.csv",
+        "tying/05_taking/state.csv",
+        "tying/07_lifting/state.csv",
+        "rod_1.csv",
+        "rod_2.csv",
+    ] {
+        assert!(!served.read(&format!("tied/{name}")).is_empty(), "{name}");
+    }
 }
 
 #[test]
@@ -134,7 +171,7 @@ fn two_arms_that_are_interrupted_while_both_move_hold() {
         .spawn()
         .unwrap();
     let begin = Instant::now();
-    let events = "tied/tying/1_leading/events.csv";
+    let events = "tied/tying/01_leading/events.csv";
     while !served.read(events).contains("started") {
         assert!(begin.elapsed() < Duration::from_secs(300));
         std::thread::sleep(Duration::from_millis(5));
@@ -248,7 +285,7 @@ fn what_cannot_be_tied_is_refused_before_anything_moves() {
     refused(
         &cell,
         "another arm must lift",
-        &and(&["--arm", "left", "--lifter", "left"]),
+        &and(&["--arm", "left", "--second-arm", "left"]),
     );
     refused(
         &cell,
@@ -270,6 +307,29 @@ fn what_cannot_be_tied_is_refused_before_anything_moves() {
         &cell.replace("[arms.gripper]", "[arms.nothing]"),
         "gripper",
         &|_| {},
+    );
+}
+
+#[test]
+fn a_dry_run_of_two_rods_shows_how_both_are_laid_and_led() {
+    let (code, said, folder) = alone(&two_gantries(), |arguments| {
+        *arguments = reef("shown");
+        arguments.push("--dry-run".into());
+    });
+    assert_eq!(code, Some(0), "{said}");
+    let manifest = fs::read_to_string(folder.path().join("shown/manifest.json")).unwrap();
+    let record: Value = serde_json::from_str(&manifest).unwrap();
+    assert_eq!(record["drawn"]["determinant"], 9);
+    assert_eq!(record["lifts"], 2);
+    // Six crossings of two rods, three of which are no knot.
+    let (code, said, _) = alone(&two_gantries(), |arguments| {
+        *arguments = reef("shown");
+        arguments[10] = "over,over,over".into();
+    });
+    assert_eq!(code, Some(2), "{said}");
+    assert!(
+        said.contains("crossings that the rods come to again: 6"),
+        "{said}"
     );
 }
 

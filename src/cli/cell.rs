@@ -78,6 +78,9 @@ struct ServeArguments {
     /// itself]
     #[arg(long, value_name = "X,Y", value_parser = place, conflicts_with = "paper", allow_hyphen_values = true)]
     free_end: Option<[f64; 2]>,
+    /// The rod that all arms but the first are handed, beside that of the first: as --rod [default: the same]
+    #[arg(long, value_name = "FILE", requires = "rod")]
+    second_rod: Option<PathBuf>,
     /// The sheet: TOML with [folding.paper], as in scenarios/papers
     #[arg(long, value_name = "FILE", conflicts_with = "rod")]
     paper: Option<PathBuf>,
@@ -137,6 +140,8 @@ pub fn cell(arguments: &CellArguments) -> Result<(), Failure> {
         (Some(supply), Some(place)) => Some(supply.with_free_end(place)),
         (supply, _) => supply,
     };
+    let second = arguments.second_rod.as_deref();
+    let second_supply = second.map(|rod| RodSupply::new(rod, friction));
     let paper = arguments.paper.as_deref();
     let sheet = paper.map(|paper| arguments.sheet(paper, &cell));
     let settings = Settings {
@@ -148,6 +153,7 @@ pub fn cell(arguments: &CellArguments) -> Result<(), Failure> {
             lag: arguments.lag,
         },
         supply,
+        second_supply: second_supply.transpose()?,
         sheet: sheet.transpose()?,
         chucked,
         jitter: arguments

@@ -63,7 +63,7 @@ pub struct ExploreArguments {
     #[arg(long, value_name = "DISTANCE", default_value_t = 14.0, value_parser = distance)]
     farthest: f64,
     /// Mean distance of the markers from those of the helix, over the length of the rod, above which it is no helix
-    #[arg(long, value_name = "PART", default_value_t = 0.005, value_parser = positive)]
+    #[arg(long, value_name = "PART", default_value_t = 0.015, value_parser = positive)]
     deviation: f64,
     /// Greatest speed of the hand on the way out, m/s
     #[arg(long, value_name = "SPEED", default_value_t = 0.05, value_parser = positive)]
@@ -75,7 +75,7 @@ pub struct ExploreArguments {
     #[arg(long, value_name = "SPEED", default_value_t = 0.1, value_parser = positive)]
     approach_speed: f64,
     /// Least distance of arm and rod to anything else, m
-    #[arg(long, value_name = "DISTANCE", default_value_t = 0.005, value_parser = positive)]
+    #[arg(long, value_name = "DISTANCE", default_value_t = 0.015, value_parser = positive)]
     margin: f64,
     /// Which colours are markers, as of `rodlab measure markers`
     #[arg(long, value_name = "RULE", default_value = "blue")]

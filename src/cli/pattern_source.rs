@@ -49,6 +49,37 @@ impl PatternArguments {
         &self.pattern
     }
 
+    /// A second pattern, in a file, drawn at the scale of this one; the same file where none is named.
+    ///
+    /// # Errors
+    /// It cannot be read, or this one is not as it was drawn.
+    pub fn second(
+        &self,
+        file: Option<&Path>,
+        stroke: Option<usize>,
+    ) -> Result<PatternSource, Failure> {
+        if self.size.is_some() || self.reverse {
+            return Err(Failure::Input(
+                "--size and --reverse are for one rod: two patterns lie as they were drawn".into(),
+            ));
+        }
+        let file = file.unwrap_or(Path::new(&self.pattern));
+        let points = drawn_points(file, stroke)?.ok_or_else(|| {
+            Failure::Input(format!(
+                "the pattern of a second rod is an .svg file or a .csv file, and {} is none",
+                file.display()
+            ))
+        })?;
+        let whole = Drawing {
+            size: None,
+            reverse: false,
+        };
+        Ok(PatternSource::Drawn {
+            points: whole.of(points).map_err(|error| self.no_pattern(&error))?,
+            deviation: self.deviation,
+        })
+    }
+
     /// What the pattern is made from.
     ///
     /// # Errors

@@ -16,7 +16,7 @@ use crate::plan::deployment::{
 use crate::plan::grasp::NeuralGrasps;
 use crate::plan::pattern::{Crossing, Pattern, PatternSource, Point, crossings};
 use crate::plan::tying::{Pass, Passage, TiedRod, laid_length, passages};
-use crate::task::KnotPlan;
+use crate::task::{KnotPlan, PlannedRod};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::borrow::Cow;
@@ -219,17 +219,22 @@ impl DeploymentPlan {
         let times = times(&poses, self.speed);
         let laid_by = times.last().copied().unwrap_or(0.0);
         let when = |s: f64| when_laid(&poses, &times, s);
-        let tied = passages.zip(poses.last());
-        let tied = tied.map(|(passages, last)| {
+        let tied = passages.map(|passages| {
             let whole = self.pattern(&source, &rod)?;
-            Ok::<_, Failure>(KnotPlan::new(&rod, whole, passages, last))
+            let planned = PlannedRod {
+                rod,
+                pattern: whole,
+                laying: poses.clone(),
+            };
+            Ok::<_, Failure>(KnotPlan::new(vec![planned], passages))
         });
         let knot = tied.transpose()?;
-        let tying = knot.as_ref().map_or(0.0, |knot| knot.schedule.duration());
+        let tying = knot.as_ref().map_or(0.0, KnotPlan::duration);
+        let leads = || knot.iter().flat_map(|knot| &knot.leads);
         let duration = laid_by + tying;
         let mut followed = poses.clone();
         let mut followed_times = times.clone();
-        for (time, position, rotation) in knot.iter().flat_map(|knot| knot.end.iter().skip(1)) {
+        for (time, position, rotation) in leads().flat_map(|lead| lead.end.iter().skip(1)) {
             followed.push(GripperPose {
                 s: rod.length,
                 position: *position,
@@ -261,7 +266,7 @@ impl DeploymentPlan {
             ("pattern.csv".to_owned(), pattern_csv(&points, &demands)),
             ("deployment.svg".to_owned(), figure),
         ];
-        for (index, lift) in knot.iter().flat_map(|knot| &knot.lifts).enumerate() {
+        for (index, lift) in leads().flat_map(|lead| &lead.lifts).enumerate() {
             let poses = lift.poses.iter();
             let (times, poses): (Vec<f64>, Vec<GripperPose>) = poses
                 .map(|&(time, position, rotation)| {
@@ -330,6 +335,48 @@ impl DeploymentPlan {
         })
     }
 
+    /// The plan of a knot of this rod and of a second one, by its file, along another pattern.
+    ///
+    /// # Errors
+    /// A rod, a pattern or an argument is faulty, or they do not go together.
+    pub fn knot_with(&self, second: &Path, source: &PatternSource) -> Result<KnotPlan, Failure> {
+        let rods = [RodFile::read(&self.rod)?.rod, RodFile::read(second)?.rod];
+        let first = self.source.source()?;
+        let sources = [&first, source];
+        let scheme = match self.scheme {
+            SchemeName::Optimal => Scheme::Optimal,
+            SchemeName::Intuitive => Scheme::Intuitive,
+        };
+        let mut planned = Vec::new();
+        for (rod, source) in rods.into_iter().zip(sources) {
+            let laid = self.pattern(source, &rod)?.shortened(laid_length(&rod));
+            long_enough(&rod, &laid).map_err(|error| self.refused(&error))?;
+            if laid.length() / self.step > MOST_POSES {
+                return Err(Failure::Input(format!(
+                    "--step {} m cuts {:.4} m into more than {MOST_POSES} poses",
+                    self.step,
+                    laid.length()
+                )));
+            }
+            let points = laid.sampled(self.step);
+            let laying = trajectory(&points, &rod, scheme, OptimalGrasps::Exact);
+            planned.push(PlannedRod {
+                rod,
+                pattern: self.pattern(source, &rod)?,
+                laying: laying.map_err(|error| self.refused(&error))?,
+            });
+        }
+        let tied = planned.iter().map(|planned| TiedRod {
+            rod: &planned.rod,
+            curve: &planned.pattern,
+        });
+        let words: Vec<Pass> = self.knot.iter().map(|pass| Pass::from(*pass)).collect();
+        let passages = passages(&tied.collect::<Vec<_>>(), &words);
+        let passages = passages
+            .map_err(|error| Failure::Input(format!("--knot: {}: {error}", self.source.name())))?;
+        Ok(KnotPlan::new(planned, passages))
+    }
+
     /// Refuses a knot that cannot be tied so.
     ///
     /// # Errors
@@ -351,6 +398,18 @@ impl DeploymentPlan {
         let step = self.step.max(pattern.length() / MOST_POSES);
         let points = pattern.sampled(step).into_iter();
         Ok(points.map(|point| point.position).collect())
+    }
+
+    /// The pattern of a second rod, see [`PatternArguments::second`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn second_source(
+        &self,
+        file: Option<&Path>,
+        stroke: Option<usize>,
+    ) -> Result<PatternSource, Failure> {
+        self.source.second(file, stroke)
     }
 
     /// Whether a knot is tied.

@@ -12,8 +12,8 @@ use crate::cell::{Cell, Place};
 use crate::plan::deployment::Spare;
 use crate::results::write_whole;
 use crate::task::{
-    SETTLING, Status, TaskHead, TaskRecord, TieMotionRequest, TieRecord, TieTask, Unfinished,
-    middle_of_table,
+    KnotPlan, SETTLING, Status, TaskHead, TaskRecord, TieMotion, TieMotionRequest, TieRecord,
+    TieTask, Unfinished, middle_of_table,
 };
 use crate::vision::ColourRule;
 use clap::Args;
@@ -29,11 +29,14 @@ const FRAMES: usize = 600;
 Examples:
   rodlab tie --pattern scenarios/patterns/trefoil.svg --rod scenarios/rods/thick_pink_vps.toml --knot over,under,over --dry-run
   rodlab tie --pattern scenarios/patterns/trefoil.svg --rod scenarios/rods/thick_pink_vps.toml --knot over,under,over
-  rodlab tie --pattern knot.svg --size \"30 cm\" --rod rod.toml --knot over,under,over --cell cell.toml --arm right --lifter left
+  rodlab tie --pattern knot.svg --size \"30 cm\" --rod rod.toml --knot over,under,over --cell cell.toml --arm right --second-arm left
+  rodlab tie --pattern scenarios/patterns/reef.svg --stroke 1 --rod scenarios/rods/thick_pink_vps.toml --second-stroke 2 \
+    --second-rod scenarios/rods/green_vps.toml --knot over,over,under,over,over,under
 
-Two arms tie a knot in one rod. The pattern crosses itself and is longer than the rod: one arm lays the rod along it, and leads its
+Two arms tie a knot in one rod, or in two. The pattern crosses itself and is longer than the rod: one arm lays the rod along it, and leads its
 end along the rest, under the strands that the other arm lifts meanwhile, and over others. --knot says how it passes each crossing
-when it comes there again; the first ones, which are laid, go over. Then both let go, the camera of the cell file looks, and the
+when it comes there again; the first ones, which are laid, go over. Of two rods each arm lays one, the second over the first, and
+leads its end, that of the second first; --knot counts the second rod as it is laid, then its end, then that of the first. Then both let go, the camera of the cell file looks, and the
 knot of the rod that it sees, by its determinant and signature, is compared with that of the pattern: `score.tied` is true or
 false, or null where the picture does not decide, and `score.undecided` says why. Nothing moves with --dry-run: look at its page
 first. Everything is in one directory: manifest.json, report.md, plan/, joints.csv, cell.html, approach/, laying/ and tying/
@@ -53,9 +56,18 @@ pub struct TieArguments {
     /// Name of the arm that lays the rod and leads its end [default: the first]
     #[arg(long, value_name = "NAME")]
     arm: Option<String>,
-    /// Name of the arm that lifts strands [default: the first of the others]
+    /// Name of the arm that lifts strands, and lays a second rod [default: the first of the others]
     #[arg(long, value_name = "NAME")]
-    lifter: Option<String>,
+    second_arm: Option<String>,
+    /// The second rod of a knot of two, as --rod: it is laid over the first, and its end is led before that of the first
+    #[arg(long, value_name = "FILE")]
+    second_rod: Option<PathBuf>,
+    /// Its pattern, an SVG or CSV file in the same frame [default: --pattern]
+    #[arg(long, value_name = "FILE", requires = "second_rod")]
+    second_pattern: Option<PathBuf>,
+    /// Which stroke of an SVG, or strand of a CSV file, from 1 [default: the only one]
+    #[arg(long, value_name = "N", requires = "second_rod")]
+    second_stroke: Option<usize>,
     /// Where the pattern lies in the cell: x,y,z in metres and a turn about z in degrees, or `auto`: the best place on the
     /// table for the arm that lays [default: its middle in that of the table]
     #[arg(long, value_name = "X,Y,Z[,TURN]|auto", value_parser = parse_place, allow_hyphen_values = true)]
@@ -106,18 +118,27 @@ pub fn tie(arguments: &TieArguments) -> Result<(), Failure> {
             }
         }
     }
-    let outline = arguments.plan.outline()?;
+    let second = arguments.second()?;
+    let mut outline = arguments.plan.outline()?;
+    let second_points = second.iter().flat_map(|knot| knot.rods[1].points());
+    outline.extend(second_points);
     let place = arguments.place.or_else(|| middle_of_table(&cell, &outline));
     let place =
         place.ok_or_else(|| Failure::Input("--place is needed: the cell has no [table]".into()))?;
     // Before a directory is made.
-    arguments.plan.check_knot()?;
+    if second.is_none() {
+        arguments.plan.check_knot()?;
+    }
     let directory = log_directory("tie", arguments.out.as_deref())?;
     let unfinished = arms.map(|arm| Unfinished::of(&cell, arm, &directory));
-    let plan = arguments
-        .plan
-        .write(&directory.join("plan"), &Spare::HANGS)?;
-    let knot = plan.knot.expect("a plan with --knot");
+    let knot = match second {
+        Some(knot) => knot,
+        None => {
+            let plan = directory.join("plan");
+            let written = arguments.plan.write(&plan, &Spare::HANGS)?;
+            written.knot.expect("a plan with --knot")
+        }
+    };
     let request = TieMotionRequest {
         cell: &cell,
         arms,
@@ -126,7 +147,7 @@ pub fn tie(arguments: &TieArguments) -> Result<(), Failure> {
         free_speed: arguments.approach_speed,
         margin: arguments.margin,
     };
-    let motion = request.plan(&plan.path.poses, &knot)?;
+    let motion = TieMotion::plan(&request, &knot)?;
     let whole = &motion.whole;
     write_whole(&directory.join("joints.csv"), whole.to_csv().as_bytes())?;
     let page = cell.page(Some(whole), FRAMES);
@@ -135,10 +156,10 @@ pub fn tie(arguments: &TieArguments) -> Result<(), Failure> {
         head: TaskHead::planned(std::env::args().collect()),
         cell: cell.title.clone(),
         arms: arms.map(|arm| cell.arms[arm].name.clone()),
-        pattern: arguments.plan.pattern_name().to_owned(),
+        patterns: arguments.pattern_names(),
         passes: knot.passages.iter().map(|passage| passage.pass).collect(),
         drawn: knot.drawn,
-        lifts: knot.lifts.len(),
+        lifts: knot.lifts(),
         motion: motion.report.clone(),
         duration_s: whole.duration(),
         least_clearance_m: motion.least_clearance,
@@ -158,7 +179,6 @@ pub fn tie(arguments: &TieArguments) -> Result<(), Failure> {
         motion: &motion,
         knot: &knot,
         free_speed: arguments.approach_speed,
-        rod: &plan.rod,
         colour: &colour,
         unfinished: Some([&unfinished[0], &unfinished[1]]),
         settling: SETTLING,
@@ -176,6 +196,30 @@ pub fn tie(arguments: &TieArguments) -> Result<(), Failure> {
 }
 
 impl TieArguments {
+    /// The plan of a knot of two rods, where there is a second one.
+    fn second(&self) -> Result<Option<KnotPlan>, Failure> {
+        let Some(rod) = &self.second_rod else {
+            return Ok(None);
+        };
+        let file = self.second_pattern.as_deref();
+        let source = self.plan.second_source(file, self.second_stroke)?;
+        self.plan.knot_with(rod, &source).map(Some)
+    }
+
+    /// The patterns as they were given.
+    fn pattern_names(&self) -> Vec<String> {
+        let first = self.plan.pattern_name().to_owned();
+        let second = self.second_rod.as_ref().map(|_| {
+            let file = self.second_pattern.as_ref();
+            let file = file.map_or_else(|| first.clone(), |file| file.display().to_string());
+            match self.second_stroke {
+                Some(number) => format!("stroke {number} of {file}"),
+                None => file,
+            }
+        });
+        std::iter::once(first.clone()).chain(second).collect()
+    }
+
     /// Indices of the arm that lays and of the one that lifts.
     fn arms(&self, cell: &Cell) -> Result<[usize; 2], Failure> {
         let file = &self.cell;
@@ -203,7 +247,9 @@ impl TieArguments {
         };
         let given = [
             self.arm.as_deref().map(|name| named("--arm", name)),
-            self.lifter.as_deref().map(|name| named("--lifter", name)),
+            self.second_arm
+                .as_deref()
+                .map(|name| named("--second-arm", name)),
         ];
         let [layer, lifter] = given.map(Option::transpose);
         let (layer, lifter) = (layer?, lifter?);
@@ -212,7 +258,7 @@ impl TieArguments {
         let lifter = lifter.unwrap_or_else(|| other(Some(layer)));
         if layer == lifter {
             return Err(Failure::Input(format!(
-                "--lifter: {} lays the rod and leads its end; another arm must lift strands",
+                "--second-arm: {} lays the rod and leads its end; another arm must lift strands",
                 names[layer]
             )));
         }

@@ -102,13 +102,6 @@ impl Application {
         tasks.flat_map(both).collect()
     }
 
-    /// Those trials in which one rod is laid.
-    pub fn of_table_5_4_in_cell(quick: bool) -> Vec<Self> {
-        let mut trials = Self::of_table_5_4(quick);
-        trials.retain(|trial| !TASKS[trial.task].scenario.contains("[deployment.second]"));
-        trials
-    }
-
     /// The scheme by its name.
     pub fn scheme(&self) -> &'static str {
         if self.is_optimal {

@@ -38,7 +38,7 @@ pub(super) struct Explored {
 pub(super) const SEARCH: SearchSteps = SearchSteps {
     step: 0.5,
     precision: 0.05,
-    deviation: 0.005,
+    deviation: 0.015,
     speed: 0.05,
     return_speed: 0.1,
 };
@@ -192,6 +192,7 @@ fn with_cell<T>(
         rate: RATE,
         response: Response::default(),
         supply: None,
+        second_supply: None,
         sheet: None,
         chucked,
         jitter: None,

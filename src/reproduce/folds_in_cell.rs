@@ -101,6 +101,7 @@ impl FoldInCell<'_> {
             rate: RATE,
             response: Response::default(),
             supply: None,
+            second_supply: None,
             sheet: Some(sheet),
             chucked: None,
             jitter: None,

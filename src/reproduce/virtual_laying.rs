@@ -181,6 +181,7 @@ impl LayingInCell<'_> {
             response: Response::default(),
             // As in the laboratory: a person lays the free end where the rod is to begin.
             supply: Some(supply.with_free_end([start.x, start.y])),
+            second_supply: None,
             sheet: None,
             chucked: None,
             jitter,

@@ -8,9 +8,11 @@ use super::virtual_laying::{MARGIN, RATE, SPEEDS, STEP, cell_beside, deployment_
 use crate::cell::Cell;
 use crate::experiment::{Deployment, Jitter};
 use crate::plan::deployment::{LaidPath, Spare};
-use crate::plan::tying::{TiedRod, laid_length, passages};
-use crate::task::{KnotPlan, SETTLING, TieMotionRequest, TieScore, TieTask, middle_of_table};
-use crate::virtual_cell::{Response, RodSupply, Settings};
+use crate::plan::tying::{TiedRod, passages};
+use crate::task::{
+    KnotPlan, PlannedRod, SETTLING, TieMotion, TieMotionRequest, TieScore, TieTask, middle_of_table,
+};
+use crate::virtual_cell::{Response, RodError, RodSupply, Settings};
 use crate::vision::ColourRule;
 use std::path::Path;
 
@@ -33,33 +35,44 @@ fn tied(
     cell: &Cell,
     directory: &Path,
 ) -> Result<TieScore, Box<dyn std::error::Error>> {
-    let rod = deployment.rod.deployed();
-    let words = deployment
-        .knot
-        .as_ref()
-        .map_or(&[][..], |knot| &knot.crossings);
-    let whole = deployment.whole_pattern()?;
-    let tied = TiedRod {
-        rod: &rod,
-        curve: &whole,
-    };
-    let passages = passages(&[tied], words)?;
-    let laid = deployment.whole_pattern()?.shortened(laid_length(&rod));
-    let way = (deployment.scheme.into(), deployment.solver.into());
-    let path = LaidPath::new(laid, &rod, &Spare::HANGS, STEP, way)?;
-    let last = path.poses.last().ok_or("a path without poses")?;
-    let knot = KnotPlan::new(&rod, whole, passages, last);
+    let layings = deployment.layings();
+    let mut rods = Vec::new();
+    for laying in &layings {
+        let rod = laying.rod.deployed();
+        let way = (laying.scheme.into(), laying.solver.into());
+        let path = LaidPath::new(laying.laid_pattern()?, &rod, &Spare::HANGS, STEP, way)?;
+        rods.push(PlannedRod {
+            rod,
+            pattern: laying.whole_pattern()?,
+            laying: path.poses,
+        });
+    }
+    let words = deployment.knot.as_ref();
+    let words = words.map_or(&[][..], |knot| &knot.crossings);
+    let tied = rods.iter().map(|planned| TiedRod {
+        rod: &planned.rod,
+        curve: &planned.pattern,
+    });
+    let passages = passages(&tied.collect::<Vec<_>>(), words)?;
+    let knot = KnotPlan::new(rods, passages);
+    let outline = knot.rods.iter().flat_map(PlannedRod::points);
     let request = TieMotionRequest {
         cell,
         arms: [0, 1],
-        place: middle_of_table(cell, &knot.points).ok_or("the cell has a table")?,
+        place: middle_of_table(cell, &outline.collect::<Vec<_>>()).ok_or("the cell has a table")?,
         speed: SPEEDS[0],
         free_speed: SPEEDS[1],
         margin: MARGIN,
     };
-    let motion = request.plan(&path.poses, &knot)?;
-    let start = motion.frame * nalgebra::Point3::new(knot.points[0].x, knot.points[0].y, 0.0);
-    let supply = RodSupply::of(deployment, friction, motion.frame)?;
+    let motion = TieMotion::plan(&request, &knot)?;
+    // As in the laboratory: a person lays free ends where patterns begin.
+    let supply = |number: usize| {
+        let start = knot.rods[number].pattern.at(0.0).position;
+        let start = motion.frame * nalgebra::Point3::new(start.x, start.y, 0.0);
+        let supply = RodSupply::of(&layings[number], friction, motion.frame)?;
+        Ok::<_, RodError>(supply.with_free_end([start.x, start.y]))
+    };
+    let second = (layings.len() > 1).then(|| supply(1));
     let jitter = Jitter::new(
         [deployment.jitter, deployment.jitter_angle],
         deployment.jitter_period,
@@ -70,8 +83,8 @@ fn tied(
         token: None,
         rate: RATE,
         response: Response::default(),
-        // As in the laboratory: a person lays the free end where the pattern begins.
-        supply: Some(supply.with_free_end([start.x, start.y])),
+        supply: Some(supply(0)?),
+        second_supply: second.transpose()?,
         sheet: None,
         chucked: None,
         jitter: Some(jitter),
@@ -85,7 +98,6 @@ fn tied(
             motion: &motion,
             knot: &knot,
             free_speed: SPEEDS[1],
-            rod: &rod,
             colour: &colour,
             unfinished: None,
             settling: SETTLING.div_f64(RATE),

@@ -84,14 +84,42 @@ impl Seen {
         self.curve(self.longest_index(), start)
     }
 
-    /// The same in the picture, pixels, with its width, pixels.
+    /// Strands in the picture, pixels, with their widths, pixels, one for each rod by where it begins, each from there: the longest
+    /// where there is one rod, otherwise those that begin nearest. Fewer where there are not so many.
     ///
     /// # Errors
     /// A pixel shows no point of the table.
-    pub fn longest_in_picture(&self, start: Point) -> Result<(Vec<Point>, f64), VisionError> {
-        let index = self.longest_index();
-        let width = self.trace.strands[index].width();
-        Ok((self.pixels(index, start)?, width))
+    pub fn in_picture(&self, starts: &[Point]) -> Result<Vec<(Vec<Point>, f64)>, VisionError> {
+        let mut taken = Vec::new();
+        for start in starts {
+            let index = match starts {
+                [_] => Some(self.longest_index()),
+                _ => self.nearest_index(*start, &taken)?,
+            };
+            taken.extend(index);
+        }
+        let strands = taken.iter().zip(starts).map(|(index, start)| {
+            let width = self.trace.strands[*index].width();
+            Ok((self.pixels(*index, *start)?, width))
+        });
+        strands.collect()
+    }
+
+    /// The strand that begins nearest to a place, but for some.
+    fn nearest_index(&self, start: Point, but: &[usize]) -> Result<Option<usize>, VisionError> {
+        let mut nearest: Option<(f64, usize)> = None;
+        for (index, strand) in self.trace.strands.iter().enumerate() {
+            for end in [strand.points.first(), strand.points.last()] {
+                let Some(end) = end.filter(|_| !but.contains(&index)) else {
+                    continue;
+                };
+                let away = (self.place(*end)? - start).norm();
+                if nearest.is_none_or(|(least, _)| away < least) {
+                    nearest = Some((away, index));
+                }
+            }
+        }
+        Ok(nearest.map(|(_, index)| index))
     }
 
     fn longest_index(&self) -> usize {

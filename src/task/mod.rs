@@ -46,6 +46,7 @@ pub use fold::{
 pub use motion::{DeployMotion, MotionRequest, middle_of_table};
 pub use record::{Status, TaskHead, TaskRecord};
 pub use tie::{
-    KnotPlan, TieEnd, TieError, TieMotion, TieMotionRequest, TieRecord, TieScore, TieStage, TieTask,
+    KnotPlan, PlannedRod, TieEnd, TieError, TieMotion, TieMotionRequest, TieRecord, TieScore,
+    TieStage, TieTask,
 };
 pub use unfinished::Unfinished;

@@ -11,6 +11,8 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 /// Colour of the rod, and of the table.
 const ROD: [u8; 3] = [205, 60, 70];
+/// That of a second rod.
+const SECOND_ROD: [u8; 3] = [90, 190, 80];
 const TABLE: [f64; 3] = [40.0, 44.0, 48.0];
 /// Colour of pegs.
 const PEG: [f64; 3] = [120.0, 122.0, 126.0];
@@ -29,7 +31,9 @@ const NEAREST: f64 = 0.2;
 pub struct Scenery {
     /// Nodes of a rod, and its radius, m.
     pub rod: Option<(Vec<Vector3>, f64)>,
-    /// Where markers are along it, over its length.
+    /// The same of a second one.
+    pub second_rod: Option<(Vec<Vector3>, f64)>,
+    /// Where markers are along the first, over its length.
     pub markers: Vec<f64>,
     /// A sheet.
     pub sheet: Option<SeenSheet>,
@@ -115,6 +119,13 @@ fn picture(camera: &Camera, scenery: Scenery, number: u64) -> RgbImage {
             points: visible(camera, points),
             radius,
             colour: ROD,
+        });
+    }
+    if let Some((nodes, radius)) = scenery.second_rod {
+        rods.push(RenderedRod {
+            points: visible(camera, fine(&nodes, SPACING * radius)),
+            radius,
+            colour: SECOND_ROD,
         });
     }
     let tops = peg_tops(camera, &scenery.pegs);

@@ -1,7 +1,8 @@
 //! A rod between the chuck and a hand of a virtual cell: clamped at both ends, led and twisted.
 
 use super::axis::served_axes;
-use super::rod::{HANDING_OVER, RodError};
+use super::rod::RodError;
+use super::simulated_rod::HANDING_OVER;
 use crate::cell::Cell;
 use crate::experiment::{self, ClampedRod};
 use crate::mechanics::Vector3;

@@ -1,13 +1,15 @@
 //! A virtual robot cell: what a cell file describes, simulated, behind the rosbridge protocol of real ones.
 //!
 //! A client cannot tell the difference: arms follow `control_msgs/FollowJointTrajectory` late and a little behind, grippers
-//! `control_msgs/GripperCommand`; a rod that is handed to a gripper hangs from it, is laid on a table with friction and let go;
-//! a camera shows it. Or a sheet lies there, which a gripper takes by its edge and folds. The clock of the cell, `/clock`, is real time or faster, and waits where the simulation cannot keep up.
+//! `control_msgs/GripperCommand`; a rod that is handed to a gripper hangs from it, is laid on a table with friction, taken hold of by
+//! other grippers, and let go; a camera shows it. Or a sheet lies there, which a gripper takes by its edge and folds. The clock of the
+//! cell, `/clock`, is real time or faster, and waits where the simulation cannot keep up.
 //!
 //! | file | what |
 //! |---|---|
 //! | `arm` | joints that follow trajectories with latency and lag, within their limits |
-//! | `rod` | the rod in simulation: handed over, led by the hand, let go |
+//! | `rod` | rods for grippers, handed over so that they hang on the table |
+//! | `simulated_rod` | a rod in simulation, or two: led by hands, let go |
 //! | `grip` | a gripper's hold on that rod, of which there may be several |
 //! | `axis` | external axes, which move as arms do |
 //! | `chuck` | a rod clamped between a chuck and a hand, led and twisted |
@@ -33,6 +35,7 @@ mod server;
 mod sheet;
 mod sheet_picture;
 mod simulated_cell;
+mod simulated_rod;
 #[cfg(test)]
 mod tests;
 mod topics;

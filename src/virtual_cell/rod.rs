@@ -1,9 +1,9 @@
-//! The rod of a virtual cell: handed to a gripper, laid down on the table, let go.
+//! Rods for the grippers of a virtual cell, which are handed over so that they hang on the table.
 
-use super::grip::{Grip, within_reach};
+use super::simulated_rod::{HandedRod, Placed, SimulatedRod};
 use crate::experiment::{self, Deployment, DeploymentTables, Fixtures};
-use crate::mechanics::dynamics::{Simulation, SimulationError};
-use crate::mechanics::system::Grasp;
+use crate::mechanics::dynamics::Simulation;
+use crate::mechanics::scene::{Motion, Scene};
 use crate::mechanics::{UnitQuaternion, Vector3};
 use crate::plan::deployment::{DeployedRod, OptimalGrasps, Scheme, trajectory};
 use crate::plan::pattern::{Line, PatternSource};
@@ -12,23 +12,12 @@ use crate::run::PreparedRun;
 use crate::scenario::ScenarioError;
 use nalgebra::Translation3;
 use std::path::Path;
-use std::time::{Duration, Instant};
 
-/// Time in which a rod that is handed over comes into the fingers, s.
-pub const HANDING_OVER: f64 = 1.0;
 /// How far the hand may be from where the rod hangs by itself, in gravito-bending lengths, and how far turned, rad: a person
 /// bends it by so much.
 const REACH: [f64; 2] = [2.0, 0.6];
 /// Least part of the hand's y axis that must be level for the rod to have a direction on the table.
 const LEVEL: f64 = 0.5;
-/// Speed of every node below which a rod that was let go rests, m/s.
-const REST: f64 = 1e-4;
-/// Longest time of simulation without a look at anything else.
-const AT_A_TIME: Duration = Duration::from_millis(20);
-/// Longest time for the simulation of a fall: a heap of rod is hard, and the rod along the pattern lies already.
-const LONGEST_FALL: Duration = Duration::from_secs(2);
-/// Height of a rod's end at which the table stops the hand that leads it, in radii.
-const FLOOR: f64 = 1.05;
 /// Length of the line on which a rod begins, over that of the rod.
 const FIRST_LINE: f64 = 0.05;
 
@@ -165,6 +154,45 @@ impl RodSupply {
         table: &Pose,
         now: f64,
     ) -> Result<SimulatedRod, String> {
+        let frame = self.frame(hand, table)?;
+        let placed = Placed {
+            frame: table * frame,
+            end: self.end,
+            radius: self.rod.radius,
+        };
+        self.simulated(&self.prepared.scene, placed, &[], arm, now)
+    }
+
+    /// Rods of a scene, of which the last one, of this kind, is handed to an arm beside `others`.
+    fn simulated(
+        &self,
+        scene: &Scene,
+        placed: Placed,
+        others: &[HandedRod],
+        arm: usize,
+        now: f64,
+    ) -> Result<SimulatedRod, String> {
+        let mut scene = scene.clone();
+        if let Some((fixtures, pegs)) = &self.fixtures {
+            let pegs = placed.frame.inverse() * pegs;
+            scene.rods.extend(fixtures.posts(|[x, y]| {
+                let place = pegs * nalgebra::Point3::new(x, y, 0.0);
+                [place.x, place.y]
+            }));
+        }
+        let simulation = Simulation::new(&scene, &self.prepared.integration);
+        let simulation = simulation.map_err(|error| error.to_string())?;
+        let handed = HandedRod {
+            arm,
+            nodes: self.prepared.scene.rods[0].centreline.len(),
+            radius: self.rod.radius,
+        };
+        let rods = [others, &[handed]].concat();
+        Ok(SimulatedRod::handed(simulation, placed, &rods, now))
+    }
+
+    /// The frame, on the table, of the simulation of a rod that hangs from a hand.
+    fn frame(&self, hand: &Pose, table: &Pose) -> Result<Pose, String> {
         let held = table.inverse() * hand;
         let across = held.rotation * Vector3::y();
         if libm::hypot(across.x, across.y) < LEVEL {
@@ -192,272 +220,47 @@ impl RodSupply {
                 self.rod.length, self.end.translation.z
             ));
         }
-        let placed = Placed {
-            frame: table * frame,
-            end: self.end,
-            radius: self.rod.radius,
-            nodes: self.prepared.scene.rods[0].centreline.len(),
-        };
-        let mut scene = self.prepared.scene.clone();
-        if let Some((fixtures, pegs)) = &self.fixtures {
-            let pegs = placed.frame.inverse() * pegs;
-            scene.rods.extend(fixtures.posts(|[x, y]| {
-                let place = pegs * nalgebra::Point3::new(x, y, 0.0);
-                [place.x, place.y]
-            }));
-        }
-        let simulation = Simulation::new(&scene, &self.prepared.integration);
-        let simulation = simulation.map_err(|error| error.to_string())?;
-        Ok(SimulatedRod::held_by(arm, simulation, placed, now).stopped_by_table())
-    }
-}
-
-/// Where a rod begins that a gripper holds by its end.
-pub struct Placed {
-    /// The frame of its simulation in the cell.
-    pub frame: Pose,
-    /// Its end in that frame, which clamp 0 of the scene holds.
-    pub end: Pose,
-    /// Its radius, m.
-    pub radius: f64,
-    /// Its nodes, the first of the scene.
-    pub nodes: usize,
-}
-
-/// A rod in simulation.
-pub struct SimulatedRod {
-    simulation: Simulation,
-    /// The frame of the simulation in the cell.
-    frame: Pose,
-    /// The grippers that hold it, in the order in which they took hold.
-    grips: Vec<Grip>,
-    /// Until when their hands lead it, s of the simulation.
-    led_until: f64,
-    /// When the simulation began, s.
-    begin: f64,
-    radius: f64,
-    nodes: usize,
-    /// When it was let go, s of the simulation, and the time that its fall has taken to simulate.
-    released: f64,
-    falling: Duration,
-    rests: bool,
-}
-
-impl SimulatedRod {
-    /// A rod whose end is held by clamp 0 of its scene, from the time `now`, s, on.
-    pub fn held(simulation: Simulation, placed: Placed, now: f64) -> Self {
-        Self::held_by(0, simulation, placed, now)
+        Ok(frame)
     }
 
-    /// The same, where it is the gripper of an arm that holds it.
-    fn held_by(arm: usize, simulation: Simulation, placed: Placed, now: f64) -> Self {
-        let grip = Grip::new(arm, placed.nodes - 1, 0, placed.end).handed_by(HANDING_OVER);
-        Self {
-            simulation,
-            frame: placed.frame,
-            grips: vec![grip],
-            led_until: 0.0,
-            begin: now,
-            radius: placed.radius,
-            nodes: placed.nodes,
-            released: 0.0,
-            falling: Duration::ZERO,
-            rests: false,
-        }
-    }
-
-    /// The same on a table, z = 0 in the frame of the simulation, which stops hands.
-    fn stopped_by_table(mut self) -> Self {
-        let floor = FLOOR * self.radius;
-        let grips = self.grips.into_iter();
-        self.grips = grips.map(|grip| grip.stopped_at(floor)).collect();
-        self
-    }
-
-    /// A gripper takes the end again where it is, at `end` in the frame of the simulation, at the time `now`, s.
+    /// The same beside a rod, of another `kind`, that lies there and that nobody holds.
     ///
     /// # Errors
-    /// The simulation refuses.
-    pub fn take_again(&mut self, node: usize, end: Pose, now: f64) -> Result<(), SimulationError> {
-        let clamp = self.clamped(node, now)?;
-        self.grips.push(Grip::new(0, node, clamp, end));
-        Ok(())
-    }
-
-    /// The node that a hand in the cell reaches: the nearest within 1.5 cm seen from above, if the hand is as low as it, and nobody
-    /// holds the rod there.
-    pub fn within_reach(&self, hand: &Pose) -> Option<usize> {
-        let hand = self.frame.inverse() * hand;
-        within_reach(&hand.translation.vector, self.positions(), &self.grips)
-    }
-
-    /// The gripper of an arm, whose hand is somewhere in the cell, takes hold of a node at the time `now`, s. From then on the node
-    /// moves with the hand, which does not press it into what lies under it.
-    ///
-    /// # Errors
-    /// The simulation refuses.
-    pub fn take(
-        &mut self,
+    /// As [`Self::handed`].
+    pub fn handed_beside(
+        &self,
+        (lying, kind): (&SimulatedRod, &Self),
         arm: usize,
-        node: usize,
         hand: &Pose,
+        table: &Pose,
         now: f64,
-    ) -> Result<(), SimulationError> {
-        let clamp = self.clamped(node, now)?;
-        let hand = self.frame.inverse() * hand;
-        let lowest = hand.translation.z;
-        self.grips
-            .push(Grip::new(arm, node, clamp, hand).stopped_at(lowest));
-        Ok(())
-    }
-
-    /// A new clamp of a node at the time `now`, s. A rod that lay goes on from there.
-    fn clamped(&mut self, node: usize, now: f64) -> Result<usize, SimulationError> {
-        let grasp = Grasp {
-            position: true,
-            frame: true,
+    ) -> Result<SimulatedRod, String> {
+        let frame = lying.frame();
+        let moved = frame.inverse() * table * self.frame(hand, table)?;
+        let mut scene = self.prepared.scene.clone();
+        let handed = &mut scene.rods[0];
+        for node in &mut handed.centreline {
+            *node = (moved * nalgebra::Point3::from(*node)).coords;
+        }
+        for tangent in handed.end_tangents.iter_mut().flatten() {
+            *tangent = moved.rotation * *tangent;
+        }
+        // What lies there goes on from rest, its twist forgotten.
+        let mut first = kind.prepared.scene.rods[0].clone();
+        first.name = "lying".into();
+        first.centreline = lying.positions().to_vec();
+        first.end_tangents = [None; 2];
+        scene.rods.insert(0, first);
+        for clamp in &mut scene.clamps {
+            clamp.rod += 1;
+            clamp.motion = Motion::default();
+        }
+        let placed = Placed {
+            frame,
+            end: moved * self.end,
+            radius: self.rod.radius,
         };
-        let clamp = self.simulation.grasp(node, grasp)?;
-        if self.grips.is_empty() {
-            self.led_until = self.simulation.time();
-            self.begin = now - self.simulation.time();
-            self.falling = Duration::ZERO;
-            self.rests = false;
-        }
-        Ok(clamp)
-    }
-
-    /// Moves on towards the time `now`, s, what is held of it in the hand; whether it has come there. Hard steps take long: then it
-    /// must be called again, with the same hand, so that others need not wait.
-    ///
-    /// # Errors
-    /// No step is found, or the rod is torn, while it is held. One that was let go stays as it is then.
-    pub fn advance(&mut self, hand: &Pose, now: f64) -> Result<bool, SimulationError> {
-        self.advance_in(|_| *hand, now)
-    }
-
-    /// The same with the hand of each arm that holds it.
-    ///
-    /// # Errors
-    /// As [`Self::advance`].
-    pub fn advance_in(
-        &mut self,
-        hand: impl Fn(usize) -> Pose,
-        now: f64,
-    ) -> Result<bool, SimulationError> {
-        let until = now - self.begin;
-        if self.rests {
-            return Ok(true);
-        }
-        if self.is_held() && until > self.led_until {
-            let times = [self.simulation.time(), until];
-            for grip in &mut self.grips {
-                let hand = self.frame.inverse() * hand(grip.holder);
-                let motion = grip.lead(&hand, times);
-                self.simulation.move_clamp(grip.clamp, motion);
-            }
-            self.led_until = until;
-        }
-        let work = Instant::now();
-        while self.simulation.time() < until {
-            if work.elapsed() > AT_A_TIME {
-                self.settled(work);
-                return Ok(self.rests);
-            }
-            if let Err(error) = self.simulation.advance(until) {
-                return self.given_up(error).map(|()| true);
-            }
-        }
-        self.settled(work);
-        Ok(true)
-    }
-
-    /// Notes whether a rod that was let go rests, or falls in a way that takes too long to simulate.
-    fn settled(&mut self, work: Instant) {
-        // One that was held still rests until its first step.
-        if self.is_held() || self.simulation.time() <= self.released {
-            return;
-        }
-        let velocities = self.simulation.velocities().iter();
-        let fastest = velocities.map(|v| v.norm()).fold(0.0, f64::max);
-        self.falling += work.elapsed();
-        self.rests = fastest < REST;
-        if !self.rests && self.falling > LONGEST_FALL {
-            tracing::warn!(
-                "the rod that was let go takes long to simulate: it stays as it is, its fastest node at {fastest:.3} m/s"
-            );
-            self.rests = true;
-        }
-    }
-
-    /// A rod that was let go stays as it is where no step is found.
-    fn given_up(&mut self, error: SimulationError) -> Result<(), SimulationError> {
-        if self.is_held() {
-            return Err(error);
-        }
-        tracing::warn!("the rod that was let go stays as it is: {error}");
-        self.rests = true;
-        Ok(())
-    }
-
-    /// All grippers let go.
-    ///
-    /// # Errors
-    /// The simulation refuses.
-    pub fn release(&mut self) -> Result<(), SimulationError> {
-        self.released = self.simulation.time();
-        for grip in self.grips.drain(..) {
-            self.simulation.release(grip.clamp)?;
-        }
-        Ok(())
-    }
-
-    /// The gripper of an arm lets go, if it holds the rod.
-    ///
-    /// # Errors
-    /// The simulation refuses.
-    pub fn release_by(&mut self, arm: usize) -> Result<(), SimulationError> {
-        for grip in self.grips.extract_if(.., |grip| grip.holder == arm) {
-            self.released = self.simulation.time();
-            self.simulation.release(grip.clamp)?;
-        }
-        Ok(())
-    }
-
-    /// Whether a gripper holds it.
-    pub fn is_held(&self) -> bool {
-        !self.grips.is_empty()
-    }
-
-    /// The arms whose grippers hold it, in the order in which they took hold.
-    pub fn holders(&self) -> impl DoubleEndedIterator<Item = usize> {
-        self.grips.iter().map(|grip| grip.holder)
-    }
-
-    /// Multiplies a load of its scene by a factor, see [`Simulation::set_load_factor`].
-    ///
-    /// # Errors
-    /// There is no such load.
-    pub fn set_load(&mut self, load: usize, factor: f64) -> Result<(), SimulationError> {
-        self.simulation.set_load_factor(load, factor)
-    }
-
-    /// Its nodes in the frame of its simulation, m.
-    pub fn positions(&self) -> &[Vector3] {
-        &self.simulation.positions()[..self.nodes]
-    }
-
-    /// Its nodes in the cell, m.
-    pub fn nodes(&self) -> Vec<Vector3> {
-        let nodes = self.positions().iter();
-        nodes
-            .map(|node| (self.frame * nalgebra::Point3::from(*node)).coords)
-            .collect()
-    }
-
-    /// Its radius, m.
-    pub fn radius(&self) -> f64 {
-        self.radius
+        self.simulated(&scene, placed, lying.rods(), arm, now)
     }
 }
 
@@ -564,7 +367,6 @@ mod tests {
             .handed(0, &hand(&supply, 0.0), &table(), 0.0)
             .unwrap();
         assert_eq!(rod.nodes().len(), 31);
-        assert_eq!(rod.simulation.positions().len(), 35);
     }
 
     #[test]
@@ -638,6 +440,73 @@ mod tests {
         assert_eq!(rod.within_reach(&hand), None);
         rod.take(1, 0, &at(0.0, 0.0, 0.0), 0.0).unwrap();
         assert_eq!(rod.within_reach(&at(0.0, 0.0, 0.0)), None);
+    }
+
+    #[test]
+    fn a_second_rod_is_handed_beside_one_that_lies() {
+        let (_folder, file) = short_rod();
+        let supply = RodSupply::new(&file, 0.4).unwrap();
+        let first = hand(&supply, 0.7);
+        let mut rod = supply.handed(0, &first, &table(), 0.0).unwrap();
+        let free = rod.nodes()[0];
+        // It is laid down straight, the hand on a quarter of a circle about the free end.
+        let (sine, cosine) = libm::sincos(0.7);
+        let ahead = Vector3::new(cosine, sine, 0.0);
+        let across = nalgebra::UnitVector3::new_normalize(Vector3::z().cross(&ahead));
+        let from = first.translation.vector - free;
+        let turned = |angle: f64| {
+            let turn = UnitQuaternion::from_axis_angle(&across, angle);
+            let place = free + 0.99 * (turn * from);
+            Pose::from_parts(place.into(), turn * first.rotation)
+        };
+        let low = free.z - table().translation.z;
+        let last = libm::acos(low / from.norm()) - libm::atan2(from.dot(&ahead), from.z);
+        for step in 1..=500 {
+            let part = (f64::from(step - 100) / 400.0).clamp(0.0, 1.0);
+            let hand = turned(part * last);
+            while !rod.advance(&hand, 5e-3 * f64::from(step)).unwrap() {}
+        }
+        rod.release().unwrap();
+        for step in 501..=700 {
+            while !rod.advance(&first, 5e-3 * f64::from(step)).unwrap() {}
+        }
+        let lay = rod.nodes();
+        let second = Pose::translation(0.0, 0.2, 0.0) * hand(&supply, -0.4);
+        let both = supply.handed_beside((&rod, &supply), 1, &second, &table(), 3.5);
+        let mut both = both.unwrap();
+        let seen = both.seen();
+        assert_eq!(seen.len(), 2);
+        assert!(
+            seen[0]
+                .0
+                .iter()
+                .zip(&lay)
+                .all(|(a, b)| (a - b).norm() < 1e-9)
+        );
+        let end = seen[1].0[30];
+        assert!((end - second.translation.vector).norm() < 1e-6, "{end}");
+        // The one lies, and the other follows its hand.
+        let lifted = Translation3::new(0.0, 0.0, 0.05) * second;
+        for step in 1..=100 {
+            let part = f64::from(step) / 100.0;
+            let hand = Translation3::new(0.0, 0.0, 0.05 * part) * second;
+            while !both
+                .advance_in(|_| hand, 3.5 + 5e-3 * f64::from(step))
+                .unwrap()
+            {}
+        }
+        for step in 101..=240 {
+            while !both
+                .advance_in(|_| lifted, 3.5 + 5e-3 * f64::from(step))
+                .unwrap()
+            {}
+        }
+        let seen = both.seen();
+        let moved = seen[0].0.iter().zip(&lay).map(|(a, b)| (a - b).norm());
+        let moved = moved.fold(0.0, f64::max);
+        assert!(moved < 1e-4, "{moved}");
+        let end = seen[1].0[30];
+        assert!((end - lifted.translation.vector).norm() < 1e-6, "{end}");
     }
 
     #[test]

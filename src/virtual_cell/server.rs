@@ -46,6 +46,8 @@ pub struct Settings {
     pub response: Response,
     /// Rods for the grippers.
     pub supply: Option<RodSupply>,
+    /// Rods of another kind, for the grippers of all arms but the first.
+    pub second_supply: Option<RodSupply>,
     /// A sheet on the table.
     pub sheet: Option<SimulatedSheet>,
     /// Rods between the chuck and a hand.
@@ -135,7 +137,7 @@ impl VirtualCell {
             cell: SimulatedCell::new(
                 cell,
                 settings.response,
-                settings.supply,
+                [settings.supply, settings.second_supply],
                 settings.sheet,
                 settings.chucked,
                 settings.jitter,

@@ -5,8 +5,9 @@
 //! symmetric about a plane stays exactly in it, while a rounding error across, as of a turned frame, would grow until the round
 //! strip tipped over, which a sheet, wide as it is, does not.
 
-use super::rod::{Placed, RodError, SimulatedRod};
+use super::rod::RodError;
 use super::sheet_picture::SeenSheet;
+use super::simulated_rod::{Placed, SimulatedRod};
 use crate::experiment::{self, FoldingTables};
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::{Simulation, SimulationError};
@@ -115,7 +116,6 @@ impl SimulatedSheet {
             frame: Pose::identity(),
             end: edge_pose(simulation.positions()),
             radius: 0.5 * paper.thickness,
-            nodes: simulation.positions().len(),
         };
         let mut strip = SimulatedRod::held(simulation, placed, 0.0);
         let released = strip.release();

@@ -5,8 +5,9 @@ use super::axis::moving_parts;
 use super::camera::Scenery;
 use super::chuck::{Chuck, ChuckedSupply};
 use super::fault::{Fault, FaultKind};
-use super::rod::{HANDING_OVER, RodSupply, SimulatedRod};
+use super::rod::RodSupply;
 use super::sheet::SimulatedSheet;
+use super::simulated_rod::{HANDING_OVER, SimulatedRod};
 use crate::cell::Cell;
 use crate::experiment::Jitter;
 use crate::mechanics::dynamics::SimulationError;
@@ -49,6 +50,8 @@ pub struct SimulatedCell {
     told: Vec<Option<f64>>,
     table: Pose,
     supply: Option<RodSupply>,
+    /// Rods of another kind, for the arms after the first.
+    second_supply: Option<RodSupply>,
     /// How the hands tremble, which the joints do not tell.
     jitter: Option<Jitter>,
     /// The rod.
@@ -67,7 +70,7 @@ impl SimulatedCell {
     pub fn new(
         cell: &Cell,
         response: Response,
-        supply: Option<RodSupply>,
+        [supply, second_supply]: [Option<RodSupply>; 2],
         sheet: Option<SimulatedSheet>,
         chucked: Option<ChuckedSupply>,
         jitter: Option<Jitter>,
@@ -91,6 +94,7 @@ impl SimulatedCell {
                 .collect(),
             table: cell.table.map_or_else(Pose::identity, |table| table.top),
             supply,
+            second_supply,
             jitter,
             rod: None,
             sheet: sheet.map(|sheet| (sheet, 0)),
@@ -115,15 +119,18 @@ impl SimulatedCell {
         let sheet = self.sheet.as_ref().map(|(sheet, _)| sheet.seen());
         if let Some(chuck) = &self.chuck {
             return Scenery {
+                second_rod: None,
                 rod: chuck.nodes().map(|nodes| (nodes, chuck.rod().radius)),
                 markers: chuck.rod().marker_places(),
                 sheet,
                 pegs: Vec::new(),
             };
         }
-        let rod = self.rod.as_ref();
+        let rods = self.rod.as_ref().map(SimulatedRod::seen);
+        let mut rods = rods.unwrap_or_default().into_iter();
         Scenery {
-            rod: rod.map(|rod| (rod.nodes(), rod.radius())),
+            rod: rods.next(),
+            second_rod: rods.next(),
             markers: Vec::new(),
             sheet,
             pegs: self.supply.as_ref().map_or(Vec::new(), RodSupply::pegs),
@@ -140,7 +147,11 @@ impl SimulatedCell {
         }
         let chucked = self.chuck.as_ref().map(|chuck| 2.0 * chuck.rod().radius);
         let sheet = self.sheet.as_ref().map(|(sheet, _)| sheet.thickness());
-        let rod = rod.map(|rod| 2.0 * rod.radius());
+        let thinnest = |rod: &SimulatedRod| {
+            let radii = rod.rods().iter().map(|rod| rod.radius);
+            2.0 * radii.fold(f64::INFINITY, f64::min)
+        };
+        let rod = rod.map(thinnest);
         Some(told.max(chucked.or(sheet).or(rod).unwrap_or(0.0)))
     }
 
@@ -197,17 +208,16 @@ impl SimulatedCell {
     /// Takes hold of a rod, or is handed one; the time that it takes, s.
     fn close(&mut self, arm: usize) -> Result<f64, String> {
         let hand = self.hand(arm);
-        let Some(supply) = &self.supply else {
+        let Some(supply) = self.supply_of(arm) else {
             return Ok(OPENING);
         };
-        if let Some(rod) = &mut self.rod {
+        if let Some(rod) = &self.rod {
             if rod.holders().any(|holder| holder == arm) {
                 return Ok(OPENING);
             }
             if let Some(node) = rod.within_reach(&hand) {
                 self.arms[arm].must_stand()?;
-                let taken = rod.take(arm, node, &hand, self.time);
-                return taken.map(|()| OPENING).map_err(|error| error.to_string());
+                return self.take(arm, node, &hand);
             }
             if let Some(holder) = rod.holders().next() {
                 return Err(format!(
@@ -217,8 +227,36 @@ impl SimulatedCell {
             }
         }
         self.arms[arm].must_stand()?;
-        self.rod = Some(supply.handed(arm, &hand, &self.table, self.time)?);
+        // A rod of another kind stays where it lies.
+        let other = self.rod.as_ref().zip(self.second_supply.as_ref());
+        let other = other.and_then(|(rod, _)| {
+            let [only] = rod.rods() else {
+                return None;
+            };
+            let kind = self.supply_of(only.arm)?;
+            (!std::ptr::eq(kind, supply)).then_some((rod, kind))
+        });
+        let handed = match other {
+            Some(lying) => supply.handed_beside(lying, arm, &hand, &self.table, self.time),
+            None => supply.handed(arm, &hand, &self.table, self.time),
+        };
+        self.rod = Some(handed?);
         Ok(HANDING_OVER)
+    }
+
+    /// Takes hold of a node of the rod; the time that it takes, s.
+    fn take(&mut self, arm: usize, node: usize, hand: &Pose) -> Result<f64, String> {
+        if let Some(rod) = &mut self.rod {
+            let taken = rod.take(arm, node, hand, self.time);
+            taken.map_err(|error| error.to_string())?;
+        }
+        Ok(OPENING)
+    }
+
+    /// The rods for an arm.
+    fn supply_of(&self, arm: usize) -> Option<&RodSupply> {
+        let second = self.second_supply.as_ref().filter(|_| arm > 0);
+        second.or(self.supply.as_ref())
     }
 
     /// Takes the edge of the sheet, or lets it go.
@@ -378,5 +416,63 @@ impl SimulatedCell {
             events.push(Event::Fault(fault.kind));
         }
         Ok(events)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{cell, short_rod};
+    use super::*;
+
+    /// Moves an arm to joints within so many seconds.
+    fn go(cell: &mut SimulatedCell, arm: usize, joints: [f64; 6], seconds: f64) {
+        let names = cell.arms()[arm].names().into_iter();
+        let trajectory = PartTrajectory {
+            joints: names.map(str::to_owned).collect(),
+            times: vec![0.0, seconds],
+            points: vec![cell.arms()[arm].joints().to_vec(), joints.to_vec()],
+        };
+        cell.follow(arm, trajectory).unwrap();
+        while cell.arms()[arm].is_moving() {
+            cell.advance().unwrap();
+        }
+    }
+
+    fn wait(cell: &mut SimulatedCell, seconds: f64) {
+        let until = cell.time() + seconds;
+        while cell.time() < until {
+            cell.advance().unwrap();
+        }
+    }
+
+    #[test]
+    fn a_gripper_takes_hold_of_a_rod_that_another_one_holds_where_it_reaches_it() {
+        let (_folder, file) = short_rod();
+        let supply = RodSupply::new(&file, 0.4).unwrap();
+        let served = cell("two_gantries");
+        let (response, rods) = (Response::default(), [Some(supply), None]);
+        let mut cell = SimulatedCell::new(&served, response, rods, None, None, None, Vec::new());
+        go(&mut cell, 0, [-0.4, 0.0, 0.27, 0.0, 0.0, 0.0], 2.0);
+        cell.grip(0, 0.0).unwrap();
+        wait(&mut cell, 1.5);
+        let words = cell.grip(1, 0.0).unwrap_err();
+        assert!(words.contains("right does not reach it"), "{words}");
+        let free = cell.scenery().rod.unwrap().0[0];
+        let [x, y, z] = [free.x, free.y, free.z + 5e-3];
+        go(&mut cell, 1, [x, y, z, 0.0, 0.0, 0.0], 4.0);
+        cell.grip(1, 0.0).unwrap();
+        wait(&mut cell, 0.3);
+        go(&mut cell, 1, [x, y, z + 0.03, 0.0, 0.0, 0.0], 1.0);
+        let nodes = cell.scenery().rod.unwrap().0;
+        assert!((nodes[0].z - free.z - 0.03).abs() < 3e-3);
+        assert!((nodes[30].z - 0.27).abs() < 1e-3);
+        // What slips is what was taken last; the other one holds on.
+        cell.let_go().unwrap();
+        wait(&mut cell, 0.5);
+        let nodes = cell.scenery().rod.unwrap().0;
+        assert!((nodes[30].z - 0.27).abs() < 1e-3);
+        assert!(nodes[0].z < free.z + 0.02, "{}", nodes[0]);
+        cell.grip(0, 0.04).unwrap();
+        assert_eq!(cell.holder(), None);
     }
 }

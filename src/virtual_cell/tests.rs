@@ -5,7 +5,13 @@ use std::path::{Path, PathBuf};
 
 /// The gantry that comes with the program.
 pub fn gantry() -> Cell {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/cells/gantry.toml");
+    cell("gantry")
+}
+
+/// A cell that comes with the program.
+pub fn cell(name: &str) -> Cell {
+    let file = format!("scenarios/cells/{name}.toml");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
     Cell::read(&path).unwrap_or_else(|error| panic!("{error}"))
 }
 

@@ -48,8 +48,11 @@ pub fn knot_on_table(rods: &[&[Vector3]]) -> Option<KnotInvariants> {
 }
 
 /// The same of patterns by their passages.
-pub fn knot_of_patterns(curves: &[Pattern], passages: &[Passage]) -> Option<KnotInvariants> {
-    let placed = curves.iter().enumerate().map(|(number, curve)| {
+pub fn knot_of_patterns<'a>(
+    curves: impl IntoIterator<Item = &'a Pattern>,
+    passages: &[Passage],
+) -> Option<KnotInvariants> {
+    let placed = curves.into_iter().enumerate().map(|(number, curve)| {
         // Heights at passages, in the order of arc length.
         let mut heights: Vec<(f64, f64)> = passages
             .iter()

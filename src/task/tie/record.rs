@@ -19,21 +19,21 @@ pub struct TieRecord {
     pub head: TaskHead,
     /// Title of the cell.
     pub cell: String,
-    /// Names of the arm that lays and leads, and of the one that lifts.
+    /// Names of the arm that lays the first rod, and of the other one.
     pub arms: [String; 2],
-    /// The pattern, as given.
-    pub pattern: String,
-    /// How the rod passes its crossings when it comes to them again.
+    /// The patterns, as given.
+    pub patterns: Vec<String>,
+    /// How rods pass their crossings when they come to them again.
     pub passes: Vec<Pass>,
     /// The knot that was drawn; `null` where it depends on how ends are joined.
     pub drawn: Option<KnotInvariants>,
     /// Strands that are lifted.
     pub lifts: usize,
-    /// Numbers of the path of the arm that lays and leads.
+    /// Numbers of the path of the first arm.
     pub motion: PlanReport,
-    /// Duration of the laying and of the tying, grips left out, s.
+    /// Duration of all motions from the first laying on, grips left out, s.
     pub duration_s: f64,
-    /// Least distance of both arms to each other and to anything else when the rod is laid, m; 0.2 stands for that and more.
+    /// Least distance of both arms to each other and to anything else, m; 0.2 stands for that and more.
     pub least_clearance_m: f64,
     /// Time that the stages took, s.
     pub times_s: Vec<(TieStage, f64)>,
@@ -47,15 +47,21 @@ impl TaskRecord for TieRecord {
     }
 
     fn report(&self, directory: &Path) -> String {
-        let mut text = format!("# A knot tied along {}\n\n| | |\n|---|---|\n", self.pattern);
+        let patterns = self.patterns.join(" and ");
+        let mut text = format!("# A knot tied along {patterns}\n\n| | |\n|---|---|\n");
         let mut row = |name: &str, value: String| {
             // Writing to a string cannot fail.
             let _ = writeln!(text, "| {name} | {value} |");
         };
-        let [layer, lifter] = &self.arms;
+        let [first, second] = &self.arms;
         row("cell", self.cell.clone());
-        row("lays and leads", layer.clone());
-        row("lifts", lifter.clone());
+        if self.patterns.len() == 1 {
+            row("lays and leads", first.clone());
+            row("lifts", second.clone());
+        } else {
+            row("lays the first rod", first.clone());
+            row("lays the second rod", second.clone());
+        }
         let passes = self.passes.iter().map(|pass| match pass {
             Pass::Over => "over",
             Pass::Under => "under",
@@ -79,20 +85,24 @@ impl TaskRecord for TieRecord {
         if let Some(score) = &self.score {
             row("knot as seen", knot_in_words(score.seen));
             row("  that is", score.in_words());
-            row(
-                "length as seen",
-                format!("{:.1} mm", 1e3 * score.seen_length_m),
-            );
+            let lengths = score.seen_lengths_m.iter();
+            let lengths = lengths.map(|length| format!("{:.1} mm", 1e3 * length));
+            row("length as seen", lengths.collect::<Vec<_>>().join(", "));
             if !score.crossings.is_empty() {
-                text += "\n| crossing | along the rod | comes there again | sure |\n|---|---|---|---|\n";
+                text += "\n| crossing | of | and | which lies | sure |\n|---|---|---|---|---|\n";
             }
             for (number, crossing) in score.crossings.iter().enumerate() {
-                let [first, second] = crossing.at_m.map(|at| 1e3 * at);
+                let places = crossing.places.map(|place| match self.patterns.len() {
+                    1 => format!("{:.0} mm", 1e3 * place.at_m),
+                    _ => format!("rod {} at {:.0} mm", place.rod, 1e3 * place.at_m),
+                });
                 let how = if crossing.over { "over" } else { "under" };
                 let _ = writeln!(
                     text,
-                    "| {} | {first:.0} mm, {second:.0} mm | {how} | {:.2} |",
+                    "| {} | {} | {} | {how} | {:.2} |",
                     number + 1,
+                    places[0],
+                    places[1],
                     crossing.confidence
                 );
             }

@@ -1,6 +1,6 @@
 //! The knot that was seen, compared with the one that was drawn.
 
-use super::sight::{SeenCrossing, SeenRod};
+use super::sight::{SeenCrossing, SeenKnot};
 use crate::knot::KnotInvariants;
 use serde::Serialize;
 
@@ -23,26 +23,22 @@ pub struct TieScore {
     pub drawn: Option<KnotInvariants>,
     /// The knot that was seen; `null` where it depends on how ends are joined, or is not decided.
     pub seen: Option<KnotInvariants>,
-    /// Length of the rod as it was seen, m.
-    pub seen_length_m: f64,
-    /// Its crossings, in the order in which it comes to them again.
+    /// Length of each rod as it was seen, m.
+    pub seen_lengths_m: Vec<f64>,
+    /// Their crossings.
     pub crossings: Vec<SeenCrossing>,
 }
 
 impl TieScore {
-    /// The score of a rod of a length, m, along whose pattern a knot was drawn.
-    pub fn of(rod: &SeenRod, length: f64, drawn: Option<KnotInvariants>) -> Self {
-        let seen_length_m = rod.length();
-        let (seen, undecided) = if (seen_length_m / length - 1.0).abs() > LENGTH {
-            let words = format!(
-                "the longest strand in the picture is {seen_length_m:.3} m long, and the rod {length:.3} m: it is not seen as a whole"
-            );
-            (None, Some(words))
-        } else {
-            match rod.knot() {
+    /// The score of rods of some lengths, m, along whose patterns a knot was drawn.
+    pub fn of(rods: &SeenKnot, lengths: &[f64], drawn: Option<KnotInvariants>) -> Self {
+        let seen_lengths_m = rods.lengths();
+        let (seen, undecided) = match not_seen(&seen_lengths_m, lengths) {
+            Some(words) => (None, Some(words)),
+            None => match rods.knot() {
                 Ok(knot) => (knot, None),
                 Err(words) => (None, Some(words)),
-            }
+            },
         };
         let is_as_drawn = seen.is_some() && seen == drawn;
         Self {
@@ -52,8 +48,8 @@ impl TieScore {
             undecided,
             drawn,
             seen,
-            seen_length_m,
-            crossings: rod.crossings.clone(),
+            seen_lengths_m,
+            crossings: rods.crossings.clone(),
         }
     }
 
@@ -69,6 +65,24 @@ impl TieScore {
             ),
         }
     }
+}
+
+/// Which rod is not seen as a whole, in words.
+fn not_seen(seen: &[f64], lengths: &[f64]) -> Option<String> {
+    if seen.len() < lengths.len() {
+        return Some(format!(
+            "of {} rods the picture shows {}",
+            lengths.len(),
+            seen.len()
+        ));
+    }
+    let mut pairs = seen.iter().zip(lengths);
+    let other = pairs.find(|(seen, length)| !((*seen / *length - 1.0).abs() <= LENGTH));
+    other.map(|(seen, length)| {
+        format!(
+            "a strand in the picture is {seen:.3} m long, and its rod {length:.3} m: it is not seen as a whole"
+        )
+    })
 }
 
 /// A knot in words.
@@ -88,11 +102,13 @@ mod tests {
     use super::*;
     use crate::vision::Point;
 
-    fn straight(length: f64) -> SeenRod {
-        SeenRod {
-            curve: (0..=10)
-                .map(|k| Point::new(0.1 * length * f64::from(k), 0.0))
-                .collect(),
+    fn straight(length: f64) -> SeenKnot {
+        SeenKnot {
+            curves: vec![
+                (0..=10)
+                    .map(|k| Point::new(0.1 * length * f64::from(k), 0.0))
+                    .collect(),
+            ],
             crossings: Vec::new(),
         }
     }
@@ -103,13 +119,15 @@ mod tests {
             determinant: 3,
             signature: -2,
         });
-        let score = TieScore::of(&straight(0.99), 1.0, trefoil);
+        let score = TieScore::of(&straight(0.99), &[1.0], trefoil);
         assert_eq!((score.tied, score.seen), (Some(false), Some(NO_KNOT)));
-        let score = TieScore::of(&straight(1.0), 1.0, Some(NO_KNOT));
+        let score = TieScore::of(&straight(1.0), &[1.0], Some(NO_KNOT));
         assert_eq!(score.tied, Some(false));
         assert_eq!(score.in_words(), "none was drawn");
-        let score = TieScore::of(&straight(0.8), 1.0, trefoil);
+        let score = TieScore::of(&straight(0.8), &[1.0], trefoil);
         assert_eq!((score.tied, score.seen), (None, None));
         assert!(score.in_words().contains("not seen as a whole"));
+        let score = TieScore::of(&straight(1.0), &[1.0, 1.0], trefoil);
+        assert_eq!(score.tied, None);
     }
 }

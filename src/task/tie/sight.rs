@@ -1,11 +1,11 @@
-//! The rod as the camera sees it, with what lies over what: which knot that is.
+//! Rods as the camera sees them, with what lies over what: which knot that is.
 
 use crate::experiment::knot_on_table;
 use crate::knot::KnotInvariants;
 use crate::mechanics::Vector3;
 use crate::mechanics::scene::piecewise_linear;
 use crate::task::look::Seen;
-use crate::vision::{Point, Strand, StrandCrossing, VisionError, find_crossings};
+use crate::vision::{Passage, Point, Strand, StrandCrossing, VisionError, find_crossings};
 use image::RgbImage;
 use serde::Serialize;
 
@@ -16,58 +16,76 @@ const MOST_UNSURE: usize = 8;
 /// Height of what passes over a crossing, over the length of the rod: any will do.
 const HEIGHT: f64 = 0.01;
 
+/// A place along a rod that was seen.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize)]
+pub struct SeenPlace {
+    /// Number of the rod, from 1.
+    pub rod: usize,
+    /// Length along it, m.
+    pub at_m: f64,
+}
+
 /// A crossing that was seen.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SeenCrossing {
-    /// Where along the rod it comes there first, and where again, m.
-    pub at_m: [f64; 2],
+    /// Both places that cross, that of the lower number first, or, of one rod, that which is nearer to its start.
+    pub places: [SeenPlace; 2],
     /// Where, in the frame of the pattern, m.
-    pub place_m: [f64; 2],
-    /// Whether it lies over what was there when it comes there again.
+    pub position_m: [f64; 2],
+    /// Whether the second place lies over the first.
     pub over: bool,
     /// How sure that is: 0 for a guess.
     pub confidence: f64,
 }
 
-/// A rod that was seen.
-pub struct SeenRod {
-    /// The rod in the frame of the pattern, m.
-    pub curve: Vec<Point>,
-    /// Its crossings, in the order in which it comes to them again.
+/// Rods that were seen.
+pub struct SeenKnot {
+    /// The rods in the frame of the pattern, m.
+    pub curves: Vec<Vec<Point>>,
+    /// Their crossings.
     pub crossings: Vec<SeenCrossing>,
 }
 
-impl SeenRod {
-    /// The longest strand in a picture, from the end that is nearer to `start`, m.
+impl SeenKnot {
+    /// The rods in a picture that begin at `starts`, m; fewer where there are not so many strands.
     ///
     /// # Errors
     /// A pixel shows no point of the table.
-    pub fn of(picture: &RgbImage, seen: &Seen, start: Point) -> Result<Self, VisionError> {
-        let (pixels, width) = seen.longest_in_picture(start)?;
-        let strand = Strand {
-            widths: vec![width; pixels.len()],
-            points: pixels,
+    pub fn of(picture: &RgbImage, seen: &Seen, starts: &[Point]) -> Result<Self, VisionError> {
+        let strands = seen.in_picture(starts)?.into_iter();
+        let strands = strands.map(|(points, width)| Strand {
+            widths: vec![width; points.len()],
+            points,
             closed: false,
-        };
-        let strands = std::slice::from_ref(&strand);
-        let found = find_crossings(picture, strands);
-        let places = strand.points.iter().map(|pixel| seen.place(*pixel));
-        let curve = places.collect::<Result<Vec<_>, _>>()?;
-        let lengths = lengths(&curve);
-        let mut crossings = Vec::with_capacity(found.len());
-        for crossing in &found {
-            crossings.push(in_metres(crossing, &lengths, seen)?);
-        }
-        crossings.sort_by(|one, other| one.at_m[1].total_cmp(&other.at_m[1]));
-        Ok(Self { curve, crossings })
+        });
+        let strands: Vec<Strand> = strands.collect();
+        let curves = strands.iter().map(|strand| {
+            let places = strand.points.iter().map(|pixel| seen.place(*pixel));
+            places.collect::<Result<Vec<Point>, _>>()
+        });
+        let curves = curves.collect::<Result<Vec<_>, _>>()?;
+        let lengths: Vec<Vec<f64>> = curves.iter().map(|curve| lengths(curve)).collect();
+        let found = find_crossings(picture, &strands).into_iter();
+        let crossings = found.map(|crossing| in_metres(&crossing, &lengths, seen));
+        let mut crossings = crossings.collect::<Result<Vec<_>, _>>()?;
+        crossings.sort_by(|one, other| {
+            let [one, other] = [one, other].map(|crossing| crossing.places[1]);
+            one.rod
+                .cmp(&other.rod)
+                .then(one.at_m.total_cmp(&other.at_m))
+        });
+        Ok(Self { curves, crossings })
     }
 
-    /// Its length, m.
-    pub fn length(&self) -> f64 {
-        lengths(&self.curve).last().copied().unwrap_or(0.0)
+    /// The length of each rod, m.
+    pub fn lengths(&self) -> Vec<f64> {
+        let lengths = self.curves.iter().map(|curve| lengths(curve));
+        lengths
+            .map(|lengths| lengths.last().copied().unwrap_or(0.0))
+            .collect()
     }
 
-    /// Its knot: `Ok(None)` where it depends on how the ends are joined.
+    /// Their knot: `Ok(None)` where it depends on how the ends are joined.
     ///
     /// # Errors
     /// In words: the picture does not decide.
@@ -103,50 +121,61 @@ impl SeenRod {
 
     fn places_of(&self, crossings: &[usize]) -> String {
         let places = crossings.iter().map(|index| {
-            let [x, y] = self.crossings[*index].place_m;
+            let [x, y] = self.crossings[*index].position_m;
             format!("{x:.3},{y:.3}")
         });
         places.collect::<Vec<_>>().join(" and ")
     }
 
-    /// The knot where it comes to each of its crossings over, or under, what was there.
+    /// The knot where the second place of each crossing lies over the first, or under it.
     fn knot_with(&self, over: &[bool]) -> Option<KnotInvariants> {
-        let lengths = lengths(&self.curve);
-        let high = HEIGHT * self.length();
-        let mut heights: Vec<(f64, f64)> = self
-            .crossings
-            .iter()
-            .zip(over)
-            .flat_map(|(crossing, over)| {
-                let [first, second] = crossing.at_m;
+        let high = HEIGHT * self.lengths().iter().sum::<f64>();
+        let placed = self.curves.iter().enumerate().map(|(index, curve)| {
+            let crossings = self.crossings.iter().zip(over);
+            let heights = crossings.flat_map(|(crossing, over)| {
                 let height = if *over { high } else { -high };
+                let [first, second] = crossing.places;
                 [(first, -height), (second, height)]
-            })
-            .collect();
-        heights.sort_by(|one, other| one.0.total_cmp(&other.0));
-        let nodes = self.curve.iter().zip(&lengths).map(|(point, s)| {
-            let height = piecewise_linear(&heights, *s).unwrap_or(0.0);
-            Vector3::new(point.x, point.y, height)
+            });
+            let of_rod = heights.filter(|(place, _)| place.rod == index + 1);
+            let mut heights: Vec<(f64, f64)> =
+                of_rod.map(|(place, height)| (place.at_m, height)).collect();
+            heights.sort_by(|one, other| one.0.total_cmp(&other.0));
+            let nodes = curve.iter().zip(lengths(curve)).map(|(point, s)| {
+                let height = piecewise_linear(&heights, s).unwrap_or(0.0);
+                Vector3::new(point.x, point.y, height)
+            });
+            nodes.collect::<Vec<_>>()
         });
-        knot_on_table(&[&nodes.collect::<Vec<_>>()])
+        let placed: Vec<Vec<Vector3>> = placed.collect();
+        knot_on_table(&placed.iter().map(Vec::as_slice).collect::<Vec<_>>())
     }
 }
 
 fn in_metres(
     crossing: &StrandCrossing,
-    lengths: &[f64],
+    lengths: &[Vec<f64>],
     seen: &Seen,
 ) -> Result<SeenCrossing, VisionError> {
-    let place = seen.place(crossing.position)?;
-    let along = |at: f64| {
-        let index = (at as usize).min(lengths.len() - 2);
-        lengths[index] + (at - index as f64) * (lengths[index + 1] - lengths[index])
+    let place = |passage: &Passage| {
+        let lengths = &lengths[passage.strand];
+        let index = (passage.at as usize).min(lengths.len().saturating_sub(2));
+        let step = lengths[index + 1] - lengths[index];
+        SeenPlace {
+            rod: passage.strand + 1,
+            at_m: lengths[index] + (passage.at - index as f64) * step,
+        }
     };
-    let [over, under] = [along(crossing.over.at), along(crossing.under.at)];
+    let [over, under] = [&crossing.over, &crossing.under].map(place);
+    let is_over = over > under;
     Ok(SeenCrossing {
-        at_m: [over.min(under), over.max(under)],
-        place_m: place.into(),
-        over: over > under,
+        places: if is_over {
+            [under, over]
+        } else {
+            [over, under]
+        },
+        position_m: seen.place(crossing.position)?.into(),
+        over: is_over,
         confidence: crossing.confidence,
     })
 }
@@ -165,7 +194,7 @@ mod tests {
     use super::*;
 
     /// A rod along the trefoil of the repository, which passes its crossings so.
-    fn trefoil(passes: [(bool, f64); 3]) -> SeenRod {
+    fn trefoil(passes: [(bool, f64); 3]) -> SeenKnot {
         use crate::plan::pattern::{PatternSource, chosen_stroke, crossings, read_svg};
         let svg = include_str!("../../../scenarios/patterns/trefoil.svg");
         let points = chosen_stroke(read_svg(svg).unwrap(), None).unwrap();
@@ -178,18 +207,18 @@ mod tests {
         let mut seen: Vec<SeenCrossing> = found
             .iter()
             .map(|crossing| SeenCrossing {
-                at_m: [crossing.first, crossing.second],
-                place_m: crossing.position.into(),
+                places: [crossing.first, crossing.second].map(|at_m| SeenPlace { rod: 1, at_m }),
+                position_m: crossing.position.into(),
                 over: true,
                 confidence: 1.0,
             })
             .collect();
-        seen.sort_by(|one, other| one.at_m[1].total_cmp(&other.at_m[1]));
+        seen.sort_by(|one, other| one.places[1].at_m.total_cmp(&other.places[1].at_m));
         for (crossing, (over, confidence)) in seen.iter_mut().zip(passes) {
             (crossing.over, crossing.confidence) = (over, confidence);
         }
-        SeenRod {
-            curve: sampled.iter().map(|point| point.position).collect(),
+        SeenKnot {
+            curves: vec![sampled.iter().map(|point| point.position).collect()],
             crossings: seen,
         }
     }

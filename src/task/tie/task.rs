@@ -3,11 +3,11 @@
 use super::motion::TieMotion;
 use super::plan::KnotPlan;
 use super::score::TieScore;
-use super::sight::SeenRod;
+use super::sight::SeenKnot;
 use super::stage::{TieError, TieStage};
 use crate::cell::Cell;
-use crate::plan::deployment::DeployedRod;
 use crate::results::{ResultsError, write_whole};
+use crate::robot::JointTrajectory;
 use crate::task::error::{TaskStage, WorkError};
 use crate::task::look::{Seen, next_picture};
 use crate::task::unfinished::Unfinished;
@@ -23,7 +23,7 @@ use std::time::{Duration, Instant};
 pub struct TieTask<'a> {
     /// The cell.
     pub cell: &'a Cell,
-    /// Indices of the arm that lays and leads, and of the one that lifts.
+    /// Indices of the arm that lays the first rod, and of the other one.
     pub arms: [usize; 2],
     /// The motions.
     pub motion: &'a TieMotion,
@@ -31,8 +31,6 @@ pub struct TieTask<'a> {
     pub knot: &'a KnotPlan,
     /// Greatest speed of a hand that holds nothing, m/s.
     pub free_speed: f64,
-    /// The rod, as it is believed to be.
-    pub rod: &'a DeployedRod,
     /// Which pixels are rod.
     pub colour: &'a ColourRule,
     /// What says of each arm that the task was begun, if it is to be said.
@@ -74,7 +72,7 @@ impl TieTask<'_> {
                 false => Ok(()),
             }
         };
-        let [layer, lifter] = [0, 1].map(|which| WorkingArm {
+        let arms = [0, 1].map(|which| WorkingArm {
             cell: self.cell,
             arm: self.arms[which],
             directory: self.directory,
@@ -83,25 +81,42 @@ impl TieTask<'_> {
         });
         let work = TieError::of_work;
         let home = &self.cell.arms[self.arms[1]].home;
-        let parked = lifter.go("parking", home, self.free_speed);
+        let parked = arms[1].go("parking", home, self.free_speed);
         parked.map_err(work(TieStage::Approach))?;
-        let first = &self.motion.laying.points[0];
-        let gone = layer.go("approach", first, self.free_speed);
-        gone.map_err(work(TieStage::Approach))?;
-        done(TieStage::Approach)?;
-        layer.grip(Grip::Close).map_err(work(TieStage::Take))?;
-        done(TieStage::Take)?;
-        let laid = layer.carry("laying", &self.motion.laying);
-        laid.map_err(work(TieStage::Lay))?;
-        done(TieStage::Lay)?;
-        self.tie(&layer, &lifter).map_err(work(TieStage::Tie))?;
+        let named = |what: &str, number: usize| match self.motion.layings.len() {
+            1 => what.to_owned(),
+            _ => format!("{what}_{}", number + 1),
+        };
+        for (number, laying) in self.motion.layings.iter().enumerate() {
+            let layer = &arms[number % 2];
+            let name = named("approach", number);
+            let gone = match &laying.approach {
+                None => layer.go(&name, &laying.motion.points[0], self.free_speed),
+                Some(approach) => self.follow(&arms, &name, approach),
+            };
+            gone.map_err(work(TieStage::Approach))?;
+            done(TieStage::Approach)?;
+            layer.grip(Grip::Close).map_err(work(TieStage::Take))?;
+            done(TieStage::Take)?;
+            let laid = layer.carry(&named("laying", number), &laying.motion);
+            laid.map_err(work(TieStage::Lay))?;
+            done(TieStage::Lay)?;
+            if let Some(parting) = &laying.parting {
+                layer.grip(Grip::Open).map_err(work(TieStage::LetGo))?;
+                std::thread::sleep(self.settling);
+                done(TieStage::LetGo)?;
+                let gone = self.follow(&arms, &named("parting", number), parting);
+                gone.map_err(work(TieStage::Retreat))?;
+                done(TieStage::Retreat)?;
+            }
+        }
+        self.tie(&arms).map_err(work(TieStage::Tie))?;
         done(TieStage::Tie)?;
-        layer.grip(Grip::Open).map_err(work(TieStage::LetGo))?;
+        let opened = arms[self.motion.last].grip(Grip::Open);
+        opened.map_err(work(TieStage::LetGo))?;
         std::thread::sleep(self.settling);
         done(TieStage::LetGo)?;
-        let risen = layer.follow("rising", &self.motion.rising);
-        risen.map_err(work(TieStage::Retreat))?;
-        let gone = layer.go_home("retreat", self.free_speed);
+        let gone = self.follow(&arms, "retreat", &self.motion.retreat);
         gone.map_err(work(TieStage::Retreat))?;
         done(TieStage::Retreat)?;
         let picture = next_picture(self.cell);
@@ -114,38 +129,57 @@ impl TieTask<'_> {
         Ok(score)
     }
 
-    /// Leads the end and lifts strands.
-    fn tie(&self, layer: &WorkingArm<'_>, lifter: &WorkingArm<'_>) -> Result<(), WorkError> {
+    /// Leads ends and lifts strands.
+    fn tie(&self, arms: &[WorkingArm<'_>; 2]) -> Result<(), WorkError> {
         for stretch in &self.motion.stretches {
-            // Both move, and the log is that of one.
-            let marked = self.unfinished.map_or(Ok(()), |marks| marks[1].mark());
-            marked.map_err(|error| {
-                WorkError::Failed(format!("the task cannot be marked as begun: {error}"))
-            })?;
-            layer.carry(&stretch.name, &stretch.motion)?;
-            if let Some(grip) = stretch.then {
-                lifter.grip(grip)?;
+            self.follow(arms, &stretch.name, &stretch.motion)?;
+            if let Some((which, grip)) = stretch.then {
+                arms[which].grip(grip)?;
             }
-            if (layer.is_interrupted)() {
+            if (arms[0].is_interrupted)() {
                 return Err(WorkError::Interrupted);
             }
         }
         Ok(())
     }
 
+    /// Streams a motion of both arms.
+    fn follow(
+        &self,
+        arms: &[WorkingArm<'_>; 2],
+        name: &str,
+        motion: &JointTrajectory,
+    ) -> Result<(), WorkError> {
+        // The first arm marks itself.
+        let marked = self.unfinished.map_or(Ok(()), |marks| marks[1].mark());
+        marked.map_err(|error| {
+            WorkError::Failed(format!("the task cannot be marked as begun: {error}"))
+        })?;
+        arms[0].follow(name, motion)
+    }
+
     fn score(&self, picture: &RgbImage) -> Result<TieScore, TieError> {
         let failed = |error: VisionError| TieError::failed(TieStage::Score, error);
-        let (frame, radius) = (&self.motion.frame, self.rod.radius);
+        let rods = &self.knot.rods;
+        // Of rods of several radii the picture is located on the middle of the first.
+        let (frame, radius) = (&self.motion.frame, rods[0].rod.radius);
         let seen = Seen::of(picture, self.cell, frame, radius, self.colour).map_err(failed)?;
         let shown = overlay(picture, &seen.trace);
         self.write("overlay.png", &encode_picture(&shown))?;
         let strands = centrelines_csv(&seen.trace.strands, None).map_err(failed)?;
         self.write("centrelines.csv", strands.as_bytes())?;
-        let start = self.knot.points.first().copied();
-        let start = start.unwrap_or_else(Point::zeros);
-        let rod = SeenRod::of(picture, &seen, start).map_err(failed)?;
-        self.write("rod.csv", pattern_csv(&rod.curve).as_bytes())?;
-        Ok(TieScore::of(&rod, self.rod.length, self.knot.drawn))
+        let starts = rods.iter().map(|planned| planned.pattern.at(0.0).position);
+        let starts: Vec<Point> = starts.collect();
+        let knot = SeenKnot::of(picture, &seen, &starts).map_err(failed)?;
+        for (number, curve) in knot.curves.iter().enumerate() {
+            let name = match knot.curves.len() {
+                1 => "rod.csv".to_owned(),
+                _ => format!("rod_{}.csv", number + 1),
+            };
+            self.write(&name, pattern_csv(curve).as_bytes())?;
+        }
+        let lengths: Vec<f64> = rods.iter().map(|planned| planned.rod.length).collect();
+        Ok(TieScore::of(&knot, &lengths, self.knot.drawn))
     }
 
     fn write(&self, name: &str, bytes: &[u8]) -> Result<(), ResultsError> {

@@ -118,7 +118,7 @@ mod tests {
         assert_eq!(at(short.points.len() + 1)[0], at(last)[0]);
         assert!(at(short.points.len() + 1)[1] > at(last)[1]);
         // It may be streamed as it is.
-        cell.prepare_stream(&[whole.clone()]).unwrap();
+        cell.prepare_stream(std::slice::from_ref(&whole)).unwrap();
         let twice = joined([&whole, &whole]);
         assert_eq!(twice.points.len(), 2 * whole.points.len());
         assert!(twice.times.windows(2).all(|pair| pair[0] < pair[1]));
