@@ -17,6 +17,24 @@ pub fn refuse_unfinished(cell: &Cell, arm: usize) -> Result<(), Failure> {
     )))
 }
 
+/// What a task with an arm needs and the cell file lacks, in words; `camera` says what the camera is for.
+pub fn missing_part(cell: &Cell, arm: usize, camera: &str) -> Option<String> {
+    let known = &cell.arms[arm];
+    let name = &known.name;
+    let seen = cell.camera.as_ref();
+    if seen.is_none_or(|seen| seen.source.is_none()) {
+        return Some(format!("a [camera] with a `source` is needed: {camera}"));
+    }
+    if known.driver.is_none() {
+        return Some(format!("arm {name} needs a `driver`"));
+    }
+    if cell.gripper(arm).is_none() {
+        let needed = "needs a `gripper`, and a driver of kind \"rosbridge\" or \"ros1\" for it";
+        return Some(format!("arm {name} {needed}"));
+    }
+    None
+}
+
 /// Ends a task: takes over what it came to, writes its record, clears its marks where it came to its end, and prints the record.
 ///
 /// # Errors

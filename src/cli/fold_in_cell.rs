@@ -1,6 +1,6 @@
 //! `rodlab fold` in a robot cell.
 
-use super::cell_task::{finish, refuse_unfinished};
+use super::cell_task::{finish, missing_part, refuse_unfinished};
 use super::failure::Failure;
 use super::fold_arguments::FoldArguments;
 use super::folded_sheet::PaperFile;
@@ -44,7 +44,11 @@ pub fn fold_in_cell(
         if !arguments.checked {
             refuse_unfinished(&cell, arm)?;
         }
-        let missing = missing_part(&cell, arm);
+        let missing = missing_part(
+            &cell,
+            arm,
+            "it looks where the sheet lies and how far it slides",
+        );
         if let Some(what) = missing {
             let message = format!("{}: {what}", arguments.cell.display());
             return Err(Failure::Input(message));
@@ -128,26 +132,6 @@ pub fn fold_in_cell(
         &[unfinished],
         &directory,
     )
-}
-
-/// What a fold with an arm needs and the cell file lacks, in words.
-fn missing_part(cell: &Cell, arm: usize) -> Option<String> {
-    let known = &cell.arms[arm];
-    let name = &known.name;
-    let camera = cell.camera.as_ref();
-    if camera.is_none_or(|camera| camera.source.is_none()) {
-        let needed =
-            "a [camera] with a `source`: it looks where the sheet lies and how far it slides";
-        return Some(needed.into());
-    }
-    if known.driver.is_none() {
-        return Some(format!("arm {name} needs a `driver`"));
-    }
-    if cell.gripper(arm).is_none() {
-        let needed = "needs a `gripper`, and a driver of kind \"rosbridge\" or \"ros1\" for it";
-        return Some(format!("arm {name} {needed}"));
-    }
-    None
 }
 
 /// Where the sheet is expected: its middle in that of the table where nobody says.

@@ -5,9 +5,9 @@ use super::failure::Failure;
 use super::interruption::watch_for_interruption;
 use super::log_directory::log_directory;
 use super::output::print_json;
-use super::plan::{parse_place, positive};
 use super::solve_arm::arm_named;
-use crate::cell::{Cell, Place};
+use super::task_arguments::TaskArguments;
+use crate::cell::Cell;
 use crate::experiment::Fixtures;
 use crate::plan::deployment::{DeployedRod, LaidPath, Spare};
 use crate::results::write_whole;
@@ -36,31 +36,8 @@ pub struct LayingArguments {
     /// Name of the arm; not needed where the cell has only one
     #[arg(long, value_name = "NAME")]
     arm: Option<String>,
-    /// Where the pattern lies in the cell: x,y,z in metres and a turn about z in degrees, or `auto`: the best place on the
-    /// table [default: its middle in that of the table]
-    #[arg(long, value_name = "X,Y,Z[,TURN]|auto", value_parser = parse_place, allow_hyphen_values = true)]
-    place: Option<Place>,
-    /// Greatest speed of the hand while it lays, m/s
-    #[arg(long, value_name = "SPEED", default_value_t = 0.03, value_parser = positive)]
-    hand_speed: f64,
-    /// Greatest speed of the hand on the way to the first point, m/s
-    #[arg(long, value_name = "SPEED", default_value_t = 0.1, value_parser = positive)]
-    approach_speed: f64,
-    /// Least distance to anything else, m
-    #[arg(long, value_name = "DISTANCE", default_value_t = 0.01, value_parser = positive)]
-    margin: f64,
-    /// Which colours are rod, as of `rodlab trace`
-    #[arg(long, value_name = "RULE", default_value = "auto")]
-    colour: String,
-    /// Plan everything, write the pages, and move nothing
-    #[arg(long)]
-    dry_run: bool,
-    /// The arm, and what it holds, were looked at after a task that did not come to its end
-    #[arg(long)]
-    checked: bool,
-    /// Where everything goes [default: results/TASK-TIME]
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    task: TaskArguments,
 }
 
 /// What is laid.
@@ -80,7 +57,7 @@ pub struct Laying<'a> {
 impl LayingArguments {
     /// The directory of a task, empty.
     pub fn directory(&self, task: &str) -> Result<PathBuf, Failure> {
-        log_directory(task, self.out.as_deref())
+        log_directory(task, self.task.out.as_deref())
     }
 
     /// Lays a rod along the path that `plan` gives for the room that there is and writes into a directory.
@@ -89,15 +66,16 @@ impl LayingArguments {
         laying: &Laying<'_>,
         plan: impl Fn(&Spare<'_>, &Path) -> Result<(DeployedRod, LaidPath), Failure>,
     ) -> Result<(), Failure> {
-        let colour = ColourRule::parse(&self.colour)?;
+        let colour = ColourRule::parse(&self.task.colour)?;
         let cell = Cell::read(&self.cell)?;
         let arm = arm_named(&cell, self.arm.as_deref(), &self.cell)?;
-        if !(self.dry_run || self.checked) {
+        if !(self.task.dry_run || self.task.checked) {
             refuse_unfinished(&cell, arm)?;
         }
         let directory = self.directory(laying.task)?;
         let unfinished = Unfinished::of(&cell, arm, &directory);
         let place = self
+            .task
             .place
             .or_else(|| middle_of_table(&cell, laying.outline));
         let place = place
@@ -106,8 +84,8 @@ impl LayingArguments {
             cell: &cell,
             arm,
             place,
-            speed: self.hand_speed,
-            margin: self.margin,
+            speed: self.task.hand_speed,
+            margin: self.task.margin,
         };
         let (rod, path, motion) = motion.plan(|spare| plan(spare, &directory.join("plan")))?;
         write_whole(
@@ -126,7 +104,7 @@ impl LayingArguments {
             score: None,
             pegs: None,
         };
-        if self.dry_run {
+        if self.task.dry_run {
             record.write(&directory)?;
             return print_json(&record);
         }
@@ -135,12 +113,12 @@ impl LayingArguments {
         let interrupted = watch_for_interruption()?;
         let correction = laying
             .is_corrected
-            .then(|| Correction::usual(rod.gravito_bending_length, self.hand_speed));
+            .then(|| Correction::usual(rod.gravito_bending_length, self.task.hand_speed));
         let task = DeployTask {
             cell: &cell,
             arm,
             motion: &motion,
-            approach_speed: self.approach_speed,
+            approach_speed: self.task.approach_speed,
             pattern: laying.outline,
             path: &path,
             rod: &rod,

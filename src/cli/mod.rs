@@ -75,6 +75,7 @@ mod status;
 mod stream;
 mod submit;
 mod sweep;
+mod task_arguments;
 mod tie;
 mod trace;
 mod trace_answer;

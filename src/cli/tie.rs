@@ -1,14 +1,14 @@
 //! `rodlab tie`.
 
-use super::cell_task::{finish, refuse_unfinished};
+use super::cell_task::{finish, missing_part, refuse_unfinished};
 use super::failure::Failure;
 use super::interruption::watch_for_interruption;
 use super::log_directory::log_directory;
 use super::output::print_json;
-use super::plan::{parse_place, positive};
 use super::plan_deployment::DeploymentPlan;
 use super::solve_arm::arm_named;
-use crate::cell::{Cell, Place};
+use super::task_arguments::TaskArguments;
+use crate::cell::Cell;
 use crate::plan::deployment::Spare;
 use crate::results::write_whole;
 use crate::task::{
@@ -68,36 +68,13 @@ pub struct TieArguments {
     /// Which stroke of an SVG, or strand of a CSV file, from 1 [default: the only one]
     #[arg(long, value_name = "N", requires = "second_rod")]
     second_stroke: Option<usize>,
-    /// Where the pattern lies in the cell: x,y,z in metres and a turn about z in degrees, or `auto`: the best place on the
-    /// table for the arm that lays [default: its middle in that of the table]
-    #[arg(long, value_name = "X,Y,Z[,TURN]|auto", value_parser = parse_place, allow_hyphen_values = true)]
-    place: Option<Place>,
-    /// Greatest speed of a hand that holds the rod, m/s
-    #[arg(long, value_name = "SPEED", default_value_t = 0.03, value_parser = positive)]
-    hand_speed: f64,
-    /// Greatest speed of a hand that holds nothing, m/s
-    #[arg(long, value_name = "SPEED", default_value_t = 0.1, value_parser = positive)]
-    approach_speed: f64,
-    /// Least distance of the arms to each other and to anything else, m
-    #[arg(long, value_name = "DISTANCE", default_value_t = 0.01, value_parser = positive)]
-    margin: f64,
-    /// Which colours are rod, as of `rodlab trace`
-    #[arg(long, value_name = "RULE", default_value = "auto")]
-    colour: String,
-    /// Plan everything, write the pages, and move nothing
-    #[arg(long)]
-    dry_run: bool,
-    /// The arms, and what they hold, were looked at after a task that did not come to its end
-    #[arg(long)]
-    checked: bool,
-    /// Where everything goes [default: results/tie-TIME]
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    task: TaskArguments,
 }
 
 /// Ties a knot.
 pub fn tie(arguments: &TieArguments) -> Result<(), Failure> {
-    let colour = ColourRule::parse(&arguments.colour)?;
+    let colour = ColourRule::parse(&arguments.task.colour)?;
     if !arguments.plan.ties_knot() {
         return Err(Failure::Input(
             "--knot is needed: over or under for each crossing, in the order in which the pattern comes there again, as in \
@@ -107,12 +84,14 @@ pub fn tie(arguments: &TieArguments) -> Result<(), Failure> {
     }
     let cell = Cell::read(&arguments.cell)?;
     let arms = arguments.arms(&cell)?;
-    if !arguments.dry_run {
+    if !arguments.task.dry_run {
         for arm in arms {
-            if !arguments.checked {
+            if !arguments.task.checked {
                 refuse_unfinished(&cell, arm)?;
             }
-            if let Some(what) = missing_part(&cell, arm) {
+            if let Some(what) =
+                missing_part(&cell, arm, "its picture shows whether the knot is tied")
+            {
                 let message = format!("{}: {what}", arguments.cell.display());
                 return Err(Failure::Input(message));
             }
@@ -122,14 +101,17 @@ pub fn tie(arguments: &TieArguments) -> Result<(), Failure> {
     let mut outline = arguments.plan.outline()?;
     let second_points = second.iter().flat_map(|knot| knot.rods[1].points());
     outline.extend(second_points);
-    let place = arguments.place.or_else(|| middle_of_table(&cell, &outline));
+    let place = arguments
+        .task
+        .place
+        .or_else(|| middle_of_table(&cell, &outline));
     let place =
         place.ok_or_else(|| Failure::Input("--place is needed: the cell has no [table]".into()))?;
     // Before a directory is made.
     if second.is_none() {
         arguments.plan.check_knot()?;
     }
-    let directory = log_directory("tie", arguments.out.as_deref())?;
+    let directory = log_directory("tie", arguments.task.out.as_deref())?;
     let unfinished = arms.map(|arm| Unfinished::of(&cell, arm, &directory));
     let knot = match second {
         Some(knot) => knot,
@@ -143,9 +125,9 @@ pub fn tie(arguments: &TieArguments) -> Result<(), Failure> {
         cell: &cell,
         arms,
         place,
-        speed: arguments.hand_speed,
-        free_speed: arguments.approach_speed,
-        margin: arguments.margin,
+        speed: arguments.task.hand_speed,
+        free_speed: arguments.task.approach_speed,
+        margin: arguments.task.margin,
     };
     let motion = TieMotion::plan(&request, &knot)?;
     let whole = &motion.whole;
@@ -166,7 +148,7 @@ pub fn tie(arguments: &TieArguments) -> Result<(), Failure> {
         times_s: Vec::new(),
         score: None,
     };
-    if arguments.dry_run {
+    if arguments.task.dry_run {
         record.write(&directory)?;
         return print_json(&record);
     }
@@ -178,7 +160,7 @@ pub fn tie(arguments: &TieArguments) -> Result<(), Failure> {
         arms,
         motion: &motion,
         knot: &knot,
-        free_speed: arguments.approach_speed,
+        free_speed: arguments.task.approach_speed,
         colour: &colour,
         unfinished: Some([&unfinished[0], &unfinished[1]]),
         settling: SETTLING,
@@ -264,24 +246,4 @@ impl TieArguments {
         }
         Ok([layer, lifter])
     }
-}
-
-/// What an arm that ties needs and the cell file lacks, in words.
-fn missing_part(cell: &Cell, arm: usize) -> Option<String> {
-    let known = &cell.arms[arm];
-    let name = &known.name;
-    let camera = cell.camera.as_ref();
-    if camera.is_none_or(|camera| camera.source.is_none()) {
-        let needed =
-            "a [camera] with a `source` is needed: its picture shows whether the knot is tied";
-        return Some(needed.into());
-    }
-    if known.driver.is_none() {
-        return Some(format!("arm {name} needs a `driver`"));
-    }
-    if cell.gripper(arm).is_none() {
-        let needed = "needs a `gripper`, and a driver of kind \"rosbridge\" or \"ros1\" for it";
-        return Some(format!("arm {name} {needed}"));
-    }
-    None
 }
