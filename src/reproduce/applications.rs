@@ -102,6 +102,15 @@ impl Application {
         tasks.flat_map(both).collect()
     }
 
+    /// Those trials that are made in the virtual cell: knots by the optimal scheme only.
+    pub fn of_table_5_4_in_cell(quick: bool) -> Vec<Self> {
+        let mut trials = Self::of_table_5_4(quick);
+        trials.retain(|trial| {
+            trial.is_optimal || TASKS[trial.task].scenario.contains("[deployment.clips]")
+        });
+        trials
+    }
+
     /// The scheme by its name.
     pub fn scheme(&self) -> &'static str {
         if self.is_optimal {

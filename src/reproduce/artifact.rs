@@ -309,7 +309,7 @@ pub static ARTIFACTS: [Artifact; 41] = [
         name: "tab5.4-cell",
         title: "Table 5.4 in the virtual cell: cables placed and knots tied through drivers and camera",
         recipe: &Recipe {
-            runs: Application::of_table_5_4,
+            runs: Application::of_table_5_4_in_cell,
             write: table_5_4_cell::write,
             figures_of_table: None,
         },

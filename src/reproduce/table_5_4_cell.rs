@@ -69,7 +69,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Application>]) -> Result<(), 
          `rodlab tie`. Hands tremble without the arms knowing, as in the plain simulation beside: 1 mm and 0.5° root mean square in each \
          direction. A person lays the free end where the pattern begins. A cable is placed when, from above, it leaves each peg on the \
          side on which its pattern does, and lies on none of them; a knot is tied when the rod has the determinant and the signature \
-         of the knot that was drawn, by which strand is seen to lie over which.",
+         of the knot that was drawn, by which strand is seen to lie over which. Knots are tied by the optimal scheme only.",
     );
     let lines = TASKS.iter().enumerate().flat_map(|(task, _)| {
         let of = |is_optimal| {

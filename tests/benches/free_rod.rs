@@ -57,6 +57,7 @@ fn scene() -> Scene {
             rotational_inertia_per_length: density * 2.0 * second_moment,
             inertia: Inertia::Lumped,
             retardation_time: 0.0,
+            relaxation: None,
             velocity: Vector3::zeros(),
             angular_velocity: Vector3::zeros(),
             held: false,

@@ -225,7 +225,7 @@ fn stretched() -> Scene {
     };
     let mut end = clamp(10);
     let way = Vector3::x() * (0.01 * LENGTH);
-    end.motion.translation = vec![(0.0, Vector3::zeros()), (0.1, way), (1.0, way)].into();
+    end.motion.translation = vec![(0.0, Vector3::zeros()), (0.1, way), (1.0, way)];
     scene.clamps.push(end);
     scene
 }

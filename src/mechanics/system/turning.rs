@@ -42,9 +42,8 @@ impl System {
     /// Whether a rod cannot turn out of its twist: it is closed, or its frame is held at two places.
     fn keeps_turns(&self, rod: usize) -> bool {
         let holds_frame = |drive: &&super::Drive| {
-            !drive.released
-                && !(drive.ghosts.is_empty() && drive.edges.is_empty())
-                && self.assembly.locate(drive.node).0 == rod
+            let holds = !drive.ghosts.is_empty() || !drive.edges.is_empty();
+            holds && !drive.released && self.assembly.locate(drive.node).0 == rod
         };
         let drives = self.assembly.drives.iter();
         self.assembly.rods.rods[rod].closed || drives.filter(holds_frame).count() > 1
