@@ -75,7 +75,7 @@ struct ServeArguments {
     #[arg(long, value_name = "X,Y,Z[,TURN]", value_parser = parse_place, requires = "scene", allow_hyphen_values = true)]
     scene_place: Option<Place>,
     /// Where on the table a person lays the free end of a rod that is handed over: x,y in the cell, m [default: where the rod hangs by
-    /// itself]
+    /// itself; of a scene, where its pattern begins]
     #[arg(long, value_name = "X,Y", value_parser = place, conflicts_with = "paper", allow_hyphen_values = true)]
     free_end: Option<[f64; 2]>,
     /// The rod that all arms but the first are handed, beside that of the first: as --rod [default: the same]

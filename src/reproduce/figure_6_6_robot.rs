@@ -27,7 +27,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Explored>]) -> Result<(), Rep
              chuck of a stepper and the hand of a gantry, both simulated, behind the drivers of real ones, with the wire's weight and \
              inertia, the arm's latency and lag, and a camera with noise. `rodlab explore` leads the clamps along each direction of \
              (κ, τ, ω), looks at 15 markers every {} of ‖(κ, τ, ω)‖, takes the helix for lost where they are {} % of the wire's length \
-             from their places in the mean, goes back until it is a helix again, and finds the place by steps of {}. Theory is that of \
+             from their places in the mean, goes back to the straight wire, which the hand takes anew, and finds the place by steps of {}. Theory is that of \
              the smooth wire without weight (conjugate points).",
             SEARCH.step,
             1e2 * SEARCH.deviation,
@@ -36,8 +36,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Explored>]) -> Result<(), Rep
         page.text(&format!(
             "The thesis explores {DIRECTIONS} directions with τ > 0 and does not say which; these are {DIRECTIONS} evenly spread over κ > 0, \
              τ > 0, of which {} were explored here. Where the wire touches itself, or the arm, the hand or the chuck would be in the way \
-             before stability is lost, nothing can be found, as in the thesis, whose directions are those in which something was. The \
-             virtual wire has no contact with itself.",
+             before stability is lost, nothing can be found, as in the thesis, whose directions are those in which something was.",
             rows.len()
         ));
         comparison(page, &rows);

@@ -6,7 +6,7 @@ use crate::mechanics::dynamics::Simulation;
 use crate::mechanics::scene::{Motion, Scene};
 use crate::mechanics::{UnitQuaternion, Vector3};
 use crate::plan::deployment::{DeployedRod, OptimalGrasps, Scheme, trajectory};
-use crate::plan::pattern::{Line, PatternSource};
+use crate::plan::pattern::{Line, PatternError, PatternSource};
 use crate::robot::{Pose, distance_and_angle};
 use crate::run::PreparedRun;
 use crate::scenario::ScenarioError;
@@ -56,7 +56,8 @@ impl RodSupply {
         Self::described(&format!("extends = {extended}\n"), "", friction)
     }
 
-    /// Rods of a deployment, on its table with its pegs; `frame` is the pose of its pattern in the cell.
+    /// Rods of a deployment, on its table with its pegs; `frame` is the pose of its pattern in the cell. A person lays the free end where
+    /// the pattern begins.
     ///
     /// # Errors
     /// The rod cannot hang.
@@ -66,11 +67,14 @@ impl RodSupply {
             "[deployment.rod]\ngravito_bending_length = {:?}\nradius = {:?}\nlength = {:?}\ndensity = {:?}\nedges = {}\n",
             rod.gravito_bending_length, rod.radius, rod.length, rod.density, rod.edges
         );
-        let fixtures = Fixtures::of(deployment);
-        let fixtures = fixtures.map_err(|error| RodError::Impossible(error.to_string()))?;
+        let impossible = |error: PatternError| RodError::Impossible(error.to_string());
+        let fixtures = Fixtures::of(deployment).map_err(impossible)?;
+        let start = deployment.whole_pattern().map_err(impossible)?.at(0.0);
+        let start = frame * nalgebra::Point3::new(start.position.x, start.position.y, 0.0);
         let supply = Self::described("", &rod, friction)?;
         Ok(Self {
             fixtures: Some((fixtures, frame)),
+            free_end: Some([start.x, start.y]),
             ..supply
         })
     }
@@ -362,7 +366,11 @@ mod tests {
             assert!((top - foot - Vector3::z() * 0.002).norm() < 1e-12);
             assert_eq!(radius, 0.004);
         }
-        // The rod that is handed over is all that is seen as rod.
+        // A person lays the free end where the pattern begins, or elsewhere. The rod is all that is seen as rod.
+        let begins = (frame * nalgebra::Point3::origin()).coords.xy();
+        let free_end = nalgebra::Vector2::from(supply.free_end.unwrap());
+        assert!((begins - free_end).norm() < 1e-9);
+        let supply = supply.with_free_end([0.4, 0.1]);
         let rod = supply
             .handed(0, &hand(&supply, 0.0), &table(), 0.0)
             .unwrap();
