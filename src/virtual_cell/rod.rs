@@ -29,6 +29,8 @@ pub struct RodSupply {
     end: Pose,
     /// Where in the cell a person lays the free end, m; else where the rod hangs by itself.
     free_end: Option<[f64; 2]>,
+    /// Whether the rod may hang by itself where no hand reaches it with its free end there.
+    may_hang: bool,
     /// Pegs on the table, and the pose of their frame in the cell.
     fixtures: Option<(Fixtures, Pose)>,
 }
@@ -57,7 +59,7 @@ impl RodSupply {
     }
 
     /// Rods of a deployment, on its table with its pegs; `frame` is the pose of its pattern in the cell. A person lays the free end where
-    /// the pattern begins.
+    /// the pattern begins, if the hand reaches the rod there.
     ///
     /// # Errors
     /// The rod cannot hang.
@@ -75,6 +77,7 @@ impl RodSupply {
         Ok(Self {
             fixtures: Some((fixtures, frame)),
             free_end: Some([start.x, start.y]),
+            may_hang: true,
             ..supply
         })
     }
@@ -117,6 +120,7 @@ impl RodSupply {
             rod,
             end,
             free_end: None,
+            may_hang: false,
             fixtures: None,
         })
     }
@@ -197,6 +201,19 @@ impl RodSupply {
 
     /// The frame, on the table, of the simulation of a rod that hangs from a hand.
     fn frame(&self, hand: &Pose, table: &Pose) -> Result<Pose, String> {
+        match self.frame_with(self.free_end, hand, table) {
+            Err(_) if self.may_hang => self.frame_with(None, hand, table),
+            frame => frame,
+        }
+    }
+
+    /// The same with its free end somewhere in the cell, m, or where it hangs by itself.
+    fn frame_with(
+        &self,
+        free_end: Option<[f64; 2]>,
+        hand: &Pose,
+        table: &Pose,
+    ) -> Result<Pose, String> {
         let held = table.inverse() * hand;
         let across = held.rotation * Vector3::y();
         if libm::hypot(across.x, across.y) < LEVEL {
@@ -208,7 +225,7 @@ impl RodSupply {
         let heading = libm::atan2(-across.x, across.y);
         let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), heading);
         let end = turn * self.end.translation.vector;
-        let place = match self.free_end {
+        let place = match free_end {
             Some([x, y]) => (table.inverse() * nalgebra::Point3::new(x, y, 0.0)).coords,
             None => held.translation.vector - end,
         };
