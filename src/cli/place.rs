@@ -41,9 +41,10 @@ pub struct PlaceArguments {
 pub fn place(arguments: &PlaceArguments) -> Result<(), Failure> {
     let scene = Scene::read(&arguments.scenario, &arguments.overrides)?;
     let outline = scene.fixtures.outline();
+    let file = arguments.scenario.display().to_string();
     let what = Laying {
         task: "place",
-        pattern: &scene.title,
+        pattern: &file,
         outline: &outline,
         fixtures: Some(&scene.fixtures),
         is_corrected: false,

@@ -216,15 +216,15 @@ mod tests {
         [0.249, 0.498, -0.831],
     ];
 
-    /// The 21st of the 328 directions: on the second approach the wire snaps long before the place at which it was a helix at first.
-    const SNAPS_EARLIER: [[f64; 3]; 1] = [[0.9375, 0.299_694_16, 0.176_853_497]];
+    /// The 21st of the 328 directions: a wire that snapped here, and is not taken anew, snaps far earlier the second time.
+    const SNAPS: [[f64; 3]; 1] = [[0.9375, 0.299_694_16, 0.176_853_497]];
 
     #[test]
-    fn where_a_rod_snaps_earlier_the_second_time_the_first_time_counts() {
+    fn a_rod_that_snapped_is_another_one_until_it_is_taken_anew() {
         let rows = with_cell(|cell, rod, directory| {
             let colour = ColourRule::parse("blue").unwrap();
             let exploration = Exploration {
-                directions: &SNAPS_EARLIER,
+                directions: &SNAPS,
                 farthest: 9.0,
                 ..exploration(cell, rod, &colour, directory)
             };

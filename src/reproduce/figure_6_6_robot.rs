@@ -27,8 +27,8 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Explored>]) -> Result<(), Rep
              chuck of a stepper and the hand of a gantry, both simulated, behind the drivers of real ones, with the wire's weight and \
              inertia, the arm's latency and lag, and a camera with noise. `rodlab explore` leads the clamps along each direction of \
              (κ, τ, ω), looks at 15 markers every {} of ‖(κ, τ, ω)‖, takes the helix for lost where they are {} % of the wire's length \
-             from their places in the mean, goes back to the straight wire, which the hand takes anew, and finds the place by steps of {}. Theory is that of \
-             the smooth wire without weight (conjugate points).",
+             from their places in the mean, goes back to the straight wire, which the hand takes anew, and finds the place by steps of \
+             {}. Theory is that of the smooth wire without weight (conjugate points).",
             SEARCH.step,
             1e2 * SEARCH.deviation,
             SEARCH.precision

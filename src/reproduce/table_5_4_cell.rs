@@ -196,7 +196,7 @@ fn figure(
     task: usize,
     trials: &[(&Case<Application>, &Trial)],
 ) -> Result<Option<PageFigure>, ReproduceError> {
-    let mut curves = [(true, "optimal"), (false, "intuitive")].map(|(_, name)| (name, Vec::new()));
+    let mut curves = ["optimal", "intuitive"].map(|name| (name, Vec::new()));
     for (case, trial) in trials {
         let Trial::Placed(placed) = trial else {
             continue;

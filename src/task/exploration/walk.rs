@@ -188,7 +188,8 @@ impl Walk<'_> {
         })
     }
 
-    /// Goes back to the straight rod. One that snapped is taken anew there: it has swung around its ends, and may have gained turns.
+    /// Goes back to the straight rod. One that snapped is taken anew there: it keeps something of it, by all signs whole turns of twist,
+    /// which a straight rod does not show.
     fn straighten(&mut self, has_snapped: bool) -> Result<(), WorkError> {
         self.go(0)?;
         if !self.look()? {
