@@ -1,10 +1,30 @@
-//! The drag of a fluid in a step: evaluated once, at the start or for the predicted motion, and implicit in the local part.
+//! The drag of a fluid in a step: evaluated at the start or for the predicted motion, and implicit in the local part; where
+//! that is not enough, in the whole of it ([`super::coupling`]).
 
+use super::coupling::DragCoupling;
+use super::scheme::TimeScheme;
+use super::state::State;
 use crate::mechanics::fluid::{Filament, Fluid, FluidError, FluidMemory};
+use crate::mechanics::rod::STRIDE;
 use crate::mechanics::rod::topology::position;
 use crate::mechanics::scene::Scene;
 use crate::mechanics::system::{Assembly, Stage, copy_positions};
 use crate::mechanics::{SceneError, Vector3};
+use std::ops::Range;
+
+/// Safety of the estimate of the largest ratio of the resistance to its local part: rods move on from where it was made.
+const RATIO_MARGIN: f64 = 1.2;
+
+/// How far the drag of a step is found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Coupled {
+    /// It is that of the motion.
+    Solved,
+    /// The stage has a better one than before.
+    Improved,
+    /// Nothing better was found in as many tries as there are.
+    Exhausted,
+}
 
 /// The fluid of a scene, if it has one, and its forces.
 pub(super) struct FluidDrag {
@@ -13,6 +33,13 @@ pub(super) struct FluidDrag {
     forces: Vec<Vector3>,
     positions: Vec<Vector3>,
     velocities: Vec<Vector3>,
+    /// Drag for these velocities, N; scratch.
+    found: Vec<Vector3>,
+    /// Inertia of each node for the motion in which that is least, kg; infinite where it is held or out of the fluid.
+    inertia: Vec<f64>,
+    /// Nodes of the rods in the fluid.
+    rods: Vec<Range<usize>>,
+    coupling: DragCoupling,
 }
 
 impl FluidDrag {
@@ -35,8 +62,22 @@ impl FluidDrag {
         } else {
             0
         };
+        let rods: Vec<_> = filaments.iter().map(Filament::range).collect();
+        let mut inertia = vec![f64::INFINITY; wet];
+        if wet > 0 {
+            let least = assembly.least_inertia();
+            for node in rods.iter().flat_map(Clone::clone) {
+                if !assembly.held[STRIDE * node] {
+                    inertia[node] = least[node];
+                }
+            }
+        }
         Ok(Self {
             fluid,
+            rods,
+            inertia,
+            coupling: DragCoupling::default(),
+            found: vec![Vector3::zeros(); wet],
             forces: vec![Vector3::zeros(); wet],
             positions: vec![Vector3::zeros(); wet],
             velocities: vec![Vector3::zeros(); wet],
@@ -54,17 +95,17 @@ impl FluidDrag {
     }
 
     /// Writes drag and local resistance at the start of a step to `stage`; returns the Krylov iterations.
+    /// A step that is repeated solves for them once more, which takes no iterations.
     ///
     /// # Errors
     /// [`FluidError`] where the fluid has no answer.
     pub fn of_start(
         &mut self,
         stage: &mut Stage,
-        unknowns: &[f64],
-        velocity: &[f64],
+        state: &State,
     ) -> Result<usize, FluidError> {
-        copy_positions(unknowns, &mut self.positions);
-        copy_positions(velocity, &mut self.velocities);
+        copy_positions(&state.unknowns, &mut self.positions);
+        copy_positions(&state.velocity, &mut self.velocities);
         self.evaluate(stage)
     }
 
@@ -94,6 +135,61 @@ impl FluidDrag {
         let (drag, resistance) = (&mut stage.drag, &mut stage.resistance);
         let report = fluid.drag(&self.positions, &self.velocities, drag, resistance)?;
         Ok(report.iterations)
+    }
+
+    /// Whether what the local resistance leaves out of the drag must be found within the step: the scheme would ring, or
+    /// might, with less inertia than there is beside the drag.
+    pub fn must_be_coupled(&self, stage: &Stage, scheme: &dyn TimeScheme) -> bool {
+        let Some(coupling) = self.fluid.as_ref().and_then(Fluid::coupling) else {
+            return false;
+        };
+        let nodes = stage.resistance.iter().zip(&self.inertia);
+        let least = nodes.fold(f64::INFINITY, |least, (local, inertia)| {
+            let resistance = local.m11.max(local.m22).max(local.m33);
+            least.min(inertia / (stage.acceleration_step * resistance))
+        });
+        coupling.largest_ratio * RATIO_MARGIN > scheme.largest_lagged_ratio(least)
+    }
+
+    /// Begins to find the drag of a step within it.
+    pub fn begin_coupling(&mut self, stage: &Stage) {
+        let inertia = &self.inertia;
+        self.coupling
+            .begin(stage, |node| inertia[node].is_infinite());
+    }
+
+    /// Evaluates the drag for the motion of `stage` to `unknowns`; returns whether the drag with which these were found is
+    /// the same. If not, the stage has a better one. The number is that of the Krylov iterations.
+    ///
+    /// # Errors
+    /// [`FluidError`] where the fluid has no answer.
+    pub fn couple(
+        &mut self,
+        stage: &mut Stage,
+        unknowns: &[f64],
+    ) -> Result<(Coupled, usize), FluidError> {
+        let Some(fluid) = &mut self.fluid else {
+            return Ok((Coupled::Solved, 0));
+        };
+        let tolerance = fluid.coupling().map_or(0.0, |coupling| coupling.tolerance);
+        let per_step = 1.0 / stage.step;
+        for (node, velocity) in self.velocities.iter_mut().enumerate() {
+            *velocity = (position(unknowns, node) - stage.positions[node]) * per_step;
+        }
+        let report = fluid.drag_of(&self.velocities, &mut self.found)?;
+        let rods = self.rods.iter().cloned();
+        let is_solved =
+            self.coupling
+                .record(stage, &self.velocities, &self.found, rods, tolerance);
+        let coupled = if is_solved {
+            Coupled::Solved
+        } else if self.coupling.is_exhausted() {
+            Coupled::Exhausted
+        } else {
+            self.coupling.expect(stage);
+            Coupled::Improved
+        };
+        Ok((coupled, report.iterations))
     }
 
     /// Takes over the forces of an accepted step that ends with a velocity.

@@ -15,6 +15,8 @@ pub(super) enum Failure {
     Penetration { iterations: usize, overlap: Overlap },
     /// No contact forces obey the laws of Signorini and Coulomb, or none were found.
     NoContactForces { iterations: usize },
+    /// The drag of the motion within the step was not found.
+    NoDrag { iterations: usize },
     /// Forces would bring energy, J.
     Work {
         iterations: usize,
@@ -76,6 +78,7 @@ impl Failure {
             Self::Newton(divergence) => divergence.iterations,
             Self::Penetration { iterations, .. }
             | Self::NoContactForces { iterations }
+            | Self::NoDrag { iterations }
             | Self::Work { iterations, .. }
             | Self::Turn { iterations, .. }
             | Self::Crossing { iterations, .. } => *iterations,
@@ -88,6 +91,7 @@ impl Failure {
             Self::Newton(divergence) => divergence.iterations += vain,
             Self::Penetration { iterations, .. }
             | Self::NoContactForces { iterations }
+            | Self::NoDrag { iterations }
             | Self::Work { iterations, .. }
             | Self::Turn { iterations, .. }
             | Self::Crossing { iterations, .. } => *iterations += vain,
@@ -103,6 +107,7 @@ impl Failure {
             }
             Self::Penetration { .. } => "try smaller steps, or contact.model = \"ipc\"",
             Self::NoContactForces { .. } => "try contact.model = \"imc\" or \"ipc\"",
+            Self::NoDrag { .. } => "try longer edges, or smaller steps",
             Self::Work {
                 forces: Forces::Elastic,
                 ..
@@ -139,7 +144,8 @@ impl Failure {
                 }
             }
             Self::NoContactForces { .. } => SimulationError::NoContactForces { time, step },
-            Self::Penetration { .. }
+            Self::NoDrag { .. }
+            | Self::Penetration { .. }
             | Self::Work { .. }
             | Self::Turn { .. }
             | Self::Crossing { .. } => {
@@ -161,6 +167,10 @@ impl fmt::Display for Failure {
             Self::NoContactForces { .. } => {
                 formatter.write_str("no contact forces obey the laws of Signorini and Coulomb")
             }
+            Self::NoDrag { iterations } => write!(
+                formatter,
+                "the drag of the fluid and the motion of the rods did not agree after {iterations} iterations"
+            ),
             Self::Work { forces, work, .. } => match forces {
                 Forces::Contact => write!(
                     formatter,

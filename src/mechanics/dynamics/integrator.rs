@@ -95,14 +95,9 @@ impl Integrator {
     /// [`SceneError::Fluid`].
     pub fn check_first_drag(&mut self, scene: &Scene, state: &State) -> Result<(), SceneError> {
         if let Some(FluidModel::Resistive { .. }) = scene.fluid {
-            self.drag_at_the_start(state)?;
+            self.fluid.of_start(&mut self.workspace.stage, state)?;
         }
         Ok(())
-    }
-
-    fn drag_at_the_start(&mut self, state: &State) -> Result<usize, FluidError> {
-        let stage = &mut self.workspace.stage;
-        self.fluid.of_start(stage, &state.unknowns, &state.velocity)
     }
 
     /// Takes one step that ends no later than `until` (hit exactly when it is within the step), as long as `goes_on`; `None`
@@ -123,11 +118,6 @@ impl Integrator {
         let without_drag = |error: FluidError, time: f64| {
             SimulationError::Unphysical(format!("at t = {time:.6e} s {error}"))
         };
-        if !self.setting.parameters.scheme.rules().predicts_drag() {
-            report.fluid_iterations = self
-                .drag_at_the_start(state)
-                .map_err(|error| without_drag(error, state.time))?;
-        }
         system.begin_damping(&state.unknowns);
         system.update_candidates(&state.unknowns);
         let sizes = self.setting.parameters.step;
@@ -140,8 +130,8 @@ impl Integrator {
                 .workspace
                 .prepare(&self.setting, system, &mut self.fluid, state, goal)
                 .map_err(|error| without_drag(error, state.time))?;
-            let workspace = &mut self.workspace;
-            let attempt = workspace.attempt(&self.setting, system, state, goal, goes_on);
+            let (workspace, fluid) = (&mut self.workspace, &mut self.fluid);
+            let attempt = workspace.attempt(&self.setting, system, fluid, state, goal, goes_on);
             if !goes_on() {
                 return Ok(None);
             }
@@ -170,6 +160,7 @@ impl Integrator {
                 }
                 Ok(attempt) => {
                     report.newton_iterations += attempt.iterations;
+                    report.fluid_iterations += attempt.fluid_iterations;
                     match self.decide(step, &attempt) {
                         Decision::Accept => break,
                         Decision::Repeat(smaller) => {

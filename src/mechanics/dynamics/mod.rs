@@ -16,6 +16,7 @@
 //! | `validity`, `validity_memory` | remarks on strains beyond the theory, on energy from nowhere, on steps far smaller than asked for |
 //! | `report`, `failure`, `observe` | what is reported, why a step fails, what can be seen |
 
+mod coupling;
 mod drag;
 mod equilibrium;
 mod exchange;

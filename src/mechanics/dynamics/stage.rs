@@ -1,6 +1,6 @@
 //! One attempt at a step: the implicit stage with its predictor, Newton's method and contact.
 
-use super::drag::FluidDrag;
+use super::drag::{Coupled, FluidDrag};
 use super::failure::{Crossing, Failure, Forces};
 use super::newton::{Newton, Stopping};
 use super::parameters::{IntegrationParameters, Scheme, StepSize};
@@ -39,6 +39,8 @@ const FULL_EFFORT_PART: f64 = 1.0 / 64.0;
 pub(super) struct Attempt {
     /// Newton iterations.
     pub iterations: usize,
+    /// Krylov iterations of the drag found within the step.
+    pub fluid_iterations: usize,
     /// Local error of the positions, m.
     pub error: f64,
     /// Whether a contact is pressed deeper than those that bear what they are made for.
@@ -91,7 +93,7 @@ impl Workspace {
     }
 
     /// Sets up the implicit stage of a step to `goal`, with the prediction in `trial`; returns the Krylov iterations
-    /// of the drag where the scheme wants that of the predicted motion.
+    /// of the drag.
     ///
     /// # Errors
     /// [`FluidError`] where the fluid has no answer.
@@ -119,7 +121,7 @@ impl Workspace {
         if scheme.predicts_drag() {
             fluid.of_prediction(&mut self.stage, &self.trial.unknowns)
         } else {
-            Ok(0)
+            fluid.of_start(&mut self.stage, state)
         }
     }
 
@@ -129,6 +131,7 @@ impl Workspace {
         &mut self,
         setting: &Setting,
         system: &mut System,
+        fluid: &mut FluidDrag,
         state: &State,
         goal: f64,
         goes_on: &dyn Fn() -> bool,
@@ -138,7 +141,13 @@ impl Workspace {
         let tolerance = setting.parameters.force_tolerance;
         system.set_tolerances(tolerance, &state.unknowns, Some(&self.stage));
         let stopping = stopping(setting, system, step);
-        let iterations = self.solve_by_either_way(system, state, &stopping, goes_on)?;
+        let scheme = setting.parameters.scheme.rules();
+        let (iterations, fluid_iterations) = if fluid.must_be_coupled(&self.stage, scheme) {
+            self.solve_with_drag(system, fluid, state, &stopping, goes_on)?
+        } else {
+            let iterations = self.solve_by_either_way(system, state, &stopping, goes_on)?;
+            (iterations, 0)
+        };
         // A stiffer contact mends this, but for forces by complementarity, whose overlap `certify` finds.
         if !system.has_constraints()
             && let Some(contact) = &system.contact
@@ -150,7 +159,6 @@ impl Workspace {
                 overlap,
             });
         }
-        let scheme = setting.parameters.scheme.rules();
         if scheme.extrapolates() {
             self.extrapolate(system, state, goal, iterations)?;
         }
@@ -167,9 +175,41 @@ impl Workspace {
         let error = scheme.finish(&solved, &mut self.next_velocity);
         Ok(Attempt {
             iterations,
+            fluid_iterations,
             error,
             is_deep,
         })
+    }
+
+    /// Solves the stage in turn with the drag of its motion until both agree; returns the Newton and the Krylov iterations.
+    fn solve_with_drag(
+        &mut self,
+        system: &mut System,
+        fluid: &mut FluidDrag,
+        state: &State,
+        stopping: &Stopping,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Result<(usize, usize), Failure> {
+        fluid.begin_coupling(&self.stage);
+        let (mut iterations, mut fluid_iterations) = (0, 0);
+        loop {
+            iterations += self
+                .solve_by_either_way(system, state, stopping, goes_on)
+                .map_err(|failure| failure.after(iterations))?;
+            let (coupled, more) = fluid
+                .couple(&mut self.stage, &self.trial.unknowns)
+                .map_err(|_| Failure::NoDrag { iterations })?;
+            fluid_iterations += more;
+            match coupled {
+                Coupled::Improved => {}
+                Coupled::Exhausted => return Err(Failure::NoDrag { iterations }),
+                Coupled::Solved => {
+                    // Reactions are what the residual leaves at clamps.
+                    system.evaluate(&self.trial.unknowns, Some(&self.stage));
+                    return Ok((iterations, fluid_iterations));
+                }
+            }
+        }
     }
 
     /// Newton's method from the prediction as it is, or by complementarity from where the step starts if rods near each other move

@@ -26,6 +26,15 @@ enum Method {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FluidMemory(Option<StokesletMemory>);
 
+/// How much of the drag on a node comes from the motion of others.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coupling {
+    /// Estimate of the largest eigenvalue of D⁻¹ R, with the resistance R of all nodes and its local part D.
+    pub largest_ratio: f64,
+    /// Relative error of the drag that is left by its iterative solution.
+    pub tolerance: f64,
+}
+
 impl Fluid {
     /// A fluid around filaments, no two of which share a node.
     ///
@@ -97,6 +106,36 @@ impl Fluid {
                 )?;
                 Ok(FluidReport::default())
             }
+        }
+    }
+
+    /// Force of the fluid on every node (N) for other velocities, m/s, with the nodes where they were in the last
+    /// [`Self::drag`]: linear in the velocities, as flow without inertia is.
+    ///
+    /// # Errors
+    /// Those of [`Self::drag`].
+    ///
+    /// # Panics
+    /// If the fluid does not couple nodes ([`Self::coupling`]).
+    pub fn drag_of(
+        &mut self,
+        velocities: &[Vector3],
+        forces: &mut [Vector3],
+    ) -> Result<FluidReport, FluidError> {
+        match &mut self.method {
+            Method::Stokeslets(drag) => drag.drag_of(velocities, forces),
+            Method::Resistive { .. } => panic!("local drag is known for all velocities"),
+        }
+    }
+
+    /// How nodes feel the motion of others; `None` where they do not, and the local resistance D is all of it.
+    pub fn coupling(&self) -> Option<Coupling> {
+        match &self.method {
+            Method::Stokeslets(drag) => Some(Coupling {
+                largest_ratio: drag.largest_ratio(),
+                tolerance: drag.tolerance(),
+            }),
+            Method::Resistive { .. } => None,
         }
     }
 

@@ -15,7 +15,7 @@ pub struct Filament {
 
 impl Filament {
     /// Range of its nodes.
-    pub(super) fn range(&self) -> std::ops::Range<usize> {
+    pub fn range(&self) -> std::ops::Range<usize> {
         self.first_node..self.first_node + self.nodes
     }
 

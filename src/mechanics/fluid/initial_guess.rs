@@ -48,6 +48,11 @@ impl InitialGuess {
         self.previous[0].copy_from_slice(solution);
     }
 
+    /// Replaces the newest solution by a better one of the same step.
+    pub fn replace_newest(&mut self, solution: &[f64]) {
+        self.previous[0].copy_from_slice(solution);
+    }
+
     /// Sets `solution` to the guess and takes its image from `residual`, which holds b.
     pub fn start(&mut self, operator: &mut Flow, residual: &mut [f64], solution: &mut [f64]) {
         for (combination, previous) in self.combinations.iter_mut().zip(&self.previous) {

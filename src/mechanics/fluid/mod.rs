@@ -66,7 +66,7 @@ mod stokeslet_drag;
 #[cfg(test)]
 mod tests;
 
-pub use drag::{Fluid, FluidMemory};
+pub use drag::{Coupling, Fluid, FluidMemory};
 pub use error::FluidError;
 pub use filament::Filament;
 pub use model::FluidModel;

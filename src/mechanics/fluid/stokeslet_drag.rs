@@ -2,7 +2,7 @@
 
 use super::chain::{Link, links};
 use super::flow::Flow;
-use super::gmres::{Convergence, Gmres, dot};
+use super::gmres::{Convergence, Gmres, dot, scale};
 use super::initial_guess::{InitialGuess, KEPT};
 use super::preconditioner::{NEIGHBOURHOOD, Preconditioner};
 use super::report::FluidReport;
@@ -21,6 +21,9 @@ const TOLERANCE_OF_FAR_FIELD_ERROR: f64 = 0.1;
 const MOST_OPERATIONS: f64 = 2e11;
 /// Iterations after which the preconditioner is held to be too coarse. Tight bundles take some twenty.
 const MOST_ITERATIONS: usize = 40;
+/// Power iterations that estimate the largest ratio of the resistance to its local part: ten come within 5 % of it for a
+/// straight filament of 40 edges.
+const POWER_ITERATIONS: usize = 10;
 
 /// What later solves remember of earlier ones.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -91,8 +94,12 @@ pub(super) struct StokesletDrag {
     lengths: Vec<f64>,
     /// A_ii.
     diagonal: Vec<Matrix3>,
+    /// Estimate of the largest eigenvalue of D⁻¹ R where the preconditioner was built.
+    largest_ratio: f64,
     right_hand_side: Vec<f64>,
     residual: Vec<f64>,
+    /// Scratch: a product.
+    image: Vec<f64>,
     densities: Vec<f64>,
 }
 
@@ -126,8 +133,10 @@ impl StokesletDrag {
             positions: vec![Vector3::zeros(); nodes],
             lengths: vec![0.0; nodes],
             diagonal: vec![Matrix3::zeros(); nodes],
+            largest_ratio: f64::INFINITY,
             right_hand_side: vec![0.0; unknowns],
             residual: vec![0.0; unknowns],
+            image: vec![0.0; unknowns],
             densities: vec![0.0; unknowns],
         }
     }
@@ -141,31 +150,70 @@ impl StokesletDrag {
         forces: &mut [Vector3],
         resistance: &mut [Matrix3],
     ) -> Result<FluidReport, FluidError> {
-        let nodes = || self.filaments.iter().flat_map(Filament::range);
-        for (own, node) in self.positions.iter_mut().zip(nodes()) {
+        for (own, node) in (self.positions.iter_mut()).zip(nodes_of(&self.filaments)) {
             *own = positions[node];
         }
-        for (own, node) in self.right_hand_side.chunks_exact_mut(3).zip(nodes()) {
-            own.copy_from_slice(velocities[node].as_slice());
-        }
-        let velocities_are_finite = self.right_hand_side.iter().all(|u| u.is_finite());
-        let positions_are_finite = self.positions.iter().flatten().all(|x| x.is_finite());
-        if !(velocities_are_finite && positions_are_finite) {
+        self.set_velocities(velocities)?;
+        if !self.positions.iter().flatten().all(|x| x.is_finite()) {
             return Err(FluidError::NotFinite);
         }
         voronoi_lengths(&self.filaments, &self.positions, &mut self.lengths)?;
         self.operator.assemble(&self.positions);
-        let report = self.solve()?;
+        let report = self.solve(Start::Guess)?;
 
         let factor = 8.0 * PI * self.viscosity;
         self.operator.diagonal(|k, block| self.diagonal[k] = block);
-        for (k, node) in self.filaments.iter().flat_map(Filament::range).enumerate() {
+        for (k, node) in nodes_of(&self.filaments).enumerate() {
             let inverse = (self.diagonal[k].try_inverse()).ok_or(FluidError::Singular)?;
             let length = factor * self.lengths[k];
             resistance[node] = (inverse + inverse.transpose()) * (0.5 * length);
-            forces[node] = Vector3::from_column_slice(&self.densities[3 * k..3 * k + 3]) * -length;
         }
+        self.write_forces(forces);
         Ok(report)
+    }
+
+    /// Force on each node for other velocities, with the nodes where they were in the last [`drag`](Self::drag).
+    pub fn drag_of(
+        &mut self,
+        velocities: &[Vector3],
+        forces: &mut [Vector3],
+    ) -> Result<FluidReport, FluidError> {
+        self.set_velocities(velocities)?;
+        let report = self.solve(Start::LastSolution)?;
+        self.write_forces(forces);
+        Ok(report)
+    }
+
+    /// Relative residual at which a solve stops.
+    pub fn tolerance(&self) -> f64 {
+        self.tolerance
+    }
+
+    /// Estimate of the largest eigenvalue of D⁻¹ R: how many times its local part D the resistance R of the nodes is, for
+    /// the velocities for which that is most. It belongs to the positions at which the preconditioner was built.
+    pub fn largest_ratio(&self) -> f64 {
+        self.largest_ratio
+    }
+
+    fn set_velocities(&mut self, velocities: &[Vector3]) -> Result<(), FluidError> {
+        let own = self.right_hand_side.chunks_exact_mut(3);
+        for (own, node) in own.zip(nodes_of(&self.filaments)) {
+            own.copy_from_slice(velocities[node].as_slice());
+        }
+        if self.right_hand_side.iter().all(|u| u.is_finite()) {
+            Ok(())
+        } else {
+            Err(FluidError::NotFinite)
+        }
+    }
+
+    /// Writes −f_i Δl_i of the last solution.
+    fn write_forces(&self, forces: &mut [Vector3]) {
+        let factor = 8.0 * PI * self.viscosity;
+        for (k, node) in nodes_of(&self.filaments).enumerate() {
+            let density = Vector3::from_column_slice(&self.densities[3 * k..3 * k + 3]);
+            forces[node] = density * -(factor * self.lengths[k]);
+        }
     }
 
     /// What a checkpoint must hold.
@@ -203,6 +251,7 @@ impl StokesletDrag {
             self.operator.assemble(&self.preconditioned_at);
             self.preconditioner
                 .build(&self.links, &self.preconditioned_at, &self.operator)?;
+            self.estimate_largest_ratio();
         }
         self.age = memory.age;
         self.guess.restore(memory.densities);
@@ -210,7 +259,7 @@ impl StokesletDrag {
     }
 
     /// Solves A f = u for the assembled operator; f lacks the factor 8πη.
-    fn solve(&mut self) -> Result<FluidReport, FluidError> {
+    fn solve(&mut self, start: Start) -> Result<FluidReport, FluidError> {
         let size = dot(&self.right_hand_side, &self.right_hand_side).sqrt();
         let positions = self
             .positions
@@ -229,7 +278,7 @@ impl StokesletDrag {
             iterations,
             residual,
         } = loop {
-            let convergence = self.iterate(tolerance);
+            let convergence = self.iterate(start, tolerance);
             if convergence.residual <= tolerance {
                 break convergence;
             }
@@ -251,18 +300,33 @@ impl StokesletDrag {
             }
             self.build_preconditioner()?;
         };
-        self.age.record(iterations);
-        self.guess.remember(&self.densities);
+        match start {
+            Start::Guess => {
+                self.age.record(iterations);
+                self.guess.remember(&self.densities);
+            }
+            Start::LastSolution => self.guess.replace_newest(&self.densities),
+        }
         Ok(FluidReport {
             iterations,
             residual: if size > 0.0 { residual / size } else { 0.0 },
         })
     }
 
-    fn iterate(&mut self, tolerance: f64) -> Convergence {
-        self.residual.copy_from_slice(&self.right_hand_side);
-        self.guess
-            .start(&mut self.operator, &mut self.residual, &mut self.densities);
+    fn iterate(&mut self, start: Start, tolerance: f64) -> Convergence {
+        match start {
+            Start::Guess => {
+                self.residual.copy_from_slice(&self.right_hand_side);
+                self.guess
+                    .start(&mut self.operator, &mut self.residual, &mut self.densities);
+            }
+            Start::LastSolution => {
+                self.operator.multiply(&self.densities, &mut self.residual);
+                for (residual, &u) in self.residual.iter_mut().zip(&self.right_hand_side) {
+                    *residual = u - *residual;
+                }
+            }
+        }
         self.gmres.solve(
             &mut self.operator,
             &mut self.preconditioner,
@@ -279,8 +343,46 @@ impl StokesletDrag {
             .build(&self.links, &self.positions, &self.operator)?;
         self.preconditioned_at.extend_from_slice(&self.positions);
         self.age = Age::default();
+        self.estimate_largest_ratio();
         Ok(())
     }
+
+    /// Power iteration with A⁻¹ A_d, which has the eigenvalues of D⁻¹ R, for the assembled operator; the preconditioner
+    /// stands for A⁻¹.
+    fn estimate_largest_ratio(&mut self) {
+        let (vector, image) = (&mut self.residual, &mut self.image);
+        // Neighbours against each other, with a little of everything else: rough motions meet the most resistance.
+        for (k, entry) in vector.iter_mut().enumerate() {
+            let node = k / 3;
+            let sign = if node.is_multiple_of(2) { 1.0 } else { -1.0 };
+            *entry = sign * (1.0 + 0.3 * libm::sin(1.7 * k as f64));
+        }
+        self.largest_ratio = 0.0;
+        for _ in 0..POWER_ITERATIONS {
+            scale(1.0 / dot(vector, vector).sqrt(), vector);
+            self.operator.diagonal(|node, block| {
+                let own = 3 * node..3 * node + 3;
+                let product = block * Vector3::from_column_slice(&vector[own.clone()]);
+                image[own].copy_from_slice(product.as_slice());
+            });
+            self.preconditioner.apply(image, vector);
+            self.largest_ratio = dot(vector, vector).sqrt();
+        }
+    }
+}
+
+/// Where a solve starts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Start {
+    /// From the best combination of the solutions of earlier steps.
+    Guess,
+    /// From the last solution, which belongs to the same step.
+    LastSolution,
+}
+
+/// The nodes of filaments among those of the scene.
+fn nodes_of(filaments: &[Filament]) -> impl Iterator<Item = usize> {
+    filaments.iter().flat_map(Filament::range)
 }
 
 /// Half of the lengths of the edges that meet at each node, m. An edge without length is an error: its

@@ -42,6 +42,18 @@ use nalgebra::DMatrix;
 use std::ops::Range;
 
 impl Assembly {
+    /// Inertia of each node (kg) in the motion for which that is least: neighbours against each other, where they share masses.
+    pub fn least_inertia(&self) -> Vec<f64> {
+        let nodes = self.masses.len() / STRIDE;
+        let mut least: Vec<f64> = (0..nodes).map(|node| self.masses[STRIDE * node]).collect();
+        for (pair, shared) in self.consistent.pairs() {
+            for node in pair {
+                least[node] -= 2.0 * shared[0];
+            }
+        }
+        least
+    }
+
     /// Adds to the residual what the accelerations of a stage at `unknowns` make of the shared masses: c (a₁ − a₀) at the
     /// first of two nodes, and the opposite at the second.
     pub(super) fn add_shared_inertia(&self, stage: &Stage, unknowns: &[f64], residual: &mut [f64]) {

@@ -20,10 +20,16 @@
 //! of the fluid per step.
 //!
 //! Why four, where three would do: what the local resistance D lacks of the drag R, (R − D) v*, is fed back from step to
-//! step. Where drag rules, and without elasticity, this rings unless R is between 0.50 and 1.14 of D for three
-//! velocities, and between 0.46 and 1.40 for four; with an inertia of D times the step the upper bounds are 1.70 and
-//! 2.54. The drag of close rods that part, or of a free end beside another rod, is about 2 D. With three velocities ten
-//! flagella in a bundle ring from steps of 1.5 ms on, with four not yet at 2.5 ms.
+//! step. With the inertia M, y = M/(Hₐ D), and without elasticity, this grows where the polynomial
+//!
+//! ```text
+//! (y + 1) z⁴ − y (4 z³ − z²)/3 + (R/D − 1) (w₁ z³ + w₂ z² + w₃ z + w₄)
+//! ```
+//!
+//! with the weights w of v* has a root outside of the unit circle. Without inertia four velocities hold for R between 0.45
+//! and 1.42 of D, three between 0.50 and 1.14; from y = 0.15 on there is no lower bound, and the upper one is 1.42 + 0.74 y.
+//! With three velocities ten flagella in a bundle ring from steps of 1.5 ms on, with four not yet at 2.5 ms. Beyond these
+//! bounds the drag is found within the step: `dynamics/coupling`.
 //!
 //! Rods on clamps that turn steadily move like a sum of turning with their ω and something slow: BDF3 would get the
 //! speed of the turning wrong by (ωh)³/4, fitted differences do not.
@@ -54,6 +60,9 @@ const VELOCITIES: usize = LENGTH + 1;
 /// Weight of each of them in the least squares, as a part of that of the next one. Velocities of the same weight would
 /// ring sooner and err more.
 const FADING: f64 = 0.6;
+
+/// Inertia over D Hₐ below which the drag of predicted velocities grows where the resistance is less than half of D.
+const LEAST_INERTIA: f64 = 0.15;
 
 /// Largest angle ω(h₋₁ + h₀ + h) that is fitted, rad. What turns faster than the steps resolve is not followed but
 /// damped.
@@ -248,6 +257,14 @@ impl TimeScheme for BackwardDifferences {
 
     fn predicts_drag(&self) -> bool {
         true
+    }
+
+    /// See above; rounded down, for steps that grow and angles that turn.
+    fn largest_lagged_ratio(&self, inertia: f64) -> f64 {
+        if inertia < LEAST_INERTIA {
+            return 0.0;
+        }
+        1.4 + 0.7 * inertia
     }
 
     fn begins_small(&self) -> bool {

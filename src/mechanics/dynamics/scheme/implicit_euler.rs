@@ -16,6 +16,9 @@
 //! motion of period T keeps the part exp(−2π² h t/T²) of its amplitude. A velocity that jumps, as in an impact, or as rods
 //! begin to stick, is taken as it is: no other scheme here does that without ringing, which is why contact by
 //! complementarity needs this one.
+//!
+//! **Drag of a flow.** With the drag −R vₙ at the start of the step, implicit in its local part D, a step of inertia M takes
+//! v to (M/h + D)⁻¹ (M/h + D − R) v: it rings, and grows, from R = 2 (M/h + D) on.
 
 use super::{Prediction, SolvedStep, TimeScheme, begin_at_the_start};
 use crate::mechanics::dynamics::state::State;
@@ -30,6 +33,10 @@ impl TimeScheme for ImplicitEuler {
             order: 2,
             largest_growth: 1.5,
         }
+    }
+
+    fn largest_lagged_ratio(&self, inertia: f64) -> f64 {
+        2.0 * (1.0 + inertia)
     }
 
     fn begin(

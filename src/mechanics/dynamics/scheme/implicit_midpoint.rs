@@ -19,6 +19,9 @@
 //! grow, for nothing is damped: |(1 + iωh/2)/(1 − iωh/2)| = 1. What jumps, rings: velocities of modes that the step does
 //! not resolve change their sign from step to step, without decay.
 //!
+//! **Drag of a flow.** With the drag at the start of the step, implicit in its local part D, a step of inertia M multiplies v by
+//! 1 − 2 (M/hₐ + D)⁻¹ R, with the stage's hₐ = h/2: it grows from R = M/hₐ + D on.
+//!
 //! Prescribed unknowns have the mean velocity of the step: a motion with corners, reflected at v_m, would ring for ever.
 
 use super::{Prediction, SolvedStep, TimeScheme, begin_at_the_start};
@@ -38,6 +41,10 @@ impl TimeScheme for ImplicitMidpoint {
 
     fn stage_time(&self, start: f64, goal: f64) -> f64 {
         start + 0.5 * (goal - start)
+    }
+
+    fn largest_lagged_ratio(&self, inertia: f64) -> f64 {
+        1.0 + inertia
     }
 
     fn extrapolates(&self) -> bool {

@@ -36,6 +36,10 @@ pub(super) trait TimeScheme {
         false
     }
 
+    /// Largest eigenvalue of D⁻¹ R, the resistance of a flow over its local part, for which a step may leave (R − D) (v − v₀)
+    /// to the next one without ringing, where the least inertia of a node is `inertia` times D hₐ; 0 where it may not.
+    fn largest_lagged_ratio(&self, inertia: f64) -> f64;
+
     /// Whether the first steps of a motion must be small, since the scheme needs earlier ones for its order.
     fn begins_small(&self) -> bool {
         false

@@ -1,0 +1,192 @@
+//! The drag of a flow that couples nodes, found within the step.
+//!
+//! In a flow every node feels the motion of every other: the drag is −R v with a resistance R that is dense. The Newton
+//! matrix holds its local part D alone, so a step is solved with the drag F₀ − D (v − v₀) of a motion v₀ that was expected.
+//! What that leaves out, (D − R) (v − v₀), may be left to the next step, whose expectation is the better for it, only
+//! where this does not ring: see [`TimeScheme::largest_lagged_ratio`](super::scheme::TimeScheme::largest_lagged_ratio). With
+//! the inertia of the thesis' flagella it does not. Where drag rules it does, whatever the step, as soon as R and D differ
+//! by half.
+//!
+//! There the drag is evaluated again for the motion that the step has found, and the step solved again, until what is left
+//! out is small against the drag on every rod. Then a step is one of the implicit scheme with the whole resistance, which
+//! is positive: it is stable for every ratio of drag to inertia, as the scheme is.
+//!
+//! Expecting the last solution would converge only for R < 2 D. So the next expectation is the combination of all
+//! solutions so far that leaves out least, by generalised conjugate residuals (Eisenstat, Elman & Schultz 1983, Alg. 2): for
+//! a linear step this is GMRES for the whole Jacobian, preconditioned by the Newton matrix, and converges for every R.
+
+use crate::mechanics::Vector3;
+use crate::mechanics::system::Stage;
+
+/// Directions that are remembered; then the oldest gives way. R and D differ in few directions by much: filaments of 40
+/// edges take five to eight.
+const DIRECTIONS: usize = 12;
+
+/// Solutions of the step after which it counts as failed.
+pub(super) const MOST_SOLUTIONS: usize = 40;
+
+/// What may be left out, in parts of the drag on a rod, as a multiple of the error that the flow solver leaves.
+const TOLERANCE: f64 = 10.0;
+
+/// A motion, its drag, and what the step solved with it leaves out.
+#[derive(Clone, Debug, Default)]
+struct Motion {
+    /// m/s per node.
+    velocity: Vec<Vector3>,
+    /// −R v, N per node.
+    drag: Vec<Vector3>,
+    /// N per node.
+    left_out: Vec<Vector3>,
+}
+
+impl Motion {
+    fn copy_from(&mut self, other: &Self) {
+        for (own, other) in self.parts_mut().into_iter().zip(other.parts()) {
+            own.clone_from(other);
+        }
+    }
+
+    fn add(&mut self, factor: f64, other: &Self) {
+        for (own, other) in self.parts_mut().into_iter().zip(other.parts()) {
+            for (own, other) in own.iter_mut().zip(other) {
+                *own += *other * factor;
+            }
+        }
+    }
+
+    fn scale(&mut self, factor: f64) {
+        for part in self.parts_mut() {
+            part.iter_mut().for_each(|own| *own *= factor);
+        }
+    }
+
+    fn parts(&self) -> [&Vec<Vector3>; 3] {
+        [&self.velocity, &self.drag, &self.left_out]
+    }
+
+    fn parts_mut(&mut self) -> [&mut Vec<Vector3>; 3] {
+        [&mut self.velocity, &mut self.drag, &mut self.left_out]
+    }
+}
+
+/// Scratch of the search for the drag of a step.
+#[derive(Debug, Default)]
+pub(super) struct DragCoupling {
+    /// 1/D of each node, mean of the three axes, m/(N s); 0 at held nodes and out of the fluid.
+    mobilities: Vec<f64>,
+    /// The expectation that leaves out least.
+    best: Motion,
+    /// Directions whose parts left out are orthonormal, the newest first.
+    directions: Vec<Motion>,
+    /// How many of them belong to this step.
+    count: usize,
+    /// The last solution.
+    solution: Motion,
+    solutions: usize,
+}
+
+impl DragCoupling {
+    /// Begins the search in a step whose first drag is that of `stage`.
+    pub fn begin(&mut self, stage: &Stage, is_held: impl Fn(usize) -> bool) {
+        self.solutions = 0;
+        self.count = 0;
+        self.mobilities.clear();
+        let mobilities = stage.resistance.iter().enumerate().map(|(node, local)| {
+            let resistance = local.trace() / 3.0;
+            if resistance > 0.0 && !is_held(node) {
+                1.0 / resistance
+            } else {
+                0.0
+            }
+        });
+        self.mobilities.extend(mobilities);
+    }
+
+    /// Takes up a solution of the step: its velocities and their drag. Returns whether what it leaves out is below the
+    /// tolerance on each run of nodes of `rods`; `stage` then has the drag of the solution itself.
+    pub fn record(
+        &mut self,
+        stage: &mut Stage,
+        velocity: &[Vector3],
+        drag: &[Vector3],
+        rods: impl Iterator<Item = std::ops::Range<usize>>,
+        solver_tolerance: f64,
+    ) -> bool {
+        self.solutions += 1;
+        let Motion { left_out, .. } = &mut self.solution;
+        left_out.clear();
+        left_out.extend(drag.iter().enumerate().map(|(node, drag)| {
+            let change = velocity[node] - stage.drag_velocity[node];
+            drag - (stage.drag[node] - stage.resistance[node] * change)
+        }));
+        self.solution.velocity.clear();
+        self.solution.velocity.extend_from_slice(velocity);
+        self.solution.drag.clear();
+        self.solution.drag.extend_from_slice(drag);
+        stage.drag.copy_from_slice(drag);
+        stage.drag_velocity.copy_from_slice(velocity);
+        let tolerance = TOLERANCE * solver_tolerance;
+        let Self {
+            solution,
+            mobilities,
+            ..
+        } = self;
+        let size = |forces: &[Vector3], nodes: std::ops::Range<usize>| {
+            nodes
+                .map(|node| mobilities[node] * forces[node].norm_squared())
+                .sum::<f64>()
+        };
+        rods.into_iter().all(|nodes| {
+            let left_out = size(&solution.left_out, nodes.clone());
+            left_out <= tolerance * tolerance * size(&solution.drag, nodes)
+        })
+    }
+
+    /// Whether there have been too many solutions.
+    pub fn is_exhausted(&self) -> bool {
+        self.solutions >= MOST_SOLUTIONS
+    }
+
+    /// Writes the next expectation to `stage`: the best combination of the solutions so far.
+    pub fn expect(&mut self, stage: &mut Stage) {
+        if self.solutions == 1 {
+            self.best.copy_from(&self.solution);
+        } else {
+            self.add_direction();
+        }
+        stage.drag.copy_from_slice(&self.best.drag);
+        stage.drag_velocity.copy_from_slice(&self.best.velocity);
+    }
+
+    /// Goes from the best motion along the way to the last solution, as far as that leaves out less.
+    fn add_direction(&mut self) {
+        if self.directions.len() < DIRECTIONS {
+            self.directions.push(Motion::default());
+        }
+        self.count = self.directions.len().min(self.count + 1);
+        let (known, unused) = self.directions.split_at_mut(self.count);
+        known.rotate_right(1);
+        debug_assert!(unused.len() <= DIRECTIONS);
+        let (new, known) = known.split_first_mut().expect("the new direction");
+        new.copy_from(&self.solution);
+        new.add(-1.0, &self.best);
+        let product = |a: &Motion, b: &Motion| {
+            let nodes = self.mobilities.iter().zip(a.left_out.iter().zip(&b.left_out));
+            nodes.map(|(mobility, (a, b))| mobility * a.dot(b)).sum::<f64>()
+        };
+        for other in &*known {
+            let part = product(other, new);
+            new.add(-part, other);
+        }
+        let size = product(new, new).sqrt();
+        if size > 0.0 {
+            new.scale(1.0 / size);
+            let part = product(new, &self.best);
+            self.best.add(-part, new);
+        } else {
+            // Nothing new: forget all and begin with the solution.
+            self.count = 0;
+            self.best.copy_from(&self.solution);
+        }
+    }
+}
