@@ -22,6 +22,7 @@ mod helix_manipulation;
 mod joints;
 mod localized_buckling;
 mod obstacles;
+mod overdamped;
 mod page;
 mod rods;
 mod scenario;
@@ -50,7 +51,7 @@ type CheckGroup = fn(full: bool) -> Result<Vec<Check>, GroupError>;
 type GroupError = Box<dyn Error + Send + Sync>;
 
 /// All groups, in the order of the table.
-const GROUPS: [(&str, CheckGroup); 20] = [
+const GROUPS: [(&str, CheckGroup); 21] = [
     ("derivatives", derivatives::checks),
     ("statics", statics::checks),
     ("spatial rods", spatial_rods::checks),
@@ -68,6 +69,7 @@ const GROUPS: [(&str, CheckGroup); 20] = [
     ("joints", joints::checks),
     ("springs", springs::checks),
     ("drag", drag::checks),
+    ("overdamped", overdamped::checks),
     ("conservation", conservation::checks),
     ("symmetry", symmetry::checks),
     ("determinism", determinism::checks),

@@ -116,3 +116,8 @@ fn continuation_passes() {
 fn springs_pass() {
     assert_passes("springs");
 }
+
+#[test]
+fn overdamped_passes() {
+    assert_passes("overdamped");
+}

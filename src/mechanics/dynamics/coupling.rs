@@ -171,8 +171,13 @@ impl DragCoupling {
         new.copy_from(&self.solution);
         new.add(-1.0, &self.best);
         let product = |a: &Motion, b: &Motion| {
-            let nodes = self.mobilities.iter().zip(a.left_out.iter().zip(&b.left_out));
-            nodes.map(|(mobility, (a, b))| mobility * a.dot(b)).sum::<f64>()
+            let nodes = self
+                .mobilities
+                .iter()
+                .zip(a.left_out.iter().zip(&b.left_out));
+            nodes
+                .map(|(mobility, (a, b))| mobility * a.dot(b))
+                .sum::<f64>()
         };
         for other in &*known {
             let part = product(other, new);
@@ -188,5 +193,85 @@ impl DragCoupling {
             self.count = 0;
             self.best.copy_from(&self.solution);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::Matrix3;
+    use nalgebra::{DMatrix, DVector};
+
+    /// A linear step (S + D) v = b + F₀ + D v₀ of nodes with a local resistance of one, and a dense resistance of which the
+    /// eigenvalues are `ratios`; returns how many solutions it takes, and their error.
+    fn solutions(ratios: &[f64], inertia: f64) -> (usize, f64) {
+        let count = ratios.len();
+        let nodes = count / 3;
+        let mut numbers = crate::mechanics::random::uniform_numbers(7);
+        let basis = DMatrix::from_fn(count, count, |_, _| numbers() - 0.5)
+            .qr()
+            .q();
+        let resistance = &basis
+            * DMatrix::from_diagonal(&DVector::from_column_slice(ratios))
+            * basis.transpose();
+        let load = DVector::from_fn(count, |_, _| numbers() - 0.5);
+        let exact = (&resistance + DMatrix::identity(count, count) * inertia)
+            .lu()
+            .solve(&load)
+            .unwrap();
+        let vectors = |v: &DVector<f64>| -> Vec<Vector3> {
+            v.as_slice()
+                .chunks_exact(3)
+                .map(Vector3::from_column_slice)
+                .collect()
+        };
+        let mut stage = Stage {
+            step: 1.0,
+            acceleration_step: 1.0,
+            start: Vec::new(),
+            velocity: Vec::new(),
+            drag: vec![Vector3::zeros(); nodes],
+            drag_velocity: vec![Vector3::zeros(); nodes],
+            resistance: vec![Matrix3::identity(); nodes],
+            positions: Vec::new(),
+        };
+        let mut coupling = DragCoupling::default();
+        coupling.begin(&stage, |_| false);
+        loop {
+            let flat = |vectors: &[Vector3]| {
+                DVector::from_iterator(count, vectors.iter().flat_map(|v| [v.x, v.y, v.z]))
+            };
+            let [drag, velocity] = [&stage.drag, &stage.drag_velocity].map(|v| flat(v));
+            let solved = (&load + drag + velocity) / (inertia + 1.0);
+            let (velocity, drag) = (vectors(&solved), vectors(&(-&resistance * &solved)));
+            let rods = std::iter::once(0..nodes);
+            if coupling.record(&mut stage, &velocity, &drag, rods, 1e-9) {
+                return (coupling.solutions, (solved - &exact).norm() / exact.norm());
+            }
+            assert!(!coupling.is_exhausted(), "{ratios:?}");
+            coupling.expect(&mut stage);
+        }
+    }
+
+    #[test]
+    fn the_drag_is_found_for_every_ratio_of_resistances_and_inertia() {
+        for inertia in [0.0, 0.1, 10.0] {
+            for ratios in [
+                [0.2, 0.5, 1.0, 1.3, 2.5, 6.0],
+                [0.01, 0.1, 1.0, 10.0, 30.0, 100.0],
+            ] {
+                let (solutions, error) = solutions(&ratios, inertia);
+                // As many as there are different ratios find the solution, and one more shows that it is one.
+                assert!(solutions <= 8, "{ratios:?} {inertia}: {solutions}");
+                assert!(error < 1e-6, "{ratios:?} {inertia}: {error}");
+            }
+        }
+    }
+
+    #[test]
+    fn more_directions_than_are_remembered_lead_to_the_solution() {
+        let ratios: Vec<f64> = (0..60).map(|k| 0.2 + 0.05 * f64::from(k)).collect();
+        let (_, error) = solutions(&ratios, 0.01);
+        assert!(error < 1e-6, "{error}");
     }
 }

@@ -11,6 +11,7 @@ use crate::mechanics::scene::Scene;
 use crate::mechanics::system::{Assembly, Stage, copy_positions};
 use crate::mechanics::{SceneError, Vector3};
 use std::ops::Range;
+use tracing::trace;
 
 /// Safety of the estimate of the largest ratio of the resistance to its local part: rods move on from where it was made.
 const RATIO_MARGIN: f64 = 1.2;
@@ -99,11 +100,7 @@ impl FluidDrag {
     ///
     /// # Errors
     /// [`FluidError`] where the fluid has no answer.
-    pub fn of_start(
-        &mut self,
-        stage: &mut Stage,
-        state: &State,
-    ) -> Result<usize, FluidError> {
+    pub fn of_start(&mut self, stage: &mut Stage, state: &State) -> Result<usize, FluidError> {
         copy_positions(&state.unknowns, &mut self.positions);
         copy_positions(&state.velocity, &mut self.velocities);
         self.evaluate(stage)
@@ -148,7 +145,17 @@ impl FluidDrag {
             let resistance = local.m11.max(local.m22).max(local.m33);
             least.min(inertia / (stage.acceleration_step * resistance))
         });
-        coupling.largest_ratio * RATIO_MARGIN > scheme.largest_lagged_ratio(least)
+        let (ratio, allowed) = (
+            coupling.largest_ratio * RATIO_MARGIN,
+            scheme.largest_lagged_ratio(least),
+        );
+        trace!(
+            ratio,
+            allowed,
+            inertia = least,
+            "resistance over its local part"
+        );
+        ratio > allowed
     }
 
     /// Begins to find the drag of a step within it.
@@ -178,9 +185,9 @@ impl FluidDrag {
         }
         let report = fluid.drag_of(&self.velocities, &mut self.found)?;
         let rods = self.rods.iter().cloned();
-        let is_solved =
-            self.coupling
-                .record(stage, &self.velocities, &self.found, rods, tolerance);
+        let is_solved = self
+            .coupling
+            .record(stage, &self.velocities, &self.found, rods, tolerance);
         let coupled = if is_solved {
             Coupled::Solved
         } else if self.coupling.is_exhausted() {

@@ -38,6 +38,8 @@ pub(super) struct Integrator {
     small_steps: usize,
     /// Why a step failed last, and what to try.
     last_failure: String,
+    /// Whether velocities of the last step ring.
+    pub rings: bool,
     /// What was said of small steps since it was last looked at.
     pub said: Option<String>,
 }
@@ -77,6 +79,7 @@ impl Integrator {
             fluid,
             small_steps: 0,
             last_failure: String::new(),
+            rings: false,
             said: None,
         })
     }
@@ -162,7 +165,10 @@ impl Integrator {
                     report.newton_iterations += attempt.iterations;
                     report.fluid_iterations += attempt.fluid_iterations;
                     match self.decide(step, &attempt) {
-                        Decision::Accept => break,
+                        Decision::Accept => {
+                            self.rings = attempt.rings;
+                            break;
+                        }
                         Decision::Repeat(smaller) => {
                             debug!(
                                 time = state.time,

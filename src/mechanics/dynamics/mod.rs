@@ -70,6 +70,8 @@ mod intervene_tests;
 #[cfg(test)]
 mod joint_tests;
 #[cfg(test)]
+mod overdamped_tests;
+#[cfg(test)]
 mod parallel_tests;
 #[cfg(test)]
 mod path_tests;

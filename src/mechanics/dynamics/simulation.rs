@@ -99,6 +99,9 @@ impl Simulation {
             let scheme = self.integrator.setting.parameters.scheme;
             let unknowns = &self.state.unknowns;
             validity.after_step(&self.system, scheme, report, unknowns, || self.energies());
+            if self.integrator.rings {
+                validity.note_ringing(report.time);
+            }
             if let Some(said) = self.integrator.said.take() {
                 validity.note_small_steps(said);
             }

@@ -41,6 +41,9 @@ pub(super) struct Attempt {
     pub iterations: usize,
     /// Krylov iterations of the drag found within the step.
     pub fluid_iterations: usize,
+    /// Whether velocities ring: the scheme does not damp what its steps do not resolve, and inertia is too small beside
+    /// the drag for them to.
+    pub rings: bool,
     /// Local error of the positions, m.
     pub error: f64,
     /// Whether a contact is pressed deeper than those that bear what they are made for.
@@ -142,7 +145,8 @@ impl Workspace {
         system.set_tolerances(tolerance, &state.unknowns, Some(&self.stage));
         let stopping = stopping(setting, system, step);
         let scheme = setting.parameters.scheme.rules();
-        let (iterations, fluid_iterations) = if fluid.must_be_coupled(&self.stage, scheme) {
+        let is_coupled = fluid.must_be_coupled(&self.stage, scheme);
+        let (iterations, fluid_iterations) = if is_coupled {
             self.solve_with_drag(system, fluid, state, &stopping, goes_on)?
         } else {
             let iterations = self.solve_by_either_way(system, state, &stopping, goes_on)?;
@@ -176,6 +180,7 @@ impl Workspace {
         Ok(Attempt {
             iterations,
             fluid_iterations,
+            rings: is_coupled && scheme.extrapolates(),
             error,
             is_deep,
         })

@@ -201,6 +201,14 @@ impl Validity {
         })
     }
 
+    /// Notes that velocities ring in the step that ended at `time`, s.
+    pub fn note_ringing(&mut self, time: f64) {
+        if self.memory.ringing.is_none() {
+            self.memory.ringing = Some(time);
+            warn!("at t = {time:.4e} s {RINGING}");
+        }
+    }
+
     /// Keeps what was said of steps that stay far smaller than asked for.
     pub fn note_small_steps(&mut self, message: String) {
         self.memory.small_steps.get_or_insert(message);
@@ -282,7 +290,8 @@ impl Validity {
                 100.0 * gain.relative
             )
         });
-        let rest = [gain, memory.small_steps.clone()];
+        let ringing = (memory.ringing).map(|since| format!("from t = {since:.4e} s {RINGING}"));
+        let rest = [gain, ringing, memory.small_steps.clone()];
         strains.into_iter().chain(rest).flatten().collect()
     }
 }
@@ -294,4 +303,6 @@ fn wave_speed(rod: &RodDescription) -> f64 {
     (rod.stiffness.stretching / rod.mass_per_length).sqrt()
 }
 
+const RINGING: &str = "drag exceeds inertia within a step, and the midpoint rule does not damp what its steps do not resolve: velocities \
+     alternate from step to step about their mean; positions are right. Use scheme = \"backward-differences\"";
 const GAINING: &str = "the time step is too large for this scheme; take smaller steps, step = \"auto\", or scheme = \"implicit-euler\"";

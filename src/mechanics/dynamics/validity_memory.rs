@@ -45,6 +45,8 @@ pub struct ValidityMemory {
     pub twist: Option<LargeStrain>,
     /// The largest gain of energy that nothing gave.
     pub gain: Option<Gain>,
+    /// Since when velocities have rung, s.
+    pub ringing: Option<f64>,
     /// What was said of steps far smaller than asked for.
     pub small_steps: Option<String>,
 }

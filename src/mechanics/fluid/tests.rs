@@ -494,3 +494,71 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn the_largest_ratio_of_the_resistance_to_its_local_part_is_that_of_the_dense_matrix() {
+    // Edges of 2.5 and of 20 radii, and a bundle.
+    for (count, nodes, length) in [(1, 41, 0.01), (1, 11, 0.02), (3, 20, 0.05)] {
+        let filaments = open_filaments(count, nodes, 1e-4);
+        let spacing = length / (nodes - 1) as f64;
+        let positions: Vec<Vector3> = (0..count * nodes)
+            .map(|k| {
+                let (rod, node) = (k / nodes, k % nodes);
+                Vector3::new(node as f64 * spacing, rod as f64 * 4e-4, 0.0)
+            })
+            .collect();
+        let mut fluid = Fluid::new(&STOKESLETS, &filaments).unwrap();
+        let velocities = vec![Vector3::x(); positions.len()];
+        drag(&mut fluid, &positions, &velocities);
+        let found = fluid.coupling().unwrap().largest_ratio;
+
+        let mut operator = FlowOperator::new(&filaments, 1.02);
+        operator.assemble(&positions);
+        let unknowns = 3 * positions.len();
+        let [matrix, local] = [false, true].map(|only_local| {
+            nalgebra::DMatrix::from_fn(unknowns, unknowns, |i, j| {
+                if only_local && i / 3 != j / 3 {
+                    0.0
+                } else {
+                    operator.block(i / 3, j / 3)[(i % 3, j % 3)]
+                }
+            })
+        });
+        let ratios = matrix.lu().solve(&local).unwrap().complex_eigenvalues();
+        let largest = ratios.iter().map(|ratio| ratio.norm()).fold(0.0, f64::max);
+        let error = found / largest - 1.0;
+        assert!(
+            (-0.15..0.25).contains(&error),
+            "{count} {nodes}: {found} {largest}"
+        );
+    }
+}
+
+#[test]
+fn the_drag_is_linear_in_the_velocities() {
+    let positions = helix(68, Vector3::zeros(), 0.0);
+    let mut fluid = Fluid::new(&STOKESLETS, &open_filaments(1, 68, 1e-3)).unwrap();
+    let [first, second] = [
+        turning(&positions, 15.0),
+        vec![Vector3::new(0.1, 0.2, 0.3); 68],
+    ];
+    let (of_first, ..) = drag(&mut fluid, &positions, &first);
+    let mut of_second = vec![Vector3::zeros(); 68];
+    fluid.drag_of(&second, &mut of_second).unwrap();
+    let both: Vec<Vector3> = first
+        .iter()
+        .zip(&second)
+        .map(|(a, b)| a - b * 2.0)
+        .collect();
+    let mut of_both = vec![Vector3::zeros(); 68];
+    fluid.drag_of(&both, &mut of_both).unwrap();
+    let largest = of_both.iter().map(|f| f.norm()).fold(0.0, f64::max);
+    for k in 0..68 {
+        let error = of_both[k] - (of_first[k] - of_second[k] * 2.0);
+        assert!(error.norm() < 1e-4 * largest, "{k}: {error}");
+    }
+    let (again, ..) = drag(&mut fluid, &positions, &both);
+    for (again, before) in again.iter().zip(&of_both) {
+        assert!((again - before).norm() < 1e-4 * largest);
+    }
+}

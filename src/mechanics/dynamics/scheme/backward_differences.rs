@@ -27,7 +27,7 @@
 //! ```
 //!
 //! with the weights w of v* has a root outside of the unit circle. Without inertia four velocities hold for R between 0.45
-//! and 1.42 of D, three between 0.50 and 1.14; from y = 0.15 on there is no lower bound, and the upper one is 1.42 + 0.74 y.
+//! and 1.42 of D, three between 0.50 and 1.14; from y = 0.3 on there is no lower bound, and the upper one is 1.42 + 0.74 y.
 //! With three velocities ten flagella in a bundle ring from steps of 1.5 ms on, with four not yet at 2.5 ms. Beyond these
 //! bounds the drag is found within the step: `dynamics/coupling`.
 //!
@@ -62,7 +62,7 @@ const VELOCITIES: usize = LENGTH + 1;
 const FADING: f64 = 0.6;
 
 /// Inertia over D Hₐ below which the drag of predicted velocities grows where the resistance is less than half of D.
-const LEAST_INERTIA: f64 = 0.15;
+const LEAST_INERTIA: f64 = 0.3;
 
 /// Largest angle ω(h₋₁ + h₀ + h) that is fitted, rad. What turns faster than the steps resolve is not followed but
 /// damped.

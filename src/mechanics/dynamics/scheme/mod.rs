@@ -8,6 +8,8 @@ mod backward_differences;
 mod implicit_euler;
 mod implicit_midpoint;
 #[cfg(test)]
+mod lag_tests;
+#[cfg(test)]
 mod order_tests;
 
 use super::parameters::Scheme;

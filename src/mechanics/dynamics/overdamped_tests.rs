@@ -1,0 +1,170 @@
+//! Rods in a flow beside whose drag their inertia is nothing.
+
+use super::tests::{clamp, straight_rod};
+use super::*;
+use crate::mechanics::Vector3;
+use crate::mechanics::fluid::{Filament, FlowOperator, FluidModel};
+use crate::mechanics::scene::{Load, LoadKind, Scene, Stiffness};
+use std::f64::consts::PI;
+
+const SCHEMES: [Scheme; 3] = [
+    Scheme::ImplicitEuler,
+    Scheme::ImplicitMidpoint,
+    Scheme::BackwardDifferences,
+];
+const LENGTH: f64 = 0.02;
+const RADIUS: f64 = 1e-4;
+const VISCOSITY: f64 = 1.0;
+const LOAD: f64 = 1e-3;
+
+/// A filament of 1 GPa, 200 radii long, in a fluid of 1 Pa s, with a load of 1 mN/m in a direction: motions come to rest within
+/// 25 µs.
+fn filament(edges: usize, direction: Vector3) -> Scene {
+    let area = PI * RADIUS * RADIUS;
+    let bending = 1e9 * 0.25 * area * RADIUS * RADIUS;
+    let mut rod = straight_rod(edges, LENGTH);
+    rod.radius = RADIUS;
+    rod.mass_per_length = 1000.0 * area;
+    rod.rotational_inertia_per_length = 0.5 * rod.mass_per_length * RADIUS * RADIUS;
+    rod.stiffness = Stiffness {
+        stretching: 1e9 * area,
+        bending: [bending; 2],
+        twisting: bending / 1.5,
+    };
+    Scene {
+        rods: vec![rod],
+        loads: vec![Load {
+            kind: LoadKind::Distributed {
+                rod: None,
+                force_per_length: LOAD * direction,
+            },
+            schedule: Vec::new(),
+        }],
+        fluid: Some(FluidModel::RegularizedStokeslets {
+            viscosity: VISCOSITY,
+            regularization: 1.02,
+            far_field_error: 0.0,
+        }),
+        ..Scene::default()
+    }
+}
+
+/// The simulation after some steps of a size, s.
+fn after(scene: &Scene, scheme: Scheme, step: f64, end: f64) -> Simulation {
+    let parameters = IntegrationParameters {
+        scheme,
+        step: StepSize::Fixed(step),
+        ..IntegrationParameters::default()
+    };
+    let mut simulation = Simulation::new(scene, &parameters).unwrap();
+    while simulation.time() < end {
+        simulation.advance(end).unwrap();
+    }
+    simulation
+}
+
+/// The speed with which the load drags the filament along, m/s, by a dense solution of the flow of a rigid rod.
+fn gliding_speed(edges: usize) -> f64 {
+    let filament = Filament {
+        first_node: 0,
+        nodes: edges + 1,
+        closed: false,
+        radius: RADIUS,
+    };
+    let edge = LENGTH / edges as f64;
+    let nodes: Vec<_> = (0..=edges)
+        .map(|k| k as f64 * edge * Vector3::x())
+        .collect();
+    let mut operator = FlowOperator::new(&[filament], 1.02);
+    operator.assemble(&nodes);
+    let matrix = nalgebra::DMatrix::from_fn(edges + 1, edges + 1, |row, column| {
+        operator.block(row, column)[(0, 0)]
+    });
+    let densities = matrix
+        .lu()
+        .solve(&nalgebra::DVector::from_element(edges + 1, 1.0))
+        .unwrap();
+    let lengths = densities.sum() - 0.5 * (densities[0] + densities[edges]);
+    LOAD * LENGTH / (8.0 * PI * VISCOSITY * edge * lengths)
+}
+
+#[test]
+fn filaments_glide_at_the_speed_of_the_dense_solution_with_every_scheme_and_step() {
+    for edges in [10, 40] {
+        let speed = gliding_speed(edges);
+        let scene = filament(edges, Vector3::x());
+        for scheme in SCHEMES {
+            for step in [1e-2, 1e-4] {
+                let glided = after(&scene, scheme, step, 60.0 * step);
+                let way = glided.positions()[edges / 2].x - 0.5 * LENGTH;
+                // The filament speeds up within the first step.
+                let error = way / (speed * 60.0 * step) - 1.0;
+                assert!(error.abs() < 0.02, "{scheme:?} {edges} {step}: {error}");
+                // The midpoint rule does not damp what its steps do not resolve.
+                if scheme != Scheme::ImplicitMidpoint {
+                    let error = glided.velocities()[edges / 2].x / speed - 1.0;
+                    assert!(error.abs() < 1e-4, "{scheme:?} {edges} {step}: {error}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_clamped_filament_relaxes_as_with_small_steps_of_implicit_euler() {
+    let edges = 20;
+    let mut scene = filament(edges, Vector3::z());
+    scene.clamps.push(clamp(0));
+    let end = 0.04;
+    let reference = after(&scene, Scheme::ImplicitEuler, 5e-5, end);
+    let tip = reference.positions()[edges].z;
+    let stiffness = scene.rods[0].stiffness.bending[0];
+    let rest = LOAD * LENGTH.powi(4) / (8.0 * stiffness);
+    assert!(tip > 0.05 * rest && tip < 0.5 * rest, "{}", tip / rest);
+    for (scheme, bound) in [
+        (Scheme::ImplicitEuler, 0.03),
+        (Scheme::BackwardDifferences, 0.004),
+    ] {
+        let found = after(&scene, scheme, 1e-3, end);
+        let [other, velocity] = [
+            found.positions()[edges].z / tip,
+            found.velocities()[edges].z / reference.velocities()[edges].z,
+        ];
+        assert!((other - 1.0).abs() < bound, "{scheme:?}: {other}");
+        assert!((velocity - 1.0).abs() < bound, "{scheme:?}: {velocity}");
+    }
+}
+
+#[test]
+fn a_coupled_step_that_is_interrupted_continues_bit_for_bit() {
+    let scene = filament(12, Vector3::new(1.0, 0.0, 0.5));
+    let parameters = IntegrationParameters {
+        scheme: Scheme::BackwardDifferences,
+        ..IntegrationParameters::default()
+    };
+    let steps = |simulation: &mut Simulation, count| {
+        for _ in 0..count {
+            simulation.advance(1.0).unwrap();
+        }
+    };
+    let mut whole = Simulation::new(&scene, &parameters).unwrap();
+    steps(&mut whole, 20);
+    let state = whole.state();
+    steps(&mut whole, 20);
+    let mut restored = Simulation::new(&scene, &parameters).unwrap();
+    restored.restore(state).unwrap();
+    steps(&mut restored, 20);
+    assert_eq!(whole.positions(), restored.positions());
+    assert_eq!(whole.velocities(), restored.velocities());
+}
+
+#[test]
+fn velocities_that_ring_are_reported() {
+    let scene = filament(10, Vector3::x());
+    let remarks = |scheme| {
+        let simulation = after(&scene, scheme, 1e-3, 0.01);
+        simulation.remarks().join("\n")
+    };
+    assert!(remarks(Scheme::ImplicitMidpoint).contains("midpoint"));
+    assert!(!remarks(Scheme::BackwardDifferences).contains("midpoint"));
+}

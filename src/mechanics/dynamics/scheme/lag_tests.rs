@@ -1,0 +1,93 @@
+//! How large a resistance may be beside its local part before drag that lags behind makes steps ring.
+
+use super::super::history::History;
+use super::super::state::State;
+use super::*;
+use crate::mechanics::Vector3;
+
+/// The largest velocity of a body without springs after many steps, one at first: of mass `inertia` hₐ D, with the drag
+/// −D v of the step and (D − R) v₀ of the motion before it or of the predicted one, D = 1 N s/m.
+fn velocity_after(scheme: Scheme, inertia: f64, resistance: f64) -> f64 {
+    let rules = scheme.rules();
+    let mut state = State::new(&[0.0; STRIDE], &[1.0, 0.0, 0.0, 0.0]);
+    let mut stage = Stage {
+        step: 0.0,
+        acceleration_step: 0.0,
+        start: vec![0.0; STRIDE],
+        velocity: vec![0.0; STRIDE],
+        drag: Vec::new(),
+        drag_velocity: Vec::new(),
+        resistance: Vec::new(),
+        positions: vec![Vector3::zeros()],
+    };
+    let mut prediction = Prediction {
+        unknowns: vec![0.0; STRIDE],
+        velocity: vec![0.0; STRIDE],
+    };
+    let step = 0.1;
+    let mut next = vec![0.0; STRIDE];
+    for _ in 0..400 {
+        rules.begin(step, &state, 0.0, &mut stage, &mut prediction);
+        let expected = if rules.predicts_drag() {
+            prediction.velocity[0]
+        } else {
+            state.velocity[0]
+        };
+        // inertia (v − v̂) + v + (R − 1) v₀ = 0, with both in units of D.
+        let stage_velocity =
+            (inertia * stage.velocity[0] + (1.0 - resistance) * expected) / (inertia + 1.0);
+        let mut end = vec![stage.start[0] + stage.step * stage_velocity, 0.0, 0.0, 0.0];
+        if rules.extrapolates() {
+            end[0] = 2.0 * end[0] - state.unknowns[0];
+        }
+        let solved = SolvedStep {
+            step,
+            state: &state,
+            stage: &stage,
+            end: &end,
+            predicted_velocity: &prediction.velocity,
+            held: &[false; STRIDE],
+        };
+        rules.finish(&solved, &mut next);
+        state.advance_to(state.time + step, &end, &next);
+        if state.velocity[0].abs() > 1e12 {
+            break;
+        }
+    }
+    let History { steps } = &state.history;
+    steps
+        .iter()
+        .map(|step| step.velocity[0].abs())
+        .fold(state.velocity[0].abs(), f64::max)
+}
+
+#[test]
+fn lagging_drag_decays_up_to_the_largest_ratio_and_grows_beyond() {
+    for scheme in [
+        Scheme::ImplicitEuler,
+        Scheme::ImplicitMidpoint,
+        Scheme::BackwardDifferences,
+    ] {
+        for inertia in [0.0, 0.05, 0.3, 0.5, 1.0, 3.0, 10.0] {
+            let largest = scheme.rules().largest_lagged_ratio(inertia);
+            for part in [0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 0.98] {
+                let left = velocity_after(scheme, inertia, part * largest);
+                let is_without = largest == 0.0;
+                assert!(
+                    is_without || left < 2.0,
+                    "{scheme:?} {inertia} {part}: {left}"
+                );
+            }
+            let beyond = velocity_after(scheme, inertia, 1.2 * largest.max(1.3));
+            assert!(beyond > 1e3, "{scheme:?} {inertia}: {beyond}");
+        }
+    }
+}
+
+#[test]
+fn without_inertia_backward_differences_ring_below_half_of_the_local_resistance() {
+    let scheme = Scheme::BackwardDifferences;
+    assert!(velocity_after(scheme, 0.0, 0.4) > 1e3);
+    assert!(velocity_after(scheme, 0.0, 0.5) < 1.0);
+    assert_eq!(scheme.rules().largest_lagged_ratio(0.0), 0.0);
+}

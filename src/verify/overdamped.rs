@@ -1,0 +1,117 @@
+//! Filaments beside whose drag inertia is nothing, against a dense solution of the flow and a beam at rest.
+
+use super::theory::stokeslet::forces;
+use super::{Check, Expectation, GroupError};
+use crate::mechanics::Vector3;
+use crate::mechanics::dynamics::{
+    IntegrationParameters, Scheme, Simulation, SimulationError, StepSize,
+};
+use crate::mechanics::fluid::FluidModel;
+use crate::mechanics::scene::{Clamp, Load, LoadKind, Motion, RodDescription, Scene, Stiffness};
+use std::f64::consts::PI;
+
+const GLIDING: Expectation = Expectation {
+    formula: "U = f L/(F/U)",
+    source: "dense solution of the rigid rod",
+};
+const AT_REST: Expectation = Expectation {
+    formula: "f L⁴/(8 EI)",
+    source: "Euler–Bernoulli beam",
+};
+const LENGTH: f64 = 0.02;
+const RADIUS: f64 = 1e-4;
+const EDGES: usize = 40;
+const VISCOSITY: f64 = 1.0;
+/// N/m.
+const LOAD: f64 = 1e-3;
+const YOUNG: f64 = 1e9;
+
+/// A filament with edges of five radii: motions come to rest within 25 µs, a fortieth of a step.
+pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
+    let nodes: Vec<Vector3> = (0..=EDGES)
+        .map(|k| Vector3::x() * (LENGTH * k as f64 / EDGES as f64))
+        .collect();
+    let drag: Vector3 = forces(
+        &nodes,
+        &vec![Vector3::x(); EDGES + 1],
+        1.02 * RADIUS,
+        VISCOSITY,
+    )
+    .iter()
+    .sum();
+    let mut checks = Vec::new();
+    for (name, scheme) in [
+        ("implicit Euler", Scheme::ImplicitEuler),
+        ("backward differences", Scheme::BackwardDifferences),
+    ] {
+        let gliding = run(&scene(&nodes, Vector3::x(), false), scheme, 0.02)?;
+        checks.push(GLIDING.relative(
+            format!("filament without inertia pulled along itself, {name}: speed"),
+            "m/s",
+            LOAD * LENGTH / drag.x,
+            gliding.velocities()[EDGES / 2].x,
+            1e-3,
+        ));
+    }
+    let bent = run(
+        &scene(&nodes, Vector3::z(), true),
+        Scheme::BackwardDifferences,
+        1.5,
+    )?;
+    checks.push(AT_REST.relative(
+        "clamped filament that has relaxed in a fluid, backward differences: tip",
+        "m",
+        LOAD * LENGTH.powi(4) / (8.0 * YOUNG * 0.25 * PI * RADIUS.powi(4)),
+        bent.positions()[EDGES].z,
+        1e-3,
+    ));
+    Ok(checks)
+}
+
+fn scene(nodes: &[Vector3], direction: Vector3, clamped: bool) -> Scene {
+    let area = PI * RADIUS * RADIUS;
+    let bending = YOUNG * 0.25 * area * RADIUS * RADIUS;
+    let stiffness = Stiffness {
+        stretching: YOUNG * area,
+        bending: [bending; 2],
+        twisting: bending / 1.5,
+    };
+    let rod = RodDescription::uniform("rod", nodes.to_vec(), stiffness, RADIUS, 1000.0 * area);
+    let clamp = Clamp {
+        rod: 0,
+        node: 0,
+        holds_position: true,
+        holds_frame: true,
+        motion: Motion::default(),
+    };
+    Scene {
+        rods: vec![rod],
+        clamps: if clamped { vec![clamp] } else { Vec::new() },
+        loads: vec![Load {
+            kind: LoadKind::Distributed {
+                rod: None,
+                force_per_length: LOAD * direction,
+            },
+            schedule: Vec::new(),
+        }],
+        fluid: Some(FluidModel::RegularizedStokeslets {
+            viscosity: VISCOSITY,
+            regularization: 1.02,
+            far_field_error: 0.0,
+        }),
+        ..Scene::default()
+    }
+}
+
+fn run(scene: &Scene, scheme: Scheme, end: f64) -> Result<Simulation, SimulationError> {
+    let parameters = IntegrationParameters {
+        scheme,
+        step: StepSize::Fixed(1e-3),
+        ..IntegrationParameters::default()
+    };
+    let mut simulation = Simulation::new(scene, &parameters)?;
+    while simulation.time() < end {
+        simulation.advance(end)?;
+    }
+    Ok(simulation)
+}
