@@ -2,9 +2,10 @@
 //! that is not enough, in the whole of it ([`super::coupling`]).
 
 use super::coupling::DragCoupling;
+use super::flow_scene::{NodeNames, fluid_of};
 use super::scheme::TimeScheme;
 use super::state::State;
-use crate::mechanics::fluid::{Filament, Fluid, FluidError, FluidMemory};
+use crate::mechanics::fluid::{Fluid, FluidError, FluidMemory};
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::rod::topology::position;
 use crate::mechanics::scene::Scene;
@@ -30,6 +31,7 @@ pub(super) enum Coupled {
 /// The fluid of a scene, if it has one, and its forces.
 pub(super) struct FluidDrag {
     fluid: Option<Fluid>,
+    names: NodeNames,
     /// Force on each node in the last accepted step, N; empty without fluid.
     forces: Vec<Vector3>,
     positions: Vec<Vector3>,
@@ -47,23 +49,16 @@ impl FluidDrag {
     /// # Errors
     /// [`SceneError::Fluid`] where the fluid or a rod in it is beyond the theory.
     pub fn new(scene: &Scene, assembly: &Assembly) -> Result<Self, SceneError> {
-        let filaments: Vec<Filament> = (assembly.rods.rods.iter().zip(&scene.rods))
-            .filter(|(_, rod)| !rod.held)
-            .map(|(range, rod)| Filament {
-                first_node: range.first_node,
-                nodes: range.nodes,
-                closed: range.closed,
-                radius: rod.radius,
-            })
-            .collect();
-        let fluid = scene.fluid.map(|model| Fluid::new(&model, &filaments));
-        let fluid = fluid.transpose()?;
+        let fluid = fluid_of(scene, assembly)?;
         let wet = if fluid.is_some() {
             assembly.rods.nodes
         } else {
             0
         };
-        let rods: Vec<_> = filaments.iter().map(Filament::range).collect();
+        let rods: Vec<_> = (assembly.rods.rods.iter().zip(&scene.rods))
+            .filter(|(_, rod)| !rod.held)
+            .map(|(range, _)| range.first_node..range.first_node + range.nodes)
+            .collect();
         let mut inertia = vec![f64::INFINITY; wet];
         if wet > 0 {
             let least = assembly.least_inertia();
@@ -79,6 +74,7 @@ impl FluidDrag {
             inertia,
             coupling: DragCoupling::default(),
             found: vec![Vector3::zeros(); wet],
+            names: NodeNames::new(scene, assembly),
             forces: vec![Vector3::zeros(); wet],
             positions: vec![Vector3::zeros(); wet],
             velocities: vec![Vector3::zeros(); wet],
@@ -130,7 +126,9 @@ impl FluidDrag {
         };
         stage.drag_velocity.copy_from_slice(&self.velocities);
         let (drag, resistance) = (&mut stage.drag, &mut stage.resistance);
-        let report = fluid.drag(&self.positions, &self.velocities, drag, resistance)?;
+        let report = fluid
+            .drag(&self.positions, &self.velocities, drag, resistance)
+            .map_err(|error| self.names.explain(error, fluid, &self.positions))?;
         Ok(report.iterations)
     }
 
@@ -183,7 +181,7 @@ impl FluidDrag {
         for (node, velocity) in self.velocities.iter_mut().enumerate() {
             *velocity = (position(unknowns, node) - stage.positions[node]) * per_step;
         }
-        let report = fluid.drag_of(&self.velocities, &mut self.found)?;
+        let report = fluid.drag_of(&self.velocities, &stage.resistance, &mut self.found)?;
         let rods = self.rods.iter().cloned();
         let is_solved = self
             .coupling

@@ -11,7 +11,7 @@
 //! | `stage`, `newton` | one attempt at a step: prediction, contact forces, Newton's method |
 //! | `step_control` | which step comes next |
 //! | `integrator` | the step |
-//! | `drag`, `exchange` | forces of the fluid; work and losses of a step |
+//! | `flow_scene`, `drag`, `exchange` | rods as the fluid sees them; its forces; work and losses of a step |
 //! | `equilibrium`, `path` | statics of the same scene |
 //! | `validity`, `validity_memory` | remarks on strains beyond the theory, on energy from nowhere, on steps far smaller than asked for |
 //! | `report`, `failure`, `observe` | what is reported, why a step fails, what can be seen |
@@ -21,6 +21,7 @@ mod drag;
 mod equilibrium;
 mod exchange;
 mod failure;
+mod flow_scene;
 mod history;
 mod integrator;
 mod intervene;
@@ -61,6 +62,8 @@ mod damping_tests;
 mod equilibrium_tests;
 #[cfg(test)]
 mod event_tests;
+#[cfg(test)]
+mod flow_tests;
 #[cfg(test)]
 mod friction_tests;
 #[cfg(test)]

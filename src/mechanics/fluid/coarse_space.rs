@@ -2,6 +2,7 @@
 
 use super::lanes::{SingleLanes, multiply_rows};
 use super::operator::FlowOperator;
+use super::points::Points;
 use super::{Filament, FluidError};
 use crate::linalg::instruction_set::{InstructionSet, LANES, Lanes};
 use nalgebra::{DMatrix, DVector};
@@ -14,9 +15,11 @@ const NODES: usize = 17;
 /// of the force on each aggregate, with ones at its nodes.
 pub(super) struct CoarseSpace {
     set: InstructionSet,
-    /// First node of each aggregate, and the number of nodes.
+    /// First point of each aggregate, and the number of points.
     bounds: Vec<usize>,
-    /// A Z, row by row, padded to whole lanes.
+    /// The aggregates of the points of each station, and their weights.
+    shares: Vec<[(usize, f64); 2]>,
+    /// A Z, row by row, padded to whole lanes; those of the points come first.
     images: Vec<SingleLanes>,
     /// (Zᵀ A Z)⁻¹.
     inverse: DMatrix<f64>,
@@ -29,20 +32,24 @@ pub(super) struct CoarseSpace {
 }
 
 impl CoarseSpace {
-    /// Divides filaments, whose nodes are numbered one filament after the other, into equal aggregates.
-    pub fn new(filaments: &[Filament]) -> Self {
+    /// Divides filaments, whose stations are numbered one filament after the other, into equal aggregates of points.
+    pub fn new(filaments: &[Filament], points: &Points) -> Self {
         let mut bounds = vec![0];
-        let mut first = 0;
+        let (mut first, mut stations) = (0, 0);
         for filament in filaments {
-            let count = filament.nodes.div_ceil(NODES);
-            bounds.extend((1..=count).map(|k| first + k * filament.nodes / count));
-            first += filament.nodes;
+            stations += filament.nodes;
+            let own = points.representatives();
+            let own = own.partition_point(|&station| station < stations) - first;
+            let count = own.div_ceil(NODES);
+            bounds.extend((1..=count).map(|k| first + k * own / count));
+            first += own;
         }
         let unknowns = 3 * (bounds.len() - 1);
         let width = unknowns.div_ceil(LANES);
         Self {
             set: InstructionSet::best(),
-            images: vec![SingleLanes::default(); 3 * first * width],
+            shares: vec![[(0, 0.0); 2]; stations],
+            images: vec![SingleLanes::default(); 3 * stations * width],
             inverse: DMatrix::zeros(unknowns, unknowns),
             sums: DVector::zeros(unknowns),
             forces: DVector::zeros(unknowns),
@@ -55,9 +62,21 @@ impl CoarseSpace {
     ///
     /// # Errors
     /// [`FluidError::Singular`] where Zᵀ A Z has no inverse.
-    pub fn build(&mut self, operator: &FlowOperator) -> Result<(), FluidError> {
-        operator.sum_columns(&self.bounds, &mut self.images);
+    pub fn build(&mut self, operator: &FlowOperator, points: &Points) -> Result<(), FluidError> {
+        let bounds = &self.bounds;
+        let aggregate = |point: usize| bounds.partition_point(|first| *first <= point) - 1;
+        for (station, shares) in self.shares.iter_mut().enumerate() {
+            let of = points.shares(station);
+            *shares = of.map(|share| (aggregate(share.point), share.weight));
+        }
         let width = self.lanes.len();
+        operator.sum_columns(bounds.len() - 1, &self.shares, &mut self.images);
+        if !points.are_plain() {
+            for (point, station) in points.representatives().iter().enumerate() {
+                let rows = 3 * station * width..3 * (station + 1) * width;
+                self.images.copy_within(rows, 3 * point * width);
+            }
+        }
         let mut system = DMatrix::zeros(self.inverse.nrows(), self.inverse.ncols());
         for (aggregate, nodes) in self.bounds.windows(2).enumerate() {
             for (k, row) in self.images[3 * nodes[0] * width..3 * nodes[1] * width]

@@ -1,8 +1,9 @@
 //! The fluid as the rods feel it: forces on nodes from their positions and velocities.
 
+use super::continuation::Continuation;
 use super::report::FluidReport;
 use super::stokeslet_drag::{StokesletDrag, StokesletMemory};
-use super::{Filament, FluidError, FluidModel, resistive_force_theory};
+use super::{Connections, Filament, FluidError, FluidModel, resistive_force_theory};
 use crate::mechanics::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
@@ -19,7 +20,10 @@ pub struct Fluid {
 
 enum Method {
     Stokeslets(Box<StokesletDrag>),
-    Resistive { viscosity: f64 },
+    Resistive {
+        viscosity: f64,
+        continuation: Continuation,
+    },
 }
 
 /// Everything of a [`Fluid`] that influences its later results; what a checkpoint holds.
@@ -36,7 +40,7 @@ pub struct Coupling {
 }
 
 impl Fluid {
-    /// A fluid around filaments, no two of which share a node.
+    /// A fluid around filaments, no two of which share a node, and which nothing holds together.
     ///
     /// # Errors
     /// [`FluidError::BadInput`] for a viscosity, regularisation or radius that is not positive and finite,
@@ -65,13 +69,45 @@ impl Fluid {
             }
             FluidModel::Resistive { viscosity } => {
                 positive("viscosity", viscosity)?;
-                Method::Resistive { viscosity }
+                Method::Resistive {
+                    viscosity,
+                    continuation: Continuation::default(),
+                }
             }
         };
         Ok(Self {
             filaments: filaments.to_vec(),
             method,
         })
+    }
+
+    /// Lets the fluid know what holds filaments together that are placed at `positions` (m, of all nodes of the scene). Nodes
+    /// at one place are one point of the flow, joined or not, until they come apart.
+    pub fn connect(&mut self, connections: &Connections, positions: &[Vector3]) {
+        match &mut self.method {
+            Method::Stokeslets(drag) => drag.connect(connections, positions),
+            Method::Resistive { continuation, .. } => {
+                *continuation = Continuation::new(&self.filaments, connections);
+            }
+        }
+    }
+
+    /// Pairs of nodes that were at one place when the filaments were placed, without a joint; none where nodes do not feel each
+    /// other through the fluid.
+    pub fn met_by_chance(&self) -> Vec<[usize; 2]> {
+        match &self.method {
+            Method::Stokeslets(drag) => drag.met_by_chance(),
+            Method::Resistive { .. } => Vec::new(),
+        }
+    }
+
+    /// The two nodes, not neighbours along a filament nor one point, that are nearest to each other, and their distance over the
+    /// smaller regularisation length; `None` where nodes do not feel each other through the fluid.
+    pub fn nearest_nodes(&self, positions: &[Vector3]) -> Option<([usize; 2], f64)> {
+        match &self.method {
+            Method::Stokeslets(drag) => drag.nearest_nodes(positions),
+            Method::Resistive { .. } => None,
+        }
     }
 
     /// Force of the fluid on every node (N) and its local resistance D (N s/m, symmetric positive
@@ -95,10 +131,14 @@ impl Fluid {
         resistance.fill(Matrix3::zeros());
         match &mut self.method {
             Method::Stokeslets(drag) => drag.drag(positions, velocities, forces, resistance),
-            Method::Resistive { viscosity } => {
+            Method::Resistive {
+                viscosity,
+                continuation,
+            } => {
                 resistive_force_theory::drag(
                     *viscosity,
                     &self.filaments,
+                    continuation.lengths(&self.filaments, positions),
                     positions,
                     velocities,
                     forces,
@@ -110,7 +150,7 @@ impl Fluid {
     }
 
     /// Force of the fluid on every node (N) for other velocities, m/s, with the nodes where they were in the last
-    /// [`Self::drag`]: linear in the velocities, as flow without inertia is.
+    /// [`Self::drag`], which gave them a local `resistance`: linear in the velocities, as flow without inertia is.
     ///
     /// # Errors
     /// Those of [`Self::drag`].
@@ -120,10 +160,11 @@ impl Fluid {
     pub fn drag_of(
         &mut self,
         velocities: &[Vector3],
+        resistance: &[Matrix3],
         forces: &mut [Vector3],
     ) -> Result<FluidReport, FluidError> {
         match &mut self.method {
-            Method::Stokeslets(drag) => drag.drag_of(velocities, forces),
+            Method::Stokeslets(drag) => drag.drag_of(velocities, resistance, forces),
             Method::Resistive { .. } => panic!("local drag is known for all velocities"),
         }
     }

@@ -25,6 +25,19 @@ pub enum FluidError {
         /// Relative residual reached.
         residual: f64,
     },
+    /// Two nodes of filaments that have come so close to each other that velocities do not determine the forces.
+    #[error(
+        "{first} and {second} are {regularizations:.2} regularisation lengths apart, too close for the flow between them to have a \
+         solution: join them, or keep rods apart by [contact]"
+    )]
+    TooClose {
+        /// What the first is called.
+        first: String,
+        /// What the second is called.
+        second: String,
+        /// Their distance over the smaller regularisation length.
+        regularizations: f64,
+    },
     /// The logarithm of the slender-body coefficients has no positive value.
     #[error("resistive force theory needs slender rods, but length over radius is only {0:.3}")]
     NotSlender(f64),

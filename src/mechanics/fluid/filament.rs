@@ -1,4 +1,6 @@
-//! Which nodes form a rod in the fluid.
+//! Which nodes form a rod in the fluid, and which of them are held together.
+
+use std::ops::Range;
 
 /// A run of consecutive nodes that forms one rod.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,7 +17,7 @@ pub struct Filament {
 
 impl Filament {
     /// Range of its nodes.
-    pub fn range(&self) -> std::ops::Range<usize> {
+    pub(super) fn range(&self) -> Range<usize> {
         self.first_node..self.first_node + self.nodes
     }
 
@@ -27,4 +29,36 @@ impl Filament {
             self.nodes - 1
         }
     }
+}
+
+/// What holds the nodes of filaments together.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Connections {
+    /// Pairs of nodes that have one position, at least until a joint breaks.
+    pub joined: Vec<[usize; 2]>,
+    /// Nodes that slide along filaments.
+    pub sliding: Vec<Sliding>,
+}
+
+/// A node that slides along a filament.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sliding {
+    /// The node.
+    pub node: usize,
+    /// Nodes of one filament along which it slides.
+    pub rail: Range<usize>,
+    /// Whether the last of them is joined to the first.
+    pub closed: bool,
+}
+
+/// Number of a node where those of all filaments are counted one filament after the other; `None` where it belongs to none.
+pub(super) fn station_of(filaments: &[Filament], node: usize) -> Option<usize> {
+    let mut first = 0;
+    for filament in filaments {
+        if filament.range().contains(&node) {
+            return Some(first + node - filament.first_node);
+        }
+        first += filament.nodes;
+    }
+    None
 }

@@ -3,80 +3,164 @@
 use super::Filament;
 use super::hierarchy::HierarchicalOperator;
 use super::operator::FlowOperator;
+use super::points::Points;
 use crate::mechanics::{Matrix3, Vector3};
 
 /// Nodes from which clusters are cheaper than all pairs. A step of 15 helices (1,020 nodes, 3 cm apart) costs
 /// the same either way; 10 helices cost 1.6 times as much by clusters, 30 cost half as much.
 const CROSSOVER: usize = 1024;
 
-/// A product with A, exact or not.
-pub(super) enum Flow {
+/// Products with the matrix of the points, R A W ([`Points`]), for A exact or not.
+pub(super) struct Flow {
+    stations: Stations,
+    points: Points,
+    /// Scratch at the stations, where they are not the points.
+    densities: [Vec<f64>; 3],
+    velocities: [Vec<f64>; 3],
+}
+
+/// A product with A, the matrix of all stations.
+enum Stations {
     Exact(FlowOperator),
     Hierarchical(HierarchicalOperator),
 }
 
 impl Flow {
-    /// Exact below [`CROSSOVER`] nodes and for a `far_field_error` of zero; by clusters otherwise.
+    /// Exact below [`CROSSOVER`] nodes and for a `far_field_error` of zero; by clusters otherwise. Every station is a point.
     pub fn new(filaments: &[Filament], regularization: f64, far_field_error: f64) -> Self {
         let nodes: usize = filaments.iter().map(|filament| filament.nodes).sum();
-        if far_field_error == 0.0 || nodes < CROSSOVER {
-            Self::Exact(FlowOperator::new(filaments, regularization))
+        let stations = if far_field_error == 0.0 || nodes < CROSSOVER {
+            Stations::Exact(FlowOperator::new(filaments, regularization))
         } else {
-            Self::Hierarchical(HierarchicalOperator::new(
+            Stations::Hierarchical(HierarchicalOperator::new(
                 filaments,
                 regularization,
                 order_for(far_field_error),
             ))
+        };
+        Self {
+            stations,
+            points: Points::plain(nodes),
+            densities: Default::default(),
+            velocities: Default::default(),
         }
     }
 
-    /// Number of nodes.
+    /// Takes other points of the same stations.
+    pub fn take_points(&mut self, points: Points) {
+        let size = if points.are_plain() {
+            0
+        } else {
+            3 * points.stations()
+        };
+        for scratch in self.densities.iter_mut().chain(&mut self.velocities) {
+            scratch.clear();
+            scratch.resize(size, 0.0);
+        }
+        self.points = points;
+    }
+
+    /// The points.
+    pub fn points(&self) -> &Points {
+        &self.points
+    }
+
+    /// Number of points.
     pub fn nodes(&self) -> usize {
-        match self {
-            Self::Exact(operator) => operator.nodes(),
-            Self::Hierarchical(operator) => operator.nodes(),
+        self.points.count()
+    }
+
+    /// A where it is exact; `None` by clusters.
+    pub fn exact(&self) -> Option<&FlowOperator> {
+        match &self.stations {
+            Stations::Exact(operator) => Some(operator),
+            Stations::Hierarchical(_) => None,
         }
     }
 
-    /// Evaluates the operator at new positions of the nodes, m.
+    /// Evaluates the operator at new positions of the stations, m.
     pub fn assemble(&mut self, positions: &[Vector3]) {
-        match self {
-            Self::Exact(operator) => operator.assemble(positions),
-            Self::Hierarchical(operator) => operator.assemble(positions),
+        self.points.place(positions);
+        match &mut self.stations {
+            Stations::Exact(operator) => operator.assemble(positions),
+            Stations::Hierarchical(operator) => operator.assemble(positions),
         }
     }
 
-    /// Calls `each` with every node and its diagonal block A_ii.
-    pub fn diagonal(&self, mut each: impl FnMut(usize, Matrix3)) {
-        match self {
-            Self::Exact(operator) => {
-                (0..operator.nodes()).for_each(|node| each(node, operator.block(node, node)));
+    /// The block of a station's own velocity and density, A_ii.
+    pub fn own_block(&self, station: usize) -> Matrix3 {
+        self.block(station, station)
+    }
+
+    /// The diagonal block of a point: the velocity there by the force densities of all its stations.
+    pub fn diagonal(&self, point: usize) -> Matrix3 {
+        let row = self.points.representatives()[point];
+        let members = self.points.members(point).iter();
+        let mut sum: Matrix3 = members.map(|&station| self.block(row, station)).sum();
+        for station in self.points.sliding() {
+            for share in self.points.shares(station) {
+                if share.point == point && share.weight > 0.0 {
+                    sum += self.block(row, station) * share.weight;
+                }
             }
-            Self::Hierarchical(operator) => operator.diagonal(each),
+        }
+        sum
+    }
+
+    /// A block of A; zero by clusters for stations that are far from each other, where it is small.
+    fn block(&self, row: usize, column: usize) -> Matrix3 {
+        match &self.stations {
+            Stations::Exact(operator) => operator.block(row, column),
+            Stations::Hierarchical(operator) => operator.block(row, column).unwrap_or_default(),
         }
     }
 
-    /// `velocities` = A `densities`.
+    /// `velocities` = R A W `densities`.
     pub fn multiply(&mut self, densities: &[f64], velocities: &mut [f64]) {
+        if self.points.are_plain() {
+            return self.stations.multiply(densities, velocities);
+        }
+        let (f, u) = (&mut self.densities[0], &mut self.velocities[0]);
+        self.points.spread(densities, f);
+        self.stations.multiply(f, u);
+        self.points.restrict(u, velocities);
+    }
+
+    /// [`multiply`](Self::multiply) for three vectors.
+    pub fn multiply_three(&mut self, densities: &[Vec<f64>; 3], velocities: &mut [Vec<f64>; 3]) {
+        if self.points.are_plain() {
+            return self.stations.multiply_three(densities, velocities);
+        }
+        for (at_points, at_stations) in densities.iter().zip(&mut self.densities) {
+            self.points.spread(at_points, at_stations);
+        }
+        (self.stations).multiply_three(&self.densities, &mut self.velocities);
+        for (at_stations, at_points) in self.velocities.iter().zip(velocities) {
+            self.points.restrict(at_stations, at_points);
+        }
+    }
+
+    /// Floating-point operations of a product.
+    pub fn operations(&self) -> f64 {
+        match &self.stations {
+            Stations::Exact(operator) => 18.0 * (operator.nodes() * operator.nodes()) as f64,
+            Stations::Hierarchical(operator) => operator.operations(),
+        }
+    }
+}
+
+impl Stations {
+    fn multiply(&mut self, densities: &[f64], velocities: &mut [f64]) {
         match self {
             Self::Exact(operator) => operator.multiply(densities, velocities),
             Self::Hierarchical(operator) => operator.multiply(densities, velocities),
         }
     }
 
-    /// [`multiply`](Self::multiply) for three vectors.
-    pub fn multiply_three(&mut self, densities: &[Vec<f64>; 3], velocities: &mut [Vec<f64>; 3]) {
+    fn multiply_three(&mut self, densities: &[Vec<f64>; 3], velocities: &mut [Vec<f64>; 3]) {
         match self {
             Self::Exact(operator) => operator.multiply_three(densities, velocities),
             Self::Hierarchical(operator) => operator.multiply_three(densities, velocities),
-        }
-    }
-
-    /// Floating-point operations of a product.
-    pub fn operations(&self) -> f64 {
-        match self {
-            Self::Exact(operator) => 18.0 * (operator.nodes() * operator.nodes()) as f64,
-            Self::Hierarchical(operator) => operator.operations(),
         }
     }
 }

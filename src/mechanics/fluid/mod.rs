@@ -11,6 +11,7 @@
 //! | `chain`, `patch` | parts of A: the blocks of some nodes with others |
 //! | `hierarchy` | products with A by clusters of nodes, at a cost like N log N |
 //! | `flow` | which of the two: exact for few nodes, by clusters for many |
+//! | `ties`, `points` | which nodes of joined filaments are one point of the flow |
 //! | `preconditioner` | approximate inverse of A, of two levels |
 //! | `neighbourhoods`, `elimination` | the fine one, from the neighbourhoods of nodes |
 //! | `coarse_space` | the coarse one, from aggregates of filaments |
@@ -18,6 +19,7 @@
 //! | `stokeslet_drag` | a time series of such solves (thesis Eq. 2.27) |
 //! | `report` | what a computation of the drag took |
 //! | `resistive_force_theory` | the cheap model: local coefficients along and across |
+//! | `continuation` | the lengths of filaments that continue each other, for these coefficients |
 //!
 //! # What it costs
 //! Per pair of nodes and core (Zen 5): assembly 3.4 ns with AVX-512 (4.3 ns where A is too large for the
@@ -36,13 +38,15 @@
 //! Nodes closer than about a quarter of ε make A ill-conditioned, as ever with regularized Stokeslets: at
 //! a spacing of ε/8 the tolerance of 10⁻⁶ in the velocities leaves 0.3 % in the drag, and solves get slow.
 //! Segments of different rods may come as close as they like, but within a few radii the flow between
-//! their surfaces (lubrication) is not resolved.
+//! their surfaces (lubrication) is not resolved. Nodes of different rods that begin at one place are one point of the flow
+//! (`ties`); nodes that come so close later make A singular.
 //!
 //! The error of the drag by clusters was measured for helices, not proved: velocities that alternate from
 //! node to node, or nodes much closer than ε, may make it larger than `far_field_error`.
 
 mod chain;
 mod coarse_space;
+mod continuation;
 mod drag;
 mod elimination;
 mod error;
@@ -51,12 +55,15 @@ mod flow;
 mod gmres;
 mod hierarchy;
 mod initial_guess;
+#[cfg(test)]
+mod joined_tests;
 mod lanes;
 mod logarithm;
 mod model;
 mod neighbourhoods;
 mod operator;
 mod patch;
+mod points;
 mod preconditioner;
 mod quadrature;
 mod report;
@@ -65,10 +72,11 @@ mod segment;
 mod stokeslet_drag;
 #[cfg(test)]
 mod tests;
+mod ties;
 
 pub use drag::{Coupling, Fluid, FluidMemory};
 pub use error::FluidError;
-pub use filament::Filament;
+pub use filament::{Connections, Filament, Sliding};
 pub use model::FluidModel;
 pub use operator::FlowOperator;
 pub use quadrature::{segment_integral_by_quadrature, segment_integral_error};

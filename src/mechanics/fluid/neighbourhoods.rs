@@ -6,6 +6,7 @@ use super::elimination::eliminate;
 use super::lanes::{SingleLanes, multiply_rows};
 use super::operator::PARALLEL_FROM;
 use super::patch::Patch;
+use super::points::{Points, Share};
 use crate::linalg::instruction_set::{InstructionSet, LANES, Lanes};
 use crate::mechanics::Vector3;
 use rayon::prelude::*;
@@ -40,12 +41,21 @@ struct Group {
     gathered: Vec<Lanes>,
 }
 
+/// Where the stations are and which points they make.
+struct Site<'a> {
+    links: &'a [Link],
+    positions: &'a [Vector3],
+    points: &'a Points,
+}
+
 /// Scratch of building a group.
 #[derive(Default)]
 struct Workspace {
-    /// Of all nodes from the group.
+    /// Of all points from the group.
     distances: Vec<(f64, usize)>,
-    /// The neighbourhood in ascending order.
+    /// The stations whose rows the neighbourhood has.
+    rows: Vec<usize>,
+    /// All stations with densities of the neighbourhood, in ascending order.
     columns: Vec<usize>,
     /// Its part of the operator.
     patch: Patch,
@@ -85,15 +95,24 @@ impl Neighbourhoods {
         self.groups.len() as f64 * unknowns * unknowns * unknowns * 2.0 / 3.0
     }
 
-    /// Finds the neighbourhoods of nodes at these positions, and inverts their part of the operator.
+    /// Finds the neighbourhoods of the points of stations at these positions, and inverts their part of the operator.
     ///
     /// # Errors
     /// [`FluidError::Singular`] where a neighbourhood has no inverse.
-    pub fn build(&mut self, links: &[Link], positions: &[Vector3]) -> Result<(), FluidError> {
-        let (set, size) = (self.set, self.size.min(positions.len()));
-        let build = |workspace: &mut Workspace, group: &mut Group| {
-            group.build(set, links, positions, size, workspace)
+    pub fn build(
+        &mut self,
+        links: &[Link],
+        positions: &[Vector3],
+        points: &Points,
+    ) -> Result<(), FluidError> {
+        let (set, size) = (self.set, self.size.min(points.count()));
+        let site = Site {
+            links,
+            positions,
+            points,
         };
+        let build =
+            |workspace: &mut Workspace, group: &mut Group| group.build(set, &site, size, workspace);
         let worked = if self.parallel {
             self.groups
                 .par_iter_mut()
@@ -131,37 +150,54 @@ impl Group {
     fn build(
         &mut self,
         set: InstructionSet,
-        links: &[Link],
-        positions: &[Vector3],
+        site: &Site,
         size: usize,
         workspace: &mut Workspace,
     ) -> bool {
+        let Site {
+            links,
+            positions,
+            points,
+        } = *site;
         let Workspace {
             distances,
+            rows,
             columns,
             patch,
             system,
         } = workspace;
-        self.find_neighbours(positions, size, distances);
+        self.find_neighbours(site, size, distances);
         let own = 3 * self.nodes;
         let order = 3 * self.neighbours.len();
         let stride = order + own;
         // The rows W of the inverse of L solve Lᵀ Wᵀ = E, E the first columns of the identity.
         system.clear();
         system.resize(order * stride, 0.0);
+        rows.clear();
         columns.clear();
-        columns.extend_from_slice(&self.neighbours);
+        for &point in &self.neighbours {
+            rows.push(points.representatives()[point]);
+            columns.extend_from_slice(points.members(point));
+        }
+        let is_near = |share: &Share| share.weight != 0.0 && self.neighbours.contains(&share.point);
+        columns.extend(
+            points
+                .sliding()
+                .filter(|&station| points.shares(station).iter().any(is_near)),
+        );
         columns.sort_unstable();
-        patch.assemble(set, links, positions, &self.neighbours, columns);
+        patch.assemble(set, links, positions, rows, columns);
         for (&column, slot) in columns.iter().zip(patch.columns()) {
-            let k = (self.neighbours.iter())
-                .position(|&node| node == column)
-                .expect("the same nodes");
-            for l in 0..self.neighbours.len() {
-                let block = patch.block(l, slot);
-                for c in 0..3 {
-                    for d in 0..3 {
-                        system[(3 * k + c) * stride + 3 * l + d] = block[(d, c)];
+            for share in points.shares(column).iter().filter(|share| is_near(share)) {
+                let k = (self.neighbours.iter())
+                    .position(|&point| point == share.point)
+                    .expect("a point of the neighbourhood");
+                for l in 0..self.neighbours.len() {
+                    let block = patch.block(l, slot) * share.weight;
+                    for c in 0..3 {
+                        for d in 0..3 {
+                            system[(3 * k + c) * stride + 3 * l + d] += block[(d, c)];
+                        }
                     }
                 }
             }
@@ -185,29 +221,26 @@ impl Group {
         true
     }
 
-    /// The `size` nodes nearest to any node of the group; the group itself comes first, at distance zero.
-    fn find_neighbours(
-        &mut self,
-        positions: &[Vector3],
-        size: usize,
-        distances: &mut Vec<(f64, usize)>,
-    ) {
+    /// The `size` points nearest to any point of the group; the group itself comes first, at distance zero.
+    fn find_neighbours(&mut self, site: &Site, size: usize, distances: &mut Vec<(f64, usize)>) {
         let group = self.first..self.first + self.nodes;
-        let own = &positions[group.clone()];
+        let place = |&station: &usize| &site.positions[station];
+        let all = site.points.representatives();
+        let own = &all[group.clone()];
         let distance = |x: &Vector3| {
             own.iter()
-                .map(|y| (x - y).norm_squared())
+                .map(|station| (x - place(station)).norm_squared())
                 .fold(f64::INFINITY, f64::min)
         };
         distances.clear();
-        distances.extend((positions.iter().enumerate()).map(|(node, x)| {
+        distances.extend((all.iter().enumerate()).map(|(point, station)| {
             (
-                if group.contains(&node) {
+                if group.contains(&point) {
                     -1.0
                 } else {
-                    distance(x)
+                    distance(place(station))
                 },
-                node,
+                point,
             )
         }));
         let order = |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));

@@ -160,25 +160,29 @@ impl FlowOperator {
         full(&self.blocks[row * chunks + slot % chunks].get(slot / chunks))
     }
 
-    /// Sums of the columns of runs of nodes, the k-th from `bounds[k]` to before `bounds[k + 1]`: three rows per node and
-    /// three columns per run, rows padded to whole lanes.
-    pub(super) fn sum_columns(&self, bounds: &[usize], sums: &mut [SingleLanes]) {
-        let runs: Vec<usize> = (self.slots.iter())
-            .map(|node| bounds.partition_point(|first| first <= node) - 1)
-            .collect();
+    /// Weighted sums of columns, of which there are `count`: `shares` tells for each node to which sums it contributes, and
+    /// with which weights. Three rows per node and three columns per sum, rows padded to whole lanes.
+    pub(super) fn sum_columns(
+        &self,
+        count: usize,
+        shares: &[[(usize, f64); 2]],
+        sums: &mut [SingleLanes],
+    ) {
         let chunks = self.segments.len();
-        let width = (3 * (bounds.len() - 1)).div_ceil(LANES);
+        let width = (3 * count).div_ceil(LANES);
         let sum_row = |totals: &mut Vec<Matrix3>, (blocks, sums): (&[BlockLanes], &mut [_])| {
             totals.clear();
-            totals.resize(bounds.len() - 1, Matrix3::zeros());
-            for (slot, &run) in runs.iter().enumerate() {
-                totals[run] += full(&blocks[slot % chunks].get(slot / chunks));
+            totals.resize(count, Matrix3::zeros());
+            for (slot, &node) in self.slots.iter().enumerate() {
+                for (sum, weight) in shares[node].into_iter().filter(|share| share.1 != 0.0) {
+                    totals[sum] += full(&blocks[slot % chunks].get(slot / chunks)) * weight;
+                }
             }
             for (axis, row) in sums.chunks_exact_mut(width).enumerate() {
                 let row: &mut [f32] = row.as_flattened_mut();
-                for (run, total) in totals.iter().enumerate() {
+                for (sum, total) in totals.iter().enumerate() {
                     for column in 0..3 {
-                        row[3 * run + column] = total[(axis, column)] as f32;
+                        row[3 * sum + column] = total[(axis, column)] as f32;
                     }
                 }
             }
@@ -315,12 +319,25 @@ mod tests {
         let mut operator = FlowOperator::new(&filaments, 1.02);
         operator.assemble(&positions);
         let bounds = [0, 10, 21, 36];
+        // The last node of the first run belongs to the second, too.
+        let shares: Vec<[(usize, f64); 2]> = (0..36)
+            .map(
+                |node| match bounds.partition_point(|first| *first <= node) - 1 {
+                    0 if node == 9 => [(0, 0.25), (1, 0.75)],
+                    run => [(run, 1.0), (0, 0.0)],
+                },
+            )
+            .collect();
         let mut sums = vec![SingleLanes::default(); 3 * 36 * 2];
-        operator.sum_columns(&bounds, &mut sums);
+        operator.sum_columns(3, &shares, &mut sums);
         for row in 0..36 {
-            for (run, nodes) in bounds.windows(2).enumerate() {
-                let expected: Matrix3 = (nodes[0]..nodes[1])
-                    .map(|column| operator.block(row, column))
+            for run in 0..3 {
+                let weight = |column: usize| -> f64 {
+                    let own = shares[column].iter().filter(|share| share.0 == run);
+                    own.map(|share| share.1).sum()
+                };
+                let expected: Matrix3 = (0..36)
+                    .map(|column| operator.block(row, column) * weight(column))
                     .sum();
                 let found = Matrix3::from_fn(|r, c| {
                     let entries = sums[2 * (3 * row + r)..].as_flattened();

@@ -74,12 +74,11 @@ impl Patch {
         full(&self.blocks[row * chunks + slot % chunks].get(slot / chunks))
     }
 
-    /// Calls `each` with every row's node and its diagonal block. The rows must be among the columns.
-    pub fn diagonal(&self, mut each: impl FnMut(usize, Matrix3)) {
-        for (row, &node) in self.rows.iter().enumerate() {
-            let slot = (self.slots.iter()).position(|slot| slot.own && slot.node == node);
-            each(node, self.block(row, slot.expect("a column for every row")));
-        }
+    /// A_ij of two nodes; `None` where they have no row or no column.
+    pub fn between(&self, row: usize, column: usize) -> Option<Matrix3> {
+        let row = self.rows.iter().position(|&node| node == row)?;
+        let slot = (self.slots.iter()).position(|slot| slot.own && slot.node == column)?;
+        Some(self.block(row, slot))
     }
 
     /// `velocities` += A `densities`; the former by rows, the latter by nodes.

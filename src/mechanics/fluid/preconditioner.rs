@@ -37,10 +37,7 @@ impl Preconditioner {
         let nodes = operator.nodes();
         Self {
             neighbourhoods: Neighbourhoods::new(nodes, neighbourhood),
-            coarse: match operator {
-                Flow::Exact(_) => Some(CoarseSpace::new(filaments)),
-                Flow::Hierarchical(_) => None,
-            },
+            coarse: (operator.exact()).map(|_| CoarseSpace::new(filaments, operator.points())),
             rest: vec![0.0; 3 * nodes],
         }
     }
@@ -60,7 +57,7 @@ impl Preconditioner {
         self.neighbourhoods.operations(operator.nodes())
     }
 
-    /// Builds the parts for nodes at these positions, for which `operator` has been assembled.
+    /// Builds the parts for stations at these positions, for which `operator` has been assembled.
     ///
     /// # Errors
     /// [`FluidError::Singular`] where one of them has no inverse.
@@ -70,10 +67,11 @@ impl Preconditioner {
         positions: &[Vector3],
         operator: &Flow,
     ) -> Result<(), FluidError> {
-        if let (Some(coarse), Flow::Exact(operator)) = (&mut self.coarse, operator) {
-            coarse.build(operator)?;
+        if let (Some(coarse), Some(exact)) = (&mut self.coarse, operator.exact()) {
+            coarse.build(exact, operator.points())?;
         }
-        self.neighbourhoods.build(links, positions)
+        self.neighbourhoods
+            .build(links, positions, operator.points())
     }
 
     /// `y` ≈ A⁻¹ `x`.

@@ -85,20 +85,20 @@ impl DragCoefficients {
 }
 
 /// Force on each node (N) and its resistance (N s/m) for the coefficients of
-/// [`DragCoefficients::slender_cylinder`] with each filament's contour length: every edge gives half of
+/// [`DragCoefficients::slender_cylinder`] with these contour lengths of the filaments, m: every edge gives half of
 /// its length times Ξ to either node. As the force is −D v, the resistance is its exact Jacobian.
 pub(super) fn drag(
     viscosity: f64,
     filaments: &[Filament],
+    lengths: &[f64],
     positions: &[Vector3],
     velocities: &[Vector3],
     forces: &mut [Vector3],
     resistance: &mut [Matrix3],
 ) -> Result<(), FluidError> {
-    for filament in filaments {
+    for (filament, &length) in filaments.iter().zip(lengths) {
         let first = filament.first_node;
         let edge = |i: usize| positions[first + (i + 1) % filament.nodes] - positions[first + i];
-        let length: f64 = (0..filament.edges()).map(|i| edge(i).norm()).sum();
         let coefficients = DragCoefficients::slender_cylinder(viscosity, length, filament.radius)?;
         for i in 0..filament.edges() {
             let edge = edge(i);
@@ -165,6 +165,7 @@ mod tests {
             drag(
                 1.0,
                 &[filament],
+                &[1.0],
                 &positions,
                 &[velocity; 11],
                 &mut forces,

@@ -4,9 +4,11 @@ use super::chain::{Link, links};
 use super::flow::Flow;
 use super::gmres::{Convergence, Gmres, dot, scale};
 use super::initial_guess::{InitialGuess, KEPT};
+use super::points::Points;
 use super::preconditioner::{NEIGHBOURHOOD, Preconditioner};
 use super::report::FluidReport;
-use super::{Filament, FluidError};
+use super::ties::{Rail, Ties, rails, smaller_regularization};
+use super::{Connections, Filament, FluidError};
 use crate::mechanics::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -28,10 +30,12 @@ const POWER_ITERATIONS: usize = 10;
 /// What later solves remember of earlier ones.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StokesletMemory {
-    /// The last solutions, newest first, three numbers per node.
+    /// Which stations are one point.
+    ties: Ties,
+    /// The last solutions, newest first, three numbers per point.
     densities: [Vec<f64>; KEPT],
     age: Age,
-    /// Positions of the nodes for which the preconditioner was built; empty before the first solve.
+    /// Positions of the stations for which the preconditioner was built; empty before the first solve.
     preconditioned_at: Vec<[f64; 3]>,
     /// Nodes of its neighbourhoods.
     neighbourhood: usize,
@@ -70,7 +74,8 @@ impl Age {
     }
 }
 
-/// Solves A f = 8πη u again and again for nodes that move a little in between (thesis Eq. 2.27).
+/// Solves A f = 8πη u again and again for nodes that move a little in between (thesis Eq. 2.27); where nodes of several
+/// filaments are one point, for the points ([`Points`]).
 ///
 /// GMRES starts from the best combination of the last solutions and is preconditioned by inverses of
 /// neighbourhoods at some earlier time; these are built anew when their age has made solves too dear.
@@ -79,7 +84,10 @@ impl Age {
 pub(super) struct StokesletDrag {
     viscosity: f64,
     filaments: Vec<Filament>,
+    rails: Vec<Rail>,
     links: Vec<Link>,
+    /// Which stations are one point.
+    ties: Ties,
     operator: Flow,
     /// Relative residual at which a solve stops.
     tolerance: f64,
@@ -89,11 +97,14 @@ pub(super) struct StokesletDrag {
     age: Age,
     guess: InitialGuess,
     gmres: Gmres,
+    /// Of the stations, m.
     positions: Vec<Vector3>,
-    /// Voronoi lengths Δl of the nodes, m.
+    /// Of the stations, m/s.
+    velocities: Vec<Vector3>,
+    /// Voronoi lengths Δl of the stations, m.
     lengths: Vec<f64>,
-    /// A_ii.
-    diagonal: Vec<Matrix3>,
+    /// Inverse of A_pp of each point, its symmetric part.
+    inverses: Vec<Matrix3>,
     /// Estimate of the largest eigenvalue of D⁻¹ R where the preconditioner was built.
     largest_ratio: f64,
     right_hand_side: Vec<f64>,
@@ -117,12 +128,12 @@ impl StokesletDrag {
         Self {
             viscosity,
             filaments: filaments.to_vec(),
+            rails: Vec::new(),
             links: links(filaments, regularization),
-            tolerance: match operator {
-                Flow::Exact(_) => TOLERANCE,
-                Flow::Hierarchical(_) => {
-                    TOLERANCE.max(TOLERANCE_OF_FAR_FIELD_ERROR * far_field_error)
-                }
+            ties: Ties::default(),
+            tolerance: match operator.exact() {
+                Some(_) => TOLERANCE,
+                None => TOLERANCE.max(TOLERANCE_OF_FAR_FIELD_ERROR * far_field_error),
             },
             preconditioner: Preconditioner::new(filaments, &operator, NEIGHBOURHOOD),
             operator,
@@ -131,8 +142,9 @@ impl StokesletDrag {
             guess: InitialGuess::new(unknowns),
             gmres: Gmres::new(unknowns),
             positions: vec![Vector3::zeros(); nodes],
+            velocities: vec![Vector3::zeros(); nodes],
             lengths: vec![0.0; nodes],
-            diagonal: vec![Matrix3::zeros(); nodes],
+            inverses: vec![Matrix3::zeros(); nodes],
             largest_ratio: f64::INFINITY,
             right_hand_side: vec![0.0; unknowns],
             residual: vec![0.0; unknowns],
@@ -141,7 +153,60 @@ impl StokesletDrag {
         }
     }
 
-    /// Force on each node, −f_i Δl_i, and its local resistance 8πη Δl_i A_ii⁻¹ (symmetric part).
+    /// Ties what joints hold together, and nodes that are at one place, in filaments placed at `positions` (m, of all nodes).
+    pub fn connect(&mut self, connections: &Connections, positions: &[Vector3]) {
+        for (station, node) in self.filaments.iter().flat_map(Filament::range).enumerate() {
+            self.positions[station] = positions[node];
+        }
+        self.rails = rails(&self.filaments, connections);
+        self.ties = Ties::find(
+            &self.filaments,
+            connections,
+            &self.rails,
+            &self.links,
+            &self.positions,
+        );
+        if !self.ties.is_empty() {
+            self.take_points();
+        }
+    }
+
+    /// Pairs of nodes that were at one place when the filaments were placed, without a joint.
+    pub fn met_by_chance(&self) -> Vec<[usize; 2]> {
+        let nodes: Vec<usize> = self.filaments.iter().flat_map(Filament::range).collect();
+        let met = self.ties.pairs.iter().filter(|tie| !tie.is_joined);
+        met.map(|tie| tie.stations.map(|station| nodes[station]))
+            .collect()
+    }
+
+    /// See [`Fluid::nearest_nodes`](super::Fluid::nearest_nodes).
+    pub fn nearest_nodes(&self, positions: &[Vector3]) -> Option<([usize; 2], f64)> {
+        let nodes: Vec<usize> = self.filaments.iter().flat_map(Filament::range).collect();
+        let stations = self.operator.points().representatives();
+        let pairs = stations.iter().enumerate().flat_map(|(k, &a)| {
+            let others = stations[k + 1..].iter();
+            others
+                .filter(move |&&b| self.links[a].next != Some(b) && self.links[b].next != Some(a))
+                .map(move |&b| [a, b])
+        });
+        let distances = pairs.map(|pair| {
+            let [a, b] = pair.map(|station| nodes[station]);
+            let distance = (positions[a] - positions[b]).norm();
+            ([a, b], distance / smaller_regularization(&self.links, pair))
+        });
+        distances.min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// Force on each node, and its local resistance D_i. With Δl_i its own Voronoi length, f_p the force density of its
+    /// point, and the symmetric part of A_pp⁻¹,
+    ///
+    /// ```text
+    /// F_i = −f_p Δl_i − D_i (u_i − u_p),   D_i = 8πη Δl_i A_pp⁻¹
+    /// ```
+    ///
+    /// where u_p is the velocity of the point: the nodes of a joint have no other. A node that slides has the density and the
+    /// velocity of the rail where it is for f_p and u_p, and its own block of A, so that what it moves along the rail
+    /// meets the resistance of its own length.
     /// Arguments as in [`Fluid::drag`](super::Fluid::drag).
     pub fn drag(
         &mut self,
@@ -153,34 +218,32 @@ impl StokesletDrag {
         for (own, node) in (self.positions.iter_mut()).zip(nodes_of(&self.filaments)) {
             *own = positions[node];
         }
-        self.set_velocities(velocities)?;
-        if !self.positions.iter().flatten().all(|x| x.is_finite()) {
+        if !are_finite(&self.positions) {
             return Err(FluidError::NotFinite);
         }
         voronoi_lengths(&self.filaments, &self.positions, &mut self.lengths)?;
-        self.operator.assemble(&self.positions);
-        let report = self.solve(Start::Guess)?;
-
-        let factor = 8.0 * PI * self.viscosity;
-        self.operator.diagonal(|k, block| self.diagonal[k] = block);
-        for (k, node) in nodes_of(&self.filaments).enumerate() {
-            let inverse = (self.diagonal[k].try_inverse()).ok_or(FluidError::Singular)?;
-            let length = factor * self.lengths[k];
-            resistance[node] = (inverse + inverse.transpose()) * (0.5 * length);
+        if (self.ties).update(&self.links, &self.rails, &self.positions) {
+            self.take_points();
         }
-        self.write_forces(forces);
+        self.operator.assemble(&self.positions);
+        self.set_velocities(velocities)?;
+        let report = self.solve(Start::Guess)?;
+        self.write_resistance(resistance)?;
+        self.write_forces(forces, resistance);
         Ok(report)
     }
 
-    /// Force on each node for other velocities, with the nodes where they were in the last [`drag`](Self::drag).
+    /// Force on each node for other velocities, with the nodes where they were in the last [`drag`](Self::drag), which gave
+    /// them a local `resistance`.
     pub fn drag_of(
         &mut self,
         velocities: &[Vector3],
+        resistance: &[Matrix3],
         forces: &mut [Vector3],
     ) -> Result<FluidReport, FluidError> {
         self.set_velocities(velocities)?;
         let report = self.solve(Start::LastSolution)?;
-        self.write_forces(forces);
+        self.write_forces(forces, resistance);
         Ok(report)
     }
 
@@ -196,29 +259,97 @@ impl StokesletDrag {
     }
 
     fn set_velocities(&mut self, velocities: &[Vector3]) -> Result<(), FluidError> {
-        let own = self.right_hand_side.chunks_exact_mut(3);
-        for (own, node) in own.zip(nodes_of(&self.filaments)) {
-            own.copy_from_slice(velocities[node].as_slice());
+        for (own, node) in (self.velocities.iter_mut()).zip(nodes_of(&self.filaments)) {
+            *own = velocities[node];
         }
-        if self.right_hand_side.iter().all(|u| u.is_finite()) {
-            Ok(())
-        } else {
-            Err(FluidError::NotFinite)
+        if !are_finite(&self.velocities) {
+            return Err(FluidError::NotFinite);
+        }
+        self.average_velocities();
+        Ok(())
+    }
+
+    /// Sets up what depends on the number of points, and forgets earlier solutions.
+    fn take_points(&mut self) {
+        let points = Points::new(&self.ties, &self.rails, &self.positions);
+        self.operator.take_points(points);
+        let nodes = self.operator.nodes();
+        let unknowns = 3 * nodes;
+        self.preconditioner = Preconditioner::new(&self.filaments, &self.operator, NEIGHBOURHOOD);
+        self.preconditioned_at.clear();
+        self.age = Age::default();
+        self.guess = InitialGuess::new(unknowns);
+        self.gmres = Gmres::new(unknowns);
+        self.inverses = vec![Matrix3::zeros(); nodes];
+        for vector in [
+            &mut self.right_hand_side,
+            &mut self.residual,
+            &mut self.image,
+            &mut self.densities,
+        ] {
+            vector.clear();
+            vector.resize(unknowns, 0.0);
         }
     }
 
-    /// Writes −f_i Δl_i of the last solution.
-    fn write_forces(&self, forces: &mut [Vector3]) {
+    /// Gives each point the velocity of its stations, their mean weighted by their lengths.
+    fn average_velocities(&mut self) {
+        let points = self.operator.points();
+        for (point, mean) in self.right_hand_side.chunks_exact_mut(3).enumerate() {
+            let members = points.members(point);
+            if let [station] = members {
+                mean.copy_from_slice(self.velocities[*station].as_slice());
+                continue;
+            }
+            let mut sum = Vector3::zeros();
+            let mut length = 0.0;
+            for &station in members {
+                sum += self.velocities[station] * self.lengths[station];
+                length += self.lengths[station];
+            }
+            mean.copy_from_slice((sum / length).as_slice());
+        }
+    }
+
+    /// Writes the local resistances of the nodes for the assembled operator.
+    fn write_resistance(&mut self, resistance: &mut [Matrix3]) -> Result<(), FluidError> {
+        for (point, inverse) in self.inverses.iter_mut().enumerate() {
+            *inverse = symmetric_inverse(&self.operator.diagonal(point))?;
+        }
         let factor = 8.0 * PI * self.viscosity;
-        for (k, node) in nodes_of(&self.filaments).enumerate() {
-            let density = Vector3::from_column_slice(&self.densities[3 * k..3 * k + 3]);
-            forces[node] = density * -(factor * self.lengths[k]);
+        let points = self.operator.points();
+        for (station, node) in nodes_of(&self.filaments).enumerate() {
+            let point = points.shares(station)[0].point;
+            let slides = !points.members(point).contains(&station);
+            let inverse = if slides {
+                symmetric_inverse(&self.operator.own_block(station))?
+            } else {
+                self.inverses[point]
+            };
+            resistance[node] = inverse * (factor * self.lengths[station]);
+        }
+        Ok(())
+    }
+
+    /// Writes the forces on the nodes from the solution for the points.
+    fn write_forces(&self, forces: &mut [Vector3], resistance: &[Matrix3]) {
+        let factor = 8.0 * PI * self.viscosity;
+        let points = self.operator.points();
+        for (station, node) in nodes_of(&self.filaments).enumerate() {
+            forces[node] =
+                points.value_at(station, &self.densities) * -(factor * self.lengths[station]);
+            let members = points.members(points.shares(station)[0].point);
+            if members.len() > 1 || !members.contains(&station) {
+                let carried = points.value_at(station, &self.right_hand_side);
+                forces[node] -= resistance[node] * (self.velocities[station] - carried);
+            }
         }
     }
 
     /// What a checkpoint must hold.
     pub fn memory(&self) -> StokesletMemory {
         StokesletMemory {
+            ties: self.ties.clone(),
             densities: self.guess.previous().clone(),
             age: self.age,
             preconditioned_at: self.preconditioned_at.iter().map(|&x| x.into()).collect(),
@@ -232,12 +363,18 @@ impl StokesletDrag {
     /// [`FluidError::ForeignMemory`] where sizes do not fit, [`FluidError::Singular`] where its positions
     /// coincide.
     pub fn restore(&mut self, memory: StokesletMemory) -> Result<(), FluidError> {
-        let nodes = self.operator.nodes();
+        let stations = self.positions.len();
         let built = memory.preconditioned_at.len();
-        if memory.densities.iter().any(|d| d.len() != 3 * nodes)
-            || (built != 0 && built != nodes)
+        if !memory.ties.fit(&self.ties)
+            || (built != 0 && built != stations)
             || memory.neighbourhood < NEIGHBOURHOOD
         {
+            return Err(FluidError::ForeignMemory);
+        }
+        self.ties = memory.ties;
+        self.take_points();
+        let nodes = self.operator.nodes();
+        if memory.densities.iter().any(|d| d.len() != 3 * nodes) {
             return Err(FluidError::ForeignMemory);
         }
         self.preconditioned_at = memory
@@ -350,6 +487,9 @@ impl StokesletDrag {
     /// Power iteration with A⁻¹ A_d, which has the eigenvalues of D⁻¹ R, for the assembled operator; the preconditioner
     /// stands for A⁻¹.
     fn estimate_largest_ratio(&mut self) {
+        let blocks: Vec<Matrix3> = (0..self.operator.nodes())
+            .map(|point| self.operator.diagonal(point))
+            .collect();
         let (vector, image) = (&mut self.residual, &mut self.image);
         // Neighbours against each other, with a little of everything else: rough motions meet the most resistance.
         for (k, entry) in vector.iter_mut().enumerate() {
@@ -360,11 +500,11 @@ impl StokesletDrag {
         self.largest_ratio = 0.0;
         for _ in 0..POWER_ITERATIONS {
             scale(1.0 / dot(vector, vector).sqrt(), vector);
-            self.operator.diagonal(|node, block| {
-                let own = 3 * node..3 * node + 3;
+            for (point, block) in blocks.iter().enumerate() {
+                let own = 3 * point..3 * point + 3;
                 let product = block * Vector3::from_column_slice(&vector[own.clone()]);
                 image[own].copy_from_slice(product.as_slice());
-            });
+            }
             self.preconditioner.apply(image, vector);
             self.largest_ratio = dot(vector, vector).sqrt();
         }
@@ -380,12 +520,22 @@ enum Start {
     LastSolution,
 }
 
+fn are_finite(vectors: &[Vector3]) -> bool {
+    vectors.iter().flatten().all(|x| x.is_finite())
+}
+
 /// The nodes of filaments among those of the scene.
 fn nodes_of(filaments: &[Filament]) -> impl Iterator<Item = usize> {
     filaments.iter().flat_map(Filament::range)
 }
 
-/// Half of the lengths of the edges that meet at each node, m. An edge without length is an error: its
+/// The symmetric part of the inverse.
+fn symmetric_inverse(block: &Matrix3) -> Result<Matrix3, FluidError> {
+    let inverse = block.try_inverse().ok_or(FluidError::Singular)?;
+    Ok((inverse + inverse.transpose()) * 0.5)
+}
+
+/// Half of the lengths of the edges of its filament that meet at each station, m. An edge without length is an error: its
 /// two nodes have the same row in the operator.
 fn voronoi_lengths(
     filaments: &[Filament],

@@ -542,16 +542,16 @@ fn the_drag_is_linear_in_the_velocities() {
         turning(&positions, 15.0),
         vec![Vector3::new(0.1, 0.2, 0.3); 68],
     ];
-    let (of_first, ..) = drag(&mut fluid, &positions, &first);
+    let (of_first, resistance, _) = drag(&mut fluid, &positions, &first);
     let mut of_second = vec![Vector3::zeros(); 68];
-    fluid.drag_of(&second, &mut of_second).unwrap();
+    fluid.drag_of(&second, &resistance, &mut of_second).unwrap();
     let both: Vec<Vector3> = first
         .iter()
         .zip(&second)
         .map(|(a, b)| a - b * 2.0)
         .collect();
     let mut of_both = vec![Vector3::zeros(); 68];
-    fluid.drag_of(&both, &mut of_both).unwrap();
+    fluid.drag_of(&both, &resistance, &mut of_both).unwrap();
     let largest = of_both.iter().map(|f| f.norm()).fold(0.0, f64::max);
     for k in 0..68 {
         let error = of_both[k] - (of_first[k] - of_second[k] * 2.0);

@@ -26,6 +26,8 @@ pub(in super::super) struct HierarchicalOperator {
     interactions: Interactions,
     /// Clusters without children, in the order of their nodes.
     leaves: Vec<Leaf>,
+    /// The leaf of each node.
+    leaf_of: Vec<usize>,
     /// Of all clusters one after the other, as `locals`.
     multipoles: Vec<Coefficient>,
     locals: Vec<Coefficient>,
@@ -65,15 +67,11 @@ impl HierarchicalOperator {
             tree: Tree::default(),
             interactions: Interactions::default(),
             leaves: Vec::new(),
+            leaf_of: Vec::new(),
             multipoles: Vec::new(),
             locals: Vec::new(),
             shifts: ShiftTables::new(order),
         }
-    }
-
-    /// Number of nodes.
-    pub fn nodes(&self) -> usize {
-        self.links.len()
     }
 
     /// Builds the tree and evaluates the blocks between near leaves, at new positions of the nodes, m.
@@ -83,11 +81,15 @@ impl HierarchicalOperator {
         let clusters = &self.tree.clusters;
         let is_leaf = |&cluster: &usize| clusters[cluster].children.is_none();
         let mut count = 0;
+        self.leaf_of.resize(positions.len(), 0);
         for cluster in (0..clusters.len()).filter(is_leaf) {
             if self.leaves.len() == count {
                 self.leaves.push(Leaf::default());
             }
             self.leaves[count].cluster = cluster;
+            for &node in &self.tree.order[clusters[cluster].nodes.clone()] {
+                self.leaf_of[node] = count;
+            }
             count += 1;
         }
         self.leaves.truncate(count);
@@ -119,11 +121,9 @@ impl HierarchicalOperator {
         });
     }
 
-    /// Calls `each` with every node and its diagonal block A_ii.
-    pub fn diagonal(&self, mut each: impl FnMut(usize, Matrix3)) {
-        for leaf in &self.leaves {
-            leaf.patch.diagonal(&mut each);
-        }
+    /// A_ij of nodes that are near each other; `None` of those that are far.
+    pub fn block(&self, row: usize, column: usize) -> Option<Matrix3> {
+        self.leaves[self.leaf_of[row]].patch.between(row, column)
     }
 
     /// Floating-point operations of a product, near and far.

@@ -82,6 +82,11 @@ impl Slide {
         self.track.nodes()
     }
 
+    /// Whether it slides along a ring.
+    pub fn is_closed(&self) -> bool {
+        self.track.ends().is_none()
+    }
+
     /// Mean edge length of that rod, m: what s counts.
     pub fn edge(&self) -> f64 {
         self.track.edge

@@ -1,0 +1,164 @@
+//! The rods of a scene as its fluid sees them: filaments, what holds them together, and what may not begin at one place.
+
+use crate::mechanics::fluid::{Connections, Filament, Fluid, FluidError, FluidModel, Sliding};
+use crate::mechanics::rod::STRIDE;
+use crate::mechanics::scene::{RodNode, Scene};
+use crate::mechanics::system::{Assembly, copy_positions};
+use crate::mechanics::{SceneError, Vector3};
+
+/// Distance, in radii, within which nodes beside a joint may overlap: those of rods that meet at a small angle do.
+const BESIDE_A_JOINT: f64 = 2.0;
+/// Distance of nodes, over ε, below which they are named where the fluid has no solution.
+const TOO_CLOSE: f64 = 0.25;
+
+/// The fluid of a scene around its rods; `None` without fluid.
+///
+/// # Errors
+/// [`SceneError::Fluid`] where the fluid or a rod in it is beyond the theory, and where nodes begin at one place that may
+/// part.
+pub(super) fn fluid_of(scene: &Scene, assembly: &Assembly) -> Result<Option<Fluid>, SceneError> {
+    let Some(model) = scene.fluid else {
+        return Ok(None);
+    };
+    // Held rods do not move, so that they matter only where rods feel each other through the fluid.
+    let are_obstacles = matches!(model, FluidModel::RegularizedStokeslets { .. });
+    let filaments: Vec<Filament> = (assembly.rods.rods.iter().zip(&scene.rods))
+        .filter(|(_, rod)| are_obstacles || !rod.held)
+        .map(|(range, rod)| Filament {
+            first_node: range.first_node,
+            nodes: range.nodes,
+            closed: range.closed,
+            radius: rod.radius,
+        })
+        .collect();
+    let mut fluid = Fluid::new(&model, &filaments)?;
+    let mut positions = vec![Vector3::zeros(); assembly.rods.nodes];
+    copy_positions(&assembly.unknowns, &mut positions);
+    fluid.connect(&connections(assembly), &positions);
+    let names = NodeNames::new(scene, assembly);
+    for pair in fluid.met_by_chance() {
+        if may_part(scene, assembly, &positions, pair) {
+            let [first, second] = pair.map(|node| names.of(node));
+            return Err(SceneError::Fluid(FluidError::BadInput(format!(
+                "{first} and {second} begin at one place, where the flow between them has no solution: join them by [[joints]], \
+                 clamp both, or place the rods apart"
+            ))));
+        }
+    }
+    Ok(Some(fluid))
+}
+
+/// What the nodes of a scene are called in messages.
+pub(super) struct NodeNames {
+    /// First node and name of each rod.
+    rods: Vec<(usize, String)>,
+}
+
+impl NodeNames {
+    /// Those of a scene.
+    pub fn new(scene: &Scene, assembly: &Assembly) -> Self {
+        let ranges = assembly.rods.rods.iter();
+        Self {
+            rods: (ranges.zip(&scene.rods))
+                .map(|(range, rod)| (range.first_node, rod.name.clone()))
+                .collect(),
+        }
+    }
+
+    fn of(&self, node: usize) -> String {
+        let rod = self.rods.partition_point(|(first, _)| *first <= node) - 1;
+        let (first, name) = &self.rods[rod];
+        format!("node {} of rod `{name}`", node - first)
+    }
+
+    /// An error of the fluid with the nodes that cause it, where these are too close to each other at `positions`.
+    pub fn explain(&self, error: FluidError, fluid: &Fluid, positions: &[Vector3]) -> FluidError {
+        if !matches!(
+            error,
+            FluidError::Singular | FluidError::NoConvergence { .. }
+        ) {
+            return error;
+        }
+        match fluid.nearest_nodes(positions) {
+            Some((pair, regularizations)) if regularizations < TOO_CLOSE => {
+                let [first, second] = pair.map(|node| self.of(node));
+                FluidError::TooClose {
+                    first,
+                    second,
+                    regularizations,
+                }
+            }
+            _ => error,
+        }
+    }
+}
+
+fn connections(assembly: &Assembly) -> Connections {
+    Connections {
+        joined: assembly.joints.points.clone(),
+        sliding: (assembly.joints.slides.iter())
+            .map(|slide| Sliding {
+                node: slide.node,
+                rail: slide.rail(),
+                closed: slide.is_closed(),
+            })
+            .collect(),
+    }
+}
+
+/// Whether two nodes at one place may move apart freely, as two rods inside each other: not where they, or others of their rods
+/// beside them, are held there or tied by a joint or spring.
+fn may_part(scene: &Scene, assembly: &Assembly, positions: &[Vector3], pair: [usize; 2]) -> bool {
+    if pair.iter().all(|node| assembly.held[STRIDE * node]) {
+        return false;
+    }
+    let place = |at: RodNode| assembly.rods.rods[at.rod].first_node + at.node;
+    let joints = scene.joints.iter().map(|joint| joint.nodes);
+    let springs = scene.springs.iter().map(|spring| spring.nodes);
+    let rods = pair.map(|node| assembly.locate(node).0);
+    let reach = BESIDE_A_JOINT * scene.rods[rods[0]].radius.max(scene.rods[rods[1]].radius);
+    let is_near = |node: usize| (positions[node] - positions[pair[0]]).norm() < reach;
+    let ties = joints
+        .chain(springs)
+        .map(|nodes| nodes.map(|at| (at.rod, place(at))))
+        .filter(|ends| ends.iter().all(|(_, node)| is_near(*node)));
+    let held_pairs = clamped_pairs(scene, assembly, rods)
+        .filter(|nodes| nodes.iter().all(|node| is_near(*node)))
+        .map(|[a, b]| [(rods[0], a), (rods[1], b)]);
+    // The rods that can be reached from the first one by such ties.
+    let ties: Vec<[usize; 2]> = ties
+        .chain(held_pairs)
+        .map(|ends| ends.map(|end| end.0))
+        .collect();
+    let mut reached: Vec<usize> = Vec::new();
+    let mut next = vec![rods[0]];
+    while let Some(rod) = next.pop() {
+        for tie in ties.iter().filter(|tie| tie.contains(&rod)) {
+            let other = if tie[0] == rod { tie[1] } else { tie[0] };
+            if !reached.contains(&other) {
+                reached.push(other);
+                next.push(other);
+            }
+        }
+    }
+    !reached.contains(&rods[1])
+}
+
+/// Pairs of nodes of two rods that are both held.
+fn clamped_pairs(
+    scene: &Scene,
+    assembly: &Assembly,
+    rods: [usize; 2],
+) -> impl Iterator<Item = [usize; 2]> {
+    let held = rods.map(|rod| {
+        let first = assembly.rods.rods[rod].first_node;
+        let nodes = first..first + scene.rods[rod].centreline.len();
+        let held = nodes.filter(|node| assembly.held[STRIDE * node]);
+        held.collect::<Vec<_>>()
+    });
+    let [of_first, of_second] = held;
+    of_first
+        .into_iter()
+        .flat_map(move |a| of_second.clone().into_iter().map(move |b| [a, b]))
+        .filter(|[a, b]| a != b)
+}

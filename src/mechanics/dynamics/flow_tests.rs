@@ -1,0 +1,352 @@
+//! Rods in a viscous fluid that are joined, or beside held ones.
+
+use super::*;
+use crate::mechanics::fluid::FluidModel;
+use crate::mechanics::scene::{
+    Body, Clamp, HingeSpring, Joint, JointKind, Load, LoadKind, Motion, RodDescription, RodNode,
+    Scene, Spring, Stiffness, Strength,
+};
+use crate::mechanics::{SceneError, Vector3};
+use std::f64::consts::PI;
+
+const RADIUS: f64 = 1e-4;
+const STOKESLETS: FluidModel = FluidModel::RegularizedStokeslets {
+    viscosity: 1.0,
+    regularization: 1.02,
+    far_field_error: 1e-4,
+};
+
+/// A stiff rod of a modulus of 1 GPa, without much inertia.
+fn rod(name: &str, from: Vector3, to: Vector3, edges: usize) -> RodDescription {
+    let node = |k: usize| from.lerp(&to, k as f64 / edges as f64);
+    let (area, modulus) = (PI * RADIUS * RADIUS, 1e9);
+    let bending = modulus * area * RADIUS * RADIUS / 4.0;
+    let stiffness = Stiffness {
+        stretching: modulus * area,
+        bending: [bending; 2],
+        twisting: bending * 2.0 / 3.0,
+    };
+    let nodes = (0..=edges).map(node).collect();
+    RodDescription::uniform(name, nodes, stiffness, RADIUS, 1000.0 * area)
+}
+
+fn at(rod: usize, node: usize) -> RodNode {
+    RodNode { rod, node }
+}
+
+fn joint(kind: JointKind, one: RodNode, other: RodNode) -> Joint {
+    Joint {
+        name: "joint".into(),
+        nodes: [one, other],
+        kind,
+        strength: Strength::default(),
+    }
+}
+
+fn clamp(rod: usize, node: usize) -> Clamp {
+    Clamp {
+        rod,
+        node,
+        holds_position: true,
+        holds_frame: true,
+        motion: Motion::default(),
+    }
+}
+
+fn pull(force_per_length: Vector3) -> Load {
+    Load {
+        kind: LoadKind::Distributed {
+            rod: None,
+            force_per_length,
+        },
+        schedule: Vec::new(),
+    }
+}
+
+fn run(scene: &Scene, step: f64, steps: usize) -> Simulation {
+    let parameters = IntegrationParameters {
+        scheme: Scheme::ImplicitEuler,
+        step: StepSize::Fixed(step),
+        ..IntegrationParameters::default()
+    };
+    let mut simulation = Simulation::new(scene, &parameters).unwrap();
+    let end = step * steps as f64;
+    while simulation.time() < end {
+        simulation.advance(end).unwrap();
+    }
+    simulation
+}
+
+/// A filament 10 mm long, whole or of pieces with so many edges, 20 in all.
+fn filament(pieces: &[usize], kind: JointKind, force: Vector3) -> Scene {
+    let (mut rods, mut joints, mut done) = (Vec::new(), Vec::new(), 0);
+    for (k, edges) in pieces.iter().enumerate() {
+        let place = |node: usize| Vector3::x() * (0.01 * node as f64 / 20.0);
+        rods.push(rod(
+            &format!("piece {k}"),
+            place(done),
+            place(done + edges),
+            *edges,
+        ));
+        if k > 0 {
+            joints.push(joint(kind, at(k - 1, pieces[k - 1]), at(k, 0)));
+        }
+        done += edges;
+    }
+    Scene {
+        rods,
+        joints,
+        loads: vec![pull(force)],
+        fluid: Some(STOKESLETS),
+        ..Scene::default()
+    }
+}
+
+/// Mean velocity after forty steps of 1 ms.
+fn glide(scene: &Scene) -> Vector3 {
+    let simulation = run(scene, 1e-3, 40);
+    let velocities = simulation.velocities();
+    velocities.iter().sum::<Vector3>() / velocities.len() as f64
+}
+
+#[test]
+fn joined_pieces_glide_as_one_filament() {
+    let along = Vector3::x() * 1e-3;
+    let whole = glide(&filament(&[20], JointKind::Rigid, along));
+    assert!(whole.x > 0.0);
+    let hinge = JointKind::Hinge {
+        axis: Vector3::z(),
+        spring: None,
+    };
+    let sprung = JointKind::Hinge {
+        axis: Vector3::y(),
+        spring: Some(HingeSpring {
+            stiffness: 1e-6,
+            rest_angle: 0.0,
+        }),
+    };
+    for kind in [JointKind::Rigid, JointKind::Ball, hinge, sprung] {
+        let pieces = glide(&filament(&[7, 9, 4], kind, along));
+        assert!((pieces / whole.x - Vector3::x()).norm() < 1e-3, "{kind:?}");
+    }
+    let across = Vector3::y() * 1e-3;
+    let whole = glide(&filament(&[20], JointKind::Rigid, across));
+    let pieces = glide(&filament(&[7, 9, 4], JointKind::Rigid, across));
+    assert!(
+        (pieces - whole).norm() < 1e-2 * whole.norm(),
+        "{pieces} {whole}"
+    );
+}
+
+#[test]
+fn pieces_tied_by_springs_or_a_body_glide_as_one_filament() {
+    let along = Vector3::x() * 1e-3;
+    let whole = glide(&filament(&[20], JointKind::Rigid, along));
+    let mut tied = filament(&[10, 10], JointKind::Ball, along);
+    tied.joints.clear();
+    tied.springs.push(Spring {
+        name: "tie".into(),
+        nodes: [at(0, 10), at(1, 0)],
+        stiffness: 100.0,
+        turning: None,
+        rest_length: Some(0.0),
+        strength: Strength::default(),
+    });
+    let speed = glide(&tied).x;
+    assert!((speed / whole.x - 1.0).abs() < 1e-3, "{speed} {}", whole.x);
+    let mut borne = filament(&[10, 10], JointKind::Rigid, along);
+    borne.bodies.push(Body {
+        name: "bead".into(),
+        at: at(0, 10),
+        mass: 1e-9,
+        offset: Vector3::zeros(),
+        inertia: Some([1e-17; 3]),
+        ball: None,
+    });
+    let speed = glide(&borne).x;
+    assert!((speed / whole.x - 1.0).abs() < 1e-3, "{speed} {}", whole.x);
+}
+
+#[test]
+fn density_hardly_matters_where_viscosity_rules() {
+    let along = Vector3::x() * 1e-3;
+    let mut scene = filament(&[7, 13], JointKind::Rigid, along);
+    let speed = glide(&scene).x;
+    for density in [1e-2, 10.0] {
+        for rod in &mut scene.rods {
+            rod.mass_per_length = density * 1000.0 * PI * RADIUS * RADIUS;
+        }
+        let other = glide(&scene).x;
+        assert!(
+            (other / speed - 1.0).abs() < 2e-2,
+            "{density}: {other} {speed}"
+        );
+    }
+}
+
+#[test]
+fn a_loaded_y_comes_to_rest_where_statics_has_it() {
+    let end = |x: f64, z: f64| Vector3::new(x, 0.0, z) * 5e-3;
+    let arms = [end(0.0, -1.0), end(0.7, 0.7), end(-0.7, 0.7)];
+    let rods = arms.iter().enumerate();
+    let scene = Scene {
+        rods: rods
+            .map(|(k, arm)| rod(&format!("arm {k}"), Vector3::zeros(), *arm, 5))
+            .collect(),
+        joints: vec![
+            joint(JointKind::Rigid, at(0, 0), at(1, 0)),
+            joint(JointKind::Rigid, at(0, 0), at(2, 0)),
+        ],
+        clamps: vec![clamp(0, 5)],
+        loads: vec![Load {
+            kind: LoadKind::Force {
+                rod: 1,
+                node: 5,
+                force: Vector3::new(1e-4, 5e-5, 0.0),
+            },
+            schedule: Vec::new(),
+        }],
+        fluid: Some(STOKESLETS),
+        ..Scene::default()
+    };
+    let tip = |simulation: &Simulation| simulation.positions()[11] - arms[1];
+    let mut equilibrium = Simulation::new(
+        &Scene {
+            fluid: None,
+            ..scene.clone()
+        },
+        &IntegrationParameters::default(),
+    )
+    .unwrap();
+    equilibrium.find_equilibrium().unwrap();
+    let expected = tip(&equilibrium);
+    let rests = tip(&run(&scene, 5e-2, 60));
+    assert!(expected.norm() > RADIUS);
+    assert!(
+        (rests - expected).norm() < 1e-3 * expected.norm(),
+        "{rests} {expected}"
+    );
+}
+
+/// A filament that is pulled along beside another one.
+fn beside(fix: impl Fn(&mut Scene)) -> Scene {
+    let mut scene = filament(&[20], JointKind::Rigid, Vector3::zeros());
+    let side = Vector3::y() * (5.0 * RADIUS);
+    scene
+        .rods
+        .push(rod("wall", side, side + Vector3::x() * 0.01, 20));
+    scene.loads = vec![Load {
+        kind: LoadKind::Distributed {
+            rod: Some(0),
+            force_per_length: Vector3::x() * 1e-3,
+        },
+        schedule: Vec::new(),
+    }];
+    fix(&mut scene);
+    scene
+}
+
+#[test]
+fn a_held_rod_stands_in_the_way_of_the_flow_as_a_clamped_one_does() {
+    let speed = |scene: &Scene| run(scene, 1e-3, 40).velocities()[10].x;
+    let alone = speed(&filament(&[20], JointKind::Rigid, Vector3::x() * 1e-3));
+    let clamped = speed(&beside(|scene| {
+        scene.clamps = (0..=20).map(|node| clamp(1, node)).collect();
+    }));
+    let held = speed(&beside(|scene| scene.rods[1].held = true));
+    assert!(clamped < 0.75 * alone, "{clamped} {alone}");
+    assert!((held / clamped - 1.0).abs() < 1e-6, "{held} {clamped}");
+}
+
+/// A tail whose first node slides along a wire that is held, pulled there.
+fn bead(pulled: f64) -> Scene {
+    let mut wire = rod("wire", Vector3::zeros(), Vector3::x() * 0.01, 20);
+    wire.held = true;
+    let foot = Vector3::x() * 4e-3;
+    Scene {
+        rods: vec![wire, rod("tail", foot, foot + Vector3::z() * 2e-3, 4)],
+        joints: vec![joint(JointKind::Slide, at(1, 0), at(0, 8))],
+        loads: vec![Load {
+            kind: LoadKind::Force {
+                rod: 1,
+                node: 0,
+                force: Vector3::x() * pulled,
+            },
+            schedule: Vec::new(),
+        }],
+        fluid: Some(STOKESLETS),
+        ..Scene::default()
+    }
+}
+
+#[test]
+fn a_tail_slides_along_a_wire_at_a_steady_pace() {
+    // It passes three nodes of the wire, 0.5 mm apart.
+    let scene = bead(1e-5);
+    let parameters = IntegrationParameters {
+        scheme: Scheme::ImplicitEuler,
+        step: StepSize::Fixed(1e-2),
+        ..IntegrationParameters::default()
+    };
+    let mut simulation = Simulation::new(&scene, &parameters).unwrap();
+    let mut paces = Vec::new();
+    while simulation.positions()[21].x < 6e-3 {
+        let before = simulation.positions()[21].x;
+        simulation.advance(f64::INFINITY).unwrap();
+        paces.push((simulation.positions()[21].x - before) / 1e-2);
+        assert!(paces.len() < 1000);
+    }
+    for pair in paces[20..].windows(2) {
+        assert!((pair[1] / pair[0] - 1.0).abs() < 0.05, "{pair:?}");
+    }
+}
+
+#[test]
+fn pieces_part_in_the_fluid_where_their_weld_breaks() {
+    let mut scene = filament(&[10, 10], JointKind::Ball, Vector3::x() * 1e-3);
+    scene.joints[0].strength = Strength::of_force(1e-6);
+    scene.loads = vec![Load {
+        kind: LoadKind::Force {
+            rod: 1,
+            node: 5,
+            force: Vector3::x() * 1e-5,
+        },
+        schedule: Vec::new(),
+    }];
+    let simulation = run(&scene, 1e-2, 100);
+    let [behind, before] = [10, 11].map(|node| simulation.positions()[node].x);
+    // Farther apart than the tie of the flow lasts.
+    assert!(before - behind > 2.0 * RADIUS, "{behind} {before}");
+    let velocities = simulation.velocities();
+    assert!(
+        velocities[11].x > 0.0 && velocities[11].x < 2e-3,
+        "{}",
+        velocities[11].x
+    );
+    assert!(velocities[10].x < velocities[11].x);
+}
+
+#[test]
+fn nodes_at_one_place_that_nothing_ties_are_refused() {
+    let mut scene = filament(&[10, 10], JointKind::Ball, Vector3::x() * 1e-3);
+    scene.joints.clear();
+    let attempt = |scene: &Scene| Simulation::new(scene, &IntegrationParameters::default());
+    let error = attempt(&scene).err().unwrap();
+    assert!(matches!(
+        error,
+        SimulationError::BadScene(SceneError::Fluid(_))
+    ));
+    let message = error.to_string();
+    for part in [
+        "node 10 of rod `piece 0`",
+        "node 0 of rod `piece 1`",
+        "[[joints]]",
+    ] {
+        assert!(message.contains(part), "{message}");
+    }
+    // Clamped at one root they cannot part.
+    scene.clamps = vec![clamp(0, 10), clamp(1, 0)];
+    assert!(attempt(&scene).is_ok());
+    scene.clamps.pop();
+    assert!(attempt(&scene).is_err());
+}
