@@ -15,6 +15,7 @@ mod damping;
 mod derivatives;
 mod determinism;
 mod drag;
+mod flow;
 mod frequencies;
 mod friction;
 mod helix;

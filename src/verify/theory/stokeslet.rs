@@ -53,20 +53,41 @@ pub fn adaptive_segment_integral(
     total
 }
 
-/// Forces of a polyline on the fluid, N per node, that give its nodes the velocities (m/s): collocation
-/// at the nodes with force densities linear along each edge, dense LU.
+/// Forces of a polyline on the fluid, N per node, that give its nodes the velocities (m/s).
 pub fn forces(
     nodes: &[Vector3<f64>],
     velocities: &[Vector3<f64>],
     regularization: f64,
     viscosity: f64,
 ) -> Vec<Vector3<f64>> {
+    forces_of_rods(&[nodes.len()], nodes, velocities, regularization, viscosity)
+}
+
+/// Forces of polylines on the fluid, N per node, that give their nodes the velocities (m/s): collocation at the nodes with
+/// force densities linear along each edge, dense LU. `rods` tells how many of the nodes each polyline has.
+pub fn forces_of_rods(
+    rods: &[usize],
+    nodes: &[Vector3<f64>],
+    velocities: &[Vector3<f64>],
+    regularization: f64,
+    viscosity: f64,
+) -> Vec<Vector3<f64>> {
     let count = nodes.len();
+    let mut edges = Vec::new();
+    let mut first = 0;
+    for rod in rods {
+        edges.extend(first..first + rod - 1);
+        first += rod;
+    }
     let mut matrix = DMatrix::zeros(3 * count, 3 * count);
-    for (i, x) in nodes.iter().enumerate() {
-        for k in 0..count - 1 {
-            let [first, second] =
-                adaptive_segment_integral(x, &nodes[k], &nodes[k + 1], regularization);
+    let mut lengths = vec![0.0; count];
+    for &k in &edges {
+        let (start, end) = (&nodes[k], &nodes[k + 1]);
+        for length in &mut lengths[k..k + 2] {
+            *length += 0.5 * (end - start).norm();
+        }
+        for (i, x) in nodes.iter().enumerate() {
+            let [first, second] = adaptive_segment_integral(x, start, end, regularization);
             let mut near = matrix.fixed_view_mut::<3, 3>(3 * i, 3 * k);
             near += first;
             let mut far = matrix.fixed_view_mut::<3, 3>(3 * i, 3 * k + 3);
@@ -83,13 +104,8 @@ pub fn forces(
         .lu()
         .solve(&right_hand_side)
         .expect("the Stokeslet matrix is regular");
-    let edge = |k: usize| (nodes[k + 1] - nodes[k]).norm();
-    (0..count)
-        .map(|i| {
-            let before = if i > 0 { edge(i - 1) } else { 0.0 };
-            let after = if i + 1 < count { edge(i) } else { 0.0 };
-            densities.fixed_rows::<3>(3 * i) * (0.5 * (before + after))
-        })
+    (lengths.iter().enumerate())
+        .map(|(i, length)| densities.fixed_rows::<3>(3 * i) * *length)
         .collect()
 }
 

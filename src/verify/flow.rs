@@ -1,0 +1,145 @@
+//! Joined and held rods in a viscous fluid, through scenario files, against dense solutions.
+
+use super::scenario::simulation;
+use super::theory::stokeslet::{forces, forces_of_rods};
+use super::{Check, Expectation, GroupError};
+use crate::mechanics::Vector3;
+use nalgebra::{Matrix2, Vector2};
+
+const GLIDE: Expectation = Expectation {
+    formula: "U = F/R",
+    source: "Cortez 2001, dense solution",
+};
+const BESIDE: Expectation = Expectation {
+    formula: "R (U, ω) = (F, 0), wall at rest",
+    source: "Cortez 2001, dense solution",
+};
+const BOUND: f64 = 1e-3;
+
+/// Length of the filaments, m, their edges, radius, m, and regularisation, m; the viscosity is 1 Pa s.
+const LENGTH: f64 = 0.01;
+const EDGES: usize = 20;
+const RADIUS: f64 = 1e-4;
+const REGULARIZATION: f64 = 1.02 * RADIUS;
+/// Distance of the filament from the rod beside it, m.
+const GAP: f64 = 5.0 * RADIUS;
+/// Force per length along the filament, N/m.
+const PULL: f64 = 1e-3;
+
+/// Filaments that are pulled along, of two pieces and beside a held rod.
+pub(super) fn checks() -> Result<Vec<Check>, GroupError> {
+    let nodes = filament(0.0);
+    let drag: f64 = forces(&nodes, &[Vector3::x(); EDGES + 1], REGULARIZATION, 1.0)
+        .iter()
+        .map(|force| force.x)
+        .sum();
+    Ok(vec![
+        GLIDE.relative(
+            "filament of two joined pieces, L/r = 100, pulled along: speed",
+            "m/s",
+            PULL * LENGTH / drag,
+            speed(&scene(""))?,
+            BOUND,
+        ),
+        BESIDE.relative(
+            "the same beside a held rod, five radii away: speed",
+            "m/s",
+            speed_beside_wall(&nodes),
+            speed(&scene(WALL))?,
+            BOUND,
+        ),
+    ])
+}
+
+/// Nodes of the filament, moved aside.
+fn filament(y: f64) -> Vec<Vector3> {
+    (0..=EDGES)
+        .map(|k| Vector3::new(LENGTH * k as f64 / EDGES as f64, y, 0.0))
+        .collect()
+}
+
+/// Speed of a rigid filament along itself beside one that is at rest: without torque it also turns about its middle.
+fn speed_beside_wall(nodes: &[Vector3]) -> f64 {
+    let all = [nodes.to_vec(), filament(GAP)].concat();
+    let middle = Vector3::x() * (0.5 * LENGTH);
+    let wrench = |motion: &dyn Fn(&Vector3) -> Vector3| {
+        let still = vec![Vector3::zeros(); nodes.len()];
+        let velocities = [nodes.iter().map(motion).collect(), still].concat();
+        let rods = [nodes.len(), nodes.len()];
+        let forces = forces_of_rods(&rods, &all, &velocities, REGULARIZATION, 1.0);
+        let torque = nodes
+            .iter()
+            .zip(&forces)
+            .map(|(x, f)| (x - middle).cross(f).z);
+        let force = forces[..nodes.len()].iter().map(|force| force.x).sum();
+        Vector2::new(force, torque.sum::<f64>())
+    };
+    let along = wrench(&|_| Vector3::x());
+    // In units of the length, so that both columns are of one size.
+    let turning = wrench(&|x| Vector3::z().cross(&(x - middle)) / LENGTH);
+    let resistance = Matrix2::from_columns(&[along, turning]);
+    let motion = resistance.lu().solve(&Vector2::new(PULL * LENGTH, 0.0));
+    motion.expect("a resistance is regular").x
+}
+
+const WALL: &str = r#"
+[[rods]]
+name = "wall"
+held = true
+radius = "0.1 mm"
+edges = 20
+shape = { kind = "straight", start = [0, "0.5 mm", 0], end = ["10 mm", "0.5 mm", 0] }
+"#;
+
+/// Two pieces of a filament that a joint holds together, and what is beside them.
+fn scene(beside: &str) -> String {
+    let pull = |rod: &str| {
+        format!(
+            "[[loads]]\nkind = \"distributed\"\nrod = \"{rod}\"\nforce_per_length = [{PULL}, 0, 0]\n"
+        )
+    };
+    format!(
+        r#"
+experiment = "scene"
+title = "A filament of two pieces"
+[material]
+youngs_modulus = "10 GPa"
+poissons_ratio = 0.5
+density = 1000.0
+[[rods]]
+name = "a"
+radius = "0.1 mm"
+edges = 8
+shape = {{ kind = "straight", start = [0, 0, 0], end = ["4 mm", 0, 0] }}
+[[rods]]
+name = "b"
+radius = "0.1 mm"
+edges = 12
+shape = {{ kind = "straight", start = ["4 mm", 0, 0], end = ["10 mm", 0, 0] }}
+{beside}
+[[joints]]
+kind = "rigid"
+rods = ["a", "b"]
+at = ["end", "start"]
+{}{}
+[fluid]
+model = "rss"
+viscosity = "1 Pa s"
+[time]
+scheme = "implicit-euler"
+step = "0.1 ms"
+end = "5 ms"
+"#,
+        pull("a"),
+        pull("b")
+    )
+}
+
+/// Speed along x at the middle of the filament when it is steady.
+fn speed(text: &str) -> Result<f64, GroupError> {
+    let mut simulation = simulation(text, &[])?;
+    while simulation.time() < 5e-3 {
+        simulation.advance(5e-3)?;
+    }
+    Ok(simulation.velocities()[11].x)
+}
