@@ -63,6 +63,7 @@ mod homography;
 mod hostile_tests;
 mod input;
 mod joining;
+mod jpeg;
 mod junction;
 mod labels;
 mod layers;

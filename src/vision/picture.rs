@@ -2,6 +2,7 @@
 
 use super::VisionError;
 use super::input::read_file;
+use super::jpeg::has_end_of_image;
 use image::{DynamicImage, ImageError, ImageReader, Limits, RgbImage};
 use std::fs;
 use std::io::Cursor;
@@ -66,8 +67,8 @@ fn decode(bytes: &[u8]) -> Result<DynamicImage, String> {
     match format {
         image::ImageFormat::Png => {}
         image::ImageFormat::Jpeg => {
-            // The decoder fills what is missing with grey and says nothing.
-            if !bytes.windows(2).any(|pair| pair == [0xff, 0xd9]) {
+            // The decoder fills missing rows with grey and reports no error.
+            if !has_end_of_image(bytes) {
                 return Err("the JPEG is truncated: its end-of-image marker is missing".to_string());
             }
         }
