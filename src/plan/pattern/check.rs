@@ -1,6 +1,16 @@
-//! What a pattern asks of a rod.
+//! Where a pattern crosses itself, or another pattern.
+//!
+//! Polygons of curves that touch cross each other many times by chance: a full circle ends along its own start. So each crossing
+//! of two polygons is followed both ways along the second one, as long as it lies within the chord error of the first. It is a
+//! crossing of the curves if the second one leaves on the other side from where it came. Curves that come together and leave on
+//! the same side, or end there, touch.
 
 use super::{PatternPoint, Point};
+
+/// Distance below which two polygons are not told apart, over their largest chord error h² κ/8.
+const CHORD_ERRORS: f64 = 4.0;
+/// The same at least, over the length of the curves: a drawn line that is retraced is not met more exactly.
+const LEAST_DISTANCE: f64 = 1e-4;
 
 /// A place where a pattern crosses itself, or another one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,25 +23,159 @@ pub struct Crossing {
     pub position: Point,
 }
 
-/// Where a pattern crosses itself, by its polygon.
+/// Where a pattern crosses itself.
 pub fn crossings(points: &[PatternPoint]) -> Vec<Crossing> {
+    let curves = Curves::new(points, points);
     let mut found = Vec::new();
     for (index, one) in points.windows(2).enumerate() {
-        let others = points.windows(2).skip(index + 2);
-        found.extend(others.filter_map(|other| crossing(one, other)));
+        // Neighbours share a point.
+        for (other, pair) in points.windows(2).enumerate().skip(index + 2) {
+            found.extend(crossing(one, pair).map(|crossing| (index, other, crossing)));
+        }
     }
-    found
+    curves.crossings(&found)
 }
 
-/// Where a pattern crosses another one, by their polygons; `second` is the arc length of the other.
+/// Where a pattern crosses another one; `second` is the arc length of the other.
 pub fn crossings_of_two(points: &[PatternPoint], others: &[PatternPoint]) -> Vec<Crossing> {
-    let pieces = points.windows(2);
-    let crossed = pieces.flat_map(|one| {
-        others
-            .windows(2)
-            .filter_map(move |other| crossing(one, other))
-    });
-    crossed.collect()
+    let curves = Curves::new(points, others);
+    let mut found = Vec::new();
+    for (index, one) in points.windows(2).enumerate() {
+        for (other, pair) in others.windows(2).enumerate() {
+            found.extend(crossing(one, pair).map(|crossing| (index, other, crossing)));
+        }
+    }
+    curves.crossings(&found)
+}
+
+/// Two curves by their points, or one curve twice.
+struct Curves<'a> {
+    first: &'a [PatternPoint],
+    second: &'a [PatternPoint],
+    /// Distance below which they are not told apart, m.
+    distance: f64,
+}
+
+/// How far two curves lie on each other about a crossing of their polygons: pieces of the first and of the second one.
+struct Contact {
+    first: [usize; 2],
+    second: [usize; 2],
+    crosses: bool,
+}
+
+/// Where a curve leaves another one.
+struct Exit {
+    /// The pieces that were reached, of the first curve and of the second one.
+    pieces: [usize; 2],
+    /// On which side of the first curve, +1 left and −1 right; `None` where one of them ends.
+    side: Option<f64>,
+}
+
+impl<'a> Curves<'a> {
+    fn new(first: &'a [PatternPoint], second: &'a [PatternPoint]) -> Self {
+        let points = || first.iter().chain(second);
+        let spacing = [first, second]
+            .iter()
+            .flat_map(|points| points.windows(2))
+            .fold(0.0, |most: f64, pair| {
+                most.max((pair[1].position - pair[0].position).norm())
+            });
+        let curvature = points().fold(0.0, |most: f64, point| most.max(point.curvature.abs()));
+        let length = [first, second]
+            .iter()
+            .filter_map(|points| points.last())
+            .fold(0.0, |most: f64, last| most.max(last.s));
+        // The chord error of a piece is no longer than the piece.
+        let chord_error = (spacing * spacing * curvature / 8.0).min(0.1 * spacing);
+        Self {
+            first,
+            second,
+            distance: (CHORD_ERRORS * chord_error).max(LEAST_DISTANCE * length),
+        }
+    }
+
+    /// The crossings of the curves among those of their polygons.
+    fn crossings(&self, found: &[(usize, usize, Crossing)]) -> Vec<Crossing> {
+        let mut contacts: Vec<Contact> = Vec::new();
+        let mut crossings = Vec::new();
+        for (first, second, crossing) in found {
+            let is_known = contacts.iter().any(|contact| {
+                let [from, to] = contact.first;
+                let [other_from, other_to] = contact.second;
+                (from..=to).contains(first) && (other_from..=other_to).contains(second)
+            });
+            if is_known {
+                continue;
+            }
+            let contact = self.contact(*first, *second);
+            if contact.crosses {
+                crossings.push(*crossing);
+            }
+            contacts.push(contact);
+        }
+        crossings
+    }
+
+    fn contact(&self, first: usize, second: usize) -> Contact {
+        let [back, ahead] = [false, true].map(|ahead| self.exit(first, second, ahead));
+        let range = |curve: usize| {
+            let [from, to] = [back.pieces[curve], ahead.pieces[curve]];
+            [from.min(to), from.max(to)]
+        };
+        Contact {
+            first: range(0),
+            second: range(1),
+            crosses: matches!((back.side, ahead.side), (Some(one), Some(other)) if one != other),
+        }
+    }
+
+    /// Follows the second curve from a crossing of the polygons until it is away from the first one.
+    fn exit(&self, first: usize, second: usize, ahead: bool) -> Exit {
+        let last = self.first.len() - 2;
+        let mut piece = first;
+        let mut point = if ahead { second + 1 } else { second };
+        loop {
+            let position = self.second[point].position;
+            // The nearest piece of the first curve, downhill from the one before.
+            while piece < last && self.away(piece + 1, position) < self.away(piece, position) {
+                piece += 1;
+            }
+            while piece > 0 && self.away(piece - 1, position) < self.away(piece, position) {
+                piece -= 1;
+            }
+            let pieces = [piece, if ahead { point - 1 } else { point }];
+            let [from, to] = [self.first[piece].position, self.first[piece + 1].position];
+            let along = to - from;
+            let part = (position - from).dot(&along) / along.norm_squared();
+            if (piece == 0 && part < 0.0) || (piece == last && part > 1.0) {
+                return Exit { pieces, side: None };
+            }
+            if self.away(piece, position) > self.distance {
+                let side = along.perp(&(position - from)).signum();
+                return Exit {
+                    pieces,
+                    side: Some(side),
+                };
+            }
+            let next = if ahead {
+                Some(point + 1).filter(|next| *next < self.second.len())
+            } else {
+                point.checked_sub(1)
+            };
+            match next {
+                Some(next) => point = next,
+                None => return Exit { pieces, side: None },
+            }
+        }
+    }
+
+    /// Distance of a place from a piece of the first curve, m.
+    fn away(&self, piece: usize, place: Point) -> f64 {
+        let [from, to] = [self.first[piece].position, self.first[piece + 1].position];
+        let along = to - from;
+        let part = ((place - from).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+        (place - from - part * along).norm()
+    }
 }
 
 /// Where two pieces cross.

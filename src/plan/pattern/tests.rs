@@ -200,6 +200,70 @@ fn an_eight_crosses_itself_once() {
     );
 }
 
+/// A circle over a number of turns, as far as points go, with or without a lead-in.
+fn turned(radius: f64, turns: f64, lead_in: f64, step: f64) -> Vec<PatternPoint> {
+    let points: Vec<Point> = (0..=400)
+        .map(|index| turns * TAU * f64::from(index) / 400.0)
+        .map(|t| Point::new(radius * t.sin(), radius * (1.0 - t.cos())))
+        .collect();
+    let pattern = Pattern::along(&points, 1e-5).unwrap();
+    pattern.with_lead_in(lead_in).sampled(step)
+}
+
+#[test]
+fn a_circle_that_closes_touches_itself_and_does_not_cross() {
+    for radius in [0.08, -0.08, 0.03, 0.3] {
+        for lead_in in [0.0, 0.02, 0.0917, 0.25] {
+            for step in [0.001, 0.003, 0.0077] {
+                let circle = Pattern::new(Box::new(Circle { radius }), 0.0).unwrap();
+                let points = circle.with_lead_in(lead_in).sampled(step);
+                let found = crossings(&points);
+                assert!(
+                    found.is_empty(),
+                    "{radius} {lead_in} {step}: {} crossings",
+                    found.len()
+                );
+            }
+        }
+    }
+    // Nor does one that goes on along itself, a quarter of a turn too far.
+    for step in [0.001, 0.003] {
+        let found = crossings(&turned(0.08, 1.25, 0.0, step));
+        assert!(found.is_empty(), "{found:?}");
+    }
+}
+
+#[test]
+fn curves_that_cross_at_a_small_angle_cross_once() {
+    // Two circles of 10 cm about centres 1 mm apart cross twice, at 0.6°.
+    let circle = |shift: f64| {
+        let circle = Pattern::new(Box::new(Circle { radius: 0.1 }), 0.0).unwrap();
+        let mut points = circle.sampled(0.003);
+        for point in &mut points {
+            // Their starts lie away from the crossings.
+            point.position = Point::new(point.position.y + shift, -point.position.x);
+        }
+        points
+    };
+    let found = crossings_of_two(&circle(0.0), &circle(1e-3));
+    assert_eq!(found.len(), 2, "{found:?}");
+    let touching = crossings_of_two(&circle(0.0), &circle(0.2));
+    assert!(touching.is_empty(), "{touching:?}");
+}
+
+#[test]
+fn a_pattern_whose_end_meets_its_start_at_a_corner_does_not_cross_itself() {
+    let corners = [[0.0, 0.0], [0.1, 0.0], [0.1, 0.1], [0.0, 0.1], [0.0, 0.0]];
+    let points: Vec<Point> = corners.iter().map(|corner| Point::from(*corner)).collect();
+    let square = Pattern::along(&points, 1e-3).unwrap();
+    assert!(crossings(&square.sampled(0.002)).is_empty());
+    // An end that goes on beyond it does.
+    let mut points = points;
+    points[4] = Point::new(0.0, -0.02);
+    let beyond = Pattern::along(&points, 1e-3).unwrap().with_lead_in(0.05);
+    assert_eq!(crossings(&beyond.sampled(0.002)).len(), 1);
+}
+
 #[test]
 fn patterns_of_the_reference_are_smooth_and_near() {
     let file = concat!(
