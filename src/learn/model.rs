@@ -3,6 +3,9 @@
 //! The file is one of safetensors: weights and biases as `layer.0.weight`, `layer.0.bias`, ... (single precision), and under
 //! `rodlab` in its metadata a JSON text with the names of columns, the standardisation, the range of the samples and where
 //! they came from.
+//!
+//! The text holds a BLAKE3 checksum of itself and of all weights and biases: a weight with a flipped bit is a finite number like
+//! any other, and the network would answer with it. Files of version 1 have none; they are read with a warning.
 
 use super::network::Network;
 use super::scaling::Scaling;
@@ -18,7 +21,9 @@ use thiserror::Error;
 /// What the first words of a model of this program say.
 const KIND: &str = "rodlab multilayer perceptron";
 /// Version of the file.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
+/// The last version whose files have no checksum.
+const UNCHECKED_VERSION: u32 = 1;
 /// Layers and numbers of a file that are believed: far beyond any that is trained here.
 const MOST_LAYERS: usize = 64;
 /// Largest file, bytes.
@@ -55,6 +60,9 @@ pub struct About {
     pub output_range: Vec<[f64; 2]>,
     /// Where it came from: program, commit, number of samples, seed, errors.
     pub provenance: BTreeMap<String, String>,
+    /// Checksum of a file, see [`checksum`]; of a model in memory there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    checksum: Option<String>,
 }
 
 /// Why a file is no model.
@@ -88,6 +96,19 @@ pub enum ModelError {
         path: PathBuf,
         /// Its version.
         version: u32,
+    },
+    /// Its bytes are not those that were written.
+    #[error(
+        "{path} is damaged: its checksum is {found}, and {noted} was written with it; copy the file again, or train the model again \
+         with `rodlab train`"
+    )]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// Checksum of what is there.
+        found: String,
+        /// Checksum that was written.
+        noted: String,
     },
     /// What it says does not fit together.
     #[error("{path} contradicts itself: {fault}")]
@@ -148,6 +169,7 @@ impl About {
             range,
             output_range,
             provenance: BTreeMap::new(),
+            checksum: None,
         }
     }
 
@@ -237,7 +259,19 @@ impl Model {
             let view = TensorView::new(Dtype::F32, shape.clone(), bytes);
             (name, view.expect("as many bytes as the shape says"))
         });
-        let about = serde_json::to_string(&self.about).expect("names and numbers are JSON values");
+        let parts = tensors
+            .iter()
+            .map(|(name, shape, bytes)| (&name[..], &shape[..], &bytes[..]));
+        let about = About {
+            version: VERSION,
+            checksum: None,
+            ..self.about.clone()
+        };
+        let about = About {
+            checksum: Some(checksum(&about, parts)),
+            ..about
+        };
+        let about = serde_json::to_string(&about).expect("names and numbers are JSON values");
         let metadata = HashMap::from([("rodlab".to_owned(), about)]);
         let bytes = safetensors::serialize(views, Some(metadata));
         Ok(bytes.expect("tensors of single precision can be written"))
@@ -270,7 +304,8 @@ impl Model {
             return Err(ModelError::Foreign { path: path() });
         }
         match value["version"].as_u64() {
-            Some(version) if version == u64::from(VERSION) => {}
+            Some(version)
+                if (u64::from(UNCHECKED_VERSION)..=u64::from(VERSION)).contains(&version) => {}
             version => {
                 let version = version.and_then(|version| u32::try_from(version).ok());
                 return Err(ModelError::Version {
@@ -279,7 +314,7 @@ impl Model {
                 });
             }
         }
-        let about: About =
+        let mut about: About =
             serde_json::from_value(value).map_err(|error| contradiction(error.to_string()))?;
         if about.samples != wanted {
             return Err(ModelError::OtherKind {
@@ -332,6 +367,27 @@ impl Model {
                 about.outputs.len()
             )));
         }
+        match about.checksum.take() {
+            Some(noted) => {
+                let found = checksum_of_file(&about, &file, count);
+                let found = found.map_err(|error| contradiction(error.to_string()))?;
+                if found != noted {
+                    return Err(ModelError::Damaged {
+                        path: path(),
+                        found,
+                        noted,
+                    });
+                }
+            }
+            None if about.version > UNCHECKED_VERSION => {
+                return Err(contradiction("it has no checksum".into()));
+            }
+            None => tracing::warn!(
+                "{} has no checksum, so that damage to it is not noticed: it is of an earlier version; train it again to give it one",
+                path().display()
+            ),
+        }
+        about.version = VERSION;
         Ok(Self {
             about,
             network: Network::from_tensors(layers)?,
@@ -359,6 +415,47 @@ pub fn read_model(path: &Path, wanted: &str) -> Result<Model, ModelError> {
         });
     }
     Model::from_bytes(path, &bytes, wanted)
+}
+
+/// Checksum of a model's text, without the checksum in it, and of its tensors: name, shape and bytes, in the order of the layers.
+fn checksum<'a>(
+    about: &About,
+    tensors: impl Iterator<Item = (&'a str, &'a [usize], &'a [u8])>,
+) -> String {
+    let mut hasher = blake3::Hasher::new();
+    let mut add = |bytes: &[u8]| {
+        // With their length, so that no byte moves from one part to the next.
+        hasher.update(&(bytes.len() as u64).to_le_bytes());
+        hasher.update(bytes);
+    };
+    add(&serde_json::to_vec(about).expect("names and numbers are JSON values"));
+    for (name, shape, bytes) in tensors {
+        add(name.as_bytes());
+        let shape = shape.iter().flat_map(|size| (*size as u64).to_le_bytes());
+        add(&shape.collect::<Vec<u8>>());
+        add(bytes);
+    }
+    hasher.finalize().to_hex().to_string()
+}
+
+/// The same of a file of `count` layers.
+fn checksum_of_file(
+    about: &About,
+    file: &SafeTensors<'_>,
+    count: usize,
+) -> Result<String, safetensors::SafeTensorError> {
+    let mut views = Vec::with_capacity(2 * count);
+    for layer in 0..count {
+        for part in ["weight", "bias"] {
+            let name = name(layer, part);
+            let view = file.tensor(&name)?;
+            views.push((name, view));
+        }
+    }
+    let parts = views
+        .iter()
+        .map(|(name, view)| (&name[..], view.shape(), view.data()));
+    Ok(checksum(about, parts))
 }
 
 fn name(layer: usize, part: &str) -> String {

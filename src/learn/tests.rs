@@ -317,12 +317,78 @@ fn files_that_are_no_models_are_named_with_what_they_are() {
         changed[at..at + to.len()].copy_from_slice(to.as_bytes());
         fault(&changed)
     };
-    assert!(text("\\\"version\\\":1", "\\\"version\\\":7").contains("version 7"));
+    assert!(text("\\\"version\\\":2", "\\\"version\\\":7").contains("version 7"));
     assert!(text("multilayer", "multipayer").contains("says nothing of a model of rodlab"));
     assert!(text("\"__metadata__\"", "\"__metadota__\"").contains("model.safetensors"));
     assert!(text("layer.1.bias", "layer.1.bios").contains("contradicts itself"));
     assert!(text("[32,32]", "[64,16]").contains("contradicts itself"));
     assert!(text("from_2", "from\\2").contains("model.safetensors"));
+}
+
+/// A file with the JSON text of its metadata changed.
+fn with_text(bytes: &[u8], change: impl Fn(&mut serde_json::Value)) -> Vec<u8> {
+    let length = u64::from_le_bytes(bytes[..8].try_into().unwrap()) as usize;
+    let mut header: serde_json::Value = serde_json::from_slice(&bytes[8..8 + length]).unwrap();
+    let text = header["__metadata__"]["rodlab"].as_str().unwrap();
+    let mut about: serde_json::Value = serde_json::from_str(text).unwrap();
+    change(&mut about);
+    header["__metadata__"]["rodlab"] = about.to_string().into();
+    let header = serde_json::to_vec(&header).unwrap();
+    [
+        &(header.len() as u64).to_le_bytes(),
+        &header[..],
+        &bytes[8 + length..],
+    ]
+    .concat()
+}
+
+#[test]
+fn a_file_with_any_number_changed_is_refused_as_damaged() {
+    let plan = Plan {
+        most_epochs: 1,
+        hidden: vec![3],
+        ..plan()
+    };
+    let model = trained(&plan).model(&[]).unwrap();
+    let bytes = model.to_bytes().unwrap();
+    let data = 8 + u64::from_le_bytes(bytes[..8].try_into().unwrap()) as usize;
+    for at in data..bytes.len() {
+        // The lowest bit of any byte: the numbers stay finite, most of them nearly the same.
+        let mut changed = bytes.clone();
+        changed[at] ^= 1;
+        assert!(fault(&changed).contains("is damaged: its checksum"), "{at}");
+    }
+    let changed = with_text(&bytes, |about| {
+        about["output_scaling"]["mean"][0] = 1e3.into();
+    });
+    assert!(fault(&changed).contains("is damaged"));
+    let changed = with_text(&bytes, |about| {
+        about["range"][0] = vec![-1e9, 1e9].into();
+    });
+    assert!(fault(&changed).contains("is damaged"));
+}
+
+#[test]
+fn only_files_of_the_earlier_version_may_lack_a_checksum() {
+    let plan = Plan {
+        most_epochs: 1,
+        ..plan()
+    };
+    let model = trained(&plan).model(&[]).unwrap();
+    let bytes = model.to_bytes().unwrap();
+    let without = with_text(&bytes, |about| {
+        about.as_object_mut().unwrap().remove("checksum");
+    });
+    assert!(fault(&without).contains("no checksum"));
+    let old = with_text(&without, |about| about["version"] = 1.into());
+    let read = Model::from_bytes(Path::new("a"), &old, "smooth").unwrap();
+    let inputs = samples(20, 40).inputs;
+    assert_eq!(
+        read.predict(&inputs).unwrap(),
+        model.predict(&inputs).unwrap()
+    );
+    // Written again it is of this version, and has one.
+    assert_eq!(read.to_bytes().unwrap(), bytes);
 }
 
 /// Whatever bytes are changed, an answer or an error comes, no panic.

@@ -107,7 +107,11 @@ impl NeuralGrasps {
         Self::of(path, Model::from_bytes(path, bytes, Self::SAMPLES)?)
     }
 
-    fn of(path: &Path, model: Model) -> Result<Self, NeuralError> {
+    /// The network of a model that was read from a file.
+    ///
+    /// # Errors
+    /// [`NeuralError::Columns`].
+    pub fn of(path: &Path, model: Model) -> Result<Self, NeuralError> {
         if model.about.inputs != Self::INPUTS || model.about.outputs != Self::OUTPUTS {
             return Err(NeuralError::Columns {
                 path: path.to_owned(),
@@ -194,6 +198,16 @@ mod tests {
         }
         // Over the whole range of its samples; `reproduce tab5.3` has the errors along patterns.
         assert!(errors[0] < 0.005 && errors[1] < 0.08, "{errors:?}");
+    }
+
+    #[test]
+    fn the_built_in_network_has_its_checksum() {
+        let bytes = include_bytes!("../../../results/models/grasps.safetensors");
+        let written = NeuralGrasps::built_in().model().to_bytes().unwrap();
+        assert!(
+            written == bytes,
+            "results/models/grasps.safetensors is not as it is written"
+        );
     }
 
     #[test]
