@@ -60,7 +60,7 @@ pub struct Plan {
 }
 
 /// Numbers of a plan.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct PlanReport {
     /// Points of the joint path, 1 mm apart at most.
     pub path_points: usize,

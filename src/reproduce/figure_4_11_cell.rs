@@ -24,7 +24,7 @@ pub(super) struct Row {
     /// How far the sheet of the cell slid at most while it was held, and how far it had slid at last.
     largest_sliding_mm: Option<f64>,
     final_sliding_mm: Option<f64>,
-    /// The same as the camera saw it last.
+    /// The same as the camera saw it at last; none where the edge lay over the free end then.
     seen_sliding_mm: Option<f64>,
     /// Error of the fold length of the sheet of the cell, and the same by camera and joints.
     fold_length_error_mm: Option<f64>,
@@ -52,7 +52,9 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<(), Repro
     page.text(
         "Sheets that can be are held by as little moment as keeps the friction demand below 0.85 of the friction. Three folds are too tight \
          for that with any moment (fig4.11): they are tried without one, by the least sum of λ. Sliding and errors are those of the \
-         sheet of the cell until the gripper lets go, beside them what camera and joints say, and the plain simulation, without arm and camera.",
+         sheet of the cell until the gripper lets go, beside them what camera and joints say at the end, and the plain simulation, without \
+         arm and camera. Where at the end the edge lies over the free end, the camera cannot see how far this has slid, nor how long the fold \
+         is: such entries are `not seen`, and the last column says when it was seen last.",
     );
     let header = [
         "scenario",
@@ -85,7 +87,7 @@ fn row(case: &Case<Folded>, folded: &Result<FoldedInCell, FoldingError>) -> Row 
     let known = folded.as_ref().ok();
     let score = known.and_then(|folded| folded.end.score.as_ref().ok());
     let looks = known.map_or(&[][..], |folded| &folded.end.looks);
-    let seen = looks.iter().rev().find_map(|look| look.slid_m);
+    let seen = looks.last().and_then(|look| look.slid_m);
     let simulated = case.outcome();
     let error = |folded: &FoldedInCell| folded.held.edge[0] - folded.target - folded.held.sliding;
     Row {
@@ -93,6 +95,11 @@ fn row(case: &Case<Folded>, folded: &Result<FoldedInCell, FoldingError>) -> Row 
         way: WAYS[case.run.way].id.into(),
         status: match folded {
             Ok(folded) => match &folded.end.score {
+                Ok(score) if score.is_end_hidden => format!(
+                    "folded; the free end was seen last after part {} of {PARTS}, when it had slid by {:.2} mm",
+                    score.last_seen_part,
+                    mm(score.last_seen_sliding_m)
+                ),
                 Ok(_) => "folded".into(),
                 Err(error) => error.to_string(),
             },
@@ -104,7 +111,7 @@ fn row(case: &Case<Folded>, folded: &Result<FoldedInCell, FoldingError>) -> Row 
         fold_length_error_mm: known
             .filter(|_| score.is_some())
             .map(|folded| mm(error(folded))),
-        seen_fold_length_error_mm: score.map(|score| mm(score.fold_length_error_m)),
+        seen_fold_length_error_mm: score.and_then(|score| score.fold_length_error_m.map(mm)),
         planned_anew: looks.iter().filter(|look| look.is_planned_anew).count(),
         simulated_sliding_mm: simulated.map(|folded| mm(folded.largest_sliding_m)),
         simulated_fold_length_error_mm: simulated
@@ -117,15 +124,19 @@ impl Row {
     fn line(&self) -> Vec<String> {
         let scenario = SCENARIOS.iter().find(|known| known.id == self.scenario);
         let way = WAYS.iter().find(|known| known.id == self.way);
+        let seen = |value: Option<f64>| match value {
+            None if self.status.starts_with("folded") => "not seen".to_owned(),
+            value => number(value, 2),
+        };
         vec![
             scenario.map_or_else(String::new, |known| known.name.to_owned()),
             way.map_or_else(String::new, |known| known.name.to_owned()),
             number(self.largest_sliding_mm, 2),
             number(self.final_sliding_mm, 2),
-            number(self.seen_sliding_mm, 2),
+            seen(self.seen_sliding_mm),
             number(self.simulated_sliding_mm, 2),
             number(self.fold_length_error_mm, 2),
-            number(self.seen_fold_length_error_mm, 2),
+            seen(self.seen_fold_length_error_mm),
             number(self.simulated_fold_length_error_mm, 2),
             self.planned_anew.to_string(),
             self.status.replace('|', " "),

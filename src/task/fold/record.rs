@@ -9,6 +9,9 @@ use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
 
+/// What stands in the place of a length that the camera does not see.
+const NOT_SEEN: &str = "not seen";
+
 /// What `manifest.json` holds, and `report.md` says.
 #[derive(Clone, Debug, Serialize)]
 pub struct FoldRecord {
@@ -74,16 +77,26 @@ impl TaskRecord for FoldRecord {
             row(stage.in_words(), format!("{time:.1} s"));
         }
         if let Some(score) = &self.score {
-            row("the free end slid", mm(score.sliding_m));
-            row("  farthest", mm(score.largest_sliding_m));
+            let not_seen = || NOT_SEEN.to_owned();
             row(
-                "the fold",
+                "the free end slid",
+                score.sliding_m.map_or_else(not_seen, mm),
+            );
+            if score.is_end_hidden {
+                let part = score.last_seen_part;
+                let slid = mm(score.last_seen_sliding_m);
+                row("  seen last", format!("{slid}, after part {part}"));
+            }
+            row("  farthest seen", mm(score.largest_sliding_m));
+            let fold = score.fold_length_m.zip(score.fold_length_error_m);
+            let fold = fold.map(|(length, error)| {
                 format!(
                     "{} long, {:+.2} mm of what was asked for",
-                    mm(score.fold_length_m),
-                    1e3 * score.fold_length_error_m
-                ),
-            );
+                    mm(length),
+                    1e3 * error
+                )
+            });
+            row("the fold", fold.unwrap_or_else(not_seen));
         }
         if !self.looks.is_empty() {
             text +=
@@ -91,7 +104,7 @@ impl TaskRecord for FoldRecord {
         }
         for look in &self.looks {
             let [x, z] = look.edge_m;
-            let slid = look.slid_m.map_or_else(|| "not seen".into(), mm);
+            let slid = look.slid_m.map_or_else(|| NOT_SEEN.into(), mm);
             let anew = if look.is_planned_anew { "yes" } else { "no" };
             let _ = writeln!(
                 text,
@@ -113,5 +126,48 @@ impl TaskRecord for FoldRecord {
         add_pictures(&mut text, directory, pictures);
         text += "\n[The arm in motion](cell.html)\n";
         text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cell::PlanReport;
+
+    #[test]
+    fn what_was_not_seen_is_reported_as_not_seen() {
+        let look = |part: usize, x: f64, slid_m: Option<f64>| Look {
+            part,
+            edge_m: [x, 0.0],
+            slid_m,
+            is_planned_anew: false,
+        };
+        let looks = vec![look(1, 0.25, Some(0.028)), look(2, 0.324, None)];
+        let record = FoldRecord {
+            head: TaskHead::planned(Vec::new()),
+            cell: "cell".into(),
+            arm: "arm".into(),
+            paper: "cardboard".into(),
+            target_m: 0.296,
+            algorithm: "optimal".into(),
+            parts: 2,
+            closed_loop: true,
+            motion: PlanReport::default(),
+            sheet_place: None,
+            times_s: Vec::new(),
+            score: FoldScore::of(&looks, 0.296),
+            looks,
+        };
+        let report = record.report(Path::new("nowhere"));
+        for line in [
+            "| the free end slid | not seen |",
+            "|   seen last | 28.00 mm, after part 1 |",
+            "| the fold | not seen |",
+        ] {
+            assert!(report.contains(line), "{report}");
+        }
+        assert!(!report.contains("0.00 mm of what"), "{report}");
+        let json = serde_json::to_value(&record).unwrap();
+        assert!(json["score"]["fold_length_error_m"].is_null(), "{json}");
     }
 }

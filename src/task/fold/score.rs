@@ -16,11 +16,16 @@ pub struct Look {
     pub is_planned_anew: bool,
 }
 
-/// What a fold came to, before the gripper let go.
+/// What a fold came to, before the gripper let go. Lengths that the camera did not see at the end are `None`: the edge lay over the
+/// free end, which may have slid anywhere under it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FoldScore {
-    /// How far the free end had slid in the direction of the fold when it was seen last, m.
-    pub sliding_m: f64,
+    /// How far the free end had slid in the direction of the fold at the end, m.
+    pub sliding_m: Option<f64>,
+    /// How far it had slid when it was seen last, m.
+    pub last_seen_sliding_m: f64,
+    /// The part after which it was seen last, from 1.
+    pub last_seen_part: usize,
     /// The farthest that it was seen to have slid, m.
     pub largest_sliding_m: f64,
     /// Whether at the end the edge lay on the free end, so that this was seen no more.
@@ -28,26 +33,29 @@ pub struct FoldScore {
     /// How far the edge had come along the fold, by the joints of the arm, m.
     pub edge_m: f64,
     /// From the edge to a crease that is pressed half a crease target back from it, along the sheet, m.
-    pub fold_length_m: f64,
+    pub fold_length_m: Option<f64>,
     /// What that is more than half the crease target, m.
-    pub fold_length_error_m: f64,
+    pub fold_length_error_m: Option<f64>,
 }
 
 impl FoldScore {
     /// The score of looks at a sheet whose edge was to go so far, m; `None` where its end was never seen.
     pub fn of(looks: &[Look], target: f64) -> Option<Self> {
         let last = looks.last()?;
-        let seen = looks.iter().filter_map(|look| look.slid_m);
-        let sliding_m = seen.clone().next_back()?;
+        let seen = looks.iter().filter(|look| look.slid_m.is_some());
+        let last_seen = seen.clone().next_back()?;
+        let slid = seen.filter_map(|look| look.slid_m);
         let [edge_m, _] = last.edge_m;
-        let fold_length_m = edge_m - 0.5 * target - sliding_m;
+        let fold_length_m = last.slid_m.map(|slid| edge_m - 0.5 * target - slid);
         Some(Self {
-            sliding_m,
-            largest_sliding_m: seen.map(f64::abs).fold(0.0, f64::max),
+            sliding_m: last.slid_m,
+            last_seen_sliding_m: last_seen.slid_m?,
+            last_seen_part: last_seen.part,
+            largest_sliding_m: slid.map(f64::abs).fold(0.0, f64::max),
             is_end_hidden: last.slid_m.is_none(),
             edge_m,
             fold_length_m,
-            fold_length_error_m: fold_length_m - 0.5 * target,
+            fold_length_error_m: fold_length_m.map(|length| length - 0.5 * target),
         })
     }
 }
@@ -90,11 +98,38 @@ mod tests {
             look(2, 0.2, Some(3e-3)),
             look(3, 0.298, None),
         ];
-        let score = FoldScore::of(&looks, 0.296).unwrap();
-        assert_eq!((score.sliding_m, score.largest_sliding_m), (3e-3, 3e-3));
-        assert!(score.is_end_hidden);
-        assert!((score.fold_length_m - 0.147).abs() < 1e-12);
-        assert!((score.fold_length_error_m + 1e-3).abs() < 1e-12);
+        let score = FoldScore::of(&looks[..2], 0.296).unwrap();
+        assert_eq!(
+            (score.sliding_m, score.largest_sliding_m),
+            (Some(3e-3), 3e-3)
+        );
+        assert!((score.fold_length_m.unwrap() - 0.049).abs() < 1e-12);
+        assert!((score.fold_length_error_m.unwrap() + 0.099).abs() < 1e-12);
         assert_eq!(FoldScore::of(&looks[2..], 0.296), None);
+    }
+
+    #[test]
+    fn a_free_end_under_the_edge_has_no_place_and_the_fold_no_length() {
+        // Planned anew for a sheet that has slid by 28 mm, the edge comes to 28 mm beyond its target, wherever the end went since.
+        let looks = [
+            look(1, 0.1, Some(-1e-3)),
+            look(2, 0.25, Some(28e-3)),
+            look(3, 0.324, None),
+        ];
+        let score = FoldScore::of(&looks, 0.296).unwrap();
+        assert!(score.is_end_hidden);
+        assert_eq!(
+            (
+                score.sliding_m,
+                score.fold_length_m,
+                score.fold_length_error_m
+            ),
+            (None, None, None)
+        );
+        assert_eq!(
+            (score.last_seen_sliding_m, score.last_seen_part),
+            (28e-3, 2)
+        );
+        assert_eq!(score.largest_sliding_m, 28e-3);
     }
 }

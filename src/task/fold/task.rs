@@ -165,6 +165,11 @@ impl FoldTask<'_> {
         let score = FoldScore::of(&end.looks, self.request.target);
         let unseen = "the free end of the sheet was not seen once";
         let score = score.ok_or_else(|| FoldTaskError::failed(FoldStage::Score, unseen))?;
+        if score.is_end_hidden {
+            tracing::warn!(
+                "at the end the edge lies over the free end of the sheet: the length of the fold is not seen"
+            );
+        }
         done(FoldStage::Score, &mut end.times)?;
 
         let opened = arm.grip(Grip::Open);
@@ -212,6 +217,11 @@ impl FoldTask<'_> {
     ) -> Result<JointTrajectory, FoldTaskError> {
         let failed = |reason: String| FoldTaskError::failed(FoldStage::Fold, reason);
         let look = end.looks.last_mut().expect("a look after each part");
+        if look.slid_m.is_none() {
+            tracing::warn!(
+                "after part {part} the edge lies over the free end of the sheet: how far it has slid since is not seen"
+            );
+        }
         let slid = look.slid_m.unwrap_or(way.slid(part - 1));
         let farther = slid - way.slid(part - 1);
         if !self.is_closed_loop || farther.abs() < LEAST_SLIDING {
