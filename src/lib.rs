@@ -43,6 +43,7 @@
 //! cell           ──> robot, vision, scenario, figure
 //! vision         ──> figure
 //! robot, scenario ──> mesh
+//! mesh, results, figure ──> finite
 //! ```
 //!
 //! | room | what lives there |
@@ -67,6 +68,7 @@
 //! | [`cluster`] | Slurm job arrays |
 //! | [`figure`] | pictures of plain curves and rows |
 //! | [`mesh`] | triangle meshes in files: STL, OBJ |
+//! | [`finite`] | the gate for numbers in files |
 //! | [`vision`] | images → centrelines in pixels and metres, cameras, scores |
 //!
 //! Inside [`mechanics`], [`rod`](mechanics::rod), [`contact`](mechanics::contact) and
@@ -85,6 +87,7 @@ pub mod cli;
 pub mod cluster;
 pub mod experiment;
 pub mod figure;
+pub mod finite;
 pub mod guide;
 pub mod knot;
 pub mod learn;

@@ -3,6 +3,7 @@
 use super::exit_code::{ExitCode, INTERRUPTED, TIME_LIMIT};
 use super::standard_error;
 use crate::cluster::ClusterError;
+use crate::finite::NotFinite;
 use crate::learn::TrainingError;
 use crate::mechanics::dynamics::SimulationError;
 use crate::report::{PlotError, ViewError};
@@ -53,6 +54,8 @@ pub enum Failure {
     },
     /// It was asked to stop, with all that is done saved.
     Stopped(StopRequest),
+    /// A result has a number that is not finite, and was not written.
+    NotFinite(NotFinite),
     /// The system refused something.
     System(String),
 }
@@ -69,11 +72,17 @@ impl ExitCode for Failure {
             Self::Plot(error) => error.exit_code(),
             Self::View(error) => error.exit_code(),
             Self::NoEquilibrium(_) | Self::Unreachable(_) => 3,
-            Self::Checks { .. } => 4,
+            Self::Checks { .. } | Self::NotFinite(_) => 4,
             Self::Stopped(StopRequest::Interrupt) => INTERRUPTED,
             Self::Stopped(StopRequest::TimeLimit) => TIME_LIMIT,
             Self::Cluster(_) | Self::System(_) => 1,
         }
+    }
+}
+
+impl From<NotFinite> for Failure {
+    fn from(error: NotFinite) -> Self {
+        Self::NotFinite(error)
     }
 }
 
@@ -99,6 +108,7 @@ impl Failure {
             }
             Self::Checks { failed } => format!("error: {failed} physics checks failed\n"),
             Self::Run(error) => format!("error: {error}\n"),
+            Self::NotFinite(error) => format!("error: {error}: it was not written\n"),
             Self::NoEquilibrium(error) => format!("error: {error}\n"),
             Self::Sweep(error) => format!("error: {error}\n"),
             Self::Cluster(error) => format!("error: {error}\n"),

@@ -78,7 +78,7 @@ pub fn fold_in_cell(
     let directory = log_directory("fold", arguments.out.as_deref())?;
     let unfinished = Unfinished::of(&cell, arm, &directory);
     let whole = motion.whole();
-    write_whole(&directory.join("joints.csv"), whole.to_csv().as_bytes())?;
+    write_whole(&directory.join("joints.csv"), whole.to_csv()?.as_bytes())?;
     let page = cell.page(Some(&whole), FRAMES);
     write_whole(&directory.join("cell.html"), page.as_bytes())?;
     let mut record = FoldRecord {

@@ -90,7 +90,7 @@ impl LayingArguments {
         let (rod, path, motion) = motion.plan(|spare| plan(spare, &directory.join("plan")))?;
         write_whole(
             &directory.join("joints.csv"),
-            motion.laying.to_csv().as_bytes(),
+            motion.laying.to_csv()?.as_bytes(),
         )?;
         let page = cell.page(Some(&motion.laying), FRAMES);
         write_whole(&directory.join("cell.html"), page.as_bytes())?;

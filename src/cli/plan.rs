@@ -38,7 +38,7 @@ gripper. `rodlab guide deployment` says more.")]
 Examples:
   rodlab plan fold --paper scenarios/papers/a4.toml --crease half --out results/fold_a4
   rodlab plan fold --paper scenarios/papers/us_letter.toml --crease \"20 cm\" --objective friction --out results/fold_letter
-  rodlab plan fold --paper scenarios/papers/origami.toml --crease diagonal --out results/fold_origami
+  rodlab plan fold --paper scenarios/papers/origami.toml --crease diagonal-strip --out results/fold_origami
 
 The edge is lifted without a push along the table; where the way leaves the lift and how it goes on over the force manifold is
 searched on a grid of 0.0548 L_gb (thesis Algorithm 4), and its points are moved until the sum of λ no longer decreases.
@@ -115,7 +115,7 @@ fn joints(arguments: &JointsArguments) -> Result<(), Failure> {
         speed: arguments.hand_speed,
         rate: arguments.rate,
     })?;
-    let csv = plan.trajectory.to_csv();
+    let csv = plan.trajectory.to_csv()?;
     match &arguments.out {
         None => print(&csv),
         Some(file) => {

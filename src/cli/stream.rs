@@ -89,7 +89,7 @@ pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
             1 => "trajectory.csv".to_owned(),
             _ => format!("trajectory-{}.csv", k + 1),
         };
-        let text = trajectory.to_csv();
+        let text = trajectory.to_csv()?;
         write_whole(&directory.join(name), text.as_bytes())?;
         hashes.push(blake3::hash(text.as_bytes()).to_hex().to_string());
     }

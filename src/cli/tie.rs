@@ -131,7 +131,7 @@ pub fn tie(arguments: &TieArguments) -> Result<(), Failure> {
     };
     let motion = TieMotion::plan(&request, &knot)?;
     let whole = &motion.whole;
-    write_whole(&directory.join("joints.csv"), whole.to_csv().as_bytes())?;
+    write_whole(&directory.join("joints.csv"), whole.to_csv()?.as_bytes())?;
     let page = cell.page(Some(whole), FRAMES);
     write_whole(&directory.join("cell.html"), page.as_bytes())?;
     let mut record = TieRecord {

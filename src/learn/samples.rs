@@ -1,5 +1,6 @@
 //! Samples: rows of numbers that go in and rows that shall come out.
 
+use crate::finite;
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 use std::path::{Path, PathBuf};
@@ -107,8 +108,7 @@ impl Samples {
             }
             let number = |column: &usize| {
                 let cell = &record[*column];
-                let number = cell.parse().ok().filter(|number: &f64| number.is_finite());
-                number.ok_or_else(|| SamplesError::Cell {
+                finite::number(cell).ok_or_else(|| SamplesError::Cell {
                     path: path.to_owned(),
                     line: record.position().map_or(0, csv::Position::line),
                     column: header[*column].to_owned(),

@@ -2,6 +2,7 @@
 //! corner. Textures, normals, groups and lines are passed over.
 
 use super::{MOST_TRIANGLES, Mesh};
+use crate::finite;
 
 pub fn parse(bytes: &[u8]) -> Result<Mesh, String> {
     let text = std::str::from_utf8(bytes).map_err(|_| "is no OBJ file: it is no text")?;
@@ -11,9 +12,9 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, String> {
         let mut words = line.split_whitespace();
         match words.next() {
             Some("v") => {
-                let mut number = || words.next()?.parse::<f64>().ok();
+                let mut number = || finite::number(words.next()?);
                 let (Some(x), Some(y), Some(z)) = (number(), number(), number()) else {
-                    return Err(fault("a vertex needs three numbers"));
+                    return Err(fault("a vertex needs three finite numbers"));
                 };
                 mesh.vertices.push([x, y, z]);
             }
@@ -73,8 +74,10 @@ mod tests {
         let fault = |text: &str| parse(text.as_bytes()).unwrap_err();
         assert_eq!(
             fault("v 0 0\n"),
-            "has a fault in line 1: a vertex needs three numbers"
+            "has a fault in line 1: a vertex needs three finite numbers"
         );
+        assert!(fault("v 0 0 0\nv nan 0 0\n").contains("line 2: a vertex"));
+        assert!(fault("v 0 0 1e999\n").contains("finite"));
         assert!(fault("v 0 0 0\nf 1 2 3\n").contains("line 2"));
         assert!(fault("v 0 0 0\nf 1 1\n").contains("three corners"));
         assert!(fault("hello").contains("no faces"));

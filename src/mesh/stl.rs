@@ -1,6 +1,7 @@
 //! STL files, binary or text.
 
 use super::MOST_TRIANGLES;
+use crate::finite;
 
 /// Bytes of a binary file before its triangles, and of each of them.
 const HEADER: usize = 84;
@@ -30,9 +31,17 @@ pub fn corners(bytes: &[u8]) -> Result<Vec<[f64; 3]>, String> {
         let triangles = bytes[HEADER..].chunks_exact(TRIANGLE);
         // A normal, three corners, two bytes.
         let corners = triangles.flat_map(|triangle| triangle[12..48].chunks_exact(12));
-        return Ok(corners
+        let corners: Vec<[f64; 3]> = corners
             .map(|corner| [0, 4, 8].map(|k| number(&corner[k..k + 4])))
-            .collect());
+            .collect();
+        let checked = finite::check(corners.iter().flatten(), |index| {
+            format!(
+                "has a corner that is not finite: number {} of triangle {}",
+                index % 9 + 1,
+                index / 9 + 1
+            )
+        });
+        return checked.map(|()| corners).map_err(|error| error.what);
     }
     let text = std::str::from_utf8(bytes)
         .ok()
@@ -42,10 +51,10 @@ pub fn corners(bytes: &[u8]) -> Result<Vec<[f64; 3]>, String> {
     let mut corners = Vec::new();
     while let Some(word) = words.next() {
         if word == "vertex" {
-            let mut number = || words.next()?.parse::<f64>().ok();
+            let mut number = || finite::number(words.next()?);
             let corner = (number(), number(), number());
             let (Some(x), Some(y), Some(z)) = corner else {
-                return Err("has a `vertex` without three numbers".into());
+                return Err("has a `vertex` without three finite numbers".into());
             };
             corners.push([x, y, z]);
         }
@@ -96,7 +105,13 @@ mod tests {
     fn parts_of_files_are_refused() {
         let whole = binary();
         assert!((0..whole.len()).all(|end| corners(&whole[..end]).is_err()));
-        assert!(corners(TEXT.replace("0.25", "x").as_bytes()).is_err());
+        for bad in ["x", "nan", "inf", "1e999"] {
+            assert!(corners(TEXT.replace("0.25", bad).as_bytes()).is_err());
+        }
+        let mut not_finite = whole.clone();
+        not_finite[HEADER + 12..HEADER + 16].copy_from_slice(&f32::NAN.to_le_bytes());
+        let words = corners(&not_finite).unwrap_err();
+        assert!(words.contains("number 1 of triangle 1"), "{words}");
         assert!(corners(&TEXT.as_bytes()[..60]).is_err());
     }
 

@@ -2,6 +2,7 @@
 
 use super::ResultsError;
 use super::stream::read_whole_lines;
+use crate::finite;
 use std::path::Path;
 
 /// A CSV file as text cells under named columns.
@@ -61,7 +62,7 @@ impl Table {
 
     /// The numbers of a column, `None` for cells that are no numbers; `None` where there is no such column.
     pub fn numbers(&self, name: &str) -> Option<Vec<Option<f64>>> {
-        Some(self.column(name)?.map(|cell| cell.parse().ok()).collect())
+        Some(self.column(name)?.map(finite::number).collect())
     }
 }
 

@@ -284,6 +284,36 @@ fn faulty_urdfs_are_refused_with_the_name_of_what_is_wrong() {
             r#"<mesh filename="upper.stl"/>"#,
             "upper.stl is not there",
         ),
+        (
+            r#"<origin xyz="0 0 0.3" rpy="0 0 0"/>"#,
+            r#"<origin xyz="nan 0 0.3" rpy="0 0 0"/>"#,
+            "joint `c`: `xyz` of its origin is not a finite number",
+        ),
+        (
+            r#"<origin xyz="0 0 0.3" rpy="0 0 0"/>"#,
+            r#"<origin xyz="0 0 0.3" rpy="0 inf 0"/>"#,
+            "joint `c`: `rpy` of its origin",
+        ),
+        (
+            r#"<axis xyz="0 0 1"/>"#,
+            r#"<axis xyz="0 0 1e999"/>"#,
+            "joint `c`: `xyz` of its axis",
+        ),
+        (
+            r#"upper="0.1" effort="1" velocity="0.5""#,
+            r#"upper="0.1" effort="1" velocity="nan""#,
+            "joint `c`: `velocity` of its limit",
+        ),
+        (
+            r#"multiplier="-1""#,
+            r#"multiplier="inf""#,
+            "joint `m`: `multiplier`",
+        ),
+        (
+            r#"<cylinder radius="0.04""#,
+            r#"<cylinder radius="NaN""#,
+            "its collision shape: a size",
+        ),
         (r#"type="prismatic""#, r#"type="floating""#, "joint `c`"),
         ("</robot>", "", "not a URDF"),
     ];

@@ -2,6 +2,7 @@
 //! `axis_rad`.
 
 use super::chain::JointKind;
+use crate::finite::{self, NotFinite};
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -84,12 +85,11 @@ pub fn read_table(path: &Path) -> Result<Table, TableError> {
         let row: Result<Vec<f64>, TableError> = record
             .iter()
             .zip(&header)
-            .map(|(cell, name)| match cell.parse::<f64>() {
-                Ok(number) if number.is_finite() => Ok(number),
-                _ => Err(fault(
-                    line,
-                    format!("`{name}`: {cell:?} is not a finite number"),
-                )),
+            .map(|(cell, name)| {
+                finite::number(cell).ok_or_else(|| {
+                    let message = format!("`{name}`: {cell:?} is not a finite number");
+                    fault(line, message)
+                })
             })
             .collect();
         rows.push(row?);
@@ -190,7 +190,21 @@ impl JointTrajectory {
     }
 
     /// The trajectory as CSV.
-    pub fn to_csv(&self) -> String {
+    ///
+    /// # Errors
+    /// A time or a position is not finite: no arm is to follow it.
+    pub fn to_csv(&self) -> Result<String, NotFinite> {
+        finite::check(&self.times, |row| format!("`time_s` of point {}", row + 1))?;
+        for (row, point) in self.points.iter().enumerate() {
+            let name = |column: usize| {
+                self.columns
+                    .get(column)
+                    .map_or_else(String::new, Column::header)
+            };
+            finite::check(point, |column| {
+                format!("`{}` of point {}", name(column), row + 1)
+            })?;
+        }
         let header: Vec<String> = self.columns.iter().map(Column::header).collect();
         let mut text = format!("time_s,{}\n", header.join(","));
         for (time, point) in self.times.iter().zip(&self.points) {
@@ -198,7 +212,7 @@ impl JointTrajectory {
             let cells: Vec<String> = point.iter().map(|q| format!("{q:.12}")).collect();
             text.push_str(&format!("{time:.6},{}\n", cells.join(",")));
         }
-        text
+        Ok(text)
     }
 
     /// Indices of the columns of an arm or axis.
@@ -257,8 +271,19 @@ mod tests {
             ("twister", &None)
         );
         assert_eq!(trajectory.columns_of("right"), [0, 1]);
-        assert_eq!(read(&trajectory.to_csv()).unwrap(), trajectory);
+        assert_eq!(read(&trajectory.to_csv().unwrap()).unwrap(), trajectory);
         assert_eq!(trajectory.scaled(0.5).duration(), 0.02);
+    }
+
+    #[test]
+    fn a_trajectory_with_a_number_that_is_not_finite_is_not_written() {
+        let mut trajectory = read(GOOD).unwrap();
+        trajectory.points[1][0] = f64::NAN;
+        let error = trajectory.to_csv().unwrap_err().to_string();
+        assert_eq!(error, "`right.j0_rad` of point 2 is not a finite number");
+        trajectory.points[1][0] = 0.11;
+        trajectory.times[1] = f64::INFINITY;
+        assert!(trajectory.to_csv().is_err());
     }
 
     #[test]

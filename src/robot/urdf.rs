@@ -4,6 +4,7 @@ use super::body::{Body, Shape};
 use super::chain::{Chain, Joint, JointKind, Limits, MOST_JOINTS, Motion, Segment};
 use super::mesh::{locate, read_stl};
 use super::pose::{Pose, pose_of_angles};
+use crate::finite::{self, NotFinite};
 use nalgebra::{UnitVector3, Vector3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
@@ -64,12 +65,64 @@ pub fn read_urdf(path: &Path, base: Option<&str>, tip: Option<&str>) -> Result<U
         path: path.to_owned(),
         reason: format!("not a URDF file: {error}"),
     })?;
+    all_finite(&robot).map_err(|error| UrdfError::Unreadable {
+        path: path.to_owned(),
+        reason: error.to_string(),
+    })?;
     arm(&robot, base, tip, path.parent().unwrap_or(Path::new(""))).map_err(|reason| {
         UrdfError::Chain {
             path: path.to_owned(),
             reason,
         }
     })
+}
+
+/// Whether all numbers are finite that say where links are, how joints move and what may touch. Limits may be infinite, not NaN.
+fn all_finite(robot: &Robot) -> Result<(), NotFinite> {
+    let named = |what: String, numbers: &[f64]| finite::check(numbers, |_| what.clone());
+    let origin = |what: &str, pose: &urdf_rs::Pose| {
+        named(format!("{what}: `xyz` of its origin"), &pose.xyz.0)?;
+        named(format!("{what}: `rpy` of its origin"), &pose.rpy.0)
+    };
+    for joint in &robot.joints {
+        let what = format!("joint `{}`", joint.name);
+        origin(&what, &joint.origin)?;
+        named(format!("{what}: `xyz` of its axis"), &joint.axis.xyz.0)?;
+        let limit = &joint.limit;
+        let limits = [
+            ("lower", limit.lower),
+            ("upper", limit.upper),
+            ("velocity", limit.velocity),
+            ("acceleration", limit.acceleration),
+            ("jerk", limit.jerk),
+        ];
+        if let Some((name, _)) = limits.iter().find(|(_, value)| value.is_nan()) {
+            return Err(NotFinite {
+                what: format!("{what}: `{name}` of its limit"),
+            });
+        }
+        if let Some(mimic) = &joint.mimic {
+            let numbers = [mimic.multiplier, mimic.offset].map(|number| number.unwrap_or(0.0));
+            let words = format!("{what}: `multiplier` or `offset` of its mimic");
+            named(words, &numbers)?;
+        }
+    }
+    for link in &robot.links {
+        let what = format!("link `{}`: its collision shape", link.name);
+        for collision in &link.collision {
+            origin(&what, &collision.origin)?;
+            let numbers = match &collision.geometry {
+                Geometry::Box { size } => size.0.to_vec(),
+                Geometry::Sphere { radius } => vec![*radius],
+                Geometry::Cylinder { radius, length } | Geometry::Capsule { radius, length } => {
+                    vec![*radius, *length]
+                }
+                Geometry::Mesh { scale, .. } => scale.map_or(Vec::new(), |scale| scale.0.to_vec()),
+            };
+            named(format!("{what}: a size"), &numbers)?;
+        }
+    }
+    Ok(())
 }
 
 fn arm(

@@ -1,6 +1,7 @@
 //! The outcome of a case that a search looks at: a column of its summary, or the end of one of its series.
 
 use super::SweepError;
+use crate::finite;
 use crate::results::{ResultsError, SERIES, SUMMARY};
 use std::path::{Path, PathBuf};
 
@@ -13,8 +14,7 @@ pub(super) fn objective(directory: &Path, column: &str) -> Result<Option<f64>, S
     for name in [SUMMARY, SERIES] {
         let (headers, last) = last_row(&directory.join(name))?;
         if let Some(place) = headers.iter().position(|header| header == column) {
-            let number = last.get(place).and_then(|text| text.parse().ok());
-            return Ok(number.filter(|number: &f64| number.is_finite()));
+            return Ok(last.get(place).and_then(finite::number));
         }
         known.extend(headers.iter().map(str::to_owned));
     }

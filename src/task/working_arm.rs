@@ -70,6 +70,7 @@ impl WorkingArm<'_> {
         };
         std::fs::create_dir_all(&folder).map_err(unwritable)?;
         let table = motion.to_csv();
+        let table = table.map_err(|error| WorkError::Failed(error.to_string()))?;
         let written = write_whole(&folder.join("trajectory.csv"), table.as_bytes());
         written.map_err(|error| WorkError::Failed(error.to_string()))?;
         let prepared = self.cell.prepare_stream(std::slice::from_ref(motion));

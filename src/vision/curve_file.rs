@@ -2,6 +2,7 @@
 
 use super::input::read_text;
 use super::{Point, VisionError};
+use crate::finite;
 use std::path::Path;
 
 /// Most points of a curve that is read.
@@ -57,8 +58,7 @@ fn parse_curve(text: &str, strand: Option<usize>) -> Result<Vec<Point>, String> 
         let values: Vec<&str> = line.split(',').map(str::trim).collect();
         let number = |column: usize| {
             let text = values.get(column).copied().unwrap_or("");
-            let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
-            number.ok_or_else(|| {
+            finite::number(text).ok_or_else(|| {
                 let name = names[column];
                 format!(
                     "line {}: {name} is \"{text}\", expected a number",

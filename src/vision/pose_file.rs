@@ -2,6 +2,7 @@
 
 use super::VisionError;
 use super::input::read_text;
+use crate::finite;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use std::path::Path;
 
@@ -37,8 +38,7 @@ fn parse_poses(text: &str) -> Result<Vec<Isometry3<f64>>, String> {
             let mut pose = [0.0; 7];
             for (k, column) in columns.into_iter().enumerate() {
                 let text = values.get(column).copied().unwrap_or("");
-                let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
-                pose[k] = number.ok_or_else(|| {
+                pose[k] = finite::number(text).ok_or_else(|| {
                     format!(
                         "line {}: {} is \"{text}\", expected a number",
                         index + 1,

@@ -1,6 +1,7 @@
 //! Named columns of numbers in CSV files that scenarios refer to.
 
 use super::section::LARGEST;
+use crate::finite;
 use crate::scenario::input_file::{self, LARGEST_TABLE};
 use std::path::Path;
 
@@ -56,10 +57,7 @@ pub fn read_columns<const N: usize>(
         let mut row = [0.0; N];
         for (component, column) in row.iter_mut().zip(columns) {
             let field = &record[column];
-            *component = field
-                .parse()
-                .ok()
-                .filter(|number: &f64| number.is_finite())
+            *component = finite::number(field)
                 .ok_or_else(|| format!("{place}, line {line}: {field:?} is not a finite number"))?;
             if component.abs() > LARGEST {
                 return Err(format!(
