@@ -39,7 +39,7 @@ fn the_seven_scenarios_of_the_thesis_are_planned() {
         ("us_letter", "half"),
         ("cardboard", "20 cm"),
         ("cardboard", "half"),
-        ("origami", "diagonal"),
+        ("origami", "diagonal-strip"),
     ] {
         let file = format!("scenarios/papers/{name}.toml");
         let demand = |objective: &str| {
@@ -203,7 +203,8 @@ fn faults_of_a_fold_are_named() {
             "least_suspended_length",
         ),
         (good.clone(), "31 cm", "opposite"),
-        (good.clone(), "diagonal", "square"),
+        (good.clone(), "diagonal-strip", "square"),
+        (good.clone(), "diagonal", "is a triangle"),
         (good.clone(), "1 cm", "targets from"),
         (good.clone(), "quarter", "half"),
         (format!("{good}\nthickness = -1"), "half", "paper.toml:5"),

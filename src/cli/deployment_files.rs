@@ -2,6 +2,7 @@
 
 use super::deployed_rod::RodFile;
 use super::failure::Failure;
+use crate::finite::{self, NotFinite};
 use crate::plan::deployment::{GripperPose, Scheme};
 use crate::plan::pattern::{PatternPoint, PatternSource, Point};
 use crate::plan::tying::Pass;
@@ -31,7 +32,11 @@ struct PoseEntry {
 }
 
 /// Columns time_s, x_m, y_m, z_m, qw, qx, qy, qz.
-pub fn trajectory_csv(poses: &[GripperPose], times: &[f64]) -> String {
+///
+/// # Errors
+/// A number is not finite: no gripper is to follow it.
+pub fn trajectory_csv(poses: &[GripperPose], times: &[f64]) -> Result<String, NotFinite> {
+    check_finite(poses, times)?;
     let mut text = String::from("time_s,x_m,y_m,z_m,qw,qx,qy,qz\n");
     for (pose, time) in poses.iter().zip(times) {
         let ([x, y, z], [w, i, j, k]) = parts(pose);
@@ -41,7 +46,19 @@ pub fn trajectory_csv(poses: &[GripperPose], times: &[f64]) -> String {
             "{time:.9},{x:.9},{y:.9},{z:.9},{w:.12},{i:.12},{j:.12},{k:.12}"
         );
     }
-    text
+    Ok(text)
+}
+
+/// Whether all times and poses are finite.
+fn check_finite(poses: &[GripperPose], times: &[f64]) -> Result<(), NotFinite> {
+    const NAMES: [&str; 8] = ["time_s", "x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"];
+    for (index, (pose, time)) in poses.iter().zip(times).enumerate() {
+        let ([x, y, z], [w, i, j, k]) = parts(pose);
+        finite::check(&[*time, x, y, z, w, i, j, k], |number| {
+            format!("`{}` of pose {}", NAMES[number], index + 1)
+        })?;
+    }
+    Ok(())
 }
 
 /// The same as JSON, with what it belongs to.
@@ -51,6 +68,7 @@ pub fn trajectory_json(
     pattern: &str,
     file: &RodFile,
 ) -> Result<String, Failure> {
+    check_finite(poses, times)?;
     let poses = poses.iter().zip(times).map(|(pose, time)| {
         let (position_m, quaternion) = parts(pose);
         PoseEntry {
@@ -205,4 +223,26 @@ fn parts(pose: &GripperPose) -> ([f64; 3], [f64; 4]) {
         position.map(|part| part + 0.0),
         [turned.w, turned.i, turned.j, turned.k].map(|part| part + 0.0),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::{UnitQuaternion, Vector3};
+
+    #[test]
+    fn a_pose_that_is_not_finite_is_not_written() {
+        let pose = |x: f64| GripperPose {
+            s: 0.0,
+            position: Vector3::new(x, 0.0, 0.1),
+            rotation: UnitQuaternion::identity(),
+            grasp: None,
+            contact_demand: None,
+        };
+        let written = trajectory_csv(&[pose(0.0), pose(0.1)], &[0.0, 1.0]).unwrap();
+        assert_eq!(written.lines().count(), 3);
+        let error = trajectory_csv(&[pose(0.0), pose(f64::NAN)], &[0.0, 1.0]).unwrap_err();
+        assert_eq!(error.to_string(), "`x_m` of pose 2 is not a finite number");
+        assert!(trajectory_csv(&[pose(0.0)], &[f64::INFINITY]).is_err());
+    }
 }

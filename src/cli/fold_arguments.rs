@@ -30,8 +30,9 @@ pub struct FoldArguments {
     /// The sheet: TOML with [folding.paper], as in scenarios/papers
     #[arg(long, value_name = "FILE")]
     pub paper: PathBuf,
-    /// Where the edge goes: `half`, onto the opposite edge; `diagonal`, a corner of a square sheet onto the opposite one; or how far
-    #[arg(long, value_name = "half|diagonal|LENGTH", value_parser = crease, default_value = "half")]
+    /// Where the edge goes: `half`, onto the opposite edge; `diagonal-strip`, a corner of a square sheet onto the opposite one, planned and
+    /// simulated as a strip of one width; or how far
+    #[arg(long, value_name = "half|diagonal-strip|LENGTH", value_parser = crease, default_value = "half")]
     pub crease: Crease,
     /// How the way of the gripper is planned; `held` holds the edge with as little moment as the friction needs
     #[arg(long, default_value = "held", value_parser = PossibleValuesParser::new(ALGORITHMS))]

@@ -54,7 +54,7 @@ fn scenario(arguments: &FoldArguments, title: &str, friction: f64) -> Result<Str
     let quoted = |text: &str| toml::Value::from(text).to_string();
     let crease = match arguments.crease {
         Crease::Half => quoted("half"),
-        Crease::Diagonal => quoted("diagonal"),
+        Crease::Diagonal => quoted(Crease::DIAGONAL_STRIP),
         Crease::At(target) => format!("{target:?}"),
     };
     let mut text = format!(

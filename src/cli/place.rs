@@ -4,7 +4,7 @@ use super::deployment_files::{pattern_csv, trajectory_csv};
 use super::failure::Failure;
 use super::laying::{Laying, LayingArguments};
 use crate::experiment::{self, Deployment, DeploymentTables, Fixtures};
-use crate::plan::deployment::{LaidPath, Spare, deployment_figure, friction_demand, times};
+use crate::plan::deployment::{LaidPath, Spare, deployment_figure, friction_demands, times};
 use crate::plan::pattern::crossings;
 use crate::results::{SCENARIO, write_whole};
 use clap::Args;
@@ -126,8 +126,7 @@ impl Scene {
             Failure::System(format!("{} cannot be made: {error}", directory.display()))
         })?;
         let rod = self.deployment.rod.deployed();
-        let points = path.points.iter();
-        let demands: Vec<f64> = points.map(|point| friction_demand(&rod, point)).collect();
+        let demands = friction_demands(&rod, &path.points, &path.poses);
         let figure = deployment_figure(
             &self.title,
             &path.points,
@@ -139,7 +138,7 @@ impl Scene {
         let times = times(&path.poses, SPEED);
         let files = [
             (SCENARIO, self.text.clone()),
-            ("trajectory.csv", trajectory_csv(&path.poses, &times)),
+            ("trajectory.csv", trajectory_csv(&path.poses, &times)?),
             ("pattern.csv", pattern_csv(&path.points, &demands)),
             ("deployment.svg", figure),
         ];

@@ -8,10 +8,11 @@ use super::failure::Failure;
 use super::output::{print_json, write_file};
 use super::pattern_source::PatternArguments;
 use super::values::positive_length;
+use crate::finite::NotFinite;
 use crate::plan::deployment::{
     DeployedRod, DeploymentError, Feasibility, GripperPose, LaidPath, MOST_POSES, OptimalGrasps,
-    Scheme, Spare, deployment_figure, friction_demand, lead_in_length, long_enough, times,
-    trajectory, when_laid, with_spare_laid,
+    Scheme, Spare, Trajectory, checked_points, checked_trajectory, deployment_figure,
+    friction_demands, lead_in_length, long_enough, times, trajectory, when_laid, with_spare_laid,
 };
 use crate::plan::grasp::NeuralGrasps;
 use crate::plan::pattern::{Crossing, Pattern, PatternSource, Point, crossings};
@@ -119,15 +120,21 @@ pub struct Report {
     deviation_m: f64,
     least_radius_m: Option<f64>,
     least_radius_at_m: f64,
+    /// Of the lying rod or at the contact node.
     largest_friction_demand: f64,
     largest_friction_demand_at_m: f64,
+    /// Of the lying rod alone (thesis Eq. 5.2).
+    largest_lying_friction_demand: f64,
     friction: Option<f64>,
     share_above_friction: Option<f64>,
     crossings: Vec<CrossingReport>,
     poses: usize,
-    /// Poses that the network does not know.
+    /// Poses out of the range of the network.
     #[serde(skip_serializing_if = "Option::is_none")]
     solved_exactly: Option<usize>,
+    /// Answers of the network that are not those of the equations, and were replaced.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rejected_answers: Option<usize>,
     unstable_poses: usize,
     duration_s: f64,
     files: Vec<PathBuf>,
@@ -197,8 +204,8 @@ impl DeploymentPlan {
             )));
         }
         let points = pattern.sampled(self.step);
-        let checks = Feasibility::of(&pattern, self.step, &rod, friction)
-            .map_err(|error| self.refused(&error))?;
+        let checked =
+            checked_points(&pattern, self.step, &rod).map_err(|error| self.refused(&error))?;
         let scheme = match self.scheme {
             SchemeName::Optimal => Scheme::Optimal,
             SchemeName::Intuitive => Scheme::Intuitive,
@@ -207,13 +214,11 @@ impl DeploymentPlan {
         let grasps = network.as_ref().map_or(OptimalGrasps::Exact, |network| {
             OptimalGrasps::Neural(network)
         });
-        let poses =
-            trajectory(&points, &rod, scheme, grasps).map_err(|error| self.refused(&error))?;
+        let Trajectory { poses, rejected } = checked_trajectory(&points, &rod, scheme, grasps)
+            .map_err(|error| self.refused(&error))?;
+        let checks = Feasibility::of(&checked, &rod, friction, &poses);
         let crossings = crossings(&points);
-        let demands: Vec<f64> = points
-            .iter()
-            .map(|point| friction_demand(&rod, point))
-            .collect();
+        let demands = friction_demands(&rod, &points, &poses);
         let title = format!("{} along {}", file.title, self.source.name());
         let figure = deployment_figure(&title, &points, &poses, &demands, friction, &crossings);
         let times = times(&poses, self.speed);
@@ -240,6 +245,7 @@ impl DeploymentPlan {
                 position: *position,
                 rotation: *rotation,
                 grasp: None,
+                contact_demand: None,
             });
             followed_times.push(laid_by + time);
         }
@@ -257,7 +263,7 @@ impl DeploymentPlan {
         let mut named = vec![
             (
                 "trajectory.csv".to_owned(),
-                trajectory_csv(&followed, &followed_times),
+                trajectory_csv(&followed, &followed_times)?,
             ),
             (
                 "trajectory.json".to_owned(),
@@ -275,12 +281,13 @@ impl DeploymentPlan {
                         position,
                         rotation,
                         grasp: None,
+                        contact_demand: None,
                     };
                     (laid_by + time, pose)
                 })
                 .unzip();
             let name = format!("lift_{}.csv", index + 1);
-            named.push((name, trajectory_csv(&poses, &times)));
+            named.push((name, trajectory_csv(&poses, &times)?));
         }
         // A scenario knows the network of the program only.
         if self.model.is_none() {
@@ -312,13 +319,17 @@ impl DeploymentPlan {
             least_radius_at_m: checks.least_radius_at_m,
             largest_friction_demand: checks.largest_demand,
             largest_friction_demand_at_m: checks.largest_demand_at_m,
+            largest_lying_friction_demand: checks.largest_lying_demand,
             friction,
             share_above_friction: checks.share_above_friction,
             crossings: crossings.iter().map(CrossingReport::of).collect(),
             unstable_poses: poses.iter().filter(|pose| is_unstable(pose)).count(),
             poses: poses.len(),
-            solved_exactly: network
-                .map(|_| poses.iter().filter(|pose| pose.grasp.is_some()).count()),
+            solved_exactly: network.as_ref().map(|_| {
+                let exact = poses.iter().filter(|pose| pose.grasp.is_some()).count();
+                exact - rejected
+            }),
+            rejected_answers: network.map(|_| rejected),
             duration_s: duration,
             files,
         };
@@ -443,6 +454,13 @@ impl DeploymentPlan {
     }
 
     fn refused(&self, error: &DeploymentError) -> Failure {
+        if let DeploymentError::NotFinite { s_m } = error {
+            let what = format!(
+                "{}: the pose of the gripper at {s_m:.4} m",
+                self.source.name()
+            );
+            return Failure::NotFinite(NotFinite { what });
+        }
         Failure::Input(format!("{}: {error}", self.source.name()))
     }
 

@@ -10,8 +10,8 @@ use crate::experiment::Crease;
 use crate::figure::Paper;
 use crate::plan::deployment::GripperPose;
 use crate::plan::fold::{
-    FoldAtlas, FoldPath, FoldedSheet, ForceManifold, NeuralFolds, Objective, PART_OF_FRICTION,
-    Sheet, fold_path, held_path, sliding,
+    FoldAtlas, FoldPath, FoldedSheet, ForceManifold, NetworkCheck, NeuralFolds, Objective,
+    PART_OF_FRICTION, Sheet, fold_path, held_path, sliding,
 };
 use clap::{Args, ValueEnum};
 use serde::Serialize;
@@ -27,9 +27,9 @@ pub struct FoldPlanArguments {
     /// The sheet: TOML with length, width and gravito_bending_length (or youngs_modulus, thickness and density) in [folding.paper]
     #[arg(long, value_name = "FILE")]
     paper: PathBuf,
-    /// Where the edge goes: `half`, onto the opposite edge; `diagonal`, a corner of a square sheet onto the opposite one; or how far
-    /// (the thesis' C); the crease is pressed half way
-    #[arg(long, value_name = "half|diagonal|LENGTH", value_parser = crease)]
+    /// Where the edge goes: `half`, onto the opposite edge; `diagonal-strip`, a corner of a square sheet onto the opposite one, planned as a
+    /// strip of one width, as in the thesis; or how far (the thesis' C); the crease is pressed half way
+    #[arg(long, value_name = "half|diagonal-strip|LENGTH", value_parser = crease)]
     crease: Crease,
     /// Where to write the results
     #[arg(long, value_name = "DIR")]
@@ -37,7 +37,7 @@ pub struct FoldPlanArguments {
     /// What the way of the gripper makes least
     #[arg(long, default_value = "sum")]
     objective: ObjectiveName,
-    /// Who knows the folds of the manifold over which the way is searched; those of the plan are exact in any case
+    /// Source of the folds of the manifold over which the way is searched; those of the plan are exact in any case
     #[arg(long, default_value = "exact")]
     solver: SolverName,
     /// The network of --solver neural: model.safetensors of `rodlab train`
@@ -101,6 +101,14 @@ struct Report {
     crease_m: f64,
     objective: ObjectiveName,
     solver: SolverName,
+    /// How many folds of a network were compared with exact ones, and how many were wrong.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    compared_answers: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    wrong_answers: Option<usize>,
+    /// Whether the way was searched over exact folds in place of those of the network.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fell_back: Option<bool>,
     poses: usize,
     lifted_without_push: usize,
     grid_cost: f64,
@@ -173,16 +181,16 @@ impl FoldPlanArguments {
         let atlas = FoldAtlas::new();
         let dimensionless = sheet.dimensionless();
         let friction = self.friction.or(file.paper.friction);
-        let manifold = match (self.objective, friction) {
+        let (manifold, check) = match (self.objective, friction) {
             (ObjectiveName::Moment, None) => {
                 let message = "--objective moment: the friction of the table is needed, --friction or `folding.paper.friction`";
                 return Err(Failure::Input(message.into()));
             }
-            (ObjectiveName::Moment, Some(friction)) => ForceManifold::held(
-                ForceManifold::SPACING,
-                &dimensionless,
-                PART_OF_FRICTION * friction,
-            ),
+            (ObjectiveName::Moment, Some(friction)) => {
+                let part = PART_OF_FRICTION * friction;
+                let manifold = ForceManifold::held(ForceManifold::SPACING, &dimensionless, part);
+                (manifold, None)
+            }
             _ => self.manifold(network, &atlas, &dimensionless)?,
         };
         let optimal =
@@ -213,7 +221,7 @@ impl FoldPlanArguments {
         let named = vec![
             (
                 "trajectory.csv",
-                trajectory_csv(&poses, &times).into_bytes(),
+                trajectory_csv(&poses, &times)?.into_bytes(),
             ),
             ("folds.csv", folds_csv(&path, &sheet).into_bytes()),
             (
@@ -239,6 +247,9 @@ impl FoldPlanArguments {
             crease_m: 0.5 * target,
             objective: self.objective,
             solver: self.solver,
+            compared_answers: check.map(|check| check.compared),
+            wrong_answers: check.map(|check| check.wrong + check.not_finite),
+            fell_back: check.map(|check| !check.is_passed()),
             poses: poses.len(),
             lifted_without_push: path.lift,
             grid_cost: path.grid_cost,
@@ -290,20 +301,34 @@ impl FoldPlanArguments {
         }
     }
 
-    /// Folds without a moment, exact or by a network.
+    /// Folds without a moment, exact or by a network whose folds were compared with exact ones.
     fn manifold(
         &self,
         network: Option<&NeuralFolds>,
         atlas: &FoldAtlas,
         sheet: &Sheet,
-    ) -> Result<ForceManifold, Failure> {
+    ) -> Result<(ForceManifold, Option<NetworkCheck>), Failure> {
         let longest = sheet.length.min(ForceManifold::LONGEST);
+        let exact = || ForceManifold::new(atlas, ForceManifold::SPACING, longest);
         let Some(network) = network else {
-            return Ok(ForceManifold::new(atlas, ForceManifold::SPACING, longest));
+            return Ok((exact(), None));
         };
         let lengths = [sheet.least_suspended, longest];
         let manifold = network.manifold(atlas, ForceManifold::SPACING, lengths);
-        manifold.map_err(|error| Failure::Input(format!("{}: {error}", self.model_name())))
+        let manifold =
+            manifold.map_err(|error| Failure::Input(format!("{}: {error}", self.model_name())))?;
+        let check = NeuralFolds::check(atlas, &manifold);
+        if check.is_passed() {
+            return Ok((manifold, Some(check)));
+        }
+        tracing::warn!(
+            "{}: {} of {} folds that were compared with exact ones are wrong, and {} are not finite; the way is searched over exact folds",
+            self.model_name(),
+            check.wrong,
+            check.compared,
+            check.not_finite
+        );
+        Ok((exact(), Some(check)))
     }
 
     fn model_name(&self) -> String {
@@ -323,11 +348,12 @@ impl FoldPlanArguments {
     }
 }
 
-/// Columns x, z, suspended length (m), alpha_rad, lambda, friction_demand, the forces per weight of L_gb of the sheet, and the moment at the
-/// gripper in EI/L_gb.
+/// Columns x, z, suspended length (m), alpha_rad, lambda, friction_demand, the forces in EI/L_gb², as of `rodlab solve fold`, and the moment
+/// at the gripper in EI/L_gb.
 fn folds_csv(path: &FoldPath, sheet: &FoldedSheet) -> String {
     let mut text = String::from(
-        "x_m,z_m,suspended_length_m,alpha_rad,lambda,friction_demand,horizontal_force,vertical_force,moment\n",
+        "x_m,z_m,suspended_length_m,alpha_rad,lambda,friction_demand,\
+         horizontal_force_ei_per_lgb2,vertical_force_ei_per_lgb2,moment_ei_per_lgb\n",
     );
     let length = sheet.dimensionless().length;
     for fold in &path.folds {
@@ -340,9 +366,9 @@ fn folds_csv(path: &FoldPath, sheet: &FoldedSheet) -> String {
             fold.angle,
             fold.force_ratio(),
             fold.friction_demand(length),
-            2.0 * fold.forces.horizontal,
-            2.0 * fold.forces.vertical,
             // Added to zero, a zero has no sign.
+            fold.forces.horizontal + 0.0,
+            fold.forces.vertical + 0.0,
             (1e9 * fold.moment).round() / 1e9 + 0.0
         );
     }
@@ -353,10 +379,11 @@ fn folds_csv(path: &FoldPath, sheet: &FoldedSheet) -> String {
 pub(super) fn crease(text: &str) -> Result<Crease, String> {
     match text.trim() {
         "half" => Ok(Crease::Half),
-        "diagonal" => Ok(Crease::Diagonal),
+        Crease::DIAGONAL_STRIP => Ok(Crease::Diagonal),
+        "diagonal" => Err(Crease::NO_DIAGONAL.into()),
         text => positive_length(text)
             .map(Crease::At)
-            .map_err(|error| format!("{error}; or `half`, or `diagonal`")),
+            .map_err(|error| format!("{error}; or `half`, or `{}`", Crease::DIAGONAL_STRIP)),
     }
 }
 
@@ -372,5 +399,57 @@ fn speed(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(speed) if speed > 0.0 && speed.is_finite() => Ok(speed),
         _ => Err("a speed above 0 is needed, m/s".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::fold::FoldAtlas;
+
+    #[test]
+    fn forces_of_a_plan_are_in_the_unit_of_a_single_fold() {
+        let sheet = FoldedSheet {
+            gravito_bending_length: 0.05,
+            length: 0.3,
+            least_suspended: 0.958,
+        };
+        let fold = FoldAtlas::new().solve([3.4, 1.7]).unwrap();
+        let path = FoldPath {
+            folds: vec![fold],
+            lift: 0,
+            grid_cost: 0.0,
+            grid_integral: 0.0,
+            integral: 0.0,
+        };
+        let text = folds_csv(&path, &sheet);
+        let (header, row) = text.trim_end().split_once('\n').unwrap();
+        let cell = |name: &str| -> f64 {
+            let place = header.split(',').position(|column| column == name).unwrap();
+            row.split(',').nth(place).unwrap().parse().unwrap()
+        };
+        let forces = fold.forces;
+        assert!((cell("horizontal_force_ei_per_lgb2") - forces.horizontal).abs() < 1e-9);
+        assert!((cell("vertical_force_ei_per_lgb2") - forces.vertical).abs() < 1e-9);
+        for column in header.split(',') {
+            let key = format!("folds.csv.{column}");
+            assert!(
+                matches!(
+                    crate::experiment::describe(&key),
+                    Some(crate::experiment::Described::Column(..))
+                ),
+                "{key}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_fold_along_the_diagonal_is_refused_unless_it_is_asked_for_as_a_strip() {
+        let words = crease("diagonal").unwrap_err();
+        assert!(
+            words.contains("triangle") && words.contains("diagonal-strip"),
+            "{words}"
+        );
+        assert_eq!(crease("diagonal-strip"), Ok(Crease::Diagonal));
     }
 }

@@ -75,6 +75,7 @@ impl GripperPlanArguments {
                     position,
                     rotation,
                     grasp: None,
+                    contact_demand: None,
                 };
                 (time, pose)
             })
@@ -88,7 +89,7 @@ impl GripperPlanArguments {
         let file = self
             .out
             .join(format!("{number}_gripper_{gripper}_{work}_rod_{rod}.csv"));
-        write_file(&file, trajectory_csv(&poses, &times).as_bytes())?;
+        write_file(&file, trajectory_csv(&poses, &times)?.as_bytes())?;
         Ok(TaskReport {
             gripper,
             rod,

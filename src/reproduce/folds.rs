@@ -37,7 +37,7 @@ pub(super) const SCENARIOS: [Scenario; 8] = [
     scenario(
         "origami, diagonal",
         "or_diagonal",
-        "diagonal",
+        "diagonal-strip",
         ORIGAMI,
         true,
     ),

@@ -68,7 +68,7 @@ pub(super) fn fold_in_cell(
         write_whole(&directory.join(name), text.as_bytes())?;
     }
     let cell = Cell::read(&directory.join("cell.toml")).expect("a cell of this program");
-    let is_diagonal = scenario.crease == "diagonal";
+    let is_diagonal = scenario.crease == "diagonal-strip";
     let fold = FoldInCell {
         tables: tables.expect("a sheet that is folded"),
         algorithm: if scenario.is_held {

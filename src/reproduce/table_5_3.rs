@@ -7,7 +7,10 @@ use super::page::{Page, PageFigure, number};
 use super::table::rows_of;
 use crate::experiment::{DeploymentTables, from_text};
 use crate::figure::{Curve, LinePlot, Look, line_plots};
-use crate::plan::deployment::{DeployedRod, GripperPose, OptimalGrasps, Scheme, trajectory};
+use crate::plan::deployment::{
+    DeployedRod, DeploymentError, GripperPose, OptimalGrasps, Scheme, network_trajectory,
+    trajectory,
+};
 use crate::plan::grasp::NeuralGrasps;
 use crate::plan::pattern::PatternPoint;
 use crate::results::SCENARIO;
@@ -89,9 +92,10 @@ pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, Reproduc
 
 fn row(case: &Case<Laying>, laid_neural_cm: Option<f64>) -> Result<Row, ReproduceError> {
     let (points, rod) = planned(case);
-    let network = OptimalGrasps::Neural(NeuralGrasps::built_in());
-    let (exact, exact_ms) = timed(&points, &rod, OptimalGrasps::Exact);
-    let (neural, neural_ms) = timed(&points, &rod, network);
+    let (exact, exact_ms) =
+        timed(|| trajectory(&points, &rod, Scheme::Optimal, OptimalGrasps::Exact));
+    // What a network says by itself: `plan deployment` checks its answers.
+    let (neural, neural_ms) = timed(|| network_trajectory(&points, &rod, NeuralGrasps::built_in()));
     let unit = rod.gravito_bending_length;
     let pairs = || {
         let pairs = exact.iter().zip(&neural);
@@ -149,16 +153,13 @@ fn planned(case: &Case<Laying>) -> (Vec<PatternPoint>, DeployedRod) {
 
 /// A trajectory, and the shortest time that it took, ms.
 fn timed(
-    points: &[PatternPoint],
-    rod: &DeployedRod,
-    grasps: OptimalGrasps<'_>,
+    trajectory: impl Fn() -> Result<Vec<GripperPose>, DeploymentError>,
 ) -> (Vec<GripperPose>, f64) {
     let mut shortest = f64::INFINITY;
     let mut poses = Vec::new();
     for _ in 0..REPEATS {
         let begin = Instant::now();
-        poses = trajectory(points, rod, Scheme::Optimal, grasps)
-            .expect("a pattern that was laid has grasps");
+        poses = trajectory().expect("a pattern that was laid has grasps");
         shortest = shortest.min(1e3 * begin.elapsed().as_secs_f64());
     }
     (poses, shortest)

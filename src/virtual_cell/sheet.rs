@@ -78,7 +78,11 @@ impl SimulatedSheet {
         let impossible = |error: String| RodError::Impossible(error);
         let whole = std::path::absolute(file).map_err(|error| impossible(error.to_string()))?;
         let extended = toml::Value::from(whole.to_string_lossy().as_ref()).to_string();
-        let crease = if is_diagonal { "diagonal" } else { "half" };
+        let crease = if is_diagonal {
+            "diagonal-strip"
+        } else {
+            "half"
+        };
         // How it will be folded the gripper knows; a circle needs no plan.
         let text = format!(
             "extends = {extended}\nexperiment = \"folding\"\n\

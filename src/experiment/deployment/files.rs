@@ -45,7 +45,8 @@ const SUMMARY: &[Column] = columns! {
     "largest_error_m": "Largest such distance, m.",
     "largest_sliding_m": "Farthest that a laid node has come from where it first lay, m.",
     "largest_gripper_force_n": "Largest force of the gripper on the rod, N.",
-    "largest_friction_demand": "The largest friction that the pattern asks for, 2 L_gb³|κ''| (thesis Eq. 5.2).",
+    "largest_friction_demand": "The largest friction that the pattern asks for: of the lying rod 2 L_gb³|κ''| (thesis Eq. 5.2), at the contact \
+        node |n_y + κ̄'|/|n_z| of the optimal grasp; of the scheme \"intuitive\" that of the lying rod alone.",
     "share_above_friction": "Part of the pattern that asks for more friction than the table has; there the rod slides.",
     "pegs": "Pegs on the table, two of each clip; empty without any.",
     "pegs_passed": "Pegs that the rod, as far as it belongs to the pattern, passes at the end on the side on which the pattern does, below \

@@ -6,7 +6,8 @@ use crate::experiment::prepare::Jitter;
 use crate::mechanics::scene::Motion;
 use crate::mechanics::{UnitQuaternion, Vector3, rotation};
 use crate::plan::deployment::{
-    DeployedRod, Feasibility, GripperPose, MOST_POSES, hanging_rod, laid_after, times, trajectory,
+    DeployedRod, Feasibility, GripperPose, MOST_POSES, checked_points, hanging_rod, laid_after,
+    times, trajectory,
 };
 use crate::plan::pattern::{Pattern, PatternPoint, Point};
 use crate::plan::tying::GripperPoses;
@@ -79,7 +80,7 @@ impl<'a> UnpacedPath<'a> {
         let rod = deployment.rod.deployed();
         let curve = deployment.laid_pattern()?;
         refuse_many(curve.length() / POSE_SPACING)?;
-        let feasibility = Feasibility::of(&curve, POSE_SPACING, &rod, Some(friction))?;
+        let checked = checked_points(&curve, POSE_SPACING, &rod)?;
         let pivot = pivot.unwrap_or_else(|| curve.at(0.0).position);
         let planned = Planned::new(deployment, pivot);
         let coarse = trajectory(
@@ -89,6 +90,7 @@ impl<'a> UnpacedPath<'a> {
             deployment.solver.into(),
         )?;
         let passed = times(&coarse, 1.0);
+        let feasibility = Feasibility::of(&checked, &rod, Some(friction), &coarse);
         Ok(Self {
             deployment,
             curve,

@@ -312,7 +312,7 @@ mod tests {
             ),
             ("feedback = { noise = \"0.5 mm\" }\nlength_error = -0.1", A4),
             (
-                "crease = \"diagonal\"\nalgorithm = \"least-friction\"",
+                "crease = \"diagonal-strip\"\nalgorithm = \"least-friction\"",
                 "length = 0.2\nwidth = 0.2\nyoungs_modulus = \"2 GPa\"\nthickness = \"0.1 mm\"\ndensity = 800\nedges = 90",
             ),
         ] {
@@ -326,7 +326,8 @@ mod tests {
     fn faults_of_folds_name_what_is_allowed() {
         let fault = |folding: &str, paper: &str| scenario(folding, paper, "").unwrap_err();
         insta::assert_snapshot!(fault("crease = \"30 cm\"", A4), @"fold.toml:3:10: `folding.crease`: 0.3 m: the sheet is 0.297 m long, and its edge cannot go beyond the opposite one");
-        insta::assert_snapshot!(fault("crease = \"diagonal\"", A4), @"fold.toml:3:10: `folding.crease`: the sheet is 0.297 m by 0.21 m; only a square sheet is folded along its diagonal");
+        assert!(fault("crease = \"diagonal\"", A4).contains("is a triangle"));
+        insta::assert_snapshot!(fault("crease = \"diagonal-strip\"", A4), @"fold.toml:3:10: `folding.crease`: the sheet is 0.297 m by 0.21 m; only a square sheet is folded along its diagonal");
         insta::assert_snapshot!(fault("algorithm = \"best\"", A4), @r#"fold.toml:3:13: `folding.algorithm`: "best" is not known here; allowed: optimal, least-friction, held, circle, step-by-step"#);
         insta::assert_snapshot!(fault("algorithm = \"circle\"\nfeedback = {}", A4), @r#"fold.toml:4:12: `folding.feedback`: this way of folding is not planned anew: use "optimal", "least-friction" or "held""#);
         insta::assert_snapshot!(fault("feedback = { parts = 1 }", A4), @"fold.toml:3:22: `folding.feedback.parts`: 1 is out of range; allowed: 2 to 1000");

@@ -1,6 +1,6 @@
 //! What a pattern asks of rod and table.
 
-use super::{DeployedRod, DeploymentError};
+use super::{DeployedRod, DeploymentError, GripperPose};
 use crate::plan::grasp::GraspProblem;
 use crate::plan::pattern::{Pattern, PatternPoint};
 
@@ -12,8 +12,38 @@ const LEAD_IN_BEND: f64 = 5.7735;
 const STRAIGHT: f64 = 0.02;
 
 /// The coefficient of friction that holds a lying rod in its curve: k_b|κ''|/(ρ A g) = 2 L_gb³|κ''| (thesis Eq. 5.2).
-pub fn friction_demand(rod: &DeployedRod, point: &PatternPoint) -> f64 {
+pub fn lying_demand(rod: &DeployedRod, point: &PatternPoint) -> f64 {
     2.0 * rod.gravito_bending_length.powi(3) * point.curvature_bend.abs()
+}
+
+/// The coefficient of friction that holds a rod at each point of a pattern: in its curve where it lies, and at its contact node when the
+/// gripper has the pose of that point.
+///
+/// Thesis Eq. 5.2 counts the lying rod alone. Where the pattern is curved, the suspended part pushes the contact node sideways, which
+/// can ask for several times as much: of a circle it is all there is.
+pub fn friction_demands(
+    rod: &DeployedRod,
+    points: &[PatternPoint],
+    poses: &[GripperPose],
+) -> Vec<f64> {
+    let pairs = points.iter().zip(poses);
+    let demand = |(point, pose): (&PatternPoint, &GripperPose)| {
+        lying_demand(rod, point).max(pose.contact_demand.unwrap_or(0.0))
+    };
+    pairs.map(demand).collect()
+}
+
+/// Demand at the contact node at an arc length, between those of the poses on either side.
+fn contact_demand_at(poses: &[GripperPose], s: f64) -> f64 {
+    let next = poses.partition_point(|pose| pose.s < s);
+    let of = |index: usize| poses.get(index).and_then(|pose| pose.contact_demand);
+    match (of(next), next.checked_sub(1).and_then(of)) {
+        (Some(after), Some(before)) => {
+            let [from, to] = [poses[next - 1].s, poses[next].s];
+            before + (s - from) / (to - from) * (after - before)
+        }
+        (one, other) => one.or(other).unwrap_or(0.0),
+    }
 }
 
 /// Length of the lead-in that a pattern needs which starts with this curvature, m: zero where that is nearly none.
@@ -56,10 +86,12 @@ pub struct Feasibility {
     pub least_radius_m: f64,
     /// Where, m from the start.
     pub least_radius_at_m: f64,
-    /// Largest friction demand.
+    /// Largest friction demand, of the lying rod or at the contact node.
     pub largest_demand: f64,
     /// Where, m from the start.
     pub largest_demand_at_m: f64,
+    /// Largest friction demand of the lying rod alone (thesis Eq. 5.2).
+    pub largest_lying_demand: f64,
     /// Part of the length whose demand is above a coefficient of friction, if there was one.
     pub share_above_friction: Option<f64>,
 }
@@ -67,55 +99,115 @@ pub struct Feasibility {
 /// Least number of points at which a pattern is checked, and most.
 const CHECKED_POINTS: [f64; 2] = [8000.0, 400_000.0];
 
-impl Feasibility {
-    /// Checks a pattern whose poses lie `spacing` (m) apart at closer points, for corners may lie between poses; `friction`
-    /// is that of the table.
-    ///
-    /// # Errors
-    /// The pattern is too sharp for the rod. That it slides is no error: it is said.
-    pub fn of(
-        pattern: &Pattern,
-        spacing: f64,
-        rod: &DeployedRod,
-        friction: Option<f64>,
-    ) -> Result<Self, DeploymentError> {
-        let [least, most] = CHECKED_POINTS.map(|count| pattern.length() / count);
-        let close = spacing.min(0.25 * rod.radius).min(least).max(most);
-        Self::at(&pattern.sampled(close), rod, friction)
+/// Points of a pattern whose poses lie `spacing` (m) apart at which it is checked: closer ones, for corners may lie between poses.
+///
+/// # Errors
+/// The pattern is too sharp for the rod.
+pub fn checked_points(
+    pattern: &Pattern,
+    spacing: f64,
+    rod: &DeployedRod,
+) -> Result<Vec<PatternPoint>, DeploymentError> {
+    let [least, most] = CHECKED_POINTS.map(|count| pattern.length() / count);
+    let close = spacing.min(0.25 * rod.radius).min(least).max(most);
+    let points = pattern.sampled(close);
+    let (sharpest, s_m) = worst(&points, &|point| point.curvature.abs());
+    let radius_m = 1.0 / sharpest;
+    if radius_m < rod.radius {
+        return Err(DeploymentError::TooSharp {
+            radius_m,
+            s_m,
+            rod_m: rod.radius,
+        });
     }
+    Ok(points)
+}
 
-    fn at(
+/// The largest value over a pattern, and where it is, m from the start.
+fn worst(points: &[PatternPoint], value: &dyn Fn(&PatternPoint) -> f64) -> (f64, f64) {
+    let values = points.iter().map(|point| (value(point), point.s));
+    values.fold(
+        (0.0, 0.0),
+        |most, here| if here.0 > most.0 { here } else { most },
+    )
+}
+
+impl Feasibility {
+    /// What a pattern asks for at the points of [`checked_points`], with the demand at the contact node that the poses have. That a rod
+    /// slides is no error; `friction` is that of the table.
+    pub fn of(
         points: &[PatternPoint],
         rod: &DeployedRod,
         friction: Option<f64>,
-    ) -> Result<Self, DeploymentError> {
-        let demand = |point: &PatternPoint| friction_demand(rod, point);
-        let worst = |value: &dyn Fn(&PatternPoint) -> f64| {
-            let values = points.iter().map(|point| (value(point), point.s));
-            values.fold(
-                (0.0, 0.0),
-                |most, here| if here.0 > most.0 { here } else { most },
-            )
-        };
-        let (sharpest, sharpest_at) = worst(&|point| point.curvature.abs());
-        let (largest_demand, largest_demand_at_m) = worst(&demand);
-        let found = Self {
+        poses: &[GripperPose],
+    ) -> Self {
+        let lying = |point: &PatternPoint| lying_demand(rod, point);
+        let demand = |point: &PatternPoint| lying(point).max(contact_demand_at(poses, point.s));
+        let (sharpest, least_radius_at_m) = worst(points, &|point| point.curvature.abs());
+        let (largest_demand, largest_demand_at_m) = worst(points, &demand);
+        Self {
             least_radius_m: 1.0 / sharpest,
-            least_radius_at_m: sharpest_at,
+            least_radius_at_m,
             largest_demand,
             largest_demand_at_m,
+            largest_lying_demand: worst(points, &lying).0,
             share_above_friction: friction.map(|friction| {
                 let above = points.iter().filter(|point| demand(point) > friction);
                 above.count() as f64 / points.len().max(1) as f64
             }),
-        };
-        if found.least_radius_m < rod.radius {
-            return Err(DeploymentError::TooSharp {
-                radius_m: found.least_radius_m,
-                s_m: sharpest_at,
-                rod_m: rod.radius,
-            });
         }
-        Ok(found)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{OptimalGrasps, Scheme, trajectory};
+    use super::*;
+    use crate::plan::pattern::{Circle, Line};
+
+    const GREEN: DeployedRod = DeployedRod {
+        gravito_bending_length: 0.032,
+        radius: 0.0016,
+        length: 0.885,
+    };
+
+    fn asked(pattern: &Pattern, scheme: Scheme, friction: f64) -> Feasibility {
+        let poses =
+            trajectory(&pattern.sampled(3e-3), &GREEN, scheme, OptimalGrasps::Exact).unwrap();
+        let points = checked_points(pattern, 3e-3, &GREEN).unwrap();
+        Feasibility::of(&points, &GREEN, Some(friction), &poses)
+    }
+
+    #[test]
+    fn a_circle_asks_for_friction_at_its_contact_node() {
+        // Eq. 5.2 sees no friction along a circle but in its lead-in; a simulated rod slides at 0.12.
+        let circle = Pattern::new(Box::new(Circle { radius: 0.08 }), 0.0).unwrap();
+        let lead_in = lead_in_length(&GREEN, 12.5);
+        let asked = asked(&circle.with_lead_in(lead_in), Scheme::Optimal, 0.12);
+        assert!((asked.largest_lying_demand - 0.1).abs() < 1e-3, "{asked:?}");
+        // x_M n_y = κ̄ and n_z of the grasp of a long rod of κ̄ = 0.4.
+        let grasp = crate::plan::grasp::GraspSolver::new()
+            .solve(
+                &GraspProblem::new(15.0, 0.4, GREEN.stretch_stiffness()).unwrap(),
+                crate::plan::grasp::GraspMethod::Theory,
+            )
+            .unwrap();
+        let expected = 0.4 / grasp.position.x / grasp.contact_force.z;
+        assert!(
+            asked.largest_demand >= expected && asked.largest_demand < 1.1 * expected,
+            "{asked:?} {expected}"
+        );
+        assert!(asked.largest_demand_at_m > lead_in / 2.0);
+        assert!(asked.share_above_friction.unwrap() > 0.5);
+    }
+
+    #[test]
+    fn a_line_asks_for_no_friction_and_no_grasp_no_contact_demand() {
+        let line = Pattern::new(Box::new(Line { length: 0.5 }), 0.0).unwrap();
+        let of_line = asked(&line, Scheme::Optimal, 0.12);
+        assert!(of_line.largest_demand < 1e-9);
+        let circle = Pattern::new(Box::new(Circle { radius: 0.08 }), 0.0).unwrap();
+        let upright = asked(&circle, Scheme::Intuitive, 0.12);
+        assert_eq!(upright.largest_demand, upright.largest_lying_demand);
     }
 }

@@ -26,14 +26,17 @@ mod trajectory;
 
 pub use corrected_path::CorrectedPath;
 pub use correction::{ObservedContact, corrected_length, return_curve};
-pub use feasibility::{Feasibility, friction_demand, lead_in_length, long_enough};
+pub use feasibility::{Feasibility, checked_points, friction_demands, lead_in_length, long_enough};
 pub use figure::deployment_figure;
 pub use laid_path::LaidPath;
 pub use landing::hanging_rod;
 pub use rod::DeployedRod;
 pub use spare::{Spare, with_spare_laid};
 pub use timing::{laid_after, times, when_laid};
-pub use trajectory::{GripperPose, OptimalGrasps, Scheme, trajectory};
+pub use trajectory::{
+    GripperPose, OptimalGrasps, Scheme, Trajectory, checked_trajectory, network_trajectory,
+    trajectory,
+};
 
 use crate::plan::grasp::GraspError;
 use thiserror::Error;
@@ -83,4 +86,12 @@ pub enum DeploymentError {
     /// A network failed.
     #[error("{0}")]
     Network(String),
+    /// A pose has numbers that are not finite.
+    #[error(
+        "at {s_m:.4} m from the start of the pattern the pose of the gripper has numbers that are not finite"
+    )]
+    NotFinite {
+        /// Arc length, m.
+        s_m: f64,
+    },
 }

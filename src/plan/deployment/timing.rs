@@ -65,6 +65,7 @@ mod tests {
             position: Vector3::new(x, 0.0, 0.0),
             rotation: UnitQuaternion::identity(),
             grasp: None,
+            contact_demand: None,
         }
     }
 

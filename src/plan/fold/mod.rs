@@ -55,7 +55,7 @@ pub use equilibrium::Fold;
 pub use graph_search::{Cell, Objective, uniform_cost_search};
 pub use held::held_path;
 pub use manifold::{ForceManifold, ManifoldPoint};
-pub use neural::{LearnedFold, NeuralFoldError, NeuralFolds};
+pub use neural::{LearnedFold, NetworkCheck, NeuralFoldError, NeuralFolds};
 pub use path::{FoldPath, Sheet, fold_path};
 pub use planner::{Algorithm, FoldPlanner, PART_OF_FRICTION};
 pub use pose::FoldPose;

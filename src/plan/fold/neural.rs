@@ -144,6 +144,24 @@ impl NeuralFolds {
         Ok(folds.collect())
     }
 
+    /// Compares every fifth fold of a manifold of this network with the exact one, and looks whether all are finite.
+    pub fn check(atlas: &FoldAtlas, manifold: &ForceManifold) -> NetworkCheck {
+        let [columns, rows] = manifold.size();
+        let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| [column, row]));
+        let folds: Vec<&Fold> = cells.filter_map(|cell| manifold.fold(cell)).collect();
+        let not_finite = folds.iter().filter(|fold| !is_finite(fold)).count();
+        let compared: Vec<bool> = folds
+            .par_iter()
+            .step_by(COMPARED_STEP)
+            .filter_map(|fold| Some(is_near(fold, &atlas.solve(fold.gripper).ok()?)))
+            .collect();
+        NetworkCheck {
+            compared: compared.len(),
+            wrong: compared.iter().filter(|is_near| !**is_near).count(),
+            not_finite,
+        }
+    }
+
     /// The manifold by the network (thesis sec. 4.4.1), of a sheet whose suspended length is between `least` and `longest`: at every cell
     /// of the grid within the workspace that the network has learned. It tells λ, but not V, which is that of the nearest fold of the
     /// atlas; so the manifold is for [`Objective::Sum`](super::Objective::Sum).
@@ -189,6 +207,50 @@ impl NeuralFolds {
 /// Longest suspended length that is asked for over the longest of the samples.
 const MARGIN: f64 = 1.01;
 
+/// Every so many-th fold of a manifold is compared with the exact one.
+const COMPARED_STEP: usize = 5;
+/// How far it may be off: the inclination of the force and α, rad, and l̄_s. The networks of the guide are 0.003 off on average.
+const TOLERANCE: f64 = 0.2;
+/// Part of the compared folds that may be farther off: next to x̄ = 0, where λ rises from 0 to 2 within 0.05 L_gb, any network is.
+const MOST_WRONG: f64 = 0.05;
+
+/// A manifold of a network beside the exact folds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NetworkCheck {
+    /// Folds that were compared.
+    pub compared: usize,
+    /// Those of them that are wrong.
+    pub wrong: usize,
+    /// Folds with numbers that are not finite, of all.
+    pub not_finite: usize,
+}
+
+impl NetworkCheck {
+    /// Whether a way may be searched over the manifold.
+    pub fn is_passed(&self) -> bool {
+        self.not_finite == 0 && self.wrong as f64 <= MOST_WRONG * self.compared as f64
+    }
+}
+
+fn is_finite(fold: &Fold) -> bool {
+    let numbers = [
+        fold.angle,
+        fold.suspended_length,
+        fold.forces.horizontal,
+        fold.forces.vertical,
+    ];
+    numbers.iter().all(|number| number.is_finite())
+}
+
+fn is_near(fold: &Fold, exact: &Fold) -> bool {
+    let off = [
+        fold.force_inclination() - exact.force_inclination(),
+        fold.angle - exact.angle,
+        fold.suspended_length - exact.suspended_length,
+    ];
+    off.iter().all(|off| off.abs() <= TOLERANCE)
+}
+
 /// What the network says at a place, with V of the nearest exact fold, by distance over that from where the edge lay.
 fn fold(gripper: [f64; 2], learned: &LearnedFold, atlas: &FoldAtlas) -> Fold {
     let distance = |fold: &Fold| {
@@ -209,5 +271,44 @@ fn fold(gripper: [f64; 2], learned: &LearnedFold, atlas: &FoldAtlas) -> Fold {
             vertical,
         },
         moment: 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_manifold_of_wrong_folds_does_not_pass() {
+        let atlas = FoldAtlas::new();
+        let exact = ForceManifold::new(&atlas, 0.3, 5.0);
+        let check = NeuralFolds::check(&atlas, &exact);
+        assert!(check.compared > 20 && check.is_passed(), "{check:?}");
+        let [columns, rows] = exact.size();
+        let changed = |change: &dyn Fn(&mut Fold)| {
+            let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| [column, row]));
+            let folds = cells.map(|cell| {
+                let mut fold = *exact.fold(cell)?;
+                change(&mut fold);
+                Some(fold)
+            });
+            let manifold = ForceManifold::of(0.3, [columns, rows], folds.collect());
+            NeuralFolds::check(&atlas, &manifold)
+        };
+        let slightly = changed(&|fold| fold.angle += 0.02);
+        assert!(slightly.is_passed(), "{slightly:?}");
+        let off = changed(&|fold| fold.suspended_length += 0.5);
+        assert!(off.wrong == off.compared && !off.is_passed(), "{off:?}");
+        let forces = changed(&|fold| fold.forces.horizontal -= 5.0);
+        assert!(!forces.is_passed(), "{forces:?}");
+        // One number in a fold that is not compared is enough.
+        let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| [column, row]));
+        let second = cells.filter_map(|cell| exact.fold(cell)).nth(1).unwrap();
+        let one = changed(&|fold| {
+            if fold.gripper == second.gripper {
+                fold.angle = f64::NAN;
+            }
+        });
+        assert!(one.not_finite == 1 && !one.is_passed(), "{one:?}");
     }
 }

@@ -54,6 +54,7 @@ impl FoldedSheet {
                 position,
                 rotation: FoldPose::of(fold).orientation(),
                 grasp: None,
+                contact_demand: None,
             }
         });
         poses.collect()

@@ -46,7 +46,7 @@ pub use region::{
     FreeGrasp, GraspBound, GraspStretch, PlanarGrasp, SidewaysAnswer, free_grasps, grasp_region,
     rod_along_ray,
 };
-pub use solution::Grasp;
+pub use solution::{Grasp, contact_demand, force_of_pose};
 pub use solver::{GraspMethod, GraspSolver};
 pub use stability::TWIST_STIFFNESS;
 

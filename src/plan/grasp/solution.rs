@@ -4,7 +4,7 @@ use super::gauss::{RULE, STAGES};
 use super::interval::eliminate;
 use super::shape::Shape;
 use super::stability::unstable_modes;
-use super::{GraspProblem, Vector3};
+use super::{GraspProblem, Vector3, WEIGHT};
 use crate::mechanics::{Matrix3, UnitQuaternion};
 use nalgebra::Rotation3;
 
@@ -63,6 +63,47 @@ impl Grasp {
     /// The constraints of thesis Eq. 5.6: the rod stays above the table and presses on it at the contact node.
     pub fn is_feasible(&self) -> bool {
         self.lowest >= -TOUCH && self.contact_force.z >= 0.0
+    }
+}
+
+/// n_y(0) and n_z(0) of a rod that is held at a place with a rotation, without a moment at the gripper and without a force along the
+/// lying part; `None` where there is no such force.
+///
+/// The moments about the vertical through the contact node give x_M n_y(0) = κ̄, and of the suspended rod
+///
+/// > ½|M|² + n·t + (n·t)²/2k̄_s − z/2
+///
+/// does not change from the contact node, where it is ½κ̄², to the gripper.
+pub fn force_of_pose(
+    problem: &GraspProblem,
+    position: Vector3,
+    rotation: &UnitQuaternion,
+) -> Option<[f64; 2]> {
+    let tangent = rotation * Vector3::x();
+    let compliance = problem.stretch_compliance;
+    let integral = 0.5 * problem.curvature * problem.curvature + WEIGHT * position.z;
+    // q + q²/2k̄_s = integral, without a difference of nearly equal numbers.
+    let pull = 2.0 * integral / (1.0 + (1.0 + 2.0 * compliance * integral).sqrt());
+    let across = if problem.curvature == 0.0 {
+        0.0
+    } else {
+        problem.curvature / position.x
+    };
+    let up = (pull - across * tangent.y) / tangent.z - WEIGHT * problem.suspended_length;
+    (across.is_finite() && up.is_finite()).then_some([across, up])
+}
+
+/// The coefficient of friction that holds a lying rod at its contact node, where the suspended part exerts n(0) on it and the shear
+/// force of the lying part is −κ̄': the table bears the difference,
+///
+/// > |n_y(0) + κ̄'|/|n_z(0)|,
+///
+/// infinite where the suspended part does not press on the table. `curvature_slope` is κ̄' = κ' L_gb².
+pub fn contact_demand([across, up]: [f64; 2], curvature_slope: f64) -> f64 {
+    if up < 0.0 {
+        (across + curvature_slope).abs() / -up
+    } else {
+        f64::INFINITY
     }
 }
 
@@ -149,4 +190,33 @@ fn carried(director: Vector3, moments: &[Vector3; STAGES], h: f64) -> Vector3 {
         end += h * RULE.weights[k] * moments[k].cross(&stage);
     }
     end
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{GraspMethod, GraspSolver};
+    use super::*;
+
+    #[test]
+    fn the_force_at_the_contact_node_follows_from_the_pose_of_the_gripper() {
+        let mut solver = GraspSolver::new();
+        for length in [0.6, 3.0, 12.0, 60.0] {
+            for curvature in [0.0, 0.4, -1.7] {
+                for stiffness in [300.0, f64::INFINITY] {
+                    let problem = GraspProblem::new(length, curvature, stiffness).unwrap();
+                    let grasp = solver.solve(&problem, GraspMethod::Theory).unwrap();
+                    let [across, up] =
+                        force_of_pose(&problem, grasp.position, &grasp.rotation).unwrap();
+                    let off = grasp.contact_force + Vector3::new(0.0, across, up);
+                    assert!(off.norm() < 1e-6, "{problem}: {off}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_node_that_is_not_pressed_down_cannot_be_held() {
+        assert_eq!(contact_demand([0.3, -0.6], -0.1), 0.2 / 0.6);
+        assert_eq!(contact_demand([0.3, 0.1], 0.0), f64::INFINITY);
+    }
 }

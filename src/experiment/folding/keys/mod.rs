@@ -54,7 +54,11 @@ pub fn resolve(request: &Request<'_>) -> Option<Folding> {
     let crease = match &typed.crease {
         None => Crease::Half,
         Some(typed) if typed.is_word("half") => Crease::Half,
-        Some(typed) if typed.is_word("diagonal") => Crease::Diagonal,
+        Some(typed) if typed.is_word(Crease::DIAGONAL_STRIP) => Crease::Diagonal,
+        Some(typed) if typed.is_word("diagonal") => {
+            section.fault("crease", Crease::NO_DIAGONAL);
+            return None;
+        }
         Some(typed) => Crease::At(section.number("crease", typed, POSITIVE)),
     };
     let length_error = section.with_default("length_error", &typed.length_error, FINITE, 0.0);

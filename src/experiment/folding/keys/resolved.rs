@@ -42,17 +42,25 @@ pub struct Feedback {
 pub enum Crease {
     /// Onto the opposite edge.
     Half,
-    /// A corner onto the opposite one.
+    /// A corner onto the opposite one, of a strip of one width.
     Diagonal,
     /// So far, m.
     At(f64),
+}
+
+impl Crease {
+    /// The word for a fold along the diagonal.
+    pub const DIAGONAL_STRIP: &str = "diagonal-strip";
+    /// Why `diagonal` alone is refused.
+    pub const NO_DIAGONAL: &str = "a sheet that is folded along its diagonal is a triangle, whose stiffness and weight grow from the corner, \
+        and folds are computed for sheets of one width only; \"diagonal-strip\" takes a strip of one width in its place, as the thesis does";
 }
 
 impl Serialize for Crease {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
             Self::Half => serializer.serialize_str("half"),
-            Self::Diagonal => serializer.serialize_str("diagonal"),
+            Self::Diagonal => serializer.serialize_str(Self::DIAGONAL_STRIP),
             Self::At(target) => serializer.serialize_f64(*target),
         }
     }

@@ -11,8 +11,8 @@ use serde::Deserialize;
 pub struct Folding {
     /// The sheet. `scenarios/papers` has those of the thesis, to be taken over by `extends`.
     pub paper: Option<Paper>,
-    /// Where the edge goes: "half" (the default), onto the opposite edge; "diagonal", a corner of a square sheet onto the opposite one; or
-    /// how far (the thesis' C). The crease is pressed half way.
+    /// Where the edge goes: "half" (the default), onto the opposite edge; "diagonal-strip", a corner of a square sheet onto the
+    /// opposite one, of a strip of one width in place of the triangle; or how far (the thesis' C). The crease is pressed half way.
     pub crease: Option<Quantity<Length>>,
     /// How the way of the gripper is planned: "optimal" (the default, the least sum of λ of thesis Eq. 4.11), "least-friction" (the
     /// smallest friction demand), "held" (with as little moment at the gripper as the friction of the table needs), or the ways that the thesis
