@@ -163,6 +163,7 @@ impl Feasibility {
 mod tests {
     use super::super::{OptimalGrasps, Scheme, trajectory};
     use super::*;
+    use crate::plan::grasp::{GraspMethod, GraspSolver};
     use crate::plan::pattern::{Circle, Line};
 
     const GREEN: DeployedRod = DeployedRod {
@@ -180,24 +181,30 @@ mod tests {
 
     #[test]
     fn a_circle_asks_for_friction_at_its_contact_node() {
-        // Eq. 5.2 sees no friction along a circle but in its lead-in; a simulated rod slides at 0.12.
-        let circle = Pattern::new(Box::new(Circle { radius: 0.08 }), 0.0).unwrap();
+        // Eq. 5.2 sees no demand along a circle after its lead-in; a simulated rod slides at a friction of 0.12.
         let lead_in = lead_in_length(&GREEN, 12.5);
-        let asked = asked(&circle.with_lead_in(lead_in), Scheme::Optimal, 0.12);
+        let circle = || {
+            let circle = Pattern::new(Box::new(Circle { radius: 0.08 }), 0.0).unwrap();
+            circle.with_lead_in(lead_in)
+        };
+        let asked = asked(&circle(), Scheme::Optimal, 0.12);
         assert!((asked.largest_lying_demand - 0.1).abs() < 1e-3, "{asked:?}");
-        // x_M n_y = κ̄ and n_z of the grasp of a long rod of κ̄ = 0.4.
-        let grasp = crate::plan::grasp::GraspSolver::new()
-            .solve(
-                &GraspProblem::new(15.0, 0.4, GREEN.stretch_stiffness()).unwrap(),
-                crate::plan::grasp::GraspMethod::Theory,
-            )
+        // x_M n_y = κ̄ = 0.4 of a long rod; n_z is that of the grasp.
+        let problem = GraspProblem::new(15.0, 0.4, GREEN.stretch_stiffness()).unwrap();
+        let grasp = GraspSolver::new()
+            .solve(&problem, GraspMethod::Theory)
             .unwrap();
         let expected = 0.4 / grasp.position.x / grasp.contact_force.z;
+        let point = circle().at(GREEN.length - 15.0 * GREEN.gravito_bending_length);
+        let pose = trajectory(&[point], &GREEN, Scheme::Optimal, OptimalGrasps::Exact);
+        let demand = pose.unwrap()[0].contact_demand.unwrap();
         assert!(
-            asked.largest_demand >= expected && asked.largest_demand < 1.1 * expected,
-            "{asked:?} {expected}"
+            (demand / expected - 1.0).abs() < 1e-3,
+            "{demand} {expected}"
         );
-        assert!(asked.largest_demand_at_m > lead_in / 2.0);
+        assert!((demand - 0.228).abs() < 1e-3, "{demand}");
+        // Where the curvature of the lead-in grows, its shear force adds to that.
+        assert!(asked.largest_demand > demand && asked.largest_demand < 1.5 * demand);
         assert!(asked.share_above_friction.unwrap() > 0.5);
     }
 
