@@ -34,6 +34,8 @@ const MOST_PAIRS: u64 = 25_000_000;
 pub struct LinkingGuard {
     rods: Vec<ClosedRod>,
     seen: Linking,
+    /// Whether the contact model is a barrier.
+    is_barrier: bool,
     /// Step of the last look, and the number of steps before the next; `None` before the first.
     last: Option<[u64; 2]>,
 }
@@ -69,7 +71,8 @@ impl LinkingGuard {
                 held: rod.held,
             })
             .collect();
-        if scene.contact.is_none() || rods.iter().all(|rod| rod.held) {
+        let contact = scene.contact?;
+        if rods.iter().all(|rod| rod.held) {
             return None;
         }
         let segments = rods
@@ -92,6 +95,7 @@ impl LinkingGuard {
         Some(Self {
             rods,
             seen,
+            is_barrier: contact.is_barrier(),
             last: None,
         })
     }
@@ -115,7 +119,11 @@ impl LinkingGuard {
 
     /// What has changed since the last look, in a sentence.
     fn change(&self, now: &Linking, time: f64) -> Option<String> {
-        let advice = "cut the time step or use contact.model = \"ipc\"";
+        let advice = if self.is_barrier {
+            "take smaller time steps"
+        } else {
+            "take smaller time steps, or contact.model = \"ipc\""
+        };
         for (index, (before, now)) in self.seen.pairs.iter().zip(&now.pairs).enumerate() {
             if let Some(other) = (0..index).find(|&other| before[other] != now[other]) {
                 return Some(format!(

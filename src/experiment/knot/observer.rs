@@ -182,7 +182,7 @@ pub fn changed_knot(time: f64, expected: u64, found: Option<u64>) -> String {
         found.to_string()
     });
     format!(
-        "the knot changed before t = {time:.6} s: its determinant was {expected} and is {found}, so the rod passed through itself; cut the time step or use contact.model = \"ipc\""
+        "the knot changed before t = {time:.6} s: its determinant was {expected} and is {found}, so the rod passed through itself; take smaller time steps, or contact.model = \"ipc\" if it is another"
     )
 }
 

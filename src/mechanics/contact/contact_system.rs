@@ -297,7 +297,8 @@ impl ContactSystem {
             .plane_contacts
             .iter()
             .filter(|c| c.distance - c.threshold < reach);
-        let of_pairs = pairs.clone().map(|c| (c.candidate, c.normal_force));
+        // A slot has the size of a force, which its pair may count against others.
+        let of_pairs = pairs.clone().map(|c| (c.candidate, c.normal_force.abs()));
         let of_planes = planes
             .clone()
             .map(|c| (slots.over_plane(c.plane, c.node), c.normal_force));
@@ -361,12 +362,17 @@ impl ContactSystem {
     /// Steepest change of the friction of any contact with its slip speed in the last accepted step, N s/m; zero where
     /// friction is not smoothed.
     pub fn steepest_friction(&self) -> f64 {
+        let coefficient = self.largest_friction();
+        self.parameters.friction_slope(coefficient) * self.largest_normal_force()
+    }
+
+    /// Largest friction coefficient of rods, planes and obstacles.
+    pub fn largest_friction(&self) -> f64 {
         let planes = self.planes.iter().map(|plane| plane.friction);
         let obstacles = self.surface.obstacle_frictions().iter();
-        let coefficient = planes
+        planes
             .chain(obstacles.copied())
-            .fold(self.parameters.friction, f64::max);
-        self.parameters.friction_slope(coefficient) * self.largest_normal_force()
+            .fold(self.parameters.friction, f64::max)
     }
 
     /// Force Jacobians, one per element of [`Self::contacts`]; symmetric without friction.

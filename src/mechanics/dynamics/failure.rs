@@ -99,30 +99,6 @@ impl Failure {
         self
     }
 
-    /// What to try where steps fail so again and again.
-    pub fn advice(&self) -> &'static str {
-        match self {
-            Self::Newton(_) => {
-                "with friction, try a larger contact.slip_tolerance or contact.distance_tolerance; else smaller steps"
-            }
-            Self::Penetration { .. } => "try smaller steps, or contact.model = \"ipc\"",
-            Self::NoContactForces { .. } => "try contact.model = \"imc\" or \"ipc\"",
-            Self::NoDrag { .. } => "try longer edges, or smaller steps",
-            Self::Work {
-                forces: Forces::Elastic,
-                ..
-            } => {
-                "rods that turn need steps in which they turn by a tenth of a radian; step = \"auto\" finds them"
-            }
-            Self::Turn { .. } => {
-                "rods that snap need steps in which no edge turns by more than 2 rad; step = \"auto\" finds them"
-            }
-            Self::Work { .. } | Self::Crossing { .. } => {
-                "impacts need steps in which nodes move by about a radius; step = \"auto\" finds them"
-            }
-        }
-    }
-
     /// The error of a run whose step of a size (s) from `time` (s) fails so; `trial` is where Newton's method ended.
     pub fn into_error(
         self,
@@ -219,6 +195,30 @@ pub(super) fn no_equilibrium(
     trial: &[f64],
     divergence: &Divergence,
 ) -> SimulationError {
+    let advice = if system.loads.are_forces() {
+        "let the loads grow with time.mode = \"continuation\", or run dynamically with damping"
+    } else {
+        "run dynamically with damping"
+    };
+    not_found(system, trial, divergence, advice)
+}
+
+/// The error of a path of equilibria that ended at `trial`.
+pub(super) fn no_next_point(
+    system: &mut System,
+    trial: &[f64],
+    divergence: &Divergence,
+) -> SimulationError {
+    let advice = "try a smaller continuation.step and continuation.largest_step";
+    not_found(system, trial, divergence, advice)
+}
+
+fn not_found(
+    system: &mut System,
+    trial: &[f64],
+    divergence: &Divergence,
+    advice: &'static str,
+) -> SimulationError {
     let place = Place::of(system, trial, None, divergence.unknown);
     SimulationError::NoEquilibrium {
         iterations: divergence.iterations,
@@ -226,5 +226,6 @@ pub(super) fn no_equilibrium(
         term: place.term,
         rod: place.rod,
         node: place.node,
+        advice,
     }
 }

@@ -1,5 +1,6 @@
 //! The time step: predict, solve, repeat where that fails, accept.
 
+use super::advice::Means;
 use super::drag::FluidDrag;
 use super::exchange::AcceptedStep;
 use super::failure::Failure;
@@ -9,11 +10,12 @@ use super::scheme::largest_step;
 use super::stage::{Attempt, Setting, Workspace};
 use super::state::State;
 use super::step_control::{Decision, StepControl};
+use super::validity_memory::SmallSteps;
 use crate::mechanics::SceneError;
 use crate::mechanics::fluid::{FluidError, FluidModel};
 use crate::mechanics::scene::Scene;
 use crate::mechanics::system::System;
-use tracing::{debug, trace_span, warn};
+use tracing::{debug, trace_span};
 
 /// Factor by which the contact stiffness grows when a step ends with too much penetration.
 pub(super) const STIFFENING: f64 = 10.0;
@@ -25,8 +27,14 @@ const STIFFENINGS: usize = 3;
 
 /// Part of a step of the grid below which a step counts as far smaller than the one asked for.
 const SMALL_PART: f64 = 0.125;
-/// Such steps in a row after which a run says so.
+/// Such steps in a row after which a run warns.
 const SMALL_STEPS: usize = 100;
+
+/// Why a step failed.
+struct LastFailure {
+    reason: String,
+    advice: String,
+}
 
 /// Advances a state in time.
 pub(super) struct Integrator {
@@ -37,11 +45,11 @@ pub(super) struct Integrator {
     /// Steps far smaller than the one asked for since the last whole one.
     small_steps: usize,
     /// Why a step failed last, and what to try.
-    last_failure: String,
+    last_failure: Option<LastFailure>,
     /// Whether velocities of the last step ring.
     pub rings: bool,
-    /// What was said of small steps since it was last looked at.
-    pub said: Option<String>,
+    /// A row of steps far smaller than asked for, since this was last taken.
+    pub small_row: Option<SmallSteps>,
 }
 
 impl Integrator {
@@ -78,9 +86,9 @@ impl Integrator {
             },
             fluid,
             small_steps: 0,
-            last_failure: String::new(),
+            last_failure: None,
             rings: false,
-            said: None,
+            small_row: None,
         })
     }
 
@@ -199,7 +207,12 @@ impl Integrator {
                         reason = %failure,
                         "step rejected"
                     );
-                    self.last_failure = format!("{failure}; {}", failure.advice());
+                    let has_fluid = self.fluid.nodes() > 0;
+                    let means = Means::of(system, &self.setting.parameters, has_fluid);
+                    self.last_failure = Some(LastFailure {
+                        reason: failure.to_string(),
+                        advice: failure.advice(&means),
+                    });
                     if is_least {
                         return Err(self.give_up(system, state, step, failure));
                     }
@@ -256,22 +269,24 @@ impl Integrator {
         self.control.begin_again(maximum, harmless, spacing);
     }
 
-    /// Says once in a while that steps of a fixed grid stay far smaller than asked for, and what to try.
+    /// Notes that steps of a fixed grid stay far smaller than asked for, with the reason and what to try.
     fn watch_small_steps(&mut self, report: &StepReport) {
         let StepSize::Fixed(whole) = self.setting.parameters.step else {
             return;
         };
+        let Some(LastFailure { reason, advice }) = &self.last_failure else {
+            return;
+        };
         if report.step >= whole {
             self.small_steps = 0;
-        } else if report.step < SMALL_PART * whole && !self.last_failure.is_empty() {
+        } else if report.step < SMALL_PART * whole {
             self.small_steps += 1;
             if self.small_steps == SMALL_STEPS {
                 let message = format!(
-                    "at t = {:.6e} s: {SMALL_STEPS} steps have been far smaller than the {whole} s asked for, now {:.3e} s: {}",
-                    report.time, report.step, self.last_failure
+                    "at t = {:.6e} s: {SMALL_STEPS} steps have been far smaller than the {whole} s asked for, now {:.3e} s: {reason}",
+                    report.time, report.step
                 );
-                warn!("{message}");
-                self.said = Some(message);
+                self.small_row = Some(SmallSteps::first(message, advice.clone()));
             }
         }
     }

@@ -15,7 +15,9 @@
 //! | `equilibrium`, `path` | statics of the same scene |
 //! | `validity`, `validity_memory` | remarks on strains beyond the theory, on energy from nowhere, on steps far smaller than asked for |
 //! | `report`, `failure`, `observe` | what is reported, why a step fails, what can be seen |
+//! | `advice` | what to try where steps fail |
 
+mod advice;
 mod coupling;
 mod drag;
 mod equilibrium;

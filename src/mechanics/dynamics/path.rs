@@ -1,7 +1,7 @@
 //! Equilibria along a path.
 
 use super::Simulation;
-use super::failure::no_equilibrium;
+use super::failure::no_next_point;
 use super::report::SimulationError;
 use crate::mechanics::SceneError;
 use crate::mechanics::statics::{PathPlan, PathPoint, Tracer};
@@ -39,7 +39,7 @@ impl Simulation {
         tracer: &mut Tracer,
     ) -> Result<Option<PathPoint>, SimulationError> {
         let point = tracer.next(&mut self.system).map_err(|divergence| {
-            no_equilibrium(&mut self.system, &self.state.unknowns, &divergence)
+            no_next_point(&mut self.system, &self.state.unknowns, &divergence)
         })?;
         if let Some(point) = &point {
             self.state.time = point.parameter;

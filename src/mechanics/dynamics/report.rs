@@ -147,7 +147,7 @@ pub enum SimulationError {
     },
     /// Newton's method without inertia did not converge (exit code 3).
     #[error(
-        "no equilibrium found in {iterations} iterations: {}, largest in the {term} term at node {node} of rod `{rod}`; ramp the loads with a schedule, or run dynamically with damping", in_words(*residual)
+        "no equilibrium found in {iterations} iterations: {}, largest in the {term} term at node {node} of rod `{rod}`; {advice}", in_words(*residual)
     )]
     NoEquilibrium {
         /// Iterations spent.
@@ -160,6 +160,8 @@ pub enum SimulationError {
         rod: String,
         /// Node along that rod.
         node: usize,
+        /// What to try.
+        advice: &'static str,
     },
     /// A physics check failed: penetration or a number that is not finite (exit code 4).
     #[error("{0}")]

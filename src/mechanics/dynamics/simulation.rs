@@ -59,7 +59,7 @@ impl Simulation {
             system,
             state,
             integrator,
-            validity: Validity::new(scene),
+            validity: Validity::new(scene).with_steps(&parameters.step),
             published: Published {
                 positions: vec![Vector3::zeros(); nodes],
                 velocities: vec![Vector3::zeros(); nodes],
@@ -102,8 +102,8 @@ impl Simulation {
             if self.integrator.rings {
                 validity.note_ringing(report.time);
             }
-            if let Some(said) = self.integrator.said.take() {
-                validity.note_small_steps(said);
+            if let Some(row) = self.integrator.small_row.take() {
+                validity.note_small_steps(row);
             }
             self.validity = validity;
             let State {

@@ -54,7 +54,7 @@ fn a_rod_begins_with_the_velocities_of_a_rigid_body() {
     assert!((velocities[0] - Vector3::new(0.1, -2.8, 4.3)).norm() < 1e-14);
 }
 
-fn heavy_cantilever(edges: usize) -> Scene {
+pub(super) fn heavy_cantilever(edges: usize) -> Scene {
     Scene {
         rods: vec![straight_rod(edges, 1.0)],
         clamps: vec![clamp(0)],

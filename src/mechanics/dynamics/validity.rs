@@ -4,9 +4,9 @@
 //! Each is a warning in the log when it first happens, and a remark at the end with its largest size: the numbers are what
 //! the model gives, but not what a rod does.
 
-use super::parameters::Scheme;
+use super::parameters::{Scheme, StepSize};
 use super::report::{Energies, StepReport};
-use super::validity_memory::{Gain, LargeStrain, ValidityMemory};
+use super::validity_memory::{Gain, LargeStrain, SmallSteps, ValidityMemory};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::edge_distance;
 use crate::mechanics::scene::{Clamp, Load, LoadKind, RodDescription, Scene};
@@ -41,6 +41,8 @@ pub(super) struct Validity {
     sections: Vec<SectionScale>,
     /// Speed √(EA/ρA) of waves of stretching in each rod, m/s; infinite in those that are held.
     wave_speeds: Vec<f64>,
+    /// Whether steps are chosen by their error.
+    has_automatic_steps: bool,
     pub memory: ValidityMemory,
 }
 
@@ -95,6 +97,7 @@ impl Validity {
         Self {
             sections: scene.rods.iter().map(SectionScale::of).collect(),
             wave_speeds: scene.rods.iter().map(wave_speed).collect(),
+            has_automatic_steps: false,
             memory: ValidityMemory {
                 is_conservative: scene.fluid.is_none()
                     && scene.contact.is_none()
@@ -103,6 +106,21 @@ impl Validity {
                     && !scene.clamps.iter().any(turns),
                 ..ValidityMemory::default()
             },
+        }
+    }
+
+    /// The same with such steps.
+    pub fn with_steps(mut self, step: &StepSize) -> Self {
+        self.has_automatic_steps = matches!(step, StepSize::Auto { .. });
+        self
+    }
+
+    /// What to try where a scheme makes energy.
+    fn gaining(&self) -> &'static str {
+        if self.has_automatic_steps {
+            "the time steps are too large for this scheme; take a smaller time.tolerance, or time.scheme = \"implicit-euler\""
+        } else {
+            "the time step is too large for this scheme; take smaller steps, time.step = \"auto\", or time.scheme = \"implicit-euler\""
         }
     }
 
@@ -161,7 +179,7 @@ impl Validity {
         let contact = system.contact.as_ref()?;
         let mut fastest: Option<(f64, String)> = None;
         let of_rods =
-            |pair: &&crate::mechanics::contact::CandidatePair| contact.is_of_rod(pair.nodes[2]);
+            |pair: &&crate::mechanics::contact::CandidatePair| contact.is_of_rod(pair.nodes[3]);
         for pair in contact.candidates().iter().filter(of_rods) {
             let [a, b] = [pair.nodes[0], pair.nodes[2]].map(|node| system.assembly.locate(node).0);
             let radii = system.assembly.radii[a] + system.assembly.radii[b];
@@ -209,9 +227,16 @@ impl Validity {
         }
     }
 
-    /// Keeps what was said of steps that stay far smaller than asked for.
-    pub fn note_small_steps(&mut self, message: String) {
-        self.memory.small_steps.get_or_insert(message);
+    /// Warns of a row of steps far smaller than asked for, the first with its advice, and counts later ones.
+    pub fn note_small_steps(&mut self, row: SmallSteps) {
+        let known = &mut self.memory.small_steps;
+        match known.iter_mut().find(|known| known.advice == row.advice) {
+            Some(known) => known.rows += 1,
+            None => {
+                warn!("{}", row.in_words());
+                known.push(row);
+            }
+        }
     }
 
     /// After a step: looks now and then.
@@ -231,6 +256,7 @@ impl Validity {
         }
         self.check_strains(system, unknowns, time);
         // Implicit Euler takes energy and never gives any.
+        let advice = self.gaining();
         let memory = &mut self.memory;
         if scheme == Scheme::ImplicitEuler || !memory.is_conservative {
             return;
@@ -248,7 +274,7 @@ impl Validity {
             });
             if earlier.is_none() {
                 warn!(
-                    "at t = {time:.4} s the rods have gained {gain:.3e} J that nothing gave them, {:.0} % of their energy: {GAINING}",
+                    "at t = {time:.4} s the rods have gained {gain:.3e} J that nothing gave them, {:.0} % of their energy: {advice}",
                     100.0 * relative
                 );
             }
@@ -285,14 +311,16 @@ impl Validity {
         });
         let gain = memory.gain.map(|gain| {
             format!(
-                "from t = {:.4} s the rods gained energy that nothing gave them, up to {:.0} % of theirs: {GAINING}",
+                "from t = {:.4} s the rods gained energy that nothing gave them, up to {:.0} % of theirs: {}",
                 gain.since,
-                100.0 * gain.relative
+                100.0 * gain.relative,
+                self.gaining()
             )
         });
+        let small_steps = memory.small_steps.iter().map(SmallSteps::in_words);
         let ringing = (memory.ringing).map(|since| format!("from t = {since:.4e} s {RINGING}"));
-        let rest = [gain, ringing, memory.small_steps.clone()];
-        strains.into_iter().chain(rest).flatten().collect()
+        let found = strains.into_iter().chain([gain, ringing]).flatten();
+        found.chain(small_steps).collect()
     }
 }
 
@@ -305,4 +333,48 @@ fn wave_speed(rod: &RodDescription) -> f64 {
 
 const RINGING: &str = "drag exceeds inertia within a step, and the midpoint rule does not damp what its steps do not resolve: velocities \
      alternate from step to step about their mean; positions are right. Use scheme = \"backward-differences\"";
-const GAINING: &str = "the time step is too large for this scheme; take smaller steps, step = \"auto\", or scheme = \"implicit-euler\"";
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_log::Log;
+    use super::super::tests::heavy_cantilever;
+    use super::*;
+
+    #[test]
+    fn rows_of_small_steps_are_warned_of_once_for_each_advice_and_counted() {
+        let scene = heavy_cantilever(4);
+        let system = System::new(&scene).unwrap();
+        let mut validity = Validity::new(&scene);
+        let log = Log::default();
+        tracing::subscriber::with_default(log.clone(), || {
+            for k in 0..11 {
+                let message = format!("at t = {k} s: steps are small");
+                let advice = if k == 7 { "try that" } else { "try this" };
+                validity.note_small_steps(SmallSteps::first(message, advice.into()));
+            }
+        });
+        let warned = [
+            "at t = 0 s: steps are small; try this",
+            "at t = 7 s: steps are small; try that",
+        ];
+        assert_eq!(log.lines(), warned);
+        let remarked = [
+            "at t = 0 s: steps are small (the first of 10 times); try this",
+            "at t = 7 s: steps are small; try that",
+        ];
+        assert_eq!(validity.remarks(&system), remarked);
+    }
+
+    #[test]
+    fn automatic_steps_are_not_advised_where_they_are_in_use() {
+        let automatic = StepSize::Auto {
+            tolerance: 1e-2,
+            maximum: 1e-3,
+        };
+        let scene = heavy_cantilever(4);
+        for (step, offers) in [(StepSize::Fixed(1e-3), true), (automatic, false)] {
+            let validity = Validity::new(&scene).with_steps(&step);
+            assert_eq!(validity.gaining().contains("auto"), offers);
+        }
+    }
+}

@@ -24,6 +24,40 @@ pub struct Gain {
     pub since: f64,
 }
 
+/// Rows of steps far smaller than asked for, with the same advice.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SmallSteps {
+    /// When and why the first row was so small.
+    pub message: String,
+    /// What to try; empty where nothing is known to help.
+    pub advice: String,
+    /// Number of rows.
+    pub rows: usize,
+}
+
+impl SmallSteps {
+    /// The first row.
+    pub fn first(message: String, advice: String) -> Self {
+        Self {
+            message,
+            advice,
+            rows: 1,
+        }
+    }
+
+    /// All rows in one sentence.
+    pub fn in_words(&self) -> String {
+        let mut words = self.message.clone();
+        if self.rows > 1 {
+            words += &format!(" (the first of {} times)", self.rows);
+        }
+        if !self.advice.is_empty() {
+            words += &format!("; {}", self.advice);
+        }
+        words
+    }
+}
+
 /// What has been seen so far: part of the state that checkpoints hold.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ValidityMemory {
@@ -47,6 +81,6 @@ pub struct ValidityMemory {
     pub gain: Option<Gain>,
     /// Since when velocities have rung, s.
     pub ringing: Option<f64>,
-    /// What was said of steps far smaller than asked for.
-    pub small_steps: Option<String>,
+    /// Steps far smaller than asked for, one entry for each advice.
+    pub small_steps: Vec<SmallSteps>,
 }

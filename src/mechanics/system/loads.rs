@@ -66,6 +66,11 @@ pub struct EdgeMoment {
 }
 
 impl Loads {
+    /// Whether any of them is a force or a moment.
+    pub fn are_forces(&self) -> bool {
+        !self.dead.is_empty() || !self.moments.is_empty()
+    }
+
     /// Resolves the loads of a scene to the unknowns of its rods.
     ///
     /// # Errors
