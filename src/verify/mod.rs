@@ -27,6 +27,7 @@ mod overdamped;
 mod page;
 mod rods;
 mod scenario;
+mod sleeve;
 mod slides;
 mod spatial_rods;
 mod springs;

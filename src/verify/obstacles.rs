@@ -4,7 +4,7 @@
 use super::friction::leg_tensions;
 use super::scenario::simulation;
 use super::theory::friction::Capstan;
-use super::{Check, Expectation, GroupError, tube_buckling};
+use super::{Check, Expectation, GroupError, sleeve, tube_buckling};
 use crate::mechanics::Vector3;
 use std::f64::consts::PI;
 use std::fmt::Write;
@@ -53,6 +53,7 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     }
     checks.extend(lifted_beam()?);
     checks.extend(tube_buckling::checks()?);
+    checks.extend(sleeve::checks()?);
     Ok(checks)
 }
 

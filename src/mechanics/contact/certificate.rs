@@ -12,6 +12,7 @@
 //!
 //! Planes need no more than the ends: the distance of a node from a plane is linear in time. Faces of obstacles are passed by a
 //! node that is on the other side of their plane in the end and was within their edges as it met it; a tube is convex, so that what is inside at both ends was so in between.
+//! What has felt the rim of a tube keeps its distance from it.
 
 use super::closest_points::ClosestPoints;
 use super::contact_system::ContactSystem;
@@ -19,6 +20,7 @@ use super::contacts::{CandidatePair, TUBE};
 use super::continuous_collision::fraction_beyond;
 use super::foot::crossing;
 use super::proximity::ContactPair;
+use super::rim::{RimPoint, fraction_beyond_rim};
 use crate::mechanics::Vector3;
 
 /// Part of the least distance allowed at the ends of a step that centrelines keep within it. Zero would be enough to tell
@@ -66,9 +68,23 @@ impl ContactSystem {
         if pair.is_with_face() {
             return crossing(&nodes, &ends).map(|_| ContactPair::Edges(pair.edges));
         }
+        if pair.is_with_rim() {
+            let (before, after) = (
+                self.obstacles.points_at_start(start),
+                self.obstacles.points(end),
+            );
+            let rims = [before, after].map(|points| self.surface.rim_of(pair, &points));
+            RimPoint::of(pair.side, &nodes, &rims[0])?;
+            let threshold = self.surface.threshold(pair.edges);
+            let kept = KEPT_PART * (1.0 - self.parameters.maximum_penetration) * threshold;
+            let (paths, rims) = ([&nodes, &ends], [&rims[0], &rims[1]]);
+            let bounds = [kept, TOLERANCE * kept];
+            let fraction = fraction_beyond_rim(pair.side, paths, rims, bounds, 1.0);
+            return (fraction < 1.0).then_some(ContactPair::Edges(pair.edges));
+        }
         if pair.side == TUBE {
-            let wall = -self.surface.core(pair.edges);
-            let [before, after] = [nodes, ends].map(|nodes| ClosestPoints::in_tube(&nodes));
+            let wall = -self.surface.core(pair);
+            let [before, after] = [nodes, ends].map(|nodes| ClosestPoints::within_tube(&nodes));
             let is_inside = |closest: ClosestPoints| -closest.distance() < wall;
             let passes = before.is_some_and(is_inside) && after.is_some_and(|at| !is_inside(at));
             return passes.then_some(ContactPair::Edges(pair.edges));
@@ -76,7 +92,7 @@ impl ContactSystem {
         let displacements = std::array::from_fn(|k| ends[k] - nodes[k]);
         let threshold = self.surface.threshold(pair.edges);
         let kept = KEPT_PART * (1.0 - self.parameters.maximum_penetration) * threshold;
-        let least = [self.surface.core(pair.edges) + kept, TOLERANCE * kept];
+        let least = [self.surface.core(pair) + kept, TOLERANCE * kept];
         let fraction = fraction_beyond(&nodes, &displacements, least, 1.0);
         (fraction < 1.0).then_some(ContactPair::Edges(pair.edges))
     }

@@ -127,9 +127,14 @@ impl ClosestPoints {
     /// The point of an axis (`nodes[2]`, `nodes[3]`) that is nearest to a point within a tube around it, which is given twice;
     /// `None` beyond the ends of the tube and on the axis, where there is no direction to its wall.
     pub fn in_tube(nodes: &[Vector3; 4]) -> Option<Self> {
+        let closest = Self::within_tube(nodes);
+        closest.filter(|closest| closest.separation != Vector3::zeros())
+    }
+
+    /// The same on the axis, too, where there is a distance but no normal.
+    pub fn within_tube(nodes: &[Vector3; 4]) -> Option<Self> {
         let closest = Self::of_parallel_edges(nodes);
-        let has_wall = closest.free[1] && closest.separation != Vector3::zeros();
-        has_wall.then_some(Self {
+        closest.free[1].then_some(Self {
             inside: true,
             ..closest
         })
@@ -273,6 +278,9 @@ mod tests {
         assert_eq!(found.weights(), [1.0, 0.0, -0.75, -0.25]);
         assert_eq!(at(0.2, 2.5), None, "beyond its end");
         assert_eq!(at(0.0, 0.5), None, "on its axis");
+        let on_axis = Vector3::z() * 0.5;
+        let found = ClosestPoints::within_tube(&[on_axis, on_axis, start, end]).unwrap();
+        assert_eq!(found.distance(), 0.0);
     }
 
     #[test]

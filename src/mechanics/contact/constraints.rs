@@ -41,16 +41,19 @@ impl ContactSystem {
         let points = self.obstacles.points(positions);
         let pairs = self.candidates.pairs().iter().zip(self.candidates.gaps());
         for (candidate, (pair, last_gap)) in pairs.enumerate() {
+            if pair.sign() < 0.0 {
+                continue; // rigid contacts share their force as they like
+            }
             let is_known = is_known((false, candidate, 0));
             let farthest = largest_relative_motion(pair, motions);
             if !is_known && last_gap - approach(pair, &self.motion) >= farthest + slack {
                 continue;
             }
-            let Some(nearest) = NearestPoints::of(pair, &points.of(pair.nodes), 0.0) else {
+            let Some(nearest) = NearestPoints::of(&self.surface, pair, &points, 0.0) else {
                 continue;
             };
             let threshold = self.surface.threshold(pair.edges);
-            let gap = nearest.distance() - self.surface.core(pair.edges) - threshold;
+            let gap = nearest.distance() - self.surface.core(pair) - threshold;
             let normal = nearest.normal();
             let closing = largest_approach(pair, motions, &normal) + SIDEWAYS * farthest;
             let may_touch = is_known || gap < closing + slack;
@@ -182,24 +185,36 @@ impl ContactSystem {
     /// `distance`, which grows as edges turn through parallel.
     pub fn turning(&self, constraint: &ContactConstraint, positions: &[Vector3]) -> EdgeJacobian {
         let mut jacobian = [[0.0; 12]; 12];
-        if let Bodies::Edges(candidate) = constraint.bodies
-            && let nodes = self.obstacles.points(positions).of(constraint.nodes)
-            && let pair = &self.candidates.pairs()[candidate]
-            && let Some(NearestPoints::Edges(closest)) = NearestPoints::of(pair, &nodes, 0.0)
-        {
-            let distance = DistanceDerivatives::of(&nodes, &closest);
-            let force = constraint.force;
-            let pressure = force.dot(&constraint.normal);
-            for (row, entries) in jacobian.iter_mut().enumerate() {
-                let (node, axis) = (row / 3, row % 3);
-                let (weight, rate) = (distance.weights[node], WEIGHT_RATES[node]);
-                let (turn, moved) = (
-                    &distance.normal_jacobian[axis],
-                    &distance.ratio_gradients[node / 2],
-                );
-                for (column, entry) in entries.iter_mut().enumerate() {
-                    *entry = pressure * weight * turn[column] + force[axis] * rate * moved[column];
+        let Bodies::Edges(candidate) = constraint.bodies else {
+            return jacobian;
+        };
+        let pair = &self.candidates.pairs()[candidate];
+        let points = self.obstacles.points(positions);
+        // ∂n and, node by node, w, a and ∂β.
+        let (turns, weights, rates, moves) =
+            match NearestPoints::of(&self.surface, pair, &points, 0.0) {
+                Some(NearestPoints::Edges(closest)) => {
+                    let distance = DistanceDerivatives::of(&points.of(constraint.nodes), &closest);
+                    let [first, second] = distance.ratio_gradients;
+                    let moves = [first, first, second, second];
+                    let turns = distance.normal_jacobian;
+                    (turns, distance.weights, WEIGHT_RATES, moves)
                 }
+                Some(NearestPoints::Rim(point)) => {
+                    let derivatives = point.derivatives();
+                    let (weights, rates) = (point.all_weights(), point.all_rates());
+                    (derivatives.normal, weights, rates, [derivatives.ratio; 4])
+                }
+                _ => return jacobian,
+            };
+        let force = constraint.force;
+        let pressure = force.dot(&constraint.normal);
+        for (row, entries) in jacobian.iter_mut().enumerate() {
+            let (node, axis) = (row / 3, row % 3);
+            let (weight, rate) = (weights[node], rates[node]);
+            for (column, entry) in entries.iter_mut().enumerate() {
+                *entry = pressure * weight * turns[axis][column]
+                    + force[axis] * rate * moves[node][column];
             }
         }
         jacobian

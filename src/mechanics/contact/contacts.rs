@@ -23,6 +23,16 @@ pub(super) struct Linearised<J> {
 pub(super) const EDGE: i8 = 0;
 /// Side of a pair of a node and the axis of a tube around it; the node stands twice among the four.
 pub(super) const TUBE: i8 = 2;
+/// Side of a pair of a piece of a rod around a node and the rim of a tube; of the piece before the middle of the first edge, and of that
+/// behind the middle of the last: three nodes, then the centre of the rim.
+pub(super) const RIM: i8 = 3;
+pub(super) const RIM_START: i8 = 4;
+pub(super) const RIM_END: i8 = 5;
+/// Side of a pair that counts against those with the same rim: of the middle of an edge where two pieces meet, by the first two and by the
+/// last two of its nodes, and of a node in the tube, which stands three times.
+pub(super) const RIM_JOINT: i8 = 6;
+pub(super) const RIM_JOINT_END: i8 = 7;
+pub(super) const RIM_NODE: i8 = 8;
 
 /// A pair of edges, or of an edge of a rod and a part of an obstacle, that may touch before the candidates are next updated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -31,10 +41,10 @@ pub struct CandidatePair {
     /// counted on from there.
     pub edges: [usize; 2],
     /// The nodes x_i, x_{i+1}, x_j, x_{j+1}; of a face the node of the rod and the three
-    /// vertices, of a tube the node twice and the ends of the axis.
+    /// vertices, of a tube the node twice and the ends of the axis, of a rim three nodes of the rod and the end of the axis.
     pub nodes: [usize; 4],
-    /// What the second body is to the first: 0 for an edge, 2 for a tube around it, or the side of a face on which the node is, 1 or
-    /// −1.
+    /// What the second body is to the first: 0 for an edge, 2 for a tube around it, 3 to 8 for its rim, or the side of a face on which
+    /// the node is, 1 or −1.
     pub side: i8,
 }
 
@@ -43,18 +53,39 @@ impl CandidatePair {
     pub(super) fn first_body(&self) -> usize {
         match self.side {
             EDGE | TUBE => 2,
+            RIM_NODE => 1,
+            _ if self.is_with_rim() => 3,
             _ => 1,
         }
     }
 
     /// Whether the first body is a single node: over a face or in a tube.
     pub fn is_of_node(&self) -> bool {
-        self.side != EDGE
+        matches!(self.side, TUBE | RIM_NODE) || self.is_with_face()
+    }
+
+    /// Whether the first body has three nodes.
+    pub fn is_of_piece(&self) -> bool {
+        self.first_body() == 3
     }
 
     /// Whether the second body is a face.
     pub(super) fn is_with_face(&self) -> bool {
-        !matches!(self.side, EDGE | TUBE)
+        matches!(self.side, -1 | 1)
+    }
+
+    /// Whether the second body is the rim of a tube.
+    pub(super) fn is_with_rim(&self) -> bool {
+        (RIM..=RIM_NODE).contains(&self.side)
+    }
+
+    /// 1, or −1 for a pair that counts against others so that nothing counts twice: see [`super::rim`].
+    pub(super) fn sign(&self) -> f64 {
+        if (RIM_JOINT..=RIM_NODE).contains(&self.side) {
+            -1.0
+        } else {
+            1.0
+        }
     }
 }
 
@@ -71,11 +102,11 @@ pub struct ActiveContact {
     pub threshold: f64,
     /// Normal, from the second edge to the first; of unit length, but shorter by some 1e-5 where closest points are smoothed.
     pub normal: Vector3,
-    /// Normal force of one edge on the other per length of the normal, N.
+    /// Normal force of one edge on the other per length of the normal, N; negative for a pair that counts against others.
     pub normal_force: f64,
     /// Force on the four nodes, friction included, N.
     pub force: [f64; 12],
-    /// Nodes of the first body among the four: two of an edge, one over a face.
+    /// Nodes of the first body among the four: two of an edge, one over a face, three on a rim.
     pub first_body: usize,
 }
 

@@ -31,7 +31,7 @@ impl ContactSystem {
 
     /// Those of some candidates that are of two rods and not coupled yet.
     fn uncoupled(&self, candidates: impl Iterator<Item = usize>) -> Vec<usize> {
-        let is_of_rods = |one: &usize| self.is_of_rod(self.candidates.pairs()[*one].nodes[2]);
+        let is_of_rods = |one: &usize| self.is_of_rod(self.candidates.pairs()[*one].nodes[3]);
         let is_new = |one: &usize| self.coupled_pairs().binary_search(one).is_err();
         candidates.filter(is_of_rods).filter(is_new).collect()
     }

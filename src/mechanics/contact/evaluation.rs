@@ -12,6 +12,7 @@ use super::nearest_points::NearestPoints;
 use super::normal_law::NormalLaw;
 use super::normal_response::NormalResponse;
 use super::plane_contact::{NodeSliding, plane_force, plane_jacobian};
+use super::rim::rim_jacobian;
 use super::surface::ContactNode;
 use super::tractions::LinearTraction;
 use crate::mechanics::Vector3;
@@ -57,6 +58,8 @@ struct TouchingPair {
     traction: Vector3,
     /// Force on the four nodes, N.
     force: [f64; 12],
+    /// −1 where it counts against others.
+    sign: f64,
 }
 
 /// What the linearised laws of a contact begin with.
@@ -145,10 +148,10 @@ impl ContactSystem {
             let nodes = points.of(pair.nodes);
             let threshold = self.surface.threshold(pair.edges);
             let smoothing = parameters.smoothing(threshold);
-            let Some(nearest) = NearestPoints::of(&pair, &nodes, smoothing) else {
+            let Some(nearest) = NearestPoints::of(&self.surface, &pair, &points, smoothing) else {
                 continue;
             };
-            let core = self.surface.core(pair.edges);
+            let core = self.surface.core(&pair);
             let gap = nearest.distance() - core - threshold - self.standoff(&pair);
             if !loaded && gap >= reach {
                 continue;
@@ -157,10 +160,13 @@ impl ContactSystem {
             if self.surface.is_at_reflex_edge(&pair, &normal, &points) {
                 continue;
             }
-            let stiffness = self.stiffness_between(pair.nodes[0], pair.nodes[2]);
+            let stiffness = self.stiffness_between(pair.nodes[0], pair.nodes[3]);
             let scale = self.surface.law_scale(pair.edges);
             let law = NormalLaw::new(&parameters, scale, stiffness);
             let response = law.response(self.counted_gap(gap));
+            if pair.sign() < 0.0 && !response.energy.is_finite() {
+                continue; // so is what it counts against, beyond a barrier
+            }
             let coefficient = self.surface.friction_between(pair.edges);
             let friction = motion.friction(
                 coefficient.unwrap_or(parameters.friction),
@@ -175,7 +181,8 @@ impl ContactSystem {
                 slip(&normal, &sliding.relative_velocity(&weights))
             });
             let traction = friction.map_or_else(Vector3::zeros, |law| law.traction_of_slip(&slip));
-            let force = contact_force(&weights, &normal, response.force, &traction);
+            let sign = pair.sign();
+            let force = contact_force(&weights, &normal, sign * response.force, &traction);
             self.contacts.push(ActiveContact {
                 candidate,
                 nodes: pair.nodes,
@@ -186,7 +193,7 @@ impl ContactSystem {
                 },
                 threshold,
                 normal,
-                normal_force: response.force,
+                normal_force: sign * response.force,
                 force,
                 first_body: pair.first_body(),
             });
@@ -203,10 +210,11 @@ impl ContactSystem {
                     slip,
                     traction,
                     force,
+                    sign,
                 });
             }
-            self.energy += response.energy;
-            self.contact_count += usize::from(gap < tolerance);
+            self.energy += sign * response.energy;
+            self.contact_count += usize::from(gap < tolerance && sign > 0.0);
         }
     }
 
@@ -247,7 +255,7 @@ impl ContactSystem {
         let turns = !carries || self.iterate.moved_slightly || is_known;
         let second = self.candidates.pairs()[slot].edges[1];
         let is_at_obstacle = self.surface.obstacle_of(second).is_some();
-        let linearised = match &pair.nearest {
+        let mut linearised = match &pair.nearest {
             NearestPoints::Edges(closest) => edge_jacobian(
                 &pair.nodes,
                 closest,
@@ -265,7 +273,15 @@ impl ContactSystem {
                 let sliding = sliding.as_ref().map(|sliding| (sliding, friction.slip));
                 of_first_node(plane_jacobian(&normal, &pressure.tangent, sliding))
             }
+            NearestPoints::Rim(point) => {
+                let sliding = sliding.map(|sliding| (sliding, friction.slip));
+                rim_jacobian(point, &pressure.tangent, sliding, turns)
+            }
         };
+        if pair.sign < 0.0 {
+            let entries = linearised.jacobian.as_flattened_mut();
+            entries.iter_mut().for_each(|entry| *entry = -*entry);
+        }
         self.jacobians.push(linearised.jacobian);
         if carries {
             let rods = if is_at_obstacle { 1 } else { 2 };
@@ -279,7 +295,7 @@ impl ContactSystem {
             &pressure,
             &friction,
             pair.force,
-            |force, traction| contact_force(&weights, &normal, force, traction),
+            |force, traction| contact_force(&weights, &normal, pair.sign * force, traction),
         ));
     }
 

@@ -9,6 +9,7 @@
 //! | `broad_phase`, `candidates` | pairs of edges that may touch, kept over many steps |
 //! | `closest_points`, `distance` | centreline distance Δ of two edges and its derivatives (thesis Eqs. 2.3–2.6) |
 //! | `inside` | what lies within a closed obstacle |
+//! | `rim` | the rims of tubes |
 //! | `reflex_edge` | edges in valleys of a mesh, which are not felt |
 //! | `nearest_points` | the same of two edges, or of a node and a face |
 //! | `parameters` | the contact model and its numbers |
@@ -59,6 +60,9 @@ mod potential;
 mod proximity;
 mod reflex_edge;
 mod rest_gap;
+mod rim;
+#[cfg(test)]
+mod rim_tests;
 mod slots;
 mod step_bound;
 mod stiffness;

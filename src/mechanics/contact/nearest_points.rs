@@ -4,6 +4,7 @@ use super::closest_points::ClosestPoints;
 use super::contact_system::ContactSystem;
 use super::contacts::{CandidatePair, EDGE, TUBE};
 use super::foot::{Foot, Points};
+use super::rim::RimPoint;
 use super::surface::ContactSurface;
 use crate::mechanics::Vector3;
 
@@ -14,16 +15,27 @@ pub(super) enum NearestPoints {
     Edges(ClosestPoints),
     /// A node, and its foot on a face.
     Face(Foot),
+    /// A piece of a rod, and the rim of a tube.
+    Rim(RimPoint),
 }
 
 impl NearestPoints {
-    /// Those of a pair whose nodes are at `points`, smoothed over parallel edges by c (m²); `None` where the node of a pair
-    /// with a face is not over it, or not within the ends of a tube.
-    pub fn of(pair: &CandidatePair, points: &[Vector3; 4], smoothing: f64) -> Option<Self> {
+    /// Those of a pair at `points`, smoothed over parallel edges by c (m²); `None` where the node of a pair with a face is not over
+    /// it, or not within the ends of a tube, and where a rim is not felt.
+    pub fn of(
+        surface: &ContactSurface,
+        pair: &CandidatePair,
+        points: &Points,
+        smoothing: f64,
+    ) -> Option<Self> {
+        let nodes = points.of(pair.nodes);
         match pair.side {
-            EDGE => Some(Self::Edges(ClosestPoints::smoothed(points, smoothing))),
-            TUBE => ClosestPoints::in_tube(points).map(Self::Edges),
-            side => Foot::of(points, f64::from(side)).map(Self::Face),
+            EDGE => Some(Self::Edges(ClosestPoints::smoothed(&nodes, smoothing))),
+            TUBE => ClosestPoints::in_tube(&nodes).map(Self::Edges),
+            side if pair.is_with_rim() => {
+                RimPoint::of(side, &nodes, &surface.rim_of(pair, points)).map(Self::Rim)
+            }
+            side => Foot::of(&nodes, f64::from(side)).map(Self::Face),
         }
     }
 
@@ -32,6 +44,7 @@ impl NearestPoints {
         match self {
             Self::Edges(closest) => closest.distance(),
             Self::Face(foot) => foot.distance,
+            Self::Rim(point) => point.distance(),
         }
     }
 
@@ -40,6 +53,7 @@ impl NearestPoints {
         match self {
             Self::Edges(closest) => closest.weights(),
             Self::Face(foot) => foot.all_weights(),
+            Self::Rim(point) => point.all_weights(),
         }
     }
 
@@ -48,19 +62,20 @@ impl NearestPoints {
         match self {
             Self::Edges(closest) => closest.normal(),
             Self::Face(foot) => foot.normal,
+            Self::Rim(point) => point.normal(),
         }
     }
 }
 
 /// Distance of the centrelines of two rods, or of that of a rod from the surface of an obstacle, m; `None` where a node is not
-/// over its face, or not within the ends of its tube.
+/// over its face, or not within the ends of its tube, and where a rim is not felt.
 pub(super) fn separation(
     surface: &ContactSurface,
     pair: &CandidatePair,
     points: &Points,
 ) -> Option<f64> {
-    let nearest = NearestPoints::of(pair, &points.of(pair.nodes), 0.0)?;
-    Some(nearest.distance() - surface.core(pair.edges))
+    let nearest = NearestPoints::of(surface, pair, points, 0.0)?;
+    Some(nearest.distance() - surface.core(pair))
 }
 
 impl ContactSystem {

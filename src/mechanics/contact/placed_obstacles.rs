@@ -5,8 +5,9 @@
 //! rod, whether the mesh moves or not.
 
 use super::closest_points::{ClosestPoints, edge_distance};
-use super::contacts::{CandidatePair, EDGE, TUBE};
+use super::contacts::{CandidatePair, EDGE, RIM_NODE, TUBE};
 use super::foot::{Foot, Points};
+use super::rim::{RimPoint, RodPiece, pieces_of};
 use super::surface::{ContactFace, ContactNode, ContactSurface};
 use crate::mechanics::Vector3;
 use crate::mechanics::rigid_body::RigidBody;
@@ -21,6 +22,8 @@ pub(super) struct PlacedObstacles {
     vertices: Vec<Vector3>,
     vertices_at_start: Vec<Vector3>,
     placed: Vec<Placed>,
+    /// Pieces of rods that may touch the rim of a tube; none without tubes.
+    pieces: Vec<RodPiece>,
     /// Whether one has moved since the candidates were built.
     pub moved: bool,
 }
@@ -48,6 +51,9 @@ impl PlacedObstacles {
     /// The obstacles of a surface at time zero.
     pub fn new(surface: &ContactSurface) -> Self {
         let mut all = Self::default();
+        if surface.obstacles().iter().any(|obstacle| obstacle.hollow) {
+            all.pieces = pieces_of(surface);
+        }
         let (mut first_edge, mut first_face) = (surface.rod_edges().len(), 0);
         for obstacle in surface.obstacles() {
             let box_of = |corners: &[usize]| {
@@ -172,6 +178,7 @@ impl PlacedObstacles {
             }
             if obstacle.hollow {
                 placed.find_in_tube(surface, obstacle, &points, clearance, found);
+                placed.find_at_rims(surface, &self.pieces, &points, clearance, found);
             }
             if obstacle.faces.is_empty() {
                 continue;
@@ -229,6 +236,8 @@ impl PlacedObstacles {
             if obstacle.hollow {
                 let nodes = surface.nodes().iter();
                 found.extend(nodes.map(|node| placed.pair_in_tube(surface, node)));
+                let pairs = placed.pairs_at_rims(surface, &self.pieces);
+                found.extend(pairs.filter(|pair| pair.sign() > 0.0));
             }
             if obstacle.faces.is_empty() {
                 continue;
@@ -271,6 +280,49 @@ impl Placed {
         }
     }
 
+    /// All pairs of a rod and a rim of the tube.
+    fn pairs_at_rims<'a>(
+        &self,
+        surface: &'a ContactSurface,
+        pieces: &'a [RodPiece],
+    ) -> impl Iterator<Item = CandidatePair> + use<'a> {
+        let tube = self.first_edge;
+        let pieces = pieces
+            .iter()
+            .map(|piece| (piece.edge, piece.nodes, piece.side));
+        let nodes = surface.nodes().iter();
+        let nodes = nodes.filter(move |node| !surface.is_ball(node.edge));
+        let nodes = nodes.map(|node| (node.edge, [node.node; 3], RIM_NODE));
+        let ends = surface.edges()[tube].nodes;
+        pieces
+            .chain(nodes)
+            .flat_map(move |(edge, [a, b, c], side)| {
+                ends.map(|end| CandidatePair {
+                    edges: [edge, tube],
+                    nodes: [a, b, c, end],
+                    side,
+                })
+            })
+    }
+
+    /// Adds the pieces of rods that are near a rim of the tube, on whatever side of it.
+    fn find_at_rims(
+        &self,
+        surface: &ContactSurface,
+        pieces: &[RodPiece],
+        points: &Points,
+        clearance: f64,
+        found: &mut Vec<(CandidatePair, f64)>,
+    ) {
+        for pair in self.pairs_at_rims(surface, pieces) {
+            let rim = surface.rim_of(&pair, points);
+            let point = RimPoint::nearest(pair.side, &points.of(pair.nodes), &rim);
+            if point.distance() < surface.threshold(pair.edges) + clearance {
+                found.push((pair, point.distance()));
+            }
+        }
+    }
+
     /// Adds the nodes in a tube that are near its wall. What is outside passes by.
     fn find_in_tube(
         &self,
@@ -282,7 +334,7 @@ impl Placed {
     ) {
         for node in surface.nodes() {
             let pair = self.pair_in_tube(surface, node);
-            let Some(closest) = ClosestPoints::in_tube(&points.of(pair.nodes)) else {
+            let Some(closest) = ClosestPoints::within_tube(&points.of(pair.nodes)) else {
                 continue;
             };
             let distance = closest.distance() + tube.radius;

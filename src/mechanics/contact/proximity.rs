@@ -202,7 +202,12 @@ impl ContactSystem {
         BroadPhase::default().find(self.surface(), positions, clearance, &mut found);
         self.obstacles
             .find(self.surface(), positions, clearance, &mut found);
-        let edges = found.iter().map(|(pair, distance)| Proximity {
+        // A rim is near what passes by outside of the tube, too, which does not feel it.
+        let is_felt = |pair: &CandidatePair| {
+            !pair.is_with_rim() || self.separation(pair, positions).is_some()
+        };
+        let found = found.iter().filter(|(pair, _)| is_felt(pair));
+        let edges = found.map(|(pair, distance)| Proximity {
             pair: ContactPair::Edges(pair.edges),
             distance: *distance,
             threshold: self.surface().threshold(pair.edges) + self.standoff(pair),

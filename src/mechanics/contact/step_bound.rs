@@ -6,6 +6,7 @@ use super::contact_system::ContactSystem;
 use super::contacts::{EDGE, TUBE};
 use super::continuous_collision::{KEPT_GAP, safe_fraction};
 use super::foot::Foot;
+use super::rim::safe_fraction_at_rim;
 use crate::mechanics::Vector3;
 
 /// Most times that the candidates are built on one path. Every time the nodes may move by a radius of the
@@ -87,10 +88,17 @@ impl ContactSystem {
                 }
                 let of_node = |node: usize| displacements.get(node).copied();
                 let moves = pair.nodes.map(|node| of_node(node).unwrap_or_default());
-                let touch = self.surface.core(pair.edges) + self.surface.threshold(pair.edges);
+                let touch = self.surface.core(pair) + self.surface.threshold(pair.edges);
                 fraction = match pair.side {
                     EDGE => safe_fraction(&nodes, &moves, touch + standoff, fraction),
                     TUBE => safe_fraction_in_tube(&nodes, &moves[0], touch, fraction),
+                    // What counts against others is no nearer than they are.
+                    _ if pair.sign() < 0.0 => fraction,
+                    side if pair.is_with_rim() => {
+                        let rim = self.surface.rim_of(pair, &points);
+                        let bounds = [touch, KEPT_GAP];
+                        safe_fraction_at_rim(side, &nodes, &moves, &rim, bounds, fraction)
+                    }
                     side => {
                         let side = f64::from(side);
                         safe_fraction_over_face(&nodes, &moves[0], side, touch, fraction)
@@ -129,7 +137,7 @@ fn safe_fraction_in_tube(
     touch: f64,
     longest: f64,
 ) -> f64 {
-    let Some(closest) = ClosestPoints::in_tube(nodes) else {
+    let Some(closest) = ClosestPoints::within_tube(nodes) else {
         return longest;
     };
     let gap = (closest.distance() - touch).max(0.0);

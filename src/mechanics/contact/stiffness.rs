@@ -65,7 +65,7 @@ impl ContactSystem {
 
     /// Makes all contacts of the last evaluation stiffer, by this factor at least.
     pub fn stiffen(&mut self, factor: f64) {
-        let pairs = self.contacts.iter().map(|c| [c.nodes[0], c.nodes[2]]);
+        let pairs = self.contacts.iter().map(|c| [c.nodes[0], c.nodes[3]]);
         let planes = self.plane_contacts.iter().map(|c| [c.node; 2]);
         let stiffest = pairs
             .chain(planes)

@@ -1,5 +1,6 @@
 //! The surfaces that may touch: every edge of a rod as a capsule, balls around nodes, rigid planes, and rigid obstacles.
 
+use super::contacts::CandidatePair;
 use crate::mechanics::Vector3;
 use crate::mechanics::rigid_body::RigidBody;
 use std::collections::HashMap;
@@ -290,8 +291,14 @@ impl ContactSurface {
     /// 2.3–2.6), and of a point from a plane.
     pub fn add_obstacle(&mut self, obstacle: RigidBody, friction: f64) {
         let first = self.rod_nodes + self.vertex_count();
+        // The rim of a tube is sharp.
+        let own = if obstacle.hollow {
+            0.0
+        } else {
+            obstacle.radius
+        };
         let any = &mut self.least_radii[1];
-        *any = Some(any.map_or(obstacle.radius, |least| least.min(obstacle.radius)));
+        *any = Some(any.map_or(own, |least| least.min(own)));
         for (index, segment) in obstacle.segments.iter().enumerate() {
             let opposite = obstacle.opposite.get(index).copied().flatten();
             self.opposite
@@ -399,9 +406,10 @@ impl ContactSurface {
     }
 
     /// What to take off the distance of the edges or faces of a pair to have that of the surface of an obstacle, m.
-    pub(super) fn core(&self, [_, second]: [usize; 2]) -> f64 {
-        match self.obstacle_of(second) {
+    pub(super) fn core(&self, pair: &CandidatePair) -> f64 {
+        match self.obstacle_of(pair.edges[1]) {
             None => 0.0,
+            Some(_) if pair.is_with_rim() => 0.0,
             // The distance from the axis of a tube counts as negative.
             Some(obstacle) if self.obstacles[obstacle].hollow => -self.obstacles[obstacle].radius,
             Some(obstacle) => self.obstacles[obstacle].radius,

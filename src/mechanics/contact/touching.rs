@@ -40,8 +40,9 @@ pub fn touching_points(
     pairs.clear();
     obstacles.find(surface, positions, clearance, &mut pairs);
     let placed = obstacles.points(positions);
-    points.extend(pairs.iter().filter_map(|(pair, distance)| {
-        let nearest = NearestPoints::of(pair, &placed.of(pair.nodes), 0.0)?;
+    let counted = pairs.iter().filter(|(pair, _)| pair.sign() > 0.0);
+    points.extend(counted.filter_map(|(pair, distance)| {
+        let nearest = NearestPoints::of(surface, pair, &placed, 0.0)?;
         let first = pair
             .nodes
             .iter()

@@ -108,7 +108,7 @@ impl RigidBody {
     }
 
     /// A tube of an inner radius (m) around the segment between two points, open at both ends: what is inside stays there,
-    /// what is outside passes by.
+    /// what is outside passes by, and what leaves by an end bears on the rim.
     pub fn tube(ends: [Vector3; 2], radius: f64) -> Self {
         Self {
             hollow: true,

@@ -103,7 +103,7 @@ impl System {
         if let Some(contact) = &self.contact {
             let pressed = contact.candidates().iter().zip(contact.normal_forces());
             for (pair, force) in pressed.filter(|(_, force)| **force > 0.0) {
-                let nodes = [pair.nodes[0], pair.nodes[2]].into_iter();
+                let nodes = [pair.nodes[0], pair.nodes[3]].into_iter();
                 for node in nodes.filter(|node| contact.is_of_rod(*node)) {
                     let rod = self.assembly.locate(node).0;
                     tolerances[rod].force = tolerances[rod].force.max(relative * force);

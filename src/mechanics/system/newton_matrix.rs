@@ -261,7 +261,7 @@ impl NewtonMatrix {
         }
         self.candidates_changed = false;
         let earlier = std::mem::take(&mut self.contact_elements);
-        let with_obstacle = |pair: &CandidatePair| !contact.is_of_rod(pair.nodes[2]);
+        let with_obstacle = |pair: &CandidatePair| !contact.is_of_rod(pair.nodes[3]);
         let candidates = contact.candidates();
         let coupled = contact.coupled_pairs().iter();
         let elements = coupled.map(|candidate| element_of(&candidates[*candidate].nodes));
@@ -287,6 +287,13 @@ impl NewtonMatrix {
             } else if pair.is_of_node() {
                 self.lists_nodes
                     .then_some(self.first_node_element + pair.nodes[0])
+            } else if pair.is_of_piece() {
+                let [a, b, c, _] = pair.nodes;
+                let has_element = self.lists_nodes || b != a + 1 || c != b + 1;
+                has_element.then(|| {
+                    self.contact_elements.push(element_of(&[a, b, c]));
+                    self.contact_elements.len() - 1
+                })
             } else {
                 let joins_neighbours = pair.nodes[1] == pair.nodes[0] + 1;
                 let has_element = self.lists_nodes || !joins_neighbours;
@@ -299,7 +306,7 @@ impl NewtonMatrix {
         }
     }
 
-    /// Takes the derivative of a force on one node, or on two that follow each other, from the band: it is symmetric.
+    /// Takes the derivative of a force on one node, or on two or three that follow each other, from the band: it is symmetric.
     fn subtract_in_band(&mut self, nodes: &[usize], jacobian: &ElementMatrix) {
         let nodes = match nodes {
             [first, second] if first == second => &nodes[..1],

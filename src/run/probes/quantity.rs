@@ -326,7 +326,7 @@ fn contact_force(simulation: &Simulation, rod: usize, from: ContactPartner) -> V
     let (mut sum, mut normal, mut tangential) = (Vector3::zeros(), 0.0, 0.0);
     for pair in simulation.contacts() {
         // The bodies of a pair, as rod and the other, with the sign of the force on the rod.
-        let ends = [(0, 2, 1.0), (2, 0, -1.0)];
+        let ends = [(0, 3, 1.0), (3, 0, -1.0)];
         let ends = ends.map(|(own, other, sign)| (pair.nodes[own], pair.nodes[other], sign));
         let mut is_counted = false;
         for (own, other, sign) in ends {
