@@ -281,6 +281,32 @@ pub enum LoadKind {
         /// Force per length.
         force_per_length: Vector3,
     },
+    /// A force on a node that turns with the rod, N.
+    FollowerForce {
+        /// Index of the rod.
+        rod: usize,
+        /// Index of the node along the rod.
+        node: usize,
+        /// Along the two material directors and the tangent at the node; inside of a rod the mean of those of the two
+        /// edges.
+        force: Vector3,
+    },
+    /// A moment on an edge that turns with it, N m.
+    FollowerMoment {
+        /// Index of the rod.
+        rod: usize,
+        /// Index of the edge along the rod.
+        edge: usize,
+        /// Along the two material directors and the tangent of the edge.
+        moment: Vector3,
+    },
+    /// A force per natural length that turns with the rod, N/m, on one rod or on all.
+    FollowerDistributed {
+        /// Index of the rod; `None` means all rods.
+        rod: Option<usize>,
+        /// Along the two material directors and the tangent of each edge.
+        force_per_length: Vector3,
+    },
     /// Linear drag −c v per length, with c in N s/m², on nodes, and −c_θ θ̇ per length on edges.
     Drag {
         /// Index of the rod; `None` means all rods.

@@ -83,9 +83,12 @@ impl Validity {
         let is_accounted_for = |load: &Load| match load.kind {
             LoadKind::Gravity { .. } => load.schedule.is_empty(),
             LoadKind::Drag { .. } => true,
-            LoadKind::Force { .. } | LoadKind::Moment { .. } | LoadKind::Distributed { .. } => {
-                false
-            }
+            LoadKind::Force { .. }
+            | LoadKind::Moment { .. }
+            | LoadKind::Distributed { .. }
+            | LoadKind::FollowerForce { .. }
+            | LoadKind::FollowerMoment { .. }
+            | LoadKind::FollowerDistributed { .. } => false,
         };
         // The work of a clamp that turns is not counted, nor that of natural strains, nor that of a contact that is made stiffer.
         let turns = |clamp: &Clamp| {

@@ -7,6 +7,10 @@
 //!   second-order correction of constrained optimisation (ibid., sec. 15.6), with the lengths for constraints.
 //! - A step is halved until the potential E − F·q falls.
 //! - An equilibrium that is not stable is left along the lowest eigenvector.
+//! - Near the solution the potential falls by less than its rounding error. There its fall is judged by its slope at the end
+//!   of the step (Hager & Zhang 2005, "approximate Wolfe"), whole corrections of a residual that counts as none are made
+//!   unasked, and a residual that none lowers any more is accepted if it is as small as rounding leaves it
+//!   ([`System::is_at_rounding`]).
 //!
 //! Moments of fixed direction, and friction, have no potential. With them a step is halved until the solution for
 //! the forces where it ends is shorter than itself (Deuflhard, Newton Methods for Nonlinear Problems, sec. 3.3).
@@ -44,6 +48,10 @@ const SHIFT_GROWTHS: usize = 60;
 const HALVINGS: usize = 12;
 /// Fall of the potential over that of its linear model that is enough (Armijo).
 const SUFFICIENT_FALL: f64 = 1e-4;
+/// The same by the slope of the potential at the end of the step over that at its start, where the potential itself changes by
+/// no more than so many roundings of what it adds up.
+const LARGEST_END_SLOPE: f64 = 0.8;
+const ROUNDINGS_OF_POTENTIAL: f64 = 64.0;
 /// Fall of the squared residual that is enough where the Hessian is positive: near the solution the potential
 /// falls by less than its rounding error.
 const SUFFICIENT_REDUCTION: f64 = 0.5;
@@ -111,6 +119,8 @@ impl Scale {
 /// What a step must improve.
 struct Start {
     potential: f64,
+    /// Rounding error of the potential, J.
+    rounding: f64,
     /// R·d: the rate of the potential along the direction, negative.
     slope: f64,
     squared_residual: f64,
@@ -148,6 +158,8 @@ impl Descent {
         let mut shift = 0.0;
         // Whole corrections by the Hessian itself.
         let mut corrections = 0;
+        // Whether no correction lowers a residual that is one of rounding.
+        let mut is_exhausted = false;
         for iterations in 0..=ITERATIONS {
             if !goes_on() {
                 return Ok(None);
@@ -165,8 +177,12 @@ impl Descent {
                 return Err(failed);
             }
             trace!(iterations, residual, shift, "Newton iteration");
-            let balanced = imbalance.is_balanced()
-                && (corrections >= CORRECTIONS || system.is_balanced_as_predicted(unknowns, None));
+            let is_rounded = system.is_at_rounding();
+            let is_small = imbalance.is_balanced();
+            let balanced = is_exhausted
+                || is_small
+                    && (corrections >= CORRECTIONS
+                        || system.is_balanced_as_predicted(unknowns, None));
             let least = if balanced { 0.0 } else { shift };
             shift = stabilise(system, unknowns, &scale, least).ok_or(failed)?;
             if balanced && (shift == 0.0 || !self.leave(system, unknowns, &scale)) {
@@ -180,12 +196,22 @@ impl Descent {
                 let lengthening = self.lengthening(system, shift, &scale);
                 let factor = limit(&mut self.direction, system, scale.largest_move, lengthening);
                 let is_whole = factor >= 1.0;
-                match self.step(system, unknowns, &scale, shift == 0.0, factor.min(1.0)) {
+                let is_certain = is_small && shift == 0.0 && is_whole;
+                let step = if is_certain && self.correct(system, unknowns) {
+                    Some(1.0)
+                } else {
+                    self.step(system, unknowns, &scale, shift == 0.0, factor.min(1.0))
+                };
+                match step {
                     Some(1.0) => {
                         corrections += usize::from(shift == 0.0 && is_whole);
                         shift /= SHIFT_GROWTH * SHIFT_GROWTH;
                     }
                     Some(_) => {}
+                    None if is_rounded => {
+                        is_exhausted = true;
+                        continue;
+                    }
                     None if shift > scale.largest_shift(system) => return Err(failed),
                     None => {
                         shift = SHIFT_GROWTH * SHIFT_GROWTH * shift.max(SMALLEST_SHIFT);
@@ -227,6 +253,7 @@ impl Descent {
         let whole = scale.norm(&self.direction);
         let start = Start {
             potential: system.potential(unknowns),
+            rounding: ROUNDINGS_OF_POTENTIAL * f64::EPSILON * system.potential_size(unknowns),
             slope: dot(&self.direction, &system.residual),
             squared_residual: system.squared_residual(),
             positive,
@@ -237,12 +264,13 @@ impl Descent {
         for _ in 0..HALVINGS {
             let length = part * longest;
             self.move_by(system, unknowns, length);
-            let bent =
-                self.bend_back(system, unknowns) && scale.norm(&self.correction) <= length * whole;
+            let bent = self.bend_back(system, unknowns, length)
+                && scale.norm(&self.correction) <= length * whole;
             if bent && system.largest_step(unknowns, &self.trial) >= 1.0 {
                 system.evaluate(&self.trial, None);
                 let accepted = if system.is_symmetric() {
-                    start.is_improved(system, &self.trial, length)
+                    let end_slope = dot(&self.direction, &system.residual);
+                    start.is_improved(system, &self.trial, length, end_slope)
                 } else {
                     self.correction.copy_from_slice(&system.residual);
                     let solved = system.solve(&mut self.correction).is_ok();
@@ -260,15 +288,23 @@ impl Descent {
         None
     }
 
-    /// Takes from `trial` what a straight way from `unknowns` has lengthened the edges by beyond first order, with
-    /// the factors of the Hessian at the start; false where that cannot be solved.
-    fn bend_back(&mut self, system: &mut System, unknowns: &[f64]) -> bool {
+    /// Makes the whole correction without asking what it improves; false where a contact is in its way.
+    fn correct(&mut self, system: &mut System, unknowns: &[f64]) -> bool {
+        self.move_by(system, unknowns, 1.0);
+        system.largest_step(unknowns, &self.trial) >= 1.0
+    }
+
+    /// Takes from `trial`, which is `part` of the direction from `unknowns`, what it has lengthened the edges by beyond
+    /// first order, with the factors of the Hessian at the start; false where that cannot be solved. Straight ways lengthen
+    /// edges that turn, and so do ways around a curve those of what slides along it.
+    fn bend_back(&mut self, system: &mut System, unknowns: &[f64], part: f64) -> bool {
         self.correction.fill(0.0);
         for edge in &system.assembly.rods.edges {
             let span = |of: &[f64]| position(of, edge.end) - position(of, edge.start);
             let (before, after) = (span(unknowns), span(&self.trial));
             let tangent = before.normalize();
-            let lengthening = after.norm() - after.dot(&tangent);
+            let linear = part * span(&self.direction).dot(&tangent);
+            let lengthening = after.norm() - before.norm() - linear;
             let force = edge.stretching / edge.natural_length * lengthening * tangent;
             for axis in 0..3 {
                 self.correction[STRIDE * edge.start + axis] += force[axis];
@@ -303,7 +339,8 @@ impl Descent {
         let mut length = 1.0;
         for _ in 0..DEPARTURE_HALVINGS {
             self.move_by(system, unknowns, length);
-            if self.bend_back(system, unknowns) && system.largest_step(unknowns, &self.trial) >= 1.0
+            if self.bend_back(system, unknowns, length)
+                && system.largest_step(unknowns, &self.trial) >= 1.0
             {
                 system.evaluate(&self.trial, None);
                 if system.potential(&self.trial) < potential {
@@ -324,11 +361,14 @@ impl Descent {
 }
 
 impl Start {
-    /// Whether the last evaluation, at `trial`, is better by enough for a step of this length.
-    fn is_improved(&self, system: &System, trial: &[f64], length: f64) -> bool {
-        system.potential(trial) <= self.potential + SUFFICIENT_FALL * length * self.slope
+    /// Whether the last evaluation, at `trial`, is better by enough for a step of this length, at the end of which the
+    /// potential changes at the rate `end_slope` along the direction.
+    fn is_improved(&self, system: &System, trial: &[f64], length: f64, end_slope: f64) -> bool {
+        let rise = system.potential(trial) - self.potential;
+        rise <= SUFFICIENT_FALL * length * self.slope
             || self.positive
                 && system.squared_residual() <= SUFFICIENT_REDUCTION * self.squared_residual
+            || rise <= self.rounding && end_slope.abs() <= -LARGEST_END_SLOPE * self.slope
     }
 }
 

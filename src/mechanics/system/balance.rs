@@ -22,6 +22,9 @@ use crate::mechanics::rod::{RodRange, STRIDE};
 
 /// Last digits of the unknowns to which a residual must vanish.
 const ROUNDINGS: f64 = 8.0;
+/// Times that estimate, which knows single terms of a sum, within which a residual that no correction lowers any more is
+/// one of rounding.
+const NEAR_ROUNDING: f64 = 8.0;
 
 /// Work of what is left of the residual that counts as none, of the energy of a rod: such works of many steps add up.
 const NEGLIGIBLE_WORK: f64 = 1e-5;
@@ -147,18 +150,30 @@ impl System {
         if least.is_finite() { least } else { 0.0 }
     }
 
+    /// Whether no rod has a residual larger than a few times what rounding leaves of the forces that act there.
+    pub fn is_at_rounding(&self) -> bool {
+        let imbalance = self.imbalance_against(|rod| NEAR_ROUNDING * rod.rounding);
+        imbalance.is_balanced()
+    }
+
     /// How far the residual of the last evaluation is from balance.
     pub fn imbalance(&self) -> Imbalance {
+        self.imbalance_against(|rod| rod.force)
+    }
+
+    /// The same with another force that counts as none, N.
+    fn imbalance_against(&self, allowed_of: impl Fn(&RodTolerance) -> f64) -> Imbalance {
+        let allowed_at = |node: usize| allowed_of(&self.tolerances[self.assembly.locate(node).0]);
         let mut worst = Imbalance {
             ratio: 0.0,
             residual: 0.0,
             unknown: 0,
         };
         for (rod, range) in self.assembly.rods.rods.iter().enumerate() {
-            let allowed = self.tolerances[rod].force;
-            if !allowed.is_finite() {
+            if !self.tolerances[rod].force.is_finite() {
                 continue;
             }
+            let allowed = allowed_of(&self.tolerances[rod]);
             let (size, unknown) = self.worst_of(range, self.assembly.scales[rod].shortest_edge);
             let ratio = size / allowed;
             if ratio > worst.ratio || ratio.is_nan() {
@@ -172,7 +187,7 @@ impl System {
         for frame in &self.assembly.joints.frames {
             let rod = self.assembly.locate(frame.node).0;
             let size = self.residual_of_frame(frame.first_unknown, rod);
-            let ratio = size / self.tolerances[rod].force;
+            let ratio = size / allowed_at(frame.node);
             if ratio > worst.ratio || ratio.is_nan() {
                 worst = Imbalance {
                     ratio,
@@ -183,7 +198,7 @@ impl System {
         }
         for slide in &self.assembly.joints.slides {
             let size = self.residual_along(slide);
-            let ratio = size / self.tolerances[self.assembly.locate(slide.node).0].force;
+            let ratio = size / allowed_at(slide.node);
             if ratio > worst.ratio || ratio.is_nan() {
                 worst = Imbalance {
                     ratio,
@@ -247,6 +262,7 @@ impl System {
             add_inertia(&self.assembly, &self.loads, stage, unknowns, &mut acting);
         }
         self.springs.add_sizes(&mut acting);
+        self.add_sizes_of_followers(&mut acting);
         let mut in_contact = std::mem::take(&mut self.in_contact);
         in_contact.fill(false);
         if let Some(contact) = &self.contact {
@@ -268,6 +284,21 @@ impl System {
         self.corrected_residual = acting;
         self.in_contact = in_contact;
         balanced
+    }
+
+    /// Adds the magnitudes of the forces that turn with edges.
+    fn add_sizes_of_followers(&self, acting: &mut [f64]) {
+        for follower in &self.loads.followers {
+            let force = follower.force(self.time, &self.geometry.edges[follower.start]);
+            for (node, share) in [follower.start, follower.end]
+                .into_iter()
+                .zip(follower.shares)
+            {
+                for axis in 0..3 {
+                    acting[STRIDE * node + axis] += share * force[axis].abs();
+                }
+            }
+        }
     }
 
     /// The same for one rod; `acting` are the forces on its unknowns but for loads.

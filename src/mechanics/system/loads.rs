@@ -1,6 +1,7 @@
-//! External loads: dead forces, moments on edges, linear drag.
+//! External loads: dead forces, moments on edges, forces that turn with the rod, linear drag.
 
 use super::build::Assembly;
+use super::follower::{FollowerForce, element_of_edge};
 use crate::mechanics::rod::topology::position;
 use crate::mechanics::rod::vertex::EdgeFrame;
 use crate::mechanics::rod::{RodRange, STRIDE, holonomy_jacobian};
@@ -13,6 +14,8 @@ pub struct Loads {
     dead: Vec<DeadLoad>,
     /// Moments on edges.
     pub moments: Vec<EdgeMoment>,
+    /// Forces that turn with edges.
+    pub followers: Vec<FollowerForce>,
     /// Coefficient of the velocity of each unknown at the present time, N s/m or N m s; empty without drag.
     pub damping: Vec<f64>,
     drags: Vec<Drag>,
@@ -26,7 +29,7 @@ pub struct Loads {
 
 /// The factor of a load as a function of time.
 #[derive(Clone, Debug)]
-struct Scale {
+pub struct Scale {
     /// Number of the load in the scene.
     load: usize,
     schedule: Vec<(f64, f64)>,
@@ -34,7 +37,8 @@ struct Scale {
 }
 
 impl Scale {
-    fn at(&self, time: f64) -> f64 {
+    /// Its value at `time`.
+    pub fn at(&self, time: f64) -> f64 {
         self.factor * piecewise_linear(&self.schedule, time).unwrap_or(1.0)
     }
 }
@@ -54,14 +58,17 @@ struct Drag {
     scale: Scale,
 }
 
-/// A moment of fixed direction on an edge.
+/// A moment on an edge.
 #[derive(Clone, Debug)]
 pub struct EdgeMoment {
     /// Node at the start of the edge.
     pub start: usize,
     /// Node at its end.
     pub end: usize,
+    /// In space, or along the two material directors and the tangent, N m.
     moment: Vector3,
+    /// Whether it turns with the edge.
+    turns: bool,
     scale: Scale,
 }
 
@@ -121,7 +128,8 @@ impl Loads {
                         entries.push((STRIDE * (range.first_node + node) + axis, force[axis]));
                     }
                 }
-                LoadKind::Moment { rod, edge, moment } => {
+                LoadKind::Moment { rod, edge, moment }
+                | LoadKind::FollowerMoment { rod, edge, moment } => {
                     let range = range(*rod)?;
                     if *edge >= range.edges() {
                         return Err(LoadError::NoSuchEdge {
@@ -134,8 +142,54 @@ impl Loads {
                         start,
                         end: range.end_of(start),
                         moment: *moment,
+                        turns: matches!(load.kind, LoadKind::FollowerMoment { .. }),
                         scale: scale.clone(),
                     });
+                }
+                LoadKind::FollowerForce { rod, node, force } => {
+                    let range = range(*rod)?;
+                    if *node >= range.nodes {
+                        return Err(LoadError::NoSuchNode {
+                            node: *node,
+                            nodes: range.nodes,
+                        });
+                    }
+                    let at = range.first_node + node;
+                    let ends = range.edge_indices().map(|edge| [edge, range.end_of(edge)]);
+                    let beside: Vec<[usize; 2]> = ends.filter(|ends| ends.contains(&at)).collect();
+                    // Inside of a rod the frames of the edges on both sides count alike.
+                    let part = 1.0 / beside.len() as f64;
+                    let shares =
+                        |ends: &[usize; 2]| ends.map(|end| if end == at { part } else { 0.0 });
+                    loads
+                        .followers
+                        .extend(beside.iter().map(|ends| FollowerForce {
+                            start: ends[0],
+                            end: ends[1],
+                            shares: shares(ends),
+                            components: *force,
+                            scale: scale.clone(),
+                        }));
+                }
+                LoadKind::FollowerDistributed {
+                    rod,
+                    force_per_length,
+                } => {
+                    if let Some(rod) = rod {
+                        range(*rod)?;
+                    }
+                    for edge in &assembly.rods.edges {
+                        let (owner, _) = assembly.locate(edge.start);
+                        if along(*rod, &assembly.rods.rods[owner]) {
+                            loads.followers.push(FollowerForce {
+                                start: edge.start,
+                                end: edge.end,
+                                shares: [0.5; 2],
+                                components: force_per_length * edge.natural_length,
+                                scale: scale.clone(),
+                            });
+                        }
+                    }
                 }
                 LoadKind::Distributed {
                     rod,
@@ -199,8 +253,14 @@ impl Loads {
         let dead = self.dead.iter().map(|load| &load.scale.schedule);
         let moments = self.moments.iter().map(|moment| &moment.scale.schedule);
         let drags = self.drags.iter().map(|drag| &drag.scale.schedule);
-        let schedules = dead.chain(moments).chain(drags);
+        let followers = self.followers.iter().map(|force| &force.scale.schedule);
+        let schedules = dead.chain(moments).chain(followers).chain(drags);
         schedules.flatten().map(|corner| corner.0)
+    }
+
+    /// Whether all have one: neither moments nor forces that turn with the rod do.
+    pub fn have_potential(&self) -> bool {
+        self.moments.is_empty() && self.followers.is_empty()
     }
 
     /// Factor of each load of the scene beside its schedule.
@@ -213,6 +273,7 @@ impl Loads {
         *self.factors.get_mut(load)? = factor;
         let scales = (self.dead.iter_mut().map(|load| &mut load.scale))
             .chain(self.moments.iter_mut().map(|moment| &mut moment.scale))
+            .chain(self.followers.iter_mut().map(|force| &mut force.scale))
             .chain(self.drags.iter_mut().map(|drag| &mut drag.scale))
             .chain(self.gravity.iter_mut().map(|(_, scale)| scale));
         for scale in scales.filter(|scale| scale.load == load) {
@@ -282,7 +343,7 @@ impl EdgeMoment {
     /// t×ṫ + (spin) t, so that its ends feel ∓(m×t)/l ∓ (m·t) c and its angle m·t, with the holonomy c of
     /// the transported frame ([`crate::mechanics::rod::vertex`]).
     pub fn force(&self, time: f64, frame: &EdgeFrame) -> (Vector3, f64) {
-        let moment = self.moment * self.scale.at(time);
+        let moment = self.at(time, frame);
         let spin = moment.dot(&frame.tangent);
         (
             moment.cross(&frame.tangent) / frame.length + frame.holonomy * spin,
@@ -290,30 +351,49 @@ impl EdgeMoment {
         )
     }
 
-    /// Derivatives over the edge vector of the force on the end node and of the spin moment; `source` is
-    /// the tangent from which the frame is transported.
-    pub fn jacobian(&self, time: f64, source: &Vector3, frame: &EdgeFrame) -> (Matrix3, Vector3) {
+    /// The moment in space.
+    fn at(&self, time: f64, frame: &EdgeFrame) -> Vector3 {
         let moment = self.moment * self.scale.at(time);
+        if self.turns {
+            frame.director_1 * moment.x + frame.director_2 * moment.y + frame.tangent * moment.z
+        } else {
+            moment
+        }
+    }
+
+    /// Derivatives of the force on the end node over the edge vector and over the angle of the edge, and of the spin moment
+    /// over the edge vector; `source` is the tangent from which the frame is transported.
+    ///
+    /// A moment that turns with the edge ([`super::follower`]) keeps its part along the tangent, and m×t turns as it does.
+    pub fn jacobian(
+        &self,
+        time: f64,
+        source: &Vector3,
+        frame: &EdgeFrame,
+    ) -> (Matrix3, Vector3, Vector3) {
+        let moment = self.at(time, frame);
         let tangent = &frame.tangent;
-        let projector = Matrix3::identity() - tangent * tangent.transpose();
         let inverse_length = 1.0 / frame.length;
+        let across = moment.cross(tangent);
+        let transported = holonomy_jacobian(source, frame) * moment.dot(tangent);
+        if self.turns {
+            let swing = (tangent * across.transpose() + across * tangent.transpose())
+                * (-inverse_length * inverse_length);
+            let about_tangent = tangent.cross(&across) * inverse_length;
+            let force = swing + about_tangent * frame.holonomy.transpose() + transported;
+            return (force, about_tangent, Vector3::zeros());
+        }
+        let projector = Matrix3::identity() - tangent * tangent.transpose();
         let spin = projector * moment * inverse_length;
-        let turning =
-            moment.cross_matrix() * projector - moment.cross(tangent) * tangent.transpose();
+        let turning = moment.cross_matrix() * projector - across * tangent.transpose();
         let force = turning * (inverse_length * inverse_length)
             + frame.holonomy * spin.transpose()
-            + holonomy_jacobian(source, frame) * moment.dot(tangent);
-        (force, spin)
+            + transported;
+        (force, Vector3::zeros(), spin)
     }
 
     /// The unknowns x_start, θ, x_end.
     pub fn unknowns(&self) -> [usize; 12] {
-        let mut element = [usize::MAX; 12];
-        for axis in 0..3 {
-            element[axis] = STRIDE * self.start + axis;
-            element[4 + axis] = STRIDE * self.end + axis;
-        }
-        element[3] = STRIDE * self.start + 3;
-        element
+        element_of_edge(self.start, self.end)
     }
 }

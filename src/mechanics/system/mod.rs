@@ -24,6 +24,7 @@ mod contact_stiffness;
 mod damping;
 mod eccentric;
 mod events;
+mod follower;
 mod grasp;
 mod joined_rods;
 mod joints;
@@ -343,6 +344,16 @@ impl System {
         elastic.total() + contact - work
     }
 
+    /// Sum of the magnitudes that [`Self::potential`] adds up, J: rounding leaves some last digits of it.
+    pub fn potential_size(&self, unknowns: &[f64]) -> f64 {
+        let elastic = self.elastic_energy();
+        let contact = self.contact.as_ref().map_or(0.0, ContactSystem::energy);
+        let work: f64 = (self.dead_forces.iter().zip(unknowns))
+            .map(|(force, unknown)| (force * unknown).abs())
+            .sum();
+        elastic.total().abs() + contact.abs() + work
+    }
+
     /// Evaluates the residual at `unknowns`.
     pub fn evaluate(&mut self, unknowns: &[f64], stage: Option<&Stage>) {
         if stage.is_none() {
@@ -381,7 +392,7 @@ impl System {
             self.matrix.add_inertia(&self.assembly, &self.loads, stage);
         }
         self.matrix
-            .add_moments(&self.loads, self.time, &self.reference, &self.geometry);
+            .add_edge_loads(&self.loads, self.time, &self.reference, &self.geometry);
         if let Some(contact) = &mut self.contact {
             copy_positions(unknowns, &mut self.positions);
             let (previous, step) = start_of(stage, &self.positions);
@@ -397,7 +408,7 @@ impl System {
         self.matrix.hold(&self.assembly.held);
     }
 
-    /// Adds inertia, damping, drag, dead forces and moments to the residual.
+    /// Adds inertia, damping, drag, and loads to the residual.
     fn add_simple_terms(&mut self, unknowns: &[f64], stage: Option<&Stage>) {
         for (entry, force) in self.residual.iter_mut().zip(&self.dead_forces) {
             *entry -= force;
@@ -409,6 +420,17 @@ impl System {
                 self.residual[STRIDE * moment.start + axis] += force[axis];
             }
             self.residual[STRIDE * moment.start + 3] -= spin;
+        }
+        for follower in &self.loads.followers {
+            let force = follower.force(self.time, &self.geometry.edges[follower.start]);
+            for (node, share) in [follower.start, follower.end]
+                .into_iter()
+                .zip(follower.shares)
+            {
+                for axis in 0..3 {
+                    self.residual[STRIDE * node + axis] -= share * force[axis];
+                }
+            }
         }
         let Some(stage) = stage else { return };
         add_inertia(
@@ -427,13 +449,34 @@ impl System {
             .shift(all, shift, spin_shift, &self.assembly.held);
     }
 
-    /// The same with a shift for each rod (N/m), and `spin` (m²) times it for angles.
+    /// The same with a shift for each rod (N/m), its frames and what slides with it, and `spin` (m²) times it for angles and
+    /// places along rods.
     pub fn shift_rods(&mut self, shift_of: impl Fn(usize) -> f64, spin: f64) {
         for (rod, range) in self.assembly.rods.rods.iter().enumerate() {
             let unknowns = STRIDE * range.first_node..STRIDE * (range.first_node + range.nodes);
             let shift = shift_of(rod);
             self.matrix
                 .shift(unknowns, shift, shift * spin, &self.assembly.held);
+        }
+        // Frames that turn and nodes that slide, with the rod that bears them.
+        let joints = &self.assembly.joints;
+        let frames = joints
+            .frames
+            .iter()
+            .map(|frame| (frame.node, frame.first_unknown));
+        let slides = joints
+            .slides
+            .iter()
+            .map(|slide| (slide.node, slide.unknown));
+        for (node, unknown) in frames.chain(slides) {
+            let shift = shift_of(self.assembly.locate(node).0);
+            let place = unknown - unknown % STRIDE;
+            self.matrix.shift(
+                place..place + STRIDE,
+                shift,
+                shift * spin,
+                &self.assembly.held,
+            );
         }
     }
 

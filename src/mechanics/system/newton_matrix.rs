@@ -11,13 +11,14 @@ use crate::linalg::{
 };
 use crate::mechanics::contact::{CandidatePair, ConstraintPlace, ContactSystem};
 use crate::mechanics::rod::{ElasticRods, ReferenceFrames, RodGeometry, STRIDE};
+use crate::mechanics::{Matrix3, Vector3};
 use std::ops::Range;
 
 const ZERO: ElementMatrix = [[0.0; 12]; 12];
 
 /// The Jacobian and its factors; storage is reused, patterns are kept as long as the same pairs of edges are coupled.
 ///
-/// Elements are numbered: closing vertices of rings and half vertices at joints, moments, springs between nodes and frames, contact
+/// Elements are numbered: closing vertices of rings and half vertices at joints, moments and forces that turn with edges, springs between nodes and frames, contact
 /// candidates of two rods that are coupled, with obstacles one per edge, then (with friction on planes or obstacles, or rigid contact) one per node. Rods that couple nowhere are factored as a band;
 /// contact with planes and obstacles alone couples nothing new.
 pub struct NewtonMatrix {
@@ -32,7 +33,7 @@ pub struct NewtonMatrix {
     symmetric: bool,
     /// Whether the symmetric elimination has failed with this pattern.
     lost_symmetry: bool,
-    /// Closing vertices, moments and springs, always present.
+    /// Closing vertices, moments, forces that turn with edges, and springs, always present.
     permanent: Vec<Element>,
     permanent_matrices: Vec<ElementMatrix>,
     closing: usize,
@@ -65,6 +66,7 @@ impl NewtonMatrix {
         let dimension = assembly.unknowns.len();
         let mut permanent = assembly.joints.elements(&assembly.rods.elements);
         permanent.extend(loads.moments.iter().map(|moment| moment.unknowns()));
+        permanent.extend(loads.followers.iter().map(|force| force.unknowns()));
         let first_spring = permanent.len();
         permanent.extend(springs.elements(&assembly.joints));
         Self {
@@ -77,7 +79,7 @@ impl NewtonMatrix {
                 .chain(assembly.rods.nodes..dimension / STRIDE)
                 .collect(),
             lost_symmetry: false,
-            symmetric: loads.moments.is_empty() && !friction && !friction_on_planes,
+            symmetric: loads.have_potential() && !friction && !friction_on_planes,
             permanent_matrices: vec![ZERO; permanent.len()],
             permanent,
             closing: assembly.rods.elements.len(),
@@ -158,31 +160,29 @@ impl NewtonMatrix {
         }
     }
 
-    pub fn add_moments(
+    /// Adds the derivatives of moments on edges and of forces that turn with edges.
+    pub fn add_edge_loads(
         &mut self,
         loads: &Loads,
         time: f64,
         reference: &ReferenceFrames,
         geometry: &RodGeometry,
     ) {
-        for (moment, matrix) in loads
-            .moments
-            .iter()
-            .zip(&mut self.permanent_matrices[self.closing..])
-        {
+        let mut matrices = self.permanent_matrices[self.closing..].iter_mut();
+        for (moment, matrix) in loads.moments.iter().zip(&mut matrices) {
             let frame = &geometry.edges[moment.start];
-            let (force, spin) = moment.jacobian(time, &reference.tangent[moment.start], frame);
-            // The edge is x_end − x_start; forces on the two ends are opposite; R = −F.
+            let source = &reference.tangent[moment.start];
+            let (force, over_angle, spin) = moment.jacobian(time, source, frame);
+            // Forces on the two ends are opposite.
+            subtract_on_edge(matrix, [-1.0, 1.0], &force, &over_angle);
             for j in 0..3 {
-                for i in 0..3 {
-                    matrix[i][j] -= force[(i, j)];
-                    matrix[4 + i][4 + j] -= force[(i, j)];
-                    matrix[4 + i][j] += force[(i, j)];
-                    matrix[i][4 + j] += force[(i, j)];
-                }
                 matrix[3][j] += spin[j];
                 matrix[3][4 + j] -= spin[j];
             }
+        }
+        for (follower, matrix) in loads.followers.iter().zip(&mut matrices) {
+            let (force, over_angle) = follower.jacobian(time, &geometry.edges[follower.start]);
+            subtract_on_edge(matrix, follower.shares, &force, &over_angle);
         }
     }
 
@@ -484,6 +484,25 @@ impl NewtonMatrix {
             dense[(k, k)] = 1.0;
         }
         dense
+    }
+}
+
+/// Takes from an element over x_start, θ, x_end the derivatives of a force over the edge x_end − x_start and over θ, of
+/// which the two nodes take their shares: R = −F.
+fn subtract_on_edge(
+    matrix: &mut ElementMatrix,
+    shares: [f64; 2],
+    over_edge: &Matrix3,
+    over_angle: &Vector3,
+) {
+    for (row, share) in [0, 4].into_iter().zip(shares) {
+        for i in 0..3 {
+            for j in 0..3 {
+                matrix[row + i][j] += share * over_edge[(i, j)];
+                matrix[row + i][4 + j] -= share * over_edge[(i, j)];
+            }
+            matrix[row + i][3] -= share * over_angle[i];
+        }
     }
 }
 
